@@ -92,8 +92,8 @@ impl<'a, const AXES: usize, F: FilterTick<AXES>, const OVERLAYS: usize> Interpol
         let Some(distance) = self.queue.begin() else {
             return self.rest();
         };
-        if let Some((segment, along)) = self.queue.follow(distance) {
-            segment.shape.at(along, &segment.base, &mut self.set_points);
+        if let Some((track, along)) = self.queue.follow(distance) {
+            track.at(along, &mut self.set_points);
         }
         let beside = self.overlay();
         self.filters.step(&self.set_points, distance, beside);
@@ -148,7 +148,8 @@ impl<'a, const AXES: usize, F: FilterTick<AXES>, const OVERLAYS: usize> Interpol
         let (half, sixth) = (phase.half_accel.to_bits(), phase.sixth_jerk.to_bits());
         let speed = phase.speed.to_bits() + n * (2 * half + 3 * n * sixth);
         let distance = self.queue.distance();
-        let (number, block) = self.queue.segments.peek(distance).map_or((0, 0), |s| (s.n, s.block));
+        let segments = &self.queue.segments;
+        let (number, block) = segments.peek(distance).map_or((0, 0), |s| (s.n, segments.block_of(s)));
         Telemetry {
             n: number,
             block,

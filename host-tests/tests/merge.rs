@@ -163,6 +163,42 @@ fn events_come_at_their_points() {
     assert_eq!(at(Function::H(7)).2, 40.0);
 }
 
+/// Lines of many pieces there and back: they stand for more blocks than 16 bits count, and would all be in the queue at
+/// once. N says which block it is.
+#[test]
+fn blocks_are_counted_over_lines_of_many_pieces() {
+    const PIECES: u32 = 8000;
+    let mut text = String::from("G01 F10000\n");
+    for block in 0..12 * PIECES {
+        let (leg, piece) = (block / PIECES, block % PIECES + 1);
+        let at = if leg % 2 == 0 { piece } else { PIECES - piece };
+        text.push_str(&format!("N{} X{:.3}\n", block + 1, 0.001 * f64::from(at)));
+    }
+    text.push_str("M30\n");
+    let machine = machines::with_slope(machines::examples::<3>(1000), 1);
+    let mut channel = Channel::<3, 120>::new();
+    let Handles { mut planner, mut interpolator, operator } =
+        channel.split(&machine, [Position::ZERO; 3], text.as_bytes()).unwrap();
+    let (mut done, mut last) = (false, 0);
+    while !done || interpolator.tick() == State::Active {
+        let (telemetry, status) = (interpolator.telemetry(), operator.status());
+        last = telemetry.block;
+        assert!(telemetry.n == 0 || telemetry.n == last + 1, "N{} in block {last}", telemetry.n);
+        assert_eq!((status.n, status.block), (telemetry.n, last));
+        while !done {
+            match planner.poll().unwrap() {
+                Progress::Done => done = true,
+                Progress::Waiting => {
+                    interpolator.tick();
+                    break;
+                }
+                _ => {}
+            }
+        }
+    }
+    assert_eq!(last, 12 * PIECES - 1);
+}
+
 #[test]
 fn the_machine_moves_before_a_long_line_is_read() {
     // 20,000 blocks of 50 µm: 1 m.

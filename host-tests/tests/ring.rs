@@ -1,6 +1,6 @@
 //! The rings between planner and interrupt: what they hold, which curve a tick finds, and which it gives
 //! back.
-use glidepath::path::{LONGEST, Shape};
+use glidepath::path::{LONGEST, Measure, Shape, line};
 use glidepath::quantity::{Distance, Position};
 use glidepath::queue::{
     CurveConsumer, CurveProducer, CurveRing, MAX_CURVES_PER_TICK, Ring, SEGMENTS, Segment, Slot,
@@ -15,7 +15,9 @@ const ALL: usize = AHEAD + SEGMENTS;
 const FAR: i64 = 1 << 61;
 
 fn shape(length: i64) -> Shape<1> {
-    let mut shape = Segment::BLANK.shape;
+    let measure = Measure::new([Some(0), None, None], [0].into_iter(), [].into_iter());
+    let line = line(&[Position::ZERO], &[Position::ONE], &measure).expect("no error").expect("it moves");
+    let mut shape = line.shape;
     shape.length = Distance::from_bits(length);
     shape
 }
@@ -32,14 +34,17 @@ fn put(layer: &mut CurveProducer<'_, 1>, length: i64) -> i64 {
 
 fn found(follower: &mut CurveConsumer<'_, 1>, distance: i64) -> Option<(u32, i64)> {
     let on = |segment: &Segment<1>, number: u32| {
-        assert_eq!((segment.block, segment.n), (number, number.wrapping_mul(10)));
-        assert_eq!(segment.base, [Position::from_bits(i64::from(number))]);
+        assert_eq!(segment.n, number.wrapping_mul(10));
+        assert_eq!(*segment.base(), [Position::from_bits(i64::from(number))]);
     };
-    let (number, along) = follower.follow(distance).map(|(segment, along)| {
-        on(segment, segment.block);
-        (segment.block, along)
+    let (lower, along) = follower.follow(distance).map(|(track, along)| {
+        on(track.segment, track.segment.base()[0].to_bits() as u32);
+        (track.segment.block(), along)
     })?;
-    on(follower.peek(distance).expect("a curve"), number);
+    let segment = follower.peek(distance).expect("a curve");
+    let number = follower.block_of(segment);
+    on(segment, number);
+    assert_eq!(number as u16, lower);
     Some((number, along))
 }
 

@@ -232,7 +232,7 @@ enum Curve<const AXES: usize> {
 /// The part of an arc in its plane. Packed so that a polynomial of three axes is hardly larger.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C, packed(4))]
-struct Arc {
+pub(crate) struct Arc {
     /// Radius vector at the start, 2^-44 mm.
     a: [i64; 2],
     /// Angle: 2^-59 revolutions per 2^64 units of `w`.
@@ -259,14 +259,33 @@ impl<const AXES: usize> Shape<AXES> {
         (length.to_bits().leading_zeros() as u8).saturating_sub(2)
     }
 
-    /// Becomes `other`, in place. For a line the curve's part stays as it was: nothing reads it.
-    #[cfg_attr(feature = "fast", inline(always))]
-    pub(crate) fn assign(&mut self, other: &Self) {
-        if other.is_line() {
-            (self.length, self.gain, self.curve, self.shift) =
-                (other.length, other.gain, Curve::Line, other.shift);
-        } else {
-            *self = *other;
+    /// The curve of these parts, as [`Self::linear`] and [`Self::bent`] have them.
+    pub(crate) fn of_parts(
+        length: Distance,
+        Linear { gain, shift }: Linear<'_, AXES>,
+        bent: Bent<'_, AXES>,
+    ) -> Self {
+        let curve = match bent {
+            Bent::Line => Curve::Line,
+            Bent::Arc(arc) => Curve::Arc(*arc),
+            Bent::Poly(power, down) => Curve::Poly { power: *power, down: *down },
+        };
+        Self { length, gain: *gain, curve, shift }
+    }
+
+    /// Its linear part.
+    #[inline(always)]
+    pub(crate) const fn linear(&self) -> Linear<'_, AXES> {
+        Linear { gain: &self.gain, shift: self.shift }
+    }
+
+    /// What comes to that.
+    #[inline(always)]
+    pub(crate) const fn bent(&self) -> Bent<'_, AXES> {
+        match &self.curve {
+            Curve::Line => Bent::Line,
+            Curve::Arc(arc) => Bent::Arc(arc),
+            Curve::Poly { power, down } => Bent::Poly(power, down),
         }
     }
 
@@ -293,45 +312,24 @@ impl<const AXES: usize> Shape<AXES> {
         base
     }
 
-    /// `distance << shift`, word by word: with a branch that is nearly always the same, shorter than a shift
-    /// of two words.
+    /// `distance << shift`.
     #[inline(always)]
     fn w(&self, distance: i64) -> i64 {
-        let (upper, lower) = ((distance >> 32) as u32, distance as u32);
-        let shift = u32::from(self.shift);
-        let (upper, lower) = if shift < 32 {
-            (upper << shift | lower >> 1 >> (31 - shift), lower << shift)
-        } else {
-            (lower << (shift & 31), 0)
-        };
-        (u64::from(upper) << 32 | u64::from(lower)) as i64
+        self.linear().w(distance)
     }
 
-    /// Position of every axis at `distance` from the start of the block. Runs in the tick. Error against the
-    /// exact curve: half an LSB of a position, for an arc 2^-44 of its radius more; 0 at both ends.
+    /// Position of every axis at `distance` from the start of the block. Error against the exact curve: half an LSB
+    /// of a position, for an arc 2^-44 of its radius more; 0 at both ends.
     #[inline(always)]
     pub fn at(&self, distance: i64, base: &[Position; AXES], out: &mut [Position; AXES]) {
         let w = self.w(distance);
         *out = *base;
-        if let Curve::Poly { power, down } = &self.curve {
-            return self.bent(w, (power, down), base, out);
+        match &self.curve {
+            Curve::Line => {}
+            Curve::Arc(arc) => arc.add(w, out),
+            Curve::Poly { power, down } => return add_poly(w, &self.gain, (power, down), out),
         }
-        if let Curve::Arc(arc) = &self.curve {
-            // The plane's axes exist; `min` says so without a branch, which would keep the products apart.
-            let ([p, q], last) = (arc.plane, AXES.saturating_sub(1));
-            let (p, q) = ((p as usize).min(last), (q as usize).min(last));
-            let [x, y] = arc.circle(Halves::of(w), HALF);
-            out[p] = Position::from_bits(out[p].to_bits().wrapping_add(x >> GUARD));
-            out[q] = Position::from_bits(out[q].to_bits().wrapping_add(y >> GUARD));
-        }
-        for ((x, base), gain) in out.iter_mut().zip(base).zip(&self.gain) {
-            if *gain != 0 {
-                // Opaque in each branch: the sign of its upper word would come in a word of its own, and each
-                // product would be three.
-                let w = black_box(Halves::of(w));
-                *x = add(*base, w.times(Halves::of(*gain)));
-            }
-        }
+        self.linear().add(w, out);
     }
 
     /// What [`Self::at`] gives, as a call: not for the tick.
@@ -341,29 +339,16 @@ impl<const AXES: usize> Shape<AXES> {
     }
 
     /// The point at `distance` of a block that starts at `start`, as [`Self::at`] has it: not for the tick.
-    #[inline(never)]
     pub fn point(&self, distance: i64, start: &[Position; AXES]) -> [Position; AXES] {
-        let mut point = *start;
-        self.put(distance, &self.base(start), &mut point);
-        point
+        self.placed(distance, &self.base(start))
     }
 
-    /// A polynomial at `w`. Not inlined: lines would pay for its registers.
+    /// The same of a block with that base.
     #[inline(never)]
-    fn bent(
-        &self,
-        w: i64,
-        (power, down): (&[[i32; 4]; AXES], &[u8; AXES]),
-        base: &[Position; AXES],
-        out: &mut [Position; AXES],
-    ) {
-        let linear = base.iter().zip(&self.gain);
-        for ((x, (base, gain)), (power, down)) in out.iter_mut().zip(linear).zip(power.iter().zip(down)) {
-            // In each axis anew: the loop would keep the sign of its upper word apart, and each product would
-            // be three.
-            let w = black_box(w);
-            *x = add(*base, mul_near(w, *gain).wrapping_add(poly::bent(w, power, *down)));
-        }
+    pub(crate) fn placed(&self, distance: i64, base: &[Position; AXES]) -> [Position; AXES] {
+        let mut point = *base;
+        self.put(distance, base, &mut point);
+        point
     }
 
     /// The set points at its end. A line has no branch for every axis, which would keep the halves of `w`
@@ -380,7 +365,98 @@ impl<const AXES: usize> Shape<AXES> {
     }
 }
 
+/// The linear part of a curve, where it lies.
+#[derive(Clone, Copy)]
+pub(crate) struct Linear<'a, const AXES: usize> {
+    pub gain: &'a [i64; AXES],
+    pub shift: u8,
+}
+
+/// What comes to the linear part, where it lies.
+#[derive(Clone, Copy)]
+pub(crate) enum Bent<'a, const AXES: usize> {
+    /// Nothing.
+    Line,
+    /// A circle.
+    Arc(&'a Arc),
+    /// Coefficients of a polynomial, and their exponents.
+    Poly(&'a [[i32; 4]; AXES], &'a [u8; AXES]),
+}
+
+impl<const AXES: usize> Linear<'_, AXES> {
+    /// `distance << shift`, word by word: with a branch that is nearly always the same, shorter than a shift
+    /// of two words.
+    #[inline(always)]
+    pub fn w(&self, distance: i64) -> i64 {
+        let (upper, lower) = ((distance >> 32) as u32, distance as u32);
+        let shift = u32::from(self.shift);
+        let (upper, lower) = if shift < 32 {
+            (upper << shift | lower >> 1 >> (31 - shift), lower << shift)
+        } else {
+            (lower << (shift & 31), 0)
+        };
+        (u64::from(upper) << 32 | u64::from(lower)) as i64
+    }
+
+    /// Adds it, at `w`. Runs in the tick.
+    #[inline(always)]
+    pub fn add(&self, w: i64, out: &mut [Position; AXES]) {
+        for (x, gain) in out.iter_mut().zip(self.gain) {
+            if *gain != 0 {
+                // Opaque in each branch: the sign of its upper word would come in a word of its own, and each
+                // product would be three.
+                let w = black_box(Halves::of(w));
+                *x = add(*x, w.times(Halves::of(*gain)));
+            }
+        }
+    }
+}
+
+/// Adds a polynomial at `w` that is a cubic, to the last bit as [`add_poly`]. Runs in the tick.
+#[inline(never)]
+pub(crate) fn add_cubic<const AXES: usize>(
+    w: i64,
+    gain: &[i64; AXES],
+    (power, down): (&[[i32; 4]; AXES], &[u8; AXES]),
+    out: &mut [Position; AXES],
+) {
+    // Not unrolled, which would take much flash for little.
+    let axes = black_box(AXES);
+    for ((x, gain), ([c2, c3, ..], down)) in out.iter_mut().zip(gain).zip(power.iter().zip(down)).take(axes) {
+        // As there.
+        let w = black_box(w);
+        *x = add(*x, mul_near(w, *gain).wrapping_add(poly::bent_cubic(w, [*c2, *c3], *down)));
+    }
+}
+
+/// Adds a polynomial at `w`. Not inlined: lines would pay for its registers. Runs in the tick.
+#[inline(never)]
+pub(crate) fn add_poly<const AXES: usize>(
+    w: i64,
+    gain: &[i64; AXES],
+    (power, down): (&[[i32; 4]; AXES], &[u8; AXES]),
+    out: &mut [Position; AXES],
+) {
+    for ((x, gain), (power, down)) in out.iter_mut().zip(gain).zip(power.iter().zip(down)) {
+        // In each axis anew: the loop would keep the sign of its upper word apart, and each product would
+        // be three.
+        let w = black_box(w);
+        *x = add(*x, mul_near(w, *gain).wrapping_add(poly::bent(w, power, *down)));
+    }
+}
+
 impl Arc {
+    /// Adds it to the axes of its plane, at `w`. Runs in the tick.
+    #[inline(always)]
+    pub fn add<const AXES: usize>(&self, w: i64, out: &mut [Position; AXES]) {
+        // The plane's axes exist; `min` says so without a branch, which would keep the products apart.
+        let ([p, q], last) = (self.plane, AXES.saturating_sub(1));
+        let (p, q) = ((p as usize).min(last), (q as usize).min(last));
+        let [x, y] = self.circle(Halves::of(w), HALF);
+        out[p] = Position::from_bits(out[p].to_bits().wrapping_add(x >> GUARD));
+        out[q] = Position::from_bits(out[q].to_bits().wrapping_add(y >> GUARD));
+    }
+
     /// Both coordinates of the radius vector at `w`, and `more`: 2^-42 mm.
     #[inline(always)]
     fn circle(&self, w: Halves, more: i32) -> [i64; 2] {

@@ -145,9 +145,9 @@ pub(super) fn bent(w: i64, power: &[i32; 4], down: u8) -> i64 {
     mul_near(w, mul_near(w, p) << 2) >> (down & 63)
 }
 
-/// The same of a cubic, to the last bit.
-#[cfg_attr(feature = "fast", inline(always))]
-fn bent_cubic(w: i64, [c2, c3]: [i32; 2], down: u8) -> i64 {
+/// The same of a cubic, to the last bit. Runs in the tick.
+#[inline(always)]
+pub(super) fn bent_cubic(w: i64, [c2, c3]: [i32; 2], down: u8) -> i64 {
     let up = |c: i32| i64::from(c) << 32;
     let p = (mul_near(w, up(c3)) << 2).wrapping_add(up(c2));
     mul_near(w, mul_near(w, p) << 2) >> (down & 63)

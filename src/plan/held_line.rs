@@ -106,6 +106,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             && !held.pass.stop
             && stretch.goes_on(line)
             && !self.functions.are_open()
+            && !self.queue.segments.is_crowded(pass.number)
             && self.lengthen(target, pass)
     }
 

@@ -667,12 +667,12 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let number = self.queue.segments.taken();
         let stands =
             self.motion_at(self.frontier.end).map_or(self.handed.to_bits(), |motion| motion.distance);
-        if let Some(segment) = self.queue.segments.recent(number) {
+        if let Some(track) = self.queue.segments.recent(number) {
             let along = stands.wrapping_sub(self.queue.segments.start(number));
-            segment.shape.put(along, &segment.base, &mut self.intake.entered);
+            self.intake.entered = track.point(along);
             // At the end of all that was handed on, no block of the look-ahead has begun.
-            if along > 0 || number != self.queue.segments.handed() {
-                self.report.begun = segment.block.wrapping_add(1);
+            if along > 0 || number != self.queue.segments.curve_of(self.queue.segments.handed()) {
+                self.report.begun = self.queue.segments.block_of(track.segment).wrapping_add(1);
             }
         }
         // The interrupt keeps the curve it is on, somewhere in it. The point where it stands comes next.

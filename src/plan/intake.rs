@@ -434,7 +434,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
     fn round(&mut self, block: &ProgrammedBlock<AXES>) {
         let parting = if self.functions.are_awaited() {
             Parting::Awaited
-        } else if self.functions.are_open() {
+        } else if self.functions.are_open() || self.queue.segments.is_crowded(block.data.number) {
             Parting::Functions
         } else {
             Parting::None

@@ -528,7 +528,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
 
     /// Blocks are taken in, or the ring is planned if there is no room for another one.
     fn fill(&mut self) -> Work {
-        if self.lookahead.ring.is_full() || self.runs_dry() {
+        if self.lookahead.ring.is_full() || self.queue.segments.is_ahead_full() || self.runs_dry() {
             return self.begin_pass();
         }
         if self.lookahead.ring.is_empty() {
@@ -642,13 +642,14 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         if blocks > 1 {
             last = segments.recent(segments.handed().wrapping_sub(1)).unwrap_or(first);
         }
-        let begun = last.block.wrapping_add(1);
+        let (number, last) = (segments.block_of(first.segment), segments.block_of(last.segment));
+        let begun = last.wrapping_add(1);
         // A line that stands for several has the number of its last block.
-        let merged = first.block.wrapping_sub(self.report.begun) as i32 > 0;
+        let merged = number.wrapping_sub(self.report.begun) as i32 > 0;
         self.report.planned = Planned {
-            number: if merged { self.report.begun } else { first.block },
+            number: if merged { self.report.begun } else { number },
             blocks: begun.wrapping_sub(self.report.begun),
-            n: first.n,
+            n: first.segment.n,
         };
         self.report.begun = begun;
     }
@@ -660,11 +661,9 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
 
     /// A point of a curve handed on, at `part` 2^16ths of its length, and its motion block.
     pub fn point(&self, curve: u32, part: u32) -> Option<(u32, [Position; AXES])> {
-        let segment = self.queue.segments.recent(curve)?;
-        let distance = (i128::from(segment.shape.length.to_bits()) * i128::from(part)) >> 16;
-        let mut point = segment.base;
-        segment.shape.put(distance as i64, &segment.base, &mut point);
-        Some((segment.block, point))
+        let track = self.queue.segments.recent(curve)?;
+        let distance = (i128::from(track.segment.length()) * i128::from(part)) >> 16;
+        Some((self.queue.segments.block_of(track.segment), track.point(distance as i64)))
     }
 
     /// The span planned last. Only after [`Work::Planned`], before the next call of [`Self::work`].

@@ -174,7 +174,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let first = self.queue.segments.recent(curve).ok_or(No::Law)?;
         let curve_starts = [curve, curve.wrapping_add(1)].map(|curve| self.queue.segments.start(curve));
         let behind = motion.distance.wrapping_sub(curve_starts[0]);
-        let is_line = first.shape.is_line();
+        let is_line = first.segment.is_line();
         let starts = behind <= KNEE_TICKS * (motion.speed >> 14);
         let (now, ends, mut way) = self.as_planned(cursor, span, motion).ok_or(No::Law)?;
         let planned = now.limits;
@@ -328,22 +328,23 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
                 let end = if goes_on { stretch.end } else { *until };
                 let mut bounds = Bounds::NONE;
                 loop {
-                    let segment = self.queue.segments.recent(curve)?;
-                    let is_of_now = segment.block.wrapping_sub(self.intake.uniform.since) as i32 >= 0;
+                    let track = self.queue.segments.recent(curve)?;
+                    let block = self.queue.segments.block_of(track.segment);
+                    let is_of_now = block.wrapping_sub(self.intake.uniform.since) as i32 >= 0;
                     begin.left.set(if is_of_now { begin.left.get().checked_sub(1)? } else { return None });
-                    let length = segment.shape.length.to_bits();
+                    let length = track.segment.length();
                     let [from, to] = [at, end].map(|at| at.wrapping_sub(start));
                     let (from, to) = (from.max(0), to.min(length));
                     if to > from {
-                        segment.shape.bend([from, to], &mut bounds);
+                        track.bend([from, to], &mut bounds);
                     }
                     let behind = start.wrapping_add(length);
                     if behind.wrapping_sub(end) >= 0 {
                         break;
                     }
-                    curve = curve.wrapping_add(1);
+                    curve = self.queue.segments.after(curve);
                     // The first one may have been left within: the motion stood there.
-                    let is_second = curve == begin.curve.wrapping_add(1);
+                    let is_second = curve == self.queue.segments.after(begin.curve);
                     start = if is_second { second } else { behind };
                 }
                 let (v, rapid, mut knee) = (min(*v, v_in), stretch.rapid, corners);

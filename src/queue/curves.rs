@@ -13,25 +13,37 @@
 //! half last. What it takes the place of is out of reach in both halves, so that a start half written is out
 //! of reach too. Distances can be compared over a limited way only: where the curves of the look-ahead lead
 //! beyond, their starts are written when the interrupt comes nearer.
+//!
+//! In a small build an arc or a polynomial takes two slots ([`super::cells`]), and so two numbers and two starts, which
+//! are the same: the first one is that of its part. Both have begun together, so a tick never ends on a part. That of
+//! the curve is written before that of the part, which the interrupt waits for. What is counted here are slots then, and
+//! the look-ahead reaches less far where there are many such curves.
+//!
+//! A slot has half of the number of its motion block. The planner counts back from the latest one that it has put in,
+//! and so does who reads what the interrupt shows ([`super::cells::whole`]): numbers in the ring must be less than
+//! 2^16 apart. A curve may stand for many motion blocks, so the planner asks whether they are ([`CurveProducer::is_crowded`]),
+//! and puts in a curve for each of them if it is so.
 #![allow(unsafe_code)]
-use super::{SEGMENTS, Segment, Slot};
-use crate::machine::functions;
+use super::SEGMENTS;
+use super::cells::{self, BEFORE, IS_WHOLE, MOST, Place, Segment, Track, whole};
 use crate::path::Shape;
 use crate::quantity::{Distance, Position};
-use core::cell::UnsafeCell;
 use core::hint::assert_unchecked;
 use core::marker::PhantomData;
 use core::sync::atomic::{AtomicU32, Ordering, fence};
 use core::{ptr, slice};
 
-/// Most curves that a tick passes.
-pub const MAX_CURVES_PER_TICK: u32 = 1 << HALVINGS;
+/// Most curves that a tick passes. In a small build half as many.
+pub const MAX_CURVES_PER_TICK: u32 = MOST_SLOTS / MOST as u32;
 
-/// How often a tick halves those that it looks at. In a small build half as many pass.
-const HALVINGS: usize = if functions::IS_SMALL { 4 } else { 5 };
+/// Most slots that it passes.
+const MOST_SLOTS: u32 = 1 << HALVINGS;
 
-/// Curves that a tick looks at: the one it is on, the next one, and those that it halves.
-const WINDOW: usize = 2 + MAX_CURVES_PER_TICK as usize;
+/// How often a tick halves those that it looks at.
+const HALVINGS: usize = 5;
+
+/// Slots that a tick looks at: the one it is on, the next one, and those that it halves.
+const WINDOW: usize = 2 + MOST_SLOTS as usize;
 /// How it halves them.
 const HALVES: [usize; HALVINGS] = {
     let mut halves = [1; HALVINGS];
@@ -44,9 +56,19 @@ const HALVES: [usize; HALVINGS] = {
 };
 /// Starts behind a curve that are looked at from there.
 const BEHIND: usize = WINDOW - 1;
-/// Starts beside those of the look-ahead: of curves handed on, out of reach behind the last one, and the head
-/// repeated.
-const STARTS: usize = SEGMENTS + WINDOW + BEHIND;
+/// The least look-ahead (P-STUP-00071): as many curves of any kind have room. More need not be in the ring together:
+/// a span of several blocks is one of those that the look-ahead holds, and a curve of more elements passes through.
+const LEAST: usize = 10;
+
+/// Slots of the look-ahead beside one for each block.
+const SPARE: usize = if IS_WHOLE { 0 } else { LEAST + 8 };
+/// Slots that the look-ahead may need for one curve more than it asks for: of one that was held back, and of another.
+const NEXT: usize = if IS_WHOLE { 0 } else { 2 * MOST };
+/// Slots beside one for each block of the look-ahead: those, those of curves handed on, and the part of the curve that the
+/// interrupt is on.
+const SLOTS: usize = SPARE + SEGMENTS + BEFORE;
+/// Starts beside those of the look-ahead: those of slots, out of reach behind the last one, and the head repeated.
+const STARTS: usize = SLOTS + WINDOW + BEHIND;
 
 /// A start so far behind the last curve is out of reach: 2^61. Distances are compared up to 2^63 apart: as
 /// far as the curve at hand, the last one and this together.
@@ -59,6 +81,10 @@ const SHOWN: i64 = 5 << 60;
 /// Curves longer than that move every start that is out of reach. A window of shorter ones does not come near
 /// it.
 const LONG: i64 = OUT_OF_REACH / 64;
+
+/// A motion block so far behind the oldest one of the ring does not become one curve with others: those that come until
+/// the oldest one is left, a curve or more for each of them, are less than 2^16 behind it.
+const MOST_APART: u32 = 1 << 15;
 
 /// Two arrays, one behind the other.
 #[repr(C)]
@@ -75,23 +101,10 @@ impl<T, const A: usize, const B: usize> Both<T, A, B> {
     }
 }
 
-/// The slot of a curve.
-struct Place<const AXES: usize>(UnsafeCell<Segment<AXES>>);
-
-// SAFETY: it is written only by the one planner, while the interrupt has not seen a start of its curve or has
-// given it back, and read only by the one interrupt in between, or by the planner itself; starts and `taken`
-// pass it with release and acquire.
-unsafe impl<const AXES: usize> Sync for Place<AXES> {}
-
-impl<const AXES: usize> Place<AXES> {
-    const AS_STARTS: usize = {
-        assert!(size_of::<Self>().is_multiple_of(size_of::<Start>()), "as large as so many starts");
-        size_of::<Self>() / size_of::<Start>()
-    };
-
-    const fn blank() -> Self {
-        Self(UnsafeCell::new(Segment::BLANK))
-    }
+/// Starts as large as a slot.
+const fn as_starts<const AXES: usize>() -> usize {
+    const { assert!(size_of::<Place<AXES>>().is_multiple_of(size_of::<Start>()), "as large as so many starts") };
+    size_of::<Place<AXES>>() / size_of::<Start>()
 }
 
 /// The index `by` further in a ring of `len`.
@@ -132,17 +145,21 @@ impl Start {
 
 /// Static memory of the ring: `BLOCKS` curves of the look-ahead, and those handed on.
 pub struct CurveRing<const AXES: usize, const BLOCKS: usize> {
-    slots: Both<Place<AXES>, BLOCKS, SEGMENTS>,
+    slots: Both<Place<AXES>, BLOCKS, { BEFORE + SLOTS }>,
     starts: Both<Start, BLOCKS, STARTS>,
     /// Curves the interrupt has left since the split.
     taken: AtomicU32,
+    /// The latest motion block of all that were put in, written by the planner.
+    latest: AtomicU32,
 }
 
 /// Puts curves in. They are numbered from 0 since the split.
 pub struct CurveProducer<'a, const AXES: usize> {
+    /// The first [`BEFORE`] of them are not in the ring.
     slots: &'a [Place<AXES>],
     starts: &'a [Start],
     taken: &'a AtomicU32,
+    latest: &'a AtomicU32,
     /// Curves put in.
     count: u32,
     /// Those handed on.
@@ -166,6 +183,7 @@ pub struct CurveConsumer<'a, const AXES: usize> {
     /// The start of the curve at hand, [`BEHIND`] others behind it, and its slot.
     start: RingCursor<'a, Start>,
     slot: RingCursor<'a, Place<AXES>>,
+    latest: &'a AtomicU32,
 }
 
 /// An element of a ring, where its array ends, and the way back from there to its begin, in bytes, below 0: to
@@ -181,9 +199,9 @@ struct RingCursor<'a, T> {
 unsafe impl<T: Sync> Send for RingCursor<'_, T> {}
 
 impl<'a, T> RingCursor<'a, T> {
-    /// At the first element. The ring is so many elements at the front of the array, one at least.
-    fn new(array: &'a [T], len: usize) -> Self {
-        let at = array.as_ptr();
+    /// At the first element. The ring is so many elements of the array, one at least, behind so many others.
+    fn new(array: &'a [T], before: usize, len: usize) -> Self {
+        let at = array.as_ptr().wrapping_add(before);
         let back = -((len * size_of::<T>()) as isize);
         Self { at, end: at.wrapping_add(len), back, ring: PhantomData }
     }
@@ -202,28 +220,40 @@ impl<const AXES: usize, const BLOCKS: usize> CurveRing<AXES, BLOCKS> {
         Self {
             slots: Both {
                 front: [const { Place::blank() }; BLOCKS],
-                back: [const { Place::blank() }; SEGMENTS],
+                back: [const { Place::blank() }; BEFORE + SLOTS],
             },
             starts: Both {
                 front: [const { Start::zero() }; BLOCKS],
                 back: [const { Start::zero() }; STARTS],
             },
             taken: AtomicU32::new(0),
+            latest: AtomicU32::new(0),
         }
     }
 
     /// Both ends, emptied. There is one of each: they borrow it exclusively.
     pub fn split(&mut self) -> (CurveProducer<'_, AXES>, CurveConsumer<'_, AXES>) {
-        *self.taken.get_mut() = 0;
-        let (slots, starts, taken) = (self.slots.as_slice(), self.starts.as_slice(), &self.taken);
+        const {
+            assert!(BLOCKS + SLOTS < MOST_APART as usize / 2, "numbers of motion blocks of 16 bits");
+            assert!(BLOCKS + SPARE >= MOST * LEAST + NEXT - MOST, "the least look-ahead has room");
+        }
+        (*self.taken.get_mut(), *self.latest.get_mut()) = (0, 0);
+        let Self { slots, starts, taken, latest } = self;
+        for place in slots.front.iter_mut().chain(&mut slots.back) {
+            place.clear();
+        }
+        let (slots, starts) = (slots.as_slice(), starts.as_slice());
+        let (taken, latest) = (&*taken, &*latest);
         for start in starts {
             start.set(out_of_reach(0), Ordering::Relaxed);
         }
-        let (start, slot) = (RingCursor::new(starts, places(starts)), RingCursor::new(slots, slots.len()));
+        let start = RingCursor::new(starts, 0, places(starts));
+        let slot = RingCursor::new(slots, BEFORE, slots.len() - BEFORE);
         let layer = CurveProducer {
             slots,
             starts,
             taken,
+            latest,
             count: 0,
             handed: 0,
             shown: 0,
@@ -233,7 +263,7 @@ impl<const AXES: usize, const BLOCKS: usize> CurveRing<AXES, BLOCKS> {
             end: 0,
             long: false,
         };
-        (layer, CurveConsumer { taken, start, slot })
+        (layer, CurveConsumer { taken, start, slot, latest })
     }
 }
 
@@ -253,23 +283,69 @@ const fn places(starts: &[Start]) -> usize {
     starts.len().saturating_sub(BEHIND)
 }
 
-impl<const AXES: usize> CurveProducer<'_, AXES> {
-    /// Curves that the look-ahead may have in the ring.
+impl<'a, const AXES: usize> CurveProducer<'a, AXES> {
+    /// Blocks that the look-ahead may have.
     pub const fn ahead(&self) -> usize {
-        self.slots.len().saturating_sub(SEGMENTS)
+        self.slots.len().saturating_sub(BEFORE + SLOTS)
     }
 
-    /// Whether there is no room for another curve.
+    /// Slots of the ring.
+    const fn most(&self) -> usize {
+        self.slots.len().saturating_sub(BEFORE)
+    }
+
+    /// Whether there is no room for another line.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn is_full(&self) -> bool {
-        self.count.wrapping_sub(self.taken()) as usize >= self.slots.len()
+        !self.has_room(self.taken(), 1)
+    }
+
+    /// Whether so many slots are free: that of the part of the curve that the interrupt is on is not.
+    #[cfg_attr(feature = "fast", inline(always))]
+    fn has_room(&self, taken: u32, slots: usize) -> bool {
+        self.count.wrapping_sub(taken) as usize + BEFORE + slots <= self.most()
+    }
+
+    /// Whether the look-ahead has all the room that there is for its curves, though they may be fewer than blocks.
+    #[cfg_attr(feature = "fast", inline(always))]
+    pub fn is_ahead_full(&self) -> bool {
+        !IS_WHOLE && self.count.wrapping_sub(self.handed) as usize + NEXT > self.ahead() + SPARE
+    }
+
+    /// The slot of that index.
+    fn slot(&self, index: usize) -> Option<&'a Place<AXES>> {
+        self.slots.get(BEFORE + index)
+    }
+
+    /// The index of the slot with this number, of one that was put in last.
+    fn index_of(&self, number: u32) -> usize {
+        on(self.slot, self.most().saturating_sub(self.count.wrapping_sub(number) as usize), self.most())
+    }
+
+    /// Whether the slot with this number is that of a part.
+    fn is_part(&self, number: u32) -> bool {
+        // SAFETY: only this end of the ring writes slots, and needs `&mut self` for that.
+        !IS_WHOLE
+            && number != self.count
+            && self.slot(self.index_of(number)).is_some_and(|slot| unsafe { slot.is_part() })
+    }
+
+    /// The number of a curve, from that of its part too.
+    pub fn curve_of(&self, number: u32) -> u32 {
+        number.wrapping_add(u32::from(self.is_part(number)))
+    }
+
+    /// The number of the curve behind the one with this number.
+    pub fn after(&self, number: u32) -> u32 {
+        self.curve_of(self.curve_of(number).wrapping_add(1))
     }
 
     /// Whether as many curves are handed on as the queue takes, or more path than distances are compared
     /// over.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn is_sated(&self) -> bool {
-        self.len() >= SEGMENTS as u32 || (self.long && self.is_far(self.handed))
+        // With another one of any kind they are not more.
+        self.len() + MOST as u32 > SEGMENTS as u32 || (self.long && self.is_far(self.handed))
     }
 
     /// Whether there are more than the queue takes: the last span handed on had several.
@@ -301,7 +377,10 @@ impl<const AXES: usize> CurveProducer<'_, AXES> {
 
     /// Path length of the curve with this number, or nothing, LSB 2^-44 mm.
     fn length(&self, number: u32) -> i64 {
-        self.recent(number).map_or(0, |segment| segment.shape.length.to_bits())
+        if self.is_part(number) {
+            return 0;
+        }
+        self.recent(number).map_or(0, |track| track.segment.length())
     }
 
     /// Path distance at which the curve with this number starts, LSB 2^-44 mm. Only of one that
@@ -334,34 +413,66 @@ impl<const AXES: usize> CurveProducer<'_, AXES> {
         self.start(number).wrapping_add(self.length(number))
     }
 
+    /// The latest motion block of all that were put in.
+    fn latest(&self) -> u32 {
+        self.latest.load(Ordering::Relaxed)
+    }
+
+    /// The same, for others to count back from: see [`whole`].
+    pub const fn latest_word(&self) -> &'a AtomicU32 {
+        self.latest
+    }
+
+    /// The motion block of a curve of the ring.
+    pub fn block_of(&self, segment: &Segment<AXES>) -> u32 {
+        whole(self.latest(), segment.block())
+    }
+
+    /// Whether the motion block with this number, which comes next, must not become one curve with others: it would be
+    /// too far from the oldest one that may be in use, that of the slot that the next curve takes.
+    pub fn is_crowded(&self, block: u32) -> bool {
+        // SAFETY: only this end of the ring writes slots, and needs `&mut self` for that.
+        let oldest = self.slot(self.slot).map_or(0, |slot| unsafe { slot.block() });
+        block.wrapping_sub(whole(self.latest(), oldest)) >= MOST_APART
+    }
+
     /// Puts a curve in behind the others, with the offset of its points, its N number and its motion block;
     /// `false` if there is no room.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn push(&mut self, shape: &Shape<AXES>, base: &[Position; AXES], n: u32, block: u32) -> bool {
-        let Some(Place(slot)) = self.slots.get(self.slot) else { return false };
-        if self.is_full() {
+        let Some(slots) = cells::slots(shape) else { return false };
+        if !self.has_room(self.taken(), slots) {
             return false;
         }
-        // SAFETY: not full, so the interrupt has given the slot back, and its start is out of reach; of
-        // planners there is one.
-        let segment = unsafe { &mut *slot.get() };
-        segment.shape.assign(shape);
+        let (front, index) = (self.slot, on(self.slot, slots - 1, self.most()));
+        let part = if slots > 1 { self.slot(front) } else { None };
+        let slot = self.slots.as_ptr().wrapping_add(BEFORE + index);
+        // SAFETY: the slot is in the ring, and one is before it; not full, so the interrupt has given back these and
+        // that of the part, and their starts are out of reach; of planners there is one.
+        unsafe { cells::write(slot, part, shape, base, (n, block as u16)) };
+        if (block.wrapping_sub(self.latest()) as i32) > 0 {
+            self.latest.store(block, Ordering::Relaxed);
+        }
         let (start, length) = (self.end, shape.length.to_bits());
-        (segment.base, segment.n, segment.block) = (*base, n, block);
         self.end = start.wrapping_add(length);
         let place = self.place;
-        self.slot = on(self.slot, 1, self.slots.len());
-        self.place = on(place, 1, places(self.starts));
-        self.count = self.count.wrapping_add(1);
+        self.slot = on(index, 1, self.most());
+        self.place = on(place, slots, places(self.starts));
+        self.count = self.count.wrapping_add(slots as u32);
         if length >= LONG && !self.long {
             (self.long, self.hidden) = (true, start);
         }
         if self.long {
             self.show();
         } else {
-            let behind = on(place, BEHIND, places(self.starts));
-            self.set(behind, out_of_reach(self.end), Ordering::Relaxed);
-            self.set(place, start, Ordering::Release);
+            // The last one first.
+            for k in (0..slots).rev() {
+                let behind = on(place, BEHIND + k, places(self.starts));
+                self.set(behind, out_of_reach(self.end), Ordering::Relaxed);
+            }
+            for k in (0..slots).rev() {
+                self.set(on(place, k, places(self.starts)), start, Ordering::Release);
+            }
             self.shown = self.count;
         }
         true
@@ -370,7 +481,11 @@ impl<const AXES: usize> CurveProducer<'_, AXES> {
     /// That many more curves are handed on.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn hand_on(&mut self, curves: u32) {
-        self.handed = self.handed.wrapping_add(curves);
+        self.handed = if IS_WHOLE {
+            self.handed.wrapping_add(curves)
+        } else {
+            (0..curves).fold(self.handed, |number, _| self.curve_of(number).wrapping_add(1))
+        };
         if self.long {
             self.show();
         }
@@ -384,11 +499,12 @@ impl<const AXES: usize> CurveProducer<'_, AXES> {
         let mut cleared = from.wrapping_add(BEHIND as u32);
         for _ in 0..self.slots.len() {
             let due = (self.handed.wrapping_sub(shown) as i32) > 0;
-            if shown == self.count || (!due && self.is_too_far(shown, end)) {
+            let curve = self.curve_of(shown);
+            if shown == self.count || (!due && self.is_too_far(curve, end)) {
                 break;
             }
-            let length = self.length(shown);
-            (shown, end) = (shown.wrapping_add(1), end.wrapping_add(length));
+            let length = self.length(curve);
+            (shown, end) = (curve.wrapping_add(1), end.wrapping_add(length));
             if length >= LONG || (cleared.wrapping_sub(shown) as i32) < 0 {
                 cleared = shown;
             }
@@ -399,9 +515,16 @@ impl<const AXES: usize> CurveProducer<'_, AXES> {
         for number in numbers(cleared, shown.wrapping_add(BEHIND as u32)) {
             self.set(self.place_of(number), out_of_reach(end), Ordering::Relaxed);
         }
-        for number in numbers(from, shown) {
-            self.set(self.place_of(number), start, Ordering::Release);
-            start = start.wrapping_add(self.length(number));
+        let mut number = from;
+        while number != shown {
+            let curve = self.curve_of(number);
+            // The last one first.
+            self.set(self.place_of(curve), start, Ordering::Release);
+            if curve != number {
+                self.set(self.place_of(number), start, Ordering::Release);
+            }
+            start = start.wrapping_add(self.length(curve));
+            number = curve.wrapping_add(1);
         }
         (self.shown, self.hidden) = (shown, end);
     }
@@ -472,18 +595,18 @@ impl<const AXES: usize> CurveProducer<'_, AXES> {
         !self.long || distance.to_bits().wrapping_sub(self.known().to_bits()) <= 0
     }
 
-    /// The curve that was put in as the one with this number, if it is one of the last.
-    #[cfg_attr(feature = "fast", inline(always))]
-    pub fn recent(&self, number: u32) -> Option<&Segment<AXES>> {
+    /// The curve that was put in as the one with this number, or whose part was, if it is one of the last.
+    #[inline(never)]
+    pub fn recent(&self, number: u32) -> Option<Track<'_, AXES>> {
+        let number = self.curve_of(number);
         let back = self.count.wrapping_sub(number) as usize;
-        let len = self.slots.len();
-        if back.wrapping_sub(1) >= len {
+        if back.wrapping_sub(1) >= self.most() - BEFORE {
             return None;
         }
-        let Place(slot) = self.slots.get(on(self.slot, len - back, len))?;
-        // SAFETY: only this end of the ring writes slots, and needs `&mut self` for that; the interrupt reads
-        // too.
-        Some(unsafe { &*slot.get() })
+        let slot = self.slots.as_ptr().wrapping_add(BEFORE + self.index_of(number));
+        // SAFETY: it is in there, with the one before; only this end of the ring writes slots, and needs `&mut self` for
+        // that; the interrupt reads too.
+        Some(unsafe { Track::new(slot) })
     }
 
     /// Takes back the curves behind the one that the interrupt is on. It stands there, at the path distance
@@ -496,9 +619,8 @@ impl<const AXES: usize> CurveProducer<'_, AXES> {
     /// Takes back the curves from the one with this number on, apart from that which the interrupt is on. It
     /// does not get further before they are put in anew. All that are left are handed on.
     pub fn withdraw(&mut self, number: u32) {
-        let first = self.taken().wrapping_add(1);
+        let first = self.curve_of(self.taken()).wrapping_add(1);
         let number = if (number.wrapping_sub(first) as i32) < 0 { first } else { number };
-        let back = self.count.wrapping_sub(number);
         if self.recent(number.wrapping_sub(1)).is_none() {
             return;
         }
@@ -507,14 +629,29 @@ impl<const AXES: usize> CurveProducer<'_, AXES> {
         for number in numbers(number, behind) {
             self.set(self.place_of(number), out_of_reach(end), Ordering::Relaxed);
         }
-        let len = self.slots.len();
-        self.slot = on(self.slot, len.saturating_sub(back as usize), len);
+        self.slot = self.index_of(number);
         self.place = self.place_of(number);
         (self.count, self.handed, self.end) = (number, number, end);
+        self.forget(first.wrapping_sub(1));
         if (number.wrapping_sub(self.shown) as i32) < 0 {
             (self.shown, self.hidden) = (number, end);
         }
         self.show();
+    }
+
+    /// All slots but those of the curves from this one on say that they have its motion block: none that is in use is
+    /// older, and none that comes.
+    fn forget(&self, first: u32) {
+        let Some(block) = self.recent(first).map(|track| track.segment.block()) else { return };
+        // With the slot of its part.
+        let used = self.count.wrapping_sub(first) as usize + BEFORE;
+        for k in used..self.most() {
+            // From the one that the next curve takes.
+            if let Some(slot) = self.slot(on(self.slot, k - used, self.most())) {
+                // SAFETY: the interrupt does not get there, and of planners there is one.
+                unsafe { slot.set_block(block) };
+            }
+        }
     }
 }
 
@@ -528,7 +665,7 @@ impl<const AXES: usize> CurveConsumer<'_, AXES> {
     /// start; curves before it are given back, at most [`MAX_CURVES_PER_TICK`]. `None` before the first one.
     /// Runs in the tick.
     #[inline(always)]
-    pub fn follow(&mut self, distance: i64) -> Option<(&Segment<AXES>, i64)> {
+    pub fn follow(&mut self, distance: i64) -> Option<(Track<'_, AXES>, i64)> {
         // SAFETY: it is in its ring, behind which the array goes on for as many as a window has behind its
         // first one.
         let [first, rest @ ..] = unsafe { &*self.start.at.cast::<[Start; WINDOW]>() };
@@ -538,7 +675,7 @@ impl<const AXES: usize> CurveConsumer<'_, AXES> {
             // SAFETY: both are in one window, the first one in front.
             let passed = unsafe { ptr::from_ref(at).byte_offset_from_unsigned(first) };
             self.start.go_on(passed);
-            self.slot.go_on(passed * Place::<AXES>::AS_STARTS);
+            self.slot.go_on(passed * as_starts::<AXES>());
             let taken = self.taken.load(Ordering::Relaxed);
             let passed = (passed / size_of::<Start>()) as u32;
             self.taken.store(taken.wrapping_add(passed), Ordering::Release);
@@ -550,11 +687,11 @@ impl<const AXES: usize> CurveConsumer<'_, AXES> {
         fence(Ordering::Acquire);
         // SAFETY: in its ring, which says at once that there is one; and as its start is not out of reach,
         // the planner has put the curve in, and leaves it alone until it is given back.
-        let segment = unsafe {
+        let track = unsafe {
             assert_unchecked(!self.slot.at.is_null());
-            &*(*self.slot.at).0.get()
+            Track::new(self.slot.at)
         };
-        Some((segment, along))
+        Some((track, along))
     }
 
     /// The curve the interrupt is on, at the distance it asked for last.
@@ -565,8 +702,13 @@ impl<const AXES: usize> CurveConsumer<'_, AXES> {
             return None;
         }
         fence(Ordering::Acquire);
-        // SAFETY: as in `follow`.
-        Some(unsafe { &*(*self.slot.at).0.get() })
+        // SAFETY: as in `follow`. Before the first tick it may be a part.
+        unsafe { if (*self.slot.at).is_part() { None } else { Some(Track::new(self.slot.at).segment) } }
+    }
+
+    /// The motion block of a curve of the ring.
+    pub fn block_of(&self, segment: &Segment<AXES>) -> u32 {
+        whole(self.latest.load(Ordering::Relaxed), segment.block())
     }
 }
 

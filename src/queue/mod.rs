@@ -3,6 +3,7 @@
 //! The planner puts a curve in when its block goes into the look-ahead, and hands it on before the first
 //! piece of time that moves along it.
 mod actions;
+mod cells;
 pub mod clock;
 mod curves;
 mod overlay;
@@ -14,6 +15,7 @@ pub mod word;
 
 pub use crate::technology::Function;
 pub use actions::{Actions, Lag, Outlet, Scheduler};
+pub use cells::{Segment, Track};
 pub use clock::Clock;
 pub use curves::{CurveConsumer, CurveProducer, CurveRing, MAX_CURVES_PER_TICK};
 pub use overlay::{OVERLAY_PHASES, Overlay, OverlayReceiver, OverlaySender, fine, overlay_ends, set_point};
@@ -25,13 +27,13 @@ pub use time::{Change, Cut, NotNow, Pieces, Timeline, TooLate, renew};
 use crate::control::Control;
 use crate::machine::functions;
 use crate::math::wide::mul_u32;
-use crate::path::Shape;
 use crate::quantity::{Accel, Distance, Jerk, Position, Speed};
 use crate::technology::Action;
 
 /// Elements handed on. A tick may pass [`MAX_CURVES_PER_TICK`] of them: one and a half ticks of the shortest
-/// blocks at least. Each takes the room of a curve in the channel, beside those of the look-ahead.
-pub const SEGMENTS: usize = if functions::IS_SMALL { 32 } else { 48 };
+/// blocks at least. Each takes the room of a curve in the channel, beside those of the look-ahead; in a small build an
+/// arc or a polynomial counts as two.
+pub const SEGMENTS: usize = if functions::IS_SMALL { 34 } else { 48 };
 /// Pieces of time handed over. A block takes seven at most, a short one two or three.
 pub const PHASES: usize = if functions::IS_SMALL { 64 } else { 128 };
 
@@ -50,19 +52,6 @@ pub struct Event {
     pub action: Action,
 }
 
-/// A curve of the path. Where it starts is in the ring: [`CurveProducer::start`].
-#[derive(Clone, Copy, Debug)]
-pub struct Segment<const AXES: usize> {
-    /// The curve.
-    pub shape: Shape<AXES>,
-    /// What its offsets are added to.
-    pub base: [Position; AXES],
-    /// Programmed N number.
-    pub n: u32,
-    /// Motion blocks since program start, from 0.
-    pub block: u32,
-}
-
 /// A piece of time: path distance as a cubic over `0..ticks` whole ticks,
 /// s(n) = distance + n (speed + n (half_accel + n sixth_jerk)). Packed: there are many of them.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -78,10 +67,6 @@ pub struct Phase {
     pub sixth_jerk: Jerk,
     /// Ticks it lasts. 0 is a gate: the interrupt does not pass it, unless by a cut ([`Clock`]).
     pub ticks: u16,
-}
-
-impl<const AXES: usize> Slot for Segment<AXES> {
-    const BLANK: Self = Self { shape: Shape::BLANK, base: [Position::ZERO; AXES], n: 0, block: 0 };
 }
 
 impl Slot for Phase {
@@ -172,10 +157,10 @@ impl<const AXES: usize> Receiver<'_, AXES> {
 
     /// The curve that a path distance is on, and how far along; its place in the program is shown.
     #[inline(always)]
-    pub fn follow(&mut self, distance: i64) -> Option<(&Segment<AXES>, i64)> {
-        let (segment, along) = self.segments.follow(distance)?;
-        self.shared.status.show_curve(segment.n, segment.block);
-        Some((segment, along))
+    pub fn follow(&mut self, distance: i64) -> Option<(Track<'_, AXES>, i64)> {
+        let (track, along) = self.segments.follow(distance)?;
+        self.shared.status.show_curve(track.segment.n, track.segment.block());
+        Some((track, along))
     }
 
     /// Shows set points.
@@ -260,7 +245,7 @@ impl<const AXES: usize, const BLOCKS: usize> Rings<AXES, BLOCKS> {
         let (to_phases, phases) = phases.split();
         let (to_reserve, reserve) = reserve.split();
         let (to_actions, outlet) = actions.ends();
-        let display = Display::new(status, clock, to_phases.gauge());
+        let display = Display::new(status, clock, to_phases.gauge(), to_segments.latest_word());
         (
             Sender {
                 segments: to_segments,

@@ -7,6 +7,7 @@
 //!
 //! The interrupt writes what it has at hand; what can be derived the reader derives. Two path distances, of
 //! this tick and the one before, are the speed.
+use super::cells::whole;
 use super::clock::TICK;
 use super::word::{Memory, Ram, Word};
 use super::{Clock, Gauge, PHASES, Phase};
@@ -78,6 +79,7 @@ pub struct Words<const AXES: usize, M: Memory = Ram> {
     /// Of the last two ticks that took time of a piece, in turn.
     distances: [Long<M::Word>; 2],
     n: M::Word,
+    /// The lower half of its number.
     block: M::Word,
     set_points: [Long<M::Word>; AXES],
 }
@@ -87,6 +89,8 @@ pub struct Display<'a, const AXES: usize, M: Memory = Ram> {
     words: &'a Words<AXES, M>,
     clock: &'a Clock<M>,
     pieces: Gauge<'a, Phase, PHASES, M>,
+    /// The latest motion block in the ring of curves.
+    latest: &'a M::Word,
 }
 
 impl<const AXES: usize, M: Memory> Words<AXES, M> {
@@ -117,11 +121,11 @@ impl<const AXES: usize, M: Memory> Words<AXES, M> {
         &self.distances[((instant / TICK) & 1) as usize]
     }
 
-    /// For the interrupt: the curve.
+    /// For the interrupt: the curve, of its motion block the lower half.
     #[inline(always)]
-    pub fn show_curve(&self, n: u32, block: u32) {
+    pub fn show_curve(&self, n: u32, block: u16) {
         self.n.store(n, Ordering::Relaxed);
-        self.block.store(block, Ordering::Relaxed);
+        self.block.store(block.into(), Ordering::Relaxed);
     }
 
     /// For the interrupt: set points.
@@ -139,8 +143,9 @@ impl<'a, const AXES: usize, M: Memory> Display<'a, AXES, M> {
         words: &'a Words<AXES, M>,
         clock: &'a Clock<M>,
         pieces: Gauge<'a, Phase, PHASES, M>,
+        latest: &'a M::Word,
     ) -> Self {
-        Self { words, clock, pieces }
+        Self { words, clock, pieces, latest }
     }
 
     /// What the last tick did. Looks again while a tick comes in between.
@@ -166,7 +171,9 @@ impl<'a, const AXES: usize, M: Memory> Display<'a, AXES, M> {
         }
         snapshot.distance = Distance::from_bits(distance);
         snapshot.step = Distance::from_bits(distance.wrapping_sub(before));
-        (snapshot.n, snapshot.block) = (n.load(Ordering::Relaxed), block.load(Ordering::Relaxed));
+        let lower = block.load(Ordering::Relaxed) as u16;
+        let latest = self.latest.load(Ordering::Relaxed);
+        (snapshot.n, snapshot.block) = (n.load(Ordering::Relaxed), whole(latest, lower));
         snapshot.queued = self.pieces.len() as u16;
         ended
     }

@@ -1,4 +1,5 @@
 //! The cases on the host: what the target has to repeat.
+use crate::{WITHOUT, shell};
 use glidepath::channel::{Channel, Error, Progress};
 use glidepath::machine::MachineData;
 use glidepath::nc::Window;
@@ -8,6 +9,10 @@ use hil_cases::{
     CASES_3_OTHER, CASES_4, CASES_6, CASES_6_OTHER, CASES_BESIDE, CASES_SLIM, Case, DEEP, FilterMemory,
     Outcome, SHORT, Watch, beside, commanded, run, session,
 };
+use std::time::Duration;
+
+/// Longest time to build and run what a host built for few functions has to.
+const LONGEST: Duration = Duration::from_secs(1200);
 
 /// A case as the host ran it.
 pub struct HostRun {
@@ -42,6 +47,18 @@ pub fn run_all() -> Result<Vec<HostRun>, String> {
     let deep_three = CASES_3_OTHER.iter().map(|case| run_one::<3, DEEP>(case, &AXES_3_DEEP));
     let short_six = CASES_6_OTHER.iter().map(|case| run_one::<6, SHORT>(case, &AXES_6_SHORT));
     three.chain(four).chain(six).chain(short_three).chain(deep_three).chain(short_six).collect()
+}
+
+/// Those of lines, arcs and contour mode as a host built for them alone runs them: what its example `slim` writes.
+pub fn slim() -> Result<String, String> {
+    let mut command = shell::cargo(&shell::root().join(WITHOUT));
+    command.args(["run", "--release", "--features", "contour", "--example", "slim"]);
+    command.env("CARGO_TARGET_DIR", shell::root().join("target"));
+    let output = shell::capture(&mut command, LONGEST)?;
+    if !output.success {
+        return Err(format!("the host built for lines, arcs and contour mode: {}", output.err));
+    }
+    String::from_utf8(output.out).map_err(|e| e.to_string())
 }
 
 /// Those of lines, arcs and contour mode, with 120 and with 30 blocks.

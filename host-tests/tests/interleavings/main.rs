@@ -8,12 +8,14 @@ mod memory;
 mod planner;
 
 use glidepath::quantity::Position;
+use glidepath::queue::word::Word;
 use glidepath::queue::{Clock, Display, Reserve, Ring, Timeline, Words};
-use memory::{INTERRUPT, LAW, Model, NEXT, PLANNER, Rules, Turn, Value, WORLD, World, piece};
+use memory::{INTERRUPT, LAW, Model, ModelWord, NEXT, PLANNER, Rules, Turn, Value, WORLD, World, piece};
 use planner::{FAR, Planner, STOP, Shared, Step};
 use std::collections::{HashMap, VecDeque};
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::atomic::Ordering;
 
 /// Both sides, and the memory.
 #[derive(Clone)]
@@ -71,7 +73,9 @@ fn explore(steps: &[Step], ticks: usize, filled: u32, rules: Rules) -> Found {
     let (pieces, consumer) = ring.split();
     let (keeper, taker) = reserve.split();
     let words = &*Box::leak(Box::new(Words::blank()));
-    let display = Display::new(words, clock, pieces.gauge());
+    let latest = &*Box::leak(Box::new(ModelWord::ZERO));
+    latest.store(u16::MAX.into(), Ordering::Relaxed);
+    let display = Display::new(words, clock, pieces.gauge(), latest);
     let mut shared = Shared { clock, pieces, words, display };
     let mut planner =
         Planner { next: 0, keeper, laws: vec![(0, 0)], end: filled, cut: None, way: None, left: false };
@@ -187,7 +191,7 @@ fn turn(
             if let (Some((instant, distance)), true) = (begun, matches!(steps.first(), Some(Step::Look))) {
                 shared.words.show_distance(instant, distance);
                 let distance = (distance >> 44) as u32;
-                shared.words.show_curve(distance, distance + 7);
+                shared.words.show_curve(distance, (distance + 7) as u16);
                 shared.words.show_points(&[Position::from_bits(i64::from(distance) << 44)]);
             }
             if shown.is_some() { shared.clock.pass() } else { shared.clock.rest() }

@@ -1,0 +1,358 @@
+//! The memory of curves ([`super::curves`]): a slot has what a line has, and what an arc or a polynomial has beside it is
+//! a part of its own.
+//!
+//! Where there is memory for it, each slot has room for a part behind it. In a small build a part takes the slot before
+//! its curve: a line takes one slot, any other curve two. The end of a slot is left to it then, and says that it is the
+//! slot of a part. Before the first slot of the ring there is one more, so that the part of a curve is always the slot
+//! before: a curve in the first one has its part there, and leaves out the last one.
+#![allow(unsafe_code)]
+use crate::machine::functions;
+use crate::path::{Arc, Bent, Bounds, Linear, Shape, add_cubic, add_poly};
+use crate::quantity::{Distance, Position};
+use core::cell::UnsafeCell;
+use core::mem::{MaybeUninit, offset_of};
+
+/// Whether each slot has a part behind it.
+pub(super) const IS_WHOLE: bool = !functions::IS_SMALL;
+
+/// Parts behind a slot.
+const WHOLE: usize = if IS_WHOLE { 1 } else { 0 };
+
+/// Most slots of a curve.
+pub(super) const MOST: usize = 2 - WHOLE;
+
+/// Slots before the first one of the ring.
+pub(super) const BEFORE: usize = MOST - 1;
+
+/// What the ring has of a line, and of every other curve too. Where it starts is in the ring as well:
+/// [`super::CurveProducer::start`].
+#[derive(Clone, Copy, Debug)]
+#[repr(C)]
+pub struct Segment<const AXES: usize> {
+    length: i64,
+    gain: [i64; AXES],
+    base: [Position; AXES],
+    /// Programmed N number.
+    pub n: u32,
+    /// The lower half of the number of its motion block: [`whole`].
+    block: u16,
+    unused: u8,
+    /// Shift, and above it the kind; or [`PART`].
+    form: u8,
+}
+
+/// Of what kind a curve is, above the bits of its shift.
+const KIND: u8 = 0xC0;
+const LINE: u8 = 0;
+const ARC: u8 = 0x40;
+const CUBIC: u8 = 0x80;
+const POLY: u8 = 0xC0;
+/// It is the slot of a part: no shift is as large.
+const PART: u8 = 0x3F;
+
+/// The number of a motion block from its lower half and a later number, less than 2^16 behind it.
+pub(super) const fn whole(latest: u32, lower: u16) -> u32 {
+    latest.wrapping_sub((latest as u16).wrapping_sub(lower) as u32)
+}
+
+/// Coefficients of a polynomial and their exponents.
+#[derive(Clone, Copy)]
+#[repr(C)]
+struct Poly<const AXES: usize> {
+    power: [[i32; 4]; AXES],
+    down: [u8; AXES],
+}
+
+/// Room for what any curve has beside a line.
+#[repr(C)]
+union Part<const AXES: usize> {
+    arc: Arc,
+    poly: Poly<AXES>,
+}
+
+/// Room for a curve.
+#[repr(C)]
+struct Cell<const AXES: usize> {
+    segment: Segment<AXES>,
+    part: [MaybeUninit<Part<AXES>>; WHOLE],
+}
+
+/// The slot of a curve.
+pub(super) struct Place<const AXES: usize>(UnsafeCell<Cell<AXES>>);
+
+// SAFETY: it is written only by the one planner, while the interrupt has not seen a start of its curve or has
+// given it back, and read only by the one interrupt in between, or by the planner itself; starts and the count of
+// curves left pass it with release and acquire.
+unsafe impl<const AXES: usize> Sync for Place<AXES> {}
+
+impl<const AXES: usize> Place<AXES> {
+    pub const fn blank() -> Self {
+        Self(UnsafeCell::new(Cell {
+            segment: Segment::BLANK,
+            part: [const { MaybeUninit::uninit() }; WHOLE],
+        }))
+    }
+
+    /// It has no curve yet.
+    pub const fn clear(&mut self) {
+        self.0.get_mut().segment.block = 0;
+    }
+
+    /// What a line has.
+    ///
+    /// # Safety
+    /// Nobody writes it as long as this is in use.
+    #[inline(always)]
+    const unsafe fn segment(&self) -> &Segment<AXES> {
+        // SAFETY: the caller says so.
+        unsafe { &(*self.0.get()).segment }
+    }
+
+    /// The lower half of the number of its motion block.
+    ///
+    /// # Safety
+    /// Nobody writes it meanwhile.
+    pub const unsafe fn block(&self) -> u16 {
+        // SAFETY: the caller says so. The rest of the slot may be a part.
+        unsafe { (*self.0.get()).segment.block }
+    }
+
+    /// That becomes another one: of a curve taken back.
+    ///
+    /// # Safety
+    /// Nobody reads or writes it meanwhile.
+    pub const unsafe fn set_block(&self, block: u16) {
+        // SAFETY: the caller says so.
+        unsafe { (*self.0.get()).segment.block = block }
+    }
+
+    /// Whether it is that of a part.
+    ///
+    /// # Safety
+    /// Nobody writes it meanwhile.
+    #[inline(always)]
+    pub const unsafe fn is_part(&self) -> bool {
+        // SAFETY: the caller says so. The rest of the slot may be anything.
+        !IS_WHOLE && unsafe { (*self.0.get()).segment.form } == PART
+    }
+}
+
+/// Where the part is of the curve in a slot.
+#[inline(always)]
+const fn part_of<const AXES: usize>(place: *const Place<AXES>) -> *const u32 {
+    if IS_WHOLE {
+        place.wrapping_byte_add(size_of::<Segment<AXES>>()).cast()
+    } else {
+        place.wrapping_sub(1).cast()
+    }
+}
+
+/// A curve in its slot.
+#[derive(Clone, Copy)]
+pub struct Track<'a, const AXES: usize> {
+    /// What a line has.
+    pub segment: &'a Segment<AXES>,
+    /// Its slot, with the right to read the one before.
+    place: *const Place<AXES>,
+}
+
+impl<'a, const AXES: usize> Track<'a, AXES> {
+    /// The curve in a slot.
+    ///
+    /// # Safety
+    /// [`write`] has put it in, and nobody writes it as long as this is in use.
+    #[inline(always)]
+    pub(super) const unsafe fn new(place: *const Place<AXES>) -> Self {
+        // SAFETY: the caller says so.
+        unsafe { Self { segment: (*place).segment(), place } }
+    }
+
+    /// Where its part is.
+    #[inline(always)]
+    const fn part<T>(&self) -> *const T {
+        part_of(self.place).cast()
+    }
+
+    /// What an arc has beside.
+    ///
+    /// # Safety
+    /// It is one.
+    #[inline(always)]
+    const unsafe fn arc(&self) -> &'a Arc {
+        // SAFETY: the caller says so.
+        unsafe { &*self.part() }
+    }
+
+    /// What a polynomial has beside.
+    ///
+    /// # Safety
+    /// It is one.
+    #[inline(always)]
+    const unsafe fn poly(&self) -> (&'a [[i32; 4]; AXES], &'a [u8; AXES]) {
+        // SAFETY: the caller says so.
+        let Poly { power, down } = unsafe { &*self.part() };
+        (power, down)
+    }
+
+    /// Position of every axis at a distance from its start, LSB 2^-44 mm: see [`Shape::at`]. Runs in the tick.
+    #[inline(always)]
+    pub fn at(&self, distance: i64, out: &mut [Position; AXES]) {
+        let Segment { base, form, .. } = self.segment;
+        let linear = self.segment.linear();
+        let w = linear.w(distance);
+        *out = *base;
+        if form & CUBIC != 0 {
+            // SAFETY: it is what its kind says.
+            return unsafe {
+                if form & KIND == POLY {
+                    add_poly(w, linear.gain, self.poly(), out);
+                } else {
+                    add_cubic(w, linear.gain, self.poly(), out);
+                }
+            };
+        }
+        if form & ARC != 0 {
+            // SAFETY: it is one.
+            unsafe { self.arc() }.add(w, out);
+        }
+        linear.add(w, out);
+    }
+
+    /// The same, not for the tick: as a call, so that the curve is not on the caller's stack.
+    #[inline(never)]
+    pub fn point(&self, distance: i64) -> [Position; AXES] {
+        self.shape().placed(distance, &self.segment.base)
+    }
+
+    /// Takes in how strongly a part of it bends ([`Shape::bend`]), as a call: the curve is not on the caller's stack.
+    #[inline(never)]
+    pub fn bend(&self, part: [i64; 2], bounds: &mut Bounds<AXES>) {
+        self.shape().bend(part, bounds);
+    }
+
+    /// Its curve.
+    #[inline(never)]
+    pub fn shape(&self) -> Shape<AXES> {
+        // SAFETY: it is what its kind says.
+        let bent = unsafe {
+            match self.segment.form & KIND {
+                LINE => Bent::Line,
+                ARC => Bent::Arc(self.arc()),
+                _ => {
+                    let (power, down) = self.poly();
+                    Bent::Poly(power, down)
+                }
+            }
+        };
+        Shape::of_parts(Distance::from_bits(self.segment.length()), self.segment.linear(), bent)
+    }
+}
+
+impl<const AXES: usize> Segment<AXES> {
+    const BLANK: Self =
+        Self { length: 0, gain: [0; AXES], base: [Position::ZERO; AXES], n: 0, block: 0, unused: 0, form: 0 };
+
+    /// Path length, LSB 2^-44 mm.
+    #[inline(always)]
+    pub const fn length(&self) -> i64 {
+        self.length
+    }
+
+    /// What the offsets of its points are added to.
+    pub const fn base(&self) -> &[Position; AXES] {
+        &self.base
+    }
+
+    /// The lower half of the number of its motion block, counted from 0 since program start.
+    #[inline(always)]
+    pub const fn block(&self) -> u16 {
+        self.block
+    }
+
+    /// Whether it is a line.
+    pub const fn is_line(&self) -> bool {
+        self.form & KIND == LINE
+    }
+
+    #[inline(always)]
+    const fn linear(&self) -> Linear<'_, AXES> {
+        Linear { gain: &self.gain, shift: self.form & !KIND }
+    }
+}
+
+/// How many slots a curve takes; `None` if it does not fit into so many.
+#[cfg_attr(feature = "fast", inline(always))]
+pub(super) fn slots<const AXES: usize>(shape: &Shape<AXES>) -> Option<usize> {
+    // An arc has two axes, with which it fits.
+    let fits = const {
+        let (poly, arc) = (size_of::<Poly<AXES>>(), size_of::<Arc>());
+        let room = offset_of!(Segment<AXES>, block);
+        assert!(poly <= room && (AXES < 2 || arc <= room), "the slot before has room");
+        arc <= room
+    };
+    match shape.bent() {
+        Bent::Line => Some(1),
+        Bent::Arc(_) if !IS_WHOLE && !fits => None,
+        _ => Some(MOST),
+    }
+}
+
+/// Puts a curve into a slot, and its part where parts are, with what its points are added to, its N number and its motion
+/// block. `part`: the slot that it leaves to a part, if it takes two.
+///
+/// # Safety
+/// Nobody else reads or writes the slot, that for a part, and the one before; pointers may be used for these.
+#[cfg_attr(feature = "fast", inline(always))]
+pub(super) unsafe fn write<const AXES: usize>(
+    place: *const Place<AXES>,
+    part: Option<&Place<AXES>>,
+    shape: &Shape<AXES>,
+    base: &[Position; AXES],
+    (n, block): (u32, u16),
+) {
+    let bent = shape.bent();
+    let kind = match bent {
+        Bent::Line => LINE,
+        Bent::Arc(_) => ARC,
+        Bent::Poly(power, _) if power.iter().all(|[_, _, c4, c5]| c4 | c5 == 0) => CUBIC,
+        Bent::Poly(..) => POLY,
+    };
+    let Linear { gain, shift } = shape.linear();
+    // SAFETY: nobody has the slots, says the caller.
+    unsafe {
+        (*(*place).0.get()).segment = Segment {
+            length: shape.length.to_bits(),
+            gain: *gain,
+            base: *base,
+            n,
+            block,
+            unused: 0,
+            form: shift & !KIND | kind,
+        };
+        if let Some(part) = part {
+            let segment = &raw mut (*part.0.get()).segment;
+            ((*segment).block, (*segment).form) = (block, PART);
+        }
+        if kind != LINE {
+            write_part::<AXES>(part_of(place).cast_mut(), bent);
+        }
+    }
+}
+
+/// Writes what comes to the linear part. Not inlined: lines would pay for it.
+///
+/// # Safety
+/// There is room for a part, and nobody reads or writes it.
+#[inline(never)]
+unsafe fn write_part<const AXES: usize>(part: *mut u32, bent: Bent<'_, AXES>) {
+    // SAFETY: the caller says so; slots and parts are aligned to words.
+    unsafe {
+        match bent {
+            Bent::Line => {}
+            Bent::Arc(arc) => *part.cast::<Arc>() = *arc,
+            Bent::Poly(power, down) => {
+                *part.cast::<Poly<AXES>>() = Poly { power: *power, down: *down };
+            }
+        }
+    }
+}
