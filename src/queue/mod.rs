@@ -17,7 +17,7 @@ pub use actions::{Actions, Lag, Outlet, Scheduler};
 pub use clock::Clock;
 pub use curves::{CurveConsumer, CurveProducer, CurveRing, MAX_CURVES_PER_TICK};
 pub use overlay::{OVERLAY_PHASES, Overlay, OverlayReceiver, OverlaySender, fine, overlay_ends, set_point};
-pub use reserve::{Keeper, Reserve, STOP_PIECES, Taker};
+pub use reserve::{Keeper, Reserve, STOP_PIECES, Taker, WAY_PIECES};
 pub use ring::{Consumer, Gauge, Producer, Ring, Slot};
 pub use status::{Display, Snapshot, Words};
 pub use time::{Change, Cut, NotNow, Pieces, Timeline, TooLate, renew};

@@ -13,9 +13,9 @@ use crate::machine::functions;
 
 /// Pieces of both ways together, a power of two. Usual ways have twenty at most; those through a whole chain of knees,
 /// or of long ramps at short cycles, have more.
-pub const STOP_PIECES: usize = if functions::IS_SMALL { 128 } else { 256 };
+pub const STOP_PIECES: usize = if functions::IS_SMALL { 64 } else { 256 };
 /// Pieces of a way, with the one that ends it.
-const WAY_PIECES: u32 = STOP_PIECES as u32 / 2;
+pub const WAY_PIECES: u32 = STOP_PIECES as u32 / 2;
 const MASK: u32 = STOP_PIECES as u32 - 1;
 
 /// Static memory of the ways.
