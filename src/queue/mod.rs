@@ -35,8 +35,8 @@ pub const SEGMENTS: usize = if functions::IS_SMALL { 32 } else { 48 };
 /// Pieces of time handed over. A block takes seven at most, a short one two or three.
 pub const PHASES: usize = if functions::IS_SMALL { 64 } else { 128 };
 
-/// Events handed over.
-pub const EVENTS: usize = 32;
+/// Events handed over, or still to be.
+pub const EVENTS: usize = if functions::IS_SMALL { 16 } else { 32 };
 
 /// Something that is due at a point of the motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
