@@ -75,7 +75,7 @@ fn run(program: &str, machine: &MachineData<3>, from: usize, stall: usize) -> Ru
             Progress::Slower => slowed += 1,
             _ => {}
         }
-        assert!(points.len() < 100_000, "it does not end");
+        assert!(points.len() < 1_000_000, "it does not end");
     }
     let second = points.windows(3).flat_map(|w| [0, 1, 2].map(|k| (w[2][k] - 2.0 * w[1][k] + w[0][k]).abs()));
     let cycle = f64::from(machine.channel.cycle_us) * 1e-6;
@@ -101,11 +101,11 @@ fn a_planner_without_time_leaves_a_motion_inside_its_limits() {
     }
 }
 
-/// At 0.1 ms a way from the speed of this line has more pieces than there is room for.
+/// Ramps of two seconds at 0.1 ms: a way from the speed of this line has more pieces than there is room for.
 #[test]
 fn a_way_without_room_makes_the_motion_slower() {
-    const RAMP_US: u32 = 400_000;
-    const STAND: usize = 20_000;
+    const RAMP_US: u32 = 2_000_000;
+    const STAND: usize = 40_000;
     let mut slow = machine(1);
     slow.channel.cycle_us = 100;
     for axis in &mut slow.axes {
@@ -113,15 +113,15 @@ fn a_way_without_room_makes_the_motion_slower() {
         (axis.tr_beschl_ab, axis.tr_beschl_zu, axis.tr_grenz) = (RAMP_US, RAMP_US, RAMP_US);
         (axis.tr_brems_ab, axis.tr_brems_zu, axis.tr_min) = (RAMP_US, RAMP_US, RAMP_US);
     }
-    let program = "G01 X600 F60000\nX601 Y2\nM30\n";
+    let program = "G01 X2000 F60000\nX2001 Y2\nM30\n";
     let plain = run(program, &slow, usize::MAX - STAND, STAND);
-    assert_eq!((plain.slowed, plain.stood), (1, 0));
-    // With room it takes 15,727 ticks: it is slower, and no crawl.
-    assert!((16_000..32_000).contains(&plain.ticks), "{}", plain.ticks);
-    for from in (2..plain.ticks).step_by(1499) {
+    assert_eq!(plain.slowed, 1);
+    // With room it takes 39,829 ticks: it is slower, and no crawl.
+    assert!((40_000..120_000).contains(&plain.ticks), "{}", plain.ticks);
+    for from in (2..plain.ticks).step_by(2999) {
         let Run { most, at, stood, .. } = run(program, &slow, from, STAND);
         assert!(most <= f64::from(ACCELERATION) * 1.001, "tick {from}: {most} mm/s²");
-        assert!((at[0] - 601.0).abs() < 1e-6 && (at[1] - 2.0).abs() < 1e-6, "tick {from}: {at:?}");
-        assert!(stood <= 1, "tick {from}: {stood}");
+        assert!((at[0] - 2001.0).abs() < 1e-6 && (at[1] - 2.0).abs() < 1e-6, "tick {from}: {at:?}");
+        assert!(stood <= plain.stood + 1, "tick {from}: {stood}");
     }
 }
