@@ -33,7 +33,7 @@ use crate::technology::Action;
 /// blocks at least. Each takes the room of a curve in the channel, beside those of the look-ahead.
 pub const SEGMENTS: usize = if functions::IS_SMALL { 32 } else { 48 };
 /// Pieces of time handed over. A block takes seven at most, a short one two or three.
-pub const PHASES: usize = if functions::IS_SMALL { 64 } else { 128 };
+pub const PHASES: usize = if functions::IS_SMALL { 32 } else { 128 };
 
 /// Events handed over, or still to be.
 pub const EVENTS: usize = if functions::IS_SMALL { 16 } else { 32 };
