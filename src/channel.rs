@@ -551,8 +551,11 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         if self.planning.output(n, function, synch, in_motion).is_err() {
             // Motion and acknowledgements make room: let all of it run.
             self.held = Some(held);
-            self.planning.rest(0);
-            return Progress::Waiting;
+            return if self.planning.make_room() == Work::Waiting {
+                Progress::Waiting
+            } else {
+                Progress::Working
+            };
         }
         Progress::Working
     }

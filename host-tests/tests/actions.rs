@@ -415,6 +415,25 @@ fn more_functions_than_can_be_open() {
     assert_eq!(run.end(), mm([300, 1, 0]));
 }
 
+/// Where functions have no room the look-ahead reaches less far: the motion goes on, and no function is lost.
+#[test]
+fn functions_without_room_do_not_stop_the_motion() {
+    let mut text = String::from("G01 F6000\n");
+    for k in 1..=1000 {
+        text += &format!("X{}.{} F{} M{}\n", k / 10, k % 10, 6000 + k % 2, 100 + k % 800);
+    }
+    text += "M30\n";
+    let machine = machine(1);
+    for polls in [12, 1000] {
+        let run = run(&text, &Case { machine: &machine, delay: None, acts: &[], polls });
+        keeps_limits(&run, &machine, &text);
+        let functions: Vec<_> = run.outputs.iter().map(|(_, output)| output.function).collect();
+        assert_eq!(functions, (1..=1000).map(|k| Function::M(100 + k % 800)).collect::<Vec<_>>());
+        assert_eq!(run.end(), mm([100, 0, 0]));
+        assert!(run.distances.len() < 8_000, "{polls} polls: {} ticks", run.distances.len());
+    }
+}
+
 const TRACK: &str = "%c\nN100 #CONTOUR MODE [DEV PATH_DEV=1 INTER_ACTION]\nN110 G01 X12 G61 F6000 M25\nN120 Y12 M25\nN130 X20 Y13 M26\n\
     N140 G04 X0.05\nN150 G261 X30 M27\nN160 Y0 M3\nN170 G02 X40 Y0 I5 J0 M27\nN180 G260 G01 X50 M25\nM30\n";
 

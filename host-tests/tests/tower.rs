@@ -11,7 +11,7 @@ const TOWER: [(&str, &str); 20] = [
     ("technology", "quantity"),
     ("nc", "math quantity machine"),
     ("path", "math quantity machine nc"),
-    ("control", "technology"),
+    ("control", "machine technology"),
     ("queue", "math quantity machine technology path control"),
     ("fir", "math quantity machine nc queue"),
     ("slope", "math quantity queue"),

@@ -12,11 +12,12 @@
 //! changed from what it was known to be: that would need a compare-and-swap, which small cores do not have.
 //!
 //! Places are used in turn, and a place is given no ticket that its other words still hold.
+use crate::machine::functions;
 use crate::technology::{Function, Ticket};
 use core::sync::atomic::{AtomicU32, Ordering};
 
 /// Acknowledgements open at a time, from reading the program on.
-pub(crate) const OPEN: usize = 32;
+pub(crate) const OPEN: usize = if functions::IS_SMALL { 16 } else { 32 };
 
 const FREE: u32 = 0;
 
@@ -102,7 +103,7 @@ pub(crate) struct Acknowledgements {
 
 impl Acknowledgements {
     pub const fn new() -> Self {
-        const { assert!(OPEN == 32, "a bit each in u32, five bits of index") };
+        const { assert!(OPEN.is_power_of_two() && OPEN <= 32, "a bit each in u32, five bits of index") };
         Self { places: [const { Place::free() }; OPEN], next: AtomicU32::new(0) }
     }
 

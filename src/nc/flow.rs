@@ -9,8 +9,8 @@ use heapless::Vec;
 pub const NESTING: usize = functions::EXPRESSIONS.room(20);
 /// Subroutine calls that may be open at the same time: 10; 6 in a build for little memory.
 pub const CALL_DEPTH: usize = if functions::IS_SMALL { 6 } else { 10 };
-/// Local subroutines in all files of a program: 64; 32 in a build for little memory.
-pub const SUBROUTINES: usize = if functions::IS_SMALL { 32 } else { 64 };
+/// Local subroutines in all files of a program: 64; 16 in a build for little memory.
+pub const SUBROUTINES: usize = if functions::IS_SMALL { 16 } else { 64 };
 
 /// Kinds of control blocks, with what is needed to go on.
 #[derive(Clone, Copy)]

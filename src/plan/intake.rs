@@ -533,7 +533,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
     /// programmed together with a motion. Only after [`super::Work::Hungry`].
     ///
     /// # Errors
-    /// The function back, if there is no room: [`Self::rest`], and again when there is.
+    /// The function back, if there is no room: [`Self::make_room`], and again when there is.
     pub fn output(
         &mut self,
         n: u32,

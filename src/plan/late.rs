@@ -1,9 +1,12 @@
-//! Program text that comes late.
+//! Program text that comes late, and functions that have no room.
 //!
 //! What has been taken in waits in the look-ahead for what follows. When the queue runs low, it is handed on
 //! as it is, a quarter at a time, planned down to a standstill at its end like every plan. So the motion
 //! slows down on its slope as the way known ahead of it gets shorter, gains speed when blocks come, and
 //! stands at the end of the last one if none does.
+//!
+//! Where the next function has no room, what has been taken in is handed on in the same way: the interrupt comes to
+//! the functions before it. A standstill makes room only where nothing is left to be handed on.
 //!
 //! A planner that does not keep up hands on in the same way, before it is done with the next block: where
 //! what is in the queue ends at speed and has run low while blocks are being taken in. A planner that keeps
@@ -68,5 +71,18 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         }
         self.stand();
         Work::Starved
+    }
+
+    /// Makes room for a function. Only after [`Work::Hungry`].
+    pub fn make_room(&mut self) -> Work {
+        let left = self.frontier.end.wrapping_sub(self.queue.clock.now());
+        if left > clock::TICK * LOW {
+            return self.wait_a_while();
+        }
+        if self.lookahead.ring.is_empty() {
+            self.rest(0);
+            return Work::Waiting;
+        }
+        self.begin_pass()
     }
 }

@@ -298,8 +298,8 @@ fn filled<T>(memory: &mut MaybeUninit<T>, make: impl FnOnce() -> T) -> &mut T {
     memory.write(make())
 }
 
-/// Pieces of time per call.
-const PIECES: u32 = 8;
+/// Pieces of time per call. The queue of a small build has a quarter of the room: fewer at once fill more of it.
+const PIECES: u32 = if crate::machine::functions::IS_SMALL { 4 } else { 8 };
 
 /// Pieces that the queue has room for at any time, for a new law in place of one that is already there.
 const RESERVE: u32 = PIECES + 2;

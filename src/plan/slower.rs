@@ -15,7 +15,7 @@ use super::{Brake, Instant, PIECES, Planning, RESERVE, RingStage, Speed, clock};
 use crate::math::float::{max, min};
 use crate::math::root::sqrt_f32;
 use crate::quantity::{speed_bits, speed_f32};
-use crate::queue::PHASES;
+use crate::queue::{PHASES, WAY_PIECES};
 
 /// The next try is at so much of the speed.
 const PART: f32 = 0.7;
@@ -23,8 +23,9 @@ const PART: f32 = 0.7;
 /// whatever comes behind it, and hardly gets shorter.
 const LEAST_PART: f32 = 1.0 / 4.0;
 
-/// A way of fewer pieces lets the speed rise until it would have so many: they grow with its square.
-const FULL: f32 = 100.0;
+/// A way of fewer pieces lets the speed rise until it would have so many, three quarters of those there is room for:
+/// they grow with its square.
+const FULL: f32 = WAY_PIECES as f32 * (100.0 / 128.0);
 
 /// No speed is lower: an LSB of the path distance per tick, mm. It is a standstill. From [`MOST`] on there is no
 /// cap: nothing is faster.

@@ -19,7 +19,7 @@ pub use cells::{Segment, Track};
 pub use clock::Clock;
 pub use curves::{CurveConsumer, CurveProducer, CurveRing, MAX_CURVES_PER_TICK};
 pub use overlay::{OVERLAY_PHASES, Overlay, OverlayReceiver, OverlaySender, fine, overlay_ends, set_point};
-pub use reserve::{Keeper, Reserve, STOP_PIECES, Taker};
+pub use reserve::{Keeper, Reserve, STOP_PIECES, Taker, WAY_PIECES};
 pub use ring::{Consumer, Gauge, Producer, Ring, Slot};
 pub use status::{Display, Snapshot, Words};
 pub use time::{Change, Cut, NotNow, Pieces, Timeline, TooLate, renew};
@@ -35,10 +35,10 @@ use crate::technology::Action;
 /// arc or a polynomial counts as two.
 pub const SEGMENTS: usize = if functions::IS_SMALL { 34 } else { 48 };
 /// Pieces of time handed over. A block takes seven at most, a short one two or three.
-pub const PHASES: usize = if functions::IS_SMALL { 64 } else { 128 };
+pub const PHASES: usize = if functions::IS_SMALL { 32 } else { 128 };
 
-/// Events handed over.
-pub const EVENTS: usize = 32;
+/// Events handed over, or still to be.
+pub const EVENTS: usize = if functions::IS_SMALL { 16 } else { 32 };
 
 /// Something that is due at a point of the motion.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -5,18 +5,75 @@
 //! no ticks, and has half of the array. So there is room for the next one whatever the one in force is. The
 //! interrupt reads only the way in force, and only once it has left the queue for it; from then on until it is
 //! let go nothing is written. While one way takes the place of the other both are left alone.
+//!
+//! A part of a law has many pieces where ramps are long and ticks short: one that goes on as the one before it ended,
+//! but for rounding, is kept as that rounding, four of them in the place of a whole one ([`change`]). What is taken
+//! out is what was put in, bit by bit.
 #![allow(unsafe_code)]
 use super::clock::Kept;
 use super::word::{Memory, Place, Ram, Replay};
-use super::{Clock, Phase};
+use super::{Clock, Phase, Slot};
 use crate::machine::functions;
+use crate::quantity::{Accel, Distance, Jerk, Speed};
 
-/// Pieces of both ways together, a power of two. Usual ways have twenty at most; those through a whole chain of knees,
-/// or of long ramps at short cycles, have more.
-pub const STOP_PIECES: usize = if functions::IS_SMALL { 128 } else { 256 };
-/// Pieces of a way, with the one that ends it.
-const WAY_PIECES: u32 = STOP_PIECES as u32 / 2;
+/// Places of both ways together, a power of two: each for a piece, or for four that go on. Usual ways have twenty pieces at
+/// most; those through a whole chain of knees, or of long ramps at short cycles, have more.
+pub const STOP_PIECES: usize = if functions::IS_SMALL { 64 } else { 256 };
+/// Places of a way, with the one that ends it.
+pub const WAY_PIECES: u32 = STOP_PIECES as u32 / 2;
 const MASK: u32 = STOP_PIECES as u32 - 1;
+
+/// Pieces that go on in the place of a whole one.
+const CHANGES: usize = 4;
+
+/// Bits of a change: ticks, path distance, half the acceleration; the other 26 are the speed's.
+const TICKS: u32 = 10;
+const PARTS: u32 = 14;
+const ONES: i64 = (1 << PARTS) - 1;
+
+/// How `piece` differs from where the one before it ends, if it has the same jerk: a word that is not zero. `None`: by
+/// more than rounding. At constant speed a piece is so long that it has a place of its own.
+fn change(ends: &Phase, piece: &Phase) -> Option<i64> {
+    let Phase { distance, speed, half_accel, sixth_jerk, ticks } = *piece;
+    let distance = distance.to_bits().wrapping_sub(ends.distance.to_bits());
+    let half = half_accel.to_bits().wrapping_sub(ends.half_accel.to_bits());
+    let speed = speed.to_bits().wrapping_sub(ends.speed.to_bits());
+    let change = speed << (TICKS + 2 * PARTS)
+        | (half & ONES) << (TICKS + PARTS)
+        | (distance & ONES) << TICKS
+        | i64::from(ticks);
+    let goes_on =
+        half_accel.to_bits() | sixth_jerk.to_bits() != 0 && sixth_jerk.to_bits() == ends.sixth_jerk.to_bits();
+    let is_whole = parts(change) == (distance, half, speed, ticks) && ticks > 0;
+    (goes_on && is_whole).then_some(change)
+}
+
+/// What a change is made of: path distance, half the acceleration, speed, ticks.
+const fn parts(change: i64) -> (i64, i64, i64, u16) {
+    const UP: u32 = 64 - PARTS;
+    let ticks = change & ((1 << TICKS) - 1);
+    (
+        change << (UP - TICKS) >> UP,
+        change << (UP - TICKS - PARTS) >> UP,
+        change >> (TICKS + 2 * PARTS),
+        ticks as u16,
+    )
+}
+
+fn put_change(place: &mut Phase, number: usize, change: i64) {
+    match number {
+        0 => place.distance = Distance::from_bits(change),
+        1 => place.speed = Speed::from_bits(change),
+        2 => place.half_accel = Accel::from_bits(change),
+        _ => place.sixth_jerk = Jerk::from_bits(change),
+    }
+}
+
+/// The pieces that go on, in the place of a whole one of no ticks.
+fn changes(place: &Phase) -> [i64; CHANGES] {
+    let Phase { distance, speed, half_accel, sixth_jerk, .. } = *place;
+    [distance.to_bits(), speed.to_bits(), half_accel.to_bits(), sixth_jerk.to_bits()]
+}
 
 /// Static memory of the ways.
 pub struct Reserve<M: Memory = Ram> {
@@ -33,9 +90,11 @@ pub struct Keeper<'a, M: Memory = Ram> {
     /// The way in force: its first piece and how many there are.
     first: u32,
     count: u32,
-    /// The same of the one that is being written.
+    /// The same of the one that is being written, its last piece, and how many go on in the place of that.
     start: u32,
     written: u32,
+    last: Phase,
+    changes: usize,
     /// Where the clock has the one in force.
     kept: Option<Kept>,
     /// The piece of the last cut that the interrupt has taken or will take.
@@ -46,6 +105,8 @@ pub struct Keeper<'a, M: Memory = Ram> {
 pub struct Taker<'a, M: Memory = Ram> {
     reserve: &'a Reserve<M>,
     next: u32,
+    /// Which one of those that go on in that place.
+    change: usize,
 }
 
 impl<M: Memory> Reserve<M> {
@@ -57,8 +118,11 @@ impl<M: Memory> Reserve<M> {
 
     /// Both ends.
     pub fn split(&mut self) -> (Keeper<'_, M>, Taker<'_, M>) {
-        let keeper = Keeper { reserve: self, first: 0, count: 0, start: 0, written: 0, kept: None, cut: 0 };
-        (keeper, Taker { reserve: self, next: 0 })
+        let (first, count, start, written, cut) = (0, 0, 0, 0, 0);
+        let last = Phase::BLANK;
+        let keeper =
+            Keeper { reserve: self, first, count, start, written, last, changes: 0, kept: None, cut };
+        (keeper, Taker { reserve: self, next: 0, change: 0 })
     }
 
     fn piece(&self, number: u32) -> &M::Place<Phase> {
@@ -75,8 +139,9 @@ impl<M: Replay> Clone for Keeper<'_, M> {
 
 impl<M: Replay> Keeper<'_, M> {
     /// All that it remembers.
-    pub const fn key(&self) -> ([u32; 5], Option<Kept>) {
-        ([self.first, self.count, self.start, self.written, self.cut], self.kept)
+    pub fn key(&self) -> ([u32; 5], (i64, u16, usize), Option<Kept>) {
+        let numbers = [self.first, self.count, self.start, self.written, self.cut];
+        (numbers, (self.last.distance.to_bits(), self.last.ticks, self.changes), self.kept)
     }
 }
 
@@ -90,17 +155,37 @@ impl<M: Memory> Keeper<'_, M> {
     /// Begins a new way. Not while the interrupt is on the one in force.
     pub const fn begin(&mut self) {
         self.start = self.first.wrapping_add(self.count);
-        self.written = 0;
+        (self.written, self.last, self.changes) = (0, Phase::BLANK, CHANGES);
     }
 
     /// Its next piece; one of no ticks ends it. `false` if there is no room.
     pub fn push(&mut self, piece: Phase) -> bool {
+        let mut ends = self.last;
+        ends.advance(ends.ticks);
+        let change = change(&ends, &piece).filter(|_| self.written > 0);
+        if let Some(change) = change
+            && self.changes < CHANGES
+        {
+            let number = self.start.wrapping_add(self.written).wrapping_sub(1);
+            // SAFETY: outside of the way in force: the interrupt does not look at it.
+            unsafe { self.reserve.piece(number).write(|place| put_change(place, self.changes, change)) };
+            (self.last, self.changes) = (piece, self.changes + 1);
+            return true;
+        }
         if self.written >= WAY_PIECES {
             return false;
         }
         let number = self.start.wrapping_add(self.written);
-        // SAFETY: outside of the way in force: the interrupt does not look at it.
-        unsafe { self.reserve.piece(number).write(|place| *place = piece) };
+        let put = |place: &mut Phase| {
+            *place = piece;
+            if let Some(change) = change {
+                *place = Phase::BLANK;
+                put_change(place, 0, change);
+            }
+        };
+        // SAFETY: the same.
+        unsafe { self.reserve.piece(number).write(put) };
+        (self.last, self.changes) = (piece, if change.is_some() { 1 } else { CHANGES });
         self.written += 1;
         true
     }
@@ -125,7 +210,7 @@ impl<M: Memory> Keeper<'_, M> {
         }
     }
 
-    /// Pieces of the way that is being written.
+    /// Places of the way that is being written.
     pub const fn written(&self) -> u32 {
         self.written
     }
@@ -146,28 +231,48 @@ impl<M: Memory> Keeper<'_, M> {
 }
 
 impl<M: Memory> Taker<'_, M> {
-    /// The number of the next piece.
-    pub const fn next(&self) -> u32 {
-        self.next
+    /// The number of the place of the next piece, and which of those in it it is.
+    pub const fn next(&self) -> (u32, usize) {
+        (self.next, self.change)
     }
 
     /// At the first piece of the way in force.
     pub const fn begin(&mut self, first: u32) {
-        self.next = first;
+        (self.next, self.change) = (first, 0);
     }
 
-    /// Its next piece into `piece`; `false` at its end.
+    /// Its next piece into `piece`, which is the one before it; `false` at its end.
     pub fn take_into(&mut self, piece: &mut Phase) -> bool {
+        let Self { reserve, next, change } = self;
         // SAFETY: of the way in force, up to the piece that ends it; the planner leaves it alone.
-        let is_piece = unsafe {
-            self.reserve.piece(self.next).read(|next| {
-                if next.ticks > 0 {
-                    *piece = *next;
+        let (is_whole, is_last, by) = unsafe {
+            reserve.piece(*next).read(|place| {
+                if place.ticks > 0 {
+                    *piece = *place;
+                    return (true, true, 0);
                 }
-                next.ticks > 0
+                let changes = changes(place);
+                let by = changes.get(*change).copied().unwrap_or(0);
+                (false, changes.get(*change + 1).is_none_or(|behind| *behind == 0), by)
             })
         };
-        self.next = self.next.wrapping_add(u32::from(is_piece));
-        is_piece
+        if !is_whole {
+            if by == 0 {
+                return false;
+            }
+            go_on(piece, by);
+        }
+        (*next, *change) = if is_last { (next.wrapping_add(1), 0) } else { (*next, *change + 1) };
+        true
     }
+}
+
+/// The piece behind `piece`.
+fn go_on(piece: &mut Phase, change: i64) {
+    let (distance, half, speed, ticks) = parts(change);
+    piece.advance(piece.ticks);
+    piece.distance = Distance::from_bits(piece.distance.to_bits().wrapping_add(distance));
+    piece.half_accel = Accel::from_bits(piece.half_accel.to_bits().wrapping_add(half));
+    piece.speed = Speed::from_bits(piece.speed.to_bits().wrapping_add(speed));
+    piece.ticks = ticks;
 }

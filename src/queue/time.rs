@@ -188,8 +188,8 @@ impl<M: Replay> Clone for Timeline<'_, M> {
 
 impl<M: Replay> Timeline<'_, M> {
     /// All that it remembers from one tick to the next.
-    pub const fn key(&self) -> (Phase, u16, bool, [u32; 2]) {
-        (self.phase, self.done, self.stops, [self.reserve.next(), self.cut])
+    pub const fn key(&self) -> (Phase, u16, bool, ((u32, usize), u32)) {
+        (self.phase, self.done, self.stops, (self.reserve.next(), self.cut))
     }
 }
 

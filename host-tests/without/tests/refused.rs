@@ -125,7 +125,7 @@ fn a_build_for_little_memory_names_its_limits() {
     let words = ["N1", "G01", "G90", "G17", "F2000", "X1", "Y0", "Z0"];
     let continued = |lines: usize| words[..=lines].join(" \\\n") + "\n";
     for (fits, exceeds, message) in [
-        (subroutines(32), subroutines(33), "too many local subroutines: expected at most 32"),
+        (subroutines(16), subroutines(17), "too many local subroutines: expected at most 16"),
         (line(244), line(245), "line too long: expected at most 256 bytes"),
         (nested(6), nested(7), "subroutine calls too deep: expected at most 6"),
         (continued(6), continued(7), "too many continuation lines: expected at most 6"),
