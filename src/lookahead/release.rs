@@ -1,5 +1,5 @@
 //! What leaves the ring: the span at its front, whole.
-use super::block::{Block, Marks};
+use super::block::{AnchorMarks, Block, Marks};
 use super::ease::Ease;
 use super::law;
 use super::planned::Planned;
@@ -28,12 +28,8 @@ pub struct ReleasedSpan {
     pub v_out: Speed,
     /// Whether all blocks keep their limits with these speeds.
     pub checked: Checked,
-    /// How the path turns where it begins.
-    pub turns: Turns,
-    /// Whether acceleration inside it is bought with speed.
-    pub trades: Trades,
-    /// Whether it is rapid motion; `None` where some of it is.
-    pub rapid: Option<bool>,
+    /// How the path turns, and what its blocks have in common.
+    pub course: Course,
     /// How its speed follows the override: of its blocks the fastest.
     pub override_range: OverrideRange,
     /// The block behind it.
@@ -44,42 +40,71 @@ pub struct ReleasedSpan {
     pub level: f32,
 }
 
-/// Whether all blocks of a span keep their limits with the speeds at its ends. Otherwise they do as long as it is
-/// no faster than the faster one of its lowest speed and the one at its start.
+/// Whether all blocks of a span keep their limits with the speeds at its ends: as it is, and as it was released.
+/// Otherwise they do as long as it is no faster than the faster one of its lowest speed and the one at its start.
 #[derive(Clone, Copy, Debug)]
-pub struct Checked {
+pub struct Checked(u8);
+
+impl Checked {
+    const NOW: u8 = 1;
+    const RELEASED: u8 = 2;
+
     /// As it is.
-    pub now: bool,
+    pub const fn now(self) -> bool {
+        self.0 & Self::NOW != 0
+    }
+
     /// As it was released.
-    pub released: bool,
+    pub const fn released(self) -> bool {
+        self.0 & Self::RELEASED != 0
+    }
+
+    /// It is as it was released, `now` or not.
+    const fn at_release(now: bool) -> Self {
+        Self(if now { Self::NOW | Self::RELEASED } else { 0 })
+    }
+
+    /// It is not known to be so as it is.
+    pub const fn lose(&mut self) {
+        self.0 &= Self::RELEASED;
+    }
+
+    /// It is as it was released again.
+    pub const fn restore(&mut self) {
+        *self = Self::at_release(self.released());
+    }
 }
 
-/// Whether acceleration is bought with speed: v + a²/2j is at most the speed of the limits.
+/// How the path turns at transitions of a span, and what its blocks have in common. In one byte: there are many spans.
 #[derive(Clone, Copy, Debug)]
-pub struct Trades {
-    /// In all of a span.
-    pub all: bool,
-    /// In some of its blocks; or little more than that.
-    pub some: bool,
-}
+pub struct Course(u8);
 
-/// How the path turns at transitions of a span. In one byte: there are many spans.
-#[derive(Clone, Copy, Debug)]
-pub struct Turns(u8);
-
-impl Turns {
+impl Course {
     const SMOOTH: u8 = 1;
     const KNEES: u8 = 2;
     const PASSING: u8 = 4;
+    const TRADES: u8 = 16;
+    const BOUGHT: u8 = 32;
+    const RAPID: u8 = 64;
+    const FEED: u8 = 128;
 
-    const fn new(smooth: bool, knees: bool, passing: Passing) -> Self {
-        let marks = (smooth as u8 * Self::SMOOTH) | (knees as u8 * Self::KNEES);
-        Self(marks | (passing.number() * Self::PASSING))
+    /// Of a span that begins with the block `first`; of its blocks the marks of any, and of all.
+    fn new(first: &Block, any: AnchorMarks, all: AnchorMarks) -> Self {
+        let marks = [
+            (first.is(Marks::SMOOTH), Self::SMOOTH),
+            (any.has_knee(), Self::KNEES),
+            (first.trades(), Self::TRADES),
+            (any.is_bought(), Self::BOUGHT),
+            (any.is_rapid(), Self::RAPID),
+            (!all.is_rapid(), Self::FEED),
+        ];
+        let marks = marks.into_iter().fold(0, |all, (on, mark)| if on { all | mark } else { all });
+        Self(marks | (first.joint.passing().number() * Self::PASSING))
     }
 
     /// The part of a deceleration that passes its start, where one does.
     pub fn passing(self) -> f32 {
-        Passing::numbered(self.0 / Self::PASSING).part()
+        Passing::numbered(self.0 / Self::PASSING & 3).part()
     }
 
     /// Whether a deceleration may pass its start.
@@ -90,6 +115,25 @@ impl Turns {
     /// Whether a transition has its part of the limits at the start of one of its blocks, at least.
     pub const fn has_knees(self) -> bool {
         self.0 & Self::KNEES != 0
+    }
+
+    /// Whether acceleration is bought with speed in all of it: v + a²/2j is at most the speed of the limits.
+    pub const fn trades(self) -> bool {
+        self.0 & Self::TRADES != 0
+    }
+
+    /// The same in some of its blocks; or little more than that.
+    pub const fn trades_somewhere(self) -> bool {
+        self.0 & Self::BOUGHT != 0
+    }
+
+    /// Whether it is rapid motion; `None` where some of it is.
+    pub const fn rapid(self) -> Option<bool> {
+        match self.0 & (Self::RAPID | Self::FEED) {
+            Self::RAPID => Some(true),
+            Self::FEED | 0 => Some(false),
+            _ => None,
+        }
     }
 }
 
@@ -135,11 +179,8 @@ impl ReleasedSpan {
         slow: Slow { least: 0.0, shared: 0.0, cruise: 0.0, ceiling: 0.0 },
         v_in: Speed::ZERO,
         v_out: Speed::ZERO,
-        checked: Checked { now: false, released: false },
-        turns: Turns::new(false, false, Passing::ALL),
-        trades: Trades { all: false, some: false },
-        // All bits zero, so that static memory needs no image in flash.
-        rapid: Some(false),
+        checked: Checked(0),
+        course: Course(0),
         override_range: OverrideRange::BLANK,
         next: Behind { v: 0.0, override_range: OverrideRange::BLANK },
         v_reduced: 0.0,
@@ -219,7 +260,9 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         let ends = Self::span_of(self.blocks_from(0, self.blocks.len()), release, true, Some(self.start))?;
         release.level = self.level;
         release.v_reduced = self.tail.slowest.least;
-        release.checked.now &= !self.scope.stale || release.blocks == 1;
+        if self.scope.stale && release.blocks > 1 {
+            release.checked = Checked(0);
+        }
         if let Some(next) = self.blocks.get_mut(usize::from(release.blocks)) {
             match ends {
                 Ends::AsPlanned => next.start_as_planned(),
@@ -312,10 +355,8 @@ impl ReleasedSpan {
         (self.blocks, self.length) = (blocks, Distance::from_bits(length));
         self.slow = Slow { least: v_least, cruise: 0.0, ceiling: f32::MAX, ..self.slow };
         self.override_range = override_range;
-        self.checked.now = first.is(Marks::CHECKED) || blocks == 1;
-        self.turns = Turns::new(first.is(Marks::SMOOTH), any.has_knee(), first.joint.passing());
-        let rapid = (any.is_rapid() == all.is_rapid()).then_some(all.is_rapid());
-        (self.trades, self.rapid) = (Trades { all: first.trades(), some: any.is_bought() }, rapid);
+        self.checked = Checked::at_release(first.is(Marks::CHECKED) || blocks == 1);
+        self.course = Course::new(first, any, all);
         next
     }
 
