@@ -4,7 +4,7 @@ use super::block::{AnchorMarks, Block, Kind, Marks};
 use super::knees::{Between, Knee};
 use super::pace::Slowest;
 use super::planned::Planned;
-use super::ring::{Ring, Tail};
+use super::ring::{Known, Ring, Tail};
 use super::valley::SPARE;
 use super::worth::{Way, is_corner, quickest};
 use crate::dynamics::{Dynamics, Passing, Permitted, Share};
@@ -40,7 +40,7 @@ pub(super) struct Last<const AXES: usize> {
 
 impl<const AXES: usize> Last<AXES> {
     /// None yet.
-    const BLANK: Self = Self {
+    pub(super) const BLANK: Self = Self {
         exit: End::BLANK,
         length: 0.0,
         share: Share::WHOLE,
@@ -249,11 +249,11 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         if self.blocks.is_empty() {
             (v_in, self.start) = (Planned::ZERO, Speed::ZERO);
         }
-        let keeps = self.tail.last.is_some() && self.tail.row.is_brief();
+        let before = core::mem::replace(&mut self.tail.known, Known::Block);
+        let keeps = before == Known::Block && self.tail.row.is_brief();
         let Piece { timed, bent, trades, flows, through, .. } = *piece;
         // In place: as a whole it would be copied.
-        #[expect(clippy::unnecessary_lazy_evaluations, reason = "it would be written each time")]
-        let last = self.tail.last.get_or_insert_with(|| Last::BLANK);
+        let last = &mut self.tail.last;
         let End { tangent, curvature } = *piece.exit;
         (last.exit.tangent, last.exit.curvature) = (tangent, curvature);
         if !keeps {
@@ -290,11 +290,12 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
     /// less.
     #[cfg_attr(feature = "fast", inline(always))]
     fn join(&mut self, next: &Next<'_, AXES>, limits: &mut Limits, dynamics: &Dynamics<AXES>) -> Transition {
-        let (Some(last), Some(before), false) = (&self.tail.last, self.blocks.back_mut(), self.tail.stop)
-        else {
+        let known = self.tail.known == Known::Block && !self.tail.stop;
+        let Some(before) = self.blocks.back_mut().filter(|_| known) else {
             self.tail.steps.clear();
             return Transition::STANDSTILL;
         };
+        let last = &self.tail.last;
         let (slope, piece, rapid) = (dynamics.slope(), next.piece, next.rapid && last.rapid);
         let mut kept = before.limits();
         let full_before = before.full(self.level);

@@ -16,7 +16,6 @@ use super::plan::spend;
 use super::planned::Planned;
 use super::ring::Ring;
 use super::valley::{self, Valley};
-use crate::dynamics::Share;
 use crate::math::float::{max, min, to_f32};
 use crate::math::root::sqrt_f32;
 use crate::quantity::{DISTANCE_LSB, Speed, speed_f32};
@@ -371,8 +370,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             match self.blocks.get(pass.cursor.next) {
                 Some(block) if pass.cursor.next <= pass.at || !block.is(Marks::ANCHOR) => {
                     let last = self.scope.open && pass.cursor.next + 1 == self.blocks.len();
-                    let share: Option<&Share> =
-                        self.tail.last.as_ref().filter(|_| last).map(|last| &last.share);
+                    let share = self.tail.share(last);
                     let [first, second] = &mut pass.spans;
                     if pass.cursor.next < pass.at { first } else { second }.add(block, share);
                     pass.cursor.next += 1;

@@ -156,7 +156,7 @@ impl Plan {
             left -= 1;
             let last = left + 1 == ring.blocks.len();
             let Some(block) = ring.blocks.get_mut(left) else { continue };
-            let share = ring.tail.last.as_ref().filter(|_| last && ring.scope.open).map(|last| &last.share);
+            let share = ring.tail.share(last && ring.scope.open);
             let v = enters(block, share, v_out);
             let (v, settled) = (Planned::below(v), settled(v));
             // With no acceleration at both ends, slowing down by less may take longer: where the largest
@@ -213,7 +213,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
     /// The first block's start may rise: to what its end permits.
     fn raise_first(&mut self, v_out: Speed) {
         let last = self.scope.open && self.blocks.len() == 1;
-        let share = self.tail.last.as_ref().filter(|_| last).map(|last| &last.share);
+        let share = self.tail.share(last);
         let Some(block) = self.blocks.front_mut() else { return };
         // Decided with another speed at its end.
         block.marks.set(Marks::KEPT, true);

@@ -6,6 +6,7 @@ use super::brief::Row;
 use super::knees::Steps;
 use super::pace::Slowest;
 use super::planned::Planned;
+use crate::dynamics::Share;
 use crate::math::float::{max, min, to_bits};
 use crate::math::wide::mul_shift;
 use crate::path::End;
@@ -28,10 +29,9 @@ pub struct Ring<'a, const AXES: usize, const BLOCKS: usize> {
 
 /// What the next block needs to know of those before it.
 pub(super) struct Tail<const AXES: usize> {
-    /// The last block.
-    pub last: Option<Last<AXES>>,
-    /// Where the last block ended that is gone.
-    pub left: Option<End<AXES>>,
+    /// What is known of the last block, and what is known: one place for both.
+    pub known: Known,
+    pub last: Last<AXES>,
     /// The next transition is a standstill.
     pub stop: bool,
     /// The next block is a gate.
@@ -46,6 +46,16 @@ pub(super) struct Tail<const AXES: usize> {
     pub steps: Steps<AXES>,
     /// The lowest reduced speed of the last blocks.
     pub slowest: Slowest,
+}
+
+/// What is known of the block before the next one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Known {
+    Nothing,
+    /// Where it ended: it is gone.
+    Exit,
+    /// All: it is the last one in the ring.
+    Block,
 }
 
 /// How much of the ring the next plan has to do, and what the last one has left.
@@ -78,8 +88,8 @@ pub(super) struct Counts {
 
 impl<const AXES: usize> Tail<AXES> {
     const NONE: Self = Self {
-        last: None,
-        left: None,
+        known: Known::Nothing,
+        last: Last::BLANK,
         stop: false,
         gate: false,
         span: 0,
@@ -93,9 +103,15 @@ impl<const AXES: usize> Tail<AXES> {
 impl<const AXES: usize> Tail<AXES> {
     /// The last block is gone; where it ended stays.
     fn leave(&mut self) {
-        if let Some(last) = self.last.take() {
-            self.left = Some(last.exit);
+        if self.known == Known::Block {
+            self.known = Known::Exit;
         }
+    }
+
+    /// What the last block leaves to a transition behind it, if one may come.
+    #[cfg_attr(feature = "fast", inline(always))]
+    pub fn share(&self, may_come: bool) -> Option<&Share> {
+        (may_come && self.known == Known::Block).then_some(&self.last.share)
     }
 }
 
@@ -173,12 +189,12 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
 
     /// Where the block taken in last ends, if its direction is known.
     pub fn exit(&self) -> Option<&End<AXES>> {
-        self.tail.last.as_ref().map(|last| &last.exit).or(self.tail.left.as_ref())
+        (self.tail.known != Known::Nothing).then_some(&self.tail.last.exit)
     }
 
     /// What follows is another program: it does not know how the one before ended.
     pub fn forget_exit(&mut self) {
-        (self.tail.last, self.tail.left) = (None, None);
+        self.tail.known = Known::Nothing;
     }
 
     /// The level of all speeds, see [`super::Pace`].

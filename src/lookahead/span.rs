@@ -172,7 +172,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             let Some(left) = pass.left.checked_sub(1) else { return self.start_forward(plan) };
             pass.left = left;
             let last = self.scope.open && left + 1 == self.blocks.len();
-            let share = self.tail.last.as_ref().filter(|_| last).map(|last| &last.share);
+            let share = self.tail.share(last);
             let Some(block) = self.blocks.get_mut(left) else { return self.start_forward(plan) };
             pass.span.add(block, share);
             if left > 0 && !block.is(Marks::ANCHOR) {
@@ -262,7 +262,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             {
                 spend(work, ADD);
                 let last = self.scope.open && pass.next + 1 == self.blocks.len();
-                let share = self.tail.last.as_ref().filter(|_| last).map(|last| &last.share);
+                let share = self.tail.share(last);
                 pass.span.add(block, share);
                 pass.next += 1;
                 continue;
