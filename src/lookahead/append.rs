@@ -295,9 +295,8 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             self.tail.steps.clear();
             return Transition::STANDSTILL;
         };
-        let last = &self.tail.last;
+        let (last, mut kept) = (&self.tail.last, before.limits());
         let (slope, piece, rapid) = (dynamics.slope(), next.piece, next.rapid && last.rapid);
-        let mut kept = before.limits();
         let full_before = before.full(self.level);
         let fastest = min(full_before, next.full);
         // No more than the double is known.
