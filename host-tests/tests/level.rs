@@ -129,3 +129,31 @@ fn nothing_is_left_of_a_higher_override() {
         }
     }
 }
+
+/// Where speeds change so little from block to block that rounding what is planned would be more, a lower level is
+/// as possible as the one before: the plan of single blocks slows down through all of them.
+#[test]
+fn a_lower_level_is_possible_through_the_shortest_blocks() {
+    for (slope, length, feed) in [0, 1, 2, 3]
+        .into_iter()
+        .flat_map(|slope| [(0.002, 4000.0), (0.02, 20_000.0)].map(|(l, f)| (slope, l, f)))
+    {
+        let machine = mill(slope, 1);
+        let mut program = Program::new("shortest", 3);
+        for k in 1..=1500 {
+            // Turns that show nothing, and keep lines from becoming one.
+            program = program.line(&[k as f64 * length, f64::from(k % 2) * 3e-6, 0.0], feed);
+        }
+        for tick in [20, 60, 150, 300] {
+            for (high, low) in [(2000, 1990), (1500, 700), (1000, 250)] {
+                let acts = [
+                    (0, Act::Override(high)),
+                    (tick, Act::Override(low)),
+                    (tick + 70, Act::Override(high)),
+                    (tick + 140, Act::Override(low)),
+                ];
+                let _ = run(&program, &machine, &acts);
+            }
+        }
+    }
+}

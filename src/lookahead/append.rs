@@ -1,9 +1,10 @@
 //! A block at the end of the ring: the speed of the transition before it, what that leaves to the limits on
 //! both sides, and whether acceleration may pass it.
-use super::block::{AnchorMarks, Block, Marks, UNPLANNED};
+use super::block::{AnchorMarks, Block, Kind, Marks};
 use super::knees::{Between, Knee};
 use super::pace::Slowest;
-use super::ring::{Ring, Tail};
+use super::planned::Planned;
+use super::ring::{Known, Ring, Tail};
 use super::valley::SPARE;
 use super::worth::{Way, is_corner, quickest};
 use crate::dynamics::{Dynamics, Passing, Permitted, Share};
@@ -39,7 +40,7 @@ pub(super) struct Last<const AXES: usize> {
 
 impl<const AXES: usize> Last<AXES> {
     /// None yet.
-    const BLANK: Self = Self {
+    pub(super) const BLANK: Self = Self {
         exit: End::BLANK,
         length: 0.0,
         share: Share::WHOLE,
@@ -244,12 +245,15 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         }
         self.tail.slowest.take(override_range, limits.v, self.level, self.depth);
         // What follows on nothing starts from rest.
-        let v_in = if self.blocks.is_empty() { Speed::ZERO } else { UNPLANNED };
-        let keeps = self.tail.last.is_some() && self.tail.row.is_brief();
+        let mut v_in = Planned::NONE;
+        if self.blocks.is_empty() {
+            (v_in, self.start) = (Planned::ZERO, Speed::ZERO);
+        }
+        let before = core::mem::replace(&mut self.tail.known, Known::Block);
+        let keeps = before == Known::Block && self.tail.row.is_brief();
         let Piece { timed, bent, trades, flows, through, .. } = *piece;
         // In place: as a whole it would be copied.
-        #[expect(clippy::unnecessary_lazy_evaluations, reason = "it would be written each time")]
-        let last = self.tail.last.get_or_insert_with(|| Last::BLANK);
+        let last = &mut self.tail.last;
         let End { tangent, curvature } = *piece.exit;
         (last.exit.tangent, last.exit.curvature) = (tangent, curvature);
         if !keeps {
@@ -265,20 +269,20 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         marks.set(Marks::LONG, long);
         self.counts.long += usize::from(long);
         let hsc = slope == SlopeType::Hsc;
+        let (numbers, law) = limits.kept();
         // There is room: the caller asked.
         let _ = self.blocks.push_back(Block {
-            length: distance,
-            limits,
             cap,
             highest,
             v_in,
-            v_reached: UNPLANNED,
-            v_old: UNPLANNED,
             override_range,
             joint: AnchorMarks::new(!anchor && hsc, flows && hsc, [rapid, shared, bought]).passed(passing),
             marks,
-            continued: false,
-            trades,
+            length: distance,
+            numbers,
+            kind: Kind::new(law, trades),
+            v_reached: Planned::NONE,
+            v_old: Planned::NONE,
         });
     }
 
@@ -286,24 +290,25 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
     /// less.
     #[cfg_attr(feature = "fast", inline(always))]
     fn join(&mut self, next: &Next<'_, AXES>, limits: &mut Limits, dynamics: &Dynamics<AXES>) -> Transition {
-        let (Some(last), Some(before), false) = (&self.tail.last, self.blocks.back_mut(), self.tail.stop)
-        else {
+        let known = self.tail.known == Known::Block && !self.tail.stop;
+        let Some(before) = self.blocks.back_mut().filter(|_| known) else {
             self.tail.steps.clear();
             return Transition::STANDSTILL;
         };
+        let (last, mut kept) = (&self.tail.last, before.limits());
         let (slope, piece, rapid) = (dynamics.slope(), next.piece, next.rapid && last.rapid);
         let full_before = before.full(self.level);
         let fastest = min(full_before, next.full);
         // No more than the double is known.
         let (mut cap, mut highest, mut shared) = (fastest, 2.0 * fastest, false);
-        let a = if slope == SlopeType::Step { max(limits.most(), before.limits.most()) } else { 0.0 };
+        let a = if slope == SlopeType::Step { max(limits.most(), kept.most()) } else { 0.0 };
         let v = next.passed(last, fastest, a, dynamics);
         // STEP: what passes within a tick of a knee shows together with it.
         let brief = last.length < full_before || next.length < next.full;
-        let sides = [(&before.limits, &last.share, last.length), (&*limits, &next.share, next.length)];
+        let sides = [(&kept, &last.share, last.length), (&*limits, &next.share, next.length)];
         let way = match v {
             // The block before it has left nothing to a knee that shows together with its end.
-            Some(_) if !last.shared && last.is_hasty(&before.limits) => Way::Standing,
+            Some(_) if !last.shared && last.is_hasty(&kept) => Way::Standing,
             Some(v) if v < cap && is_corner(&last.exit, piece.entry) => {
                 quickest(sides, v, slope == SlopeType::Hsc)
             }
@@ -327,21 +332,23 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             limits.share(&shares[1]);
             shared = true;
             if !last.shared {
-                before.limits.share(&shares[0]);
+                kept.share(&shares[0]);
+                before.lower(&kept);
             }
         }
-        if !shared && last.shared && last.is_hasty(&before.limits) {
+        if !shared && last.shared && last.is_hasty(&kept) {
             limits.share(&next.share);
             shared = true;
         }
         let mut between = Between { last, block: before, full: full_before, level: self.level };
         let knee = Knee { entry: piece.entry, rapid, room: next.length, full: next.full };
         highest = self.tail.steps.beside(&mut between, &knee, highest, dynamics);
+        kept.v = before.v();
         cap = min(cap, highest);
-        let through = next.goes_on(last, &before.limits, limits, (cap, v), dynamics);
+        let through = next.goes_on(last, &kept, limits, (cap, v), dynamics);
         // A transition that shows nothing at the speed `fastest` turns little for accelerations up to a
         // thousand times that.
-        let a = limits.fastest(&before.limits);
+        let a = limits.fastest(&kept);
         let turns_little = || {
             (v.is_none() && a <= STEEP * fastest) || dynamics.turns_little(&last.exit, piece.entry, rapid, a)
         };
@@ -358,8 +365,8 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             Passing::ALL
         };
         let smooth = passing != Passing::NONE;
-        let anchor = !(through && smooth && self.tail.takes_in(last, next, [&before.limits, limits], cap));
-        cap = min(cap, min(before.limits.v, limits.v));
+        let anchor = !(through && smooth && self.tail.takes_in(last, next, [&kept, limits], cap));
+        cap = min(cap, min(kept.v, limits.v));
         Transition { cap, highest, shared, passing, anchor }
     }
 }

@@ -132,7 +132,7 @@ impl<const BLOCKS: usize> Blocks<BLOCKS> {
     }
 
     /// The blocks in their order.
-    pub fn iter_mut(&mut self) -> impl Iterator<Item = &mut Block> {
+    pub fn iter_mut(&mut self) -> impl DoubleEndedIterator<Item = &mut Block> {
         let (front, back) = self.as_mut_slices();
         front.iter_mut().chain(back)
     }

@@ -10,12 +10,12 @@
 //! slows down, the secant method finds the largest acceleration, in steps of 2^-8, that keeps that limit; at
 //! its peak, its highest speed is lowered. After a few rounds it keeps all limits, or the anchor stays; as it
 //! does where that law takes longer.
-use super::block::{Marks, UNPLANNED};
+use super::block::Marks;
 use super::law::{Law, RISE, Span};
 use super::plan::spend;
+use super::planned::Planned;
 use super::ring::Ring;
 use super::valley::{self, Valley};
-use crate::dynamics::Share;
 use crate::math::float::{max, min, to_f32};
 use crate::math::root::sqrt_f32;
 use crate::quantity::{DISTANCE_LSB, Speed, speed_f32};
@@ -47,15 +47,15 @@ impl Ease {
     pub const NONE: Self = Self { less: [0; 2], v: f32::MAX };
 
     /// What was kept.
-    pub fn of(kept: Speed) -> Self {
-        let [up, down, _, _, v @ ..] = kept.to_bits().to_le_bytes();
-        Self { less: [up, down], v: f32::from_le_bytes(v) }
+    pub fn of([v, less]: [u32; 2]) -> Self {
+        let [up, down, ..] = less.to_le_bytes();
+        Self { less: [up, down], v: f32::from_bits(v) }
     }
 
-    /// The bits in which it is kept in a block.
-    pub fn kept(self) -> Speed {
-        let ([up, down], [v0, v1, v2, v3]) = (self.less, self.v.to_le_bytes());
-        Speed::from_bits(i64::from_le_bytes([up, down, 0, 0, v0, v1, v2, v3]))
+    /// The bits in which it is kept in a block; the second word is not zero.
+    pub fn kept(self) -> [u32; 2] {
+        let [up, down] = self.less;
+        [self.v.to_bits(), u32::from_le_bytes([up, down, 0, 1])]
     }
 
     /// With a part of its highest speed, or with more of it.
@@ -286,7 +286,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         let mut ease = self.ease(from);
         ease.v = v;
         if let Some(second) = self.blocks.get_mut(from + 1) {
-            second.v_reached = ease.kept();
+            second.keep_ease(ease);
         }
     }
 
@@ -303,11 +303,11 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             let anchor = block.is(Marks::ANCHOR);
             let untried = block.joint.is_open()
                 && !(pass.first
-                    && block.limits.may_have_valleys()
-                    && speed_f32(block.v_reached.to_bits()) * RISE >= block.cap());
+                    && block.may_have_valleys()
+                    && speed_f32(block.v_reached.speed_by_call().to_bits()) * RISE >= block.cap());
             if anchor && untried && self.is_planned(pass.from) && self.is_planned(pass.cursor.next) {
                 pass.at = pass.cursor.next;
-                if pass.first && block.limits.may_have_valleys() {
+                if pass.first && block.may_have_valleys() {
                     self.look_further(pass, valley);
                     return false;
                 }
@@ -332,15 +332,15 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
     /// Final speed at an anchor, or at the end of the ring.
     pub(super) fn final_speed(&self, k: usize) -> Speed {
         match self.blocks.get(k) {
-            Some(block) if k == 0 => block.v_in,
-            Some(block) => block.v_reached,
+            Some(_) if k == 0 => self.start,
+            Some(block) => block.v_reached.speed_by_call(),
             None => Speed::ZERO,
         }
     }
 
     /// The anchor stays.
     fn keep_anchor(&mut self, pass: &mut Trial) {
-        if self.blocks.get(pass.at).is_some_and(|block| block.limits.may_have_valleys()) {
+        if self.blocks.get(pass.at).is_some_and(|block| block.may_have_valleys()) {
             if pass.first && !pass.fit.fitting {
                 (pass.from, pass.cursor.next) = (pass.at, pass.at + 1);
                 pass.step = Step::Seek;
@@ -370,8 +370,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             match self.blocks.get(pass.cursor.next) {
                 Some(block) if pass.cursor.next <= pass.at || !block.is(Marks::ANCHOR) => {
                     let last = self.scope.open && pass.cursor.next + 1 == self.blocks.len();
-                    let share: Option<&Share> =
-                        self.tail.last.as_ref().filter(|_| last).map(|last| &last.share);
+                    let share = self.tail.share(last);
                     let [first, second] = &mut pass.spans;
                     if pass.cursor.next < pass.at { first } else { second }.add(block, share);
                     pass.cursor.next += 1;
@@ -394,7 +393,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         let (behind, time_behind) = self.law_of(pass, pass.at, second, [speeds[1], speeds[2]]);
         let v = speed_f32(speeds[1].to_bits()) * RISE;
         // Unless it could be faster than planned, for what lies before a valley.
-        let slow = self.blocks.get(pass.at).is_some_and(|at| at.limits.may_have_valleys() && at.cap() > v);
+        let slow = self.blocks.get(pass.at).is_some_and(|at| at.may_have_valleys() && at.cap() > v);
         if before > v && behind > v && !slow {
             return self.keep_anchor(pass);
         }
@@ -540,7 +539,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         if block > 0
             && let Some(block) = self.blocks.get_mut(block)
         {
-            let v = span.enter(v_out, cap);
+            let v = Planned::below_by_call(span.enter(v_out, cap));
             block.v_in = v.min(block.v_in).max(block.v_reached);
         }
     }
@@ -563,10 +562,10 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         if pass.at + 1 < to
             && let Some(second) = self.blocks.get_mut(pass.at + 1)
         {
-            second.v_reached = UNPLANNED;
+            second.forget();
         }
         if let Some(second) = self.blocks.get_mut(pass.from + 1) {
-            second.v_reached = if pass.ease == Ease::NONE { UNPLANNED } else { pass.ease.kept() };
+            second.keep_ease(pass.ease);
         }
         // It gets no faster there, although the new law might.
         if let Some(end) = self.blocks.get_mut(to) {

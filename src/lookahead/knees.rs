@@ -102,7 +102,7 @@ impl<const AXES: usize> Steps<AXES> {
     ) -> f32 {
         let Between { last, block, full, .. } = between;
         let any = core::mem::replace(&mut self.any, true);
-        let is_long = last.length >= 2.0 * *full || last.length >= SHORT * block.limits.steepest();
+        let is_long = last.length >= 2.0 * *full || last.length >= SHORT * block.limits_by_call().steepest();
         if !any || is_long || last.timed {
             self.begin(&last.exit, entry, v);
             return v;
@@ -169,7 +169,7 @@ impl<const AXES: usize> Between<'_, AXES> {
         if block.cap > v || !block.is(Marks::ANCHOR) {
             return false;
         }
-        (block.limits.v, block.override_range) = (min(block.limits.v, v), range);
+        (block.numbers.v, block.override_range) = (min(block.v(), v), range);
         block.marks.set(Marks::CHECKED, false);
         true
     }

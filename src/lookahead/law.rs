@@ -1,5 +1,6 @@
 //! Spans of blocks, and the law of one: from one speed up to a peak and down to another.
 use super::block::{Block, Marks};
+use super::planned::settled;
 use crate::dynamics::Share;
 use crate::math::float::{max, min, to_f32};
 use crate::quantity::{DISTANCE_LSB, Speed, speed_bits, speed_f32};
@@ -50,19 +51,23 @@ impl Span {
     /// Takes in a block. `share`: blocks may follow it, and their transition may need its part.
     pub fn add(&mut self, block: &Block, share: Option<&Share>) {
         match share {
-            None if self.length == 0 => self.limits = block.limits,
-            None => self.limits.join(&block.limits),
-            Some(share) => {
-                let limits = block.limits.shared(share);
-                if self.length == 0 {
-                    self.limits = limits;
-                } else {
-                    self.limits.join(&limits);
-                }
-            }
+            None if self.length == 0 => self.limits = block.limits(),
+            None => block.join_to(&mut self.limits),
+            Some(share) => self.add_last(block, share),
         }
         self.kept = block.is(Marks::KEPT) || self.length > 0;
         self.length += block.length;
+    }
+
+    /// The limits of the last block of the ring.
+    #[inline(never)]
+    fn add_last(&mut self, block: &Block, share: &Share) {
+        let limits = block.limits_by_call().shared(share);
+        if self.length == 0 {
+            self.limits = limits;
+        } else {
+            self.limits.join(&limits);
+        }
     }
 
     /// Takes in a piece of a block beside it.
@@ -215,14 +220,20 @@ impl Law {
 }
 
 /// Highest speed at the end of a span, at most `next`, that can be reached from `v_in`; `None` if it is too
-/// short even for a standstill. `kept`: the speed at its start may have been planned for another end speed.
+/// short even for a standstill. One that can be planned ([`super::planned`]), or `v_in`. `kept`: the speed at its
+/// start may have been planned for another end speed.
 #[cfg_attr(feature = "fast", inline(always))]
 pub(super) fn leave(limits: &Limits, length: i64, kept: bool, v_in: Speed, next: Speed) -> Option<Speed> {
     let length = to_f32(length) * DISTANCE_LSB;
     if next >= v_in {
         let mut room = None;
         let limits = limits.near(v_in, &mut room);
-        return Some(faster(&limits.speed_up(), length, v_in, limits.v).min(next));
+        let v = faster(&limits.speed_up(), length, v_in, limits.v);
+        if v >= next {
+            return Some(next);
+        }
+        // Not below the speed that it is entered with: there may be no room for less.
+        return Some(if v > v_in { settled(v).max(v_in) } else { v });
     }
     if kept { slow_down(limits, length, v_in, next) } else { Some(next) }
 }
@@ -239,7 +250,7 @@ fn slow_down(limits: &Limits, length: f32, v_in: Speed, next: Speed) -> Option<S
     // The speed was planned with a lower one here, where slowing down is quicker.
     let (mut low, mut high) = (0, next.to_bits());
     for _ in 0..LEAVE_STEPS {
-        let middle = low + (high - low) / 2;
+        let middle = settled(Speed::from_bits(low + (high - low) / 2)).to_bits();
         if possible(Speed::from_bits(middle)) {
             low = middle;
         } else {

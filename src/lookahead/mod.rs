@@ -24,6 +24,7 @@ mod knees;
 mod law;
 mod pace;
 mod plan;
+mod planned;
 mod release;
 mod ring;
 mod span;

@@ -221,7 +221,7 @@ impl Pace {
         } else {
             speed_f32(v_in.to_bits()) / speed_f32(span.v_in.to_bits())
         };
-        let as_planned = span.checked.now && v_in <= span.v_in;
+        let as_planned = span.checked.now() && v_in <= span.v_in;
         // Far slower than it could be, it may still be faster than its slowest block.
         let slower = if self.is_planned(span) { f32::MAX } else { most * SLOWER };
         let fast = slower <= begins || span.slow.shared < 0.5 * begins * span.limits.v;

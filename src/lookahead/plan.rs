@@ -5,6 +5,7 @@
 use super::block::{Block, Marks};
 use super::ease::Trial;
 use super::law::{faster, length_mm};
+use super::planned::{Planned, settled};
 use super::ring::Ring;
 use super::span::{Backward, Forward, Inside};
 use super::valley::Valley;
@@ -12,6 +13,7 @@ use crate::dynamics::Share;
 use crate::machine::functions;
 use crate::math::float::min;
 use crate::quantity::Speed;
+use crate::slope::limits::Limits;
 
 /// Where the plan stands.
 #[derive(Clone, Copy, Debug)]
@@ -154,19 +156,22 @@ impl Plan {
             left -= 1;
             let last = left + 1 == ring.blocks.len();
             let Some(block) = ring.blocks.get_mut(left) else { continue };
-            let share = ring.tail.last.as_ref().filter(|_| last && ring.scope.open).map(|last| &last.share);
+            let share = ring.tail.share(last && ring.scope.open);
             let v = enters(block, share, v_out);
+            let (v, settled) = (Planned::below(v), settled(v));
             // With no acceleration at both ends, slowing down by less may take longer: where the largest
             // acceleration is not reached, the distance from v to w goes with (v + w)·√(v − w), which grows
             // with w up to about v/2. What was planned with a lower end speed stays possible, and is not
             // taken back.
             block.marks.set(Marks::KEPT, v < block.v_in);
-            let v = v.max(block.v_in);
-            if v == block.v_in && left <= ring.scope.until {
-                return self.blocks_done(ring);
+            if v <= block.v_in {
+                if left <= ring.scope.until {
+                    return self.blocks_done(ring);
+                }
+                v_out = block.v_in.speed();
+                continue;
             }
-            block.v_in = v;
-            v_out = v;
+            (block.v_in, v_out) = (v, settled);
         }
         self.pass = Pass::Blocks(left, v_out);
         false
@@ -186,7 +191,20 @@ impl Plan {
 /// Highest speed at the start of a block, from which it can slow down to `v_out`.
 #[cfg_attr(feature = "fast", inline(always))]
 fn enters(block: &Block, share: Option<&Share>, v_out: Speed) -> Speed {
-    let (limits, mut room) = (share.map_or(block.limits, |share| block.limits.shared(share)), None);
+    match share {
+        None => enters_with(&block.limits(), block, v_out),
+        Some(share) => enters_shared(share, block, v_out),
+    }
+}
+
+#[inline(never)]
+fn enters_shared(share: &Share, block: &Block, v_out: Speed) -> Speed {
+    enters_with(&block.limits_by_call().shared(share), block, v_out)
+}
+
+#[cfg_attr(feature = "fast", inline(always))]
+fn enters_with(limits: &Limits, block: &Block, v_out: Speed) -> Speed {
+    let mut room = None;
     let limits = limits.near(v_out, &mut room);
     faster(&limits.brake(), length_mm(block), v_out, min(block.cap(), limits.v))
 }
@@ -195,12 +213,12 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
     /// The first block's start may rise: to what its end permits.
     fn raise_first(&mut self, v_out: Speed) {
         let last = self.scope.open && self.blocks.len() == 1;
-        let share = self.tail.last.as_ref().filter(|_| last).map(|last| &last.share);
+        let share = self.tail.share(last);
         let Some(block) = self.blocks.front_mut() else { return };
         // Decided with another speed at its end.
         block.marks.set(Marks::KEPT, true);
         let Some(reach) = self.scope.free.take() else { return };
-        block.v_in = enters(block, share, v_out).min(reach).max(block.v_in);
+        self.start = enters(block, share, v_out).min(reach).max(self.start);
     }
 
     /// How many blocks may leave: all if none follows, otherwise the spans that begin in the first quarter.

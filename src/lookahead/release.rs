@@ -1,7 +1,8 @@
 //! What leaves the ring: the span at its front, whole.
-use super::block::{Block, Marks};
+use super::block::{AnchorMarks, Block, Marks};
 use super::ease::Ease;
 use super::law;
+use super::planned::Planned;
 use super::ring::Ring;
 use crate::dynamics::{OverrideRange, Passing};
 use crate::math::float::{max, min, to_f32};
@@ -27,12 +28,8 @@ pub struct ReleasedSpan {
     pub v_out: Speed,
     /// Whether all blocks keep their limits with these speeds.
     pub checked: Checked,
-    /// How the path turns where it begins.
-    pub turns: Turns,
-    /// Whether acceleration inside it is bought with speed.
-    pub trades: Trades,
-    /// Whether it is rapid motion; `None` where some of it is.
-    pub rapid: Option<bool>,
+    /// How the path turns, and what its blocks have in common.
+    pub course: Course,
     /// How its speed follows the override: of its blocks the fastest.
     pub override_range: OverrideRange,
     /// The block behind it.
@@ -43,42 +40,71 @@ pub struct ReleasedSpan {
     pub level: f32,
 }
 
-/// Whether all blocks of a span keep their limits with the speeds at its ends. Otherwise they do as long as it is
-/// no faster than the faster one of its lowest speed and the one at its start.
+/// Whether all blocks of a span keep their limits with the speeds at its ends: as it is, and as it was released.
+/// Otherwise they do as long as it is no faster than the faster one of its lowest speed and the one at its start.
 #[derive(Clone, Copy, Debug)]
-pub struct Checked {
+pub struct Checked(u8);
+
+impl Checked {
+    const NOW: u8 = 1;
+    const RELEASED: u8 = 2;
+
     /// As it is.
-    pub now: bool,
+    pub const fn now(self) -> bool {
+        self.0 & Self::NOW != 0
+    }
+
     /// As it was released.
-    pub released: bool,
+    pub const fn released(self) -> bool {
+        self.0 & Self::RELEASED != 0
+    }
+
+    /// It is as it was released, `now` or not.
+    const fn at_release(now: bool) -> Self {
+        Self(if now { Self::NOW | Self::RELEASED } else { 0 })
+    }
+
+    /// It is not known to be so as it is.
+    pub const fn lose(&mut self) {
+        self.0 &= Self::RELEASED;
+    }
+
+    /// It is as it was released again.
+    pub const fn restore(&mut self) {
+        *self = Self::at_release(self.released());
+    }
 }
 
-/// Whether acceleration is bought with speed: v + a²/2j is at most the speed of the limits.
+/// How the path turns at transitions of a span, and what its blocks have in common. In one byte: there are many spans.
 #[derive(Clone, Copy, Debug)]
-pub struct Trades {
-    /// In all of a span.
-    pub all: bool,
-    /// In some of its blocks; or little more than that.
-    pub some: bool,
-}
+pub struct Course(u8);
 
-/// How the path turns at transitions of a span. In one byte: there are many spans.
-#[derive(Clone, Copy, Debug)]
-pub struct Turns(u8);
-
-impl Turns {
+impl Course {
     const SMOOTH: u8 = 1;
     const KNEES: u8 = 2;
     const PASSING: u8 = 4;
+    const TRADES: u8 = 16;
+    const BOUGHT: u8 = 32;
+    const RAPID: u8 = 64;
+    const FEED: u8 = 128;
 
-    const fn new(smooth: bool, knees: bool, passing: Passing) -> Self {
-        let marks = (smooth as u8 * Self::SMOOTH) | (knees as u8 * Self::KNEES);
-        Self(marks | (passing.number() * Self::PASSING))
+    /// Of a span that begins with the block `first`; of its blocks the marks of any, and of all.
+    fn new(first: &Block, any: AnchorMarks, all: AnchorMarks) -> Self {
+        let marks = [
+            (first.is(Marks::SMOOTH), Self::SMOOTH),
+            (any.has_knee(), Self::KNEES),
+            (first.trades(), Self::TRADES),
+            (any.is_bought(), Self::BOUGHT),
+            (any.is_rapid(), Self::RAPID),
+            (!all.is_rapid(), Self::FEED),
+        ];
+        let marks = marks.into_iter().fold(0, |all, (on, mark)| if on { all | mark } else { all });
+        Self(marks | (first.joint.passing().number() * Self::PASSING))
     }
 
     /// The part of a deceleration that passes its start, where one does.
     pub fn passing(self) -> f32 {
-        Passing::numbered(self.0 / Self::PASSING).part()
+        Passing::numbered(self.0 / Self::PASSING & 3).part()
     }
 
     /// Whether a deceleration may pass its start.
@@ -89,6 +115,25 @@ impl Turns {
     /// Whether a transition has its part of the limits at the start of one of its blocks, at least.
     pub const fn has_knees(self) -> bool {
         self.0 & Self::KNEES != 0
+    }
+
+    /// Whether acceleration is bought with speed in all of it: v + a²/2j is at most the speed of the limits.
+    pub const fn trades(self) -> bool {
+        self.0 & Self::TRADES != 0
+    }
+
+    /// The same in some of its blocks; or little more than that.
+    pub const fn trades_somewhere(self) -> bool {
+        self.0 & Self::BOUGHT != 0
+    }
+
+    /// Whether it is rapid motion; `None` where some of it is.
+    pub const fn rapid(self) -> Option<bool> {
+        match self.0 & (Self::RAPID | Self::FEED) {
+            Self::RAPID => Some(true),
+            Self::FEED | 0 => Some(false),
+            _ => None,
+        }
     }
 }
 
@@ -116,6 +161,14 @@ pub struct Behind {
     pub override_range: OverrideRange,
 }
 
+/// The speed at the end of a span.
+enum Ends {
+    /// That planned where the next block begins.
+    AsPlanned,
+    /// Another one, or there is no next block.
+    Otherwise,
+}
+
 impl ReleasedSpan {
     /// Nothing; all bits zero.
     pub const BLANK: Self = Self {
@@ -126,11 +179,8 @@ impl ReleasedSpan {
         slow: Slow { least: 0.0, shared: 0.0, cruise: 0.0, ceiling: 0.0 },
         v_in: Speed::ZERO,
         v_out: Speed::ZERO,
-        checked: Checked { now: false, released: false },
-        turns: Turns::new(false, false, Passing::ALL),
-        trades: Trades { all: false, some: false },
-        // All bits zero, so that static memory needs no image in flash.
-        rapid: Some(false),
+        checked: Checked(0),
+        course: Course(0),
         override_range: OverrideRange::BLANK,
         next: Behind { v: 0.0, override_range: OverrideRange::BLANK },
         v_reduced: 0.0,
@@ -207,13 +257,20 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
     /// Decides the end speed of the first span, whose blocks leave with [`Self::drop_first`]; its first
     /// block, `None` if there is none.
     pub fn release(&mut self, release: &mut ReleasedSpan) -> Option<&Block> {
-        Self::span_of(self.blocks_from(0, self.blocks.len()), release, true)?;
+        let ends = Self::span_of(self.blocks_from(0, self.blocks.len()), release, true, Some(self.start))?;
         release.level = self.level;
         release.v_reduced = self.tail.slowest.least;
-        release.checked.now &= !self.scope.stale || release.blocks == 1;
-        if let Some(next) = self.blocks.get_mut(usize::from(release.blocks)) {
-            next.start_at(release.v_out);
+        if self.scope.stale && release.blocks > 1 {
+            release.checked = Checked(0);
         }
+        if let Some(next) = self.blocks.get_mut(usize::from(release.blocks)) {
+            match ends {
+                Ends::AsPlanned => next.start_as_planned(),
+                Ends::Otherwise => next.start_at(release.v_out),
+            }
+        }
+        // The blocks of the span leave before it is asked for.
+        self.start = release.v_out;
         self.scope.stale = false;
         self.blocks.front()
     }
@@ -223,13 +280,15 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
     pub fn planned(&self, at: usize, release: &mut ReleasedSpan) -> bool {
         release.level = self.level;
         release.v_reduced = self.tail.slowest.least;
-        Self::span_of(self.blocks_from(at, self.scope.end), release, true).is_some()
+        let start = (at == 0).then_some(self.start);
+        Self::span_of(self.blocks_from(at, self.scope.end), release, true, start).is_some()
     }
 
     /// As [`Self::planned`]; unless it `ends` there, [`ReleasedSpan::v_out`] is left open, which takes most of
     /// the work, and what holds for the whole ring is not told.
     pub fn scan(&self, at: usize, release: &mut ReleasedSpan, ends: bool) -> bool {
-        Self::span_of(self.blocks_from(at, self.scope.end), release, ends).is_some()
+        let start = (at == 0).then_some(self.start);
+        Self::span_of(self.blocks_from(at, self.scope.end), release, ends, start).is_some()
     }
 
     /// The blocks from the one `at` behind the front to before the one `end` behind it; no block is gone through
@@ -244,19 +303,32 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         front.iter().chain(back)
     }
 
-    /// The span at the front of these blocks; what the ring has for all of them is left open.
+    /// The span at the front of these blocks; what the ring has for all of them is left open. `start`: speed at its
+    /// start, if that is not the planned one.
+    #[cfg_attr(feature = "fast", inline(always))]
     fn span_of<'a>(
         mut ring: impl Iterator<Item = &'a Block>,
         release: &mut ReleasedSpan,
         ends: bool,
-    ) -> Option<()> {
-        let mut ease = Ease::NONE;
+        start: Option<Speed>,
+    ) -> Option<Ends> {
         let first = ring.next()?;
-        let (mut blocks, mut length, mut kept) = (1u16, first.length, first.is(Marks::KEPT));
+        let next = release.gather(first, ring);
+        release.v_in = start.unwrap_or_else(|| first.v_in.speed_by_call());
+        Some(release.end(first, next, ends))
+    }
+}
+
+impl ReleasedSpan {
+    /// Takes in all blocks from the first one on; the one behind them, if there is one.
+    #[inline(never)]
+    fn gather<'a>(&mut self, first: &Block, mut ring: impl Iterator<Item = &'a Block>) -> Option<&'a Block> {
+        let mut ease = Ease::NONE;
+        let (mut blocks, mut length) = (1u16, first.length());
         let mut v_least = first.speed();
         let mut override_range = first.override_range;
         // In its place: this is deep in the stack.
-        release.limits = first.limits;
+        self.limits = first.limits();
         let (mut any, mut all) = (first.joint, first.joint);
         let next = loop {
             match ring.next() {
@@ -265,53 +337,63 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
                         ease = block.ease();
                     }
                     v_least = min(v_least, min(block.cap, block.speed()));
-                    release.limits.join(&block.limits);
+                    block.join_to(&mut self.limits);
                     override_range.join(block.override_range);
                     (any, all) = (any.or(block.joint), all.and(block.joint));
                     length += block.length;
-                    (blocks, kept) = (blocks + 1, true);
+                    blocks += 1;
                 }
                 next => break next,
             }
         };
-        v_least = min(v_least, release.limits.v);
-        release.a_down = max(release.limits.loose.get(), release.limits.a_down);
+        v_least = min(v_least, self.limits.v);
+        self.a_down = max(self.limits.loose.get(), self.limits.a_down);
         if blocks > 1 {
-            release.limits.ease(ease);
+            self.limits.ease(ease);
+            self.slow.shared = v_least;
+        }
+        (self.blocks, self.length) = (blocks, Distance::from_bits(length));
+        self.slow = Slow { least: v_least, cruise: 0.0, ceiling: f32::MAX, ..self.slow };
+        self.override_range = override_range;
+        self.checked = Checked::at_release(first.is(Marks::CHECKED) || blocks == 1);
+        self.course = Course::new(first, any, all);
+        next
+    }
+
+    /// The speed at its end, and what its ends and the block behind it say. Apart from what gathers its blocks: of both
+    /// only one is on the stack.
+    #[inline(never)]
+    fn end(&mut self, first: &Block, next: Option<&Block>, ends: bool) -> Ends {
+        let v_in = self.v_in;
+        if self.blocks > 1 {
             // A piece of a slow block beside it is as slow as their ends.
-            release.slow.shared = v_least;
-            if first.continued {
-                release.slow.shared = min(release.slow.shared, speed_f32(first.v_in.to_bits()));
+            if first.is_continued() {
+                self.slow.shared = min(self.slow.shared, speed_f32(v_in.to_bits()));
             }
-            if let Some(next) = next.filter(|next| next.continued) {
-                release.slow.shared = min(release.slow.shared, speed_f32(next.v_in.to_bits()));
+            if let Some(next) = next.filter(|next| next.is_continued()) {
+                self.slow.shared = min(self.slow.shared, speed_f32(next.v_in.speed_by_call().to_bits()));
             }
         }
-        let v_in = first.v_in;
-        let mut v_out = Speed::ZERO;
-        release.next.v = 0.0;
+        let (mut v_out, mut as_planned) = (Speed::ZERO, false);
+        self.next.v = 0.0;
         if let Some(next) = next {
-            (release.next.v, release.next.override_range) = (next.limits.v, next.override_range);
-            let planned = next.v_in.max(Speed::ZERO);
+            (self.next.v, self.next.override_range) = (next.v(), next.override_range);
+            let planned = next.v_in.max(Planned::ZERO).speed();
             v_out = planned;
             if ends || first.is(Marks::FLAT) {
-                v_out = law::leave(&release.limits, length, kept, v_in, planned).unwrap_or(Speed::ZERO);
+                let kept = first.is(Marks::KEPT) || self.blocks > 1;
+                let length = self.length.to_bits();
+                v_out = law::leave(&self.limits, length, kept, v_in, planned).unwrap_or(Speed::ZERO);
             }
+            as_planned = next.v_in.is_some() && v_out == planned;
         }
         if first.is(Marks::FLAT) {
             let ends = speed_f32(v_in.max(v_out).to_bits());
             // Entered slower than planned it may still be as fast as all of its blocks.
-            let known = if first.is(Marks::CHECKED) { ends } else { max(v_least, ends) };
-            release.limits.v = min(release.limits.v, known);
+            let known = if first.is(Marks::CHECKED) { ends } else { max(self.slow.least, ends) };
+            self.limits.v = min(self.limits.v, known);
         }
-        (release.blocks, release.slow.cruise) = (blocks, 0.0);
-        release.length = Distance::from_bits(length);
-        (release.override_range, release.slow.ceiling) = (override_range, f32::MAX);
-        release.checked.now = first.is(Marks::CHECKED) || blocks == 1;
-        release.turns = Turns::new(first.is(Marks::SMOOTH), any.has_knee(), first.joint.passing());
-        let rapid = (any.is_rapid() == all.is_rapid()).then_some(all.is_rapid());
-        (release.trades, release.rapid) = (Trades { all: first.trades, some: any.is_bought() }, rapid);
-        (release.slow.least, release.v_in, release.v_out) = (v_least, v_in, v_out);
-        Some(())
+        self.v_out = v_out;
+        if as_planned { Ends::AsPlanned } else { Ends::Otherwise }
     }
 }

@@ -1,10 +1,12 @@
 //! The ring of blocks: what comes in, what leaves, and what counts them.
 use super::append::Last;
-use super::block::{Block, Marks, UNPLANNED};
+use super::block::{Block, Marks};
 use super::blocks::Blocks;
 use super::brief::Row;
 use super::knees::Steps;
 use super::pace::Slowest;
+use super::planned::Planned;
+use crate::dynamics::Share;
 use crate::math::float::{max, min, to_bits};
 use crate::math::wide::mul_shift;
 use crate::path::End;
@@ -18,6 +20,8 @@ pub struct Ring<'a, const AXES: usize, const BLOCKS: usize> {
     pub(super) depth: usize,
     /// Speeds are those of the programmed feed, so many times.
     pub(super) level: f32,
+    /// Speed at the start of the first block, if there is one: any, where all others are [`Planned`].
+    pub(super) start: Speed,
     pub(super) tail: Tail<AXES>,
     pub(super) scope: Scope,
     pub(super) counts: Counts,
@@ -25,10 +29,9 @@ pub struct Ring<'a, const AXES: usize, const BLOCKS: usize> {
 
 /// What the next block needs to know of those before it.
 pub(super) struct Tail<const AXES: usize> {
-    /// The last block.
-    pub last: Option<Last<AXES>>,
-    /// Where the last block ended that is gone.
-    pub left: Option<End<AXES>>,
+    /// What is known of the last block, and what is known: one place for both.
+    pub known: Known,
+    pub last: Last<AXES>,
     /// The next transition is a standstill.
     pub stop: bool,
     /// The next block is a gate.
@@ -43,6 +46,16 @@ pub(super) struct Tail<const AXES: usize> {
     pub steps: Steps<AXES>,
     /// The lowest reduced speed of the last blocks.
     pub slowest: Slowest,
+}
+
+/// What is known of the block before the next one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Known {
+    Nothing,
+    /// Where it ended: it is gone.
+    Exit,
+    /// All: it is the last one in the ring.
+    Block,
 }
 
 /// How much of the ring the next plan has to do, and what the last one has left.
@@ -75,8 +88,8 @@ pub(super) struct Counts {
 
 impl<const AXES: usize> Tail<AXES> {
     const NONE: Self = Self {
-        last: None,
-        left: None,
+        known: Known::Nothing,
+        last: Last::BLANK,
         stop: false,
         gate: false,
         span: 0,
@@ -90,9 +103,15 @@ impl<const AXES: usize> Tail<AXES> {
 impl<const AXES: usize> Tail<AXES> {
     /// The last block is gone; where it ended stays.
     fn leave(&mut self) {
-        if let Some(last) = self.last.take() {
-            self.left = Some(last.exit);
+        if self.known == Known::Block {
+            self.known = Known::Exit;
         }
+    }
+
+    /// What the last block leaves to a transition behind it, if one may come.
+    #[cfg_attr(feature = "fast", inline(always))]
+    pub fn share(&self, may_come: bool) -> Option<&Share> {
+        (may_come && self.known == Known::Block).then_some(&self.last.share)
     }
 }
 
@@ -108,9 +127,51 @@ impl Counts {
 /// A lower level takes more from planned speeds than rounding takes from limits.
 const LOWERS: f32 = 1.0 - 1.0 / 524_288.0;
 
-/// A planned speed at a part of itself, LSB 2^-36; none stays none.
+/// What rounding takes from one planned speed, as a part of it, LSB 2^-36.
+const LOST: i64 = 1 << 10;
+
+/// A speed at a part of itself, LSB 2^-36.
 fn scaled(v: Speed, part: i64) -> Speed {
-    if v < Speed::ZERO { v } else { Speed::from_bits(mul_shift(v.to_bits(), part, 36)) }
+    Speed::from_bits(mul_shift(v.to_bits(), part, 36))
+}
+
+/// Planned speeds of anchors at a part of themselves, from the last to the first: each is rounded with what is lost
+/// behind it. So no span loses more speed than that part of what it has lost, for which it has room.
+#[derive(Clone, Copy, PartialEq)]
+struct Lowered {
+    part: i64,
+    /// The planned speed behind, and what it has become.
+    was: Planned,
+    is: Planned,
+}
+
+impl Lowered {
+    fn new(part: i64) -> Self {
+        Self { part, was: Planned::ZERO, is: Planned::ZERO }
+    }
+
+    /// None stays none, and stands for a standstill.
+    fn take(&mut self, planned: &mut Planned) {
+        if !planned.is_some() {
+            (self.was, self.is) = (Planned::ZERO, Planned::ZERO);
+            return;
+        }
+        if *planned != self.was {
+            self.lower(*planned);
+        }
+        *planned = self.is;
+    }
+
+    #[inline(never)]
+    fn lower(&mut self, v: Planned) {
+        let [was, is, bits] = [self.was, self.is, v].map(|planned| planned.speed().to_bits());
+        let lowered = if bits > was {
+            Speed::from_bits(is + scaled(Speed::from_bits(bits - was), self.part).to_bits())
+        } else {
+            scaled(Speed::from_bits(bits), self.part).min(Speed::from_bits(is))
+        };
+        (self.was, self.is) = (v, Planned::below(lowered));
+    }
 }
 
 /// So many long blocks are a full ring: at any speed of the first one there is time to stop in the second.
@@ -123,17 +184,17 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
         blocks.clear();
         let depth = if depth < BLOCKS { depth } else { BLOCKS };
         let (tail, scope, counts) = (Tail::NONE, Scope::NONE, Counts::NONE);
-        Self { blocks, depth, level: 1.0, tail, scope, counts }
+        Self { blocks, depth, level: 1.0, start: Speed::ZERO, tail, scope, counts }
     }
 
     /// Where the block taken in last ends, if its direction is known.
     pub fn exit(&self) -> Option<&End<AXES>> {
-        self.tail.last.as_ref().map(|last| &last.exit).or(self.tail.left.as_ref())
+        (self.tail.known != Known::Nothing).then_some(&self.tail.last.exit)
     }
 
     /// What follows is another program: it does not know how the one before ended.
     pub fn forget_exit(&mut self) {
-        (self.tail.last, self.tail.left) = (None, None);
+        self.tail.known = Known::Nothing;
     }
 
     /// The level of all speeds, see [`super::Pace`].
@@ -143,7 +204,8 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
 
     /// The speed at which the first block has to be entered for a lower level, at most.
     pub fn entry_for(&self, level: f32) -> Speed {
-        self.blocks.front().map_or(Speed::ZERO, |first| scaled(first.v_in, self.lowers(level)))
+        let anchors = self.blocks.len().saturating_sub(self.counts.through) as i64;
+        scaled(self.first_speed(), self.lowers(level) - LOST * anchors)
     }
 
     /// The part of all speeds that is left for a lower level, LSB 2^-36: less by more than roundings of
@@ -151,7 +213,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
     #[inline(never)]
     fn lowers(&self, level: f32) -> i64 {
         let (front, back) = self.blocks.as_slices();
-        let inside = |part, block: &Block| min(part, block.limits.part_inside());
+        let inside = |part, block: &Block| min(part, block.limits_by_call().part_inside());
         let part = front.iter().chain(back).fold(level / self.level, inside);
         to_bits::<36>(part * LOWERS)
     }
@@ -162,18 +224,18 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
         let (mut last, mut lent) = (0.0, false);
         for (k, block) in self.blocks.iter_mut().enumerate() {
             let by = block.override_range.raised(level) / block.override_range.raised(before);
-            block.limits.v = max(block.limits.v, block.limits.v * (by * ROUNDED));
+            block.numbers.v = max(block.v(), block.v() * (by * ROUNDED));
             block.marks.set(Marks::CHECKED, false);
-            if !block.is(Marks::ANCHOR) && block.v_reached > UNPLANNED {
+            if !block.is(Marks::ANCHOR) && block.has_ease() {
                 // As the slow block whose speed it is.
-                block.v_reached = block.ease().scaled(max(by * ROUNDED, 1.0)).kept();
+                block.keep_ease(block.ease().scaled(max(by * ROUNDED, 1.0)));
             }
             // A valley stays as fast as it is.
             if k > 0 && !lent && !block.joint.is_lent() {
-                let fastest = min(block.highest, min(last, block.limits.v));
+                let fastest = min(block.highest, min(last, block.v()));
                 block.cap = max(block.cap, fastest * ROUNDED);
             }
-            (last, lent) = (block.limits.v, block.joint.is_lent());
+            (last, lent) = (block.v(), block.joint.is_lent());
         }
         if !self.blocks.is_empty() {
             self.scope.until = 0;
@@ -190,29 +252,36 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
         let (mut last, mut lent) = (f32::MAX, false);
         for block in self.blocks.iter_mut() {
             let by = block.override_range.raised(level) / block.override_range.raised(before);
-            block.limits.v *= by * ROUNDED;
+            block.numbers.v *= by * ROUNDED;
             block.marks.set(Marks::CHECKED, false);
             block.marks.set(Marks::KEPT, true);
-            block.cap = min(block.highest, min(last, block.limits.v));
+            block.cap = min(block.highest, min(last, block.v()));
             let is_anchor = block.is(Marks::ANCHOR);
-            if (lent || block.joint.is_lent()) && !block.continued {
+            if (lent || block.joint.is_lent()) && !block.is_continued() {
                 // Where the slow block begins or ends.
                 self.counts.untried += usize::from(is_anchor && !block.joint.is_open());
                 block.joint.open();
             }
-            (last, lent) = (block.limits.v, block.joint.is_lent());
+            (last, lent) = (block.v(), block.joint.is_lent());
             block.joint.take_back();
-            for v in [&mut block.v_in, &mut block.v_old] {
-                *v = scaled(*v, part);
-            }
-            if is_anchor {
-                block.v_reached = scaled(block.v_reached, part);
-            } else if block.v_reached > UNPLANNED {
-                block.v_reached = block.ease().scaled(by * ROUNDED).kept();
+            if !is_anchor && block.has_ease() {
+                block.keep_ease(block.ease().scaled(by * ROUNDED));
             }
         }
-        if let Some(first) = self.blocks.front_mut() {
-            first.v_in = v_in;
+        let [mut planned, mut reached, mut old] = [(); 3].map(|()| Lowered::new(part));
+        for block in self.blocks.iter_mut().rev().filter(|block| block.is(Marks::ANCHOR)) {
+            planned.take(&mut block.v_in);
+            // Mostly they are the same from the end to here.
+            if reached == old && block.v_reached == block.v_old {
+                reached.take(&mut block.v_reached);
+                (old, block.v_old) = (reached, block.v_reached);
+            } else {
+                reached.take(&mut block.v_reached);
+                old.take(&mut block.v_old);
+            }
+        }
+        if !self.blocks.is_empty() {
+            self.start = v_in;
             self.scope.until = 0;
         }
     }
@@ -278,7 +347,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
 
     /// Planned speed at the first block's start.
     pub fn first_speed(&self) -> Speed {
-        self.blocks.front().map_or(Speed::ZERO, |block| block.v_in)
+        if self.blocks.is_empty() { Speed::ZERO } else { self.start }
     }
 
     /// The first block begins at the speed `v_in`, lower than planned or as planned; `stale`: while a plan is
@@ -286,6 +355,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
     pub(super) fn start_at(&mut self, v_in: Speed, stale: bool) {
         if let Some(first) = self.blocks.front_mut() {
             first.start_at(v_in);
+            self.start = v_in;
         }
         self.scope.stale = stale;
     }
@@ -293,7 +363,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
     /// The first block begins at another speed than planned.
     pub fn restart(&mut self, v_in: Speed) {
         if let Some(first) = self.blocks.front_mut() {
-            first.v_in = v_in;
+            self.start = v_in;
             first.marks.set(Marks::CHECKED, false);
         }
         self.scope.until = 0;

@@ -10,11 +10,13 @@
 //! because the plan ends in a standstill behind it becomes an anchor at once; only where the speed at the end
 //! of a span is final, the slowing down before it counts. And when a ring is full of one span, it is cut
 //! where its slowing down would begin, or behind the first quarter.
-use super::block::{Marks, UNPLANNED};
+use super::block::{Block, Marks};
 use super::ease::Trial;
 use super::law::{Law, RISE, Span};
 use super::plan::{Pass, Plan, spend};
+use super::planned::{Planned, settled};
 use super::ring::Ring;
+use crate::machine::functions;
 use crate::math::float::to_f32;
 use crate::quantity::{DISTANCE_LSB, Speed, speed_bits};
 use crate::slope::limits::Limits;
@@ -61,7 +63,8 @@ pub(super) struct Inside {
     worst: Option<Worst>,
     /// Where to cut the span.
     cut: usize,
-    calm: Calm,
+    /// Only with HSC a span has many parts of a curve.
+    calm: [Calm; functions::HSC.room(1)],
 }
 
 /// Where a law neither gains nor loses speed between parts of one curve: cut there, what limits the one end
@@ -80,14 +83,15 @@ impl Calm {
     const NONE: Self = Self { from: f32::MAX, blocks: None, sides: [Limits::WIDEST; 2] };
 
     /// Takes in a block; `calm`: it begins where the speed stays.
-    fn take(&mut self, k: usize, calm: bool, limits: &Limits) {
+    fn take(&mut self, k: usize, calm: bool, block: &Block) {
+        let [before, behind] = &mut self.sides;
         if calm {
             self.blocks = Some([self.blocks.map_or(k, |[first, _]| first), k]);
-            self.sides[1] = *limits;
+            *behind = block.limits();
         } else if self.blocks.is_some() {
-            self.sides[1].join(limits);
+            block.join_to(behind);
         } else {
-            self.sides[0].join(limits);
+            block.join_to(before);
         }
     }
 
@@ -148,8 +152,15 @@ impl Forward {
 }
 
 impl Inside {
-    pub const NONE: Self =
-        Self { law: Law::NONE, brakes_at: 0.0, block: 0, at: 0, worst: None, cut: 0, calm: Calm::NONE };
+    pub const NONE: Self = Self {
+        law: Law::NONE,
+        brakes_at: 0.0,
+        block: 0,
+        at: 0,
+        worst: None,
+        cut: 0,
+        calm: [Calm::NONE; functions::HSC.room(1)],
+    };
 }
 
 impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
@@ -161,7 +172,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             let Some(left) = pass.left.checked_sub(1) else { return self.start_forward(plan) };
             pass.left = left;
             let last = self.scope.open && left + 1 == self.blocks.len();
-            let share = self.tail.last.as_ref().filter(|_| last).map(|last| &last.share);
+            let share = self.tail.share(last);
             let Some(block) = self.blocks.get_mut(left) else { return self.start_forward(plan) };
             pass.span.add(block, share);
             if left > 0 && !block.is(Marks::ANCHOR) {
@@ -182,18 +193,22 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             // What was possible stays possible, see [`Plan`]; new anchors behind it may have to give way. A
             // flat span goes on as the plan before had it: faster, the anchors that gave way would be needed
             // again.
-            let v = if block.is(Marks::FLAT) && block.v_old > UNPLANNED {
-                block.v_old
-            } else {
-                span.enter(pass.v_out, block.cap()).max(block.v_old)
-            };
+            let (mut v, mut v_out) = (block.v_old, Speed::ZERO);
+            if !(block.is(Marks::FLAT) && v.is_some()) {
+                let entered = span.enter(pass.v_out, block.cap());
+                (v, v_out) = (Planned::below(entered), settled(entered));
+            }
+            if v <= block.v_old {
+                v = block.v_old;
+                v_out = v.speed();
+            }
             block.marks.set(Marks::KEPT, true);
             pass.changed = v != block.v_in;
             if !pass.changed && left <= pass.until {
                 return self.start_forward(plan);
             }
             block.v_in = v;
-            pass.v_out = v;
+            pass.v_out = v_out;
             (pass.span, pass.to) = (Span::NONE, left);
         }
     }
@@ -205,7 +220,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         let Some(reach) = self.scope.free else { return };
         let v = span.enter(v_out, block.cap()).min(reach);
         block.marks.set(Marks::CHECKED, false);
-        block.v_in = v;
+        self.start = v;
     }
 
     fn start_forward(&self, plan: &mut Plan) {
@@ -215,7 +230,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             (forward.next, forward.span) = (forward.from, Span::NONE);
             return;
         }
-        let v_in = self.blocks.front().map_or(Speed::ZERO, |block| block.v_in);
+        let v_in = self.first_speed();
         *forward = Forward { v_in, ..Forward::NONE };
     }
 
@@ -247,45 +262,46 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             {
                 spend(work, ADD);
                 let last = self.scope.open && pass.next + 1 == self.blocks.len();
-                let share = self.tail.last.as_ref().filter(|_| last).map(|last| &last.share);
+                let share = self.tail.share(last);
                 pass.span.add(block, share);
                 pass.next += 1;
                 continue;
             }
             // The span is complete.
             let end = self.blocks.get(pass.next);
-            let last = !self.scope.open || end.is_some_and(|end| end.v_in.to_bits() == speed_bits(end.cap));
+            let planned = end.map_or(Speed::ZERO, |end| end.v_in.speed());
+            let last = !self.scope.open || end.is_some_and(|end| planned.to_bits() == speed_bits(end.cap));
             pass.firm[1] = pass.firm[0] && last;
             pass.last[1] = if last { pass.next } else { pass.last[0] };
             if checked {
-                let v_out = end.map_or(Speed::ZERO, |end| end.v_reached);
-                pass.pass(v_out);
+                let reached = end.filter(|end| end.v_reached != end.v_in);
+                pass.pass(reached.map_or(planned, |end| end.v_reached.speed_by_call()));
                 continue;
             }
             spend(work, RAMP);
-            if self.span(plan) {
+            if self.span(plan, planned) {
                 return spend(work, LAW);
             }
         }
     }
 
     /// Plans a span that has changed; `false` if it is one block, which needs no law, and is passed.
-    fn span(&mut self, plan: &mut Plan) -> bool {
+    fn span(&mut self, plan: &mut Plan, planned: Speed) -> bool {
         let pass = &mut plan.forward;
         let single = pass.next - pass.from == 1;
         if !single {
             pass.span.limits.ease(self.ease(pass.from));
         }
-        let planned = self.blocks.get(pass.next).map_or(Speed::ZERO, |end| end.v_in);
         let Some(v_out) = pass.span.leave(pass.v_in, planned) else {
             self.go_back(plan);
             return true;
         };
         if let Some(end) = self.blocks.get_mut(pass.next) {
-            if v_out != end.v_reached {
+            let reached = if v_out == planned { end.v_in } else { Planned::below(v_out) };
+            if reached != end.v_reached {
                 end.marks.set(Marks::CHECKED, false);
             }
-            end.v_reached = v_out;
+            end.v_reached = reached;
         }
         pass.v_out = v_out;
         if single {
@@ -300,8 +316,10 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         let law = Law::new(&pass.span, pass.v_in, v_out, pass.firm[1] || flat);
         let brakes_at = law.brakes_at();
         plan.inside = Inside { law, brakes_at, block: pass.from, ..Inside::NONE };
-        if self.blocks.get(pass.next.saturating_sub(1)).is_some_and(|last| last.joint.flows()) {
-            plan.inside.calm.from = plan.inside.law.reaches_at();
+        if let Some(calm) = plan.inside.calm.first_mut()
+            && self.blocks.get(pass.next.saturating_sub(1)).is_some_and(|last| last.joint.flows())
+        {
+            calm.from = plan.inside.law.reaches_at();
         }
         plan.pass = Pass::Inside;
         true
@@ -313,7 +331,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         if self.scope.free.take().is_some() {
             // The plan before began at rest.
             if let Some(first) = self.blocks.front_mut() {
-                first.v_in = Speed::ZERO;
+                self.start = Speed::ZERO;
                 first.marks.set(Marks::CHECKED, false);
             }
             self.plan_again(plan, 0, self.blocks.len());
@@ -352,8 +370,8 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
                 self.counts.through += 1;
                 self.plan_again(plan, from, to);
             }
-            Some(end) if end.v_in > end.v_old.max(Speed::ZERO) => {
-                end.v_in = end.v_old.max(Speed::ZERO);
+            Some(end) if end.v_in > end.v_old.max(Planned::ZERO) => {
+                end.v_in = end.v_old.max(Planned::ZERO);
                 end.marks.set(Marks::CHECKED, false);
                 self.plan_again(plan, from, next);
             }
@@ -400,12 +418,12 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
                     pass.cut = pass.block;
                 }
             }
-            if pass.calm.from < f32::MAX {
-                let calm = pass.block > from
-                    && block.joint.flows()
-                    && start >= pass.calm.from
-                    && start <= pass.brakes_at;
-                pass.calm.take(pass.block, calm, &block.limits);
+            if let Some(calm) = pass.calm.first_mut()
+                && calm.from < f32::MAX
+            {
+                let is_calm =
+                    pass.block > from && block.joint.flows() && start >= calm.from && start <= pass.brakes_at;
+                calm.take(pass.block, is_calm, block);
             }
             let v = block.speed();
             match &mut pass.worst {
@@ -438,7 +456,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             if !enters
                 && !leaves
                 && firm
-                && self.blocks.get(first).is_some_and(|block| block.limits.may_have_valleys())
+                && self.blocks.get(first).is_some_and(|block| block.may_have_valleys())
             {
                 self.lower_peak(from, v);
                 return self.plan_again(plan, from, to);
@@ -474,7 +492,8 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
     fn cut_where_calm(&mut self, plan: &Plan) -> bool {
         let Forward { from, next: to, span, .. } = &plan.forward;
         let mut found = false;
-        for cut in plan.inside.calm.cuts(&plan.inside.law, &span.limits).into_iter().flatten() {
+        let Some(calm) = plan.inside.calm.first() else { return false };
+        for cut in calm.cuts(&plan.inside.law, &span.limits).into_iter().flatten() {
             if let Some(block) = self.blocks.get_mut(cut)
                 && *from < cut
                 && cut < *to
@@ -499,7 +518,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         let [enter, leave] = at.map(|at| to_f32(at) * DISTANCE_LSB);
         let enters = first > from && !law.keeps(v, enter, enter);
         let leaves = behind < to && !law.keeps(v, leave, leave);
-        let may_have_valleys = || self.blocks.get(first).is_some_and(|block| block.limits.may_have_valleys());
+        let may_have_valleys = || self.blocks.get(first).is_some_and(|block| block.may_have_valleys());
         if !(enters && leaves && law.is_firm() && may_have_valleys()) {
             [enters, leaves]
         } else if enter >= *brakes_at {
@@ -515,7 +534,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         {
             block.marks.set(Marks::ANCHOR | Marks::FRESH, true);
             block.marks.set(Marks::CHECKED, false);
-            block.v_reached = UNPLANNED;
+            block.forget();
             self.counts.untried += usize::from(block.joint.is_open());
             self.counts.through -= 1;
         }
@@ -523,7 +542,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
 
     /// There are new anchors between the blocks `from` and `to`.
     fn plan_again(&self, plan: &mut Plan, from: usize, to: usize) {
-        let v_out = self.blocks.get(to).map_or(Speed::ZERO, |end| end.v_in);
+        let v_out = self.blocks.get(to).map_or(Speed::ZERO, |end| end.v_in.speed_by_call());
         plan.backward = Backward { again: true, ..Backward::new(to, from, v_out) };
         plan.pass = Pass::Backward;
     }

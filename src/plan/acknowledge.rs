@@ -133,7 +133,9 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         self.begin_change(at, Some((k, committed)));
         if let Some(committed) = self.committed.get_mut(k) {
             committed.span.v_out = v_out;
-            committed.span.checked.now &= committed.span.blocks == 1;
+            if committed.span.blocks > 1 {
+                committed.span.checked.lose();
+            }
             committed.rest = 0;
         }
         self.frontier.emitter.resume_at(committed.next);

@@ -208,7 +208,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     /// down has passed.
     pub(super) fn take_over(&mut self) {
         if let Some(k) = self.reserve.changed.take() {
-            self.committed.from(k + 1).for_each(CommittedSpan::restore);
+            self.committed.restore_from(k + 1);
             self.note_passed();
         }
     }

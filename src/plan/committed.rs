@@ -24,43 +24,42 @@ pub(super) struct CommittedSpan {
     pub leaves: Speed,
     pub limit: f32,
     pub pace: u32,
-    /// As it was released: start, speed planned there. Whether that keeps the limits of all blocks is in `span`.
-    released: (Distance, Speed),
+    /// Speed planned at its start as it was released. Whether that keeps the limits of all blocks is in `span`; where
+    /// it began is where the one before it ends ([`CommittedSpans::begins`]).
+    released: Speed,
 }
 
 impl CommittedSpan {
     /// It is released, at `start`.
     pub const fn begin(&mut self, start: Distance) {
         (self.start, self.rest) = (start, 0);
-        self.released = (start, self.span.v_in);
-        self.span.checked.released = self.span.checked.now;
+        self.released = self.span.v_in;
     }
 
-    /// It gets another law before it has begun: nothing of it is behind.
-    pub const fn restore(&mut self) {
+    /// It gets another law before it has begun: nothing of it is behind. `begins`: where it was released.
+    pub const fn restore(&mut self, begins: i64) {
         let end = self.end();
-        (self.start, self.span.v_in) = self.released;
-        self.span.checked.now = self.span.checked.released;
+        (self.start, self.span.v_in) = (Distance::from_bits(begins), self.released);
+        self.span.checked.restore();
         self.span.length = Distance::from_bits(end.wrapping_sub(self.start.to_bits()));
         (self.span.slow.ceiling, self.span.slow.cruise) = (f32::MAX, 0.0);
     }
 
     /// What is left of it from the path distance `at` on may be as fast as the law planned for all of it,
-    /// where that cruises.
-    pub fn look(&mut self, at: i64) {
-        let (start, v_in) = self.released;
-        let [length, at] = [self.end(), at].map(|x| x.wrapping_sub(start.to_bits()));
-        let known = self.span.checked.released && at > 0 && self.span.is_uneven();
-        self.span.slow.cruise = if known { self.span.cruises(length, v_in, at) } else { 0.0 };
+    /// where that cruises. `begins`: where it was released.
+    pub fn look(&mut self, begins: i64, at: i64) {
+        let [length, at] = [self.end(), at].map(|x| x.wrapping_sub(begins));
+        let known = self.span.checked.released() && at > 0 && self.span.is_uneven();
+        self.span.slow.cruise = if known { self.span.cruises(length, self.released, at) } else { 0.0 };
     }
 
     /// What is left of it, begun at the speed `v`, may be as fast as that where the law planned for all of it
-    /// speeds up; 0: not known.
+    /// speeds up; 0: not known. `begins`: where it was released.
     #[inline(never)]
-    pub fn rises(&self, v: Speed) -> f32 {
-        let (start, v_in) = self.released;
-        let [length, at] = [self.end(), self.start.to_bits()].map(|x| x.wrapping_sub(start.to_bits()));
-        let known = self.span.checked.released && at > 0 && self.span.is_uneven();
+    pub fn rises(&self, begins: i64, v: Speed) -> f32 {
+        let v_in = self.released;
+        let [length, at] = [self.end(), self.start.to_bits()].map(|x| x.wrapping_sub(begins));
+        let known = self.span.checked.released() && at > 0 && self.span.is_uneven();
         if known && self.span.length.to_bits() >= SHORT { self.span.rises(length, v_in, at, v) } else { 0.0 }
     }
 
@@ -71,7 +70,7 @@ impl CommittedSpan {
         let span = &mut self.span;
         span.length = Distance::from_bits(left);
         span.v_in = v_in;
-        span.checked.now = false;
+        span.checked.lose();
         if left < SHORT {
             // Most of it at constant speed, which takes up the rounding of the rest.
             let limits = &span.limits;
@@ -82,15 +81,14 @@ impl CommittedSpan {
     }
 
     /// Highest speed at its start as it was released, from which its end speed can be reached.
-    fn enter_released(&self) -> Speed {
-        let (start, v_in) = self.released;
-        let length = Distance::from_bits(self.end().wrapping_sub(start.to_bits()));
-        ReleasedSpan { length, v_in, ..self.span }.enter()
+    fn enter_released(&self, begins: i64) -> Speed {
+        let length = Distance::from_bits(self.end().wrapping_sub(begins));
+        ReleasedSpan { length, v_in: self.released, ..self.span }.enter()
     }
 
     /// Speed planned at its start as it was released.
     pub const fn planned(&self) -> Speed {
-        self.released.1
+        self.released
     }
 
     /// Path distance of its end.
@@ -115,6 +113,8 @@ pub(super) struct CommittedSpans {
     slots: [CommittedSpan; SLOTS],
     front: usize,
     len: usize,
+    /// Where the first one was released.
+    begins: i64,
 }
 
 impl CommittedSpans {
@@ -130,9 +130,9 @@ impl CommittedSpans {
             leaves: Speed::ZERO,
             limit: 0.0,
             pace: 0,
-            released: (Distance::ZERO, Speed::ZERO),
+            released: Speed::ZERO,
         };
-        Self { slots: [blank; SLOTS], front: 0, len: 0 }
+        Self { slots: [blank; SLOTS], front: 0, len: 0, begins: 0 }
     }
 
     /// Forgets all of them.
@@ -147,6 +147,21 @@ impl CommittedSpans {
     /// Apart from one slot for a way to a standstill in reserve.
     pub const fn is_full(&self) -> bool {
         self.len >= SLOTS - 1
+    }
+
+    /// Path distance at which the one `k` behind the front was released.
+    pub fn begins(&self, k: usize) -> i64 {
+        k.checked_sub(1).and_then(|before| self.get(before)).map_or(self.begins, CommittedSpan::end)
+    }
+
+    /// Those from the one `k` behind the front on get other laws before they have begun.
+    pub fn restore_from(&mut self, k: usize) {
+        let mut begins = self.begins(k);
+        for k in k..self.len {
+            let Some(committed) = self.get_mut(k) else { return };
+            committed.restore(begins);
+            begins = committed.end();
+        }
     }
 
     /// The one `k` behind the front.
@@ -168,15 +183,19 @@ impl CommittedSpans {
     }
 
     /// Takes in what is in [`Self::spare`].
-    pub const fn push(&mut self) {
+    pub fn push(&mut self) {
         if self.len < SLOTS {
             self.len += 1;
+        }
+        if self.len == 1 {
+            self.begins = self.get(0).map_or(0, |first| first.start.to_bits());
         }
     }
 
     /// The first one is over.
-    pub const fn drop_first(&mut self) {
+    pub fn drop_first(&mut self) {
         if self.len > 0 {
+            self.begins = self.begins(1);
             self.front = behind(self.front, 1);
             self.len -= 1;
         }
@@ -199,16 +218,17 @@ impl CommittedSpans {
     /// The first `count` are to end at no more than `v_out`, and to be no faster before than that permits.
     pub fn lower(&mut self, count: usize, mut v_out: Speed) {
         for k in (0..count).rev() {
+            let start = self.begins(k);
             let Some(committed) = self.get_mut(k) else { return };
             committed.span.v_out = committed.span.v_out.min(v_out);
             let v_in = committed.span.enter();
-            let begins = committed.enter_released();
-            if v_in >= committed.span.v_in && begins >= committed.released.1 {
+            let begins = committed.enter_released(start);
+            if v_in >= committed.span.v_in && begins >= committed.released {
                 return;
             }
             committed.span.v_in = committed.span.v_in.min(v_in);
-            committed.released.1 = begins;
-            v_out = committed.released.1;
+            committed.released = begins;
+            v_out = committed.released;
         }
     }
 

@@ -427,7 +427,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         (committed.first, committed.next, committed.enters, committed.pace) =
             (end, next, v_in, self.orders.pace.key());
         let span = &committed.span;
-        let as_planned = v_in == span.v_in && span.checked.now && self.orders.pace.is_planned(span);
+        let as_planned = v_in == span.v_in && span.checked.now() && self.orders.pace.is_planned(span);
         (committed.limit, committed.leaves) = (min(span.limits.v, span.slow.ceiling), span.v_out);
         let mut fit = Fit::Whole;
         if !as_planned || self.orders.mode.stopping || self.orders.mode.uneven {
@@ -464,11 +464,12 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     /// that is the one of now, or the one at which the span is entered.
     #[inline(never)]
     fn stretch(&mut self, k: usize) -> bool {
+        let begins = self.committed.begins(k);
         let Some(committed) = self.committed.get_mut(k) else { return false };
         if committed.span.blocks == 1 {
             return false;
         }
-        committed.look(committed.start.to_bits());
+        committed.look(begins, committed.start.to_bits());
         let (span, v_in) = (&mut committed.span, committed.enters);
         if self.orders.mode.stopping || (self.orders.pace.is_planned(span) && v_in >= span.v_in) {
             return false;
@@ -499,14 +500,15 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     /// whether that is as high as it may be. `None` where it slows down instead, which is done.
     #[inline(never)]
     fn suit(&mut self, k: usize) -> Option<Fit> {
+        let begins = self.committed.begins(k);
         let committed = self.committed.get_mut(k)?;
         let (end, v_in) = (committed.end(), committed.enters);
         let full = self.orders.pace.is_planned(&committed.span);
-        let risen = if full && !self.orders.mode.stopping { committed.rises(v_in) } else { 0.0 };
+        let risen = if full && !self.orders.mode.stopping { committed.rises(begins, v_in) } else { 0.0 };
         let span = &mut committed.span;
         let mut v = self.orders.pace.limit(span);
         let expected = if full { span.v_in } else { span.v_in.min(Speed::from_bits(speed_bits(v))) };
-        let lowered = v_in != expected || !span.checked.now;
+        let lowered = v_in != expected || !span.checked.now();
         if lowered && span.blocks > 1 {
             let known = max(span.slow.least, speed_f32(v_in.to_bits()));
             span.slow.ceiling = min(span.slow.ceiling, max(known, span.slow.cruise));

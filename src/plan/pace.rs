@@ -87,8 +87,9 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     #[inline(never)]
     fn slower_from(&mut self, k: usize, at: u32) -> Option<Brake> {
         let motion = self.motion_at(at)?;
+        let begins = self.committed.begins(k);
         let committed = self.committed.get_mut(k)?;
-        committed.look(motion.distance);
+        committed.look(begins, motion.distance);
         let v = self.orders.pace.limit(&committed.span);
         let target = speed_bits(v);
         // It slows down as it is, unless that takes many times longer.

@@ -318,11 +318,12 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     /// The span `k` is about to have another law: it will be as it was when this is over.
     fn touch(&mut self, k: usize) {
         self.restore_touched();
+        let begins = self.committed.begins(k);
         let renews = self.reserve.pending.as_ref().is_some_and(|pending| pending.renews(k));
         if let (Some(aside), Some(committed)) = (&mut self.reserve.aside, self.committed.get_mut(k)) {
             aside.touched = Some((k, *committed));
             if renews {
-                committed.restore();
+                committed.restore(begins);
             }
         }
     }
@@ -488,13 +489,14 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             self.frontier.planned += 1;
         }
         let made = self.frontier.planned;
-        self.committed.from(made + 1).for_each(CommittedSpan::restore);
+        self.committed.restore_from(made + 1);
         self.queue.clock.let_go();
         if way.as_planned { Work::Working } else { Work::Late }
     }
 
     /// Whether the span `k` is behind the standstill; it begins there if it is not.
     pub(super) fn is_behind(&mut self, k: usize) -> bool {
+        let begins = self.committed.begins(k);
         let (Some(stands), Some(committed)) = (self.reserve.behind, self.committed.get_mut(k)) else {
             return false;
         };
@@ -504,7 +506,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             self.frontier.pending_dwell = u64::from(committed.rest);
             return true;
         }
-        committed.restore();
+        committed.restore(begins);
         if stands.wrapping_sub(committed.start.to_bits()) > 0 {
             committed.begin_at(stands, Speed::ZERO);
         }

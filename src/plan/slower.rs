@@ -136,7 +136,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         self.frontier.emitter.resume_at(committed.next);
         (self.frontier.stops, self.frontier.pending_dwell) = (false, 0);
         self.orders.mode.uneven = true;
-        self.committed.from(k + 1).for_each(CommittedSpan::restore);
+        self.committed.restore_from(k + 1);
     }
 
     /// What is in the queue behind the start of the way in force is taken back: laws of now take its place.
@@ -176,13 +176,14 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     /// From the instant `at` on, inside the span `k`, the motion gets as slow as is permitted now. `false`: it
     /// gets so as it is, or cannot.
     fn slow_down_from(&mut self, k: usize, at: u32, motion: &Instant) -> bool {
+        let begins = self.committed.begins(k);
         let Some(committed) = self.committed.get_mut(k) else { return false };
         let before = *committed;
         if committed.start.to_bits().wrapping_sub(motion.distance) > 0 {
             // It was made slower before, and begins anew.
-            committed.restore();
+            committed.restore(begins);
         }
-        committed.look(motion.distance);
+        committed.look(begins, motion.distance);
         let (end, span) = (committed.end(), &committed.span);
         let target = speed_bits(self.orders.pace.limit(span));
         let slows = motion.accel < 0 && motion.speed <= target;
@@ -208,7 +209,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         self.frontier.stops = false;
         self.orders.mode.uneven = true;
         self.brake(k, &brake);
-        self.committed.from(k + 1).for_each(CommittedSpan::restore);
+        self.committed.restore_from(k + 1);
         true
     }
 

@@ -41,11 +41,11 @@ pub type Ramps = [f32; 4];
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Joins {
     /// With the same limits: TRAPEZ, SIN2.
-    Alike,
+    Alike = 0,
     /// All: HSC.
-    Any,
+    Any = 4,
     /// All, and slow ones may be entered and left with acceleration: HSC with NO_OPT=0.
-    Valleys,
+    Valleys = 8,
 }
 
 /// What a slope permits beside speed and acceleration.

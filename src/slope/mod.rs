@@ -12,6 +12,8 @@ pub mod ramp;
 
 pub mod limits;
 
+pub mod kept;
+
 pub mod profile;
 
 pub mod brake;

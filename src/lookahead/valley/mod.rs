@@ -24,9 +24,10 @@
 //! A block that is cut takes two places of the ring. They share its curve.
 mod shift;
 
-use super::block::{Marks, UNPLANNED};
+use super::block::{Block, Marks};
 use super::ease::{self, Ease, GAIN, Trial};
 use super::law::{Law, RISE, Span, length_mm};
+use super::planned::Planned;
 use super::ring::Ring;
 use crate::math::float::{max, min, to_bits};
 use crate::math::root::sqrt_f32;
@@ -213,7 +214,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
     }
 
     fn limit(&self, k: usize) -> f32 {
-        self.blocks.get(k).map_or(0.0, |block| block.limits.v)
+        self.blocks.get(k).map_or(0.0, |block| block.v())
     }
 
     fn look(&mut self, pass: &mut Trial, valley: &mut Valley) {
@@ -234,7 +235,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
                 && self.limit(to) > self.limit(to - 1) * RISE
                 && self.blocks.get(to).is_some_and(|block| {
                     block.cap() * SAME >= self.limit(to - 1)
-                        && block.limits.may_have_valleys()
+                        && block.may_have_valleys()
                         && block.joint.is_open()
                 });
             if leaves {
@@ -314,16 +315,16 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         let (Some(first), Some(last)) = (self.blocks.get(b), self.blocks.get(c - 1)) else {
             return self.leave_anchor(pass, valley, true);
         };
-        let (first, last) = (*first, *last);
-        let lengths = [&first, &last].map(length_mm);
-        let [j_in, j_out] = [first.limits.jerk(3), last.limits.jerk(0)];
-        let [v_in, v_out] = [first.limits.v, last.limits.v];
+        let lengths = [first, last].map(length_mm);
+        let [first_limits, last_limits] = [first, last].map(Block::limits_by_call);
+        let [j_in, j_out] = [first_limits.jerk(3), last_limits.jerk(0)];
+        let [v_in, v_out] = [first_limits.v, last_limits.v];
         if let Some(&(part, common)) = DEPTHS.get(usize::from(valley.tried)) {
             valley.tried += 1;
             pass.step = ease::Step::Valley(Step::Weigh);
             let peaks = valley.peaks;
-            let t_in = if a < b { Side::best(v_in, peaks[0], j_in, first.limits.a_down, part) } else { 0.0 };
-            let t_out = if c < d { Side::best(v_out, peaks[1], j_out, last.limits.a_up, part) } else { 0.0 };
+            let t_in = if a < b { Side::best(v_in, peaks[0], j_in, first_limits.a_down, part) } else { 0.0 };
+            let t_out = if c < d { Side::best(v_out, peaks[1], j_out, last_limits.a_up, part) } else { 0.0 };
             let (t_in, t_out) = if common {
                 if a == b || c == d || v_in != v_out {
                     return;
@@ -392,7 +393,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             }
             v_in = Speed::from_bits(speed_bits(enter.v));
             let mut fast = valley.spans[0];
-            fast.add_piece(&first.limits, valley.cut.cuts[0]);
+            fast.add_piece(&first.limits_by_call(), valley.cut.cuts[0]);
             fast.limits.ease(valley.eases[0]);
             if !fast.joins(valley.speeds[0], v_in) {
                 return None;
@@ -406,7 +407,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             }
             v_out = Speed::from_bits(speed_bits(leave.v));
             let mut fast = valley.spans[2];
-            fast.add_piece(&last.limits, valley.cut.cuts[1]);
+            fast.add_piece(&last.limits_by_call(), valley.cut.cuts[1]);
             fast.limits.ease(valley.eases[1]);
             if !fast.joins(v_out, valley.speeds[3]) {
                 return None;
@@ -480,7 +481,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             }
         };
         if cut > 0 {
-            span.add_piece(&block.limits, cut);
+            span.add_piece(&block.limits_by_call(), cut);
         } else {
             span.shorten(-cut);
         }
@@ -515,7 +516,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         let Some(block) = self.blocks.get_mut(k) else { return };
         let mut piece = *block;
         piece.length = block.length - distance;
-        piece.continued = true;
+        piece.go_on();
         piece.highest = f32::MAX;
         block.length = distance;
         piece.marks = Marks::default();
@@ -531,7 +532,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
     /// Acceleration is zero where the block `k` begins, at that speed, for good.
     fn dip_at(&mut self, k: usize, v: f32) {
         let Some(block) = self.blocks.get_mut(k) else { return };
-        let speed = Speed::from_bits(speed_bits(v));
+        let speed = Planned::below_by_call(Speed::from_bits(speed_bits(v)));
         block.marks.set(Marks::ANCHOR | Marks::CHECKED, true);
         (block.v_in, block.v_reached, block.v_old) = (speed, speed, speed);
         block.cap = v;
@@ -602,7 +603,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             if let Some(block) = self.blocks.get_mut(c + 1)
                 && !block.is(Marks::ANCHOR)
             {
-                block.v_reached = UNPLANNED;
+                block.forget();
             }
             self.keep_ease(at, plan.eases[1]);
         }
@@ -622,7 +623,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         if let Some(second) = self.blocks.get_mut(from + 1)
             && !second.is(Marks::ANCHOR)
         {
-            second.v_reached = if ease == Ease::NONE { UNPLANNED } else { ease.kept() };
+            second.keep_ease(ease);
         }
     }
 }

@@ -4,7 +4,7 @@
 //! acceleration zero either: it moves into the block on the other side, as far as the limit where it was
 //! permits.
 use super::{Shift, Step, Valley};
-use crate::lookahead::block::{Marks, UNPLANNED};
+use crate::lookahead::block::Marks;
 use crate::lookahead::ease::{self, Ease, Trial};
 use crate::lookahead::law::{Law, RISE, Span};
 use crate::lookahead::ring::Ring;
@@ -87,7 +87,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         let early = self.shifts_early(valley)?;
         let [a, b, _, d] = valley.edges;
         let block = self.blocks.get(if early { b - 1 } else { b })?;
-        let (limits, length) = (block.limits, block.length);
+        let (limits, length) = (block.limits_by_call(), block.length);
         if valley.shift.steps == 0 {
             if valley.shift.moved == 0 {
                 valley.eases = [self.ease(a), self.ease(b), Ease::NONE];
@@ -180,7 +180,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         self.dip_at(at, plan.cut.v[0]);
         if let Some(block) = self.blocks.get_mut(at) {
             let is_cut = plan.cut.cuts[0] != 0;
-            block.cap = if is_cut { block.limits.v } else { cap_here };
+            block.cap = if is_cut { block.v() } else { cap_here };
             if is_cut || open_here {
                 block.joint.open();
                 self.counts.untried += 1;
@@ -190,7 +190,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             && let Some(block) = self.blocks.get_mut(was + 1)
             && !block.is(Marks::ANCHOR)
         {
-            block.v_reached = UNPLANNED;
+            block.forget();
         }
         self.keep_ease(at, plan.eases[1]);
         self.keep_ease(a, plan.eases[0]);

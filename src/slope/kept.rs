@@ -1,0 +1,151 @@
+//! Limits as the look-ahead keeps them for each of its blocks: seven numbers, and in some bits what their law is.
+//!
+//! As an enum they would take four bytes more, and the limits of a speed that is to stay four more in each block. Those
+//! have one jerk for each direction, the lower one: what they leave to accelerations is next to nothing.
+use super::limits::{Joins, Limits, Loose, SlopeLaw, lower};
+use super::ramp_shape::RampShape;
+use crate::math::float::{max, min};
+
+/// The numbers of limits.
+#[derive(Clone, Copy, Debug)]
+pub struct Numbers {
+    /// Speed, mm/tick.
+    pub v: f32,
+    /// Acceleration and deceleration, mm/tick².
+    a: [f32; 2],
+    /// Those of the law: mean jerks, mm/tick³; of STEP the change-over speed, both accelerations above it, and
+    /// the deceleration at standstill. Where a speed is to stay: the lower jerk of both directions, nothing, and the
+    /// acceleration of [`Loose`]; of STEP the change-over speed, the lower one of both accelerations, the acceleration
+    /// of [`Loose`], and the deceleration at standstill.
+    law: [f32; 4],
+}
+
+/// Which law limits have, and whether a speed is to stay.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct LawKind(u8);
+
+impl LawKind {
+    /// Bits that are free for other use.
+    pub const FREE: u8 = !(Self::LAW | Self::JOINS | Self::STAYS);
+
+    const LAW: u8 = 3;
+    const SINE: u8 = RampShape::SineSquare as u8;
+    const STEPPED: u8 = 2;
+    const ACROSS: u8 = 3;
+    const JOINS: u8 = 12;
+    const ANY: u8 = Joins::Any as u8;
+    const VALLEYS: u8 = Joins::Valleys as u8;
+    const STAYS: u8 = 16;
+
+    /// That of a byte of which other bits may be set.
+    #[inline(always)]
+    pub const fn of(byte: u8) -> Self {
+        Self(byte & !Self::FREE)
+    }
+
+    /// The bits.
+    #[inline(always)]
+    pub const fn bits(self) -> u8 {
+        self.0
+    }
+
+    /// As [`Limits::may_have_valleys`] says it.
+    #[inline(always)]
+    pub const fn may_have_valleys(self) -> bool {
+        self.0 & Self::JOINS == Self::VALLEYS
+    }
+
+    /// As [`Limits::varies`] says it.
+    #[inline(always)]
+    pub const fn varies(self) -> bool {
+        self.0 & Self::JOINS != 0
+    }
+
+    /// Whether a speed is to stay: [`Loose`].
+    #[inline(always)]
+    pub const fn stays(self) -> bool {
+        self.0 & Self::STAYS != 0
+    }
+
+    #[inline(always)]
+    const fn joins(self) -> Joins {
+        if self.0 & Self::VALLEYS != 0 {
+            Joins::Valleys
+        } else if self.0 & Self::ANY != 0 {
+            Joins::Any
+        } else {
+            Joins::Alike
+        }
+    }
+}
+
+impl Numbers {
+    /// All bits zero.
+    pub const NOTHING: Self = Self { v: 0.0, a: [0.0; 2], law: [0.0; 4] };
+
+    /// The limits that these numbers and this law are. In place, without calls: what is not asked for is not made.
+    #[cfg_attr(feature = "fast", inline(always))]
+    pub fn limits(&self, kind: LawKind) -> Limits {
+        let (v, [a_up, a_down], [w, x, y, z]) = (self.v, self.a, self.law);
+        let (stays, stepped) = (kind.stays(), kind.0 & LawKind::STEPPED != 0);
+        let law = if stepped {
+            let across = kind.0 & LawKind::LAW == LawKind::ACROSS;
+            SlopeLaw::Stepped { change_over: w, a_up: x, a_down: if stays { x } else { y }, still: z, across }
+        } else {
+            let sine = kind.0 & LawKind::SINE != 0;
+            let shape = if sine { RampShape::SineSquare } else { RampShape::Linear };
+            SlopeLaw::JerkLimited {
+                shape,
+                joins: kind.joins(),
+                j: if stays { [w, w, x, x] } else { self.law },
+            }
+        };
+        let loose = match (stays, stepped) {
+            (false, _) => Loose::NONE,
+            (true, false) => Loose::of(z),
+            (true, true) => Loose::of(y),
+        };
+        Limits { v, a_up, a_down, law, loose }
+    }
+}
+
+impl Limits {
+    /// As [`Self::join`] with the limits that these numbers and this law are.
+    #[cfg_attr(feature = "fast", inline(always))]
+    pub(crate) fn join_kept(&mut self, numbers: &Numbers, kind: LawKind) {
+        let SlopeLaw::JerkLimited { j, .. } = &mut self.law else { return self.join_any(numbers, kind) };
+        if kind.0 & (LawKind::STEPPED | LawKind::STAYS) != 0 {
+            return self.join_any(numbers, kind);
+        }
+        lower(j, numbers.law);
+        self.v = max(self.v, numbers.v);
+        self.a_up = min(self.a_up, numbers.a[0]);
+        self.a_down = min(self.a_down, numbers.a[1]);
+        self.loose = Loose::NONE;
+    }
+
+    #[inline(never)]
+    fn join_any(&mut self, numbers: &Numbers, kind: LawKind) {
+        self.join(&numbers.limits(kind));
+    }
+
+    /// Their numbers and their law.
+    #[cfg_attr(feature = "fast", inline(always))]
+    pub fn kept(&self) -> (Numbers, LawKind) {
+        let stays = self.loose.is_some();
+        let a = self.loose.get();
+        let (law, kind) = match self.law {
+            SlopeLaw::JerkLimited { shape, joins, j } => {
+                let law = if stays { [min(j[0], j[1]), min(j[2], j[3]), 0.0, a] } else { j };
+                (law, shape as u8 | joins as u8)
+            }
+            SlopeLaw::Stepped { change_over, a_up, a_down, still, across } => {
+                let kind = if across { LawKind::ACROSS } else { LawKind::STEPPED };
+                let upper = if stays { [min(a_up, a_down), a] } else { [a_up, a_down] };
+                ([change_over, upper[0], upper[1], still], kind)
+            }
+        };
+        let kind = if stays { kind | LawKind::STAYS } else { kind };
+        (Numbers { v: self.v, a: [self.a_up, self.a_down], law }, LawKind(kind))
+    }
+}
