@@ -488,14 +488,18 @@ impl<const AXES: usize> Smoothing<AXES> {
     #[inline(never)]
     fn change(&mut self, wanted: &Wanted<AXES>) {
         match wanted {
-            Wanted::Contour => self.begin_rounding(self.contour),
+            Wanted::Contour => {
+                let settings = self.contour;
+                self.begin_rounding(&settings);
+            }
             Wanted::Rounding => {
                 let dev = Contour {
                     method: Some(ContourMethod::Dev),
                     path_dev: Some(self.hsc.conterror),
                     ..Contour::default()
                 };
-                self.begin_rounding(self.contour.on_with(&dev));
+                let settings = self.contour.on_with(&dev);
+                self.begin_rounding(&settings);
             }
             #[cfg(feature = "splines")]
             Wanted::Spline(Start { mode: Mode::Control(rules), .. }) if rules.rounds_arcs => {
@@ -513,8 +517,12 @@ impl<const AXES: usize> Smoothing<AXES> {
 
     // One at a time on the stack.
     #[inline(never)]
-    fn begin_rounding(&mut self, settings: contour::Settings) {
-        self.kind = Kind::Contour(Contouring::with(self.measure, &settings));
+    fn begin_rounding(&mut self, settings: &contour::Settings) {
+        match &mut self.kind {
+            // In its place.
+            Kind::Contour(contouring) => contouring.begin(settings),
+            kind => *kind = Kind::Contour(Contouring::with(self.measure, settings)),
+        }
     }
 
     #[cfg(feature = "splines")]

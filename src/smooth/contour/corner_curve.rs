@@ -37,9 +37,6 @@ const MOST_CUTS: usize = 96;
 
 const ONE_40: f32 = (1u64 << 40) as f32;
 
-/// Both halves, the part of each that belongs to the course, and mm per u of both.
-type Halves<const AXES: usize> = ([(Quintic<AXES>, [f32; 2]); 2], [f32; 2]);
-
 /// A curve that is handed out element by element.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CornerCurve<const AXES: usize> {
@@ -189,67 +186,73 @@ pub enum Fit {
 const LENGTHS: usize = 3;
 
 impl<const AXES: usize> CornerCurve<AXES> {
-    /// Both halves of the curve between two knots; offsets are from `origin`. Through `interim` if that is given.
-    /// `lead`: the path between both, where a master axis is the path. `None` where it cannot be made.
-    #[inline(never)]
-    pub fn halves(
-        measure: &Measure,
-        spaces_per_path: [f32; 2],
-        origin: &[Position; AXES],
-        [from, to]: [&Knot<AXES>; 2],
-        interim: Option<&[f32; AXES]>,
-        lead: Option<f32>,
-    ) -> Option<Halves<AXES>> {
-        let main = &measure.main;
-        let [a, b] = [from, to].map(|knot| site_of(knot, origin));
-        let space_per_path = mean(spaces_per_path);
-        if space_per_path <= 0.0 && lead.is_none() {
-            return None;
-        }
-        let (halves, path) = if let Some(point) = interim {
-            let ([first, second], lengths) = through(main, &a, point, &b, space_per_path)?;
-            ([(first, [0.0, 1.0]), (second, [0.0, 1.0])], lengths)
-        } else {
-            let speed = lead.unwrap_or_else(|| even_speed(main, &a, &b, space_per_path));
-            if speed <= 0.0 {
-                return None;
-            }
-            let curve = Quintic::new(&a, &b, speed);
-            // The joint is where the curve is nearest to the corner: there the elements are exactly as far as
-            // planned. A master axis has reached the corner's coordinate.
-            let nearest = || min(max(curve.nearest(main, &[0.0; AXES], 0.5), 0.25), 0.75);
-            let u = if lead.is_some() { 0.5 } else { nearest() };
-            ([(curve, [0.0, u]), (curve, [u, 1.0])], [speed; 2])
-        };
-        Some((halves, path))
-    }
-
-    /// The curve of these halves; `given`: through a given point. Before it is handed out: [`Self::fit`]. Inline:
-    /// it is made where it stays.
-    #[cfg_attr(feature = "fast", inline(always))]
+    /// A curve between two knots, whose halves are made by [`Self::lay`]; `given`: through a given point. Inline, in
+    /// every build: it is made where it stays.
+    #[inline(always)]
     pub fn new(
         measure: &Measure,
         spaces_per_path: [f32; 2],
         origin: &[Position; AXES],
         [from, to]: [&Knot<AXES>; 2],
-        (halves, path): &Halves<AXES>,
         given: bool,
     ) -> Self {
         Self {
             measure: *measure,
             spaces_per_path,
             origin: *origin,
-            halves: *halves,
-            path: (!measure.is_space()).then_some(*path),
+            halves: [(Quintic::NONE, [0.0, 1.0]); 2],
+            path: None,
             at: *from,
             last: *to,
             parts: 1,
             done: 0,
             given: given.then_some(Cuts::NEW),
             any: false,
-            seam: Seam { of: u32::MAX, is_first: true, site: site_of(to, origin) },
+            seam: Seam { of: u32::MAX, is_first: true, site: Site::NONE },
             seen: [[0.0; 2]; SEEN],
         }
+    }
+
+    /// Makes both halves, through `interim` if that is given. `lead`: the path between both ends, where a master
+    /// axis is the path. Whether it can be made. Before it is handed out: [`Self::fit`].
+    #[inline(never)]
+    pub fn lay(&mut self, interim: Option<&[f32; AXES]>, lead: Option<f32>) -> bool {
+        let main = &self.measure.main;
+        let a = site_of(&self.at, &self.origin);
+        // What begins at no element stands in for the end.
+        self.seam.site = site_of(&self.last, &self.origin);
+        let b = &self.seam.site;
+        let space_per_path = mean(self.spaces_per_path);
+        if space_per_path <= 0.0 && lead.is_none() {
+            return false;
+        }
+        let path = if let Some(point) = interim {
+            let [(first, _), (second, _)] = &mut self.halves;
+            let Some(lengths) = through(main, &a, point, b, space_per_path, [first, second]) else {
+                return false;
+            };
+            lengths
+        } else {
+            let speed = lead.unwrap_or_else(|| even_speed(main, &a, b, space_per_path));
+            if speed <= 0.0 {
+                return false;
+            }
+            let [(curve, [_, until]), (other, [from, _])] = &mut self.halves;
+            *curve = Quintic::new(&a, b, speed);
+            // The joint is where the curve is nearest to the corner: there the elements are exactly as far as
+            // planned. A master axis has reached the corner's coordinate.
+            let nearest = || min(max(curve.nearest(main, &[0.0; AXES], 0.5), 0.25), 0.75);
+            let u = if lead.is_some() { 0.5 } else { nearest() };
+            (*other, *until, *from) = (*curve, u, u);
+            [speed; 2]
+        };
+        self.path = (!self.measure.is_space()).then_some(path);
+        true
+    }
+
+    /// Main axes.
+    pub const fn main(&self) -> &Main {
+        &self.measure.main
     }
 
     /// Where it begins and ends, before it is handed out.
@@ -476,18 +479,19 @@ impl<const AXES: usize> CornerCurve<AXES> {
 
 /// Two polynomials that meet at a point with as many derivatives in common as they have to spare: four. Their
 /// path lengths follow in a few rounds, beginning with the straight lines. `space_per_path`: of the path in
-/// space.
+/// space. Made in their places; both lengths. `None` where they cannot be made.
+#[inline(never)]
 fn through<const AXES: usize>(
     main: &Main,
     a: &Site<AXES>,
     point: &[f32; AXES],
     b: &Site<AXES>,
     space_per_path: f32,
-) -> Option<([Quintic<AXES>; 2], [f32; 2])> {
+    [first, second]: [&mut Quintic<AXES>; 2],
+) -> Option<[f32; 2]> {
     let travel = [plus(point, -1.0, &a.offset), plus(&b.offset, -1.0, point)];
     let chords = [size(main, &travel[0]) / space_per_path, size(main, &travel[1]) / space_per_path];
     let mut lengths = chords;
-    let mut curves = None;
     for round in 0..=LENGTHS {
         let [h1, h2] = lengths;
         if h1 <= 0.0 || h2 <= 0.0 {
@@ -516,9 +520,8 @@ fn through<const AXES: usize>(
                 *c = (m11 * e2 - m21 * e1) / det;
             }
         }
-        let first = Quintic::new(a, &middle, h1);
-        let second = Quintic::new(&middle, b, h2);
-        curves = Some(([first, second], lengths));
+        *first = Quintic::new(a, &middle, h1);
+        *second = Quintic::new(&middle, b, h2);
         if round == LENGTHS {
             break;
         }
@@ -528,7 +531,7 @@ fn through<const AXES: usize>(
             min(second.length(main, 0.0, 1.0) / space_per_path, 2.0 * chords[1]),
         ];
     }
-    curves
+    Some(lengths)
 }
 
 /// Speed along an element per path speed at most, from what is seen of it at some places.

@@ -432,28 +432,57 @@ impl<const AXES: usize> Joining<AXES> {
     ) -> bool {
         let &mut JoinStep::Cutting { cut, slack, smaller } = stage else { return true };
         let Some(rule) = &held.rule else { return true };
-        let corner = corner(held, next, setting.measure);
-        if cut.is_even() && !setting.const_vel && corner.is_symmetric(rule, setting.measure) {
-            let symmetric = Symmetric::new(&corner);
-            if symmetric.is_even() {
-                *turning = None;
-                let Some(ends) = Ends::enter(held, next, cut, setting.measure) else { return true };
-                let course = symmetric.curve(to_f32(cut.before) * DISTANCE_LSB, &ends.from, &ends.to);
-                let made = turning.insert(Turning::new([held, next], Cornering::Halves(course), setting));
-                made.passage = cut.leave(held, next, &ends.from, setting);
+        if cut.is_even() && !setting.const_vel {
+            let mut symmetric = Symmetric::NONE;
+            if Self::is_symmetric([held, next], rule, setting, &mut symmetric) {
+                Self::halve([held, next], cut, &symmetric, setting, turning);
                 return true;
             }
         }
-        let Some(ends) = Ends::new(held, next, cut, setting.measure) else {
+        let mut spaces = [0.0; 2];
+        *turning = None;
+        let lead = Self::lead([held, next], (rule, cut), setting, &mut spaces);
+        if !Self::begin([held, next], (cut, spaces), setting, turning) {
             *stage = JoinStep::Sharp;
-            return false;
-        };
-        *stage = if Self::course(held, next, &ends, rule, setting, turning) {
-            JoinStep::Fitting { cut, slack, smaller }
+        } else if even(turning).is_some_and(|course| Self::lay(course, (&held.block.to, rule), lead)) {
+            *stage = JoinStep::Fitting { cut, slack, smaller };
         } else {
-            cut.smaller(slack, smaller)
-        };
+            *turning = None;
+            *stage = cut.smaller(slack, smaller);
+        }
         false
+    }
+
+    /// Whether the curve is known in closed form, each half in one element.
+    #[inline(never)]
+    fn is_symmetric(
+        [held, next]: [&HeldBlock<AXES>; 2],
+        rule: &Parameters,
+        setting: &Setting<'_, AXES>,
+        symmetric: &mut Symmetric<AXES>,
+    ) -> bool {
+        let corner = corner(held, next, setting.measure);
+        if !corner.is_symmetric(rule, setting.measure) {
+            return false;
+        }
+        *symmetric = Symmetric::new(&corner);
+        symmetric.is_even()
+    }
+
+    /// The curve in closed form, and both blocks without what it takes of them.
+    #[inline(never)]
+    fn halve(
+        [held, next]: [&mut HeldBlock<AXES>; 2],
+        cut: Cut,
+        symmetric: &Symmetric<AXES>,
+        setting: &Setting<'_, AXES>,
+        turning: &mut Option<Turning<AXES>>,
+    ) {
+        *turning = None;
+        let Some(ends) = Ends::enter(held, next, cut, setting.measure) else { return };
+        let course = symmetric.curve(to_f32(cut.before) * DISTANCE_LSB, &ends.from, &ends.to);
+        let made = turning.insert(Turning::new([held, next], Cornering::Halves(course), setting));
+        made.passage = cut.leave(held, next, &ends.from, setting);
     }
 
     /// Cuts it into elements.
@@ -602,37 +631,54 @@ impl<const AXES: usize> Joining<AXES> {
         cut.leave(held, next, &ends.from, setting);
     }
 
-    /// The curve over arc length between these ends. Whether there is one.
+    /// The way in space per path distance on both sides, and the path of a curve that takes so much of both blocks
+    /// where a master axis is the path.
     #[inline(never)]
-    fn course(
-        held: &HeldBlock<AXES>,
-        next: &HeldBlock<AXES>,
-        ends: &Ends<AXES>,
-        rule: &Parameters,
+    fn lead(
+        [held, next]: [&HeldBlock<AXES>; 2],
+        (rule, Cut { before, behind }): (&Parameters, Cut),
+        setting: &Setting<'_, AXES>,
+        spaces: &mut [f32; 2],
+    ) -> Option<f32> {
+        let corner = corner(held, next, setting.measure);
+        *spaces = corner.spaces_per_path();
+        let path = || to_f32(before.saturating_add(behind)) * DISTANCE_LSB;
+        corner.follows_master(rule, setting.measure).then(path)
+    }
+
+    /// A curve over arc length where it leaves one block and enters the other, without its halves. Whether there are
+    /// such places.
+    #[inline(never)]
+    fn begin(
+        [held, next]: [&HeldBlock<AXES>; 2],
+        (cut, spaces): (Cut, [f32; 2]),
         setting: &Setting<'_, AXES>,
         turning: &mut Option<Turning<AXES>>,
     ) -> bool {
+        let Some(ends) = Ends::new(held, next, cut, setting.measure) else { return false };
+        let given = held.rule.as_ref().is_some_and(|rule| rule.method == ContourMethod::Pos);
+        let knots = [&ends.from, &ends.to];
+        let course = CornerCurve::new(setting.measure, spaces, &held.block.to, knots, given);
+        *turning = Some(Turning::new([held, next], Cornering::Even(course), setting));
+        true
+    }
+
+    /// Makes its halves about the corner. Whether they can be made.
+    #[inline(never)]
+    fn lay(
+        course: &mut CornerCurve<AXES>,
+        (corner, rule): (&[Position; AXES], &Parameters),
+        lead: Option<f32>,
+    ) -> bool {
         let mut point = [0.0; AXES];
-        for (k, value) in setting.measure.main.places().into_iter().zip(rule.point) {
+        for (k, value) in course.main().places().into_iter().zip(rule.point) {
             let (Some(k), Some(value)) = (k, value) else { continue };
-            if let (Some(x), Some(corner)) = (point.get_mut(k), held.block.to.get(k)) {
+            if let (Some(x), Some(corner)) = (point.get_mut(k), corner.get(k)) {
                 *x = to_f32(value.to_bits().saturating_sub(corner.to_bits())) * LSB_32;
             }
         }
         let interim = (rule.method == ContourMethod::Pos).then_some(&point);
-        let corner = corner(held, next, setting.measure);
-        let Cut { before, behind } = ends.cut;
-        let path = || to_f32(before.saturating_add(behind)) * DISTANCE_LSB;
-        let lead = corner.follows_master(rule, setting.measure).then(path);
-        let (spaces, knots) = (corner.spaces_per_path(), [&ends.from, &ends.to]);
-        let (measure, origin) = (setting.measure, &held.block.to);
-        *turning = None;
-        let Some(halves) = CornerCurve::halves(measure, spaces, origin, knots, interim, lead) else {
-            return false;
-        };
-        let course = CornerCurve::new(measure, spaces, origin, knots, &halves, interim.is_some());
-        *turning = Some(Turning::new([held, next], Cornering::Even(course), setting));
-        true
+        course.lay(interim, lead)
     }
 }
 
@@ -751,7 +797,6 @@ impl Cut {
 
 /// Where a curve leaves one block and enters the other.
 struct Ends<const AXES: usize> {
-    cut: Cut,
     from: Knot<AXES>,
     to: Knot<AXES>,
 }
@@ -760,7 +805,7 @@ impl<const AXES: usize> Ends<AXES> {
     fn new(held: &HeldBlock<AXES>, next: &HeldBlock<AXES>, cut: Cut, measure: &Measure) -> Option<Self> {
         let position = Self::begin(next, cut);
         let end = next.entry_at(&position, measure).ok()?;
-        Some(Self { cut, from: Self::leave(held, cut), to: Knot { position, end } })
+        Some(Self { from: Self::leave(held, cut), to: Knot { position, end } })
     }
 
     /// The same; the second block becomes what is left of it.
@@ -774,7 +819,7 @@ impl<const AXES: usize> Ends<AXES> {
         let position = Self::begin(next, cut);
         next.renew(&position, cut.behind, measure).ok()?;
         let to = Knot { position, end: next.block.element.entry };
-        Some(Self { cut, from: Self::leave(held, cut), to })
+        Some(Self { from: Self::leave(held, cut), to })
     }
 
     #[inline(always)]

@@ -376,6 +376,14 @@ impl<const AXES: usize> Contouring<AXES> {
         Self { parameters, on, once, ..Self::new(measure, parameters.preset) }
     }
 
+    /// As [`Self::with`], in its place. Only when it holds nothing.
+    pub fn begin(&mut self, settings: &Settings) {
+        self.clear();
+        self.chords.clear();
+        (self.half, self.remark) = (false, None);
+        Settings { parameters: self.parameters, on: self.on, once: self.once } = *settings;
+    }
+
     /// What is in force.
     pub fn settings(&self) -> Settings {
         let Self { parameters, on, once, .. } = *self;

@@ -39,6 +39,9 @@ const LENGTH: [f32; 5] = [-0.514_288_7, -0.332_221_84, -0.080_998_49, -0.037_167
 const ABOVE: f32 = 0.0067;
 
 impl<const AXES: usize> Symmetric<AXES> {
+    /// Of no corner yet.
+    pub const NONE: Self = Self { along: [0.0; AXES], across: [0.0; AXES], cosine: 0.0, speed: 0.0 };
+
     /// Of a corner between lines, with nothing left out, where the path is that in space.
     pub fn new(corner: &Corner<'_, AXES>) -> Self {
         let (t1, t2) = (corner.before.tangent(), corner.behind.tangent());
@@ -85,7 +88,8 @@ impl<const AXES: usize> Symmetric<AXES> {
     }
 
     /// The curve between two knots at the distance `c`.
-    #[cfg_attr(feature = "fast", inline(always))]
+    // In place, in every build.
+    #[inline(always)]
     pub fn curve(&self, c: f32, from: &Knot<AXES>, to: &Knot<AXES>) -> Halves<AXES> {
         let mut middle = *from;
         let (v, per) = (c * self.speed, 0.5 / self.cosine);
