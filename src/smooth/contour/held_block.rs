@@ -6,6 +6,7 @@ use crate::math::float::{max, min, to_f32};
 use crate::nc::ContourMethod;
 use crate::path::{Element, End, Measure, PathError, Straight, arc, line, straight_line};
 use crate::quantity::{DISTANCE_LSB, Distance, Position};
+use core::num::NonZeroI64;
 
 /// A block whose end waits for the next one.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,12 +19,10 @@ pub(super) struct HeldBlock<const AXES: usize> {
     /// How far the contour that a line stands for may be from it.
     pub stray: Stray,
     /// Length of the block before it, if the corner between them is rounded, LSB 2^-44 mm.
-    pub previous: Option<i64>,
+    pub previous: Option<NonZeroI64>,
     /// Speed, mm/tick, at the last corner before it that slows the motion down, and the way from there to its
     /// start, mm.
     pub slow: [f32; 2],
-    /// The blocks left out behind it.
-    pub skipped: Option<Skipped<AXES>>,
     /// What it permits, from when a corner beside it is looked at, until it is another line or arc.
     pub known: Option<Known>,
 }
@@ -118,7 +117,6 @@ impl<const AXES: usize> HeldBlock<AXES> {
             stray: Stray::NONE,
             previous: None,
             slow: [0.0; 2],
-            skipped: None,
             known: None,
         }
     }
@@ -154,11 +152,12 @@ impl<const AXES: usize> HeldBlock<AXES> {
         to_f32(length) * DISTANCE_LSB * space_per_path(measure, &direction(&element.entry))
     }
 
-    /// The blocks left out, if the next block is one of them: it is short, and ends no further from the end
+    /// The blocks left out, those `before` among them, if the next block is one of them: it is short, and ends no further from the end
     /// of this one. Where there is a tolerance only as long as a straight line over them keeps a part of it;
     /// the corner has the rest.
     pub fn leave_out(
         &self,
+        before: Option<&Skipped<AXES>>,
         Self { block: next, stray: own, .. }: &Self,
         rule: &Parameters,
         measure: &Measure,
@@ -178,8 +177,8 @@ impl<const AXES: usize> HeldBlock<AXES> {
         let bent = if arc { 0.5 * length } else { 0.0 };
         let turned = if arc { aside(main, &travel(&next.from, &next.to)) } else { 0.0 };
         let over = travel(&self.block.to, &next.to);
-        let radius = max(size(main, &over), self.skipped.map_or(0.0, |skipped| skipped.radius)) + bent;
-        let before = self.skipped.map_or(Stray::NONE, |skipped| {
+        let radius = max(size(main, &over), before.map_or(0.0, |skipped| skipped.radius)) + bent;
+        let before = before.map_or(Stray::NONE, |skipped| {
             skipped.stray.and(Stray::of(main, &over, &travel(&self.block.to, &skipped.to)))
         });
         let stray = before.or(Stray { path: bent, track: turned }).or(*own);
@@ -191,7 +190,13 @@ impl<const AXES: usize> HeldBlock<AXES> {
     /// Whether a line stands for blocks held back or left out together with the next one: this one is too
     /// short to begin a curve, or the next one is to end it. Short is what is short in space and along every
     /// other axis.
-    pub fn stands(&self, next: &Self, rule: &Parameters, measure: &Measure) -> Option<Standing> {
+    pub fn stands(
+        &self,
+        skipped: Option<&Skipped<AXES>>,
+        next: &Self,
+        rule: &Parameters,
+        measure: &Measure,
+    ) -> Option<Standing> {
         let (main, to) = (&measure.main, &next.block.to);
         let [path, track] = rule.relevant();
         let is_short = |held: &Self, path: f32| {
@@ -204,11 +209,11 @@ impl<const AXES: usize> HeldBlock<AXES> {
         // RELEVANT_PATH is for both neighbours of a corner with DEV alone.
         let least = if rule.method == ContourMethod::Dev { path } else { min(path, SYSTEM_LEAST) };
         let whole = lines && rule.method != ContourMethod::Pos && is_short(self, least);
-        let standing = match &self.skipped {
+        let standing = match skipped {
             _ if whole => {
                 let over = travel(&self.block.from, to);
                 let off = |point: &[Position; AXES]| Stray::of(main, &over, &travel(&self.block.from, point));
-                let behind = self.skipped.map_or(next.stray, |skipped| skipped.stray.and(off(&skipped.to)));
+                let behind = skipped.map_or(next.stray, |skipped| skipped.stray.and(off(&skipped.to)));
                 Standing { whole, stray: self.stray.or(behind).and(off(&self.block.to)) }
             }
             Some(skipped) if is_short(next, SYSTEM_LEAST) => {
@@ -230,7 +235,6 @@ impl<const AXES: usize> HeldBlock<AXES> {
         let (block, data) = (&next.block, &next.block.data);
         if self.rule.as_ref().is_none_or(|rule| rule.method != ContourMethod::Ptp || !rule.merge)
             || !(self.is_line() && next.is_line())
-            || self.skipped.is_some()
             || self.block.data.feed != data.feed
         {
             return false;
@@ -262,21 +266,8 @@ impl<const AXES: usize> HeldBlock<AXES> {
         (self.block.to, self.block.data) = (block.to, *data);
         (self.length, self.stray) = (self.length.saturating_add(next.length), stray);
         (self.rule, self.previous, self.slow) = (next.rule, next.previous, next.slow);
-        (self.skipped, self.known) = (next.skipped, None);
+        self.known = None;
         true
-    }
-
-    /// What came last has no curve at its end: this block, or those left out behind it.
-    pub fn end(&mut self) {
-        match &mut self.skipped {
-            Some(skipped) => skipped.over = true,
-            None => self.rule = None,
-        }
-    }
-
-    /// Whether the end of what came last is to be rounded.
-    pub fn goes_on(&self) -> bool {
-        self.rule.is_some() && self.skipped.is_none_or(|skipped| !skipped.over)
     }
 
     /// Whether its part of the corner before it depends on the block behind it, or that may become a part of
@@ -285,10 +276,10 @@ impl<const AXES: usize> HeldBlock<AXES> {
         self.rule.as_ref().is_some_and(|rule| rule.weighs() || self.is_line() && rule.chords().is_some())
     }
 
-    /// Whether no corner has been before it, and nothing is left out behind it.
+    /// Whether no corner has been before it.
     pub fn is_untouched(&self) -> bool {
         let whole = self.block.element.shape.length.to_bits() == self.length;
-        whole && self.previous.is_none() && self.skipped.is_none()
+        whole && self.previous.is_none()
     }
 
     /// Whether it is straight.
@@ -309,8 +300,8 @@ impl<const AXES: usize> HeldBlock<AXES> {
 
     /// The blocks left out as the block behind this one, when no more of them come: the line over them, whose
     /// end is where it was programmed.
-    pub fn behind(&mut self, measure: &Measure) -> Option<Self> {
-        let Skipped { to, data, stray, .. } = self.skipped.take()?;
+    pub fn behind(&mut self, skipped: &Skipped<AXES>, measure: &Measure) -> Option<Self> {
+        let &Skipped { to, data, stray, .. } = skipped;
         let from = self.block.to;
         let Ok(Some(element)) = line(&from, &to, measure) else {
             // They led back.
@@ -320,21 +311,12 @@ impl<const AXES: usize> HeldBlock<AXES> {
         };
         let length = element.shape.length.to_bits();
         let block = ProgrammedBlock { element, from, to, form: Form::Line, data };
-        Some(Self {
-            block,
-            length,
-            rule: None,
-            stray,
-            previous: None,
-            slow: [0.0; 2],
-            skipped: None,
-            known: None,
-        })
+        Some(Self { block, length, rule: None, stray, previous: None, slow: [0.0; 2], known: None })
     }
 
     /// The line in place of the blocks left out.
-    pub fn bridge(&self, measure: &Measure) -> Option<Made<AXES>> {
-        let Skipped { to, data, .. } = self.skipped?;
+    pub fn bridge(&self, skipped: &Skipped<AXES>, measure: &Measure) -> Option<Made<AXES>> {
+        let &Skipped { to, data, .. } = skipped;
         let element = line(&self.block.to, &to, measure).ok().flatten()?;
         Some(Made { element, end: None, data, curving: None, due: data.number })
     }

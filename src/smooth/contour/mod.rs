@@ -51,9 +51,9 @@ pub use parameters::{Parameters, Preset};
 use self::chords::Chords;
 use self::corner_curve::CornerCurve;
 use self::halves::Halves;
-use self::held_block::HeldBlock;
-use self::held_blocks::HeldBlocks;
-use self::joining::{Joining, Setting};
+use self::held_block::{HeldBlock, Skipped};
+use self::held_blocks::{HeldBlocks, Place as Slot};
+use self::joining::{Joining, Search, Setting};
 use self::timed::Timed;
 use crate::dynamics::{Curving, Dynamics};
 use crate::nc::{Contour, ContourMethod, ContourSwitch, NcWarningKind, Place};
@@ -61,6 +61,7 @@ use crate::path::poly::Draft;
 use crate::path::{Element, Measure, Passage, line, straight_line};
 use crate::quantity::{Distance, Position};
 use crate::smooth::{Data, Form, Parting, ProgrammedBlock, Smoothed, Smoother};
+use core::num::NonZeroI64;
 
 /// An element that waits to be emitted.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -226,44 +227,34 @@ pub struct Contouring<const AXES: usize> {
     is_leaving: bool,
     /// The element at hand is there: of the curve, or what stands for blocks left out.
     is_made: bool,
-    in_hand: InHand<AXES>,
-    course: Option<Turning<AXES>>,
+    /// The corner between the block held back and the one that waits, while it is worked on: nothing goes out then.
+    joining: Option<Joining>,
+    course: Course<AXES>,
     /// The block held back. The one behind it, whose end is rounded by DIST_WEIGHT: its share in the corner
     /// before it depends on the next one. Or a line that may still grow by the next one. Only behind a block
     /// whose end is rounded. The one behind that, while the corner between both others is worked on.
     blocks: HeldBlocks<AXES>,
-    /// What the last line is made of.
-    chords: Chords<AXES>,
+    /// The blocks left out behind the one held back; until the line that stands for them is made, behind the one that
+    /// leaves.
+    skipped: Option<Skipped<AXES>>,
     /// The next block is half a line that ends or begins where nothing turns.
     half: bool,
     /// What is to be said about the curve that the last block led to.
     remark: Option<NcWarningKind>,
 }
 
-/// What is in hand: nothing goes out while a corner is worked on.
+/// What is being made, one at a time.
 #[derive(Clone, Copy, Debug)]
-enum InHand<const AXES: usize> {
-    /// The corner between the block held back and the one that waits, worked on.
-    Joining(Joining<AXES>),
-    /// The place of an element that goes out.
-    Made(Made<AXES>),
-}
-
-impl<const AXES: usize> InHand<AXES> {
-    const NONE: Self = Self::Made(Made::BLANK);
-
-    const fn is_joining(&self) -> bool {
-        matches!(self, Self::Joining(_))
-    }
-
-    /// The place of an element, where no corner is worked on.
-    #[inline(always)]
-    const fn made(&mut self) -> Option<&mut Made<AXES>> {
-        match self {
-            Self::Made(made) => Some(made),
-            Self::Joining(_) => None,
-        }
-    }
+#[expect(clippy::large_enum_variant, reason = "one at a time, in static memory")]
+enum Course<const AXES: usize> {
+    /// Nothing.
+    None,
+    /// What the last line is made of, while it may grow.
+    Gathering(Chords<AXES>),
+    /// The distances of a curve are searched for.
+    Reaching(Search<AXES>),
+    /// A curve.
+    Turning(Turning<AXES>),
 }
 
 /// The curve of a corner.
@@ -359,10 +350,10 @@ impl<const AXES: usize> Contouring<AXES> {
             once: false,
             is_leaving: false,
             is_made: false,
-            in_hand: InHand::NONE,
-            course: None,
+            joining: None,
+            course: Course::None,
             blocks: HeldBlocks::NONE,
-            chords: Chords::NONE,
+            skipped: None,
             half: false,
             remark: None,
         }
@@ -379,7 +370,6 @@ impl<const AXES: usize> Contouring<AXES> {
     /// As [`Self::with`], in its place. Only when it holds nothing.
     pub fn begin(&mut self, settings: &Settings) {
         self.clear();
-        self.chords.clear();
         (self.half, self.remark) = (false, None);
         Settings { parameters: self.parameters, on: self.on, once: self.once } = *settings;
     }
@@ -400,7 +390,7 @@ impl<const AXES: usize> Contouring<AXES> {
     pub fn command(&mut self, contour: &Contour, in_motion: bool) {
         let before = self.parameters;
         self.parameters.update(contour);
-        if self.parameters != before && self.held().is_some_and(|held| held.skipped.is_some()) && !in_motion {
+        if self.parameters != before && self.left_behind().is_some() && !in_motion {
             // Blocks left out: contouring goes on up to here.
             self.cancel();
         }
@@ -422,17 +412,34 @@ impl<const AXES: usize> Contouring<AXES> {
         self.blocks.first()
     }
 
+    /// The blocks left out behind it.
+    fn left_behind(&self) -> Option<&Skipped<AXES>> {
+        self.skipped.as_ref().filter(|_| !self.is_leaving)
+    }
+
     /// See [`Self::held`].
     fn waiting(&self) -> Option<&HeldBlock<AXES>> {
         let [_, waiting, _] = self.blocks.all();
-        waiting.as_ref()
+        waiting.block()
     }
 
-    /// The block that came last, if it is held back.
-    fn last(&mut self) -> Option<&mut HeldBlock<AXES>> {
+    /// What came last has no curve at its end: the last block, if it is held back, or those left out behind it.
+    /// `stop` demands a standstill there.
+    #[inline(never)]
+    fn end(&mut self, stop: bool) {
+        let is_leaving = self.is_leaving;
         let [held, waiting, third] = self.blocks.all_mut();
-        let third = if self.is_leaving { None } else { third.as_mut() };
-        third.or(waiting.as_mut()).or(held.as_mut())
+        let third = if is_leaving { None } else { third.block_mut() };
+        if let Some(last) = third.or(waiting.block_mut()) {
+            last.rule = None;
+            last.block.data.stop |= stop;
+        } else if let (Some(skipped), false) = (&mut self.skipped, is_leaving) {
+            skipped.over = true;
+            skipped.data.stop |= stop;
+        } else if let Some(held) = held.block_mut() {
+            held.rule = None;
+            held.block.data.stop |= stop;
+        }
     }
 
     /// The block that waits comes behind the one held back: left out, part of it, or behind a corner.
@@ -443,7 +450,7 @@ impl<const AXES: usize> Contouring<AXES> {
             self.join(behind, dynamics);
         } else {
             let [_, waiting, _] = self.blocks.all_mut();
-            *waiting = None;
+            *waiting = Slot::Free;
         }
     }
 
@@ -451,26 +458,26 @@ impl<const AXES: usize> Contouring<AXES> {
     /// both.
     #[inline(never)]
     fn left_out(&mut self) -> bool {
-        let Self { blocks, measure, .. } = self;
-        let [slot, Some(next), _] = blocks.all_mut() else { return false };
-        let Some(held) = slot else { return false };
+        let Self { blocks, skipped, measure, .. } = self;
+        let [slot, Slot::Block(next), _] = blocks.all_mut() else { return false };
+        let Slot::Block(held) = slot else { return false };
         let Some(rule) = &held.rule else { return false };
         if next.rule.is_some()
-            && let Some(skipped) = held.leave_out(next, rule, measure)
+            && let Some(more) = held.leave_out(skipped.as_ref(), next, rule, measure)
         {
-            held.skipped = Some(skipped);
+            *skipped = Some(more);
             return true;
         }
-        if let Some(standing) = held.stands(next, rule, measure) {
+        if let Some(standing) = held.stands(skipped.as_ref(), next, rule, measure) {
             let from = if standing.whole { held.block.from } else { held.block.to };
             if let Ok(Some(rest)) = straight_line(&from, &next.block.to, measure) {
                 next.become_line(&from, &rest);
                 next.length = next.block.element.shape.length.to_bits();
                 next.stray = standing.stray;
-                held.skipped = None;
+                *skipped = None;
                 if standing.whole {
                     // The short one to begin with is part of it.
-                    *slot = None;
+                    *slot = Slot::Free;
                 }
             }
         }
@@ -485,38 +492,45 @@ impl<const AXES: usize> Contouring<AXES> {
         rule: Option<&Parameters>,
         dynamics: &Dynamics<AXES>,
     ) -> bool {
-        let last = match self.blocks.all_mut() {
-            [_, Some(waiting), _] => waiting,
-            [Some(held), None, _] if held.is_untouched() => held,
+        let Self { blocks, skipped, course, .. } = self;
+        let last = match blocks.all_mut() {
+            [_, Slot::Block(waiting), _] => waiting,
+            [Slot::Block(held), _, _] if held.is_untouched() && skipped.is_none() => held,
             _ => return false,
         };
-        self.chords.gather(last, (block, rule), dynamics, &self.measure)
+        if last.rule.as_ref().is_none_or(|rule| rule.chords().is_none()) {
+            return false;
+        }
+        if matches!(course, Course::None) {
+            *course = Course::Gathering(Chords::beside(last.stray));
+        }
+        let Course::Gathering(chords) = course else { return false };
+        chords.gather(last, (block, rule), dynamics, &self.measure)
     }
 
     /// Whether the block held back and the next one become one.
     #[inline(never)]
     fn merges(&mut self, dynamics: &Dynamics<AXES>) -> bool {
-        let Self { blocks, measure, .. } = self;
-        let [Some(held), Some(next), _] = blocks.all_mut() else { return false };
+        let Self { blocks, skipped: None, measure, .. } = self else { return false };
+        let [Slot::Block(held), Slot::Block(next), _] = blocks.all_mut() else { return false };
         held.merge(next, dynamics, measure)
     }
 
     /// The corner between the block held back and the next one.
     #[inline(never)]
     fn join(&mut self, behind: Option<i64>, dynamics: &Dynamics<AXES>) {
-        let Self { blocks, measure, in_hand, .. } = self;
-        let [held, Some(next), _] = blocks.all_mut() else { return };
-        let Some(held) = held else {
+        let Self { blocks, skipped, measure, joining, course, .. } = self;
+        let [held, Slot::Block(next), _] = blocks.all_mut() else { return };
+        let Slot::Block(held) = held else {
             blocks.leave();
             return;
         };
         let method = held.rule.as_ref().map_or(self.parameters.method, |rule| rule.method);
         let (check_jerk, const_vel) = self.parameters.curving(method);
-        let setting = Setting { measure, check_jerk, const_vel, dynamics };
-        next.previous = held.rule.as_ref().map(|_| held.length);
-        *in_hand = InHand::Joining(Joining::new());
-        let InHand::Joining(joining) = in_hand else { return };
-        let remark = joining.go_into([held, next], behind, &setting);
+        let setting = Setting { measure, check_jerk, const_vel, dynamics, skipped: skipped.as_ref() };
+        next.previous = held.rule.as_ref().and_then(|_| NonZeroI64::new(held.length));
+        let joining = joining.insert(Joining::new());
+        let remark = joining.go_into([held, next], behind, &setting, course);
         if remark.is_some() {
             self.remark = remark;
         }
@@ -526,14 +540,12 @@ impl<const AXES: usize> Contouring<AXES> {
     /// curve. The block behind it is held back in its place.
     #[inline(never)]
     fn joined(&mut self) {
-        self.in_hand = InHand::NONE;
-        let [Some(held), ..] = self.blocks.all() else { return };
-        self.is_leaving = held.block.element.shape.length > Distance::ZERO;
-        if self.course.is_none()
-            && let Some(bridge) = held.bridge(&self.measure)
-        {
-            (self.in_hand, self.is_made) = (InHand::Made(bridge), true);
+        self.joining = None;
+        if matches!(self.course, Course::Turning(_)) {
+            self.skipped = None;
         }
+        let [Slot::Block(held), ..] = self.blocks.all() else { return };
+        self.is_leaving = held.block.element.shape.length > Distance::ZERO;
         self.blocks.leave();
         if !self.is_leaving {
             self.left();
@@ -542,25 +554,40 @@ impl<const AXES: usize> Contouring<AXES> {
 
     /// The block before a corner has gone.
     fn left(&mut self) {
-        let [.., last] = self.blocks.all_mut();
-        *last = None;
         self.is_leaving = false;
+        if self.skipped.is_some() {
+            self.bridge();
+            return;
+        }
+        let [.., last] = self.blocks.all_mut();
+        *last = Slot::Free;
+    }
+
+    /// What stands for blocks left out comes in its place.
+    #[cold]
+    #[inline(never)]
+    fn bridge(&mut self) {
+        let Self { blocks, skipped, measure, .. } = self;
+        let [.., last] = blocks.all_mut();
+        let bridge = skipped.take().and_then(|skipped| last.block()?.bridge(&skipped, measure));
+        self.is_made = bridge.is_some();
+        *last = bridge.map_or(Slot::Free, Slot::Made);
     }
 
     /// The block held back, which of two that are joined is the second one.
     fn current(&self) -> Option<&HeldBlock<AXES>> {
-        if self.in_hand.is_joining() { self.waiting() } else { self.held() }
+        if self.joining.is_some() { self.waiting() } else { self.held() }
     }
 
     /// What is left of a curve that cannot be made is a line; nothing is left at its end.
     #[cold]
     #[inline(never)]
     fn go_straight(&mut self) {
-        let (Some(turning), Some(made)) = (&mut self.course, self.in_hand.made()) else { return };
+        let (Course::Turning(turning), Some(made)) = (&mut self.course, self.blocks.made()) else { return };
         let from = turning.draft.as_ref().map_or_else(|| turning.course.stands(), |draft| *draft.from());
         self.is_made = turning.go_straight(&from, &self.measure, made).is_some();
         if !self.is_made {
-            self.course = None;
+            self.course = Course::None;
         }
     }
 
@@ -577,7 +604,7 @@ impl<const AXES: usize> Contouring<AXES> {
         if self.is_leaving || self.is_made {
             return false;
         }
-        if self.held().is_some_and(|held| held.skipped.as_ref().is_some_and(|skipped| skipped.over)) {
+        if self.skipped.as_ref().is_some_and(|skipped| skipped.over) {
             self.let_in_skipped(dynamics);
             return true;
         }
@@ -592,27 +619,28 @@ impl<const AXES: usize> Contouring<AXES> {
     #[cold]
     #[inline(never)]
     fn let_in_skipped(&mut self, dynamics: &Dynamics<AXES>) {
-        let Self { blocks, measure, .. } = self;
+        let Self { blocks, skipped, measure, .. } = self;
         let [held, waiting, _] = blocks.all_mut();
-        let next = held.as_mut().and_then(|held| held.behind(measure));
-        if next.is_some() {
-            let waiting = core::mem::replace(waiting, next);
-            self.enter(None, true, dynamics);
-            *self.free() = waiting;
-        }
+        let Some(skipped) = skipped.take() else { return };
+        let Some(next) = held.block_mut().and_then(|held| held.behind(&skipped, measure)) else { return };
+        let waiting = core::mem::replace(waiting, Slot::Block(next));
+        self.enter(None, true, dynamics);
+        *self.free() = waiting;
     }
 
     /// The place of a block that waits.
-    fn free(&mut self) -> &mut Option<HeldBlock<AXES>> {
+    fn free(&mut self) -> &mut Slot<AXES> {
         let [_, waiting, third] = self.blocks.all_mut();
-        if self.in_hand.is_joining() { third } else { waiting }
+        if self.joining.is_some() { third } else { waiting }
     }
 
     /// A block waits.
     #[inline(never)]
     fn put(&mut self, block: &ProgrammedBlock<AXES>, rule: Option<Parameters>) {
         let half = core::mem::take(&mut self.half);
-        let held = self.free().insert(HeldBlock::new(block));
+        let place = self.free();
+        *place = Slot::Block(HeldBlock::new(block));
+        let Slot::Block(held) = place else { return };
         held.rule = rule;
         if half {
             // Nearly all of it is for the one corner.
@@ -634,7 +662,9 @@ impl<const AXES: usize> Smoother<AXES> for Contouring<AXES> {
         if parting == Parting::None && self.gathers(block, rule.as_ref(), dynamics) {
             return;
         }
-        self.chords.clear();
+        if matches!(self.course, Course::Gathering(_)) {
+            self.course = Course::None;
+        }
         if let Some(waiting) = self.waiting() {
             let behind = waiting.rule.as_ref().map(|_| block.element.shape.length.to_bits());
             self.enter(behind, true, dynamics);
@@ -650,32 +680,34 @@ impl<const AXES: usize> Smoother<AXES> for Contouring<AXES> {
 
     #[inline(never)]
     fn work(&mut self, dynamics: &Dynamics<AXES>) -> bool {
-        if let (InHand::Joining(joining), [Some(held), Some(next), _]) =
-            (&mut self.in_hand, self.blocks.all_mut())
+        if let (Some(joining), [Slot::Block(held), Slot::Block(next), _]) =
+            (&mut self.joining, self.blocks.all_mut())
         {
             let method = held.rule.as_ref().map_or(self.parameters.method, |rule| rule.method);
             let (check_jerk, const_vel) = self.parameters.curving(method);
-            let setting = Setting { measure: &self.measure, check_jerk, const_vel, dynamics };
+            let skipped = self.skipped.as_ref();
+            let setting = Setting { measure: &self.measure, check_jerk, const_vel, dynamics, skipped };
             if !joining.go_on([held, next], &setting, &mut self.course) {
                 return true;
             }
             self.joined();
             return !self.is_leaving;
         }
-        let (Some(turning), Some(made)) = (&mut self.course, self.in_hand.made()) else {
+        let Course::Turning(turning) = &mut self.course else {
             return self.let_in(dynamics);
         };
         // The block before the corner, or an element that is made.
         if self.is_leaving || (self.is_made && turning.draft.is_none()) {
             return false;
         }
+        let Some(made) = self.blocks.made() else { return false };
         if !self.is_made {
             self.is_made = turning.begin(made).is_some();
         }
         if self.is_made && turning.go_on(&mut made.element).is_some() {
             let goes_on = turning.draft.is_some();
             if turning.is_done() {
-                self.course = None;
+                self.course = Course::None;
             }
             // What is made goes out in the same call.
             return goes_on;
@@ -686,36 +718,33 @@ impl<const AXES: usize> Smoother<AXES> for Contouring<AXES> {
 
     fn emit(&mut self, into: impl FnOnce(&Smoothed<'_, AXES>)) -> bool {
         if self.is_leaving {
-            if let [.., Some(held)] = self.blocks.all() {
+            if let [.., Slot::Block(held)] = self.blocks.all() {
                 into(&held.smoothed());
             }
             self.left();
             return true;
         }
-        let Some(made) = self.in_hand.made() else { return false };
-        if self.is_made {
+        if self.joining.is_some() {
+            return false;
+        }
+        let [slot, _, last] = self.blocks.all_mut();
+        if let (true, Slot::Made(made)) = (self.is_made, last) {
             into(&made.smoothed());
             self.is_made = false;
             return true;
         }
-        let [slot, ..] = self.blocks.all_mut();
-        let Some(held) = slot.as_ref().filter(|held| held.rule.is_none()) else { return false };
+        let Some(held) = slot.block().filter(|held| held.rule.is_none()) else { return false };
         into(&held.smoothed());
-        *slot = None;
+        *slot = Slot::Free;
         true
     }
 
     fn flush(&mut self, stop: bool) {
-        if let Some(last) = self.last() {
-            last.end();
-            last.skipped.as_mut().map_or(&mut last.block.data, |skipped| &mut skipped.data).stop |= stop;
-        }
+        self.end(stop);
     }
 
     fn cancel(&mut self) {
-        if let Some(last) = self.last() {
-            last.end();
-        }
+        self.end(false);
     }
 
     fn restart(&mut self) {
@@ -729,13 +758,11 @@ impl<const AXES: usize> Smoother<AXES> for Contouring<AXES> {
     }
 
     fn clear(&mut self) {
-        for block in self.blocks.all_mut() {
-            *block = None;
+        for place in self.blocks.all_mut() {
+            *place = Slot::Free;
         }
-        (self.is_leaving, self.is_made, self.course) = (false, false, None);
-        if self.in_hand.is_joining() {
-            self.in_hand = InHand::NONE;
-        }
+        (self.is_leaving, self.is_made, self.joining, self.skipped) = (false, false, None, None);
+        self.course = Course::None;
         self.once = false;
     }
 
@@ -755,9 +782,14 @@ impl<const AXES: usize> Smoother<AXES> for Contouring<AXES> {
 
     fn rounds(&self) -> bool {
         let [held, waiting, third] = self.blocks.all();
-        let third = if self.is_leaving { None } else { third.as_ref() };
-        let last = third.or(waiting.as_ref()).or(held.as_ref());
-        last.is_some_and(|last| last.goes_on())
+        let third = if self.is_leaving { None } else { third.block() };
+        match third.or(waiting.block()) {
+            Some(last) => last.rule.is_some(),
+            None => {
+                held.block().is_some_and(|held| held.rule.is_some())
+                    && self.left_behind().is_none_or(|skipped| !skipped.over)
+            }
+        }
     }
 
     fn holds(&self) -> bool {
