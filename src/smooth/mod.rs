@@ -13,6 +13,8 @@
 mod absent;
 mod alternating;
 pub mod contour;
+#[cfg(feature = "splines")]
+mod direct;
 mod edged;
 mod halved;
 pub mod spline;
@@ -36,14 +38,13 @@ use spline::Splining;
 use straight::Straight as Contouring;
 
 use crate::dynamics::{Curving, Dynamics, Known};
-use crate::nc::{
-    Contour, ContourMethod, ContourSwitch, Hsc, HscMethod, NcWarningKind, Place, Plane, Spline, SplineType,
-    Tangent,
-};
+use crate::nc::{Contour, ContourMethod, ContourSwitch, Hsc, HscMethod, NcWarningKind, Place, Plane};
 use crate::path::{Element, End, Measure};
 use crate::quantity::Position;
 use contour::Preset;
-use spline::{DirectParameters, HscParameters, Mode, Start};
+#[cfg(feature = "splines")]
+use spline::{DirectParameters, Start};
+use spline::{HscParameters, Mode};
 
 /// How a block was programmed, to make its rest anew.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -197,8 +198,10 @@ enum Wanted<const AXES: usize> {
     /// #HSC \[OPMODE=1\].
     Rounding,
     /// A spline.
+    #[cfg(feature = "splines")]
     Spline(Start<AXES>),
     /// #HSC \[SURFACE\].
+    #[cfg(feature = "surface")]
     Surface,
 }
 
@@ -248,8 +251,10 @@ pub struct Smoothing<const AXES: usize> {
     kind: Kind<AXES>,
     /// Contour mode while another kind is at work.
     contour: contour::Settings,
+    #[cfg(feature = "splines")]
     spline: DirectParameters<AXES>,
     hsc: HscParameters,
+    #[cfg(feature = "surface")]
     surface: surface::Parameters,
     selected: Selected,
     wanted: Option<Wanted<AXES>>,
@@ -261,14 +266,15 @@ impl<const AXES: usize> Smoothing<AXES> {
     #[inline(always)]
     pub fn new(measure: Measure, preset: Preset, auto_contour_mode: u8) -> Self {
         let contouring = Contouring::new(measure, preset);
-        let check_jerk = preset.check_jerk;
         Self {
             measure,
             contour: contouring.settings(),
             kind: Kind::Contour(contouring),
+            #[cfg(feature = "splines")]
             spline: DirectParameters::at_start(),
             hsc: HscParameters::new(auto_contour_mode),
-            surface: surface::Parameters::new(check_jerk),
+            #[cfg(feature = "surface")]
+            surface: surface::Parameters::new(preset.check_jerk),
             selected: Selected::None,
             wanted: None,
         }
@@ -297,83 +303,6 @@ impl<const AXES: usize> Smoothing<AXES> {
         Ok(())
     }
 
-    /// Takes in a command of direct splines. What is doubtful about it.
-    ///
-    /// # Errors
-    /// It is refused, and nothing has changed.
-    pub fn spline(
-        &mut self,
-        command: &Spline<AXES>,
-        before: &Before<'_, AXES>,
-    ) -> Result<Option<NcWarningKind>, SplineError> {
-        match command {
-            Spline::On | Spline::Off if matches!(self.selected, Selected::Hsc(_)) => Err(SplineError::InHsc),
-            Spline::On if self.selected == Selected::Spline => Ok(None),
-            Spline::On => self.begin_spline(before),
-            Spline::Off if self.selected == Selected::None => Ok(None),
-            Spline::Off => self.end_spline().map(|()| None),
-            _ => {
-                self.spline.update(command, before.taken);
-                Ok(None)
-            }
-        }
-    }
-
-    /// G151.
-    fn begin_spline(&mut self, before: &Before<'_, AXES>) -> Result<Option<NcWarningKind>, SplineError> {
-        self.check_axes()?;
-        if self.rounds_corners() {
-            return Err(SplineError::InSpline);
-        }
-        let mode = match self.spline.kind {
-            SplineType::Akima => Mode::Akima,
-            SplineType::Bspline => Mode::Direct,
-        };
-        let mut start = Start { mode, slope: None, entry: None };
-        let mut remark = None;
-        match self.spline.ends[0] {
-            Tangent::Auto => {}
-            Tangent::User => start.slope = self.vector(0),
-            Tangent::Tangential if mode == Mode::Akima => {
-                let exit = before.exit.filter(|_| !self.spline.is_fresh(before.taken));
-                start.entry = exit.copied();
-                remark = start.entry.is_none().then_some(NcWarningKind::NoTangent);
-            }
-            Tangent::Tangential => {}
-        }
-        self.keep_contour();
-        self.selected = Selected::Spline;
-        self.want(Wanted::Spline(start));
-        Ok(remark)
-    }
-
-    /// G150.
-    fn end_spline(&mut self) -> Result<(), SplineError> {
-        let (points, needed) = (self.points(), self.spline.points());
-        if points < needed {
-            return Err(SplineError::TooFewPoints { points, needed });
-        }
-        let end = if self.spline.ends[1] == Tangent::User { self.vector(1) } else { None };
-        if let Kind::Spline(splining) = &mut self.kind {
-            splining.switch_off(end, self.spline.ends[1] == Tangent::Tangential);
-        }
-        self.selected = Selected::None;
-        Ok(())
-    }
-
-    /// Points of the spline that is on.
-    fn points(&self) -> u32 {
-        match &self.kind {
-            Kind::Spline(splining) if self.wanted.is_none() => splining.points().max(1),
-            _ => 1,
-        }
-    }
-
-    /// The slope that the program gives for an end of the curve.
-    fn vector(&self, end: usize) -> Option<[f32; AXES]> {
-        spline::slope(&self.measure, &self.spline.vector(end)?)
-    }
-
     /// Path length counts along three axes at most.
     fn check_axes(&self) -> Result<(), SplineError> {
         let fed = (0..AXES).filter(|k| self.measure.feeds(*k)).count();
@@ -399,7 +328,7 @@ impl<const AXES: usize> Smoothing<AXES> {
     pub fn swung(&self) -> u32 {
         let swings = self.measure.main.places().into_iter().zip(self.rounding().swings());
         let swung = swings.filter(|(_, swings)| *swings).filter_map(|(axis, _)| axis);
-        let given = (0..AXES).filter(|k| self.selected == Selected::Spline && self.spline.leans(*k));
+        let given = (0..AXES).filter(|k| self.leans(*k));
         swung.chain(given).fold(0, |axes, k| axes | 1u32.wrapping_shl(k as u32))
     }
 
@@ -424,6 +353,7 @@ impl<const AXES: usize> Smoothing<AXES> {
         }
         if gives {
             self.hsc.update(command);
+            #[cfg(feature = "surface")]
             if method == HscMethod::Surface {
                 self.surface.update(command);
             }
@@ -440,12 +370,17 @@ impl<const AXES: usize> Smoothing<AXES> {
     }
 
     fn begin_hsc(&mut self, method: HscMethod) {
+        #[cfg(feature = "splines")]
         let spline = |mode: Mode| Wanted::Spline(Start { mode, slope: None, entry: None });
         let wanted = match method {
+            #[cfg(feature = "surface")]
             HscMethod::Surface => Wanted::Surface,
+            #[cfg(feature = "splines")]
             HscMethod::Bspline => spline(Mode::Control(self.hsc.rules)),
+            #[cfg(feature = "splines")]
             HscMethod::Op(2) => spline(Mode::Interpolating(self.hsc.conterror_mm())),
-            HscMethod::Op(_) => Wanted::Rounding,
+            // What is not compiled in does not come here.
+            _ => Wanted::Rounding,
         };
         self.keep_contour();
         self.selected = Selected::Hsc(method);
@@ -464,6 +399,7 @@ impl<const AXES: usize> Smoothing<AXES> {
 
     fn spline_mode(&self) -> Option<Mode> {
         match (&self.wanted, &self.kind) {
+            #[cfg(feature = "splines")]
             (Some(Wanted::Spline(start)), _) => Some(start.mode),
             (None, Kind::Spline(splining)) => Some(splining.mode()),
             _ => None,
@@ -509,9 +445,6 @@ impl<const AXES: usize> Smoothing<AXES> {
             Wanted::Spline(start) => self.begin_curve(start),
             #[cfg(feature = "surface")]
             Wanted::Surface => self.begin_surface(),
-            // What is not compiled in is not wanted.
-            #[cfg(not(all(feature = "splines", feature = "surface")))]
-            _ => {}
         }
     }
 
@@ -597,8 +530,9 @@ impl<const AXES: usize> Smoother<AXES> for Smoothing<AXES> {
     fn restart(&mut self) {
         self.wanted = None;
         self.selected = Selected::None;
-        self.spline = DirectParameters::at_start();
+        self.restart_direct();
         self.hsc = self.hsc.restarted();
+        #[cfg(feature = "surface")]
         self.surface.restart();
         self.contour = self.contour.restarted();
         self.change(&Wanted::Contour);

@@ -116,7 +116,7 @@ impl Parameters {
     /// What chords may be beside the line that stands for them. Without TRACK_DEV all axes that are no main
     /// axes have to go straight.
     pub(super) fn chords(&self) -> Option<Stray> {
-        let part = self.preset.chords;
+        let part = self.preset().chords;
         let counts = self.method == crate::nc::ContourMethod::Dev && part > 0.0;
         counts.then(|| Stray { path: part * self.path_dev, track: max(part * self.track_dev, STRAIGHT) })
     }

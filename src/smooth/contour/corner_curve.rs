@@ -44,8 +44,9 @@ pub struct CornerCurve<const AXES: usize> {
     /// Way in space per path distance before and behind the corner.
     spaces_per_path: [f32; 2],
     origin: [Position; AXES],
-    /// Both halves, and the part of each that belongs to the course.
-    halves: [(Quintic<AXES>, [f32; 2]); 2],
+    /// All of it, or the first half of one through a given point.
+    curve: Quintic<AXES>,
+    kept: Kept<AXES>,
     /// Where path is the parameter: mm per u of both.
     path: Option<[f32; 2]>,
     /// Where the last element ended, and its site.
@@ -54,15 +55,21 @@ pub struct CornerCurve<const AXES: usize> {
     /// Elements of each half, and those of both that are found fine, later those handed out.
     parts: u32,
     done: u32,
-    /// Through a given point: the curve is what it is, and may bend sharply in places. There its elements are
-    /// the shorter.
-    given: Option<Cuts>,
     /// More elements would not help: they only have to fit the format.
     any: bool,
     /// Where the element looked at last ends.
     seam: Seam<AXES>,
-    /// Of the first elements: path length, and how far its speed is above what that says. 0: not known.
-    seen: [[f32; 2]; SEEN],
+}
+
+/// What is kept of a curve beside its polynomial.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Kept<const AXES: usize> {
+    /// Where its halves meet. And of the first elements: path length, and how far its speed is above what that says.
+    /// 0: not known.
+    Whole { joint: f32, seen: [[f32; 2]; SEEN] },
+    /// Through a given point: its second half. The curve is what it is, and may bend sharply in places. There its
+    /// elements are the shorter.
+    Given { second: Quintic<AXES>, cuts: Cuts },
 }
 
 /// The end of one element, where another one of the same half begins.
@@ -200,16 +207,19 @@ impl<const AXES: usize> CornerCurve<AXES> {
             measure: *measure,
             spaces_per_path,
             origin: *origin,
-            halves: [(Quintic::NONE, [0.0, 1.0]); 2],
+            curve: Quintic::NONE,
+            kept: if given {
+                Kept::Given { second: Quintic::NONE, cuts: Cuts::NEW }
+            } else {
+                Kept::Whole { joint: 0.5, seen: [[0.0; 2]; SEEN] }
+            },
             path: None,
             at: *from,
             last: *to,
             parts: 1,
             done: 0,
-            given: given.then_some(Cuts::NEW),
             any: false,
             seam: Seam { of: u32::MAX, is_first: true, site: Site::NONE },
-            seen: [[0.0; 2]; SEEN],
         }
     }
 
@@ -226,25 +236,27 @@ impl<const AXES: usize> CornerCurve<AXES> {
         if space_per_path <= 0.0 && lead.is_none() {
             return false;
         }
-        let path = if let Some(point) = interim {
-            let [(first, _), (second, _)] = &mut self.halves;
-            let Some(lengths) = through(main, &a, point, b, space_per_path, [first, second]) else {
-                return false;
-            };
-            lengths
-        } else {
-            let speed = lead.unwrap_or_else(|| even_speed(main, &a, b, space_per_path));
-            if speed <= 0.0 {
-                return false;
+        let curve = &mut self.curve;
+        let path = match (&mut self.kept, interim) {
+            (Kept::Given { second, .. }, Some(point)) => {
+                let Some(lengths) = through(main, &a, point, b, space_per_path, [curve, second]) else {
+                    return false;
+                };
+                lengths
             }
-            let [(curve, [_, until]), (other, [from, _])] = &mut self.halves;
-            *curve = Quintic::new(&a, b, speed);
-            // The joint is where the curve is nearest to the corner: there the elements are exactly as far as
-            // planned. A master axis has reached the corner's coordinate.
-            let nearest = || min(max(curve.nearest(main, &[0.0; AXES], 0.5), 0.25), 0.75);
-            let u = if lead.is_some() { 0.5 } else { nearest() };
-            (*other, *until, *from) = (*curve, u, u);
-            [speed; 2]
+            (Kept::Whole { joint, .. }, _) => {
+                let speed = lead.unwrap_or_else(|| even_speed(main, &a, b, space_per_path));
+                if speed <= 0.0 {
+                    return false;
+                }
+                *curve = Quintic::new(&a, b, speed);
+                // The joint is where the curve is nearest to the corner: there the elements are exactly as far as
+                // planned. A master axis has reached the corner's coordinate.
+                let nearest = || min(max(curve.nearest(main, &[0.0; AXES], 0.5), 0.25), 0.75);
+                *joint = if lead.is_some() { 0.5 } else { nearest() };
+                [speed; 2]
+            }
+            _ => return false,
         };
         self.path = (!self.measure.is_space()).then_some(path);
         true
@@ -263,7 +275,7 @@ impl<const AXES: usize> CornerCurve<AXES> {
     /// Goes on, by one element, to cut the curve into as few as have a path speed that is right to `even`
     /// (relative) and are at most `slack` (mm) beside it.
     pub fn fit(&mut self, even: f32, slack: f32) -> Fit {
-        if self.given.is_some() && !self.any {
+        if self.cuts().is_some() && !self.any {
             return self.fit_given(even);
         }
         if self.is_fine(self.done, even, slack) {
@@ -285,9 +297,9 @@ impl<const AXES: usize> CornerCurve<AXES> {
     /// Goes on to cut a curve through a given point. What no number of elements makes even is as even as it
     /// can be.
     fn fit_given(&mut self, even: f32) -> Fit {
-        let next = self.given.as_ref().filter(|cuts| !cuts.is_full()).map(|cuts| u32::from(cuts.count));
+        let next = self.cuts().filter(|cuts| !cuts.is_full()).map(|cuts| u32::from(cuts.count));
         let fits = next.is_some_and(|i| self.is_fine(i, even, f32::MAX));
-        let Some(cuts) = &mut self.given else { return Fit::Failed };
+        let Kept::Given { cuts, .. } = &mut self.kept else { return Fit::Failed };
         if fits {
             return if cuts.accept() { Fit::Ready } else { Fit::Working };
         }
@@ -297,29 +309,42 @@ impl<const AXES: usize> CornerCurve<AXES> {
         Fit::Working
     }
 
+    /// Where it is cut, through a given point.
+    const fn cuts(&self) -> Option<&Cuts> {
+        match &self.kept {
+            Kept::Given { cuts, .. } => Some(cuts),
+            Kept::Whole { .. } => None,
+        }
+    }
+
     /// Elements of both halves.
     fn count(&self) -> u32 {
-        self.given.as_ref().map_or(2 * self.parts, |cuts| u32::from(cuts.count))
+        self.cuts().map_or(2 * self.parts, |cuts| u32::from(cuts.count))
     }
 
     /// What of the curve element `i` is.
     fn portion(&self, i: u32) -> Portion<'_, AXES> {
-        let [first, second] = &self.halves;
-        if let Some(cuts) = &self.given {
-            let [from, to] = cuts.ends(i);
-            let is_first = from < STEPS;
-            let (&(ref curve, span), start) = if is_first { (first, 0) } else { (second, STEPS) };
-            let steps = [f32::from(from - start), f32::from(to.saturating_sub(from))];
-            return Portion { curve, is_first, span, steps, of: f32::from(STEPS) };
+        match &self.kept {
+            Kept::Given { second, cuts } => {
+                let [from, to] = cuts.ends(i);
+                let is_first = from < STEPS;
+                let (curve, start) = if is_first { (&self.curve, 0) } else { (second, STEPS) };
+                let steps = [f32::from(from - start), f32::from(to.saturating_sub(from))];
+                Portion { curve, is_first, span: [0.0, 1.0], steps, of: f32::from(STEPS) }
+            }
+            Kept::Whole { joint, .. } => {
+                let is_first = i < self.parts;
+                let (span, within) =
+                    if is_first { ([0.0, *joint], i) } else { ([*joint, 1.0], i - self.parts) };
+                let steps = [within as f32, 1.0];
+                Portion { curve: &self.curve, is_first, span, steps, of: self.parts as f32 }
+            }
         }
-        let is_first = i < self.parts;
-        let (&(ref curve, span), within) = if is_first { (first, i) } else { (second, i - self.parts) };
-        Portion { curve, is_first, span, steps: [within as f32, 1.0], of: self.parts as f32 }
     }
 
     /// Whether element `i` belongs to the first half.
     fn is_first(&self, i: u32) -> bool {
-        match &self.given {
+        match self.cuts() {
             Some(cuts) => cuts.ends(i)[0] < STEPS,
             None => i < self.parts,
         }
@@ -386,7 +411,9 @@ impl<const AXES: usize> CornerCurve<AXES> {
                 !counts || (is_even && (slack == f32::MAX || [0.25, 0.5, 0.75].into_iter().all(is_near)));
             seen = Some([length, above]);
         }
-        if let (Some(kept), Some(seen)) = (self.seen.get_mut(i as usize), seen) {
+        if let (Kept::Whole { seen: kept, .. }, Some(seen)) = (&mut self.kept, seen)
+            && let Some(kept) = kept.get_mut(i as usize)
+        {
             *kept = seen;
         }
         // What is not fine is tried again from the same place, or all of it from the begin.
@@ -396,10 +423,12 @@ impl<const AXES: usize> CornerCurve<AXES> {
 
     /// Path length of element `i`, and how far its speed is above what that says.
     fn known(&self, i: u32) -> [f32; 2] {
-        match self.seen.get(i as usize) {
-            Some(seen) if seen[0] > 0.0 => *seen,
-            _ => self.measure(i),
+        if let Kept::Whole { seen, .. } = &self.kept
+            && let Some(seen) = seen.get(i as usize).filter(|seen| seen[0] > 0.0)
+        {
+            return *seen;
         }
+        self.measure(i)
     }
 
     /// The same of one that is not kept.
@@ -437,7 +466,7 @@ impl<const AXES: usize> CornerCurve<AXES> {
 impl<const AXES: usize> CornerCurve<AXES> {
     /// The first element behind the joint of both halves.
     pub fn behind_joint(&self) -> u32 {
-        match &self.given {
+        match self.cuts() {
             Some(_) => (0..self.count()).find(|i| !self.is_first(*i)).unwrap_or(0),
             None => self.parts,
         }

@@ -297,9 +297,21 @@ impl Joining {
             return;
         }
         // With a curve over time to choose instead: the same search.
-        let reach = Reach::new(tolerance, room.distances);
         *stage = JoinStep::Reaching;
-        *into = Course::Reaching(Search { room, reach, rivals: Rivals { approach, candidate, may_stop } });
+        Self::search(&room, tolerance, (&approach, &candidate, may_stop), into);
+    }
+
+    /// Corner distances are searched for. A call of its own: it is there twice.
+    #[inline(never)]
+    fn search<const AXES: usize>(
+        room: &Room,
+        tolerance: Tolerance,
+        (approach, candidate, may_stop): (&Approach, &Option<Candidate>, bool),
+        into: &mut Course<AXES>,
+    ) {
+        let rivals = Rivals { approach: *approach, candidate: *candidate, may_stop };
+        *into =
+            Course::Reaching(Search { room: *room, reach: Reach::new(tolerance, room.distances), rivals });
     }
 
     /// What a curve may deviate.
@@ -692,7 +704,7 @@ impl Joining {
         lead: Option<f32>,
     ) -> bool {
         let mut point = [0.0; AXES];
-        for (k, value) in course.main().places().into_iter().zip(rule.point) {
+        for (k, value) in course.main().places().into_iter().zip(rule.point()) {
             let (Some(k), Some(value)) = (k, value) else { continue };
             if let (Some(x), Some(corner)) = (point.get_mut(k), corner.get(k)) {
                 *x = to_f32(value.to_bits().saturating_sub(corner.to_bits())) * LSB_32;

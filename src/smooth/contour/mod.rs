@@ -51,7 +51,7 @@ pub use parameters::{Parameters, Preset};
 use self::chords::Chords;
 use self::corner_curve::CornerCurve;
 use self::halves::Halves;
-use self::held_block::{HeldBlock, Skipped};
+use self::held_block::{HeldBlock, Skipped, Stray};
 use self::held_blocks::{HeldBlocks, Place as Slot};
 use self::joining::{Joining, Search, Setting};
 use self::timed::Timed;
@@ -176,7 +176,7 @@ impl Settings {
     /// The interim point of POS by main axes, if corners may have it.
     pub fn swings(&self) -> [bool; 3] {
         let pos = (self.on || self.once) && self.parameters.method == ContourMethod::Pos;
-        self.parameters.point.map(|point| pos && point.is_some())
+        self.parameters.point().map(|point| pos && point.is_some())
     }
 
     /// Whether the end of the next block is rounded.
@@ -186,7 +186,7 @@ impl Settings {
 
     /// As at program start.
     pub fn restarted(&self) -> Self {
-        Self::off(self.parameters.preset)
+        Self::off(self.parameters.preset())
     }
 
     /// Off.
@@ -196,18 +196,19 @@ impl Settings {
 
     /// P-CHAN-00110.
     pub const fn check_jerk_of_channel(&self) -> u8 {
-        self.parameters.preset.check_jerk
+        self.parameters.preset().check_jerk
     }
 
     /// On, with DEV at every corner, and no block left out.
     pub fn at_edges(check_jerk: u8) -> Self {
-        let parameters = Parameters::new(Preset { check_jerk, chords: 0.0 });
-        Self { parameters: Parameters { max_angle: 1.0, edges: true, ..parameters }, on: true, once: false }
+        let mut parameters = Parameters::new(Preset { check_jerk, chords: 0.0 });
+        (parameters.max_angle, parameters.edges) = (1.0, true);
+        Self { parameters, on: true, once: false }
     }
 
     /// On, as at program start but for this command.
     pub fn on_with(&self, contour: &Contour) -> Self {
-        let mut parameters = Parameters::new(self.parameters.preset);
+        let mut parameters = Parameters::new(self.parameters.preset());
         parameters.update(contour);
         Self { parameters, on: true, once: false }
     }
@@ -255,6 +256,14 @@ enum Course<const AXES: usize> {
     Reaching(Search<AXES>),
     /// A curve.
     Turning(Turning<AXES>),
+}
+
+impl<const AXES: usize> Course<AXES> {
+    /// A line that may be beside what it stands for by so much may grow. A call of its own: it is there twice.
+    #[inline(never)]
+    fn gather(&mut self, stray: Stray) {
+        *self = Self::Gathering(Chords::beside(stray));
+    }
 }
 
 /// The curve of a corner.
@@ -364,7 +373,7 @@ impl<const AXES: usize> Contouring<AXES> {
     #[inline(always)]
     pub fn with(measure: Measure, settings: &Settings) -> Self {
         let Settings { parameters, on, once } = *settings;
-        Self { parameters, on, once, ..Self::new(measure, parameters.preset) }
+        Self { parameters, on, once, ..Self::new(measure, parameters.preset()) }
     }
 
     /// As [`Self::with`], in its place. Only when it holds nothing.
@@ -502,7 +511,7 @@ impl<const AXES: usize> Contouring<AXES> {
             return false;
         }
         if matches!(course, Course::None) {
-            *course = Course::Gathering(Chords::beside(last.stray));
+            course.gather(last.stray);
         }
         let Course::Gathering(chords) = course else { return false };
         chords.gather(last, (block, rule), dynamics, &self.measure)
@@ -750,7 +759,7 @@ impl<const AXES: usize> Smoother<AXES> for Contouring<AXES> {
     fn restart(&mut self) {
         self.clear();
         (self.on, self.remark) = (false, None);
-        self.parameters = Parameters::new(self.parameters.preset);
+        self.parameters = Parameters::new(self.parameters.preset());
     }
 
     fn place(&self) -> Option<Place> {
