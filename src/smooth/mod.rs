@@ -77,6 +77,17 @@ pub struct Data {
     pub stop: bool,
 }
 
+impl Data {
+    /// Of no block.
+    pub(crate) const BLANK: Self = Self {
+        feed: None,
+        n: 0,
+        place: Place { line: 0, column: 0, offset: 0, length: 0, file: 0 },
+        number: 0,
+        stop: false,
+    };
+}
+
 /// A block as it was programmed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ProgrammedBlock<const AXES: usize> {
@@ -188,6 +199,17 @@ enum Kind<const AXES: usize> {
     Alternating(Alternating<AXES>),
     /// #HSC \[SURFACE\].
     Surface(Edged<AXES>),
+}
+
+impl<const AXES: usize> Kind<AXES> {
+    /// Becomes contour mode with these settings: in its place, if it is that already.
+    #[inline(never)]
+    fn begin_contour(&mut self, measure: Measure, settings: &contour::Settings) {
+        match self {
+            Self::Contour(contouring) => contouring.begin(settings),
+            kind => *kind = Self::Contour(Contouring::with(measure, settings)),
+        }
+    }
 }
 
 /// A kind that is to be at work as soon as nothing is held back.
@@ -424,19 +446,8 @@ impl<const AXES: usize> Smoothing<AXES> {
     #[inline(never)]
     fn change(&mut self, wanted: &Wanted<AXES>) {
         match wanted {
-            Wanted::Contour => {
-                let settings = self.contour;
-                self.begin_rounding(&settings);
-            }
-            Wanted::Rounding => {
-                let dev = Contour {
-                    method: Some(ContourMethod::Dev),
-                    path_dev: Some(self.hsc.conterror),
-                    ..Contour::default()
-                };
-                let settings = self.contour.on_with(&dev);
-                self.begin_rounding(&settings);
-            }
+            Wanted::Contour => self.begin_contour(),
+            Wanted::Rounding => self.begin_rounding(),
             #[cfg(feature = "splines")]
             Wanted::Spline(Start { mode: Mode::Control(rules), .. }) if rules.rounds_arcs => {
                 self.begin_alternating(rules);
@@ -448,14 +459,28 @@ impl<const AXES: usize> Smoothing<AXES> {
         }
     }
 
-    // One at a time on the stack.
+    // One at a time on the stack, and nothing twice.
+
     #[inline(never)]
-    fn begin_rounding(&mut self, settings: &contour::Settings) {
-        match &mut self.kind {
-            // In its place.
-            Kind::Contour(contouring) => contouring.begin(settings),
-            kind => *kind = Kind::Contour(Contouring::with(self.measure, settings)),
-        }
+    fn begin_contour(&mut self) {
+        self.kind.begin_contour(self.measure, &self.contour);
+    }
+
+    #[inline(never)]
+    fn begin_rounding(&mut self) {
+        let settings = self.settings_of_hsc();
+        self.kind.begin_contour(self.measure, &settings);
+    }
+
+    /// Contour mode as #HSC \[OPMODE=1\] has it.
+    #[inline(never)]
+    fn settings_of_hsc(&self) -> contour::Settings {
+        let dev = Contour {
+            method: Some(ContourMethod::Dev),
+            path_dev: Some(self.hsc.conterror),
+            ..Contour::default()
+        };
+        self.contour.on_with(&dev)
     }
 
     #[cfg(feature = "splines")]
@@ -468,8 +493,14 @@ impl<const AXES: usize> Smoothing<AXES> {
     #[cfg(feature = "splines")]
     #[inline(never)]
     fn begin_alternating(&mut self, rules: &spline::Rules) {
-        let (measure, settings) = (self.measure, alternating::settings(rules, &self.contour));
-        self.kind = Kind::Alternating(Alternating::new(measure, *rules, settings));
+        let settings = alternating::settings(rules, &self.contour);
+        self.lay_alternating(rules, &settings);
+    }
+
+    #[cfg(feature = "splines")]
+    #[inline(never)]
+    fn lay_alternating(&mut self, rules: &spline::Rules, settings: &contour::Settings) {
+        self.kind = Kind::Alternating(Alternating::new(self.measure, *rules, *settings));
     }
 
     #[cfg(feature = "surface")]

@@ -1,10 +1,10 @@
 //! A block that waits for the next one, and the blocks behind it that are left out because they are short.
 use super::curve::{Main, aside, direction, foot, plus, size, space_per_path};
-use super::{Data, Form, LSB_32, Made, Parameters, ProgrammedBlock, Smoothed};
+use super::{Data, Form, LSB_32, Parameters, ProgrammedBlock, Smoothed};
 use crate::dynamics::{Dynamics, Known};
 use crate::math::float::{max, min, to_f32};
 use crate::nc::ContourMethod;
-use crate::path::{Element, End, Measure, PathError, Straight, arc, line, straight_line};
+use crate::path::{Element, End, Measure, PathError, Straight, arc_to, line_to, straight_line};
 use crate::quantity::{DISTANCE_LSB, Distance, Position};
 use core::num::NonZeroI64;
 
@@ -107,6 +107,23 @@ pub(super) fn travel<const AXES: usize>(from: &[Position; AXES], to: &[Position;
 }
 
 impl<const AXES: usize> HeldBlock<AXES> {
+    /// A line that is not made yet.
+    pub const BLANK: Self = Self {
+        block: ProgrammedBlock {
+            element: Element::BLANK,
+            from: [Position::ZERO; AXES],
+            to: [Position::ZERO; AXES],
+            form: Form::Line,
+            data: Data::BLANK,
+        },
+        length: 0,
+        rule: None,
+        stray: Stray::NONE,
+        previous: None,
+        slow: [0.0; 2],
+        known: None,
+    };
+
     /// As it was programmed, with no corner.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn new(block: &ProgrammedBlock<AXES>) -> Self {
@@ -299,26 +316,19 @@ impl<const AXES: usize> HeldBlock<AXES> {
     }
 
     /// The blocks left out as the block behind this one, when no more of them come: the line over them, whose
-    /// end is where it was programmed.
-    pub fn behind(&mut self, skipped: &Skipped<AXES>, measure: &Measure) -> Option<Self> {
+    /// end is where it was programmed. It becomes the `next` one, which is blank. Whether there is one.
+    pub fn behind(&mut self, skipped: &Skipped<AXES>, measure: &Measure, next: &mut Self) -> bool {
         let &Skipped { to, data, stray, .. } = skipped;
         let from = self.block.to;
-        let Ok(Some(element)) = line(&from, &to, measure) else {
+        if line_to([&from, &to], measure, &mut next.block.element) != Ok(true) {
             // They led back.
             self.rule = None;
             self.block.data.stop |= data.stop;
-            return None;
-        };
-        let length = element.shape.length.to_bits();
-        let block = ProgrammedBlock { element, from, to, form: Form::Line, data };
-        Some(Self { block, length, rule: None, stray, previous: None, slow: [0.0; 2], known: None })
-    }
-
-    /// The line in place of the blocks left out.
-    pub fn bridge(&self, skipped: &Skipped<AXES>, measure: &Measure) -> Option<Made<AXES>> {
-        let &Skipped { to, data, .. } = skipped;
-        let element = line(&self.block.to, &to, measure).ok().flatten()?;
-        Some(Made { element, end: None, data, curving: None, due: data.number })
+            return false;
+        }
+        (next.block.from, next.block.to, next.block.data) = (from, to, data);
+        (next.length, next.stray) = (next.block.element.shape.length.to_bits(), stray);
+        true
     }
 
     /// The end that the rest of the block from a point on it has there.
@@ -328,7 +338,7 @@ impl<const AXES: usize> HeldBlock<AXES> {
         }
         match self.block.form {
             Form::Line => Ok(self.block.element.entry),
-            Form::Arc { .. } => Ok(self.rest_of_arc(from, measure)?.entry),
+            Form::Arc { .. } => self.entry_of_arc(from, measure),
         }
     }
 
@@ -340,7 +350,8 @@ impl<const AXES: usize> HeldBlock<AXES> {
         match self.block.form {
             Form::Line => self.block.element.shorten(cut, from, &self.block.to),
             Form::Arc { .. } => {
-                self.block.element = self.rest_of_arc(from, measure)?;
+                let ProgrammedBlock { element, to, form, .. } = &mut self.block;
+                rest_of_arc([from, to], form, measure, element)?;
                 self.known = None;
             }
         }
@@ -349,8 +360,21 @@ impl<const AXES: usize> HeldBlock<AXES> {
     }
 
     #[inline(never)]
-    fn rest_of_arc(&self, from: &[Position; AXES], measure: &Measure) -> Result<Element<AXES>, PathError> {
-        let Form::Arc { centre, plane, clockwise } = self.block.form else { return Ok(self.block.element) };
-        arc(from, &self.block.to, centre, plane, clockwise, measure)
+    fn entry_of_arc(&self, from: &[Position; AXES], measure: &Measure) -> Result<End<AXES>, PathError> {
+        let mut element = Element::BLANK;
+        rest_of_arc([from, &self.block.to], &self.block.form, measure, &mut element)?;
+        Ok(element.entry)
     }
+}
+
+/// An arc of this form between two points, in the place of an element.
+#[inline(never)]
+fn rest_of_arc<const AXES: usize>(
+    ends: [&[Position; AXES]; 2],
+    form: &Form,
+    measure: &Measure,
+    element: &mut Element<AXES>,
+) -> Result<(), PathError> {
+    let Form::Arc { centre, plane, clockwise } = *form else { return Ok(()) };
+    arc_to(ends, (centre, plane, clockwise), measure, element)
 }

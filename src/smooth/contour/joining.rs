@@ -4,6 +4,7 @@ use super::choice::{Approach, Candidate, Choice, Shallow, bends, passes};
 use super::corner::{AIM, Corner, Reach, Tolerance, turn};
 use super::corner_curve::{CONSTANT, CornerCurve, EVEN, Fit, Rehearsal};
 use super::curve::Side;
+use super::halves::Halves;
 use super::held_block::{HeldBlock, Skipped, Stray, travel};
 use super::kernel::kernel;
 use super::symmetric::Symmetric;
@@ -509,14 +510,16 @@ impl Joining {
         setting: &Setting<'_, AXES>,
         into: &mut Course<AXES>,
     ) {
-        *into = Course::None;
-        let Some(ends) = Ends::enter(held, next, cut, setting.measure) else { return };
-        let course = symmetric.curve(to_f32(cut.before) * DISTANCE_LSB, &ends.from, &ends.to);
-        *into = Course::Turning(Turning::new([held, next], Cornering::Halves(course), setting));
-        let passage = cut.leave(held, next, &ends.from, setting);
-        if let Course::Turning(turning) = into {
-            turning.passage = passage;
+        into.begin_halves([held, next], setting);
+        let Course::Turning(Turning { course: Cornering::Halves(halves), passage, .. }) = into else {
+            return;
+        };
+        if !enter(held, next, cut, setting.measure, [&mut halves.from, &mut halves.to]) {
+            *into = Course::None;
+            return;
         }
+        symmetric.curve(to_f32(cut.before) * DISTANCE_LSB, halves);
+        *passage = cut.leave(held, next, &halves.from, setting);
     }
 
     /// Cuts it into elements.
@@ -634,10 +637,26 @@ impl Joining {
         if overlap.rise.v <= 0.0 || all <= 0 {
             return;
         }
-        let Some(ends) = Ends::enter(held, next, cut, setting.measure) else { return };
-        let course = Timed::new(&held.block.to, overlap, all, [&ends.from, &ends.to]);
+        let mut from = Knot::BLANK;
+        let mut to = Knot::BLANK;
+        if !enter(held, next, cut, setting.measure, [&mut from, &mut to]) {
+            return;
+        }
+        Self::pass([held, next], (overlap, all), [&from, &to], setting, into);
+        cut.leave(held, next, &from, setting);
+    }
+
+    /// The curve over time between two knots, as far as `all` (LSB 2^-44 mm) from the corner.
+    #[inline(never)]
+    fn pass<const AXES: usize>(
+        [held, next]: [&HeldBlock<AXES>; 2],
+        (overlap, all): (Overlap, i64),
+        knots: [&Knot<AXES>; 2],
+        setting: &Setting<'_, AXES>,
+        into: &mut Course<AXES>,
+    ) {
+        let course = Timed::new(&held.block.to, overlap, all, knots);
         *into = Course::Turning(Turning::new([held, next], Cornering::Timed(course), setting));
-        cut.leave(held, next, &ends.from, setting);
     }
 
     /// Cuts both blocks beside a shallow corner, and makes its curve.
@@ -657,11 +676,15 @@ impl Joining {
         if c < SHORTEST {
             return;
         }
-        let Some(ends) = Ends::enter(held, next, cut, setting.measure) else { return };
+        into.begin_halves([held, next], setting);
+        let Course::Turning(Turning { course: Cornering::Halves(halves), .. }) = into else { return };
+        if !enter(held, next, cut, setting.measure, [&mut halves.from, &mut halves.to]) {
+            *into = Course::None;
+            return;
+        }
         next.slow = slow;
-        let course = kernel(&held.block.to, c, &ends.from, &ends.to);
-        *into = Course::Turning(Turning::new([held, next], Cornering::Halves(course), setting));
-        cut.leave(held, next, &ends.from, setting);
+        kernel(&held.block.to, c, halves);
+        cut.leave(held, next, &halves.from, setting);
     }
 
     /// The way in space per path distance on both sides, and the path of a curve that takes so much of both blocks
@@ -688,9 +711,12 @@ impl Joining {
         setting: &Setting<'_, AXES>,
         into: &mut Course<AXES>,
     ) -> bool {
-        let Some(ends) = Ends::new(held, next, cut, setting.measure) else { return false };
+        let (mut from, mut to) = (Knot::BLANK, Knot::BLANK);
+        if !ends(held, next, cut, setting.measure, [&mut from, &mut to]) {
+            return false;
+        }
         let given = held.rule.as_ref().is_some_and(|rule| rule.method == ContourMethod::Pos);
-        let knots = [&ends.from, &ends.to];
+        let knots = [&from, &to];
         let course = CornerCurve::new(setting.measure, spaces, &held.block.to, knots, given);
         *into = Course::Turning(Turning::new([held, next], Cornering::Even(course), setting));
         true
@@ -828,48 +854,65 @@ impl Cut {
     }
 }
 
-/// Where a curve leaves one block and enters the other.
-struct Ends<const AXES: usize> {
-    from: Knot<AXES>,
-    to: Knot<AXES>,
+/// Where a curve leaves one block and enters the other: its knots. `false` where there are none.
+#[inline(never)]
+fn ends<const AXES: usize>(
+    held: &HeldBlock<AXES>,
+    next: &HeldBlock<AXES>,
+    cut: Cut,
+    measure: &Measure,
+    [from, to]: [&mut Knot<AXES>; 2],
+) -> bool {
+    to.position = begin(next, cut);
+    let Ok(end) = next.entry_at(&to.position, measure) else { return false };
+    to.end = end;
+    leave(held, cut, from);
+    true
 }
 
-impl<const AXES: usize> Ends<AXES> {
-    fn new(held: &HeldBlock<AXES>, next: &HeldBlock<AXES>, cut: Cut, measure: &Measure) -> Option<Self> {
-        let position = Self::begin(next, cut);
-        let end = next.entry_at(&position, measure).ok()?;
-        Some(Self { from: Self::leave(held, cut), to: Knot { position, end } })
+/// The same; the second block becomes what is left of it.
+#[inline(never)]
+fn enter<const AXES: usize>(
+    held: &HeldBlock<AXES>,
+    next: &mut HeldBlock<AXES>,
+    cut: Cut,
+    measure: &Measure,
+    [from, to]: [&mut Knot<AXES>; 2],
+) -> bool {
+    to.position = begin(next, cut);
+    if next.renew(&to.position, cut.behind, measure).is_err() {
+        return false;
     }
+    to.end = next.block.element.entry;
+    leave(held, cut, from);
+    true
+}
 
-    /// The same; the second block becomes what is left of it.
+/// The knot where a curve leaves the first block.
+#[inline(always)]
+fn leave<const AXES: usize>(held: &HeldBlock<AXES>, cut: Cut, knot: &mut Knot<AXES>) {
+    let element = &held.block.element;
+    let rest = element.shape.length.to_bits() - cut.before;
+    if rest > 0 {
+        knot.position = element.shape.point(rest, &held.block.from);
+        knot.end = element.end_at(rest);
+    } else {
+        (knot.position, knot.end) = (held.block.from, element.entry);
+    }
+}
+
+/// Where it enters the second one.
+#[inline(always)]
+fn begin<const AXES: usize>(next: &HeldBlock<AXES>, cut: Cut) -> [Position; AXES] {
+    let from = &next.block.from;
+    if cut.behind > 0 { next.block.element.shape.point(cut.behind, from) } else { *from }
+}
+
+impl<const AXES: usize> Course<AXES> {
+    /// A curve in two halves, which are not made yet. A call of its own: it is there twice.
     #[inline(never)]
-    fn enter(
-        held: &HeldBlock<AXES>,
-        next: &mut HeldBlock<AXES>,
-        cut: Cut,
-        measure: &Measure,
-    ) -> Option<Self> {
-        let position = Self::begin(next, cut);
-        next.renew(&position, cut.behind, measure).ok()?;
-        let to = Knot { position, end: next.block.element.entry };
-        Some(Self { from: Self::leave(held, cut), to })
-    }
-
-    #[inline(always)]
-    fn leave(held: &HeldBlock<AXES>, cut: Cut) -> Knot<AXES> {
-        let element = &held.block.element;
-        let rest = element.shape.length.to_bits() - cut.before;
-        if rest > 0 {
-            let position = element.shape.point(rest, &held.block.from);
-            return Knot { position, end: element.end_at(rest) };
-        }
-        Knot { position: held.block.from, end: element.entry }
-    }
-
-    #[inline(always)]
-    fn begin(next: &HeldBlock<AXES>, cut: Cut) -> [Position; AXES] {
-        let from = &next.block.from;
-        if cut.behind > 0 { next.block.element.shape.point(cut.behind, from) } else { *from }
+    fn begin_halves(&mut self, blocks: [&HeldBlock<AXES>; 2], setting: &Setting<'_, AXES>) {
+        *self = Self::Turning(Turning::new(blocks, Cornering::Halves(Halves::NONE), setting));
     }
 }
 

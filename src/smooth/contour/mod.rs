@@ -58,7 +58,7 @@ use self::timed::Timed;
 use crate::dynamics::{Curving, Dynamics};
 use crate::nc::{Contour, ContourMethod, ContourSwitch, NcWarningKind, Place};
 use crate::path::poly::Draft;
-use crate::path::{Element, Measure, Passage, line, straight_line};
+use crate::path::{Element, Measure, Passage, line_to, straight_line};
 use crate::quantity::{Distance, Position};
 use crate::smooth::{Data, Form, Parting, ProgrammedBlock, Smoothed, Smoother};
 use core::num::NonZeroI64;
@@ -77,16 +77,7 @@ struct Made<const AXES: usize> {
 
 impl<const AXES: usize> Made<AXES> {
     /// None yet.
-    const BLANK: Self = {
-        let data = Data {
-            feed: None,
-            n: 0,
-            place: Place { line: 0, column: 0, offset: 0, length: 0, file: 0 },
-            number: 0,
-            stop: false,
-        };
-        Self { element: Element::BLANK, end: None, data, curving: None, due: 0 }
-    };
+    const BLANK: Self = Self { element: Element::BLANK, end: None, data: Data::BLANK, curving: None, due: 0 };
 
     fn smoothed(&self) -> Smoothed<'_, AXES> {
         let Self { element, end, data, curving, due } = self;
@@ -136,7 +127,9 @@ impl<const AXES: usize> Turning<AXES> {
     ) -> Option<()> {
         self.draft = None;
         let (data, due) = self.halves[usize::from(!self.course.is_before())];
-        made.element = line(from, self.course.finish(), measure).ok()??;
+        if line_to([from, self.course.finish()], measure, &mut made.element) != Ok(true) {
+            return None;
+        }
         (made.data, made.curving, made.due) = (Data { stop: false, ..data }, None, due);
         made.end = None;
         Some(())
@@ -578,9 +571,12 @@ impl<const AXES: usize> Contouring<AXES> {
     fn bridge(&mut self) {
         let Self { blocks, skipped, measure, .. } = self;
         let [.., last] = blocks.all_mut();
-        let bridge = skipped.take().and_then(|skipped| last.block()?.bridge(&skipped, measure));
-        self.is_made = bridge.is_some();
-        *last = bridge.map_or(Slot::Free, Slot::Made);
+        let (Some(Skipped { to, data, .. }), Some(held)) = (skipped.take(), last.block()) else { return };
+        let from = held.block.to;
+        *last = Slot::Made(Made::BLANK);
+        let Slot::Made(made) = last else { return };
+        (made.data, made.due) = (data, data.number);
+        self.is_made = line_to([&from, &to], measure, &mut made.element) == Ok(true);
     }
 
     /// The block held back, which of two that are joined is the second one.
@@ -629,12 +625,17 @@ impl<const AXES: usize> Contouring<AXES> {
     #[inline(never)]
     fn let_in_skipped(&mut self, dynamics: &Dynamics<AXES>) {
         let Self { blocks, skipped, measure, .. } = self;
-        let [held, waiting, _] = blocks.all_mut();
-        let Some(skipped) = skipped.take() else { return };
-        let Some(next) = held.block_mut().and_then(|held| held.behind(&skipped, measure)) else { return };
-        let waiting = core::mem::replace(waiting, Slot::Block(next));
-        self.enter(None, true, dynamics);
-        *self.free() = waiting;
+        let [held, waiting, third] = blocks.all_mut();
+        let (Some(skipped), Slot::Block(held)) = (skipped.take(), held) else { return };
+        // What waits is the third one while the corner before it is worked on.
+        *third = *waiting;
+        *waiting = Slot::Block(HeldBlock::BLANK);
+        let Slot::Block(next) = waiting else { return };
+        if held.behind(&skipped, measure, next) {
+            self.enter(None, true, dynamics);
+        } else {
+            (*waiting, *third) = (*third, Slot::Free);
+        }
     }
 
     /// The place of a block that waits.

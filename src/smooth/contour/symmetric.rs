@@ -16,7 +16,6 @@ use super::corner_curve::EVEN;
 use super::curve::{Main, aside, plus, size};
 use super::halves::Halves;
 use crate::math::float::{magnitude, max, min, to_f32, to_i64};
-use crate::path::poly::Knot;
 use crate::quantity::Position;
 
 /// The form of the curve, for a distance of 1.
@@ -87,11 +86,10 @@ impl<const AXES: usize> Symmetric<AXES> {
         self.cosine >= LEAST_COSINE
     }
 
-    /// The curve between two knots at the distance `c`.
-    // In place, in every build.
-    #[inline(always)]
-    pub fn curve(&self, c: f32, from: &Knot<AXES>, to: &Knot<AXES>) -> Halves<AXES> {
-        let mut middle = *from;
+    /// Makes the curve between the knots of `halves` at the distance `c`.
+    pub fn curve(&self, c: f32, halves: &mut Halves<AXES>) {
+        let Halves { from, middle, to, .. } = halves;
+        *middle = *from;
         let (v, per) = (c * self.speed, 0.5 / self.cosine);
         let end = middle.end.tangent.iter_mut().zip(&mut middle.end.curvature);
         let knots = middle.position.iter_mut().zip(end).zip(to.position.iter().zip(&to.end.tangent));
@@ -103,7 +101,6 @@ impl<const AXES: usize> Symmetric<AXES> {
             *curvature = 3.0 * n / v;
         }
         let above = min(ABOVE * (1.0 - self.cosine), EVEN);
-        let (length, fastest) = (c * self.half(), 1.0 + above + 1e-6);
-        Halves { from: *from, middle, to: *to, length, fastest, third: None, done: 0 }
+        (halves.length, halves.fastest) = (c * self.half(), 1.0 + above + 1e-6);
     }
 }
