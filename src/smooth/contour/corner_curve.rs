@@ -40,7 +40,6 @@ const ONE_40: f32 = (1u64 << 40) as f32;
 /// A curve that is handed out element by element.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CornerCurve<const AXES: usize> {
-    measure: Measure,
     /// Way in space per path distance before and behind the corner.
     spaces_per_path: [f32; 2],
     origin: [Position; AXES],
@@ -197,14 +196,12 @@ impl<const AXES: usize> CornerCurve<AXES> {
     /// every build: it is made where it stays.
     #[inline(always)]
     pub fn new(
-        measure: &Measure,
         spaces_per_path: [f32; 2],
         origin: &[Position; AXES],
         [from, to]: [&Knot<AXES>; 2],
         given: bool,
     ) -> Self {
         Self {
-            measure: *measure,
             spaces_per_path,
             origin: *origin,
             curve: Quintic::NONE,
@@ -226,8 +223,8 @@ impl<const AXES: usize> CornerCurve<AXES> {
     /// Makes both halves, through `interim` if that is given. `lead`: the path between both ends, where a master
     /// axis is the path. Whether it can be made. Before it is handed out: [`Self::fit`].
     #[inline(never)]
-    pub fn lay(&mut self, interim: Option<&[f32; AXES]>, lead: Option<f32>) -> bool {
-        let main = &self.measure.main;
+    pub fn lay(&mut self, measure: &Measure, interim: Option<&[f32; AXES]>, lead: Option<f32>) -> bool {
+        let main = &measure.main;
         let a = site_of(&self.at, &self.origin);
         // What begins at no element stands in for the end.
         self.seam.site = site_of(&self.last, &self.origin);
@@ -258,13 +255,8 @@ impl<const AXES: usize> CornerCurve<AXES> {
             }
             _ => return false,
         };
-        self.path = (!self.measure.is_space()).then_some(path);
+        self.path = (!measure.is_space()).then_some(path);
         true
-    }
-
-    /// Main axes.
-    pub const fn main(&self) -> &Main {
-        &self.measure.main
     }
 
     /// Where it begins and ends, before it is handed out.
@@ -274,11 +266,11 @@ impl<const AXES: usize> CornerCurve<AXES> {
 
     /// Goes on, by one element, to cut the curve into as few as have a path speed that is right to `even`
     /// (relative) and are at most `slack` (mm) beside it.
-    pub fn fit(&mut self, even: f32, slack: f32) -> Fit {
+    pub fn fit(&mut self, measure: &Measure, even: f32, slack: f32) -> Fit {
         if self.cuts().is_some() && !self.any {
-            return self.fit_given(even);
+            return self.fit_given(measure, even);
         }
-        if self.is_fine(self.done, even, slack) {
+        if self.is_fine(measure, self.done, even, slack) {
             self.done += 1;
             if !self.is_done() {
                 return Fit::Working;
@@ -296,9 +288,9 @@ impl<const AXES: usize> CornerCurve<AXES> {
 
     /// Goes on to cut a curve through a given point. What no number of elements makes even is as even as it
     /// can be.
-    fn fit_given(&mut self, even: f32) -> Fit {
+    fn fit_given(&mut self, measure: &Measure, even: f32) -> Fit {
         let next = self.cuts().filter(|cuts| !cuts.is_full()).map(|cuts| u32::from(cuts.count));
-        let fits = next.is_some_and(|i| self.is_fine(i, even, f32::MAX));
+        let fits = next.is_some_and(|i| self.is_fine(measure, i, even, f32::MAX));
         let Kept::Given { cuts, .. } = &mut self.kept else { return Fit::Failed };
         if fits {
             return if cuts.accept() { Fit::Ready } else { Fit::Working };
@@ -351,27 +343,27 @@ impl<const AXES: usize> CornerCurve<AXES> {
     }
 
     /// Path length of a portion.
-    fn length(&self, portion: &Portion<'_, AXES>) -> f32 {
+    fn length(&self, measure: &Measure, portion: &Portion<'_, AXES>) -> f32 {
         let [u0, u1] = [0.0, 1.0].map(|t| portion.at(t));
         match self.path_of(portion) {
             Some(path) => path * (u1 - u0),
-            None => portion.curve.length(&self.measure.main, u0, u1),
+            None => portion.curve.length(&measure.main, u0, u1),
         }
     }
 
     /// Both ends of element `i`, which is this portion.
-    fn sites(&self, i: u32, portion: &Portion<'_, AXES>) -> [Site<AXES>; 2] {
+    fn sites(&self, measure: &Measure, i: u32, portion: &Portion<'_, AXES>) -> [Site<AXES>; 2] {
         let Seam { of, is_first, site } = &self.seam;
         let begins = *of == i && *is_first == portion.is_first;
-        [if begins { *site } else { self.site(portion, 0.0) }, self.site(portion, 1.0)]
+        [if begins { *site } else { self.site(measure, portion, 0.0) }, self.site(measure, portion, 1.0)]
     }
 
     /// The point of a portion at the share `t` of it.
-    fn site(&self, portion: &Portion<'_, AXES>, t: f32) -> Site<AXES> {
+    fn site(&self, measure: &Measure, portion: &Portion<'_, AXES>, t: f32) -> Site<AXES> {
         let u = portion.at(t);
         match self.path_of(portion) {
             Some(path) => portion.curve.site_over(path, u),
-            None => portion.curve.site(&self.measure.main, u),
+            None => portion.curve.site(&measure.main, u),
         }
     }
 
@@ -381,30 +373,29 @@ impl<const AXES: usize> CornerCurve<AXES> {
     }
 
     /// How far the speed along an element is above and below what its path says at most, relative.
-    fn unevenness(&self, element: &Quintic<AXES>, length: f32) -> [f32; 2] {
+    fn unevenness(&self, measure: &Measure, element: &Quintic<AXES>, length: f32) -> [f32; 2] {
         if self.path.is_some() {
             let [before, behind] = self.spaces_per_path;
-            return [element.haste(&self.measure, length, max(before, behind)), 0.0];
+            return [element.haste(measure, length, max(before, behind)), 0.0];
         }
-        element.unevenness(&self.measure.main, length)
+        element.unevenness(&measure.main, length)
     }
 
     /// Whether element `i` has the right path speed, and is not too far beside the curve.
-    fn is_fine(&mut self, i: u32, even: f32, slack: f32) -> bool {
+    fn is_fine(&mut self, measure: &Measure, i: u32, even: f32, slack: f32) -> bool {
         let portion = self.portion(i);
-        let ([a, b], length) = (self.sites(i, &portion), self.length(&portion));
+        let ([a, b], length) = (self.sites(measure, i, &portion), self.length(measure, &portion));
         let element = Quintic::new(&a, &b, length);
         let is_first = portion.is_first;
         let counts = !self.any && self.path.is_none();
-        if counts && element.is_uneven(&self.measure.main, length, even) {
+        if counts && element.is_uneven(&measure.main, length, even) {
             self.seam = Seam { of: i, is_first, site: a };
             return false;
         }
-        let is_near =
-            |t: f32| portion.curve.is_near(&self.measure.main, &element.point(t), portion.at(t), slack);
+        let is_near = |t: f32| portion.curve.is_near(&measure.main, &element.point(t), portion.at(t), slack);
         let (mut is_fine, mut seen) = (false, None);
         if element.weight() < HEAVIEST {
-            let [above, below] = self.unevenness(&element, length);
+            let [above, below] = self.unevenness(measure, &element, length);
             let is_even = max(above, below) <= even;
             // Over its own parameter an element is a part of the curve.
             is_fine =
@@ -422,22 +413,22 @@ impl<const AXES: usize> CornerCurve<AXES> {
     }
 
     /// Path length of element `i`, and how far its speed is above what that says.
-    fn known(&self, i: u32) -> [f32; 2] {
+    fn known(&self, measure: &Measure, i: u32) -> [f32; 2] {
         if let Kept::Whole { seen, .. } = &self.kept
             && let Some(seen) = seen.get(i as usize).filter(|seen| seen[0] > 0.0)
         {
             return *seen;
         }
-        self.measure(i)
+        self.look_at(measure, i)
     }
 
     /// The same of one that is not kept.
     #[cold]
     #[inline(never)]
-    fn measure(&self, i: u32) -> [f32; 2] {
+    fn look_at(&self, measure: &Measure, i: u32) -> [f32; 2] {
         let portion = self.portion(i);
-        let ([a, b], length) = (self.sites(i, &portion), self.length(&portion));
-        [length, self.unevenness(&Quintic::new(&a, &b, length), length)[0]]
+        let ([a, b], length) = (self.sites(measure, i, &portion), self.length(measure, &portion));
+        [length, self.unevenness(measure, &Quintic::new(&a, &b, length), length)[0]]
     }
 
     /// Whether the next element belongs to the first half.
@@ -473,13 +464,13 @@ impl<const AXES: usize> CornerCurve<AXES> {
     }
 
     /// Element `i` but for the last bit of its ends. `None` behind the last one.
-    pub fn rehearse(&mut self, i: u32) -> Option<Rehearsal<AXES>> {
+    pub fn rehearse(&mut self, measure: &Measure, i: u32) -> Option<Rehearsal<AXES>> {
         if i >= self.count() {
             return None;
         }
-        let [length, above] = self.known(i);
+        let [length, above] = self.known(measure, i);
         let portion = self.portion(i);
-        let (is_first, ends) = (portion.is_first, self.sites(i, &portion));
+        let (is_first, ends) = (portion.is_first, self.sites(measure, i, &portion));
         self.seam = Seam { of: i + 1, is_first, site: ends[1] };
         Some(Rehearsal { is_first, length, fastest: fastest(above), ends })
     }
@@ -491,15 +482,18 @@ impl<const AXES: usize> CornerCurve<AXES> {
     }
 
     /// The next element, with its axes to be made.
-    pub fn next_element(&mut self, element: &mut Element<AXES>) -> Option<Draft<AXES>> {
+    pub fn next_element(&mut self, measure: &Measure, element: &mut Element<AXES>) -> Option<Draft<AXES>> {
         if self.is_done() {
             return None;
         }
         let i = self.done;
-        let [length, above] = self.known(i);
+        let [length, above] = self.known(measure, i);
         self.done += 1;
-        let to =
-            if self.is_done() { self.last } else { knot_of(&self.site(&self.portion(i), 1.0), &self.origin) };
+        let to = if self.is_done() {
+            self.last
+        } else {
+            knot_of(&self.site(measure, &self.portion(i), 1.0), &self.origin)
+        };
         let made = Draft::begin(element, [&self.at, &to], length, fastest(above))?;
         self.at = to;
         Some(made)

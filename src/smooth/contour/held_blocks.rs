@@ -70,14 +70,14 @@ impl<const AXES: usize> HeldBlocks<AXES> {
         }
     }
 
-    /// The place of an element, where no block leaves.
+    /// The block held back, and the place of an element before it, where no block leaves.
     #[cfg_attr(feature = "fast", inline(always))]
-    pub fn made(&mut self) -> Option<&mut Made<AXES>> {
-        let [.., last] = self.all_mut();
+    pub fn made(&mut self) -> Option<(&HeldBlock<AXES>, &mut Made<AXES>)> {
+        let [held, _, last] = self.all_mut();
         if !matches!(last, Place::Made(_)) {
             *last = Place::Made(Made::BLANK);
         }
-        if let Place::Made(made) = last { Some(made) } else { None }
+        if let (Place::Block(held), Place::Made(made)) = (held, last) { Some((held, made)) } else { None }
     }
 
     /// The first one becomes the last one, and each other one the one before.

@@ -388,7 +388,7 @@ impl Joining {
             }
             JoinStep::Cutting { .. } => return Self::cut(held, next, setting, stage, into),
             JoinStep::Fitting { .. } => {
-                Self::fit(stage, setting.const_vel, into);
+                Self::fit(stage, setting, into);
                 let JoinStep::Joining { cut, steady } = stage else { return false };
                 Self::join(held, next, (*cut, *steady), setting, into);
             }
@@ -476,7 +476,9 @@ impl Joining {
         let lead = Self::lead([held, next], (rule, cut), setting, &mut spaces);
         if !Self::begin([held, next], (cut, spaces), setting, into) {
             *stage = JoinStep::Sharp;
-        } else if even(into).is_some_and(|course| Self::lay(course, (&held.block.to, rule), lead)) {
+        } else if even(into)
+            .is_some_and(|course| Self::lay(course, (&held.block.to, rule), setting.measure, lead))
+        {
             *stage = JoinStep::Fitting { cut, slack, smaller };
         } else {
             *into = Course::None;
@@ -524,14 +526,15 @@ impl Joining {
 
     /// Cuts it into elements.
     #[inline(never)]
-    fn fit<const AXES: usize>(stage: &mut JoinStep, const_vel: bool, into: &mut Course<AXES>) {
+    fn fit<const AXES: usize>(stage: &mut JoinStep, setting: &Setting<'_, AXES>, into: &mut Course<AXES>) {
+        let &Setting { measure, const_vel, .. } = setting;
         let (&mut JoinStep::Fitting { cut, slack, smaller }, Some(course)) = (&mut *stage, even(into)) else {
             return;
         };
         let even = if const_vel { CONSTANT } else { EVEN };
         let mut fit = Fit::Working;
         for _ in 0..ELEMENTS {
-            fit = course.fit(even, slack);
+            fit = course.fit(measure, even, slack);
             if fit != Fit::Working {
                 break;
             }
@@ -561,13 +564,13 @@ impl Joining {
         let feed = |part: &Rehearsal<AXES>| [held, next][usize::from(!part.is_first)].block.data.feed;
         let Some(from) = *element else {
             *element = Some(0);
-            let part = course.rehearse(course.behind_joint());
+            let part = course.rehearse(setting.measure, course.behind_joint());
             let known = part.and_then(|part| Self::permitted(course, &part, feed(&part), setting));
             steady.v = known.map_or(steady.v, |(_, v)| v);
             return;
         };
         for i in from..from + TIMED {
-            let known = course.rehearse(i).and_then(|part| {
+            let known = course.rehearse(setting.measure, i).and_then(|part| {
                 let (check, feed) = (setting.check_jerk, feed(&part));
                 if setting.dynamics.permits(steady.v, &part.hull(), (feed, part.fastest), check) {
                     return Some((distance(part.length)?, None));
@@ -717,7 +720,7 @@ impl Joining {
         }
         let given = held.rule.as_ref().is_some_and(|rule| rule.method == ContourMethod::Pos);
         let knots = [&from, &to];
-        let course = CornerCurve::new(setting.measure, spaces, &held.block.to, knots, given);
+        let course = CornerCurve::new(spaces, &held.block.to, knots, given);
         *into = Course::Turning(Turning::new([held, next], Cornering::Even(course), setting));
         true
     }
@@ -727,17 +730,18 @@ impl Joining {
     fn lay<const AXES: usize>(
         course: &mut CornerCurve<AXES>,
         (corner, rule): (&[Position; AXES], &Parameters),
+        measure: &Measure,
         lead: Option<f32>,
     ) -> bool {
         let mut point = [0.0; AXES];
-        for (k, value) in course.main().places().into_iter().zip(rule.point()) {
+        for (k, value) in measure.main.places().into_iter().zip(rule.point()) {
             let (Some(k), Some(value)) = (k, value) else { continue };
             if let (Some(x), Some(corner)) = (point.get_mut(k), corner.get(k)) {
                 *x = to_f32(value.to_bits().saturating_sub(corner.to_bits())) * LSB_32;
             }
         }
         let interim = (rule.method == ContourMethod::Pos).then_some(&point);
-        course.lay(interim, lead)
+        course.lay(measure, interim, lead)
     }
 }
 
@@ -964,14 +968,13 @@ impl<const AXES: usize> Turning<AXES> {
         course: Cornering<AXES>,
         setting: &Setting<'_, AXES>,
     ) -> Self {
-        let [first, second] = [held.block.data, next.block.data];
+        let [first, second] = [&held.block.data, &next.block.data];
         let due = match held.rule.as_ref().map(|rule| rule.action) {
             Some(ContourAction::Pre) => [second.number; 2],
             Some(ContourAction::Post) => [first.number; 2],
             _ => [first.number, second.number],
         };
         let curving = Curving { jerk: setting.check_jerk, constant: None, near: Near::NONE };
-        let halves = [(first, due[0]), (second, due[1])];
-        Self { course, halves, curving, passage: Passage::Varying, draft: None }
+        Self { course, before: *first, due, curving, passage: Passage::Varying, draft: None }
     }
 }

@@ -85,11 +85,14 @@ impl<const AXES: usize> Made<AXES> {
     }
 }
 
-/// A curve in a corner on its way out: what goes with each half, and the functions due before it.
+/// A curve in a corner on its way out.
 #[derive(Clone, Copy, Debug)]
 struct Turning<const AXES: usize> {
     course: Cornering<AXES>,
-    halves: [(Data, u32); 2],
+    /// What goes with its first half; with the second one what goes with the block behind it.
+    before: Data,
+    /// Functions due before each half.
+    due: [u32; 2],
     curving: Curving,
     /// It is passed at one speed where the blocks beside it have the way to change theirs. A curve over time
     /// has its own.
@@ -99,16 +102,25 @@ struct Turning<const AXES: usize> {
 }
 
 impl<const AXES: usize> Turning<AXES> {
-    /// The next element, which is not made yet. `None` if there is none.
-    fn begin(&mut self, made: &mut Made<AXES>) -> Option<()> {
-        let (data, due) = self.halves[usize::from(!self.course.is_before())];
-        let draft = self.draft.insert(self.course.next_element(&mut made.element)?);
+    /// The next element, which is not made yet, before the block behind the curve or of it. `None` if there is none.
+    fn begin(&mut self, behind: &Data, measure: &Measure, made: &mut Made<AXES>) -> Option<()> {
+        self.label(behind, made);
+        let draft = self.draft.insert(self.course.next_element(measure, &mut made.element)?);
         made.end = Some(*draft.to());
         if let Some(bounds) = made.element.bounds.as_mut().filter(|bounds| !bounds.is_timed()) {
             bounds.passage = self.passage;
         }
-        (made.data, made.curving, made.due) = (Data { stop: false, ..data }, Some(self.curving), due);
+        made.curving = Some(self.curving);
         Some(())
+    }
+
+    /// What goes with the next element.
+    #[inline(always)]
+    fn label(&self, behind: &Data, made: &mut Made<AXES>) {
+        let [before_due, behind_due] = self.due;
+        let (data, due) =
+            if self.course.is_before() { (&self.before, before_due) } else { (behind, behind_due) };
+        (made.data, made.due) = (Data { stop: false, ..*data }, due);
     }
 
     /// Whether its last element is made.
@@ -122,16 +134,15 @@ impl<const AXES: usize> Turning<AXES> {
     fn go_straight(
         &mut self,
         from: &[Position; AXES],
-        measure: &Measure,
+        (behind, measure): (&Data, &Measure),
         made: &mut Made<AXES>,
     ) -> Option<()> {
         self.draft = None;
-        let (data, due) = self.halves[usize::from(!self.course.is_before())];
+        self.label(behind, made);
         if line_to([from, self.course.finish()], measure, &mut made.element) != Ok(true) {
             return None;
         }
-        (made.data, made.curving, made.due) = (Data { stop: false, ..data }, None, due);
-        made.end = None;
+        (made.curving, made.end) = (None, None);
         Some(())
     }
 
@@ -284,9 +295,9 @@ impl<const AXES: usize> Cornering<AXES> {
 
 impl<const AXES: usize> Cornering<AXES> {
     /// The next element, with its axes to be made.
-    fn next_element(&mut self, element: &mut Element<AXES>) -> Option<Draft<AXES>> {
+    fn next_element(&mut self, measure: &Measure, element: &mut Element<AXES>) -> Option<Draft<AXES>> {
         match self {
-            Self::Even(course) => course.next_element(element),
+            Self::Even(course) => course.next_element(measure, element),
             Self::Timed(timed) => timed.next_element(element),
             Self::Halves(halves) => halves.next_element(element),
         }
@@ -588,9 +599,11 @@ impl<const AXES: usize> Contouring<AXES> {
     #[cold]
     #[inline(never)]
     fn go_straight(&mut self) {
-        let (Course::Turning(turning), Some(made)) = (&mut self.course, self.blocks.made()) else { return };
+        let (Course::Turning(turning), Some((held, made))) = (&mut self.course, self.blocks.made()) else {
+            return;
+        };
         let from = turning.draft.as_ref().map_or_else(|| turning.course.stands(), |draft| *draft.from());
-        self.is_made = turning.go_straight(&from, &self.measure, made).is_some();
+        self.is_made = turning.go_straight(&from, (&held.block.data, &self.measure), made).is_some();
         if !self.is_made {
             self.course = Course::None;
         }
@@ -710,9 +723,9 @@ impl<const AXES: usize> Smoother<AXES> for Contouring<AXES> {
         if self.is_leaving || (self.is_made && turning.draft.is_none()) {
             return false;
         }
-        let Some(made) = self.blocks.made() else { return false };
+        let Some((held, made)) = self.blocks.made() else { return false };
         if !self.is_made {
-            self.is_made = turning.begin(made).is_some();
+            self.is_made = turning.begin(&held.block.data, &self.measure, made).is_some();
         }
         if self.is_made && turning.go_on(&mut made.element).is_some() {
             let goes_on = turning.draft.is_some();
