@@ -5,7 +5,6 @@ use super::held_block::HeldBlock;
 
 /// What is in a place.
 #[derive(Clone, Copy, Debug)]
-#[expect(clippy::large_enum_variant, reason = "both in one static memory")]
 pub(super) enum Place<const AXES: usize> {
     /// Nothing.
     Free,

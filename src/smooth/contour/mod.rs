@@ -250,7 +250,6 @@ pub struct Contouring<const AXES: usize> {
 
 /// What is being made, one at a time.
 #[derive(Clone, Copy, Debug)]
-#[expect(clippy::large_enum_variant, reason = "one at a time, in static memory")]
 enum Course<const AXES: usize> {
     /// Nothing.
     None,
@@ -272,7 +271,6 @@ impl<const AXES: usize> Course<AXES> {
 
 /// The curve of a corner.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[expect(clippy::large_enum_variant, reason = "one curve is handed out at a time, in static memory")]
 enum Cornering<const AXES: usize> {
     /// Over its arc length.
     Even(CornerCurve<AXES>),
