@@ -237,25 +237,53 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
             return Err(MotionError::ArcInSpline);
         }
         let centre = self.centre(motion, (plane, clockwise, by))?;
+        if !self.intake.smoothing.is_idle() {
+            return self.round_arc(motion, feed, (centre, plane, clockwise));
+        }
         // Made where it goes on from: an element is large.
+        let mut element = Element::BLANK;
+        let ends = [&self.intake.programmed, &motion.target];
+        path::arc_to(ends, (centre, plane, clockwise), &self.measure, &mut element)?;
+        let (limits, pass) = self.look_over(motion, feed, &element, &centre)?;
+        self.functions.settle(true, false);
+        self.pass_arc(&element, &limits, pass, &motion.target);
+        self.advance(motion);
+        Ok(())
+    }
+
+    /// An arc that the smoother takes.
+    #[inline(never)]
+    fn round_arc(
+        &mut self,
+        motion: &Motion<AXES>,
+        feed: Option<f32>,
+        (centre, plane, clockwise): ([Position; 2], Plane, bool),
+    ) -> Result<(), MotionError> {
         let mut block = self.programmed(Form::Arc { centre, plane, clockwise }, motion, feed);
         let ends = [&self.intake.programmed, &motion.target];
         path::arc_to(ends, (centre, plane, clockwise), &self.measure, &mut block.element)?;
-        let element = &block.element;
+        self.look_over(motion, feed, &block.element, &centre)?;
+        self.round(&block);
+        self.advance(motion);
+        Ok(())
+    }
+
+    /// What an arc permits, and what goes with it, if it may be driven.
+    #[cfg_attr(feature = "fast", inline(always))]
+    fn look_over(
+        &self,
+        motion: &Motion<AXES>,
+        feed: Option<f32>,
+        element: &Element<AXES>,
+        centre: &[Position; 2],
+    ) -> Result<(Permitted, Pass), MotionError> {
         if self.intake.travel.is_limited() {
-            self.stays(motion, element, &centre)?;
+            self.stays(motion, element, centre)?;
         }
         let pass = self.pass(motion, feed)?;
         let limits = self.dynamics.element(element, feed);
         Self::in_time(limits.0.v, element.shape.length)?;
-        if self.intake.smoothing.is_idle() {
-            self.functions.settle(true, false);
-            self.pass_arc(element, &limits, pass, &motion.target);
-        } else {
-            self.round(&block);
-        }
-        self.advance(motion);
-        Ok(())
+        Ok((limits, pass))
     }
 
     /// The centre of an arc.

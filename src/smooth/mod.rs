@@ -287,11 +287,10 @@ impl<const AXES: usize> Smoothing<AXES> {
     // In place, in every build: as a result it would be on the stack twice.
     #[inline(always)]
     pub fn new(measure: Measure, preset: Preset, auto_contour_mode: u8) -> Self {
-        let contouring = Contouring::new(measure, preset);
         Self {
             measure,
-            contour: contouring.settings(),
-            kind: Kind::Contour(contouring),
+            contour: contour::Settings::off(preset),
+            kind: Kind::Contour(Contouring::new(measure, preset)),
             #[cfg(feature = "splines")]
             spline: DirectParameters::at_start(),
             hsc: HscParameters::new(auto_contour_mode),

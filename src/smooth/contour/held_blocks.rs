@@ -38,7 +38,11 @@ pub(super) struct HeldBlocks<const AXES: usize> {
 
 impl<const AXES: usize> HeldBlocks<AXES> {
     /// None.
-    pub const NONE: Self = Self { places: [Place::Free; 3], first: 0 };
+    // In its place: a constant is copied as a whole.
+    #[inline(always)]
+    pub const fn none() -> Self {
+        Self { places: [Place::Free, Place::Free, Place::Free], first: 0 }
+    }
 
     /// The one held back.
     #[cfg_attr(feature = "fast", inline(always))]

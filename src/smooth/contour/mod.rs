@@ -363,7 +363,7 @@ impl<const AXES: usize> Contouring<AXES> {
             is_made: false,
             joining: None,
             course: Course::None,
-            blocks: HeldBlocks::NONE,
+            blocks: HeldBlocks::none(),
             skipped: None,
             half: false,
             remark: None,
