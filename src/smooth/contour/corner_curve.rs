@@ -11,6 +11,7 @@
 use super::corner::mean;
 use super::curve::{Main, Quintic, Site, even_speed, plus, size};
 use super::{LSB_32, ONE_32};
+use crate::machine::functions;
 use crate::math::float::{max, min, to_f32, to_i64};
 use crate::path::poly::{Draft, Knot};
 use crate::path::{Bounds, Element, End, Measure};
@@ -30,6 +31,8 @@ const MOST_PARTS: u32 = 16;
 
 /// Elements of which it is kept what was seen of them: as many as mostly are enough.
 const SEEN: usize = 16;
+/// Of a curve through a given point, which is seldom: in a small build each is looked at again.
+const SEEN_GIVEN: usize = if functions::IS_SMALL { 0 } else { SEEN };
 
 /// Steps of half a curve through a given point, at which it may be cut, and elements of all of it at most.
 const STEPS: u16 = 256;
@@ -68,7 +71,7 @@ enum Kept<const AXES: usize> {
     Whole { joint: f32, seen: [[f32; 2]; SEEN] },
     /// Through a given point: its second half. The curve is what it is, and may bend sharply in places. There its
     /// elements are the shorter.
-    Given { second: Quintic<AXES>, cuts: Cuts },
+    Given { second: Quintic<AXES>, cuts: Cuts, seen: [[f32; 2]; SEEN_GIVEN] },
 }
 
 /// The end of one element, where another one of the same half begins.
@@ -206,7 +209,7 @@ impl<const AXES: usize> CornerCurve<AXES> {
             origin: *origin,
             curve: Quintic::NONE,
             kept: if given {
-                Kept::Given { second: Quintic::NONE, cuts: Cuts::NEW }
+                Kept::Given { second: Quintic::NONE, cuts: Cuts::NEW, seen: [[0.0; 2]; SEEN_GIVEN] }
             } else {
                 Kept::Whole { joint: 0.5, seen: [[0.0; 2]; SEEN] }
             },
@@ -317,7 +320,7 @@ impl<const AXES: usize> CornerCurve<AXES> {
     /// What of the curve element `i` is.
     fn portion(&self, i: u32) -> Portion<'_, AXES> {
         match &self.kept {
-            Kept::Given { second, cuts } => {
+            Kept::Given { second, cuts, .. } => {
                 let [from, to] = cuts.ends(i);
                 let is_first = from < STEPS;
                 let (curve, start) = if is_first { (&self.curve, 0) } else { (second, STEPS) };
@@ -402,9 +405,11 @@ impl<const AXES: usize> CornerCurve<AXES> {
                 !counts || (is_even && (slack == f32::MAX || [0.25, 0.5, 0.75].into_iter().all(is_near)));
             seen = Some([length, above]);
         }
-        if let (Kept::Whole { seen: kept, .. }, Some(seen)) = (&mut self.kept, seen)
-            && let Some(kept) = kept.get_mut(i as usize)
-        {
+        let kept = match &mut self.kept {
+            Kept::Whole { seen, .. } => seen.as_mut_slice(),
+            Kept::Given { seen, .. } => seen.as_mut_slice(),
+        };
+        if let (Some(kept), Some(seen)) = (kept.get_mut(i as usize), seen) {
             *kept = seen;
         }
         // What is not fine is tried again from the same place, or all of it from the begin.
@@ -414,12 +419,14 @@ impl<const AXES: usize> CornerCurve<AXES> {
 
     /// Path length of element `i`, and how far its speed is above what that says.
     fn known(&self, measure: &Measure, i: u32) -> [f32; 2] {
-        if let Kept::Whole { seen, .. } = &self.kept
-            && let Some(seen) = seen.get(i as usize).filter(|seen| seen[0] > 0.0)
-        {
-            return *seen;
+        let seen = match &self.kept {
+            Kept::Whole { seen, .. } => seen.as_slice(),
+            Kept::Given { seen, .. } => seen.as_slice(),
+        };
+        match seen.get(i as usize) {
+            Some(seen) if seen[0] > 0.0 => *seen,
+            _ => self.look_at(measure, i),
         }
-        self.look_at(measure, i)
     }
 
     /// The same of one that is not kept.
