@@ -173,7 +173,10 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
                 self.take_line(motion, feed)
             }
             MotionKind::Rapid | MotionKind::Line => self.round_line(motion, feed),
-            MotionKind::Arc { plane, clockwise, by } => self.take_arc(motion, feed, (plane, clockwise, by)),
+            MotionKind::Arc { plane, clockwise, by } if self.intake.smoothing.is_idle() => {
+                self.take_arc(motion, feed, (plane, clockwise, by))
+            }
+            MotionKind::Arc { plane, clockwise, by } => self.round_arc(motion, feed, (plane, clockwise, by)),
         }
     }
 
@@ -237,9 +240,6 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
             return Err(MotionError::ArcInSpline);
         }
         let centre = self.centre(motion, (plane, clockwise, by))?;
-        if !self.intake.smoothing.is_idle() {
-            return self.round_arc(motion, feed, (centre, plane, clockwise));
-        }
         // Made where it goes on from: an element is large.
         let mut element = Element::BLANK;
         let ends = [&self.intake.programmed, &motion.target];
@@ -257,8 +257,12 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         &mut self,
         motion: &Motion<AXES>,
         feed: Option<f32>,
-        (centre, plane, clockwise): ([Position; 2], Plane, bool),
+        (plane, clockwise, by): (Plane, bool, ArcBy),
     ) -> Result<(), MotionError> {
+        if self.intake.smoothing.refuses_arcs() {
+            return Err(MotionError::ArcInSpline);
+        }
+        let centre = self.centre(motion, (plane, clockwise, by))?;
         let mut block = self.programmed(Form::Arc { centre, plane, clockwise }, motion, feed);
         let ends = [&self.intake.programmed, &motion.target];
         path::arc_to(ends, (centre, plane, clockwise), &self.measure, &mut block.element)?;
