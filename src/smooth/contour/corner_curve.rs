@@ -11,7 +11,6 @@
 use super::corner::mean;
 use super::curve::{Main, Quintic, Site, even_speed, plus, size};
 use super::{LSB_32, ONE_32};
-use crate::machine::functions;
 use crate::math::float::{max, min, to_f32, to_i64};
 use crate::path::poly::{Draft, Knot};
 use crate::path::{Bounds, Element, End, Measure};
@@ -32,7 +31,7 @@ const MOST_PARTS: u32 = 16;
 /// Elements of which it is kept what was seen of them: as many as mostly are enough.
 const SEEN: usize = 16;
 /// Of a curve through a given point, which is seldom: in a small build each is looked at again.
-const SEEN_GIVEN: usize = if functions::IS_SMALL { 0 } else { SEEN };
+const SEEN_GIVEN: usize = if cfg!(any(feature = "surface", feature = "splines")) { SEEN } else { 0 };
 
 /// Steps of half a curve through a given point, at which it may be cut, and elements of all of it at most.
 const STEPS: u16 = 256;
