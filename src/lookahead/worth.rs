@@ -37,14 +37,9 @@ pub(super) fn quickest(blocks: [(&Limits, &Share, f32); 2], v: f32, passes: bool
     if blocks.iter().all(|(limits, share, _)| limits.are_within(share)) {
         return Way::Through;
     }
-    let [through, resting] = [|share: &Share| *share, |share: &Share| share.resting()]
-        .map(|of| blocks.map(|(limits, share, length)| (limits.shared(&of(share)), length)));
-    let sum = |blocks: &[(Limits, f32); 2], v: f32| -> f32 {
-        blocks.iter().map(|(limits, length)| time(limits, *length, v)).sum()
-    };
-    let stop = sum(&blocks.map(|(limits, _, length)| (*limits, length)), 0.0);
-    let through = sum(&through, v);
-    let resting = if passes { sum(&resting, v) } else { through };
+    let stop: f32 = blocks.iter().map(|(limits, _, length)| time(limits, *length, 0.0)).sum();
+    let through = times(&blocks, v, false);
+    let resting = if passes { times(&blocks, v, true) } else { through };
     if min(through, resting) > stop {
         Way::Standing
     } else if resting < through * CLEARLY {
@@ -57,8 +52,19 @@ pub(super) fn quickest(blocks: [(&Limits, &Share, f32); 2], v: f32, passes: bool
 /// Times that differ by less are one: with acceleration through the corner its neighbours may do more.
 const CLEARLY: f32 = 1.0 - 1.0 / 4096.0;
 
+/// Ticks of both blocks with what their shares leave them, `resting` or not.
+#[inline(never)]
+fn times(blocks: &[(&Limits, &Share, f32); 2], v: f32, resting: bool) -> f32 {
+    let left = |limits: &Limits, share: &Share| {
+        let share = if resting { share.resting() } else { *share };
+        limits.shared(&share)
+    };
+    blocks.iter().map(|(limits, share, length)| time(&left(limits, share), *length, v)).sum()
+}
+
 /// Ticks from rest to the speed `v`, or what can be reached of it, over a length; as many as from there to
 /// rest.
+#[inline(never)]
 fn time(limits: &Limits, length: f32, v: f32) -> f32 {
     let [up, down] = [limits.speed_up(), limits.brake()];
     let v = min(v, min(up.reach(0.0, length), limits.v));

@@ -46,6 +46,21 @@ pub fn arc<const AXES: usize>(
     clockwise: bool,
     measure: &Measure,
 ) -> Result<Element<AXES>, PathError> {
+    let mut element = Element::BLANK;
+    arc_to([start, target], (centre, plane, clockwise), measure, &mut element)?;
+    Ok(element)
+}
+
+/// As [`arc`], in the place of another element: as a result it would be on the stack several times.
+///
+/// # Errors
+/// See [`PathError`]; the element is what it was.
+pub(crate) fn arc_to<const AXES: usize>(
+    [start, target]: [&[Position; AXES]; 2],
+    (centre, plane, clockwise): ([Position; 2], Plane, bool),
+    measure: &Measure,
+    element: &mut Element<AXES>,
+) -> Result<(), PathError> {
     let axes = plane_axes(plane, &measure.main)?;
     if !measure.is_space() && !axes.iter().all(|k| measure.feeds(*k)) {
         return Err(PathError::NoFeedPlane(plane));
@@ -68,29 +83,32 @@ pub fn arc<const AXES: usize>(
     let outer = if flat { None } else { Some(&outside) };
     let travelled = travelled(plane0.max(plane1), difference, outer, measure);
     // One LSB up: a chord is never longer than the path under it.
-    let mut shape = Shape::resting(if flat && measure.is_space() {
+    let length = if flat && measure.is_space() {
         if travelled + 1 >= LONGEST {
             return Err(PathError::TooLong);
         }
         Distance::from_bits(travelled + 1)
     } else {
         path_length(measure.resolved(travelled, &travel) + 1, &travel)?
-    });
+    };
+    let Element { shape, entry, exit, .. } = element;
+    shape.rest(length);
     let whole = shape.reciprocal();
     let reciprocal = Halves::of(whole);
-    let mut linear = [0; AXES];
+    (entry.tangent, entry.curvature) = ([0; AXES], [0.0; AXES]);
     if !flat {
         shape.set_gains_by(&outside, whole);
-        linear = shape.linear_tangent();
+        entry.tangent = shape.linear_tangent();
     }
+    *exit = *entry;
     let sweep = if clockwise { -swept } else { swept };
-    let circle = ends.circle(axes, sweep, &shape, reciprocal);
+    let circle = ends.circle(axes, sweep, shape, reciprocal);
     shape.curve = Curve::Arc(circle);
 
     // Of a length of the block, as a part of it: 60 fraction bits.
     let part = |length: i64| part(length, shape.shift, reciprocal);
     let outward = Halves::of(part(difference));
-    let end = |radius: &Radius, plane: i64, len: i64| {
+    let end = |radius: &Radius, plane: i64, len: i64, end: &mut End<AXES>| {
         let along = part(plane);
         let share = size_f32(along as u64) * LSB_60;
         let along = Halves::of(if clockwise { -along } else { along });
@@ -98,23 +116,23 @@ pub fn arc<const AXES: usize>(
         // 56 fraction bits.
         let tangent = [p.turn(outward, q.negated(), along), q.turn(outward, p, along)];
         let bend = -(share * share) / (to_f32(len) * DISTANCE_LSB) * LSB_28;
-        let mut ends = End { tangent: linear, curvature: [0.0; AXES] };
         for i in 0..2 {
-            if let (Some(t), Some(c)) = (ends.tangent.get_mut(axes[i]), ends.curvature.get_mut(axes[i])) {
+            if let (Some(t), Some(c)) = (end.tangent.get_mut(axes[i]), end.curvature.get_mut(axes[i])) {
                 *t = (tangent[i] + (1 << 15)) >> 16;
                 *c = (radius.unit[i] >> 32) as i32 as f32 * bend;
             }
         }
-        (ends, share)
+        share
     };
-    let (entry, share0) = end(&ends.radii[0], plane0, len0);
-    let (exit, share1) = end(&ends.radii[1], plane1, len1);
-    let circle = Circle {
+    let share0 = end(&ends.radii[0], plane0, len0, entry);
+    let share1 = end(&ends.radii[1], plane1, len1, exit);
+    element.bounds = None;
+    element.circle = Some(Circle {
         plane: axes,
         radius: to_f32(len0.min(len1)) * DISTANCE_LSB,
         share: if share0 > share1 { share0 } else { share1 },
-    };
-    Ok(Element { shape, entry, exit, circle: Some(circle), bounds: None })
+    });
+    Ok(())
 }
 
 /// What the axes outside the plane travel.

@@ -26,6 +26,21 @@ pub fn line<const AXES: usize>(
     Ok(straight_line(start, target, measure)?.map(|line| line.element()))
 }
 
+/// As [`line`], in the place of another element. Whether an axis moves.
+///
+/// # Errors
+/// [`PathError::TooLong`].
+#[inline(never)]
+pub(crate) fn line_to<const AXES: usize>(
+    [start, target]: [&[Position; AXES]; 2],
+    measure: &Measure,
+    element: &mut Element<AXES>,
+) -> Result<bool, PathError> {
+    let Some(line) = &straight_line(start, target, measure)? else { return Ok(false) };
+    line.become_in(element);
+    Ok(true)
+}
+
 /// As [`straight`], as a call: beside what every block needs.
 ///
 /// # Errors
@@ -96,6 +111,13 @@ impl<const AXES: usize> Straight<AXES> {
         let Self { length, gain, tangent, shift } = *self;
         (line.shape.length, line.shape.gain, line.shape.shift) = (length, gain, shift);
         (line.entry.tangent, line.exit.tangent) = (tangent, tangent);
+    }
+
+    /// Any element becomes this line, in place.
+    pub(crate) fn become_in(&self, element: &mut Element<AXES>) {
+        self.assign_to(element);
+        (element.shape.curve, element.circle, element.bounds) = (Curve::Line, None, None);
+        (element.entry.curvature, element.exit.curvature) = ([0.0; AXES], [0.0; AXES]);
     }
 
     /// The element.

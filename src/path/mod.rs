@@ -23,9 +23,10 @@ pub mod measure;
 mod merge;
 pub mod poly;
 
+pub(crate) use arc::arc_to;
 pub use arc::{arc, centre_of_radius};
 pub use line::line;
-pub(crate) use line::{Straight, straight, straight_line};
+pub(crate) use line::{Straight, line_to, straight, straight_line};
 pub use measure::Measure;
 pub(crate) use merge::{Stretch, TOLERANCE_MM};
 pub use poly::{Bounds, Passage};
@@ -253,6 +254,12 @@ impl<const AXES: usize> Shape<AXES> {
     /// A shape of that length that does not move yet.
     fn resting(length: Distance) -> Self {
         Self { length, gain: [0; AXES], curve: Curve::Line, shift: Self::shift_of(length) }
+    }
+
+    /// Becomes [`Self::resting`], in place.
+    fn rest(&mut self, length: Distance) {
+        (self.length, self.gain, self.curve) = (length, [0; AXES], Curve::Line);
+        self.shift = Self::shift_of(length);
     }
 
     fn shift_of(length: Distance) -> u8 {

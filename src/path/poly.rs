@@ -23,6 +23,11 @@ pub struct Knot<const AXES: usize> {
     pub end: End<AXES>,
 }
 
+impl<const AXES: usize> Knot<AXES> {
+    /// None yet.
+    pub(crate) const BLANK: Self = Self { position: [Position::ZERO; AXES], end: End::BLANK };
+}
+
 /// Largest magnitudes along a polynomial, for limits: of the direction those of Bernstein coefficients, which
 /// it never exceeds, of the others those at the ends and where the next derivative vanishes.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -41,6 +41,11 @@ pub(super) struct Descent {
 }
 
 impl Descent {
+    /// None yet.
+    fn none() -> Self {
+        Self::inside(Brake::default())
+    }
+
     /// A slowing down inside one span.
     pub fn inside(brake: Brake) -> Self {
         Self { brake, spans: 0, ahead: Ahead::NONE }
@@ -114,6 +119,11 @@ struct Row {
     fits: bool,
 }
 
+impl Row {
+    /// No span yet.
+    const NONE: Self = Self { limits: ReleasedSpan::BLANK.limits, end: 0, spans: 0, last: None, fits: false };
+}
+
 impl Stretch {
     #[cfg_attr(feature = "fast", inline(always))]
     fn new(span: &ReleasedSpan, v_in: Speed, end: i64, fall: Option<&Fall>) -> Self {
@@ -184,63 +194,76 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         } else {
             Ahead { next: 0, distance: self.handed.to_bits() }
         };
-        let descent = self.descend_to(Cursor { k, ahead, fall: None }, motion)?;
+        // In its place, here and below: as a result it would be there several times.
+        let mut descent = Descent::none();
+        self.descend_to(Cursor { k, ahead, fall: None }, motion, &mut descent)?;
         // A hold goes on only behind spans that are committed.
         let commits = self.reserve.is_made() || descent.brake.v_out == 0;
         if commits || k + descent.spans <= self.committed.len() {
             return Some(descent);
         }
-        self.descend_to(Cursor { k, ahead: Ahead::NONE, fall: None }, motion)
+        self.descend_to(Cursor { k, ahead: Ahead::NONE, fall: None }, motion, &mut descent)?;
+        Some(descent)
     }
 
-    fn descend_to(&mut self, mut start: Cursor, motion: &Instant) -> Option<Descent> {
+    #[inline(never)]
+    fn descend_to(&mut self, mut start: Cursor, motion: &Instant, found: &mut Descent) -> Option<()> {
         let mut blank = ReleasedSpan::BLANK;
         let span = &mut blank;
         let wanted = !self.reserve.is_made();
         let mut again = wanted;
         if wanted {
-            match self.stand_short(start, span, motion, false) {
-                Ok(descent) => return Some(descent),
+            match self.stand_short(start, span, (motion, false), found) {
+                Ok(()) => return Some(()),
                 Err(no) => again = no == No::Shorter,
             }
         }
-        let mut row = match self.look_along(&mut start, span, motion)? {
-            Ok(descent) => return Some(descent),
-            Err(row) => row,
-        };
-        if row.fits
-            && again
-            && let Ok(descent) = self.stand_short(start, span, motion, true)
-        {
-            return Some(descent);
-        }
-        self.step_down(start, span, motion, &mut row)
+        self.go_along(&mut start, span, (motion, again), found)
     }
 
     // What follows is not inlined: of what each has on the stack, only one is there at a time.
 
-    /// A standstill that the limits of the spans permit by one law; else what is known of them. From there on the
+    /// By the limits of the spans; where they permit a standstill, first of all `again` by those of its own way.
+    #[inline(never)]
+    fn go_along(
+        &mut self,
+        start: &mut Cursor,
+        span: &mut ReleasedSpan,
+        (motion, again): (&Instant, bool),
+        found: &mut Descent,
+    ) -> Option<()> {
+        let mut row = Row::NONE;
+        let stands = self.look_along(start, span, (motion, found), &mut row)?;
+        if stands || row.fits && again && self.stand_short(*start, span, (motion, true), found).is_ok() {
+            return Some(());
+        }
+        self.step_down(*start, span, (motion, found), &mut row)
+    }
+
+    /// Whether the limits of the spans permit a standstill by one law; else what is known of them. From there on the
     /// limits are known for `start`.
     #[inline(never)]
     fn look_along(
         &mut self,
         start: &mut Cursor,
         span: &mut ReleasedSpan,
-        motion: &Instant,
-    ) -> Option<Result<Descent, Row>> {
+        (motion, found): (&Instant, &mut Descent),
+        row: &mut Row,
+    ) -> Option<bool> {
         let mut cursor = *start;
         let mut first = self.ahead(&mut cursor, span, false)?;
         if let Some(fall) = first.limits.fall(speed_f32(motion.speed)) {
             start.fall = Some(fall);
             if let Some(descent) = self.fall_inside(*start, span, motion, &fall) {
-                return Some(Ok(descent));
+                *found = descent;
+                return Some(true);
             }
             cursor = *start;
             first = self.ahead(&mut cursor, span, false)?;
         }
         let (limits, end) = (first.limits, first.end);
         let fits = Brake::fits(motion, end, &limits, CLOSE);
-        let mut row = Row { limits, end, spans: 1, last: Some(*start), fits };
+        *row = Row { limits, end, spans: 1, last: Some(*start), fits };
         while !row.fits && row.spans < SPANS {
             // A deceleration that a span does not permit ends before it.
             let goes_on = |next: &Stretch| {
@@ -254,18 +277,18 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             (row.end, row.spans) = (next.end, row.spans + 1);
             row.fits = Brake::fits(motion, row.end, &row.limits, CLOSE);
         }
-        let Row { limits, end, .. } = &row;
+        let Row { limits, end, .. } = &*row;
         if row.fits
             && let Some(brake) = Brake::down_to(&mut self.profile, motion, *end, (limits, limits.a_down), 0)
         {
-            match self.verify(*start, span, motion, (&brake, limits), false) {
-                Ok(descent) => return Some(Ok(descent)),
+            match self.verify(*start, span, (motion, found), (&brake, limits), false) {
+                Ok(()) => return Some(true),
                 Err(whole) => {
                     (row.last, row.spans) = (row.last.filter(|_| whole == row.spans), whole);
                 }
             }
         }
-        Some(Err(row))
+        Some(false)
     }
 
     /// To the end of so many spans: fewer of them if the law is too fast before.
@@ -274,9 +297,9 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         &mut self,
         start: Cursor,
         span: &mut ReleasedSpan,
-        motion: &Instant,
+        (motion, found): (&Instant, &mut Descent),
         Row { limits, end, spans, last, .. }: &mut Row,
-    ) -> Option<Descent> {
+    ) -> Option<()> {
         loop {
             // Of as many as were looked at, of which the last begins there, only the speed at their end is not known.
             let v_out;
@@ -294,10 +317,13 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
                 if spans > 0 {
                     self.ahead(&mut cursor, span, false)?;
                 }
-                return Some(Descent { brake, spans, ahead: cursor.ahead });
+                *found = Descent { brake, spans, ahead: cursor.ahead };
+                return Some(());
             }
-            *spans = match brake.map(|brake| self.verify(start, span, motion, (&brake, limits), false)) {
-                Some(Ok(descent)) => return Some(descent),
+            let followed =
+                brake.map(|brake| self.verify(start, span, (motion, &mut *found), (&brake, limits), false));
+            *spans = match followed {
+                Some(Ok(())) => return Some(()),
                 Some(Err(whole)) => whole.min(*spans - 1),
                 None => 1,
             };
@@ -367,17 +393,17 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         Some((limits, last.end, last.v_out))
     }
 
-    /// Follows a law, whose parts are in the profile, through its spans. `Err`: it is too fast behind so many
+    /// Follows a law, whose parts are in the profile, through its spans; then it is `found`. `Err`: it is too fast behind so many
     /// spans. `short`: its limits are those of the axes on its way.
     #[inline(never)]
     pub(super) fn verify(
         &self,
         start: Cursor,
         span: &mut ReleasedSpan,
-        motion: &Instant,
+        (motion, found): (&Instant, &mut Descent),
         (brake, limits): (&Brake, &Limits),
         short: bool,
-    ) -> Result<Descent, usize> {
+    ) -> Result<(), usize> {
         let mut cursor = start;
         let mut spans = 0;
         let mut at = motion.distance;
@@ -397,11 +423,13 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             }
             let left = stretch.end.wrapping_sub(brake.end);
             if left > NOTHING {
-                return Ok(Descent { brake: *brake, spans, ahead });
+                *found = Descent { brake: *brake, spans, ahead };
+                return Ok(());
             }
             spans += 1;
             if left >= -NOTHING {
-                return Ok(Descent { brake: *brake, spans, ahead: cursor.ahead });
+                *found = Descent { brake: *brake, spans, ahead: cursor.ahead };
+                return Ok(());
             }
             at = stretch.end;
         }

@@ -11,7 +11,7 @@ use crate::nc::{
     ArcBy, Contour, Hsc, HscMethod, Motion, MotionKind, NcWarningKind, Place, Plane, Restriction, Slope,
     Spline, Weight,
 };
-use crate::path::{self, Element, PathError, Piece, Straight};
+use crate::path::{self, Element, PathError, Piece};
 use crate::quantity::{Distance, Position};
 use crate::queue::{CurveProducer, Function, Scheduler};
 use crate::smooth::{Before, Data, Form, Parting, ProgrammedBlock, Smoothed, Smoother, SplineError};
@@ -168,45 +168,64 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
             MotionKind::Rapid => None,
             _ => Some(to_f32(motion.feed.to_bits()) * (1.0 / 4_294_967_296.0)),
         };
-        let (from, to) = (&self.intake.programmed, &motion.target);
         match motion.kind {
-            MotionKind::Rapid | MotionKind::Line => {
-                self.intake.travel.line(from, to)?;
-                if let Some(line) = path::straight(from, to, &self.measure)? {
-                    let pass = self.pass(motion, feed)?;
-                    if !self.intake.smoothing.is_idle() {
-                        Self::in_time(self.dynamics.speed_of_line(line.tangent(), feed), line.length())?;
-                        self.round_line(&line, motion, feed);
-                    } else if self.join_held(&line, &motion.target, &pass) {
-                        self.functions.settle(true, false);
-                    } else {
-                        let limits = self.dynamics.line(line.tangent(), feed);
-                        Self::in_time(limits.0.v, line.length())?;
-                        self.functions.settle(true, false);
-                        self.hold_line(&line, &limits, pass);
-                    }
-                    self.advance(motion);
-                } else {
-                    // With the block before.
-                    self.functions.settle(false, false);
-                    if motion.exact_stop {
-                        self.stop_before();
-                    }
-                }
+            MotionKind::Rapid | MotionKind::Line if self.intake.smoothing.is_idle() => {
+                self.take_line(motion, feed)
             }
-            MotionKind::Arc { plane, clockwise, by } => {
-                self.take_arc(motion, feed, (plane, clockwise, by))?
+            MotionKind::Rapid | MotionKind::Line => self.round_line(motion, feed),
+            MotionKind::Arc { plane, clockwise, by } if self.intake.smoothing.is_idle() => {
+                self.take_arc(motion, feed, (plane, clockwise, by))
             }
+            MotionKind::Arc { plane, clockwise, by } => self.round_arc(motion, feed, (plane, clockwise, by)),
+        }
+    }
+
+    /// Not inlined, as the next one: of what each has on the stack, only one is there at a time.
+    #[inline(never)]
+    fn take_line(&mut self, motion: &Motion<AXES>, feed: Option<f32>) -> Result<(), MotionError> {
+        let (from, to) = (&self.intake.programmed, &motion.target);
+        self.intake.travel.line(from, to)?;
+        let Some(line) = path::straight(from, to, &self.measure)? else {
+            self.join_last(motion);
+            return Ok(());
+        };
+        let pass = self.pass(motion, feed)?;
+        if self.join_held(&line, &motion.target, &pass) {
+            self.functions.settle(true, false);
+        } else {
+            let limits = self.dynamics.line(line.tangent(), feed);
+            Self::in_time(limits.0.v, line.length())?;
+            self.functions.settle(true, false);
+            self.hold_line(&line, &limits, pass);
+        }
+        self.advance(motion);
+        Ok(())
+    }
+
+    /// A line that the smoother takes.
+    #[inline(never)]
+    fn round_line(&mut self, motion: &Motion<AXES>, feed: Option<f32>) -> Result<(), MotionError> {
+        let (from, to) = (&self.intake.programmed, &motion.target);
+        self.intake.travel.line(from, to)?;
+        let mut block = self.programmed(Form::Line, motion, feed);
+        if path::line_to([from, to], &self.measure, &mut block.element)? {
+            self.pass(motion, feed)?;
+            let Element { shape, entry, .. } = &block.element;
+            Self::in_time(self.dynamics.speed_of_line(&entry.tangent, feed), shape.length)?;
+            self.round(&block);
+            self.advance(motion);
+        } else {
+            self.join_last(motion);
         }
         Ok(())
     }
 
-    /// Not inlined: arcs would have it on the stack.
-    #[inline(never)]
-    fn round_line(&mut self, line: &Straight<AXES>, motion: &Motion<AXES>, feed: Option<f32>) {
-        let mut block = self.programmed(Form::Line, motion, feed);
-        line.assign_to(&mut block.element);
-        self.round(&block);
+    /// A line on which no axis moves: what comes with it is with the block before.
+    fn join_last(&mut self, motion: &Motion<AXES>) {
+        self.functions.settle(false, false);
+        if motion.exact_stop {
+            self.stop_before();
+        }
     }
 
     /// Not inlined: lines would pay for its registers.
@@ -221,26 +240,54 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
             return Err(MotionError::ArcInSpline);
         }
         let centre = self.centre(motion, (plane, clockwise, by))?;
-        // By reference: an element is large.
-        let arc = path::arc(&self.intake.programmed, &motion.target, centre, plane, clockwise, &self.measure);
-        let element = arc.as_ref().map_err(|error| MotionError::Path(*error))?;
+        // Made where it goes on from: an element is large.
+        let mut element = Element::BLANK;
+        let ends = [&self.intake.programmed, &motion.target];
+        path::arc_to(ends, (centre, plane, clockwise), &self.measure, &mut element)?;
+        let (limits, pass) = self.look_over(motion, feed, &element, &centre)?;
+        self.functions.settle(true, false);
+        self.pass_arc(&element, &limits, pass, &motion.target);
+        self.advance(motion);
+        Ok(())
+    }
+
+    /// An arc that the smoother takes.
+    #[inline(never)]
+    fn round_arc(
+        &mut self,
+        motion: &Motion<AXES>,
+        feed: Option<f32>,
+        (plane, clockwise, by): (Plane, bool, ArcBy),
+    ) -> Result<(), MotionError> {
+        if self.intake.smoothing.refuses_arcs() {
+            return Err(MotionError::ArcInSpline);
+        }
+        let centre = self.centre(motion, (plane, clockwise, by))?;
+        let mut block = self.programmed(Form::Arc { centre, plane, clockwise }, motion, feed);
+        let ends = [&self.intake.programmed, &motion.target];
+        path::arc_to(ends, (centre, plane, clockwise), &self.measure, &mut block.element)?;
+        self.look_over(motion, feed, &block.element, &centre)?;
+        self.round(&block);
+        self.advance(motion);
+        Ok(())
+    }
+
+    /// What an arc permits, and what goes with it, if it may be driven.
+    #[cfg_attr(feature = "fast", inline(always))]
+    fn look_over(
+        &self,
+        motion: &Motion<AXES>,
+        feed: Option<f32>,
+        element: &Element<AXES>,
+        centre: &[Position; 2],
+    ) -> Result<(Permitted, Pass), MotionError> {
         if self.intake.travel.is_limited() {
-            self.stays(motion, element, &centre)?;
+            self.stays(motion, element, centre)?;
         }
         let pass = self.pass(motion, feed)?;
         let limits = self.dynamics.element(element, feed);
         Self::in_time(limits.0.v, element.shape.length)?;
-        if self.intake.smoothing.is_idle() {
-            self.functions.settle(true, false);
-            self.pass_arc(element, &limits, pass, &motion.target);
-        } else {
-            let form = Form::Arc { centre, plane, clockwise };
-            let mut block = self.programmed(form, motion, feed);
-            block.element = *element;
-            self.round(&block);
-        }
-        self.advance(motion);
-        Ok(())
+        Ok((limits, pass))
     }
 
     /// The centre of an arc.
@@ -281,8 +328,9 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         let (from, to) = (&self.intake.programmed, &motion.target);
         if let MotionKind::Arc { plane, clockwise, by } = motion.kind {
             let centre = self.centre(motion, (plane, clockwise, by))?;
-            let element = &path::arc(from, to, centre, plane, clockwise, &self.measure)?;
-            return Ok(self.stays(motion, element, &centre)?);
+            let mut element = Element::BLANK;
+            path::arc_to([from, to], (centre, plane, clockwise), &self.measure, &mut element)?;
+            return Ok(self.stays(motion, &element, &centre)?);
         }
         self.intake.travel.line(from, to)?;
         path::straight_line(from, to, &self.measure)?;

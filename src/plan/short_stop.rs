@@ -103,17 +103,17 @@ impl Begin {
 }
 
 impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
-    /// The way down from `motion` by one law that the axes permit on its own part of the path. The law is in the
-    /// profile. An error where there is none, or where the dynamics have changed since those blocks came in;
+    /// The way down from `motion` by one law that the axes permit on its own part of the path: `descent`, and the
+    /// law is in the profile. An error where there is none, or where the dynamics have changed since those blocks came in;
     /// where the limits of the spans lead to a standstill as soon, too, unless they do not: `surely`.
     #[inline(never)]
     pub(super) fn stand_short(
         &mut self,
         cursor: Cursor,
         span: &mut ReleasedSpan,
-        motion: &Instant,
-        surely: bool,
-    ) -> Result<Descent, No> {
+        (motion, surely): (&Instant, bool),
+        descent: &mut Descent,
+    ) -> Result<(), No> {
         // By reference, here and below: as a whole it would be there twice.
         let begun = self.begin_short(cursor, span, motion, surely);
         let &(ref begin, ends, way) = begun.as_ref().map_err(|no| *no)?;
@@ -129,11 +129,12 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
                 && slows.brake.v_out > 0
                 && slows.limits.brakes_above(&begin.planned)
             {
-                return Ok(Descent::inside(slows.brake));
+                *descent = Descent::inside(slows.brake);
+                return Ok(());
             }
         }
         stands?;
-        self.take_short(begin, span, motion, (end, way), found)
+        self.take_short(begin, span, (motion, descent), (end, way), found)
     }
 
     // What follows is not inlined: of what each has on the stack, only one is there at a time.
@@ -144,10 +145,10 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         &mut self,
         begin: &Begin,
         span: &mut ReleasedSpan,
-        motion: &Instant,
+        (motion, descent): (&Instant, &mut Descent),
         (end, way): (i64, f32),
         Found { brake, limits, needs }: &mut Found,
-    ) -> Result<Descent, No> {
+    ) -> Result<(), No> {
         let stepped = begin.is_stepped();
         let most = if stepped && begin.is_line { NEARLY } else { FAIRLY };
         if *needs > most && (stepped || way == f32::MAX) {
@@ -158,7 +159,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             *brake =
                 Brake::down_to(&mut self.profile, motion, end, (limits, limits.a_down), 0).ok_or(No::Law)?;
         }
-        self.verify(begin.cursor, span, motion, (brake, limits), true).map_err(|_| No::Law)
+        self.verify(begin.cursor, span, (motion, descent), (brake, limits), true).map_err(|_| No::Law)
     }
 
     /// Where such a way begins, and what [`Self::as_planned`] has.

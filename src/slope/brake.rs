@@ -251,7 +251,7 @@ impl Brake {
     }
 
     fn reach(profile: &mut Profile, motion: &Motion, room: i64, limits: &Limits, aim: Aim) -> Option<Self> {
-        *profile = Profile::default();
+        profile.clear();
         match limits.law {
             SlopeLaw::Stepped { .. } => Self::begin(profile, motion, room, &limits.brake(), aim),
             SlopeLaw::JerkLimited { shape, j: [_, up_fall, down_rise, down_fall], .. } => {
@@ -314,7 +314,9 @@ impl Linear {
         JerkLimited::new(RampShape::Linear, self.a, self.down_fall, self.down_rise)
     }
 
-    /// From acceleration zero or above.
+    /// From acceleration zero or above. Not inlined, as the next one: of what each has on the stack, only one is there
+    /// at a time.
+    #[inline(never)]
     fn turn(&self, profile: &mut Profile, motion: &Motion, room: i64, aim: Aim) -> Option<Brake> {
         if motion.accel > NO_ACCEL {
             let time = ticks(to_f32(motion.accel) / (self.up_fall * ACCEL_ONE));
@@ -324,6 +326,7 @@ impl Linear {
     }
 
     /// From a deceleration.
+    #[inline(never)]
     fn go_on(&self, profile: &mut Profile, motion: &Motion, room: i64, aim: Aim) -> Option<Brake> {
         let decel = motion.accel.unsigned_abs();
         let jerk_limited = self.ramp();

@@ -56,6 +56,18 @@ pub struct Profile {
     pub down: Change,
 }
 
+impl Profile {
+    /// None, in its place.
+    #[inline(never)]
+    pub fn clear(&mut self) {
+        for change in [&mut self.up, &mut self.down] {
+            change.form = Form::default();
+            (change.times, change.speeds, change.lengths) = ([0; 3], [0; 4], [0; 3]);
+        }
+        self.cruise = 0;
+    }
+}
+
 /// Why a block has no plan.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]

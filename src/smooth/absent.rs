@@ -1,10 +1,41 @@
 //! What stands for a kind of smoothing that is not compiled in ([`crate::machine::functions`]): no value of it
 //! exists, so that it has neither memory nor code.
 use super::spline::Mode;
+#[cfg(not(feature = "splines"))]
+use super::{Before, Selected, Smoothing, SplineError};
 use super::{Parting, ProgrammedBlock, Smoothed, Smoother};
 use crate::dynamics::Dynamics;
+#[cfg(not(feature = "splines"))]
+use crate::nc::Spline;
 use crate::nc::{NcWarningKind, Place};
 use core::convert::Infallible;
+
+/// Without direct splines: that one is switched off is all that comes here.
+#[cfg(not(feature = "splines"))]
+impl<const AXES: usize> Smoothing<AXES> {
+    /// Takes it in.
+    ///
+    /// # Errors
+    /// #HSC is on.
+    pub const fn spline(
+        &mut self,
+        command: &Spline<AXES>,
+        _: &Before<'_, AXES>,
+    ) -> Result<Option<NcWarningKind>, SplineError> {
+        match command {
+            Spline::On | Spline::Off if matches!(self.selected, Selected::Hsc(_)) => Err(SplineError::InHsc),
+            _ => Ok(None),
+        }
+    }
+
+    /// No axis does.
+    pub(super) const fn leans(&self, _: usize) -> bool {
+        false
+    }
+
+    /// There are none.
+    pub(super) const fn restart_direct(&mut self) {}
+}
 
 /// No value.
 #[derive(Clone, Copy, Debug)]

@@ -95,10 +95,16 @@ impl<const AXES: usize> Edged<AXES> {
     #[inline(never)]
     fn leave(&mut self, block: &ProgrammedBlock<AXES>, parting: Parting, dynamics: &Dynamics<AXES>) -> bool {
         let Turn::Surface(surface) = &mut self.turn else { return false };
-        let Some((rest, half)) = surface.leave(block, dynamics) else { return false };
-        (self.last, self.half) = (Some((rest, Parting::None)), half);
-        self.next = Some((*block, parting));
+        let Some(half) = surface.leave(block, dynamics, &mut self.last) else { return false };
+        self.half = half;
+        self.wait(block, parting);
         true
+    }
+
+    /// A block waits. A call of its own: it is there twice.
+    #[inline(never)]
+    fn wait(&mut self, block: &ProgrammedBlock<AXES>, parting: Parting) {
+        self.next = Some((*block, parting));
     }
 
     /// A block comes in behind the line that waits, which is one of contour mode.

@@ -13,6 +13,8 @@
 mod absent;
 mod alternating;
 pub mod contour;
+#[cfg(feature = "splines")]
+mod direct;
 mod edged;
 mod halved;
 pub mod spline;
@@ -36,14 +38,13 @@ use spline::Splining;
 use straight::Straight as Contouring;
 
 use crate::dynamics::{Curving, Dynamics, Known};
-use crate::nc::{
-    Contour, ContourMethod, ContourSwitch, Hsc, HscMethod, NcWarningKind, Place, Plane, Spline, SplineType,
-    Tangent,
-};
+use crate::nc::{Contour, ContourMethod, ContourSwitch, Hsc, HscMethod, NcWarningKind, Place, Plane};
 use crate::path::{Element, End, Measure};
 use crate::quantity::Position;
 use contour::Preset;
-use spline::{DirectParameters, HscParameters, Mode, Start};
+#[cfg(feature = "splines")]
+use spline::{DirectParameters, Start};
+use spline::{HscParameters, Mode};
 
 /// How a block was programmed, to make its rest anew.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -74,6 +75,17 @@ pub struct Data {
     pub number: u32,
     /// It ends in an exact stop.
     pub stop: bool,
+}
+
+impl Data {
+    /// Of no block.
+    pub(crate) const BLANK: Self = Self {
+        feed: None,
+        n: 0,
+        place: Place { line: 0, column: 0, offset: 0, length: 0, file: 0 },
+        number: 0,
+        stop: false,
+    };
 }
 
 /// A block as it was programmed.
@@ -189,6 +201,17 @@ enum Kind<const AXES: usize> {
     Surface(Edged<AXES>),
 }
 
+impl<const AXES: usize> Kind<AXES> {
+    /// Becomes contour mode with these settings: in its place, if it is that already.
+    #[inline(never)]
+    fn begin_contour(&mut self, measure: Measure, settings: &contour::Settings) {
+        match self {
+            Self::Contour(contouring) => contouring.begin(settings),
+            kind => *kind = Self::Contour(Contouring::with(measure, settings)),
+        }
+    }
+}
+
 /// A kind that is to be at work as soon as nothing is held back.
 #[derive(Debug)]
 enum Wanted<const AXES: usize> {
@@ -197,8 +220,10 @@ enum Wanted<const AXES: usize> {
     /// #HSC \[OPMODE=1\].
     Rounding,
     /// A spline.
+    #[cfg(feature = "splines")]
     Spline(Start<AXES>),
     /// #HSC \[SURFACE\].
+    #[cfg(feature = "surface")]
     Surface,
 }
 
@@ -248,8 +273,10 @@ pub struct Smoothing<const AXES: usize> {
     kind: Kind<AXES>,
     /// Contour mode while another kind is at work.
     contour: contour::Settings,
+    #[cfg(feature = "splines")]
     spline: DirectParameters<AXES>,
     hsc: HscParameters,
+    #[cfg(feature = "surface")]
     surface: surface::Parameters,
     selected: Selected,
     wanted: Option<Wanted<AXES>>,
@@ -260,15 +287,15 @@ impl<const AXES: usize> Smoothing<AXES> {
     // In place, in every build: as a result it would be on the stack twice.
     #[inline(always)]
     pub fn new(measure: Measure, preset: Preset, auto_contour_mode: u8) -> Self {
-        let contouring = Contouring::new(measure, preset);
-        let check_jerk = preset.check_jerk;
         Self {
             measure,
-            contour: contouring.settings(),
-            kind: Kind::Contour(contouring),
+            contour: contour::Settings::off(preset),
+            kind: Kind::Contour(Contouring::new(measure, preset)),
+            #[cfg(feature = "splines")]
             spline: DirectParameters::at_start(),
             hsc: HscParameters::new(auto_contour_mode),
-            surface: surface::Parameters::new(check_jerk),
+            #[cfg(feature = "surface")]
+            surface: surface::Parameters::new(preset.check_jerk),
             selected: Selected::None,
             wanted: None,
         }
@@ -297,83 +324,6 @@ impl<const AXES: usize> Smoothing<AXES> {
         Ok(())
     }
 
-    /// Takes in a command of direct splines. What is doubtful about it.
-    ///
-    /// # Errors
-    /// It is refused, and nothing has changed.
-    pub fn spline(
-        &mut self,
-        command: &Spline<AXES>,
-        before: &Before<'_, AXES>,
-    ) -> Result<Option<NcWarningKind>, SplineError> {
-        match command {
-            Spline::On | Spline::Off if matches!(self.selected, Selected::Hsc(_)) => Err(SplineError::InHsc),
-            Spline::On if self.selected == Selected::Spline => Ok(None),
-            Spline::On => self.begin_spline(before),
-            Spline::Off if self.selected == Selected::None => Ok(None),
-            Spline::Off => self.end_spline().map(|()| None),
-            _ => {
-                self.spline.update(command, before.taken);
-                Ok(None)
-            }
-        }
-    }
-
-    /// G151.
-    fn begin_spline(&mut self, before: &Before<'_, AXES>) -> Result<Option<NcWarningKind>, SplineError> {
-        self.check_axes()?;
-        if self.rounds_corners() {
-            return Err(SplineError::InSpline);
-        }
-        let mode = match self.spline.kind {
-            SplineType::Akima => Mode::Akima,
-            SplineType::Bspline => Mode::Direct,
-        };
-        let mut start = Start { mode, slope: None, entry: None };
-        let mut remark = None;
-        match self.spline.ends[0] {
-            Tangent::Auto => {}
-            Tangent::User => start.slope = self.vector(0),
-            Tangent::Tangential if mode == Mode::Akima => {
-                let exit = before.exit.filter(|_| !self.spline.is_fresh(before.taken));
-                start.entry = exit.copied();
-                remark = start.entry.is_none().then_some(NcWarningKind::NoTangent);
-            }
-            Tangent::Tangential => {}
-        }
-        self.keep_contour();
-        self.selected = Selected::Spline;
-        self.want(Wanted::Spline(start));
-        Ok(remark)
-    }
-
-    /// G150.
-    fn end_spline(&mut self) -> Result<(), SplineError> {
-        let (points, needed) = (self.points(), self.spline.points());
-        if points < needed {
-            return Err(SplineError::TooFewPoints { points, needed });
-        }
-        let end = if self.spline.ends[1] == Tangent::User { self.vector(1) } else { None };
-        if let Kind::Spline(splining) = &mut self.kind {
-            splining.switch_off(end, self.spline.ends[1] == Tangent::Tangential);
-        }
-        self.selected = Selected::None;
-        Ok(())
-    }
-
-    /// Points of the spline that is on.
-    fn points(&self) -> u32 {
-        match &self.kind {
-            Kind::Spline(splining) if self.wanted.is_none() => splining.points().max(1),
-            _ => 1,
-        }
-    }
-
-    /// The slope that the program gives for an end of the curve.
-    fn vector(&self, end: usize) -> Option<[f32; AXES]> {
-        spline::slope(&self.measure, &self.spline.vector(end)?)
-    }
-
     /// Path length counts along three axes at most.
     fn check_axes(&self) -> Result<(), SplineError> {
         let fed = (0..AXES).filter(|k| self.measure.feeds(*k)).count();
@@ -399,7 +349,7 @@ impl<const AXES: usize> Smoothing<AXES> {
     pub fn swung(&self) -> u32 {
         let swings = self.measure.main.places().into_iter().zip(self.rounding().swings());
         let swung = swings.filter(|(_, swings)| *swings).filter_map(|(axis, _)| axis);
-        let given = (0..AXES).filter(|k| self.selected == Selected::Spline && self.spline.leans(*k));
+        let given = (0..AXES).filter(|k| self.leans(*k));
         swung.chain(given).fold(0, |axes, k| axes | 1u32.wrapping_shl(k as u32))
     }
 
@@ -424,6 +374,7 @@ impl<const AXES: usize> Smoothing<AXES> {
         }
         if gives {
             self.hsc.update(command);
+            #[cfg(feature = "surface")]
             if method == HscMethod::Surface {
                 self.surface.update(command);
             }
@@ -440,12 +391,17 @@ impl<const AXES: usize> Smoothing<AXES> {
     }
 
     fn begin_hsc(&mut self, method: HscMethod) {
+        #[cfg(feature = "splines")]
         let spline = |mode: Mode| Wanted::Spline(Start { mode, slope: None, entry: None });
         let wanted = match method {
+            #[cfg(feature = "surface")]
             HscMethod::Surface => Wanted::Surface,
+            #[cfg(feature = "splines")]
             HscMethod::Bspline => spline(Mode::Control(self.hsc.rules)),
+            #[cfg(feature = "splines")]
             HscMethod::Op(2) => spline(Mode::Interpolating(self.hsc.conterror_mm())),
-            HscMethod::Op(_) => Wanted::Rounding,
+            // What is not compiled in does not come here.
+            _ => Wanted::Rounding,
         };
         self.keep_contour();
         self.selected = Selected::Hsc(method);
@@ -464,6 +420,7 @@ impl<const AXES: usize> Smoothing<AXES> {
 
     fn spline_mode(&self) -> Option<Mode> {
         match (&self.wanted, &self.kind) {
+            #[cfg(feature = "splines")]
             (Some(Wanted::Spline(start)), _) => Some(start.mode),
             (None, Kind::Spline(splining)) => Some(splining.mode()),
             _ => None,
@@ -488,15 +445,8 @@ impl<const AXES: usize> Smoothing<AXES> {
     #[inline(never)]
     fn change(&mut self, wanted: &Wanted<AXES>) {
         match wanted {
-            Wanted::Contour => self.begin_rounding(self.contour),
-            Wanted::Rounding => {
-                let dev = Contour {
-                    method: Some(ContourMethod::Dev),
-                    path_dev: Some(self.hsc.conterror),
-                    ..Contour::default()
-                };
-                self.begin_rounding(self.contour.on_with(&dev));
-            }
+            Wanted::Contour => self.begin_contour(),
+            Wanted::Rounding => self.begin_rounding(),
             #[cfg(feature = "splines")]
             Wanted::Spline(Start { mode: Mode::Control(rules), .. }) if rules.rounds_arcs => {
                 self.begin_alternating(rules);
@@ -505,16 +455,31 @@ impl<const AXES: usize> Smoothing<AXES> {
             Wanted::Spline(start) => self.begin_curve(start),
             #[cfg(feature = "surface")]
             Wanted::Surface => self.begin_surface(),
-            // What is not compiled in is not wanted.
-            #[cfg(not(all(feature = "splines", feature = "surface")))]
-            _ => {}
         }
     }
 
-    // One at a time on the stack.
+    // One at a time on the stack, and nothing twice.
+
     #[inline(never)]
-    fn begin_rounding(&mut self, settings: contour::Settings) {
-        self.kind = Kind::Contour(Contouring::with(self.measure, &settings));
+    fn begin_contour(&mut self) {
+        self.kind.begin_contour(self.measure, &self.contour);
+    }
+
+    #[inline(never)]
+    fn begin_rounding(&mut self) {
+        let settings = self.settings_of_hsc();
+        self.kind.begin_contour(self.measure, &settings);
+    }
+
+    /// Contour mode as #HSC \[OPMODE=1\] has it.
+    #[inline(never)]
+    fn settings_of_hsc(&self) -> contour::Settings {
+        let dev = Contour {
+            method: Some(ContourMethod::Dev),
+            path_dev: Some(self.hsc.conterror),
+            ..Contour::default()
+        };
+        self.contour.on_with(&dev)
     }
 
     #[cfg(feature = "splines")]
@@ -527,8 +492,14 @@ impl<const AXES: usize> Smoothing<AXES> {
     #[cfg(feature = "splines")]
     #[inline(never)]
     fn begin_alternating(&mut self, rules: &spline::Rules) {
-        let (measure, settings) = (self.measure, alternating::settings(rules, &self.contour));
-        self.kind = Kind::Alternating(Alternating::new(measure, *rules, settings));
+        let settings = alternating::settings(rules, &self.contour);
+        self.lay_alternating(rules, &settings);
+    }
+
+    #[cfg(feature = "splines")]
+    #[inline(never)]
+    fn lay_alternating(&mut self, rules: &spline::Rules, settings: &contour::Settings) {
+        self.kind = Kind::Alternating(Alternating::new(self.measure, *rules, *settings));
     }
 
     #[cfg(feature = "surface")]
@@ -589,8 +560,9 @@ impl<const AXES: usize> Smoother<AXES> for Smoothing<AXES> {
     fn restart(&mut self) {
         self.wanted = None;
         self.selected = Selected::None;
-        self.spline = DirectParameters::at_start();
+        self.restart_direct();
         self.hsc = self.hsc.restarted();
+        #[cfg(feature = "surface")]
         self.surface.restart();
         self.contour = self.contour.restarted();
         self.change(&Wanted::Contour);

@@ -23,6 +23,11 @@ impl<const AXES: usize> Straight<AXES> {
         Self { settings: settings.restarted() }
     }
 
+    /// As [`Self::with`], in its place.
+    pub fn begin(&mut self, settings: &Settings) {
+        self.settings = settings.restarted();
+    }
+
     /// What is in force.
     pub const fn settings(&self) -> Settings {
         self.settings

@@ -39,15 +39,15 @@ pub(crate) const LIMITS: [(&str, u64); 43] = [
     ("slim.flash", 244 * 1024),
     ("slim.ram_total_3x30", 41 * 1024),
     ("slim.ram_total_3x120", 60 * 1024),
-    ("slim.stack_bound_start", 5632),
-    ("slim.stack_bound_poll", 5632),
+    ("slim.stack_bound_start", 4352),
+    ("slim.stack_bound_poll", 4096),
     ("slim.stack_bound_interrupt", 1024),
     ("stack.bound_tick_3_axes", 1024),
     ("stack.bound_tick_6_axes", 1024),
     ("stack.bound_interrupt_3_axes", 1024),
     ("stack.bound_start_3_axes", 2048),
     ("stack.bound_poll_3_axes", 4096),
-    ("stack.bound_poll_6_axes", 6144),
+    ("stack.bound_poll_6_axes", 4096),
     ("beside.tick_32_taps", 160),
     ("beside.tick_moving_average", 40),
     ("beside.tick_oscillating_axis", 120),
@@ -62,7 +62,7 @@ pub(crate) const STACK_FREE: u64 = 8192;
 pub(crate) const RAM: u64 = 128 * 1024;
 
 /// What is aimed at and not reached yet: said at every run; the accepted table keeps it from getting worse.
-pub(crate) const GOALS: [(&str, u64); 8] = [
+pub(crate) const GOALS: [(&str, u64); 7] = [
     ("case.hsc_opt.block_mean", 8000),
     ("total.block_mean_plain_3_axes", 6000),
     ("case.short_arcs.block_mean", 8000),
@@ -70,7 +70,6 @@ pub(crate) const GOALS: [(&str, u64); 8] = [
     ("flash.reference", 256 * 1024),
     ("slim.ram_total_3x30", 30_720),
     ("slim.ram_total_3x120", 45_056),
-    ("stack.bound_poll_6_axes", 4096),
 ];
 
 /// Programs in contour mode, with curves in corners.

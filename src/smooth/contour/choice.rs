@@ -169,7 +169,7 @@ impl<const AXES: usize> Choice<'_, AXES> {
         let [first, second] = [&held.block, &next.block];
         let rapid = first.data.feed.is_none();
         let straight = held.is_line() && next.is_line() && first.to == second.from;
-        let alike = held.skipped.is_none() && rapid == second.data.feed.is_none();
+        let alike = self.setting.skipped.is_none() && rapid == second.data.feed.is_none();
         (straight && alike).then_some(rapid)
     }
 }

@@ -38,12 +38,9 @@ pub(super) struct Chords<const AXES: usize> {
 }
 
 impl<const AXES: usize> Chords<AXES> {
-    /// Of one chord.
-    pub const NONE: Self = Self { points: [[0.0; AXES]; POINTS], count: 0, before: Stray::NONE };
-
-    /// The line begins anew.
-    pub fn clear(&mut self) {
-        (self.count, self.before) = (0, Stray::NONE);
+    /// None left out yet of a line that may be beside them by so much.
+    pub const fn beside(before: Stray) -> Self {
+        Self { points: [[0.0; AXES]; POINTS], count: 0, before }
     }
 
     /// `held` becomes the line over it and the next block, which has this rule, if all points between are
@@ -76,7 +73,7 @@ impl<const AXES: usize> Chords<AXES> {
         self.push(point, held.stray);
         line.assign_to(&mut held.block.element);
         (held.block.to, held.block.data) = (block.to, block.data);
-        (held.length, held.stray, held.skipped) = (line.length().to_bits(), stray, None);
+        (held.length, held.stray) = (line.length().to_bits(), stray);
         held.known = None;
         true
     }
@@ -119,7 +116,7 @@ impl Parameters {
     /// What chords may be beside the line that stands for them. Without TRACK_DEV all axes that are no main
     /// axes have to go straight.
     pub(super) fn chords(&self) -> Option<Stray> {
-        let part = self.preset.chords;
+        let part = self.preset().chords;
         let counts = self.method == crate::nc::ContourMethod::Dev && part > 0.0;
         counts.then(|| Stray { path: part * self.path_dev, track: max(part * self.track_dev, STRAIGHT) })
     }

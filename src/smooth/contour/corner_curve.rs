@@ -30,6 +30,8 @@ const MOST_PARTS: u32 = 16;
 
 /// Elements of which it is kept what was seen of them: as many as mostly are enough.
 const SEEN: usize = 16;
+/// Of a curve through a given point, which is seldom: in a small build each is looked at again.
+const SEEN_GIVEN: usize = if cfg!(any(feature = "surface", feature = "splines")) { SEEN } else { 0 };
 
 /// Steps of half a curve through a given point, at which it may be cut, and elements of all of it at most.
 const STEPS: u16 = 256;
@@ -37,18 +39,15 @@ const MOST_CUTS: usize = 96;
 
 const ONE_40: f32 = (1u64 << 40) as f32;
 
-/// Both halves, the part of each that belongs to the course, and mm per u of both.
-type Halves<const AXES: usize> = ([(Quintic<AXES>, [f32; 2]); 2], [f32; 2]);
-
 /// A curve that is handed out element by element.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CornerCurve<const AXES: usize> {
-    measure: Measure,
     /// Way in space per path distance before and behind the corner.
     spaces_per_path: [f32; 2],
     origin: [Position; AXES],
-    /// Both halves, and the part of each that belongs to the course.
-    halves: [(Quintic<AXES>, [f32; 2]); 2],
+    /// All of it, or the first half of one through a given point.
+    curve: Quintic<AXES>,
+    kept: Kept<AXES>,
     /// Where path is the parameter: mm per u of both.
     path: Option<[f32; 2]>,
     /// Where the last element ended, and its site.
@@ -57,15 +56,21 @@ pub struct CornerCurve<const AXES: usize> {
     /// Elements of each half, and those of both that are found fine, later those handed out.
     parts: u32,
     done: u32,
-    /// Through a given point: the curve is what it is, and may bend sharply in places. There its elements are
-    /// the shorter.
-    given: Option<Cuts>,
     /// More elements would not help: they only have to fit the format.
     any: bool,
     /// Where the element looked at last ends.
     seam: Seam<AXES>,
-    /// Of the first elements: path length, and how far its speed is above what that says. 0: not known.
-    seen: [[f32; 2]; SEEN],
+}
+
+/// What is kept of a curve beside its polynomial.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Kept<const AXES: usize> {
+    /// Where its halves meet. And of the first elements: path length, and how far its speed is above what that says.
+    /// 0: not known.
+    Whole { joint: f32, seen: [[f32; 2]; SEEN] },
+    /// Through a given point: its second half. The curve is what it is, and may bend sharply in places. There its
+    /// elements are the shorter.
+    Given { second: Quintic<AXES>, cuts: Cuts, seen: [[f32; 2]; SEEN_GIVEN] },
 }
 
 /// The end of one element, where another one of the same half begins.
@@ -189,67 +194,71 @@ pub enum Fit {
 const LENGTHS: usize = 3;
 
 impl<const AXES: usize> CornerCurve<AXES> {
-    /// Both halves of the curve between two knots; offsets are from `origin`. Through `interim` if that is given.
-    /// `lead`: the path between both, where a master axis is the path. `None` where it cannot be made.
-    #[inline(never)]
-    pub fn halves(
-        measure: &Measure,
-        spaces_per_path: [f32; 2],
-        origin: &[Position; AXES],
-        [from, to]: [&Knot<AXES>; 2],
-        interim: Option<&[f32; AXES]>,
-        lead: Option<f32>,
-    ) -> Option<Halves<AXES>> {
-        let main = &measure.main;
-        let [a, b] = [from, to].map(|knot| site_of(knot, origin));
-        let space_per_path = mean(spaces_per_path);
-        if space_per_path <= 0.0 && lead.is_none() {
-            return None;
-        }
-        let (halves, path) = if let Some(point) = interim {
-            let ([first, second], lengths) = through(main, &a, point, &b, space_per_path)?;
-            ([(first, [0.0, 1.0]), (second, [0.0, 1.0])], lengths)
-        } else {
-            let speed = lead.unwrap_or_else(|| even_speed(main, &a, &b, space_per_path));
-            if speed <= 0.0 {
-                return None;
-            }
-            let curve = Quintic::new(&a, &b, speed);
-            // The joint is where the curve is nearest to the corner: there the elements are exactly as far as
-            // planned. A master axis has reached the corner's coordinate.
-            let nearest = || min(max(curve.nearest(main, &[0.0; AXES], 0.5), 0.25), 0.75);
-            let u = if lead.is_some() { 0.5 } else { nearest() };
-            ([(curve, [0.0, u]), (curve, [u, 1.0])], [speed; 2])
-        };
-        Some((halves, path))
-    }
-
-    /// The curve of these halves; `given`: through a given point. Before it is handed out: [`Self::fit`]. Inline:
-    /// it is made where it stays.
-    #[cfg_attr(feature = "fast", inline(always))]
+    /// A curve between two knots, whose halves are made by [`Self::lay`]; `given`: through a given point. Inline, in
+    /// every build: it is made where it stays.
+    #[inline(always)]
     pub fn new(
-        measure: &Measure,
         spaces_per_path: [f32; 2],
         origin: &[Position; AXES],
         [from, to]: [&Knot<AXES>; 2],
-        (halves, path): &Halves<AXES>,
         given: bool,
     ) -> Self {
         Self {
-            measure: *measure,
             spaces_per_path,
             origin: *origin,
-            halves: *halves,
-            path: (!measure.is_space()).then_some(*path),
+            curve: Quintic::NONE,
+            kept: if given {
+                Kept::Given { second: Quintic::NONE, cuts: Cuts::NEW, seen: [[0.0; 2]; SEEN_GIVEN] }
+            } else {
+                Kept::Whole { joint: 0.5, seen: [[0.0; 2]; SEEN] }
+            },
+            path: None,
             at: *from,
             last: *to,
             parts: 1,
             done: 0,
-            given: given.then_some(Cuts::NEW),
             any: false,
-            seam: Seam { of: u32::MAX, is_first: true, site: site_of(to, origin) },
-            seen: [[0.0; 2]; SEEN],
+            seam: Seam { of: u32::MAX, is_first: true, site: Site::NONE },
         }
+    }
+
+    /// Makes both halves, through `interim` if that is given. `lead`: the path between both ends, where a master
+    /// axis is the path. Whether it can be made. Before it is handed out: [`Self::fit`].
+    #[inline(never)]
+    pub fn lay(&mut self, measure: &Measure, interim: Option<&[f32; AXES]>, lead: Option<f32>) -> bool {
+        let main = &measure.main;
+        let a = site_of(&self.at, &self.origin);
+        // What begins at no element stands in for the end.
+        self.seam.site = site_of(&self.last, &self.origin);
+        let b = &self.seam.site;
+        let space_per_path = mean(self.spaces_per_path);
+        if space_per_path <= 0.0 && lead.is_none() {
+            return false;
+        }
+        let curve = &mut self.curve;
+        let path = match (&mut self.kept, interim) {
+            (Kept::Given { second, .. }, Some(point)) => {
+                let Some(lengths) = through(main, &a, point, b, space_per_path, [curve, second]) else {
+                    return false;
+                };
+                lengths
+            }
+            (Kept::Whole { joint, .. }, _) => {
+                let speed = lead.unwrap_or_else(|| even_speed(main, &a, b, space_per_path));
+                if speed <= 0.0 {
+                    return false;
+                }
+                *curve = Quintic::new(&a, b, speed);
+                // The joint is where the curve is nearest to the corner: there the elements are exactly as far as
+                // planned. A master axis has reached the corner's coordinate.
+                let nearest = || min(max(curve.nearest(main, &[0.0; AXES], 0.5), 0.25), 0.75);
+                *joint = if lead.is_some() { 0.5 } else { nearest() };
+                [speed; 2]
+            }
+            _ => return false,
+        };
+        self.path = (!measure.is_space()).then_some(path);
+        true
     }
 
     /// Where it begins and ends, before it is handed out.
@@ -259,11 +268,11 @@ impl<const AXES: usize> CornerCurve<AXES> {
 
     /// Goes on, by one element, to cut the curve into as few as have a path speed that is right to `even`
     /// (relative) and are at most `slack` (mm) beside it.
-    pub fn fit(&mut self, even: f32, slack: f32) -> Fit {
-        if self.given.is_some() && !self.any {
-            return self.fit_given(even);
+    pub fn fit(&mut self, measure: &Measure, even: f32, slack: f32) -> Fit {
+        if self.cuts().is_some() && !self.any {
+            return self.fit_given(measure, even);
         }
-        if self.is_fine(self.done, even, slack) {
+        if self.is_fine(measure, self.done, even, slack) {
             self.done += 1;
             if !self.is_done() {
                 return Fit::Working;
@@ -281,10 +290,10 @@ impl<const AXES: usize> CornerCurve<AXES> {
 
     /// Goes on to cut a curve through a given point. What no number of elements makes even is as even as it
     /// can be.
-    fn fit_given(&mut self, even: f32) -> Fit {
-        let next = self.given.as_ref().filter(|cuts| !cuts.is_full()).map(|cuts| u32::from(cuts.count));
-        let fits = next.is_some_and(|i| self.is_fine(i, even, f32::MAX));
-        let Some(cuts) = &mut self.given else { return Fit::Failed };
+    fn fit_given(&mut self, measure: &Measure, even: f32) -> Fit {
+        let next = self.cuts().filter(|cuts| !cuts.is_full()).map(|cuts| u32::from(cuts.count));
+        let fits = next.is_some_and(|i| self.is_fine(measure, i, even, f32::MAX));
+        let Kept::Given { cuts, .. } = &mut self.kept else { return Fit::Failed };
         if fits {
             return if cuts.accept() { Fit::Ready } else { Fit::Working };
         }
@@ -294,56 +303,69 @@ impl<const AXES: usize> CornerCurve<AXES> {
         Fit::Working
     }
 
+    /// Where it is cut, through a given point.
+    const fn cuts(&self) -> Option<&Cuts> {
+        match &self.kept {
+            Kept::Given { cuts, .. } => Some(cuts),
+            Kept::Whole { .. } => None,
+        }
+    }
+
     /// Elements of both halves.
     fn count(&self) -> u32 {
-        self.given.as_ref().map_or(2 * self.parts, |cuts| u32::from(cuts.count))
+        self.cuts().map_or(2 * self.parts, |cuts| u32::from(cuts.count))
     }
 
     /// What of the curve element `i` is.
     fn portion(&self, i: u32) -> Portion<'_, AXES> {
-        let [first, second] = &self.halves;
-        if let Some(cuts) = &self.given {
-            let [from, to] = cuts.ends(i);
-            let is_first = from < STEPS;
-            let (&(ref curve, span), start) = if is_first { (first, 0) } else { (second, STEPS) };
-            let steps = [f32::from(from - start), f32::from(to.saturating_sub(from))];
-            return Portion { curve, is_first, span, steps, of: f32::from(STEPS) };
+        match &self.kept {
+            Kept::Given { second, cuts, .. } => {
+                let [from, to] = cuts.ends(i);
+                let is_first = from < STEPS;
+                let (curve, start) = if is_first { (&self.curve, 0) } else { (second, STEPS) };
+                let steps = [f32::from(from - start), f32::from(to.saturating_sub(from))];
+                Portion { curve, is_first, span: [0.0, 1.0], steps, of: f32::from(STEPS) }
+            }
+            Kept::Whole { joint, .. } => {
+                let is_first = i < self.parts;
+                let (span, within) =
+                    if is_first { ([0.0, *joint], i) } else { ([*joint, 1.0], i - self.parts) };
+                let steps = [within as f32, 1.0];
+                Portion { curve: &self.curve, is_first, span, steps, of: self.parts as f32 }
+            }
         }
-        let is_first = i < self.parts;
-        let (&(ref curve, span), within) = if is_first { (first, i) } else { (second, i - self.parts) };
-        Portion { curve, is_first, span, steps: [within as f32, 1.0], of: self.parts as f32 }
     }
 
     /// Whether element `i` belongs to the first half.
     fn is_first(&self, i: u32) -> bool {
-        match &self.given {
+        match self.cuts() {
             Some(cuts) => cuts.ends(i)[0] < STEPS,
             None => i < self.parts,
         }
     }
 
     /// Path length of a portion.
-    fn length(&self, portion: &Portion<'_, AXES>) -> f32 {
+    fn length(&self, measure: &Measure, portion: &Portion<'_, AXES>) -> f32 {
         let [u0, u1] = [0.0, 1.0].map(|t| portion.at(t));
         match self.path_of(portion) {
             Some(path) => path * (u1 - u0),
-            None => portion.curve.length(&self.measure.main, u0, u1),
+            None => portion.curve.length(&measure.main, u0, u1),
         }
     }
 
     /// Both ends of element `i`, which is this portion.
-    fn sites(&self, i: u32, portion: &Portion<'_, AXES>) -> [Site<AXES>; 2] {
+    fn sites(&self, measure: &Measure, i: u32, portion: &Portion<'_, AXES>) -> [Site<AXES>; 2] {
         let Seam { of, is_first, site } = &self.seam;
         let begins = *of == i && *is_first == portion.is_first;
-        [if begins { *site } else { self.site(portion, 0.0) }, self.site(portion, 1.0)]
+        [if begins { *site } else { self.site(measure, portion, 0.0) }, self.site(measure, portion, 1.0)]
     }
 
     /// The point of a portion at the share `t` of it.
-    fn site(&self, portion: &Portion<'_, AXES>, t: f32) -> Site<AXES> {
+    fn site(&self, measure: &Measure, portion: &Portion<'_, AXES>, t: f32) -> Site<AXES> {
         let u = portion.at(t);
         match self.path_of(portion) {
             Some(path) => portion.curve.site_over(path, u),
-            None => portion.curve.site(&self.measure.main, u),
+            None => portion.curve.site(&measure.main, u),
         }
     }
 
@@ -353,37 +375,40 @@ impl<const AXES: usize> CornerCurve<AXES> {
     }
 
     /// How far the speed along an element is above and below what its path says at most, relative.
-    fn unevenness(&self, element: &Quintic<AXES>, length: f32) -> [f32; 2] {
+    fn unevenness(&self, measure: &Measure, element: &Quintic<AXES>, length: f32) -> [f32; 2] {
         if self.path.is_some() {
             let [before, behind] = self.spaces_per_path;
-            return [element.haste(&self.measure, length, max(before, behind)), 0.0];
+            return [element.haste(measure, length, max(before, behind)), 0.0];
         }
-        element.unevenness(&self.measure.main, length)
+        element.unevenness(&measure.main, length)
     }
 
     /// Whether element `i` has the right path speed, and is not too far beside the curve.
-    fn is_fine(&mut self, i: u32, even: f32, slack: f32) -> bool {
+    fn is_fine(&mut self, measure: &Measure, i: u32, even: f32, slack: f32) -> bool {
         let portion = self.portion(i);
-        let ([a, b], length) = (self.sites(i, &portion), self.length(&portion));
+        let ([a, b], length) = (self.sites(measure, i, &portion), self.length(measure, &portion));
         let element = Quintic::new(&a, &b, length);
         let is_first = portion.is_first;
         let counts = !self.any && self.path.is_none();
-        if counts && element.is_uneven(&self.measure.main, length, even) {
+        if counts && element.is_uneven(&measure.main, length, even) {
             self.seam = Seam { of: i, is_first, site: a };
             return false;
         }
-        let is_near =
-            |t: f32| portion.curve.is_near(&self.measure.main, &element.point(t), portion.at(t), slack);
+        let is_near = |t: f32| portion.curve.is_near(&measure.main, &element.point(t), portion.at(t), slack);
         let (mut is_fine, mut seen) = (false, None);
         if element.weight() < HEAVIEST {
-            let [above, below] = self.unevenness(&element, length);
+            let [above, below] = self.unevenness(measure, &element, length);
             let is_even = max(above, below) <= even;
             // Over its own parameter an element is a part of the curve.
             is_fine =
                 !counts || (is_even && (slack == f32::MAX || [0.25, 0.5, 0.75].into_iter().all(is_near)));
             seen = Some([length, above]);
         }
-        if let (Some(kept), Some(seen)) = (self.seen.get_mut(i as usize), seen) {
+        let kept = match &mut self.kept {
+            Kept::Whole { seen, .. } => seen.as_mut_slice(),
+            Kept::Given { seen, .. } => seen.as_mut_slice(),
+        };
+        if let (Some(kept), Some(seen)) = (kept.get_mut(i as usize), seen) {
             *kept = seen;
         }
         // What is not fine is tried again from the same place, or all of it from the begin.
@@ -392,20 +417,24 @@ impl<const AXES: usize> CornerCurve<AXES> {
     }
 
     /// Path length of element `i`, and how far its speed is above what that says.
-    fn known(&self, i: u32) -> [f32; 2] {
-        match self.seen.get(i as usize) {
+    fn known(&self, measure: &Measure, i: u32) -> [f32; 2] {
+        let seen = match &self.kept {
+            Kept::Whole { seen, .. } => seen.as_slice(),
+            Kept::Given { seen, .. } => seen.as_slice(),
+        };
+        match seen.get(i as usize) {
             Some(seen) if seen[0] > 0.0 => *seen,
-            _ => self.measure(i),
+            _ => self.look_at(measure, i),
         }
     }
 
     /// The same of one that is not kept.
     #[cold]
     #[inline(never)]
-    fn measure(&self, i: u32) -> [f32; 2] {
+    fn look_at(&self, measure: &Measure, i: u32) -> [f32; 2] {
         let portion = self.portion(i);
-        let ([a, b], length) = (self.sites(i, &portion), self.length(&portion));
-        [length, self.unevenness(&Quintic::new(&a, &b, length), length)[0]]
+        let ([a, b], length) = (self.sites(measure, i, &portion), self.length(measure, &portion));
+        [length, self.unevenness(measure, &Quintic::new(&a, &b, length), length)[0]]
     }
 
     /// Whether the next element belongs to the first half.
@@ -434,20 +463,20 @@ impl<const AXES: usize> CornerCurve<AXES> {
 impl<const AXES: usize> CornerCurve<AXES> {
     /// The first element behind the joint of both halves.
     pub fn behind_joint(&self) -> u32 {
-        match &self.given {
+        match self.cuts() {
             Some(_) => (0..self.count()).find(|i| !self.is_first(*i)).unwrap_or(0),
             None => self.parts,
         }
     }
 
     /// Element `i` but for the last bit of its ends. `None` behind the last one.
-    pub fn rehearse(&mut self, i: u32) -> Option<Rehearsal<AXES>> {
+    pub fn rehearse(&mut self, measure: &Measure, i: u32) -> Option<Rehearsal<AXES>> {
         if i >= self.count() {
             return None;
         }
-        let [length, above] = self.known(i);
+        let [length, above] = self.known(measure, i);
         let portion = self.portion(i);
-        let (is_first, ends) = (portion.is_first, self.sites(i, &portion));
+        let (is_first, ends) = (portion.is_first, self.sites(measure, i, &portion));
         self.seam = Seam { of: i + 1, is_first, site: ends[1] };
         Some(Rehearsal { is_first, length, fastest: fastest(above), ends })
     }
@@ -459,15 +488,18 @@ impl<const AXES: usize> CornerCurve<AXES> {
     }
 
     /// The next element, with its axes to be made.
-    pub fn next_element(&mut self, element: &mut Element<AXES>) -> Option<Draft<AXES>> {
+    pub fn next_element(&mut self, measure: &Measure, element: &mut Element<AXES>) -> Option<Draft<AXES>> {
         if self.is_done() {
             return None;
         }
         let i = self.done;
-        let [length, above] = self.known(i);
+        let [length, above] = self.known(measure, i);
         self.done += 1;
-        let to =
-            if self.is_done() { self.last } else { knot_of(&self.site(&self.portion(i), 1.0), &self.origin) };
+        let to = if self.is_done() {
+            self.last
+        } else {
+            knot_of(&self.site(measure, &self.portion(i), 1.0), &self.origin)
+        };
         let made = Draft::begin(element, [&self.at, &to], length, fastest(above))?;
         self.at = to;
         Some(made)
@@ -476,18 +508,19 @@ impl<const AXES: usize> CornerCurve<AXES> {
 
 /// Two polynomials that meet at a point with as many derivatives in common as they have to spare: four. Their
 /// path lengths follow in a few rounds, beginning with the straight lines. `space_per_path`: of the path in
-/// space.
+/// space. Made in their places; both lengths. `None` where they cannot be made.
+#[inline(never)]
 fn through<const AXES: usize>(
     main: &Main,
     a: &Site<AXES>,
     point: &[f32; AXES],
     b: &Site<AXES>,
     space_per_path: f32,
-) -> Option<([Quintic<AXES>; 2], [f32; 2])> {
+    [first, second]: [&mut Quintic<AXES>; 2],
+) -> Option<[f32; 2]> {
     let travel = [plus(point, -1.0, &a.offset), plus(&b.offset, -1.0, point)];
     let chords = [size(main, &travel[0]) / space_per_path, size(main, &travel[1]) / space_per_path];
     let mut lengths = chords;
-    let mut curves = None;
     for round in 0..=LENGTHS {
         let [h1, h2] = lengths;
         if h1 <= 0.0 || h2 <= 0.0 {
@@ -516,9 +549,8 @@ fn through<const AXES: usize>(
                 *c = (m11 * e2 - m21 * e1) / det;
             }
         }
-        let first = Quintic::new(a, &middle, h1);
-        let second = Quintic::new(&middle, b, h2);
-        curves = Some(([first, second], lengths));
+        *first = Quintic::new(a, &middle, h1);
+        *second = Quintic::new(&middle, b, h2);
         if round == LENGTHS {
             break;
         }
@@ -528,7 +560,7 @@ fn through<const AXES: usize>(
             min(second.length(main, 0.0, 1.0) / space_per_path, 2.0 * chords[1]),
         ];
     }
-    curves
+    Some(lengths)
 }
 
 /// Speed along an element per path speed at most, from what is seen of it at some places.

@@ -75,6 +75,11 @@ pub struct Site<const AXES: usize> {
     pub curvature: [f32; AXES],
 }
 
+impl<const AXES: usize> Site<AXES> {
+    /// The corner itself, with no direction.
+    pub const NONE: Self = Self { offset: [0.0; AXES], tangent: [0.0; AXES], curvature: [0.0; AXES] };
+}
+
 /// A block beside the corner, over the distance from the corner; behind the corner that is negative.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Side<const AXES: usize> {

@@ -22,6 +22,12 @@ pub struct Halves<const AXES: usize> {
 }
 
 impl<const AXES: usize> Halves<AXES> {
+    /// Not made yet.
+    pub const NONE: Self = {
+        let knot = Knot::BLANK;
+        Self { from: knot, middle: knot, to: knot, length: 0.0, fastest: 1.0, third: None, done: 0 }
+    };
+
     /// Whether the next element belongs to the block before the corner.
     pub fn is_before(&self) -> bool {
         self.done == 0

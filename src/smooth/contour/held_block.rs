@@ -1,11 +1,12 @@
 //! A block that waits for the next one, and the blocks behind it that are left out because they are short.
 use super::curve::{Main, aside, direction, foot, plus, size, space_per_path};
-use super::{Data, Form, LSB_32, Made, Parameters, ProgrammedBlock, Smoothed};
+use super::{Data, Form, LSB_32, Parameters, ProgrammedBlock, Smoothed};
 use crate::dynamics::{Dynamics, Known};
 use crate::math::float::{max, min, to_f32};
 use crate::nc::ContourMethod;
-use crate::path::{Element, End, Measure, PathError, Straight, arc, line, straight_line};
+use crate::path::{Element, End, Measure, PathError, Straight, arc_to, line_to, straight_line};
 use crate::quantity::{DISTANCE_LSB, Distance, Position};
+use core::num::NonZeroI64;
 
 /// A block whose end waits for the next one.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,12 +19,10 @@ pub(super) struct HeldBlock<const AXES: usize> {
     /// How far the contour that a line stands for may be from it.
     pub stray: Stray,
     /// Length of the block before it, if the corner between them is rounded, LSB 2^-44 mm.
-    pub previous: Option<i64>,
+    pub previous: Option<NonZeroI64>,
     /// Speed, mm/tick, at the last corner before it that slows the motion down, and the way from there to its
     /// start, mm.
     pub slow: [f32; 2],
-    /// The blocks left out behind it.
-    pub skipped: Option<Skipped<AXES>>,
     /// What it permits, from when a corner beside it is looked at, until it is another line or arc.
     pub known: Option<Known>,
 }
@@ -108,6 +107,23 @@ pub(super) fn travel<const AXES: usize>(from: &[Position; AXES], to: &[Position;
 }
 
 impl<const AXES: usize> HeldBlock<AXES> {
+    /// A line that is not made yet.
+    pub const BLANK: Self = Self {
+        block: ProgrammedBlock {
+            element: Element::BLANK,
+            from: [Position::ZERO; AXES],
+            to: [Position::ZERO; AXES],
+            form: Form::Line,
+            data: Data::BLANK,
+        },
+        length: 0,
+        rule: None,
+        stray: Stray::NONE,
+        previous: None,
+        slow: [0.0; 2],
+        known: None,
+    };
+
     /// As it was programmed, with no corner.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn new(block: &ProgrammedBlock<AXES>) -> Self {
@@ -118,7 +134,6 @@ impl<const AXES: usize> HeldBlock<AXES> {
             stray: Stray::NONE,
             previous: None,
             slow: [0.0; 2],
-            skipped: None,
             known: None,
         }
     }
@@ -154,11 +169,12 @@ impl<const AXES: usize> HeldBlock<AXES> {
         to_f32(length) * DISTANCE_LSB * space_per_path(measure, &direction(&element.entry))
     }
 
-    /// The blocks left out, if the next block is one of them: it is short, and ends no further from the end
+    /// The blocks left out, those `before` among them, if the next block is one of them: it is short, and ends no further from the end
     /// of this one. Where there is a tolerance only as long as a straight line over them keeps a part of it;
     /// the corner has the rest.
     pub fn leave_out(
         &self,
+        before: Option<&Skipped<AXES>>,
         Self { block: next, stray: own, .. }: &Self,
         rule: &Parameters,
         measure: &Measure,
@@ -178,8 +194,8 @@ impl<const AXES: usize> HeldBlock<AXES> {
         let bent = if arc { 0.5 * length } else { 0.0 };
         let turned = if arc { aside(main, &travel(&next.from, &next.to)) } else { 0.0 };
         let over = travel(&self.block.to, &next.to);
-        let radius = max(size(main, &over), self.skipped.map_or(0.0, |skipped| skipped.radius)) + bent;
-        let before = self.skipped.map_or(Stray::NONE, |skipped| {
+        let radius = max(size(main, &over), before.map_or(0.0, |skipped| skipped.radius)) + bent;
+        let before = before.map_or(Stray::NONE, |skipped| {
             skipped.stray.and(Stray::of(main, &over, &travel(&self.block.to, &skipped.to)))
         });
         let stray = before.or(Stray { path: bent, track: turned }).or(*own);
@@ -191,7 +207,13 @@ impl<const AXES: usize> HeldBlock<AXES> {
     /// Whether a line stands for blocks held back or left out together with the next one: this one is too
     /// short to begin a curve, or the next one is to end it. Short is what is short in space and along every
     /// other axis.
-    pub fn stands(&self, next: &Self, rule: &Parameters, measure: &Measure) -> Option<Standing> {
+    pub fn stands(
+        &self,
+        skipped: Option<&Skipped<AXES>>,
+        next: &Self,
+        rule: &Parameters,
+        measure: &Measure,
+    ) -> Option<Standing> {
         let (main, to) = (&measure.main, &next.block.to);
         let [path, track] = rule.relevant();
         let is_short = |held: &Self, path: f32| {
@@ -204,11 +226,11 @@ impl<const AXES: usize> HeldBlock<AXES> {
         // RELEVANT_PATH is for both neighbours of a corner with DEV alone.
         let least = if rule.method == ContourMethod::Dev { path } else { min(path, SYSTEM_LEAST) };
         let whole = lines && rule.method != ContourMethod::Pos && is_short(self, least);
-        let standing = match &self.skipped {
+        let standing = match skipped {
             _ if whole => {
                 let over = travel(&self.block.from, to);
                 let off = |point: &[Position; AXES]| Stray::of(main, &over, &travel(&self.block.from, point));
-                let behind = self.skipped.map_or(next.stray, |skipped| skipped.stray.and(off(&skipped.to)));
+                let behind = skipped.map_or(next.stray, |skipped| skipped.stray.and(off(&skipped.to)));
                 Standing { whole, stray: self.stray.or(behind).and(off(&self.block.to)) }
             }
             Some(skipped) if is_short(next, SYSTEM_LEAST) => {
@@ -230,7 +252,6 @@ impl<const AXES: usize> HeldBlock<AXES> {
         let (block, data) = (&next.block, &next.block.data);
         if self.rule.as_ref().is_none_or(|rule| rule.method != ContourMethod::Ptp || !rule.merge)
             || !(self.is_line() && next.is_line())
-            || self.skipped.is_some()
             || self.block.data.feed != data.feed
         {
             return false;
@@ -262,21 +283,8 @@ impl<const AXES: usize> HeldBlock<AXES> {
         (self.block.to, self.block.data) = (block.to, *data);
         (self.length, self.stray) = (self.length.saturating_add(next.length), stray);
         (self.rule, self.previous, self.slow) = (next.rule, next.previous, next.slow);
-        (self.skipped, self.known) = (next.skipped, None);
+        self.known = None;
         true
-    }
-
-    /// What came last has no curve at its end: this block, or those left out behind it.
-    pub fn end(&mut self) {
-        match &mut self.skipped {
-            Some(skipped) => skipped.over = true,
-            None => self.rule = None,
-        }
-    }
-
-    /// Whether the end of what came last is to be rounded.
-    pub fn goes_on(&self) -> bool {
-        self.rule.is_some() && self.skipped.is_none_or(|skipped| !skipped.over)
     }
 
     /// Whether its part of the corner before it depends on the block behind it, or that may become a part of
@@ -285,10 +293,10 @@ impl<const AXES: usize> HeldBlock<AXES> {
         self.rule.as_ref().is_some_and(|rule| rule.weighs() || self.is_line() && rule.chords().is_some())
     }
 
-    /// Whether no corner has been before it, and nothing is left out behind it.
+    /// Whether no corner has been before it.
     pub fn is_untouched(&self) -> bool {
         let whole = self.block.element.shape.length.to_bits() == self.length;
-        whole && self.previous.is_none() && self.skipped.is_none()
+        whole && self.previous.is_none()
     }
 
     /// Whether it is straight.
@@ -308,35 +316,19 @@ impl<const AXES: usize> HeldBlock<AXES> {
     }
 
     /// The blocks left out as the block behind this one, when no more of them come: the line over them, whose
-    /// end is where it was programmed.
-    pub fn behind(&mut self, measure: &Measure) -> Option<Self> {
-        let Skipped { to, data, stray, .. } = self.skipped.take()?;
+    /// end is where it was programmed. It becomes the `next` one, which is blank. Whether there is one.
+    pub fn behind(&mut self, skipped: &Skipped<AXES>, measure: &Measure, next: &mut Self) -> bool {
+        let &Skipped { to, data, stray, .. } = skipped;
         let from = self.block.to;
-        let Ok(Some(element)) = line(&from, &to, measure) else {
+        if line_to([&from, &to], measure, &mut next.block.element) != Ok(true) {
             // They led back.
             self.rule = None;
             self.block.data.stop |= data.stop;
-            return None;
-        };
-        let length = element.shape.length.to_bits();
-        let block = ProgrammedBlock { element, from, to, form: Form::Line, data };
-        Some(Self {
-            block,
-            length,
-            rule: None,
-            stray,
-            previous: None,
-            slow: [0.0; 2],
-            skipped: None,
-            known: None,
-        })
-    }
-
-    /// The line in place of the blocks left out.
-    pub fn bridge(&self, measure: &Measure) -> Option<Made<AXES>> {
-        let Skipped { to, data, .. } = self.skipped?;
-        let element = line(&self.block.to, &to, measure).ok().flatten()?;
-        Some(Made { element, end: None, data, curving: None, due: data.number })
+            return false;
+        }
+        (next.block.from, next.block.to, next.block.data) = (from, to, data);
+        (next.length, next.stray) = (next.block.element.shape.length.to_bits(), stray);
+        true
     }
 
     /// The end that the rest of the block from a point on it has there.
@@ -346,7 +338,7 @@ impl<const AXES: usize> HeldBlock<AXES> {
         }
         match self.block.form {
             Form::Line => Ok(self.block.element.entry),
-            Form::Arc { .. } => Ok(self.rest_of_arc(from, measure)?.entry),
+            Form::Arc { .. } => self.entry_of_arc(from, measure),
         }
     }
 
@@ -358,7 +350,8 @@ impl<const AXES: usize> HeldBlock<AXES> {
         match self.block.form {
             Form::Line => self.block.element.shorten(cut, from, &self.block.to),
             Form::Arc { .. } => {
-                self.block.element = self.rest_of_arc(from, measure)?;
+                let ProgrammedBlock { element, to, form, .. } = &mut self.block;
+                rest_of_arc([from, to], form, measure, element)?;
                 self.known = None;
             }
         }
@@ -367,8 +360,21 @@ impl<const AXES: usize> HeldBlock<AXES> {
     }
 
     #[inline(never)]
-    fn rest_of_arc(&self, from: &[Position; AXES], measure: &Measure) -> Result<Element<AXES>, PathError> {
-        let Form::Arc { centre, plane, clockwise } = self.block.form else { return Ok(self.block.element) };
-        arc(from, &self.block.to, centre, plane, clockwise, measure)
+    fn entry_of_arc(&self, from: &[Position; AXES], measure: &Measure) -> Result<End<AXES>, PathError> {
+        let mut element = Element::BLANK;
+        rest_of_arc([from, &self.block.to], &self.block.form, measure, &mut element)?;
+        Ok(element.entry)
     }
+}
+
+/// An arc of this form between two points, in the place of an element.
+#[inline(never)]
+fn rest_of_arc<const AXES: usize>(
+    ends: [&[Position; AXES]; 2],
+    form: &Form,
+    measure: &Measure,
+    element: &mut Element<AXES>,
+) -> Result<(), PathError> {
+    let Form::Arc { centre, plane, clockwise } = *form else { return Ok(()) };
+    arc_to(ends, (centre, plane, clockwise), measure, element)
 }

@@ -1,29 +1,59 @@
 //! The blocks held back, in their order. They stay where they are: when the first one leaves, the others are
-//! only counted anew.
+//! only counted anew. Where it was, the elements behind it have their place, one after the other.
+use super::Made;
 use super::held_block::HeldBlock;
+
+/// What is in a place.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Place<const AXES: usize> {
+    /// Nothing.
+    Free,
+    /// A block.
+    Block(HeldBlock<AXES>),
+    /// An element on its way out: only in the last place.
+    Made(Made<AXES>),
+}
+
+impl<const AXES: usize> Place<AXES> {
+    /// The block in it.
+    #[inline(always)]
+    pub const fn block(&self) -> Option<&HeldBlock<AXES>> {
+        if let Self::Block(block) = self { Some(block) } else { None }
+    }
+
+    /// The same, to be changed.
+    #[inline(always)]
+    pub const fn block_mut(&mut self) -> Option<&mut HeldBlock<AXES>> {
+        if let Self::Block(block) = self { Some(block) } else { None }
+    }
+}
 
 /// Places of three blocks.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct HeldBlocks<const AXES: usize> {
-    places: [Option<HeldBlock<AXES>>; 3],
+    places: [Place<AXES>; 3],
     /// Where the first one is: 0…2.
     first: u8,
 }
 
 impl<const AXES: usize> HeldBlocks<AXES> {
     /// None.
-    pub const NONE: Self = Self { places: [None; 3], first: 0 };
+    // In its place: a constant is copied as a whole.
+    #[inline(always)]
+    pub const fn none() -> Self {
+        Self { places: [Place::Free, Place::Free, Place::Free], first: 0 }
+    }
 
     /// The one held back.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn first(&self) -> Option<&HeldBlock<AXES>> {
-        self.places.get(usize::from(self.first))?.as_ref()
+        self.places.get(usize::from(self.first))?.block()
     }
 
     /// The one held back, the one that waits behind it, and the one behind that; or the one that leaves,
-    /// behind [`Self::leave`].
+    /// behind [`Self::leave`], and then the elements behind it.
     #[cfg_attr(feature = "fast", inline(always))]
-    pub const fn all(&self) -> [&Option<HeldBlock<AXES>>; 3] {
+    pub const fn all(&self) -> [&Place<AXES>; 3] {
         let [a, b, c] = &self.places;
         match self.first {
             0 => [a, b, c],
@@ -34,13 +64,23 @@ impl<const AXES: usize> HeldBlocks<AXES> {
 
     /// The same, to be changed.
     #[cfg_attr(feature = "fast", inline(always))]
-    pub const fn all_mut(&mut self) -> [&mut Option<HeldBlock<AXES>>; 3] {
+    pub const fn all_mut(&mut self) -> [&mut Place<AXES>; 3] {
         let [a, b, c] = &mut self.places;
         match self.first {
             0 => [a, b, c],
             1 => [b, c, a],
             _ => [c, a, b],
         }
+    }
+
+    /// The block held back, and the place of an element before it, where no block leaves.
+    #[cfg_attr(feature = "fast", inline(always))]
+    pub fn made(&mut self) -> Option<(&HeldBlock<AXES>, &mut Made<AXES>)> {
+        let [held, _, last] = self.all_mut();
+        if !matches!(last, Place::Made(_)) {
+            *last = Place::Made(Made::BLANK);
+        }
+        if let (Place::Block(held), Place::Made(made)) = (held, last) { Some((held, made)) } else { None }
     }
 
     /// The first one becomes the last one, and each other one the one before.

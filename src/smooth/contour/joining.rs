@@ -4,17 +4,19 @@ use super::choice::{Approach, Candidate, Choice, Shallow, bends, passes};
 use super::corner::{AIM, Corner, Reach, Tolerance, turn};
 use super::corner_curve::{CONSTANT, CornerCurve, EVEN, Fit, Rehearsal};
 use super::curve::Side;
-use super::held_block::{HeldBlock, Stray, travel};
+use super::halves::Halves;
+use super::held_block::{HeldBlock, Skipped, Stray, travel};
 use super::kernel::kernel;
 use super::symmetric::Symmetric;
 use super::timed::{Overlap, Timed};
-use super::{Cornering, LSB_32, ONE_44, Parameters, Turning};
+use super::{Cornering, Course, LSB_32, ONE_44, Parameters, Turning};
 use crate::dynamics::{Curving, Dynamics, Near, Steady};
 use crate::math::float::{max, min, to_bits, to_f32, to_i64};
 use crate::nc::{ContourAction, ContourMethod, NcWarningKind};
 use crate::path::poly::{Knot, distance};
 use crate::path::{Measure, Passage};
 use crate::quantity::{DISTANCE_LSB, Distance, Position};
+use core::num::NonZeroI64;
 
 /// What two corners leave of a block may go to the second one if it is this part, as a power of two: far less
 /// than what the tolerance has to spare.
@@ -66,6 +68,8 @@ pub struct Setting<'a, const AXES: usize> {
     pub const_vel: bool,
     /// Limits of the axes.
     pub dynamics: &'a Dynamics<AXES>,
+    /// The blocks left out between both.
+    pub skipped: Option<&'a Skipped<AXES>>,
 }
 
 /// How far a curve may reach into both blocks.
@@ -94,13 +98,20 @@ struct Rivals {
     may_stop: bool,
 }
 
+/// Corner distances are searched for, those of a curve over arc length. Then what is quickest is taken: that curve,
+/// or one of these.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Search<const AXES: usize> {
+    room: Room,
+    reach: Reach<AXES>,
+    rivals: Rivals,
+}
+
 /// What is done next.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[expect(clippy::large_enum_variant, reason = "one corner is worked on at a time, in static memory")]
-enum JoinStep<const AXES: usize> {
-    /// Corner distances are searched for, those of a curve over arc length. Then what is quickest is taken:
-    /// that curve, or one of these.
-    Reaching { room: Room, reach: Reach<AXES>, rivals: Rivals },
+enum JoinStep {
+    /// Corner distances are searched for: [`Course::Reaching`].
+    Reaching,
     /// A curve over arc length with these distances is made, and its elements may be beside it by that much,
     /// mm.
     Cutting { cut: Cut, slack: f32, smaller: u8 },
@@ -129,10 +140,10 @@ enum Quickest {
     Even((f32, f32)),
 }
 
-impl<const AXES: usize> JoinStep<AXES> {
+impl JoinStep {
     /// What is quickest comes next. In place: as a whole a step would be copied.
     #[inline(always)]
-    fn take(
+    fn take<const AXES: usize>(
         &mut self,
         [held, next]: [&HeldBlock<AXES>; 2],
         rule: &Parameters,
@@ -154,22 +165,22 @@ impl<const AXES: usize> JoinStep<AXES> {
 
 /// A corner between two blocks.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Joining<const AXES: usize> {
-    stage: JoinStep<AXES>,
+pub struct Joining {
+    stage: JoinStep,
 }
 
 fn corner<'a, const AXES: usize>(
     held: &HeldBlock<AXES>,
     next: &HeldBlock<AXES>,
-    measure: &'a Measure,
+    &Setting { measure, skipped, .. }: &Setting<'a, AXES>,
 ) -> Corner<'a, AXES> {
     let before = Side::new(&held.block.element, &held.block.element.exit, measure);
     let behind = Side::new(&next.block.element, &next.block.element.entry, measure);
-    let gap = held.skipped.map(|skipped| travel(&held.block.to, &skipped.to));
+    let gap = skipped.map(|skipped| travel(&held.block.to, &skipped.to));
     Corner { main: &measure.main, before, behind, gap }
 }
 
-impl<const AXES: usize> Joining<AXES> {
+impl Joining {
     /// Of blocks that are not known yet.
     #[inline(always)]
     pub const fn new() -> Self {
@@ -178,27 +189,28 @@ impl<const AXES: usize> Joining<AXES> {
 
     /// Whether a curve comes into question between both, and what is to be said about it. `behind`: length of
     /// the block behind both, LSB 2^-44 mm, if the corner before that is rounded and it is known.
-    pub fn go_into(
+    pub fn go_into<const AXES: usize>(
         &mut self,
         [held, next]: [&mut HeldBlock<AXES>; 2],
         behind: Option<i64>,
         setting: &Setting<'_, AXES>,
+        into: &mut Course<AXES>,
     ) -> Option<NcWarningKind> {
         let mut remark = None;
         self.stage = JoinStep::Sharp;
         let rule = held.rule.as_ref()?;
-        let corner = corner(held, next, setting.measure);
+        let corner = corner(held, next, setting);
         if let Some(room) = Self::room((held, &corner), (next, behind), rule, setting, &mut remark) {
             held.look_up(setting.dynamics);
             next.look_up(setting.dynamics);
-            Self::choose([held, next], &corner, room, setting, &mut self.stage);
+            Self::choose([held, next], &corner, room, setting, (&mut self.stage, into));
         }
         remark
     }
 
     /// How far a curve may reach into both, if one comes into question.
     #[inline(always)]
-    fn room(
+    fn room<const AXES: usize>(
         (held, corner): (&HeldBlock<AXES>, &Corner<'_, AXES>),
         (next, following): (&HeldBlock<AXES>, Option<i64>),
         rule: &Parameters,
@@ -224,7 +236,8 @@ impl<const AXES: usize> Joining<AXES> {
                 _ => {}
             }
         }
-        let parts = [rule.part(next.length, held.previous), rule.part(held.length, following)];
+        let parts =
+            [rule.part(next.length, held.previous.map(NonZeroI64::get)), rule.part(held.length, following)];
         let mut room = Room::new([(held.length, before), (next.length, behind)], parts, rule);
         // The corner before may have had another weight, or a little more than its half.
         let left = to_f32(held.block.element.shape.length.to_bits()) * DISTANCE_LSB;
@@ -237,15 +250,15 @@ impl<const AXES: usize> Joining<AXES> {
 
     /// Which kinds of curve come into question.
     #[inline(never)]
-    fn choose(
+    fn choose<const AXES: usize>(
         [held, next]: [&HeldBlock<AXES>; 2],
         corner: &Corner<'_, AXES>,
         room: Room,
         setting: &Setting<'_, AXES>,
-        stage: &mut JoinStep<AXES>,
+        (stage, into): (&mut JoinStep, &mut Course<AXES>),
     ) {
         let (Some(rule), Some(first), Some(second)) = (&held.rule, &held.known, &next.known) else { return };
-        let tolerance = Self::tolerance(held, next, rule);
+        let tolerance = Self::tolerance([held, next], setting.skipped, rule);
         let approach = Approach::new([&first.permitted.0, &second.permitted.0], room.most);
         let choice = Choice {
             blocks: [held, next],
@@ -271,7 +284,7 @@ impl<const AXES: usize> Joining<AXES> {
             return;
         }
         // Blocks left out have no corner to stand still in, and a constant speed is none.
-        let may_stop = rule.method == ContourMethod::Dev && held.skipped.is_none() && !setting.const_vel;
+        let may_stop = rule.method == ContourMethod::Dev && setting.skipped.is_none() && !setting.const_vel;
         let compares = Self::compares(rule, corner, &candidate, may_stop);
         let [distance, other] = room.distances;
         if corner.is_symmetric(rule, setting.measure) && distance == other {
@@ -285,16 +298,33 @@ impl<const AXES: usize> Joining<AXES> {
             return;
         }
         // With a curve over time to choose instead: the same search.
-        let reach = Reach::new(tolerance, room.distances);
-        *stage = JoinStep::Reaching { room, reach, rivals: Rivals { approach, candidate, may_stop } };
+        *stage = JoinStep::Reaching;
+        Self::search(&room, tolerance, (&approach, &candidate, may_stop), into);
+    }
+
+    /// Corner distances are searched for. A call of its own: it is there twice.
+    #[inline(never)]
+    fn search<const AXES: usize>(
+        room: &Room,
+        tolerance: Tolerance,
+        (approach, candidate, may_stop): (&Approach, &Option<Candidate>, bool),
+        into: &mut Course<AXES>,
+    ) {
+        let rivals = Rivals { approach: *approach, candidate: *candidate, may_stop };
+        *into =
+            Course::Reaching(Search { room: *room, reach: Reach::new(tolerance, room.distances), rivals });
     }
 
     /// What a curve may deviate.
-    fn tolerance(held: &HeldBlock<AXES>, next: &HeldBlock<AXES>, rule: &Parameters) -> Tolerance {
+    fn tolerance<const AXES: usize>(
+        [held, next]: [&HeldBlock<AXES>; 2],
+        skipped: Option<&Skipped<AXES>>,
+        rule: &Parameters,
+    ) -> Tolerance {
         let mut tolerance = rule.tolerance();
         // What straight lines that stand for several blocks have already taken.
-        let stray = held.stray.or(next.stray).or(held.skipped.map_or(Stray::NONE, |skipped| skipped.stray));
-        let [unseen, unseen_track] = if held.skipped.is_some() { [UNSEEN, UNSEEN_TRACK] } else { [0.0; 2] };
+        let stray = held.stray.or(next.stray).or(skipped.map_or(Stray::NONE, |skipped| skipped.stray));
+        let [unseen, unseen_track] = if skipped.is_some() { [UNSEEN, UNSEEN_TRACK] } else { [0.0; 2] };
         if let Some(path) = &mut tolerance.path {
             *path = (*path - stray.path) * (1.0 - unseen);
         }
@@ -306,7 +336,7 @@ impl<const AXES: usize> Joining<AXES> {
 
     /// Whether a curve over arc length is compared with anything. In the sharp corners of Surface it is not, where
     /// there is one over time: it may be slower than a standstill there.
-    fn compares(
+    fn compares<const AXES: usize>(
         rule: &Parameters,
         corner: &Corner<'_, AXES>,
         candidate: &Option<Candidate>,
@@ -340,36 +370,36 @@ impl<const AXES: usize> Joining<AXES> {
         }
     }
 
-    /// Goes on. Whether it is done: then `turning` is the curve if there is one, and both blocks are what is
+    /// Goes on. Whether it is done: then the course is the curve if there is one, and both blocks are what is
     /// left of them.
     #[inline(never)]
-    pub fn go_on(
+    pub fn go_on<const AXES: usize>(
         &mut self,
         [held, next]: [&mut HeldBlock<AXES>; 2],
         setting: &Setting<'_, AXES>,
-        turning: &mut Option<Turning<AXES>>,
+        into: &mut Course<AXES>,
     ) -> bool {
         let Self { stage } = self;
         match stage {
-            _ if held.rule.is_none() => *turning = None,
-            JoinStep::Reaching { .. } => {
-                Self::decide(held, next, setting, stage);
+            _ if held.rule.is_none() => *into = Course::None,
+            JoinStep::Reaching => {
+                Self::decide([held, next], setting, stage, into);
                 return false;
             }
-            JoinStep::Cutting { .. } => return Self::cut(held, next, setting, stage, turning),
+            JoinStep::Cutting { .. } => return Self::cut(held, next, setting, stage, into),
             JoinStep::Fitting { .. } => {
-                Self::fit(stage, setting.const_vel, turning);
+                Self::fit(stage, setting, into);
                 let JoinStep::Joining { cut, steady } = stage else { return false };
-                Self::join(held, next, (*cut, *steady), setting, turning);
+                Self::join(held, next, (*cut, *steady), setting, into);
             }
             JoinStep::Timing { .. } => {
-                Self::time([held, next], setting, stage, turning);
+                Self::time([held, next], setting, stage, into);
                 return false;
             }
-            JoinStep::Joining { cut, steady } => Self::join(held, next, (*cut, *steady), setting, turning),
-            JoinStep::Overlapping(overlap) => Self::overlap(held, next, *overlap, setting, turning),
-            JoinStep::Bending(shallow) => Self::bend(held, next, *shallow, setting, turning),
-            JoinStep::Sharp => *turning = None,
+            JoinStep::Joining { cut, steady } => Self::join(held, next, (*cut, *steady), setting, into),
+            JoinStep::Overlapping(overlap) => Self::overlap(held, next, *overlap, setting, into),
+            JoinStep::Bending(shallow) => Self::bend(held, next, *shallow, setting, into),
+            JoinStep::Sharp => *into = Course::None,
         }
         true
     }
@@ -378,16 +408,18 @@ impl<const AXES: usize> Joining<AXES> {
 
     /// Looks for the kind of curve and its distances.
     #[inline(never)]
-    fn decide(
-        held: &HeldBlock<AXES>,
-        next: &HeldBlock<AXES>,
+    fn decide<const AXES: usize>(
+        [held, next]: [&HeldBlock<AXES>; 2],
         setting: &Setting<'_, AXES>,
-        stage: &mut JoinStep<AXES>,
+        stage: &mut JoinStep,
+        into: &mut Course<AXES>,
     ) {
-        let (Some(rule), JoinStep::Reaching { room, reach, rivals }) = (&held.rule, &mut *stage) else {
+        let (Some(rule), Course::Reaching(search)) = (&held.rule, into) else {
+            *stage = JoinStep::Sharp;
             return;
         };
-        let corner = corner(held, next, setting.measure);
+        let Search { room, reach, rivals } = search;
+        let corner = corner(held, next, setting);
         let Some(found) = (0..TRIALS).find_map(|_| reach.go_on(&corner)) else { return };
         let Rivals { approach, candidate, may_stop } = rivals;
         let compares = Self::compares(rule, &corner, candidate, *may_stop);
@@ -417,56 +449,92 @@ impl<const AXES: usize> Joining<AXES> {
         }
         let even = all.map(|(_, made)| made);
         let rivals = (&*approach, &*candidate, *may_stop);
-        let (room, quickest) = (*room, Self::compare(room, rivals, [found, even]));
-        stage.take([held, next], rule, &room, quickest);
+        let quickest = Self::compare(room, rivals, [found, even]);
+        stage.take([held, next], rule, room, quickest);
     }
 
     /// Makes the curve over arc length. Whether that is all: it needs no fitting.
     #[inline(never)]
-    fn cut(
+    fn cut<const AXES: usize>(
         held: &mut HeldBlock<AXES>,
         next: &mut HeldBlock<AXES>,
         setting: &Setting<'_, AXES>,
-        stage: &mut JoinStep<AXES>,
-        turning: &mut Option<Turning<AXES>>,
+        stage: &mut JoinStep,
+        into: &mut Course<AXES>,
     ) -> bool {
         let &mut JoinStep::Cutting { cut, slack, smaller } = stage else { return true };
         let Some(rule) = &held.rule else { return true };
-        let corner = corner(held, next, setting.measure);
-        if cut.is_even() && !setting.const_vel && corner.is_symmetric(rule, setting.measure) {
-            let symmetric = Symmetric::new(&corner);
-            if symmetric.is_even() {
-                *turning = None;
-                let Some(ends) = Ends::enter(held, next, cut, setting.measure) else { return true };
-                let course = symmetric.curve(to_f32(cut.before) * DISTANCE_LSB, &ends.from, &ends.to);
-                let made = turning.insert(Turning::new([held, next], Cornering::Halves(course), setting));
-                made.passage = cut.leave(held, next, &ends.from, setting);
+        if cut.is_even() && !setting.const_vel {
+            let mut symmetric = Symmetric::NONE;
+            if Self::is_symmetric([held, next], rule, setting, &mut symmetric) {
+                Self::halve([held, next], cut, &symmetric, setting, into);
                 return true;
             }
         }
-        let Some(ends) = Ends::new(held, next, cut, setting.measure) else {
+        let mut spaces = [0.0; 2];
+        *into = Course::None;
+        let lead = Self::lead([held, next], (rule, cut), setting, &mut spaces);
+        if !Self::begin([held, next], (cut, spaces), setting, into) {
             *stage = JoinStep::Sharp;
-            return false;
-        };
-        *stage = if Self::course(held, next, &ends, rule, setting, turning) {
-            JoinStep::Fitting { cut, slack, smaller }
+        } else if even(into)
+            .is_some_and(|course| Self::lay(course, (&held.block.to, rule), setting.measure, lead))
+        {
+            *stage = JoinStep::Fitting { cut, slack, smaller };
         } else {
-            cut.smaller(slack, smaller)
-        };
+            *into = Course::None;
+            *stage = cut.smaller(slack, smaller);
+        }
         false
+    }
+
+    /// Whether the curve is known in closed form, each half in one element.
+    #[inline(never)]
+    fn is_symmetric<const AXES: usize>(
+        [held, next]: [&HeldBlock<AXES>; 2],
+        rule: &Parameters,
+        setting: &Setting<'_, AXES>,
+        symmetric: &mut Symmetric<AXES>,
+    ) -> bool {
+        let corner = corner(held, next, setting);
+        if !corner.is_symmetric(rule, setting.measure) {
+            return false;
+        }
+        *symmetric = Symmetric::new(&corner);
+        symmetric.is_even()
+    }
+
+    /// The curve in closed form, and both blocks without what it takes of them.
+    #[inline(never)]
+    fn halve<const AXES: usize>(
+        [held, next]: [&mut HeldBlock<AXES>; 2],
+        cut: Cut,
+        symmetric: &Symmetric<AXES>,
+        setting: &Setting<'_, AXES>,
+        into: &mut Course<AXES>,
+    ) {
+        into.begin_halves([held, next], setting);
+        let Course::Turning(Turning { course: Cornering::Halves(halves), passage, .. }) = into else {
+            return;
+        };
+        if !enter(held, next, cut, setting.measure, [&mut halves.from, &mut halves.to]) {
+            *into = Course::None;
+            return;
+        }
+        symmetric.curve(to_f32(cut.before) * DISTANCE_LSB, halves);
+        *passage = cut.leave(held, next, &halves.from, setting);
     }
 
     /// Cuts it into elements.
     #[inline(never)]
-    fn fit(stage: &mut JoinStep<AXES>, const_vel: bool, turning: &mut Option<Turning<AXES>>) {
-        let (&mut JoinStep::Fitting { cut, slack, smaller }, Some(course)) = (&mut *stage, even(turning))
-        else {
+    fn fit<const AXES: usize>(stage: &mut JoinStep, setting: &Setting<'_, AXES>, into: &mut Course<AXES>) {
+        let &Setting { measure, const_vel, .. } = setting;
+        let (&mut JoinStep::Fitting { cut, slack, smaller }, Some(course)) = (&mut *stage, even(into)) else {
             return;
         };
         let even = if const_vel { CONSTANT } else { EVEN };
         let mut fit = Fit::Working;
         for _ in 0..ELEMENTS {
-            fit = course.fit(even, slack);
+            fit = course.fit(measure, even, slack);
             if fit != Fit::Working {
                 break;
             }
@@ -484,25 +552,25 @@ impl<const AXES: usize> Joining<AXES> {
 
     /// Takes some of its elements into account for the speed of all of them, and one that may lower it.
     #[inline(never)]
-    fn time(
+    fn time<const AXES: usize>(
         [held, next]: [&HeldBlock<AXES>; 2],
         setting: &Setting<'_, AXES>,
-        stage: &mut JoinStep<AXES>,
-        turning: &mut Option<Turning<AXES>>,
+        stage: &mut JoinStep,
+        into: &mut Course<AXES>,
     ) {
-        let (JoinStep::Timing { cut, element, steady }, Some(course)) = (&mut *stage, even(turning)) else {
+        let (JoinStep::Timing { cut, element, steady }, Some(course)) = (&mut *stage, even(into)) else {
             return;
         };
         let feed = |part: &Rehearsal<AXES>| [held, next][usize::from(!part.is_first)].block.data.feed;
         let Some(from) = *element else {
             *element = Some(0);
-            let part = course.rehearse(course.behind_joint());
+            let part = course.rehearse(setting.measure, course.behind_joint());
             let known = part.and_then(|part| Self::permitted(course, &part, feed(&part), setting));
             steady.v = known.map_or(steady.v, |(_, v)| v);
             return;
         };
         for i in from..from + TIMED {
-            let known = course.rehearse(i).and_then(|part| {
+            let known = course.rehearse(setting.measure, i).and_then(|part| {
                 let (check, feed) = (setting.check_jerk, feed(&part));
                 if setting.dynamics.permits(steady.v, &part.hull(), (feed, part.fastest), check) {
                     return Some((distance(part.length)?, None));
@@ -525,7 +593,7 @@ impl<const AXES: usize> Joining<AXES> {
 
     /// Length of one of its elements, and the speed that it permits. `None` where it cannot be made.
     #[inline(never)]
-    fn permitted(
+    fn permitted<const AXES: usize>(
         course: &CornerCurve<AXES>,
         part: &Rehearsal<AXES>,
         feed: Option<f32>,
@@ -540,54 +608,70 @@ impl<const AXES: usize> Joining<AXES> {
 
     /// The curve over arc length, and both blocks without what it takes of them.
     #[inline(never)]
-    fn join(
+    fn join<const AXES: usize>(
         held: &mut HeldBlock<AXES>,
         next: &mut HeldBlock<AXES>,
         (cut, steady): (Cut, Option<Steady>),
         setting: &Setting<'_, AXES>,
-        turning: &mut Option<Turning<AXES>>,
+        into: &mut Course<AXES>,
     ) {
-        let passage = even(turning).and_then(|course| cut.part(held, next, course.ends(), setting));
-        match (turning.as_mut(), passage) {
-            (Some(turning), Some(passage)) => {
+        let passage = even(into).and_then(|course| cut.part(held, next, course.ends(), setting));
+        match (&mut *into, passage) {
+            (Course::Turning(turning), Some(passage)) => {
                 (turning.curving.constant, turning.passage) = (steady, passage);
             }
-            _ => *turning = None,
+            _ => *into = Course::None,
         }
     }
 
     /// Cuts both blocks where a curve over time begins and ends, and makes it.
     #[inline(never)]
-    fn overlap(
+    fn overlap<const AXES: usize>(
         held: &mut HeldBlock<AXES>,
         next: &mut HeldBlock<AXES>,
         overlap: Overlap,
         setting: &Setting<'_, AXES>,
-        turning: &mut Option<Turning<AXES>>,
+        into: &mut Course<AXES>,
     ) {
-        *turning = None;
+        *into = Course::None;
         let Some(rule) = &held.rule else { return };
         let reach = to_bits::<44>(overlap.rise.distance());
         let (cut, all) = Cut::even(held, next, rule, reach);
         if overlap.rise.v <= 0.0 || all <= 0 {
             return;
         }
-        let Some(ends) = Ends::enter(held, next, cut, setting.measure) else { return };
-        let course = Timed::new(&held.block.to, overlap, all, [&ends.from, &ends.to]);
-        *turning = Some(Turning::new([held, next], Cornering::Timed(course), setting));
-        cut.leave(held, next, &ends.from, setting);
+        let mut from = Knot::BLANK;
+        let mut to = Knot::BLANK;
+        if !enter(held, next, cut, setting.measure, [&mut from, &mut to]) {
+            return;
+        }
+        Self::pass([held, next], (overlap, all), [&from, &to], setting, into);
+        cut.leave(held, next, &from, setting);
+    }
+
+    /// The curve over time between two knots, as far as `all` (LSB 2^-44 mm) from the corner.
+    #[inline(never)]
+    fn pass<const AXES: usize>(
+        [held, next]: [&HeldBlock<AXES>; 2],
+        (overlap, all): (Overlap, i64),
+        knots: [&Knot<AXES>; 2],
+        setting: &Setting<'_, AXES>,
+        into: &mut Course<AXES>,
+    ) {
+        let course = Timed::new(&held.block.to, overlap, all, knots);
+        *into = Course::Turning(Turning::new([held, next], Cornering::Timed(course), setting));
     }
 
     /// Cuts both blocks beside a shallow corner, and makes its curve.
     #[inline(never)]
-    fn bend(
+    fn bend<const AXES: usize>(
         held: &mut HeldBlock<AXES>,
         next: &mut HeldBlock<AXES>,
         Shallow { c, slow }: Shallow,
         setting: &Setting<'_, AXES>,
-        turning: &mut Option<Turning<AXES>>,
+        into: &mut Course<AXES>,
     ) {
-        *turning = None;
+        *into = Course::None;
         let Some(rule) = &held.rule else { return };
         let most = held.length.min(next.length) / 2;
         let (cut, reach) = Cut::even(held, next, rule, to_i64(c * ONE_44).min(most));
@@ -595,51 +679,76 @@ impl<const AXES: usize> Joining<AXES> {
         if c < SHORTEST {
             return;
         }
-        let Some(ends) = Ends::enter(held, next, cut, setting.measure) else { return };
+        into.begin_halves([held, next], setting);
+        let Course::Turning(Turning { course: Cornering::Halves(halves), .. }) = into else { return };
+        if !enter(held, next, cut, setting.measure, [&mut halves.from, &mut halves.to]) {
+            *into = Course::None;
+            return;
+        }
         next.slow = slow;
-        let course = kernel(&held.block.to, c, &ends.from, &ends.to);
-        *turning = Some(Turning::new([held, next], Cornering::Halves(course), setting));
-        cut.leave(held, next, &ends.from, setting);
+        kernel(&held.block.to, c, halves);
+        cut.leave(held, next, &halves.from, setting);
     }
 
-    /// The curve over arc length between these ends. Whether there is one.
+    /// The way in space per path distance on both sides, and the path of a curve that takes so much of both blocks
+    /// where a master axis is the path.
     #[inline(never)]
-    fn course(
-        held: &HeldBlock<AXES>,
-        next: &HeldBlock<AXES>,
-        ends: &Ends<AXES>,
-        rule: &Parameters,
+    fn lead<const AXES: usize>(
+        [held, next]: [&HeldBlock<AXES>; 2],
+        (rule, Cut { before, behind }): (&Parameters, Cut),
         setting: &Setting<'_, AXES>,
-        turning: &mut Option<Turning<AXES>>,
+        spaces: &mut [f32; 2],
+    ) -> Option<f32> {
+        let corner = corner(held, next, setting);
+        *spaces = corner.spaces_per_path();
+        let path = || to_f32(before.saturating_add(behind)) * DISTANCE_LSB;
+        corner.follows_master(rule, setting.measure).then(path)
+    }
+
+    /// A curve over arc length where it leaves one block and enters the other, without its halves. Whether there are
+    /// such places.
+    #[inline(never)]
+    fn begin<const AXES: usize>(
+        [held, next]: [&HeldBlock<AXES>; 2],
+        (cut, spaces): (Cut, [f32; 2]),
+        setting: &Setting<'_, AXES>,
+        into: &mut Course<AXES>,
+    ) -> bool {
+        let (mut from, mut to) = (Knot::BLANK, Knot::BLANK);
+        if !ends(held, next, cut, setting.measure, [&mut from, &mut to]) {
+            return false;
+        }
+        let given = held.rule.as_ref().is_some_and(|rule| rule.method == ContourMethod::Pos);
+        let knots = [&from, &to];
+        let course = CornerCurve::new(spaces, &held.block.to, knots, given);
+        *into = Course::Turning(Turning::new([held, next], Cornering::Even(course), setting));
+        true
+    }
+
+    /// Makes its halves about the corner. Whether they can be made.
+    #[inline(never)]
+    fn lay<const AXES: usize>(
+        course: &mut CornerCurve<AXES>,
+        (corner, rule): (&[Position; AXES], &Parameters),
+        measure: &Measure,
+        lead: Option<f32>,
     ) -> bool {
         let mut point = [0.0; AXES];
-        for (k, value) in setting.measure.main.places().into_iter().zip(rule.point) {
+        for (k, value) in measure.main.places().into_iter().zip(rule.point()) {
             let (Some(k), Some(value)) = (k, value) else { continue };
-            if let (Some(x), Some(corner)) = (point.get_mut(k), held.block.to.get(k)) {
+            if let (Some(x), Some(corner)) = (point.get_mut(k), corner.get(k)) {
                 *x = to_f32(value.to_bits().saturating_sub(corner.to_bits())) * LSB_32;
             }
         }
         let interim = (rule.method == ContourMethod::Pos).then_some(&point);
-        let corner = corner(held, next, setting.measure);
-        let Cut { before, behind } = ends.cut;
-        let path = || to_f32(before.saturating_add(behind)) * DISTANCE_LSB;
-        let lead = corner.follows_master(rule, setting.measure).then(path);
-        let (spaces, knots) = (corner.spaces_per_path(), [&ends.from, &ends.to]);
-        let (measure, origin) = (setting.measure, &held.block.to);
-        *turning = None;
-        let Some(halves) = CornerCurve::halves(measure, spaces, origin, knots, interim, lead) else {
-            return false;
-        };
-        let course = CornerCurve::new(measure, spaces, origin, knots, &halves, interim.is_some());
-        *turning = Some(Turning::new([held, next], Cornering::Even(course), setting));
-        true
+        course.lay(measure, interim, lead)
     }
 }
 
 /// The curve over arc length, if it is one.
-fn even<const AXES: usize>(turning: &mut Option<Turning<AXES>>) -> Option<&mut CornerCurve<AXES>> {
-    match turning {
-        Some(Turning { course: Cornering::Even(course), .. }) => Some(course),
+fn even<const AXES: usize>(course: &mut Course<AXES>) -> Option<&mut CornerCurve<AXES>> {
+    match course {
+        Course::Turning(Turning { course: Cornering::Even(curve), .. }) => Some(curve),
         _ => None,
     }
 }
@@ -740,7 +849,7 @@ impl Cut {
 
     /// An arc may come back so near to the other block that no even curve joins them there: with less of
     /// both.
-    fn smaller<const AXES: usize>(self, slack: f32, smaller: u8) -> JoinStep<AXES> {
+    fn smaller(self, slack: f32, smaller: u8) -> JoinStep {
         if smaller + 1 >= SMALLER {
             return JoinStep::Sharp;
         }
@@ -749,49 +858,65 @@ impl Cut {
     }
 }
 
-/// Where a curve leaves one block and enters the other.
-struct Ends<const AXES: usize> {
+/// Where a curve leaves one block and enters the other: its knots. `false` where there are none.
+#[inline(never)]
+fn ends<const AXES: usize>(
+    held: &HeldBlock<AXES>,
+    next: &HeldBlock<AXES>,
     cut: Cut,
-    from: Knot<AXES>,
-    to: Knot<AXES>,
+    measure: &Measure,
+    [from, to]: [&mut Knot<AXES>; 2],
+) -> bool {
+    to.position = begin(next, cut);
+    let Ok(end) = next.entry_at(&to.position, measure) else { return false };
+    to.end = end;
+    leave(held, cut, from);
+    true
 }
 
-impl<const AXES: usize> Ends<AXES> {
-    fn new(held: &HeldBlock<AXES>, next: &HeldBlock<AXES>, cut: Cut, measure: &Measure) -> Option<Self> {
-        let position = Self::begin(next, cut);
-        let end = next.entry_at(&position, measure).ok()?;
-        Some(Self { cut, from: Self::leave(held, cut), to: Knot { position, end } })
+/// The same; the second block becomes what is left of it.
+#[inline(never)]
+fn enter<const AXES: usize>(
+    held: &HeldBlock<AXES>,
+    next: &mut HeldBlock<AXES>,
+    cut: Cut,
+    measure: &Measure,
+    [from, to]: [&mut Knot<AXES>; 2],
+) -> bool {
+    to.position = begin(next, cut);
+    if next.renew(&to.position, cut.behind, measure).is_err() {
+        return false;
     }
+    to.end = next.block.element.entry;
+    leave(held, cut, from);
+    true
+}
 
-    /// The same; the second block becomes what is left of it.
+/// The knot where a curve leaves the first block.
+#[inline(always)]
+fn leave<const AXES: usize>(held: &HeldBlock<AXES>, cut: Cut, knot: &mut Knot<AXES>) {
+    let element = &held.block.element;
+    let rest = element.shape.length.to_bits() - cut.before;
+    if rest > 0 {
+        knot.position = element.shape.point(rest, &held.block.from);
+        knot.end = element.end_at(rest);
+    } else {
+        (knot.position, knot.end) = (held.block.from, element.entry);
+    }
+}
+
+/// Where it enters the second one.
+#[inline(always)]
+fn begin<const AXES: usize>(next: &HeldBlock<AXES>, cut: Cut) -> [Position; AXES] {
+    let from = &next.block.from;
+    if cut.behind > 0 { next.block.element.shape.point(cut.behind, from) } else { *from }
+}
+
+impl<const AXES: usize> Course<AXES> {
+    /// A curve in two halves, which are not made yet. A call of its own: it is there twice.
     #[inline(never)]
-    fn enter(
-        held: &HeldBlock<AXES>,
-        next: &mut HeldBlock<AXES>,
-        cut: Cut,
-        measure: &Measure,
-    ) -> Option<Self> {
-        let position = Self::begin(next, cut);
-        next.renew(&position, cut.behind, measure).ok()?;
-        let to = Knot { position, end: next.block.element.entry };
-        Some(Self { cut, from: Self::leave(held, cut), to })
-    }
-
-    #[inline(always)]
-    fn leave(held: &HeldBlock<AXES>, cut: Cut) -> Knot<AXES> {
-        let element = &held.block.element;
-        let rest = element.shape.length.to_bits() - cut.before;
-        if rest > 0 {
-            let position = element.shape.point(rest, &held.block.from);
-            return Knot { position, end: element.end_at(rest) };
-        }
-        Knot { position: held.block.from, end: element.entry }
-    }
-
-    #[inline(always)]
-    fn begin(next: &HeldBlock<AXES>, cut: Cut) -> [Position; AXES] {
-        let from = &next.block.from;
-        if cut.behind > 0 { next.block.element.shape.point(cut.behind, from) } else { *from }
+    fn begin_halves(&mut self, blocks: [&HeldBlock<AXES>; 2], setting: &Setting<'_, AXES>) {
+        *self = Self::Turning(Turning::new(blocks, Cornering::Halves(Halves::NONE), setting));
     }
 }
 
@@ -843,14 +968,13 @@ impl<const AXES: usize> Turning<AXES> {
         course: Cornering<AXES>,
         setting: &Setting<'_, AXES>,
     ) -> Self {
-        let [first, second] = [held.block.data, next.block.data];
+        let [first, second] = [&held.block.data, &next.block.data];
         let due = match held.rule.as_ref().map(|rule| rule.action) {
             Some(ContourAction::Pre) => [second.number; 2],
             Some(ContourAction::Post) => [first.number; 2],
             _ => [first.number, second.number],
         };
         let curving = Curving { jerk: setting.check_jerk, constant: None, near: Near::NONE };
-        let halves = [(first, due[0]), (second, due[1])];
-        Self { course, halves, curving, passage: Passage::Varying, draft: None }
+        Self { course, before: *first, due, curving, passage: Passage::Varying, draft: None }
     }
 }

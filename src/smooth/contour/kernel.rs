@@ -10,20 +10,15 @@
 //! middle and less elsewhere. As |Q'| is at most 1, the length of the contour counts as path, and no speed is
 //! above the feed; in the middle it is below by 1 − cos θ/2.
 use crate::math::float::{magnitude, to_i64};
-use crate::path::poly::Knot;
 use crate::quantity::Position;
 
 use super::halves::Halves;
 use super::{LSB_40, ONE_32};
 
-/// The curve about the corner `origin` between two knots, both at the distance `c` from it.
-pub fn kernel<const AXES: usize>(
-    origin: &[Position; AXES],
-    c: f32,
-    from: &Knot<AXES>,
-    to: &Knot<AXES>,
-) -> Halves<AXES> {
-    let mut middle = Knot { position: *origin, end: from.end };
+/// Makes the curve about the corner `origin` between the knots of `halves`, both at the distance `c` from it.
+pub fn kernel<const AXES: usize>(origin: &[Position; AXES], c: f32, halves: &mut Halves<AXES>) {
+    let Halves { from, middle, to, .. } = halves;
+    (middle.position, middle.end) = (*origin, from.end);
     let mut third = [0.0; AXES];
     let per = 1.0 / c;
     let end = middle.end.tangent.iter_mut().zip(&mut middle.end.curvature);
@@ -37,7 +32,7 @@ pub fn kernel<const AXES: usize>(
         *curvature = d * per;
         *third = magnitude(d) * per * per * ROUNDED;
     }
-    Halves { from: *from, middle, to: *to, length: c, fastest: 1.0 + 1e-6, third: Some(third), done: 0 }
+    (halves.length, halves.fastest, halves.third) = (c, 1.0 + 1e-6, Some(third));
 }
 
 /// For rounding.

@@ -51,16 +51,17 @@ pub use parameters::{Parameters, Preset};
 use self::chords::Chords;
 use self::corner_curve::CornerCurve;
 use self::halves::Halves;
-use self::held_block::HeldBlock;
-use self::held_blocks::HeldBlocks;
-use self::joining::{Joining, Setting};
+use self::held_block::{HeldBlock, Skipped, Stray};
+use self::held_blocks::{HeldBlocks, Place as Slot};
+use self::joining::{Joining, Search, Setting};
 use self::timed::Timed;
 use crate::dynamics::{Curving, Dynamics};
 use crate::nc::{Contour, ContourMethod, ContourSwitch, NcWarningKind, Place};
 use crate::path::poly::Draft;
-use crate::path::{Element, Measure, Passage, line, straight_line};
+use crate::path::{Element, Measure, Passage, line_to, straight_line};
 use crate::quantity::{Distance, Position};
 use crate::smooth::{Data, Form, Parting, ProgrammedBlock, Smoothed, Smoother};
+use core::num::NonZeroI64;
 
 /// An element that waits to be emitted.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -76,16 +77,7 @@ struct Made<const AXES: usize> {
 
 impl<const AXES: usize> Made<AXES> {
     /// None yet.
-    const BLANK: Self = {
-        let data = Data {
-            feed: None,
-            n: 0,
-            place: Place { line: 0, column: 0, offset: 0, length: 0, file: 0 },
-            number: 0,
-            stop: false,
-        };
-        Self { element: Element::BLANK, end: None, data, curving: None, due: 0 }
-    };
+    const BLANK: Self = Self { element: Element::BLANK, end: None, data: Data::BLANK, curving: None, due: 0 };
 
     fn smoothed(&self) -> Smoothed<'_, AXES> {
         let Self { element, end, data, curving, due } = self;
@@ -93,11 +85,14 @@ impl<const AXES: usize> Made<AXES> {
     }
 }
 
-/// A curve in a corner on its way out: what goes with each half, and the functions due before it.
+/// A curve in a corner on its way out.
 #[derive(Clone, Copy, Debug)]
 struct Turning<const AXES: usize> {
     course: Cornering<AXES>,
-    halves: [(Data, u32); 2],
+    /// What goes with its first half; with the second one what goes with the block behind it.
+    before: Data,
+    /// Functions due before each half.
+    due: [u32; 2],
     curving: Curving,
     /// It is passed at one speed where the blocks beside it have the way to change theirs. A curve over time
     /// has its own.
@@ -107,16 +102,25 @@ struct Turning<const AXES: usize> {
 }
 
 impl<const AXES: usize> Turning<AXES> {
-    /// The next element, which is not made yet. `None` if there is none.
-    fn begin(&mut self, made: &mut Made<AXES>) -> Option<()> {
-        let (data, due) = self.halves[usize::from(!self.course.is_before())];
-        let draft = self.draft.insert(self.course.next_element(&mut made.element)?);
+    /// The next element, which is not made yet, before the block behind the curve or of it. `None` if there is none.
+    fn begin(&mut self, behind: &Data, measure: &Measure, made: &mut Made<AXES>) -> Option<()> {
+        self.label(behind, made);
+        let draft = self.draft.insert(self.course.next_element(measure, &mut made.element)?);
         made.end = Some(*draft.to());
         if let Some(bounds) = made.element.bounds.as_mut().filter(|bounds| !bounds.is_timed()) {
             bounds.passage = self.passage;
         }
-        (made.data, made.curving, made.due) = (Data { stop: false, ..data }, Some(self.curving), due);
+        made.curving = Some(self.curving);
         Some(())
+    }
+
+    /// What goes with the next element.
+    #[inline(always)]
+    fn label(&self, behind: &Data, made: &mut Made<AXES>) {
+        let [before_due, behind_due] = self.due;
+        let (data, due) =
+            if self.course.is_before() { (&self.before, before_due) } else { (behind, behind_due) };
+        (made.data, made.due) = (Data { stop: false, ..*data }, due);
     }
 
     /// Whether its last element is made.
@@ -130,14 +134,15 @@ impl<const AXES: usize> Turning<AXES> {
     fn go_straight(
         &mut self,
         from: &[Position; AXES],
-        measure: &Measure,
+        (behind, measure): (&Data, &Measure),
         made: &mut Made<AXES>,
     ) -> Option<()> {
         self.draft = None;
-        let (data, due) = self.halves[usize::from(!self.course.is_before())];
-        made.element = line(from, self.course.finish(), measure).ok()??;
-        (made.data, made.curving, made.due) = (Data { stop: false, ..data }, None, due);
-        made.end = None;
+        self.label(behind, made);
+        if line_to([from, self.course.finish()], measure, &mut made.element) != Ok(true) {
+            return None;
+        }
+        (made.curving, made.end) = (None, None);
         Some(())
     }
 
@@ -175,7 +180,7 @@ impl Settings {
     /// The interim point of POS by main axes, if corners may have it.
     pub fn swings(&self) -> [bool; 3] {
         let pos = (self.on || self.once) && self.parameters.method == ContourMethod::Pos;
-        self.parameters.point.map(|point| pos && point.is_some())
+        self.parameters.point().map(|point| pos && point.is_some())
     }
 
     /// Whether the end of the next block is rounded.
@@ -185,7 +190,7 @@ impl Settings {
 
     /// As at program start.
     pub fn restarted(&self) -> Self {
-        Self::off(self.parameters.preset)
+        Self::off(self.parameters.preset())
     }
 
     /// Off.
@@ -195,18 +200,19 @@ impl Settings {
 
     /// P-CHAN-00110.
     pub const fn check_jerk_of_channel(&self) -> u8 {
-        self.parameters.preset.check_jerk
+        self.parameters.preset().check_jerk
     }
 
     /// On, with DEV at every corner, and no block left out.
     pub fn at_edges(check_jerk: u8) -> Self {
-        let parameters = Parameters::new(Preset { check_jerk, chords: 0.0 });
-        Self { parameters: Parameters { max_angle: 1.0, edges: true, ..parameters }, on: true, once: false }
+        let mut parameters = Parameters::new(Preset { check_jerk, chords: 0.0 });
+        (parameters.max_angle, parameters.edges) = (1.0, true);
+        Self { parameters, on: true, once: false }
     }
 
     /// On, as at program start but for this command.
     pub fn on_with(&self, contour: &Contour) -> Self {
-        let mut parameters = Parameters::new(self.parameters.preset);
+        let mut parameters = Parameters::new(self.parameters.preset());
         parameters.update(contour);
         Self { parameters, on: true, once: false }
     }
@@ -226,49 +232,45 @@ pub struct Contouring<const AXES: usize> {
     is_leaving: bool,
     /// The element at hand is there: of the curve, or what stands for blocks left out.
     is_made: bool,
-    in_hand: InHand<AXES>,
-    course: Option<Turning<AXES>>,
+    /// The corner between the block held back and the one that waits, while it is worked on: nothing goes out then.
+    joining: Option<Joining>,
+    course: Course<AXES>,
     /// The block held back. The one behind it, whose end is rounded by DIST_WEIGHT: its share in the corner
     /// before it depends on the next one. Or a line that may still grow by the next one. Only behind a block
     /// whose end is rounded. The one behind that, while the corner between both others is worked on.
     blocks: HeldBlocks<AXES>,
-    /// What the last line is made of.
-    chords: Chords<AXES>,
+    /// The blocks left out behind the one held back; until the line that stands for them is made, behind the one that
+    /// leaves.
+    skipped: Option<Skipped<AXES>>,
     /// The next block is half a line that ends or begins where nothing turns.
     half: bool,
     /// What is to be said about the curve that the last block led to.
     remark: Option<NcWarningKind>,
 }
 
-/// What is in hand: nothing goes out while a corner is worked on.
+/// What is being made, one at a time.
 #[derive(Clone, Copy, Debug)]
-enum InHand<const AXES: usize> {
-    /// The corner between the block held back and the one that waits, worked on.
-    Joining(Joining<AXES>),
-    /// The place of an element that goes out.
-    Made(Made<AXES>),
+enum Course<const AXES: usize> {
+    /// Nothing.
+    None,
+    /// What the last line is made of, while it may grow.
+    Gathering(Chords<AXES>),
+    /// The distances of a curve are searched for.
+    Reaching(Search<AXES>),
+    /// A curve.
+    Turning(Turning<AXES>),
 }
 
-impl<const AXES: usize> InHand<AXES> {
-    const NONE: Self = Self::Made(Made::BLANK);
-
-    const fn is_joining(&self) -> bool {
-        matches!(self, Self::Joining(_))
-    }
-
-    /// The place of an element, where no corner is worked on.
-    #[inline(always)]
-    const fn made(&mut self) -> Option<&mut Made<AXES>> {
-        match self {
-            Self::Made(made) => Some(made),
-            Self::Joining(_) => None,
-        }
+impl<const AXES: usize> Course<AXES> {
+    /// A line that may be beside what it stands for by so much may grow. A call of its own: it is there twice.
+    #[inline(never)]
+    fn gather(&mut self, stray: Stray) {
+        *self = Self::Gathering(Chords::beside(stray));
     }
 }
 
 /// The curve of a corner.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[expect(clippy::large_enum_variant, reason = "one curve is handed out at a time, in static memory")]
 enum Cornering<const AXES: usize> {
     /// Over its arc length.
     Even(CornerCurve<AXES>),
@@ -291,9 +293,9 @@ impl<const AXES: usize> Cornering<AXES> {
 
 impl<const AXES: usize> Cornering<AXES> {
     /// The next element, with its axes to be made.
-    fn next_element(&mut self, element: &mut Element<AXES>) -> Option<Draft<AXES>> {
+    fn next_element(&mut self, measure: &Measure, element: &mut Element<AXES>) -> Option<Draft<AXES>> {
         match self {
-            Self::Even(course) => course.next_element(element),
+            Self::Even(course) => course.next_element(measure, element),
             Self::Timed(timed) => timed.next_element(element),
             Self::Halves(halves) => halves.next_element(element),
         }
@@ -359,10 +361,10 @@ impl<const AXES: usize> Contouring<AXES> {
             once: false,
             is_leaving: false,
             is_made: false,
-            in_hand: InHand::NONE,
-            course: None,
-            blocks: HeldBlocks::NONE,
-            chords: Chords::NONE,
+            joining: None,
+            course: Course::None,
+            blocks: HeldBlocks::none(),
+            skipped: None,
             half: false,
             remark: None,
         }
@@ -373,7 +375,14 @@ impl<const AXES: usize> Contouring<AXES> {
     #[inline(always)]
     pub fn with(measure: Measure, settings: &Settings) -> Self {
         let Settings { parameters, on, once } = *settings;
-        Self { parameters, on, once, ..Self::new(measure, parameters.preset) }
+        Self { parameters, on, once, ..Self::new(measure, parameters.preset()) }
+    }
+
+    /// As [`Self::with`], in its place. Only when it holds nothing.
+    pub fn begin(&mut self, settings: &Settings) {
+        self.clear();
+        (self.half, self.remark) = (false, None);
+        Settings { parameters: self.parameters, on: self.on, once: self.once } = *settings;
     }
 
     /// What is in force.
@@ -392,7 +401,7 @@ impl<const AXES: usize> Contouring<AXES> {
     pub fn command(&mut self, contour: &Contour, in_motion: bool) {
         let before = self.parameters;
         self.parameters.update(contour);
-        if self.parameters != before && self.held().is_some_and(|held| held.skipped.is_some()) && !in_motion {
+        if self.parameters != before && self.left_behind().is_some() && !in_motion {
             // Blocks left out: contouring goes on up to here.
             self.cancel();
         }
@@ -414,17 +423,34 @@ impl<const AXES: usize> Contouring<AXES> {
         self.blocks.first()
     }
 
+    /// The blocks left out behind it.
+    fn left_behind(&self) -> Option<&Skipped<AXES>> {
+        self.skipped.as_ref().filter(|_| !self.is_leaving)
+    }
+
     /// See [`Self::held`].
     fn waiting(&self) -> Option<&HeldBlock<AXES>> {
         let [_, waiting, _] = self.blocks.all();
-        waiting.as_ref()
+        waiting.block()
     }
 
-    /// The block that came last, if it is held back.
-    fn last(&mut self) -> Option<&mut HeldBlock<AXES>> {
+    /// What came last has no curve at its end: the last block, if it is held back, or those left out behind it.
+    /// `stop` demands a standstill there.
+    #[inline(never)]
+    fn end(&mut self, stop: bool) {
+        let is_leaving = self.is_leaving;
         let [held, waiting, third] = self.blocks.all_mut();
-        let third = if self.is_leaving { None } else { third.as_mut() };
-        third.or(waiting.as_mut()).or(held.as_mut())
+        let third = if is_leaving { None } else { third.block_mut() };
+        if let Some(last) = third.or(waiting.block_mut()) {
+            last.rule = None;
+            last.block.data.stop |= stop;
+        } else if let (Some(skipped), false) = (&mut self.skipped, is_leaving) {
+            skipped.over = true;
+            skipped.data.stop |= stop;
+        } else if let Some(held) = held.block_mut() {
+            held.rule = None;
+            held.block.data.stop |= stop;
+        }
     }
 
     /// The block that waits comes behind the one held back: left out, part of it, or behind a corner.
@@ -435,7 +461,7 @@ impl<const AXES: usize> Contouring<AXES> {
             self.join(behind, dynamics);
         } else {
             let [_, waiting, _] = self.blocks.all_mut();
-            *waiting = None;
+            *waiting = Slot::Free;
         }
     }
 
@@ -443,26 +469,26 @@ impl<const AXES: usize> Contouring<AXES> {
     /// both.
     #[inline(never)]
     fn left_out(&mut self) -> bool {
-        let Self { blocks, measure, .. } = self;
-        let [slot, Some(next), _] = blocks.all_mut() else { return false };
-        let Some(held) = slot else { return false };
+        let Self { blocks, skipped, measure, .. } = self;
+        let [slot, Slot::Block(next), _] = blocks.all_mut() else { return false };
+        let Slot::Block(held) = slot else { return false };
         let Some(rule) = &held.rule else { return false };
         if next.rule.is_some()
-            && let Some(skipped) = held.leave_out(next, rule, measure)
+            && let Some(more) = held.leave_out(skipped.as_ref(), next, rule, measure)
         {
-            held.skipped = Some(skipped);
+            *skipped = Some(more);
             return true;
         }
-        if let Some(standing) = held.stands(next, rule, measure) {
+        if let Some(standing) = held.stands(skipped.as_ref(), next, rule, measure) {
             let from = if standing.whole { held.block.from } else { held.block.to };
             if let Ok(Some(rest)) = straight_line(&from, &next.block.to, measure) {
                 next.become_line(&from, &rest);
                 next.length = next.block.element.shape.length.to_bits();
                 next.stray = standing.stray;
-                held.skipped = None;
+                *skipped = None;
                 if standing.whole {
                     // The short one to begin with is part of it.
-                    *slot = None;
+                    *slot = Slot::Free;
                 }
             }
         }
@@ -477,38 +503,45 @@ impl<const AXES: usize> Contouring<AXES> {
         rule: Option<&Parameters>,
         dynamics: &Dynamics<AXES>,
     ) -> bool {
-        let last = match self.blocks.all_mut() {
-            [_, Some(waiting), _] => waiting,
-            [Some(held), None, _] if held.is_untouched() => held,
+        let Self { blocks, skipped, course, .. } = self;
+        let last = match blocks.all_mut() {
+            [_, Slot::Block(waiting), _] => waiting,
+            [Slot::Block(held), _, _] if held.is_untouched() && skipped.is_none() => held,
             _ => return false,
         };
-        self.chords.gather(last, (block, rule), dynamics, &self.measure)
+        if last.rule.as_ref().is_none_or(|rule| rule.chords().is_none()) {
+            return false;
+        }
+        if matches!(course, Course::None) {
+            course.gather(last.stray);
+        }
+        let Course::Gathering(chords) = course else { return false };
+        chords.gather(last, (block, rule), dynamics, &self.measure)
     }
 
     /// Whether the block held back and the next one become one.
     #[inline(never)]
     fn merges(&mut self, dynamics: &Dynamics<AXES>) -> bool {
-        let Self { blocks, measure, .. } = self;
-        let [Some(held), Some(next), _] = blocks.all_mut() else { return false };
+        let Self { blocks, skipped: None, measure, .. } = self else { return false };
+        let [Slot::Block(held), Slot::Block(next), _] = blocks.all_mut() else { return false };
         held.merge(next, dynamics, measure)
     }
 
     /// The corner between the block held back and the next one.
     #[inline(never)]
     fn join(&mut self, behind: Option<i64>, dynamics: &Dynamics<AXES>) {
-        let Self { blocks, measure, in_hand, .. } = self;
-        let [held, Some(next), _] = blocks.all_mut() else { return };
-        let Some(held) = held else {
+        let Self { blocks, skipped, measure, joining, course, .. } = self;
+        let [held, Slot::Block(next), _] = blocks.all_mut() else { return };
+        let Slot::Block(held) = held else {
             blocks.leave();
             return;
         };
         let method = held.rule.as_ref().map_or(self.parameters.method, |rule| rule.method);
         let (check_jerk, const_vel) = self.parameters.curving(method);
-        let setting = Setting { measure, check_jerk, const_vel, dynamics };
-        next.previous = held.rule.as_ref().map(|_| held.length);
-        *in_hand = InHand::Joining(Joining::new());
-        let InHand::Joining(joining) = in_hand else { return };
-        let remark = joining.go_into([held, next], behind, &setting);
+        let setting = Setting { measure, check_jerk, const_vel, dynamics, skipped: skipped.as_ref() };
+        next.previous = held.rule.as_ref().and_then(|_| NonZeroI64::new(held.length));
+        let joining = joining.insert(Joining::new());
+        let remark = joining.go_into([held, next], behind, &setting, course);
         if remark.is_some() {
             self.remark = remark;
         }
@@ -518,14 +551,12 @@ impl<const AXES: usize> Contouring<AXES> {
     /// curve. The block behind it is held back in its place.
     #[inline(never)]
     fn joined(&mut self) {
-        self.in_hand = InHand::NONE;
-        let [Some(held), ..] = self.blocks.all() else { return };
-        self.is_leaving = held.block.element.shape.length > Distance::ZERO;
-        if self.course.is_none()
-            && let Some(bridge) = held.bridge(&self.measure)
-        {
-            (self.in_hand, self.is_made) = (InHand::Made(bridge), true);
+        self.joining = None;
+        if matches!(self.course, Course::Turning(_)) {
+            self.skipped = None;
         }
+        let [Slot::Block(held), ..] = self.blocks.all() else { return };
+        self.is_leaving = held.block.element.shape.length > Distance::ZERO;
         self.blocks.leave();
         if !self.is_leaving {
             self.left();
@@ -534,25 +565,45 @@ impl<const AXES: usize> Contouring<AXES> {
 
     /// The block before a corner has gone.
     fn left(&mut self) {
-        let [.., last] = self.blocks.all_mut();
-        *last = None;
         self.is_leaving = false;
+        if self.skipped.is_some() {
+            self.bridge();
+            return;
+        }
+        let [.., last] = self.blocks.all_mut();
+        *last = Slot::Free;
+    }
+
+    /// What stands for blocks left out comes in its place.
+    #[cold]
+    #[inline(never)]
+    fn bridge(&mut self) {
+        let Self { blocks, skipped, measure, .. } = self;
+        let [.., last] = blocks.all_mut();
+        let (Some(Skipped { to, data, .. }), Some(held)) = (skipped.take(), last.block()) else { return };
+        let from = held.block.to;
+        *last = Slot::Made(Made::BLANK);
+        let Slot::Made(made) = last else { return };
+        (made.data, made.due) = (data, data.number);
+        self.is_made = line_to([&from, &to], measure, &mut made.element) == Ok(true);
     }
 
     /// The block held back, which of two that are joined is the second one.
     fn current(&self) -> Option<&HeldBlock<AXES>> {
-        if self.in_hand.is_joining() { self.waiting() } else { self.held() }
+        if self.joining.is_some() { self.waiting() } else { self.held() }
     }
 
     /// What is left of a curve that cannot be made is a line; nothing is left at its end.
     #[cold]
     #[inline(never)]
     fn go_straight(&mut self) {
-        let (Some(turning), Some(made)) = (&mut self.course, self.in_hand.made()) else { return };
+        let (Course::Turning(turning), Some((held, made))) = (&mut self.course, self.blocks.made()) else {
+            return;
+        };
         let from = turning.draft.as_ref().map_or_else(|| turning.course.stands(), |draft| *draft.from());
-        self.is_made = turning.go_straight(&from, &self.measure, made).is_some();
+        self.is_made = turning.go_straight(&from, (&held.block.data, &self.measure), made).is_some();
         if !self.is_made {
-            self.course = None;
+            self.course = Course::None;
         }
     }
 
@@ -569,7 +620,7 @@ impl<const AXES: usize> Contouring<AXES> {
         if self.is_leaving || self.is_made {
             return false;
         }
-        if self.held().is_some_and(|held| held.skipped.as_ref().is_some_and(|skipped| skipped.over)) {
+        if self.skipped.as_ref().is_some_and(|skipped| skipped.over) {
             self.let_in_skipped(dynamics);
             return true;
         }
@@ -584,27 +635,33 @@ impl<const AXES: usize> Contouring<AXES> {
     #[cold]
     #[inline(never)]
     fn let_in_skipped(&mut self, dynamics: &Dynamics<AXES>) {
-        let Self { blocks, measure, .. } = self;
-        let [held, waiting, _] = blocks.all_mut();
-        let next = held.as_mut().and_then(|held| held.behind(measure));
-        if next.is_some() {
-            let waiting = core::mem::replace(waiting, next);
+        let Self { blocks, skipped, measure, .. } = self;
+        let [held, waiting, third] = blocks.all_mut();
+        let (Some(skipped), Slot::Block(held)) = (skipped.take(), held) else { return };
+        // What waits is the third one while the corner before it is worked on.
+        *third = *waiting;
+        *waiting = Slot::Block(HeldBlock::BLANK);
+        let Slot::Block(next) = waiting else { return };
+        if held.behind(&skipped, measure, next) {
             self.enter(None, true, dynamics);
-            *self.free() = waiting;
+        } else {
+            (*waiting, *third) = (*third, Slot::Free);
         }
     }
 
     /// The place of a block that waits.
-    fn free(&mut self) -> &mut Option<HeldBlock<AXES>> {
+    fn free(&mut self) -> &mut Slot<AXES> {
         let [_, waiting, third] = self.blocks.all_mut();
-        if self.in_hand.is_joining() { third } else { waiting }
+        if self.joining.is_some() { third } else { waiting }
     }
 
     /// A block waits.
     #[inline(never)]
     fn put(&mut self, block: &ProgrammedBlock<AXES>, rule: Option<Parameters>) {
         let half = core::mem::take(&mut self.half);
-        let held = self.free().insert(HeldBlock::new(block));
+        let place = self.free();
+        *place = Slot::Block(HeldBlock::new(block));
+        let Slot::Block(held) = place else { return };
         held.rule = rule;
         if half {
             // Nearly all of it is for the one corner.
@@ -626,7 +683,9 @@ impl<const AXES: usize> Smoother<AXES> for Contouring<AXES> {
         if parting == Parting::None && self.gathers(block, rule.as_ref(), dynamics) {
             return;
         }
-        self.chords.clear();
+        if matches!(self.course, Course::Gathering(_)) {
+            self.course = Course::None;
+        }
         if let Some(waiting) = self.waiting() {
             let behind = waiting.rule.as_ref().map(|_| block.element.shape.length.to_bits());
             self.enter(behind, true, dynamics);
@@ -642,32 +701,34 @@ impl<const AXES: usize> Smoother<AXES> for Contouring<AXES> {
 
     #[inline(never)]
     fn work(&mut self, dynamics: &Dynamics<AXES>) -> bool {
-        if let (InHand::Joining(joining), [Some(held), Some(next), _]) =
-            (&mut self.in_hand, self.blocks.all_mut())
+        if let (Some(joining), [Slot::Block(held), Slot::Block(next), _]) =
+            (&mut self.joining, self.blocks.all_mut())
         {
             let method = held.rule.as_ref().map_or(self.parameters.method, |rule| rule.method);
             let (check_jerk, const_vel) = self.parameters.curving(method);
-            let setting = Setting { measure: &self.measure, check_jerk, const_vel, dynamics };
+            let skipped = self.skipped.as_ref();
+            let setting = Setting { measure: &self.measure, check_jerk, const_vel, dynamics, skipped };
             if !joining.go_on([held, next], &setting, &mut self.course) {
                 return true;
             }
             self.joined();
             return !self.is_leaving;
         }
-        let (Some(turning), Some(made)) = (&mut self.course, self.in_hand.made()) else {
+        let Course::Turning(turning) = &mut self.course else {
             return self.let_in(dynamics);
         };
         // The block before the corner, or an element that is made.
         if self.is_leaving || (self.is_made && turning.draft.is_none()) {
             return false;
         }
+        let Some((held, made)) = self.blocks.made() else { return false };
         if !self.is_made {
-            self.is_made = turning.begin(made).is_some();
+            self.is_made = turning.begin(&held.block.data, &self.measure, made).is_some();
         }
         if self.is_made && turning.go_on(&mut made.element).is_some() {
             let goes_on = turning.draft.is_some();
             if turning.is_done() {
-                self.course = None;
+                self.course = Course::None;
             }
             // What is made goes out in the same call.
             return goes_on;
@@ -678,42 +739,39 @@ impl<const AXES: usize> Smoother<AXES> for Contouring<AXES> {
 
     fn emit(&mut self, into: impl FnOnce(&Smoothed<'_, AXES>)) -> bool {
         if self.is_leaving {
-            if let [.., Some(held)] = self.blocks.all() {
+            if let [.., Slot::Block(held)] = self.blocks.all() {
                 into(&held.smoothed());
             }
             self.left();
             return true;
         }
-        let Some(made) = self.in_hand.made() else { return false };
-        if self.is_made {
+        if self.joining.is_some() {
+            return false;
+        }
+        let [slot, _, last] = self.blocks.all_mut();
+        if let (true, Slot::Made(made)) = (self.is_made, last) {
             into(&made.smoothed());
             self.is_made = false;
             return true;
         }
-        let [slot, ..] = self.blocks.all_mut();
-        let Some(held) = slot.as_ref().filter(|held| held.rule.is_none()) else { return false };
+        let Some(held) = slot.block().filter(|held| held.rule.is_none()) else { return false };
         into(&held.smoothed());
-        *slot = None;
+        *slot = Slot::Free;
         true
     }
 
     fn flush(&mut self, stop: bool) {
-        if let Some(last) = self.last() {
-            last.end();
-            last.skipped.as_mut().map_or(&mut last.block.data, |skipped| &mut skipped.data).stop |= stop;
-        }
+        self.end(stop);
     }
 
     fn cancel(&mut self) {
-        if let Some(last) = self.last() {
-            last.end();
-        }
+        self.end(false);
     }
 
     fn restart(&mut self) {
         self.clear();
         (self.on, self.remark) = (false, None);
-        self.parameters = Parameters::new(self.parameters.preset);
+        self.parameters = Parameters::new(self.parameters.preset());
     }
 
     fn place(&self) -> Option<Place> {
@@ -721,13 +779,11 @@ impl<const AXES: usize> Smoother<AXES> for Contouring<AXES> {
     }
 
     fn clear(&mut self) {
-        for block in self.blocks.all_mut() {
-            *block = None;
+        for place in self.blocks.all_mut() {
+            *place = Slot::Free;
         }
-        (self.is_leaving, self.is_made, self.course) = (false, false, None);
-        if self.in_hand.is_joining() {
-            self.in_hand = InHand::NONE;
-        }
+        (self.is_leaving, self.is_made, self.joining, self.skipped) = (false, false, None, None);
+        self.course = Course::None;
         self.once = false;
     }
 
@@ -747,9 +803,14 @@ impl<const AXES: usize> Smoother<AXES> for Contouring<AXES> {
 
     fn rounds(&self) -> bool {
         let [held, waiting, third] = self.blocks.all();
-        let third = if self.is_leaving { None } else { third.as_ref() };
-        let last = third.or(waiting.as_ref()).or(held.as_ref());
-        last.is_some_and(|last| last.goes_on())
+        let third = if self.is_leaving { None } else { third.block() };
+        match third.or(waiting.block()) {
+            Some(last) => last.rule.is_some(),
+            None => {
+                held.block().is_some_and(|held| held.rule.is_some())
+                    && self.left_behind().is_none_or(|skipped| !skipped.over)
+            }
+        }
     }
 
     fn holds(&self) -> bool {

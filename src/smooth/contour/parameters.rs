@@ -37,8 +37,9 @@ pub struct Parameters {
     pub share: f32,
     /// CHECK_JERK, and what it is where a method has no such keyword.
     pub check_jerk: u8,
-    /// See there.
-    pub preset: Preset,
+    check_jerk_preset: u8,
+    /// Part of the tolerance that chords may have.
+    chords: f32,
     /// Sine of half of MAX_ANGLE.
     pub max_angle: f32,
     /// CONST_VEL.
@@ -61,8 +62,9 @@ pub struct Parameters {
     pub merge: bool,
     /// PTP: which of PATH_DEV and PATH_DIST was given since it was chosen.
     pub given: [bool; 2],
-    /// Interim point; where it is not given, the corner's coordinate.
-    pub point: [Option<Position>; 3],
+    /// Interim point, where it is given; else the corner's coordinate.
+    point: [Position; 3],
+    pointed: [bool; 3],
     /// Where functions between the blocks come out.
     pub action: ContourAction,
 }
@@ -96,7 +98,8 @@ impl Parameters {
             relevant_track: 0.0,
             share: 0.5,
             check_jerk: preset.check_jerk,
-            preset,
+            check_jerk_preset: preset.check_jerk,
+            chords: preset.chords,
             max_angle: half_sine(Position::const_from_int(178)),
             const_vel: false,
             dist: [1.0; 2],
@@ -108,7 +111,8 @@ impl Parameters {
             dist_weight: 0.0,
             merge: true,
             given: [false; 2],
-            point: [None; 3],
+            point: [Position::ZERO; 3],
+            pointed: [false; 3],
             action: ContourAction::Inter,
         }
     }
@@ -171,17 +175,31 @@ impl Parameters {
         let [pre, post] = &mut self.dist;
         set(pre, contour.pre_dist);
         set(post, contour.post_dist);
-        for (own, value) in self.point.iter_mut().zip(contour.point) {
-            if value.is_some() {
-                *own = value;
+        for ((own, given), value) in self.point.iter_mut().zip(&mut self.pointed).zip(contour.point) {
+            if let Some(value) = value {
+                (*own, *given) = (value, true);
             }
         }
+    }
+
+    /// The interim point; `None` where it is not given.
+    pub(super) fn point(&self) -> [Option<Position>; 3] {
+        let mut point = self.point.map(Some);
+        for (point, given) in point.iter_mut().zip(self.pointed) {
+            *point = point.filter(|_| given);
+        }
+        point
+    }
+
+    /// What the machine data say.
+    pub(super) const fn preset(&self) -> Preset {
+        Preset { check_jerk: self.check_jerk_preset, chords: self.chords }
     }
 
     /// What counts by a method: a keyword that it does not have keeps its value for those that do, and is
     /// here as if it had never been given.
     pub(super) fn by(&self, method: ContourMethod) -> Self {
-        let unset = Self::new(self.preset);
+        let unset = Self::new(self.preset());
         let mut own = Self { method, ..*self };
         (own.check_jerk, own.const_vel) = self.curving(method);
         if !matches!(method, ContourMethod::Dev | ContourMethod::Dist) {
@@ -202,7 +220,7 @@ impl Parameters {
         if matches!(method, ContourMethod::Dev | ContourMethod::Dist | ContourMethod::Pos) {
             (self.check_jerk, self.const_vel)
         } else {
-            (self.preset.check_jerk, false)
+            (self.check_jerk_preset, false)
         }
     }
 

@@ -16,7 +16,6 @@ use super::corner_curve::EVEN;
 use super::curve::{Main, aside, plus, size};
 use super::halves::Halves;
 use crate::math::float::{magnitude, max, min, to_f32, to_i64};
-use crate::path::poly::Knot;
 use crate::quantity::Position;
 
 /// The form of the curve, for a distance of 1.
@@ -39,6 +38,9 @@ const LENGTH: [f32; 5] = [-0.514_288_7, -0.332_221_84, -0.080_998_49, -0.037_167
 const ABOVE: f32 = 0.0067;
 
 impl<const AXES: usize> Symmetric<AXES> {
+    /// Of no corner yet.
+    pub const NONE: Self = Self { along: [0.0; AXES], across: [0.0; AXES], cosine: 0.0, speed: 0.0 };
+
     /// Of a corner between lines, with nothing left out, where the path is that in space.
     pub fn new(corner: &Corner<'_, AXES>) -> Self {
         let (t1, t2) = (corner.before.tangent(), corner.behind.tangent());
@@ -84,10 +86,10 @@ impl<const AXES: usize> Symmetric<AXES> {
         self.cosine >= LEAST_COSINE
     }
 
-    /// The curve between two knots at the distance `c`.
-    #[cfg_attr(feature = "fast", inline(always))]
-    pub fn curve(&self, c: f32, from: &Knot<AXES>, to: &Knot<AXES>) -> Halves<AXES> {
-        let mut middle = *from;
+    /// Makes the curve between the knots of `halves` at the distance `c`.
+    pub fn curve(&self, c: f32, halves: &mut Halves<AXES>) {
+        let Halves { from, middle, to, .. } = halves;
+        *middle = *from;
         let (v, per) = (c * self.speed, 0.5 / self.cosine);
         let end = middle.end.tangent.iter_mut().zip(&mut middle.end.curvature);
         let knots = middle.position.iter_mut().zip(end).zip(to.position.iter().zip(&to.end.tangent));
@@ -99,7 +101,6 @@ impl<const AXES: usize> Symmetric<AXES> {
             *curvature = 3.0 * n / v;
         }
         let above = min(ABOVE * (1.0 - self.cosine), EVEN);
-        let (length, fastest) = (c * self.half(), 1.0 + above + 1e-6);
-        Halves { from: *from, middle, to: *to, length, fastest, third: None, done: 0 }
+        (halves.length, halves.fastest) = (c * self.half(), 1.0 + above + 1e-6);
     }
 }

@@ -37,9 +37,26 @@ use crate::math::float::{max, min, to_i64};
 use crate::math::wide::mul_shift;
 use crate::nc::{NcWarningKind, Place};
 use crate::path::poly::{Draft, Knot};
-use crate::path::{Element, Measure, Passage, line};
+use crate::path::{Element, Measure, Passage, line_to};
 use crate::quantity::Position;
 use crate::smooth::{Data, Form, Parting, ProgrammedBlock, Smoothed, Smoother, middle};
+
+/// A line as a block of its own, in its place. Whether there is one.
+#[inline(never)]
+fn lay<const AXES: usize>(
+    place: &mut Option<(ProgrammedBlock<AXES>, Parting)>,
+    [from, to]: [&[Position; AXES]; 2],
+    data: Data,
+    measure: &Measure,
+) -> bool {
+    let block = ProgrammedBlock { element: Element::BLANK, from: *from, to: *to, form: Form::Line, data };
+    let (block, _) = place.insert((block, Parting::None));
+    let made = line_to([from, to], measure, &mut block.element) == Ok(true);
+    if !made {
+        *place = None;
+    }
+    made
+}
 
 /// An element on its way out.
 #[derive(Clone, Copy, Debug)]
@@ -158,7 +175,9 @@ impl<const AXES: usize> Surface<AXES> {
             self.window.hurry();
             return true;
         }
-        let Some(source) = self.source.filter(|source| !source.exact && self.ending.is_none()) else {
+        // By reference: a source is large.
+        let Some(source) = self.source.as_ref().filter(|source| !source.exact && self.ending.is_none())
+        else {
             if self.ending.is_none() && self.source.is_some() && self.pending.is_some() {
                 self.ending = Some(false);
             }
@@ -211,8 +230,8 @@ impl<const AXES: usize> Surface<AXES> {
             self.push(Some(&next), marks);
         }
         self.pending = Some(next);
-        self.place = source.block.data.place;
         if let Some(source) = &mut self.source {
+            self.place = source.block.data.place;
             source.go_on(&next.to);
         }
         self.finish_source()
@@ -228,14 +247,15 @@ impl<const AXES: usize> Surface<AXES> {
         turn > SHARPEST && (is_arc || !self.parameters.is_beyond(turn))
     }
 
-    /// What is left of the last line, in the middle of which the row ends, if the next block makes an edge with
-    /// it: half of it, or all of it where the row has nothing else. And whether it is half. Only where a block may
+    /// The `rest` of the last line, in the middle of which the row ends, if the next block makes an edge with
+    /// it: half of it, or all of it where the row has nothing else. Whether it is half. Only where a block may
     /// be taken.
     pub(super) fn leave(
         &mut self,
         block: &ProgrammedBlock<AXES>,
         dynamics: &Dynamics<AXES>,
-    ) -> Option<(ProgrammedBlock<AXES>, bool)> {
+        rest: &mut Option<(ProgrammedBlock<AXES>, Parting)>,
+    ) -> Option<bool> {
         let pending = self.pending.as_mut().filter(|_| self.ending.is_none())?;
         let edges = Edges { parameters: &self.parameters, space: self.window.space };
         if !edges.parts(pending, block, dynamics) {
@@ -243,17 +263,18 @@ impl<const AXES: usize> Surface<AXES> {
         }
         let alone = self.window.len() == 0;
         let from = if alone { pending.from } else { middle(&pending.from, &pending.to) };
-        let element = line(&from, &pending.to, &self.measure).ok()??;
         let Programmed { feed, n, number } = pending.programmed;
         let data = Data { feed, n, place: self.place, number, stop: false };
-        let rest = ProgrammedBlock { element, from, to: pending.to, form: Form::Line, data };
+        if !lay(rest, [&from, &pending.to], data, &self.measure) {
+            return None;
+        }
         if alone {
             self.pending = None;
         } else {
             (pending.to, pending.length, pending.half) = (from, 0.5 * pending.length, true);
             self.ending = Some(false);
         }
-        Some((rest, !alone))
+        Some(!alone)
     }
 
     /// Takes the second half of a line, in the middle of which the row begins.
@@ -271,7 +292,7 @@ impl<const AXES: usize> Surface<AXES> {
 
     /// The block at hand may have gone on as a whole.
     fn finish_source(&mut self) -> bool {
-        if let Some(source) = self.source.filter(|source| source.is_over) {
+        if let Some(source) = self.source.as_ref().filter(|source| source.is_over) {
             if source.block.data.stop {
                 self.ending = Some(true);
             }
@@ -295,7 +316,7 @@ impl<const AXES: usize> Surface<AXES> {
 
     /// Makes the next element, or a part of it. `false` if more has to be known.
     fn advance(&mut self, dynamics: &Dynamics<AXES>) -> bool {
-        let Some(front) = self.front else {
+        let Some(front) = &self.front else {
             if self.window.checked < 2 {
                 return false;
             }
@@ -323,8 +344,8 @@ impl<const AXES: usize> Surface<AXES> {
             return false;
         };
         // One after the other: each has much on the stack.
-        let is_done = aim.is_straight && self.go_straight(&front, &aim);
-        if !is_done && !self.bend(&front, &aim, dynamics) {
+        let is_done = aim.is_straight && self.go_straight(&aim);
+        if !is_done && !self.bend(&aim, dynamics) {
             self.give_up();
         }
         true
@@ -344,47 +365,76 @@ impl<const AXES: usize> Surface<AXES> {
 
     /// A line, where nothing turns. `false`: the polygon itself may leave the tolerance, and what is there is narrowed.
     #[inline(never)]
-    fn go_straight(&mut self, front: &Front<AXES>, aim: &Aim) -> bool {
-        let spot = self.window.advance(&front.spot, aim.way);
-        let made = self.window.knot(&spot, &self.measure).and_then(|knot| {
-            let mut straight = Straight::new(&front.knot.position, &knot.position);
-            let main = self.window.space.0;
-            if !self.is_inside(&front.spot, &spot, |chord| straight.keeps(chord, main)) {
-                return None;
-            }
-            let element = line(&front.knot.position, &knot.position, &self.measure).ok()??;
-            // But for rounding it has the direction of the polygon.
-            Some((Knot { end: element.exit, ..knot }, element))
-        });
-        let Some((knot, element)) = made else { return false };
-        let (data, due) = self.data(&front.spot, &spot);
+    fn go_straight(&mut self, aim: &Aim) -> bool {
+        let Some(front) = &self.front else { return false };
+        let from = front.spot;
+        let spot = self.window.advance(&from, aim.way);
+        let Some(mut knot) = self.window.knot(&spot, &self.measure) else { return false };
+        let mut straight = Straight::new(&front.knot.position, &knot.position);
+        let main = self.window.space.0;
+        if !self.is_inside(&from, &spot, |chord| straight.keeps(chord, main)) {
+            return false;
+        }
+        let begin = front.knot.position;
+        let data = self.data(&from, &spot);
+        self.make(data);
+        let Some(made) = &mut self.made else { return false };
+        if line_to([&begin, &knot.position], &self.measure, &mut made.element) != Ok(true) {
+            self.made = None;
+            return false;
+        }
+        // But for rounding it has the direction of the polygon.
+        knot.end = made.element.exit;
         self.behind.way += aim.way;
-        self.made = Some(Made { element, data, due, curve: None, draft: None });
-        self.reach(Front { spot, knot });
+        self.reach(spot, &knot);
         true
     }
 
     /// A cell. `false`: there is none.
     #[inline(never)]
-    fn bend(&mut self, front: &Front<AXES>, aim: &Aim, dynamics: &Dynamics<AXES>) -> bool {
+    fn bend(&mut self, aim: &Aim, dynamics: &Dynamics<AXES>) -> bool {
+        let Some(front) = &self.front else { return false };
+        let from = front.spot;
         let way = aim.way / f32::from(1u8 << self.tried.halved.min(HALVED));
-        let spot = self.window.advance(&front.spot, way);
-        match self.cell(front, &spot) {
-            Some((knot, element, draft)) => {
-                let (data, due) = self.data(&front.spot, &spot);
-                let curve = Some(self.near(&front.spot, way, data.feed.is_none(), dynamics));
-                self.made = Some(Made { element, data, due, curve, draft: Some(draft) });
-                self.reach(Front { spot, knot });
+        let spot = self.window.advance(&from, way);
+        let mut knot = Knot::BLANK;
+        let shape = self.cell(front, &spot, &mut knot);
+        if shape.is_some_and(|shape| self.begin(&spot, &knot, shape)) {
+            let rapid = self.made.as_ref().is_some_and(|made| made.data.feed.is_none());
+            let near = self.near(&from, way, rapid, dynamics);
+            if let Some(made) = &mut self.made {
+                made.curve = Some(near);
             }
-            None if self.tried.halved < HALVED => self.tried.halved += 1,
-            None if self.tried.narrowed < NARROWED => {
-                self.tried.halved = 0;
-                self.tried.narrowed += 1;
-                self.narrow(&front.spot, aim.way);
-            }
-            None => return false,
+            self.reach(spot, &knot);
+        } else if self.tried.halved < HALVED {
+            self.tried.halved += 1;
+        } else if self.tried.narrowed < NARROWED {
+            self.tried.halved = 0;
+            self.tried.narrowed += 1;
+            self.narrow(&from, aim.way);
+        } else {
+            return false;
         }
         true
+    }
+
+    /// An element from the front to a knot begins, of this length and at most so much faster than its path. Whether
+    /// it can be made.
+    #[inline(never)]
+    fn begin(&mut self, spot: &Spot, knot: &Knot<AXES>, [length, fastest]: [f32; 2]) -> bool {
+        let Some(from) = self.front.as_ref().map(|front| front.spot) else { return false };
+        let data = self.data(&from, spot);
+        let steady = self.window.is_near_step(&from, length);
+        self.make(data);
+        let (Some(made), Some(front)) = (&mut self.made, &self.front) else { return false };
+        made.draft = Draft::begin(&mut made.element, [&front.knot, knot], length, fastest);
+        if let Some(bounds) = &mut made.element.bounds {
+            bounds.passage = if steady { Passage::Steady } else { Passage::Flowing };
+        }
+        if made.draft.is_none() {
+            self.made = None;
+        }
+        self.made.is_some()
     }
 
     /// The sharp turn in an element of that length, or the nearer one of those beside it.
@@ -407,26 +457,21 @@ impl<const AXES: usize> Surface<AXES> {
         self.behind
     }
 
-    /// The cell from the front to a place, if it is inside the tolerance.
-    fn cell(&self, front: &Front<AXES>, spot: &Spot) -> Option<(Knot<AXES>, Element<AXES>, Draft<AXES>)> {
-        let knot = self.window.knot(spot, &self.measure)?;
+    /// The cell from the front to a place, if it is inside the tolerance: its `knot` there, its length, and how much
+    /// faster than its path it may be.
+    #[inline(never)]
+    fn cell(&self, front: &Front<AXES>, spot: &Spot, knot: &mut Knot<AXES>) -> Option<[f32; 2]> {
+        *knot = self.window.knot(spot, &self.measure)?;
         let space = |d: &[f32; AXES]| self.window.length(d);
         let length = self.window.way(&front.spot, spot);
-        let mut hull = Hull::new(&front.knot, &knot, length)?;
+        let mut hull = Hull::new(&front.knot, knot, length)?;
         let fastest = max(hull.fastest(length, space), 1.0);
         if !(fastest < FASTEST && length > 0.0) {
             return None;
         }
         let (origin, main) = (&front.knot.position, self.window.space.0);
-        if !self.is_inside(&front.spot, spot, |chord| hull.keeps(origin, chord, main)) {
-            return None;
-        }
-        let (mut element, draft) = Draft::new(&front.knot, &knot, length, fastest)?;
-        if let Some(bounds) = &mut element.bounds {
-            let steady = self.window.is_near_step(&front.spot, length);
-            bounds.passage = if steady { Passage::Steady } else { Passage::Flowing };
-        }
-        Some((knot, element, draft))
+        let inside = self.is_inside(&front.spot, spot, |chord| hull.keeps(origin, chord, main));
+        inside.then_some([length, fastest])
     }
 
     /// Whether all of an element is inside the tolerance: `keeps` looks at one chord beside it after the other.
@@ -488,23 +533,24 @@ impl<const AXES: usize> Surface<AXES> {
     }
 
     /// The front is there now; what lies far behind is forgotten.
-    fn reach(&mut self, mut front: Front<AXES>) {
+    #[inline(never)]
+    fn reach(&mut self, mut spot: Spot, knot: &Knot<AXES>) {
         (self.tried, self.waits) = (Tried::NOTHING, None);
         let widest = self.parameters.widest();
         if self.window.reach < widest {
             self.window.reach = min(widest, self.window.reach * 1.02);
         }
-        while front.spot.vertex > 0
+        while spot.vertex > 0
             && let Some(first) = self.window.get(0)
         {
-            let way = self.window.since(&front.spot, 0);
+            let way = self.window.since(&spot, 0);
             if first.width > way {
                 break;
             }
             self.window.pop();
-            front.spot.vertex -= 1;
+            spot.vertex -= 1;
         }
-        self.front = Some(front);
+        self.front = Some(Front { spot, knot: *knot });
     }
 
     /// Kernels that reach the next element become narrower.
@@ -541,11 +587,14 @@ impl<const AXES: usize> Surface<AXES> {
         let at = self.window.get(next).map(|vertex| vertex.at);
         let start =
             self.front.map(|front| front.knot.position).or(self.window.get(from.vertex).map(|v| v.at));
-        if let (Some(start), Some(at)) = (start, at)
-            && let Ok(Some(element)) = line(&start, &at, &self.measure)
-        {
-            let (data, due) = self.data(&from, &Spot { vertex: next, x: 0.0 });
-            self.made = Some(Made { element, data, due, curve: None, draft: None });
+        if let (Some(start), Some(at)) = (start, at) {
+            let data = self.data(&from, &Spot { vertex: next, x: 0.0 });
+            self.make(data);
+            let made = self.made.as_mut();
+            let line = made.map(|made| line_to([&start, &at], &self.measure, &mut made.element));
+            if line != Some(Ok(true)) {
+                self.made = None;
+            }
         }
         (self.tried, self.waits) = (Tried::NOTHING, None);
         self.front = None;
@@ -559,16 +608,33 @@ impl<const AXES: usize> Surface<AXES> {
     /// A cell that cannot be made becomes a line. That does not come: a cell in the range of a hull is made.
     #[cold]
     #[inline(never)]
-    fn replace(&mut self, draft: &Draft<AXES>) {
+    fn replace(&mut self, from: &[Position; AXES]) {
         let Some(made) = &mut self.made else { return };
-        made.draft = None;
-        if let Some(front) = &self.front
-            && let Ok(Some(element)) = line(draft.from(), &front.knot.position, &self.measure)
-        {
-            (made.element, made.curve) = (element, None);
-        } else {
+        (made.draft, made.curve) = (None, None);
+        let line = self
+            .front
+            .as_ref()
+            .map(|front| line_to([from, &front.knot.position], &self.measure, &mut made.element));
+        if line != Some(Ok(true)) {
             self.made = None;
         }
+    }
+
+    /// The block at hand goes on as it is.
+    #[inline(never)]
+    fn pass(&mut self) {
+        if let Some(source) = &self.source {
+            let ProgrammedBlock { element, data, .. } = &source.block;
+            let (element, data, due) = (*element, *data, data.number);
+            self.made = Some(Made { element, data, due, curve: None, draft: None });
+        }
+        (self.source, self.ending) = (None, None);
+    }
+
+    /// An element is to be made.
+    #[inline(never)]
+    fn make(&mut self, (data, due): (Data, u32)) {
+        self.made = Some(Made { element: Element::BLANK, data, due, curve: None, draft: None });
     }
 }
 
@@ -601,8 +667,8 @@ impl<const AXES: usize> Smoother<AXES> for Surface<AXES> {
                 // What is made goes out in the same call.
                 return !draft.is_done();
             }
-            let draft = *draft;
-            self.replace(&draft);
+            let from = *draft.from();
+            self.replace(&from);
             return true;
         }
         if self.window.len() > 0
@@ -617,11 +683,9 @@ impl<const AXES: usize> Smoother<AXES> for Surface<AXES> {
         }
         if self.window.len() == 0
             && self.pending.is_none()
-            && let Some(source) = self.source.filter(|source| source.exact)
+            && self.source.as_ref().is_some_and(|source| source.exact)
         {
-            let ProgrammedBlock { element, data, .. } = source.block;
-            self.made = Some(Made { element, data, due: data.number, curve: None, draft: None });
-            (self.source, self.ending) = (None, None);
+            self.pass();
             return true;
         }
         self.feed()
