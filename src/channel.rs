@@ -195,7 +195,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
             return Ok(self.change_filters());
         }
         if let Some(held) = self.held {
-            return Ok(self.output(held));
+            return Ok(self.output_held(held));
         }
         if !self.beside.is_free() && (self.beside.pending.is_some() || self.source != Source::Open) {
             return self.wait_beside();
@@ -549,15 +549,20 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         };
         let Held { n, function, in_motion } = held;
         if self.planning.output(n, function, synch, in_motion).is_err() {
-            // Motion and acknowledgements make room: let all of it run.
             self.held = Some(held);
-            return if self.planning.make_room() == Work::Waiting {
-                Progress::Waiting
-            } else {
-                Progress::Working
-            };
         }
         Progress::Working
+    }
+
+    /// The same of a function that there was no room for: motion and acknowledgements make some. Not at once in
+    /// [`Self::output`], which has the command on the stack.
+    #[inline(never)]
+    fn output_held(&mut self, held: Held) -> Progress {
+        let progress = self.output(held);
+        if self.held.is_some() && self.planning.make_room() == Work::Waiting {
+            return Progress::Waiting;
+        }
+        progress
     }
 }
 
