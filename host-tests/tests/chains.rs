@@ -37,10 +37,11 @@ fn case(name: &'static str, [cycle_us, ramp_us, look_ahead]: [u32; 3], slope: u8
     Case { name, machine: machine(cycle_us, ramp_us, look_ahead, slope), program, slower }
 }
 
-/// Chains with every slope, and a long block whose ramps alone have too many pieces.
+/// Chains with every slope, and a long block whose ramps have more pieces than places: those that go on as the piece
+/// before take a quarter of one. Without room for them in a small build: `host-tests/without`.
 fn cases() -> Vec<Case> {
     let mut cases =
-        vec![case("long", [100, 1_500_000, 120], 1, true), case("long", [100, 1_500_000, 120], 3, true)];
+        vec![case("long", [100, 1_500_000, 120], 1, false), case("long", [100, 1_500_000, 120], 3, false)];
     for slope in 0..4 {
         let slower = slope == 1 || slope == 2;
         cases.push(case("zigzag", [1000, 50_000, 120], slope, slower));

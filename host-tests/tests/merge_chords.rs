@@ -143,7 +143,8 @@ fn whatever_belongs_to_a_point_ends_the_line_there() {
     let mut apart = machine;
     apart.channel.merge_chords = 0;
     let same = |word: &str| {
-        let text = circle(100, 50.0, &on(0.5), 1, word);
+        // As many functions as there is room for: where it is used up, how far the look-ahead reaches is another matter.
+        let text = circle(30, 5.0, &on(0.5), 1, word);
         go(&text, &machine).digest == go(&text, &apart).digest
     };
     for word in ["M25", "F300@", "#CONTOUR MODE [DEV PATH_DEV=0.@1]", "G04 0.01"] {

@@ -169,9 +169,10 @@ fn slim(figures: &Figures, text: &mut String) {
         text,
         "\n## Lines, arcs and contour mode alone\n\n\
          Built with the feature `contour` of the library and no other, `opt-level = \"z\"` and the compiler's own measure for what to inline. Its programs \
-         have the\nset points of the host, which has all functions; no panicking path is left.\n\n\
-         | flash | tick max | without contour mode | planner per block | channel, 3 axes, 30 blocks | and stack | channel, 120 blocks | and stack |\n\
-         |---:|---:|---:|---:|---:|---:|---:|---:|\n|"
+         have the\nset points of a host built alike, those without curves at corners also of the host that has all functions; no panicking path is left. The \
+         stack is\nthat of start and planner calls together, with the `Planner` on it.\n\n\
+         | flash | tick max | without contour mode | planner per block | channel, 3 axes, 30 blocks | and stack | channel, 120 blocks | and stack | per block |\n\
+         |---:|---:|---:|---:|---:|---:|---:|---:|---:|\n|"
     );
     for key in [
         "flash",
@@ -182,10 +183,18 @@ fn slim(figures: &Figures, text: &mut String) {
         "ram_total_3x30",
         "ram_channel_3x120",
         "ram_total_3x120",
+        "ram_bytes_per_block",
     ] {
         let _ = write!(text, " {} |", get(key));
     }
-    *text += "\n";
+    let bound = |call: &str| get(&format!("stack_bound_{call}"));
+    let _ = writeln!(
+        text,
+        "\n\nBounds of its stack: {} bytes for the start, {} for a planner call, {} for the interrupt.",
+        bound("start"),
+        bound("poll"),
+        bound("interrupt"),
+    );
 }
 
 /// How to say whether a goal is reached.

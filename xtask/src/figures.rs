@@ -9,7 +9,7 @@ use std::fmt::Write;
 use std::path::PathBuf;
 
 /// Hard limits of the project, whatever is accepted: key, largest value.
-pub(crate) const LIMITS: [(&str, u64); 43] = [
+pub(crate) const LIMITS: [(&str, u64); 44] = [
     ("total.block_mean_plain_3_axes", 7600),
     ("total.block_mean_3_axes", 12_000),
     ("case.surface.block_mean", 20_000),
@@ -37,8 +37,9 @@ pub(crate) const LIMITS: [(&str, u64); 43] = [
     ("case.cam.decode_mean", 2500),
     ("flash.reference", 489 * 1024),
     ("slim.flash", 244 * 1024),
-    ("slim.ram_total_3x30", 41 * 1024),
-    ("slim.ram_total_3x120", 60 * 1024),
+    ("slim.ram_total_3x30", 30 * 1024),
+    ("slim.ram_total_3x120", 44 * 1024),
+    ("slim.ram_bytes_per_block", 136),
     ("slim.stack_bound_start", 4352),
     ("slim.stack_bound_poll", 4096),
     ("slim.stack_bound_interrupt", 1024),
@@ -62,14 +63,12 @@ pub(crate) const STACK_FREE: u64 = 8192;
 pub(crate) const RAM: u64 = 128 * 1024;
 
 /// What is aimed at and not reached yet: said at every run; the accepted table keeps it from getting worse.
-pub(crate) const GOALS: [(&str, u64); 7] = [
+pub(crate) const GOALS: [(&str, u64); 5] = [
     ("case.hsc_opt.block_mean", 8000),
     ("total.block_mean_plain_3_axes", 6000),
     ("case.short_arcs.block_mean", 8000),
     ("ram.bytes_per_block_3_axes", 160),
     ("flash.reference", 256 * 1024),
-    ("slim.ram_total_3x30", 30_720),
-    ("slim.ram_total_3x120", 45_056),
 ];
 
 /// Programs in contour mode, with curves in corners.

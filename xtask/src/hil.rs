@@ -249,6 +249,9 @@ fn slim(firmware: &Firmware) -> Result<BTreeMap<String, u64>, String> {
             set("total", row.channel + row.depth);
         }
     }
+    if let [Some(few), Some(many)] = [30, 120].map(|n| figures.get(&format!("slim.ram_channel_3x{n}"))) {
+        figures.insert("slim.ram_bytes_per_block".into(), (many - few).div_ceil(90));
+    }
     alike_small(&host::slim()?, &runs)?;
     let full: Vec<HostRun> = host::slim_all()?.into_iter().filter(|run| !is_contour(run.name)).collect();
     let curveless: Vec<&TargetRun> = runs.iter().filter(|run| !is_contour(&run.name)).collect();
