@@ -310,16 +310,11 @@ pub(super) unsafe fn write<const AXES: usize>(
     base: &[Position; AXES],
     (n, block): (u32, u16),
 ) {
-    let bent = shape.bent();
-    let kind = match bent {
-        Bent::Line => LINE,
-        Bent::Arc(_) => ARC,
-        Bent::Poly(power, _) if power.iter().all(|[_, _, c4, c5]| c4 | c5 == 0) => CUBIC,
-        Bent::Poly(..) => POLY,
-    };
     let Linear { gain, shift } = shape.linear();
     // SAFETY: nobody has the slots, says the caller.
     unsafe {
+        let kind =
+            if shape.is_line() { LINE } else { write_part::<AXES>(part_of(place).cast_mut(), shape) };
         (*(*place).0.get()).segment = Segment {
             length: shape.length.to_bits(),
             gain: *gain,
@@ -333,25 +328,26 @@ pub(super) unsafe fn write<const AXES: usize>(
             let segment = &raw mut (*part.0.get()).segment;
             ((*segment).block, (*segment).form) = (block, PART);
         }
-        if kind != LINE {
-            write_part::<AXES>(part_of(place).cast_mut(), bent);
-        }
     }
 }
 
-/// Writes what comes to the linear part. Not inlined: lines would pay for it.
+/// Writes what comes to the linear part; the kind of the curve. Not inlined: lines would pay for it.
 ///
 /// # Safety
 /// There is room for a part, and nobody reads or writes it.
 #[inline(never)]
-unsafe fn write_part<const AXES: usize>(part: *mut u32, bent: Bent<'_, AXES>) {
+unsafe fn write_part<const AXES: usize>(part: *mut u32, shape: &Shape<AXES>) -> u8 {
     // SAFETY: the caller says so; slots and parts are aligned to words.
     unsafe {
-        match bent {
-            Bent::Line => {}
-            Bent::Arc(arc) => *part.cast::<Arc>() = *arc,
+        match shape.bent() {
+            Bent::Line => LINE,
+            Bent::Arc(arc) => {
+                *part.cast::<Arc>() = *arc;
+                ARC
+            }
             Bent::Poly(power, down) => {
                 *part.cast::<Poly<AXES>>() = Poly { power: *power, down: *down };
+                if power.iter().all(|[_, _, c4, c5]| c4 | c5 == 0) { CUBIC } else { POLY }
             }
         }
     }
