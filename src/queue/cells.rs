@@ -215,7 +215,7 @@ impl<'a, const AXES: usize> Track<'a, AXES> {
             // SAFETY: it is one.
             unsafe { self.arc() }.add(w, out);
         }
-        linear.add(w, out);
+        linear.add(w, base, out);
     }
 
     /// The same, not for the tick: as a call, so that the curve is not on the caller's stack.
