@@ -420,7 +420,7 @@ impl<const AXES: usize> Linear<'_, AXES> {
 }
 
 /// Adds a polynomial at `w` that is a cubic, to the last bit as [`add_poly`]. Runs in the tick.
-#[inline(never)]
+#[inline(always)]
 pub(crate) fn add_cubic<const AXES: usize>(
     w: i64,
     gain: &[i64; AXES],
@@ -436,8 +436,8 @@ pub(crate) fn add_cubic<const AXES: usize>(
     }
 }
 
-/// Adds a polynomial at `w`. Not inlined: lines would pay for its registers. Runs in the tick.
-#[inline(never)]
+/// Adds a polynomial at `w`. Runs in the tick.
+#[inline(always)]
 pub(crate) fn add_poly<const AXES: usize>(
     w: i64,
     gain: &[i64; AXES],

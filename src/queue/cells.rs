@@ -202,12 +202,12 @@ impl<'a, const AXES: usize> Track<'a, AXES> {
         let w = linear.w(distance);
         *out = *base;
         if form & CUBIC != 0 {
-            // SAFETY: it is what its kind says.
+            // SAFETY: so says its kind.
             return unsafe {
                 if form & KIND == POLY {
-                    add_poly(w, linear.gain, self.poly(), out);
+                    Self::add_bent::<false>(self.place, w, out);
                 } else {
-                    add_cubic(w, linear.gain, self.poly(), out);
+                    Self::add_bent::<true>(self.place, w, out);
                 }
             };
         }
@@ -216,6 +216,24 @@ impl<'a, const AXES: usize> Track<'a, AXES> {
             unsafe { self.arc() }.add(w, out);
         }
         linear.add(w, base, out);
+    }
+
+    /// Adds a polynomial, at `w`. Not inlined: lines would pay for its registers.
+    ///
+    /// # Safety
+    /// It is one.
+    #[inline(never)]
+    unsafe fn add_bent<const IS_CUBIC: bool>(place: *const Place<AXES>, w: i64, out: &mut [Position; AXES]) {
+        // SAFETY: the caller says so.
+        let (Segment { gain, .. }, poly) = unsafe {
+            let track = Self::new(place);
+            (track.segment, track.poly())
+        };
+        if IS_CUBIC {
+            add_cubic(w, gain, poly, out);
+        } else {
+            add_poly(w, gain, poly, out);
+        }
     }
 
     /// The same, not for the tick: as a call, so that the curve is not on the caller's stack.
@@ -346,8 +364,11 @@ unsafe fn write_part<const AXES: usize>(part: *mut u32, shape: &Shape<AXES>) -> 
                 ARC
             }
             Bent::Poly(power, down) => {
-                *part.cast::<Poly<AXES>>() = Poly { power: *power, down: *down };
-                if power.iter().all(|[_, _, c4, c5]| c4 | c5 == 0) { CUBIC } else { POLY }
+                // Part by part: as a whole it would be on the stack first.
+                let to = part.cast::<Poly<AXES>>();
+                ((*to).power, (*to).down) = (*power, *down);
+                let beyond = power.iter().fold(0, |all, [_, _, c4, c5]| all | c4 | c5);
+                if beyond == 0 { CUBIC } else { POLY }
             }
         }
     }
