@@ -1,8 +1,8 @@
-//! Copies of memory for Cortex-M3 and up, four words at a time, and zeros.
+//! Copies of memory for Cortex-M3 and up, eight words at a time, and zeros.
 //!
 //! The compiler calls these functions of the ARM run-time ABI (IHI 0043, 4.3.4) where it copies a structure, or
 //! begins with one of zeros. Those that come with it copy a word in five instructions, and clear one in four; these
-//! copy or clear four words in four, and are a kilobyte smaller. They are taken where this crate is linked: the others are weak.
+//! copy eight words in four, clear four words in four, and are a kilobyte smaller. They are taken where this crate is linked: the others are weak.
 //!
 //! Words that are not aligned are read and written as they are, which these cores do unless CCR.UNALIGN_TRP says
 //! otherwise; the compiler's own code for them does the same.
@@ -19,21 +19,29 @@ mod eabi {
     #[unsafe(no_mangle)]
     unsafe extern "C" fn __aeabi_memcpy4() {
         naked_asm!(
-            "subs r2, #16",
+            "subs r2, #32",
             "blo 2f",
-            "push {{r4, r5, r6, lr}}",
+            "push {{r4, r5, r6, r7, r8, r9, r10}}",
             "1:",
-            "ldm r1!, {{r3, r4, r5, r6}}",
-            "stm r0!, {{r3, r4, r5, r6}}",
-            "subs r2, #16",
+            "ldm r1!, {{r3, r4, r5, r6, r7, r8, r9, r10}}",
+            "stm r0!, {{r3, r4, r5, r6, r7, r8, r9, r10}}",
+            "subs r2, #32",
             "bhs 1b",
-            "pop {{r4, r5, r6, lr}}",
-            // Less 16 the rest has the same lower bits: 3 and 2 become carry and sign, then 1 and 0.
+            "pop {{r4, r5, r6, r7, r8, r9, r10}}",
+            // Less 32 the rest has the same lower bits: 4 and 3 become carry and sign, then 2 the sign, then 1 and 0 both.
             "2:",
-            "lsls r3, r2, #29",
-            "itt cs",
+            "lsls r3, r2, #28",
+            "itttt cs",
             "ldmcs r1!, {{r3, r12}}",
             "stmcs r0!, {{r3, r12}}",
+            "ldmcs r1!, {{r3, r12}}",
+            "stmcs r0!, {{r3, r12}}",
+            "itt mi",
+            "ldmmi r1!, {{r3, r12}}",
+            "stmmi r0!, {{r3, r12}}",
+            "lsls r3, r2, #29",
+            "it eq",
+            "bxeq lr",
             "itt mi",
             "ldrmi r3, [r1], #4",
             "strmi r3, [r0], #4",
