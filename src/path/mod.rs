@@ -336,7 +336,7 @@ impl<const AXES: usize> Shape<AXES> {
             Curve::Arc(arc) => arc.add(w, out),
             Curve::Poly { power, down } => return add_poly(w, &self.gain, (power, down), out),
         }
-        self.linear().add(w, out);
+        self.linear().add(w, base, out);
     }
 
     /// What [`Self::at`] gives, as a call: not for the tick.
@@ -405,22 +405,22 @@ impl<const AXES: usize> Linear<'_, AXES> {
         (u64::from(upper) << 32 | u64::from(lower)) as i64
     }
 
-    /// Adds it, at `w`. Runs in the tick.
+    /// Adds it to `base`, at `w`, for the axes that it moves. Runs in the tick.
     #[inline(always)]
-    pub fn add(&self, w: i64, out: &mut [Position; AXES]) {
-        for (x, gain) in out.iter_mut().zip(self.gain) {
+    pub fn add(&self, w: i64, base: &[Position; AXES], out: &mut [Position; AXES]) {
+        for ((x, base), gain) in out.iter_mut().zip(base).zip(self.gain) {
             if *gain != 0 {
                 // Opaque in each branch: the sign of its upper word would come in a word of its own, and each
                 // product would be three.
                 let w = black_box(Halves::of(w));
-                *x = add(*x, w.times(Halves::of(*gain)));
+                *x = add(*base, w.times(Halves::of(*gain)));
             }
         }
     }
 }
 
 /// Adds a polynomial at `w` that is a cubic, to the last bit as [`add_poly`]. Runs in the tick.
-#[inline(never)]
+#[inline(always)]
 pub(crate) fn add_cubic<const AXES: usize>(
     w: i64,
     gain: &[i64; AXES],
@@ -436,8 +436,8 @@ pub(crate) fn add_cubic<const AXES: usize>(
     }
 }
 
-/// Adds a polynomial at `w`. Not inlined: lines would pay for its registers. Runs in the tick.
-#[inline(never)]
+/// Adds a polynomial at `w`. Runs in the tick.
+#[inline(always)]
 pub(crate) fn add_poly<const AXES: usize>(
     w: i64,
     gain: &[i64; AXES],

@@ -202,12 +202,12 @@ impl<'a, const AXES: usize> Track<'a, AXES> {
         let w = linear.w(distance);
         *out = *base;
         if form & CUBIC != 0 {
-            // SAFETY: it is what its kind says.
+            // SAFETY: so says its kind.
             return unsafe {
                 if form & KIND == POLY {
-                    add_poly(w, linear.gain, self.poly(), out);
+                    Self::add_bent::<false>(self.place, w, out);
                 } else {
-                    add_cubic(w, linear.gain, self.poly(), out);
+                    Self::add_bent::<true>(self.place, w, out);
                 }
             };
         }
@@ -215,7 +215,25 @@ impl<'a, const AXES: usize> Track<'a, AXES> {
             // SAFETY: it is one.
             unsafe { self.arc() }.add(w, out);
         }
-        linear.add(w, out);
+        linear.add(w, base, out);
+    }
+
+    /// Adds a polynomial, at `w`. Not inlined: lines would pay for its registers.
+    ///
+    /// # Safety
+    /// It is one.
+    #[inline(never)]
+    unsafe fn add_bent<const IS_CUBIC: bool>(place: *const Place<AXES>, w: i64, out: &mut [Position; AXES]) {
+        // SAFETY: the caller says so.
+        let (Segment { gain, .. }, poly) = unsafe {
+            let track = Self::new(place);
+            (track.segment, track.poly())
+        };
+        if IS_CUBIC {
+            add_cubic(w, gain, poly, out);
+        } else {
+            add_poly(w, gain, poly, out);
+        }
     }
 
     /// The same, not for the tick: as a call, so that the curve is not on the caller's stack.
@@ -310,16 +328,11 @@ pub(super) unsafe fn write<const AXES: usize>(
     base: &[Position; AXES],
     (n, block): (u32, u16),
 ) {
-    let bent = shape.bent();
-    let kind = match bent {
-        Bent::Line => LINE,
-        Bent::Arc(_) => ARC,
-        Bent::Poly(power, _) if power.iter().all(|[_, _, c4, c5]| c4 | c5 == 0) => CUBIC,
-        Bent::Poly(..) => POLY,
-    };
     let Linear { gain, shift } = shape.linear();
     // SAFETY: nobody has the slots, says the caller.
     unsafe {
+        let kind =
+            if shape.is_line() { LINE } else { write_part::<AXES>(part_of(place).cast_mut(), shape) };
         (*(*place).0.get()).segment = Segment {
             length: shape.length.to_bits(),
             gain: *gain,
@@ -333,25 +346,29 @@ pub(super) unsafe fn write<const AXES: usize>(
             let segment = &raw mut (*part.0.get()).segment;
             ((*segment).block, (*segment).form) = (block, PART);
         }
-        if kind != LINE {
-            write_part::<AXES>(part_of(place).cast_mut(), bent);
-        }
     }
 }
 
-/// Writes what comes to the linear part. Not inlined: lines would pay for it.
+/// Writes what comes to the linear part; the kind of the curve. Not inlined: lines would pay for it.
 ///
 /// # Safety
 /// There is room for a part, and nobody reads or writes it.
 #[inline(never)]
-unsafe fn write_part<const AXES: usize>(part: *mut u32, bent: Bent<'_, AXES>) {
+unsafe fn write_part<const AXES: usize>(part: *mut u32, shape: &Shape<AXES>) -> u8 {
     // SAFETY: the caller says so; slots and parts are aligned to words.
     unsafe {
-        match bent {
-            Bent::Line => {}
-            Bent::Arc(arc) => *part.cast::<Arc>() = *arc,
+        match shape.bent() {
+            Bent::Line => LINE,
+            Bent::Arc(arc) => {
+                *part.cast::<Arc>() = *arc;
+                ARC
+            }
             Bent::Poly(power, down) => {
-                *part.cast::<Poly<AXES>>() = Poly { power: *power, down: *down };
+                // Part by part: as a whole it would be on the stack first.
+                let to = part.cast::<Poly<AXES>>();
+                ((*to).power, (*to).down) = (*power, *down);
+                let beyond = power.iter().fold(0, |all, [_, _, c4, c5]| all | c4 | c5);
+                if beyond == 0 { CUBIC } else { POLY }
             }
         }
     }

@@ -31,10 +31,20 @@ const TICKS: u32 = 10;
 const PARTS: u32 = 14;
 const ONES: i64 = (1 << PARTS) - 1;
 
-/// How `piece` differs from where the one before it ends, if it has the same jerk: a word that is not zero. `None`: by
-/// more than rounding. At constant speed a piece is so long that it has a place of its own.
-fn change(ends: &Phase, piece: &Phase) -> Option<i64> {
-    let Phase { distance, speed, half_accel, sixth_jerk, ticks } = *piece;
+/// Whether `piece` may go on behind the one before it: with the same jerk. At constant speed a piece is so long that it
+/// has a place of its own.
+fn may_go_on(before: &Phase, piece: &Phase) -> bool {
+    let jerk = piece.sixth_jerk.to_bits();
+    jerk == before.sixth_jerk.to_bits() && piece.half_accel.to_bits() | jerk != 0
+}
+
+/// How `piece` differs from where the one before it ends, of the same jerk: a word that is not zero. `None`: by more than
+/// rounding. Not inlined: most pieces have another jerk.
+#[inline(never)]
+fn change(before: &Phase, piece: &Phase) -> Option<i64> {
+    let mut ends = *before;
+    ends.advance(ends.ticks);
+    let Phase { distance, speed, half_accel, ticks, .. } = *piece;
     let distance = distance.to_bits().wrapping_sub(ends.distance.to_bits());
     let half = half_accel.to_bits().wrapping_sub(ends.half_accel.to_bits());
     let speed = speed.to_bits().wrapping_sub(ends.speed.to_bits());
@@ -42,10 +52,7 @@ fn change(ends: &Phase, piece: &Phase) -> Option<i64> {
         | (half & ONES) << (TICKS + PARTS)
         | (distance & ONES) << TICKS
         | i64::from(ticks);
-    let goes_on =
-        half_accel.to_bits() | sixth_jerk.to_bits() != 0 && sixth_jerk.to_bits() == ends.sixth_jerk.to_bits();
-    let is_whole = parts(change) == (distance, half, speed, ticks) && ticks > 0;
-    (goes_on && is_whole).then_some(change)
+    (parts(change) == (distance, half, speed, ticks) && ticks > 0).then_some(change)
 }
 
 /// What a change is made of: path distance, half the acceleration, speed, ticks.
@@ -160,9 +167,8 @@ impl<M: Memory> Keeper<'_, M> {
 
     /// Its next piece; one of no ticks ends it. `false` if there is no room.
     pub fn push(&mut self, piece: Phase) -> bool {
-        let mut ends = self.last;
-        ends.advance(ends.ticks);
-        let change = change(&ends, &piece).filter(|_| self.written > 0);
+        let goes_on = self.written > 0 && may_go_on(&self.last, &piece);
+        let change = if goes_on { change(&self.last, &piece) } else { None };
         if let Some(change) = change
             && self.changes < CHANGES
         {

@@ -1,4 +1,4 @@
-//! The proof that the counter counts instructions, and that copies of memory are copies.
+//! The proof that the counter counts instructions, and that copies of memory are copies, and zeros are zeros.
 #![no_std]
 #![no_main]
 use core::fmt::Write;
@@ -66,7 +66,36 @@ fn copies<T>(from: usize, to: usize, words: usize) -> bool {
     black_box(&moved).0 == expected.0 && black_box(&copied).0 == expected.0
 }
 
-/// The same from and to all places, with all lengths; how many there are, if they are right.
+/// Words that become zero, and no other bytes, byte by byte.
+fn zeros<T>(at: usize, words: usize) -> bool {
+    let bytes = words * size_of::<T>();
+    let mut expected = Memory::new();
+    for byte in expected.0.iter_mut().skip(at).take(bytes) {
+        *byte = 0;
+    }
+    let mut cleared = black_box(Memory::new());
+    let base = black_box(cleared.0.as_mut_ptr());
+    // SAFETY: the range is inside the memory, and aligned: the place is a multiple of the size.
+    unsafe { ptr::write_bytes(base.add(at).cast::<T>(), 0, words) };
+    black_box(&cleared).0 == expected.0
+}
+
+/// The same at all places, with all lengths; how many there are, if they are right.
+fn all_zeros<T>() -> Option<usize> {
+    let size = size_of::<T>();
+    let mut count = 0;
+    for at in (0..PLACES).step_by(size) {
+        for words in 0..=MOST / size {
+            if !zeros::<T>(at, black_box(words)) {
+                return None;
+            }
+            count += 1;
+        }
+    }
+    Some(count)
+}
+
+/// Copies from and to all places, with all lengths; how many there are, if they are right.
 fn all_copies<T>() -> Option<usize> {
     let size = size_of::<T>();
     let mut count = 0;
@@ -92,6 +121,10 @@ fn main() -> ! {
     let mut good = true;
     for (size, count) in [(1, all_copies::<u8>()), (4, all_copies::<u32>()), (8, all_copies::<u64>())] {
         let _ = writeln!(report, "copies of {size} bytes: {count:?} right");
+        good &= count.is_some();
+    }
+    for (size, count) in [(1, all_zeros::<u8>()), (4, all_zeros::<u32>()), (8, all_zeros::<u64>())] {
+        let _ = writeln!(report, "zeros of {size} bytes: {count:?} right");
         good &= count.is_some();
     }
     report.flush();
