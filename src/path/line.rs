@@ -36,7 +36,7 @@ pub(crate) fn line_to<const AXES: usize>(
     measure: &Measure,
     element: &mut Element<AXES>,
 ) -> Result<bool, PathError> {
-    let Some(line) = &straight(start, target, measure)? else { return Ok(false) };
+    let Some(line) = &straight_line(start, target, measure)? else { return Ok(false) };
     line.become_in(element);
     Ok(true)
 }

@@ -331,8 +331,7 @@ pub(super) unsafe fn write<const AXES: usize>(
     let Linear { gain, shift } = shape.linear();
     // SAFETY: nobody has the slots, says the caller.
     unsafe {
-        let kind =
-            if shape.is_line() { LINE } else { write_part::<AXES>(part_of(place).cast_mut(), shape) };
+        let kind = if shape.is_line() { LINE } else { write_part::<AXES>(part_of(place).cast_mut(), shape) };
         (*(*place).0.get()).segment = Segment {
             length: shape.length.to_bits(),
             gain: *gain,
