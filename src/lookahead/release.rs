@@ -104,7 +104,7 @@ impl Course {
 
     /// The part of a deceleration that passes its start, where one does.
     pub fn passing(self) -> f32 {
-        Passing::numbered(self.0 / Self::PASSING & 3).part()
+        Passing::numbered((self.0 / Self::PASSING) & 3).part()
     }
 
     /// Whether a deceleration may pass its start.
