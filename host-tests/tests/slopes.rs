@@ -330,3 +330,23 @@ fn a_speed_that_stays_is_left_below_its_quarter_alone() {
     let (peak, _) = of(loose, [0.02, 0.02]);
     assert!((0.0249..0.02501).contains(&peak), "below it {peak}");
 }
+
+/// Where a speed is to stay, low ones are joined with more acceleration. With a lower override they are not low beside
+/// the speed of now, and still have to be joined.
+#[test]
+fn low_speeds_are_joined_beside_a_speed_that_was_lowered() {
+    let j = [3.204_190_5e-6, 3.204_190_5e-6, 1.756_503_8e-5, 1.756_503_8e-5];
+    let law = SlopeLaw::JerkLimited { shape: RampShape::SineSquare, joins: Joins::Alike, j };
+    let a = 4.286_741_8e-7;
+    let whole = Limits { v: 2.267_933_2e-4, a_up: a, a_down: a, law, loose: Loose::of(1.577_446e-3) };
+    let (length, speeds) = (Distance::from_bits(316_412_192), [11_205_772_050_432, 11_254_970_974_208]);
+    for [v_in, v_out] in [speeds, [speeds[1], speeds[0]]].map(|ends| ends.map(Speed::from_bits)) {
+        for v in [whole.v, 1.428_469_8e-4, 5e-5] {
+            let mut profile = Profile::default();
+            assert_eq!(profile.plan(length, v_in, v_out, &Limits { v, ..whole }), Ok(()), "{v_in:?}, {v}");
+        }
+        // Too much for what the axes have.
+        let stays = Limits { loose: Loose::of(2.0 * a), ..whole };
+        assert!(Profile::default().plan(Distance::from_bits(3_000_000), v_in, v_out, &stays).is_err());
+    }
+}

@@ -217,7 +217,8 @@ impl Limits {
     }
 
     /// Whether a law from one speed to another, in any direction, over `length` mm may have all of the acceleration that
-    /// the axes have: where the speed is to stay, if one of both speeds is low, or if the change takes it.
+    /// the axes have: where the speed is to stay, if one of both speeds is low, or if the change takes it in that direction.
+    /// What was low beside the speed that is to stay need not be so beside a lower one, of an override that came later.
     #[inline(always)]
     fn is_loose_between(&self, speeds: [Speed; 2], length: f32) -> bool {
         self.loose.is_some() && self.lets_change(speeds, length)
@@ -228,7 +229,8 @@ impl Limits {
     fn lets_change(&self, [v, w]: [Speed; 2], length: f32) -> bool {
         let (low, high) = (v.min(w).to_bits(), v.max(w).to_bits());
         let [low, dv] = [low, high - low].map(speed_f32);
-        low < self.lowest() || self.brake().distance(low, dv)[0] > length
+        let ramp = if v < w { self.speed_up() } else { self.brake() };
+        low < self.lowest() || ramp.distance(low, dv)[0] > length
     }
 
     /// Whether a law that has that speed at one end may have all of the acceleration that the axes have.
