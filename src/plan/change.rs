@@ -211,6 +211,9 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             self.committed.restore_from(k + 1);
             self.note_passed();
         }
+        if self.reserve.lowers {
+            self.lower();
+        }
     }
 
     /// The pieces that do not count are taken back, if there are any: all is as before.
@@ -223,6 +226,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
 
     fn put_back(&mut self, before: &Before) {
         self.drop_aside();
+        self.reserve.lowers = false;
         (self.frontier, self.orders.mode, self.reserve.behind) =
             (before.frontier, before.mode, before.behind);
         if let Some((k, span)) = before.span {

@@ -598,9 +598,13 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     }
 
     /// The law at hand ends slower than it was planned: what is still in the ring begins so, and relies on
-    /// it.
+    /// it. Where that law does not count yet, so once it does: all may still be as it was before.
     pub(super) fn lower(&mut self) {
-        if self.frontier.planned == self.committed.len() && !self.reserve.is_made() {
+        if self.frontier.planned != self.committed.len() || self.reserve.is_made() {
+            return;
+        }
+        self.reserve.lowers = self.reserve.pending.is_some();
+        if !self.reserve.lowers {
             self.committed.lower(self.frontier.planned, self.frontier.speed);
             self.lookahead.start_at(self.frontier.speed);
         }

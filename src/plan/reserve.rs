@@ -70,6 +70,8 @@ pub(super) struct Reserve {
     /// the look-ahead.
     pub changed: Option<usize>,
     pub undone: bool,
+    /// What is still in the look-ahead begins slower when the new pieces count.
+    pub lowers: bool,
     pub waits: bool,
     /// Of the way being made: the next block of the look-ahead, or `usize::MAX` if it is to end before that,
     /// and its path distance.
@@ -98,6 +100,7 @@ impl Reserve {
             pending: None,
             changed: None,
             undone: false,
+            lowers: false,
             waits: false,
             next: 0,
             distance: Distance::ZERO,
