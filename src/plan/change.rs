@@ -27,6 +27,8 @@ pub(super) struct Pending {
     change: Change,
     at: u32,
     before: Before,
+    /// What is still in the look-ahead begins slower when they count.
+    lowers: bool,
 }
 
 /// What a change has touched, as it was.
@@ -39,6 +41,12 @@ struct Before {
 }
 
 impl Pending {
+    /// What is still in the look-ahead begins slower once they count. `false`: none of them is of another law.
+    pub(super) const fn lower_later(&mut self) -> bool {
+        self.lowers = self.before.span.is_some();
+        self.lowers
+    }
+
     /// Whether it is another law for a span, not a start.
     pub const fn is_command(&self) -> bool {
         self.before.span.is_some()
@@ -126,7 +134,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let change = if gated { Change::begin(phases) } else { Change::append(phases) };
         let (frontier, mode, behind) = (self.frontier, self.orders.mode, self.reserve.behind);
         let before = Before { span, frontier, mode, behind };
-        self.reserve.pending = Some(Pending { change, at, before });
+        self.reserve.pending = Some(Pending { change, at, before, lowers: false });
         self.reserve.undone = false;
         self.frontier.rests = false;
     }
@@ -173,7 +181,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             return false;
         }
         let (keeper, clock) = (&mut self.queue.reserve, self.queue.clock);
-        if let Some(Pending { change, at, before }) = self.reserve.pending.take() {
+        if let Some(Pending { change, at, before, lowers }) = self.reserve.pending.take() {
             let instant = way.map(|way| way.at);
             match change.hand_over(at, instant, &mut self.queue.phases, keeper, clock) {
                 Ok(cut) => {
@@ -189,7 +197,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
                     return false;
                 }
             }
-            self.reserve.changed = before.span.map(|(k, _)| k);
+            self.reserve.changed = before.span.map(|(k, _)| (k, lowers));
             self.orders.lead = REACTION;
         } else {
             let is_free = match way {
@@ -207,12 +215,12 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     /// The span of a change that counts has another law: those behind begin anew, but for those that a way
     /// down has passed.
     pub(super) fn take_over(&mut self) {
-        if let Some(k) = self.reserve.changed.take() {
+        if let Some((k, lowers)) = self.reserve.changed.take() {
             self.committed.restore_from(k + 1);
             self.note_passed();
-        }
-        if self.reserve.lowers {
-            self.lower();
+            if lowers {
+                self.lower();
+            }
         }
     }
 
@@ -226,7 +234,6 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
 
     fn put_back(&mut self, before: &Before) {
         self.drop_aside();
-        self.reserve.lowers = false;
         (self.frontier, self.orders.mode, self.reserve.behind) =
             (before.frontier, before.mode, before.behind);
         if let Some((k, span)) = before.span {

@@ -14,6 +14,7 @@
 //!
 //! A dwell runs on during a feed hold; the motion behind it waits. Time of rest begins only after the motion
 //! before it is complete. An abort ends a dwell.
+use super::change::Pending;
 use super::clock;
 use super::committed::CommittedSpan;
 use super::descent::{Descent, Passed};
@@ -603,8 +604,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         if self.frontier.planned != self.committed.len() || self.reserve.is_made() {
             return;
         }
-        self.reserve.lowers = self.reserve.pending.is_some();
-        if !self.reserve.lowers {
+        if !self.reserve.pending.as_mut().is_some_and(Pending::lower_later) {
             self.committed.lower(self.frontier.planned, self.frontier.speed);
             self.lookahead.start_at(self.frontier.speed);
         }

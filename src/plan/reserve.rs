@@ -66,12 +66,10 @@ pub(super) struct Reserve {
     pub aside: Option<Aside>,
     /// New pieces that count when it is complete.
     pub pending: Option<Pending>,
-    /// The span that got another law so; the last of them was taken back; the next one waits for a plan of
-    /// the look-ahead.
-    pub changed: Option<usize>,
+    /// The span that got another law so, and whether what is still in the look-ahead begins slower for it; the last of
+    /// them was taken back; the next one waits for a plan of the look-ahead.
+    pub changed: Option<(usize, bool)>,
     pub undone: bool,
-    /// What is still in the look-ahead begins slower when the new pieces count.
-    pub lowers: bool,
     pub waits: bool,
     /// Of the way being made: the next block of the look-ahead, or `usize::MAX` if it is to end before that,
     /// and its path distance.
@@ -100,7 +98,6 @@ impl Reserve {
             pending: None,
             changed: None,
             undone: false,
-            lowers: false,
             waits: false,
             next: 0,
             distance: Distance::ZERO,
