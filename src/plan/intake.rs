@@ -173,10 +173,17 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
                 self.take_line(motion, feed)
             }
             MotionKind::Rapid | MotionKind::Line => self.round_line(motion, feed),
-            MotionKind::Arc { plane, clockwise, by } if self.intake.smoothing.is_idle() => {
-                self.take_arc(motion, feed, (plane, clockwise, by))
+            MotionKind::Arc { plane, clockwise, by } => {
+                if self.intake.smoothing.refuses_arcs() {
+                    return Err(MotionError::ArcInSpline);
+                }
+                let centre = self.centre(motion, (plane, clockwise, by))?;
+                if self.intake.smoothing.is_idle() {
+                    self.take_arc(motion, feed, (centre, plane, clockwise))
+                } else {
+                    self.round_arc(motion, feed, (centre, plane, clockwise))
+                }
             }
-            MotionKind::Arc { plane, clockwise, by } => self.round_arc(motion, feed, (plane, clockwise, by)),
         }
     }
 
@@ -234,12 +241,8 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         &mut self,
         motion: &Motion<AXES>,
         feed: Option<f32>,
-        (plane, clockwise, by): (Plane, bool, ArcBy),
+        (centre, plane, clockwise): ([Position; 2], Plane, bool),
     ) -> Result<(), MotionError> {
-        if self.intake.smoothing.refuses_arcs() {
-            return Err(MotionError::ArcInSpline);
-        }
-        let centre = self.centre(motion, (plane, clockwise, by))?;
         // Made where it goes on from: an element is large.
         let mut element = Element::BLANK;
         let ends = [&self.intake.programmed, &motion.target];
@@ -257,12 +260,8 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         &mut self,
         motion: &Motion<AXES>,
         feed: Option<f32>,
-        (plane, clockwise, by): (Plane, bool, ArcBy),
+        (centre, plane, clockwise): ([Position; 2], Plane, bool),
     ) -> Result<(), MotionError> {
-        if self.intake.smoothing.refuses_arcs() {
-            return Err(MotionError::ArcInSpline);
-        }
-        let centre = self.centre(motion, (plane, clockwise, by))?;
         let mut block = self.programmed(Form::Arc { centre, plane, clockwise }, motion, feed);
         let ends = [&self.intake.programmed, &motion.target];
         path::arc_to(ends, (centre, plane, clockwise), &self.measure, &mut block.element)?;

@@ -5,7 +5,7 @@ use super::held_block::HeldBlock;
 
 /// What is in a place.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Place<const AXES: usize> {
+pub(super) enum Slot<const AXES: usize> {
     /// Nothing.
     Free,
     /// A block.
@@ -14,7 +14,7 @@ pub(super) enum Place<const AXES: usize> {
     Made(Made<AXES>),
 }
 
-impl<const AXES: usize> Place<AXES> {
+impl<const AXES: usize> Slot<AXES> {
     /// The block in it.
     #[inline(always)]
     pub const fn block(&self) -> Option<&HeldBlock<AXES>> {
@@ -31,7 +31,7 @@ impl<const AXES: usize> Place<AXES> {
 /// Places of three blocks.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct HeldBlocks<const AXES: usize> {
-    places: [Place<AXES>; 3],
+    slots: [Slot<AXES>; 3],
     /// Where the first one is: 0…2.
     first: u8,
 }
@@ -41,20 +41,20 @@ impl<const AXES: usize> HeldBlocks<AXES> {
     // In its place: a constant is copied as a whole.
     #[inline(always)]
     pub const fn none() -> Self {
-        Self { places: [Place::Free, Place::Free, Place::Free], first: 0 }
+        Self { slots: [Slot::Free, Slot::Free, Slot::Free], first: 0 }
     }
 
     /// The one held back.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn first(&self) -> Option<&HeldBlock<AXES>> {
-        self.places.get(usize::from(self.first))?.block()
+        self.slots.get(usize::from(self.first))?.block()
     }
 
     /// The one held back, the one that waits behind it, and the one behind that; or the one that leaves,
     /// behind [`Self::leave`], and then the elements behind it.
     #[cfg_attr(feature = "fast", inline(always))]
-    pub const fn all(&self) -> [&Place<AXES>; 3] {
-        let [a, b, c] = &self.places;
+    pub const fn all(&self) -> [&Slot<AXES>; 3] {
+        let [a, b, c] = &self.slots;
         match self.first {
             0 => [a, b, c],
             1 => [b, c, a],
@@ -64,8 +64,8 @@ impl<const AXES: usize> HeldBlocks<AXES> {
 
     /// The same, to be changed.
     #[cfg_attr(feature = "fast", inline(always))]
-    pub const fn all_mut(&mut self) -> [&mut Place<AXES>; 3] {
-        let [a, b, c] = &mut self.places;
+    pub const fn all_mut(&mut self) -> [&mut Slot<AXES>; 3] {
+        let [a, b, c] = &mut self.slots;
         match self.first {
             0 => [a, b, c],
             1 => [b, c, a],
@@ -77,10 +77,10 @@ impl<const AXES: usize> HeldBlocks<AXES> {
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn made(&mut self) -> Option<(&HeldBlock<AXES>, &mut Made<AXES>)> {
         let [held, _, last] = self.all_mut();
-        if !matches!(last, Place::Made(_)) {
-            *last = Place::Made(Made::BLANK);
+        if !matches!(last, Slot::Made(_)) {
+            *last = Slot::Made(Made::BLANK);
         }
-        if let (Place::Block(held), Place::Made(made)) = (held, last) { Some((held, made)) } else { None }
+        if let (Slot::Block(held), Slot::Made(made)) = (held, last) { Some((held, made)) } else { None }
     }
 
     /// The first one becomes the last one, and each other one the one before.

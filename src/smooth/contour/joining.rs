@@ -4,6 +4,7 @@ use super::choice::{Approach, Candidate, Choice, Shallow, bends, passes};
 use super::corner::{AIM, Corner, Reach, Tolerance, turn};
 use super::corner_curve::{CONSTANT, CornerCurve, EVEN, Fit, Rehearsal};
 use super::curve::Side;
+use super::cut::{Cut, Room, SHORTEST, ends, enter};
 use super::halves::Halves;
 use super::held_block::{HeldBlock, Skipped, Stray, travel};
 use super::kernel::kernel;
@@ -17,20 +18,6 @@ use crate::path::poly::{Knot, distance};
 use crate::path::{Measure, Passage};
 use crate::quantity::{DISTANCE_LSB, Distance, Position};
 use core::num::NonZeroI64;
-
-/// What two corners leave of a block may go to the second one if it is this part, as a power of two: far less
-/// than what the tolerance has to spare.
-const SLIVER: u32 = 14;
-
-/// Part of the distance that a curve over time leaves, as a power of two: it comes short of what is there by
-/// what its rounding needs.
-const SCRAP: u32 = 18;
-
-/// Least that a corner leaves of a block that its neighbours divide, LSB 2^-44 mm: four of a position.
-const LEFT: i64 = 1 << 14;
-
-/// What halving a block and making it anew adds to its length at most, LSB 2^-44 mm.
-const HALVED: i64 = 64;
 
 /// Of a tolerance, for what lies between the places that are looked at beside blocks left out.
 const UNSEEN: f32 = 1.0 / 256.0;
@@ -46,17 +33,8 @@ const ELEMENTS: usize = 8;
 /// Elements whose speed is looked at.
 const TIMED: u32 = 4;
 
-/// Shortest corner distance worth a curve, mm.
-const SHORTEST: f32 = 1e-5;
-
 /// A curve is to be quicker than a standstill by that part.
 const KNOWN: f32 = 1.0 + 1.0 / 256.0;
-
-/// The speed changes beside a curve, not in it, where the blocks have this part of its corner distance left.
-const BESIDE: i64 = 4;
-
-/// π/2.
-const QUARTER: f32 = core::f32::consts::FRAC_PI_2;
 
 /// What holds for a corner beside its blocks and their rule.
 pub struct Setting<'a, const AXES: usize> {
@@ -70,24 +48,6 @@ pub struct Setting<'a, const AXES: usize> {
     pub dynamics: &'a Dynamics<AXES>,
     /// The blocks left out between both.
     pub skipped: Option<&'a Skipped<AXES>>,
-}
-
-/// How far a curve may reach into both blocks.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Room {
-    /// Largest corner distances, mm, and whether they are those of the blocks' shares, not of a quarter of a
-    /// turn.
-    most: [f32; 2],
-    whole: [bool; 2],
-    /// Corner distances that are asked for.
-    distances: [f32; 2],
-}
-
-/// What a corner takes from its blocks, LSB 2^-44 mm.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Cut {
-    before: i64,
-    behind: i64,
 }
 
 /// What a curve over arc length is compared with: a curve over time, and with DEV a standstill in the corner.
@@ -521,7 +481,7 @@ impl Joining {
             return;
         }
         symmetric.curve(to_f32(cut.before) * DISTANCE_LSB, halves);
-        *passage = cut.leave(held, next, &halves.from, setting);
+        *passage = cut.leave(held, next, &halves.from, setting.const_vel);
     }
 
     /// Cuts it into elements.
@@ -615,7 +575,8 @@ impl Joining {
         setting: &Setting<'_, AXES>,
         into: &mut Course<AXES>,
     ) {
-        let passage = even(into).and_then(|course| cut.part(held, next, course.ends(), setting));
+        let passage = even(into)
+            .and_then(|course| cut.part(held, next, course.ends(), (setting.measure, setting.const_vel)));
         match (&mut *into, passage) {
             (Course::Turning(turning), Some(passage)) => {
                 (turning.curving.constant, turning.passage) = (steady, passage);
@@ -646,7 +607,7 @@ impl Joining {
             return;
         }
         Self::pass([held, next], (overlap, all), [&from, &to], setting, into);
-        cut.leave(held, next, &from, setting);
+        cut.leave(held, next, &from, setting.const_vel);
     }
 
     /// The curve over time between two knots, as far as `all` (LSB 2^-44 mm) from the corner.
@@ -687,7 +648,7 @@ impl Joining {
         }
         next.slow = slow;
         kernel(&held.block.to, c, halves);
-        cut.leave(held, next, &halves.from, setting);
+        cut.leave(held, next, &halves.from, setting.const_vel);
     }
 
     /// The way in space per path distance on both sides, and the path of a curve that takes so much of both blocks
@@ -753,100 +714,7 @@ fn even<const AXES: usize>(course: &mut Course<AXES>) -> Option<&mut CornerCurve
     }
 }
 
-impl Room {
-    /// Between blocks of these programmed lengths, LSB 2^-44 mm: parts of both, less what is to remain, a
-    /// quarter of a turn.
-    fn new<const AXES: usize>(lengths: [(i64, &Side<AXES>); 2], parts: [f32; 2], rule: &Parameters) -> Self {
-        let mut most = [0.0; 2];
-        let mut whole = [false; 2];
-        for (((most, whole), (length, side)), part) in most.iter_mut().zip(&mut whole).zip(lengths).zip(parts)
-        {
-            *most = to_f32(length) * DISTANCE_LSB * (2.0 * part * rule.share);
-            *whole = part == 0.5;
-            if side.rate * *most > QUARTER {
-                *most = QUARTER / side.rate;
-                *whole = false;
-            }
-        }
-        Self { most, whole, distances: rule.distances(most) }
-    }
-
-    /// The smaller of both.
-    fn least(&self) -> f32 {
-        min(self.most[0], self.most[1])
-    }
-
-    /// What a curve over arc length takes from the blocks, with what was found about it: the part of the
-    /// distances, and how far its elements may be beside it.
-    fn cut<const AXES: usize>(
-        &self,
-        held: &HeldBlock<AXES>,
-        next: &HeldBlock<AXES>,
-        rule: &Parameters,
-        (part, slack): (f32, f32),
-    ) -> Option<(Cut, f32)> {
-        let distances = self.distances.map(|c| c * part);
-        // POS without distances swings out from the corner itself.
-        let most = max(distances[0], distances[1]);
-        if most < SHORTEST && (most > 0.0 || rule.method != ContourMethod::Pos) {
-            return None;
-        }
-        let bits = |i: usize, length: i64| {
-            if self.whole[i] && distances[i] >= self.most[i] && rule.share >= 0.5 {
-                length / 2
-            } else if rule.weighs() {
-                to_i64(distances[i] * ONE_44).min(weighed(length))
-            } else {
-                to_i64(distances[i] * ONE_44).min(length / 2)
-            }
-        };
-        let [mut before, behind] = [bits(0, held.length), bits(1, next.length)];
-        let left = held.block.element.shape.length.to_bits();
-        before = before.min(left);
-        if left - before <= held.length >> SLIVER {
-            before = left;
-        }
-        Some((Cut { before, behind }, slack))
-    }
-}
-
-/// What a corner takes at most of a block that its neighbours divide: all of it would leave a line without motion.
-fn weighed(length: i64) -> i64 {
-    (length - (length >> SCRAP).max(LEFT)).max(length / 2)
-}
-
 impl Cut {
-    /// Whether it is as much of both, but for what hardly shows.
-    fn is_even(&self) -> bool {
-        let more = self.before - self.behind;
-        more.abs() <= self.before >> SCRAP
-    }
-
-    /// As much of both blocks; no sliver is left of either. And how much that is.
-    fn even<const AXES: usize>(
-        held: &HeldBlock<AXES>,
-        next: &HeldBlock<AXES>,
-        rule: &Parameters,
-        mut reach: i64,
-    ) -> (Self, i64) {
-        let left = held.block.element.shape.length.to_bits();
-        let half = if rule.weighs() { weighed(next.length) } else { next.length / 2 };
-        // What rounding leaves of a block between two curves would be too short for their speed.
-        let slack = if rule.weighs() { 0 } else { half >> SCRAP };
-        if rule.weighs() {
-            reach = reach.min(half);
-        }
-        for all in [half, left] {
-            let more = all - reach;
-            if more > 0 && more <= all >> SCRAP && all <= half.saturating_add(slack.max(HALVED)) {
-                reach = all;
-            }
-        }
-        // What is left of a halved line may be some LSB less than its half, or more.
-        let before = if left - reach <= HALVED { left } else { reach };
-        (Self { before, behind: reach.min(half + slack) }, reach)
-    }
-
     /// An arc may come back so near to the other block that no even curve joins them there: with less of
     /// both.
     fn smaller(self, slack: f32, smaller: u8) -> JoinStep {
@@ -858,105 +726,11 @@ impl Cut {
     }
 }
 
-/// Where a curve leaves one block and enters the other: its knots. `false` where there are none.
-#[inline(never)]
-fn ends<const AXES: usize>(
-    held: &HeldBlock<AXES>,
-    next: &HeldBlock<AXES>,
-    cut: Cut,
-    measure: &Measure,
-    [from, to]: [&mut Knot<AXES>; 2],
-) -> bool {
-    to.position = begin(next, cut);
-    let Ok(end) = next.entry_at(&to.position, measure) else { return false };
-    to.end = end;
-    leave(held, cut, from);
-    true
-}
-
-/// The same; the second block becomes what is left of it.
-#[inline(never)]
-fn enter<const AXES: usize>(
-    held: &HeldBlock<AXES>,
-    next: &mut HeldBlock<AXES>,
-    cut: Cut,
-    measure: &Measure,
-    [from, to]: [&mut Knot<AXES>; 2],
-) -> bool {
-    to.position = begin(next, cut);
-    if next.renew(&to.position, cut.behind, measure).is_err() {
-        return false;
-    }
-    to.end = next.block.element.entry;
-    leave(held, cut, from);
-    true
-}
-
-/// The knot where a curve leaves the first block.
-#[inline(always)]
-fn leave<const AXES: usize>(held: &HeldBlock<AXES>, cut: Cut, knot: &mut Knot<AXES>) {
-    let element = &held.block.element;
-    let rest = element.shape.length.to_bits() - cut.before;
-    if rest > 0 {
-        knot.position = element.shape.point(rest, &held.block.from);
-        knot.end = element.end_at(rest);
-    } else {
-        (knot.position, knot.end) = (held.block.from, element.entry);
-    }
-}
-
-/// Where it enters the second one.
-#[inline(always)]
-fn begin<const AXES: usize>(next: &HeldBlock<AXES>, cut: Cut) -> [Position; AXES] {
-    let from = &next.block.from;
-    if cut.behind > 0 { next.block.element.shape.point(cut.behind, from) } else { *from }
-}
-
 impl<const AXES: usize> Course<AXES> {
     /// A curve in two halves, which are not made yet. A call of its own: it is there twice.
     #[inline(never)]
     fn begin_halves(&mut self, blocks: [&HeldBlock<AXES>; 2], setting: &Setting<'_, AXES>) {
         *self = Self::Turning(Turning::new(blocks, Cornering::Halves(Halves::NONE), setting));
-    }
-}
-
-impl Cut {
-    /// Both blocks become what a curve between these knots leaves of them. What its speed does; `None` where
-    /// there is no rest of the second block.
-    fn part<const AXES: usize>(
-        self,
-        held: &mut HeldBlock<AXES>,
-        next: &mut HeldBlock<AXES>,
-        [from, to]: [&Knot<AXES>; 2],
-        setting: &Setting<'_, AXES>,
-    ) -> Option<Passage> {
-        next.renew(&to.position, self.behind, setting.measure).ok()?;
-        Some(self.leave(held, next, from, setting))
-    }
-
-    /// The first block becomes what a curve from this knot leaves of it, as the second one has already. What
-    /// the speed of the curve does.
-    fn leave<const AXES: usize>(
-        self,
-        held: &mut HeldBlock<AXES>,
-        next: &HeldBlock<AXES>,
-        from: &Knot<AXES>,
-        setting: &Setting<'_, AXES>,
-    ) -> Passage {
-        let rest = held.block.element.shape.length.to_bits() - self.before;
-        held.block.element.shape.length = Distance::from_bits(rest);
-        if rest > 0 {
-            held.block.element.exit = from.end;
-        }
-        // The next corner may take half of the block behind this one.
-        let beside = rest.min(next.block.element.shape.length.to_bits() - next.length / 2);
-        if setting.const_vel {
-            Passage::Constant
-        } else if beside >= self.before.max(self.behind) / BESIDE {
-            Passage::Steady
-        } else {
-            Passage::Varying
-        }
     }
 }
 

@@ -1,0 +1,244 @@
+//! What the curve of a corner takes from both blocks: how far it may reach into them, where it leaves the one and enters
+//! the other, and what is left of them.
+use super::curve::Side;
+use super::held_block::HeldBlock;
+use super::{ONE_44, Parameters};
+use crate::math::float::{max, min, to_f32, to_i64};
+use crate::nc::ContourMethod;
+use crate::path::poly::Knot;
+use crate::path::{Measure, Passage};
+use crate::quantity::{DISTANCE_LSB, Distance, Position};
+
+/// What two corners leave of a block may go to the second one if it is this part, as a power of two: far less
+/// than what the tolerance has to spare.
+const SLIVER: u32 = 14;
+
+/// Part of the distance that a curve over time leaves, as a power of two: it comes short of what is there by
+/// what its rounding needs.
+const SCRAP: u32 = 18;
+
+/// Least that a corner leaves of a block that its neighbours divide, LSB 2^-44 mm: four of a position.
+const LEFT: i64 = 1 << 14;
+
+/// What halving a block and making it anew adds to its length at most, LSB 2^-44 mm.
+const HALVED: i64 = 64;
+
+/// Shortest corner distance worth a curve, mm.
+pub(super) const SHORTEST: f32 = 1e-5;
+
+/// The speed changes beside a curve, not in it, where the blocks have this part of its corner distance left.
+const BESIDE: i64 = 4;
+
+/// π/2.
+const QUARTER: f32 = core::f32::consts::FRAC_PI_2;
+
+/// How far a curve may reach into both blocks.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Room {
+    /// Largest corner distances, mm, and whether they are those of the blocks' shares, not of a quarter of a
+    /// turn.
+    pub most: [f32; 2],
+    whole: [bool; 2],
+    /// Corner distances that are asked for.
+    pub distances: [f32; 2],
+}
+
+/// What a corner takes from its blocks, LSB 2^-44 mm.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Cut {
+    pub before: i64,
+    pub behind: i64,
+}
+
+impl Room {
+    /// Between blocks of these programmed lengths, LSB 2^-44 mm: parts of both, less what is to remain, a
+    /// quarter of a turn.
+    pub(super) fn new<const AXES: usize>(
+        lengths: [(i64, &Side<AXES>); 2],
+        parts: [f32; 2],
+        rule: &Parameters,
+    ) -> Self {
+        let mut most = [0.0; 2];
+        let mut whole = [false; 2];
+        for (((most, whole), (length, side)), part) in most.iter_mut().zip(&mut whole).zip(lengths).zip(parts)
+        {
+            *most = to_f32(length) * DISTANCE_LSB * (2.0 * part * rule.share);
+            *whole = part == 0.5;
+            if side.rate * *most > QUARTER {
+                *most = QUARTER / side.rate;
+                *whole = false;
+            }
+        }
+        Self { most, whole, distances: rule.distances(most) }
+    }
+
+    /// The smaller of both.
+    pub(super) fn least(&self) -> f32 {
+        min(self.most[0], self.most[1])
+    }
+
+    /// What a curve over arc length takes from the blocks, with what was found about it: the part of the
+    /// distances, and how far its elements may be beside it.
+    pub(super) fn cut<const AXES: usize>(
+        &self,
+        held: &HeldBlock<AXES>,
+        next: &HeldBlock<AXES>,
+        rule: &Parameters,
+        (part, slack): (f32, f32),
+    ) -> Option<(Cut, f32)> {
+        let distances = self.distances.map(|c| c * part);
+        // POS without distances swings out from the corner itself.
+        let most = max(distances[0], distances[1]);
+        if most < SHORTEST && (most > 0.0 || rule.method != ContourMethod::Pos) {
+            return None;
+        }
+        let bits = |i: usize, length: i64| {
+            if self.whole[i] && distances[i] >= self.most[i] && rule.share >= 0.5 {
+                length / 2
+            } else if rule.weighs() {
+                to_i64(distances[i] * ONE_44).min(weighed(length))
+            } else {
+                to_i64(distances[i] * ONE_44).min(length / 2)
+            }
+        };
+        let [mut before, behind] = [bits(0, held.length), bits(1, next.length)];
+        let left = held.block.element.shape.length.to_bits();
+        before = before.min(left);
+        if left - before <= held.length >> SLIVER {
+            before = left;
+        }
+        Some((Cut { before, behind }, slack))
+    }
+}
+
+/// What a corner takes at most of a block that its neighbours divide: all of it would leave a line without motion.
+fn weighed(length: i64) -> i64 {
+    (length - (length >> SCRAP).max(LEFT)).max(length / 2)
+}
+
+impl Cut {
+    /// Whether it is as much of both, but for what hardly shows.
+    pub(super) fn is_even(&self) -> bool {
+        let more = self.before - self.behind;
+        more.abs() <= self.before >> SCRAP
+    }
+
+    /// As much of both blocks; no sliver is left of either. And how much that is.
+    pub(super) fn even<const AXES: usize>(
+        held: &HeldBlock<AXES>,
+        next: &HeldBlock<AXES>,
+        rule: &Parameters,
+        mut reach: i64,
+    ) -> (Self, i64) {
+        let left = held.block.element.shape.length.to_bits();
+        let half = if rule.weighs() { weighed(next.length) } else { next.length / 2 };
+        // What rounding leaves of a block between two curves would be too short for their speed.
+        let slack = if rule.weighs() { 0 } else { half >> SCRAP };
+        if rule.weighs() {
+            reach = reach.min(half);
+        }
+        for all in [half, left] {
+            let more = all - reach;
+            if more > 0 && more <= all >> SCRAP && all <= half.saturating_add(slack.max(HALVED)) {
+                reach = all;
+            }
+        }
+        // What is left of a halved line may be some LSB less than its half, or more.
+        let before = if left - reach <= HALVED { left } else { reach };
+        (Self { before, behind: reach.min(half + slack) }, reach)
+    }
+}
+
+/// Where a curve leaves one block and enters the other: its knots. `false` where there are none.
+#[inline(never)]
+pub(super) fn ends<const AXES: usize>(
+    held: &HeldBlock<AXES>,
+    next: &HeldBlock<AXES>,
+    cut: Cut,
+    measure: &Measure,
+    [from, to]: [&mut Knot<AXES>; 2],
+) -> bool {
+    to.position = begin(next, cut);
+    let Ok(end) = next.entry_at(&to.position, measure) else { return false };
+    to.end = end;
+    leave(held, cut, from);
+    true
+}
+
+/// The same; the second block becomes what is left of it.
+#[inline(never)]
+pub(super) fn enter<const AXES: usize>(
+    held: &HeldBlock<AXES>,
+    next: &mut HeldBlock<AXES>,
+    cut: Cut,
+    measure: &Measure,
+    [from, to]: [&mut Knot<AXES>; 2],
+) -> bool {
+    to.position = begin(next, cut);
+    if next.renew(&to.position, cut.behind, measure).is_err() {
+        return false;
+    }
+    to.end = next.block.element.entry;
+    leave(held, cut, from);
+    true
+}
+
+/// The knot where a curve leaves the first block.
+#[inline(always)]
+fn leave<const AXES: usize>(held: &HeldBlock<AXES>, cut: Cut, knot: &mut Knot<AXES>) {
+    let element = &held.block.element;
+    let rest = element.shape.length.to_bits() - cut.before;
+    if rest > 0 {
+        knot.position = element.shape.point(rest, &held.block.from);
+        knot.end = element.end_at(rest);
+    } else {
+        (knot.position, knot.end) = (held.block.from, element.entry);
+    }
+}
+
+/// Where it enters the second one.
+#[inline(always)]
+fn begin<const AXES: usize>(next: &HeldBlock<AXES>, cut: Cut) -> [Position; AXES] {
+    let from = &next.block.from;
+    if cut.behind > 0 { next.block.element.shape.point(cut.behind, from) } else { *from }
+}
+
+impl Cut {
+    /// Both blocks become what a curve between these knots leaves of them. What its speed does, which may be to stay
+    /// `constant`; `None` where there is no rest of the second block.
+    pub(super) fn part<const AXES: usize>(
+        self,
+        held: &mut HeldBlock<AXES>,
+        next: &mut HeldBlock<AXES>,
+        [from, to]: [&Knot<AXES>; 2],
+        (measure, constant): (&Measure, bool),
+    ) -> Option<Passage> {
+        next.renew(&to.position, self.behind, measure).ok()?;
+        Some(self.leave(held, next, from, constant))
+    }
+
+    /// The first block becomes what a curve from this knot leaves of it, as the second one has already. What
+    /// the speed of the curve does.
+    pub(super) fn leave<const AXES: usize>(
+        self,
+        held: &mut HeldBlock<AXES>,
+        next: &HeldBlock<AXES>,
+        from: &Knot<AXES>,
+        constant: bool,
+    ) -> Passage {
+        let rest = held.block.element.shape.length.to_bits() - self.before;
+        held.block.element.shape.length = Distance::from_bits(rest);
+        if rest > 0 {
+            held.block.element.exit = from.end;
+        }
+        // The next corner may take half of the block behind this one.
+        let beside = rest.min(next.block.element.shape.length.to_bits() - next.length / 2);
+        if constant {
+            Passage::Constant
+        } else if beside >= self.before.max(self.behind) / BESIDE {
+            Passage::Steady
+        } else {
+            Passage::Varying
+        }
+    }
+}
