@@ -124,7 +124,7 @@ pub struct Planner<
     /// FCT_SURFACE of P-CHAN-00600.
     surface: bool,
     source: Source,
-    /// A function that the ring of events did not take.
+    /// A function that the ring of actions did not take.
     held: Option<Held>,
     /// Axes given away by #PUT AX, bit i for axis i.
     released: u32,

@@ -62,9 +62,10 @@
 //! | how fast an arc may be taken | `dynamics/permitted.rs` |
 //! | which speeds the look-ahead plans | `lookahead/plan.rs`, `lookahead/span.rs` |
 //! | what a feed hold does | `plan/hold.rs`, `plan/descent.rs`, `plan/short_stop.rs` |
-//! | when an M function comes out, and where the motion waits for it | `plan/functions.rs`, `plan/acknowledge.rs` |
+//! | at which point an M function comes out, and where the motion waits for it | `plan/functions.rs`, `plan/acknowledge.rs` |
+//! | in which tick it comes out | `queue/actions.rs` |
 //! | how an axis moves beside the path | `single/mod.rs`, `channel/beside.rs` |
-//! | what a tick costs | `tick.rs`; the counts: `docs/figures.md` |
+//! | what a tick does, and so costs | `tick.rs`, `queue/curves.rs`, `queue/cells.rs`; the counts: `docs/figures.md` |
 //! | what happens when the planner gets no time | `plan/reserve.rs` |
 //! | how planner and interrupt agree on a change | `queue/time.rs`, `queue/clock.rs` |
 //! | units, LSB, range and rounding of a number | `quantity.rs` |
@@ -76,13 +77,14 @@
 //! | acknowledgement | The word of the operator that a function is carried out. |
 //! | action | What is due at a point of the path: a function that is put out. |
 //! | anchor | A transition where acceleration is zero. |
+//! | barrier | A piece of no ticks: the interrupt passes it by a cut alone. |
 //! | block | A motion as it was programmed, or a part of one, in the look-ahead. |
 //! | brief block | A block that the motion passes within a tick. |
 //! | channel | All memory of one path: a planner, an interpolator, an operator. |
 //! | committed span | A span that left the look-ahead; the interrupt has not left it yet. |
 //! | contour mode | Rounding of corners inside a tolerance (#CONTOUR MODE, G61, G261). |
 //! | corner | A transition where the direction changes. |
-//! | curve | The geometry of an element in the queue: a line, an arc or a polynomial. |
+//! | curve | The geometry of an element in the queue: a line, an arc or a polynomial; in the code a `Segment`. |
 //! | cut | A change of the interrupt from one row of pieces to another, at an agreed tick. |
 //! | dwell | Ticks of rest (G04). |
 //! | ease | How much less than permitted a span uses so that an anchor inside it is not needed. |
@@ -97,9 +99,9 @@
 //! | level | The override that the look-ahead is planned for. |
 //! | limits | Speed, acceleration and jerk permitted along the path. |
 //! | look-ahead | The ring of blocks whose speeds may still change. |
-//! | path distance | Length along the path since the start. |
 //! | overlay | The motion of an axis beside the path, as the interrupt has it. |
-//! | piece | A cubic of path distance over whole ticks. |
+//! | path distance | Length along the path since the start. |
+//! | piece | A cubic of path distance over whole ticks; in the code a `Phase`. |
 //! | profile | A law as ramps, with times and lengths. |
 //! | programmed block | A motion block as it came from the program. |
 //! | ramp | A part of a law in which acceleration rises or falls. |
@@ -107,17 +109,18 @@
 //! | set point | The position of an axis that a tick gives. |
 //! | slope | The kind of law: STEP, TRAPEZ, SIN2 or HSC. |
 //! | slope share | What is left to the slope beside a transition. |
+//! | small build | A build without Surface and splines: it has less room for all that is under way. |
 //! | smoother | A stage that makes elements of programmed blocks. |
 //! | span | Blocks from one anchor to the next; they have one law. |
 //! | stage | A step of the pipeline: it takes one type and returns the next. |
-//! | tick | One cycle of the interrupt. |
 //! | stroke | A motion of one axis from rest to rest. |
+//! | tick | One cycle of the interrupt. |
 //! | transition | The point where two blocks meet. |
 //! | valley | Where a law is slowest inside, with acceleration on both sides of a slow block. |
 //! | way | A motion that leads to a standstill. |
 #![no_std]
-// Only the rings of `queue` may, and say why: `ring`, `curves`, `reserve` and `actions`, and the cells they
-// are made of (`word`).
+// Only six files of `queue` may have unsafe code, and each says why: `ring`, `curves`, `reserve` and `actions`, and the
+// memory that they are made of, `cells` and `word`.
 #![deny(unsafe_code)]
 
 pub use axis::Axes;

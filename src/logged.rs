@@ -1,5 +1,5 @@
-//! The proof that defmt can log what an application may want to log: every public error and every public
-//! event.
+//! The proof that defmt can log what an application may want to log: every public error, and what the planner and
+//! the operator say.
 use crate::channel::{
     Error, GoOnError, MachineError, PlannedBlock, PositionError, Progress, ZeroOffsetError,
 };
@@ -9,7 +9,7 @@ use crate::machine::parameter::RangeError;
 use crate::nc::{NcError, NcWarning, TextError};
 use crate::path::PathError;
 use crate::plan::MotionError;
-use crate::queue::Event;
+use crate::queue::PlacedAction;
 use crate::slope::profile::Unplannable;
 use crate::technology::{Action, Function, Output};
 use crate::tick::State;
@@ -33,7 +33,7 @@ const _: () = {
 
     can_be_logged::<Action>();
     can_be_logged::<Commands>();
-    can_be_logged::<Event>();
+    can_be_logged::<PlacedAction>();
     can_be_logged::<Function>();
     can_be_logged::<NcWarning>();
     can_be_logged::<Output>();

@@ -87,13 +87,14 @@ impl<'a, const AXES: usize> Operator<'a, AXES> {
     }
 
     /// The next function whose point of the motion a tick has reached or passed. Call it until it says
-    /// `None`: there is room for 32 in all, and the motion stands still where there is no more.
+    /// `None`: there is room for 32 in all, in a small build for 16. The fewer are free the less far the planner
+    /// looks ahead, and with none the motion comes to a standstill.
     pub fn output(&self) -> Option<Output> {
         let outlet: &Outlet<'a> = &self.panel.actions;
-        let (event, tick) = outlet.take()?;
-        let Action::Out(function, ticket) = event.action;
+        let (placed, tick) = outlet.take()?;
+        let Action::Out(function, ticket) = placed.action;
         self.control().acknowledgements().put_out(ticket);
-        Some(Output { tick, n: event.n, function, waits: ticket.waits() })
+        Some(Output { tick, n: placed.n, function, waits: ticket.waits() })
     }
 
     /// Hands over all functions that [`Self::output`] has.

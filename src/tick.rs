@@ -1,8 +1,9 @@
 //! Set points of one tick: time to path distance to axis positions.
 //!
-//! A tick counts inside the piece of time at hand or takes the next one, evaluates its cubic, passes the
-//! elements the path distance has left, and evaluates the one it is on. Integers only; no division, square
-//! root or search.
+//! A tick counts inside the piece of time at hand or takes the next one, and evaluates its cubic: that is the path
+//! distance. It passes the curves that this distance has left ([`crate::queue::CurveConsumer::follow`]) and
+//! evaluates the one it is on ([`crate::queue::Track::at`]). Integers only; no division, no square root, and no loop
+//! without a fixed bound.
 //!
 //! Which piece of time comes next, also where the planner has asked for a change or has come late:
 //! [`crate::queue::Timeline`]. At its end the tick marks the actions that are due and shows its result to the
@@ -11,14 +12,11 @@
 //! Behind the path come the overlays: an axis that moves on its own goes where its own motion has it
 //! ([`crate::queue::Overlay`]).
 //!
-//! All that could go wrong is ruled out by the planner: a piece lasts at least one tick, its element is in
-//! the ring, at most [`SKIP_PER_TICK`] elements begin within a tick. Without a piece the set points rest.
+//! All that could go wrong is ruled out by the planner: a piece lasts at least one tick, its curve is in
+//! the ring, and at most [`crate::queue::MAX_CURVES_PER_TICK`] curves begin within a tick. Without a piece the set points rest.
 use crate::fir::{FilterTick, Unfiltered};
 use crate::quantity::{Accel, Distance, Position, Speed};
-use crate::queue::{MAX_CURVES_PER_TICK, OverlayReceiver, Receiver};
-
-/// Most elements one tick may pass.
-pub const SKIP_PER_TICK: u32 = MAX_CURVES_PER_TICK;
+use crate::queue::{OverlayReceiver, Receiver};
 
 /// What the tick just did.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

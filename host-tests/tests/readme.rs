@@ -215,6 +215,14 @@ fn target(text: &mut String) {
         get("ram.bytes_per_block_6_axes"),
         get("flash.reference")
     );
+    let _ = writeln!(
+        text,
+        "\nLines, arcs and contour mode alone, compiled for few bytes as below: {} bytes of flash, and for 3 axes {} bytes of RAM with the\n\
+         stack and 120 blocks, {} with 30.",
+        get("slim.flash"),
+        get("slim.ram_total_3x120"),
+        get("slim.ram_total_3x30")
+    );
 }
 
 #[test]
@@ -260,8 +268,19 @@ fn numbers_in_the_text_are_those_of_the_code() {
     let limits = read("docs/limits.md").split_whitespace().collect::<Vec<_>>().join(" ");
     let pieces = glidepath::queue::PHASES;
     assert!(limits.contains(&format!("A full queue holds {pieces} pieces")), "{pieces} pieces");
-    let lengths = glidepath::tick::SKIP_PER_TICK - 1;
+    let lengths = glidepath::queue::MAX_CURVES_PER_TICK - 1;
     assert!(limits.contains(&format!("at most {lengths} lengths of the block")), "{lengths} lengths");
+    // The last column of the table of small builds.
+    let readme = read("README.md");
+    for (what, number) in [
+        ("pieces of time in the queue", pieces),
+        ("curves handed on", glidepath::queue::SEGMENTS),
+        ("curves that a tick passes", glidepath::queue::MAX_CURVES_PER_TICK as usize),
+        ("functions under way, and acknowledgements", glidepath::queue::ACTIONS),
+    ] {
+        let row = between(&readme, &format!("\n| {what} | "), " |\n");
+        assert_eq!(row.split(" | ").last(), Some(number.to_string().as_str()), "{what}");
+    }
 }
 
 /// Files below a folder whose text holds `what`.

@@ -6,7 +6,7 @@ use crate::slope::limits::ROUNDED;
 /// How the speed of a block follows the override, in two numbers of 16 bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct OverrideRange {
-    /// [`Self::EVEN`] where feed and machine permit the same. Below, what the machine permits beyond the
+    /// [`EVEN`] where feed and machine permit the same. Below, what the machine permits beyond the
     /// feed, up to twice as much: 1 + n/2^15. Above, by how much the machine permits less than the feed: 1 −
     /// n/2^15. Both rounded towards the slower.
     over: u16,

@@ -1,11 +1,11 @@
-//! How fast blocks may follow each other: a tick passes at most [`MAX_CURVES_PER_TICK`] of them, so that 31
-//! in a row take a tick at least. In a small build it passes half as many: 15 take a tick.
+//! How fast blocks may follow each other: a tick passes at most [`MAX_CURVES_PER_TICK`] of them, which are 32, so
+//! 31 in a row have to take a tick at least. In a small build they are 16, so 15 have to.
 //!
-//! Where each of them takes its 31st part, that is so. A single one that is far shorter than its neighbours
-//! would bring all of the motion to a crawl: so up to [`MOST_BRIEF`] of 31 in a row may be *brief*, which
-//! take less than that. The others then take the 20th part of a tick each: twenty of them are a tick. A block
-//! is brief only where it is far shorter than the last one that is not, so that a chain of equal blocks keeps
-//! its 31 in a tick.
+//! If each of them takes a 31st part of a tick, they do. But then a single block that is far shorter than its
+//! neighbours would bring all of the motion to a crawl. So up to [`MOST_BRIEF`] of 31 in a row may be *brief*: they
+//! take less time than that. Each of the others then takes a 20th part of a tick, as twenty of them are left. (In a
+//! small build up to 5 of 15 are brief, and each of the others takes a 10th part.) A block is brief only where it is
+//! far shorter than the last one that is not, so a chain of equal blocks keeps its 31 in a tick.
 use crate::dynamics::OverrideRange;
 use crate::math::float::{max, min};
 use crate::queue::MAX_CURVES_PER_TICK;

@@ -1,4 +1,4 @@
-//! Knees: anchors that a gentler law does without.
+//! Anchors that a gentler law does without.
 //!
 //! A slow block on the way up makes its end an anchor, one on the way down its start: acceleration falls to
 //! zero there and has to be built up again behind it. One law for the spans on both sides may be faster: with

@@ -15,6 +15,17 @@
 //!
 //! The backward pass runs when the ring is full, a few blocks per call; then a quarter of the ring is handed
 //! on. It ends early at the first transition whose speed did not change.
+//!
+//! | file | what it decides |
+//! |---|---|
+//! | `append` | what the next block of the ring permits, and the transition before it |
+//! | `knees`, `brief`, `worth` | knees within one tick; blocks within one tick; whether a corner is a standstill |
+//! | `plan` | which pass runs, and how much of it in a call |
+//! | `span`, `ease`, `valley` | which transitions are anchors; which of them go; which move into a slow block |
+//! | `law` | the law of a span |
+//! | `pace` | what override and reduced speed make of the speed of a block |
+//! | `release` | what leaves the ring |
+//! | `ring`, `blocks`, `block`, `planned` | the ring, its places, a block, a planned speed |
 mod append;
 mod block;
 mod blocks;

@@ -29,7 +29,7 @@ pub struct ReleasedSpan {
     /// Whether all blocks keep their limits with these speeds.
     pub checked: Checked,
     /// How the path turns, and what its blocks have in common.
-    pub course: Course,
+    pub marks: SpanMarks,
     /// How its speed follows the override: of its blocks the fastest.
     pub override_range: OverrideRange,
     /// The block behind it.
@@ -77,9 +77,9 @@ impl Checked {
 
 /// How the path turns at transitions of a span, and what its blocks have in common. In one byte: there are many spans.
 #[derive(Clone, Copy, Debug)]
-pub struct Course(u8);
+pub struct SpanMarks(u8);
 
-impl Course {
+impl SpanMarks {
     const SMOOTH: u8 = 1;
     const KNEES: u8 = 2;
     const PASSING: u8 = 4;
@@ -180,7 +180,7 @@ impl ReleasedSpan {
         v_in: Speed::ZERO,
         v_out: Speed::ZERO,
         checked: Checked(0),
-        course: Course(0),
+        marks: SpanMarks(0),
         override_range: OverrideRange::BLANK,
         next: Behind { v: 0.0, override_range: OverrideRange::BLANK },
         v_reduced: 0.0,
@@ -356,7 +356,7 @@ impl ReleasedSpan {
         self.slow = Slow { least: v_least, cruise: 0.0, ceiling: f32::MAX, ..self.slow };
         self.override_range = override_range;
         self.checked = Checked::at_release(first.is(Marks::CHECKED) || blocks == 1);
-        self.course = Course::new(first, any, all);
+        self.marks = SpanMarks::new(first, any, all);
         next
     }
 

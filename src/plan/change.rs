@@ -1,19 +1,19 @@
 //! Another law for what is in the queue, or a start from rest: nothing of it counts before the way to a
 //! standstill behind it is complete.
 //!
-//! New pieces go in behind a gate, which the interrupt does not pass, and the way to a standstill behind them
+//! New pieces go in behind a barrier, which the interrupt does not pass, and the way to a standstill behind them
 //! goes to the reserve, beside the one in force. That may take several calls. Only then the cut is published
 //! and the reserve changes with it: at each tick there is a way to a standstill, whenever the planner is kept
 //! from its work. If the interrupt is beyond the instant of the change by then, all is as before and the next try
 //! is further ahead.
 //!
-//! Where the standstill before the new pieces has a tick in reserve, that is their gate: a planner that gets
+//! Where the standstill before the new pieces has a tick in reserve, that is their barrier: a planner that gets
 //! no time lets the motion stand there.
 use super::committed::CommittedSpan;
 use super::descent::Descent;
 use super::hold::{Mode, REACTION};
 use super::reserve::Way;
-use super::{Distance, Frontier, PIECES, Planning, Speed, Work};
+use super::{Distance, Frontier, KEPT_FREE, Planning, Speed, Work};
 use crate::queue::{Change, NotNow, renew};
 
 /// How often a call goes on with the way to a standstill behind new pieces that count at once or never.
@@ -116,7 +116,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     #[inline(never)]
     fn open_change(&mut self, k: usize, at: u32) -> Option<()> {
         let committed = *self.committed.get(k)?;
-        if self.queue.phases.room() < PIECES + 2 || self.queue.clock.has_left() {
+        if self.queue.phases.room() < KEPT_FREE || self.queue.clock.has_left() {
             return None;
         }
         self.begin_change(at, Some((k, committed)));
@@ -127,11 +127,11 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     }
 
     /// From here on new pieces, from the instant `at` on, do not count before [`Self::hand_over`]. There is
-    /// room for a gate.
+    /// room for a barrier.
     pub(super) fn begin_change(&mut self, at: u32, span: Option<(usize, CommittedSpan)>) {
-        let gated = at != self.frontier.end || !self.reserve.is_kept();
+        let needs_barrier = at != self.frontier.end || !self.reserve.is_kept();
         let phases = &mut self.queue.phases;
-        let change = if gated { Change::begin(phases) } else { Change::append(phases) };
+        let change = if needs_barrier { Change::begin(phases) } else { Change::append(phases) };
         let (frontier, mode, behind) = (self.frontier, self.orders.mode, self.reserve.behind);
         let before = Before { span, frontier, mode, behind };
         self.reserve.pending = Some(Pending { change, at, before, lowers: false });

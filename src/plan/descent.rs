@@ -1,7 +1,7 @@
 //! The way down to a standstill from a motion at hand: one law through as many spans as it takes.
 //!
 //! Spans end with acceleration zero where the plan has it so. A standstill need not keep that: where the path
-//! turns little between two spans ([`ReleasedSpan::turns`]) a deceleration passes. The law brakes with the
+//! turns little between two spans (`SpanMarks::passing`) a deceleration passes. The law brakes with the
 //! least deceleration and jerk of all spans on its way, from the first to the one in which it stands. It is
 //! no faster at any transition than planned, and it is slowing down there, so the spans behind keep their
 //! limits of speed too. Where the law would be too fast, it ends: at that transition, with acceleration zero,
@@ -137,13 +137,13 @@ impl Stretch {
             v_slow: span.slow.shared,
             v_least: min(span.slow.least, span.limits.v),
             is_uneven: span.is_uneven(),
-            smooth: span.course.is_smooth(),
-            passing: span.course.passing(),
-            trades: span.course.trades(),
-            knees: span.course.has_knees(),
+            smooth: span.marks.is_smooth(),
+            passing: span.marks.passing(),
+            trades: span.marks.trades(),
+            knees: span.marks.has_knees(),
             is_many: span.blocks > 1,
-            bought: span.course.trades_somewhere(),
-            rapid: span.course.rapid(),
+            bought: span.marks.trades_somewhere(),
+            rapid: span.marks.rapid(),
             end,
             v_out: span.v_out,
         }

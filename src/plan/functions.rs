@@ -10,7 +10,7 @@ use super::Function;
 use crate::control::{Control, OPEN};
 use crate::machine::Synch;
 use crate::quantity::Distance;
-use crate::queue::{EVENTS, Event, Scheduler};
+use crate::queue::{ACTIONS, PlacedAction, Scheduler};
 use crate::technology::{Action, Ticket};
 use heapless::Vec;
 
@@ -35,7 +35,7 @@ struct Entry {
 
 /// Functions and gates.
 pub(super) struct Functions {
-    entries: Vec<Entry, EVENTS>,
+    entries: Vec<Entry, ACTIONS>,
     /// The gates in the look-ahead in order, with their open acknowledgements, a bit each; and those demanded
     /// where everything taken in ends.
     gates: Vec<u32, OPEN>,
@@ -55,7 +55,7 @@ impl Functions {
     }
 
     /// Takes in a function between the motion blocks `number` - 1 and `number`; `room` is that of the ring of
-    /// events. `in_motion`: it was programmed together with a motion.
+    /// actions. `in_motion`: it was programmed together with a motion.
     ///
     /// # Errors
     /// No room.
@@ -150,7 +150,7 @@ impl Functions {
             if !entry.placed && reaches(due, entry.out) {
                 entry.placed = true;
                 let Entry { n, function, ticket, .. } = *entry;
-                let _ = queue.push(Event { distance, n, action: Action::Out(function, ticket) });
+                let _ = queue.push(PlacedAction { distance, n, action: Action::Out(function, ticket) });
             }
             if entry.placed && !entry.gated && reaches(due, entry.gate) {
                 entry.gated = true;

@@ -5,7 +5,7 @@
 //! dynamics, contour mode) comes before the second one, and lets the first one go. A line grows until it is
 //! twice as long as the ways to its speed and from it, and until a knee at its end, of what its tolerance
 //! leaves open, is too small to be seen. So a long straight line is handed on while it is being read, and two
-//! pieces are a whole ring ([`crate::lookahead::Lookahead::is_full`]).
+//! pieces are a whole ring ([`crate::lookahead::Ring::is_full`]).
 use super::intake::Pass;
 use super::{Planning, to_f32};
 use crate::dynamics::{OverrideRange, Permitted, Share};

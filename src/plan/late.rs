@@ -15,7 +15,7 @@
 //!
 //! A corner that contour mode holds back waits for its second block: the path does not depend on when the
 //! text comes. The row of blocks that HSC holds back ends where its last block ends ([`Smoother::gives_way`]).
-use super::{Planning, RESERVE, Speed, Work, clock};
+use super::{KEPT_FREE, Planning, Speed, Work, clock};
 use crate::queue::{MAX_CURVES_PER_TICK, PHASES, SEGMENTS};
 use crate::smooth::Smoother;
 
@@ -27,7 +27,7 @@ const DRY: u32 = 256;
 
 /// Curves handed on, and pieces of time, that are few: of a full ring a tick leaves more.
 const FEW: u32 = 10;
-const _: () = assert!(FEW < SEGMENTS as u32 - MAX_CURVES_PER_TICK && FEW < PHASES as u32 - 2 * RESERVE);
+const _: () = assert!(FEW < SEGMENTS as u32 - MAX_CURVES_PER_TICK && FEW < PHASES as u32 - 2 * KEPT_FREE);
 
 /// Ticks within which a planner that is called in each of them, and keeps up, has filled the queue again.
 const SOON: u32 = 2;

@@ -1,4 +1,16 @@
 //! From motion blocks to the queue: path, look-ahead and slope in a row, a bounded piece of work per call.
+//!
+//! | file | what it decides |
+//! |---|---|
+//! | `intake`, `held_line` | how a motion block comes in; which straight blocks become one |
+//! | `functions`, `acknowledge` | where functions come out; how the motion waits at a gate and goes on |
+//! | `committed` | which spans have a law that may still change |
+//! | `hold`, `descent`, `short_stop` | how the motion stops, through which spans, and whether it can stop sooner |
+//! | `pace` | what override and reduced speed change in the queue |
+//! | `change` | when new pieces count for the interrupt |
+//! | `reserve`, `slower` | how the motion stops without the planner; what becomes of it where that has no room |
+//! | `late` | what happens when text or room for functions is missing |
+//! | `stand` | where the axes stand at rest, and what a new program begins with |
 mod acknowledge;
 mod change;
 mod committed;
@@ -302,7 +314,7 @@ fn filled<T>(memory: &mut MaybeUninit<T>, make: impl FnOnce() -> T) -> &mut T {
 const PIECES: u32 = if crate::machine::functions::IS_SMALL { 4 } else { 8 };
 
 /// Pieces that the queue has room for at any time, for a new law in place of one that is already there.
-const RESERVE: u32 = PIECES + 2;
+const KEPT_FREE: u32 = PIECES + 2;
 
 /// Longest rest handed over at once, ticks.
 const LONGEST_REST: u64 = 65_535;
@@ -400,7 +412,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         self.end_law();
         // Asked first: what the queue has no room for is not made. Several at once: each call has its own
         // cost.
-        if self.queue.phases.room() < PIECES + RESERVE {
+        if self.queue.phases.room() < PIECES + KEPT_FREE {
             return Ok(self.wait_a_while());
         }
         if !self.frontier.emitter.is_done() {

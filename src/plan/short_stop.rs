@@ -1,9 +1,11 @@
 //! A standstill as soon as the path ahead permits.
 //!
 //! The limits of a span are those of its highest speed, and of the place where it bends most. A way to a
-//! standstill takes a part of it only, and is slower and slower there. What it may have depends on where it is
-//! how fast, and that on what it has: it begins with what is left here and now. In some rounds it gets less,
-//! until the axes permit it at each of a few speeds, from where the law has come down to that on.
+//! standstill takes a part of it only, and is slower and slower there, so the axes may permit more. How much they
+//! permit depends on the speed at each place of the path, and that depends on the deceleration. So the law is found
+//! in rounds. The first one tries what the axes leave at the start of the way. Each further one takes less, until
+//! the axes permit the law everywhere: that is asked for each of a few speeds, for the path that is left when the
+//! law has come down to it.
 use super::descent::{CLOSE, Cursor, Descent, SPANS, Stretch};
 use super::{Brake, Instant, Planning, Speed};
 use crate::dynamics::{Braking, Passed};

@@ -11,7 +11,7 @@
 //!
 //! The speed rises step by step while ways leave room, so that it stays where they just have it.
 use super::committed::CommittedSpan;
-use super::{Brake, Instant, PIECES, Planning, RESERVE, RingStage, Speed, clock};
+use super::{Brake, Instant, KEPT_FREE, PIECES, Planning, RingStage, Speed, clock};
 use crate::math::float::{max, min};
 use crate::math::root::sqrt_f32;
 use crate::quantity::{speed_bits, speed_f32};
@@ -81,7 +81,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
 
     /// What is handed out next has room.
     fn has_room(&self) -> bool {
-        self.queue.phases.room() >= PIECES + RESERVE
+        self.queue.phases.room() >= PIECES + KEPT_FREE
             && !self.committed.is_full()
             && !self.queue.segments.is_sated()
     }

@@ -1,5 +1,5 @@
 //! At rest: where the axes stand, what a new program begins with, another position for the same place.
-use super::{Beyond, Commands, PIECES, Phase, Place, Planning, RESERVE, Slot, Speed, clock, to_f32};
+use super::{Beyond, Commands, KEPT_FREE, PIECES, Phase, Place, Planning, Slot, Speed, clock, to_f32};
 use crate::nc::SlopeType;
 use crate::path::Shape;
 use crate::quantity::{Feed, Position};
@@ -106,7 +106,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     /// nothing has changed, if there is no room.
     #[must_use]
     pub fn set_position(&mut self, axis: usize, position: Position) -> bool {
-        if self.queue.segments.is_full() || self.queue.phases.room() < PIECES + RESERVE {
+        if self.queue.segments.is_full() || self.queue.phases.room() < PIECES + KEPT_FREE {
             return false;
         }
         for stands in [&mut self.intake.entered, &mut self.intake.programmed] {

@@ -5,23 +5,23 @@
 //! *taken*. When the path reaches the point of an action the interrupt writes the number of the tick beside
 //! it and counts on: nothing is copied, whether the operator comes at once or late.
 #![allow(unsafe_code)]
-use super::{EVENTS, Event};
+use super::{ACTIONS, PlacedAction};
 use crate::quantity::{Distance, Position};
 use crate::technology::{Action, Function, Ticket};
 use core::cell::UnsafeCell;
 use core::sync::atomic::{AtomicU32, Ordering};
 
-const MASK: u32 = EVENTS as u32 - 1;
+const MASK: u32 = ACTIONS as u32 - 1;
 
 /// Static memory of the actions.
 pub struct Actions {
     put: AtomicU32,
     due: AtomicU32,
     taken: AtomicU32,
-    places: [UnsafeCell<Record>; EVENTS],
+    places: [UnsafeCell<Record>; ACTIONS],
 }
 
-/// An event as it is kept: nested enums would take a quarter more.
+/// A placed action as it is kept: nested enums would take a quarter more.
 #[derive(Clone, Copy)]
 struct Record {
     distance: Distance,
@@ -38,8 +38,8 @@ impl Record {
     const BLANK: Self =
         Self { distance: Distance::ZERO, value: 0, n: 0, kind: 0, ticket: Ticket::NONE, tick: 0 };
 
-    fn new(event: &Event) -> Self {
-        let Event { distance, n, action: Action::Out(function, ticket) } = *event;
+    fn new(placed: &PlacedAction) -> Self {
+        let PlacedAction { distance, n, action: Action::Out(function, ticket) } = *placed;
         let (kind, value) = match function {
             Function::M(code) => (0, code.into()),
             Function::H(code) => (1, code.into()),
@@ -49,7 +49,7 @@ impl Record {
         Self { distance, value, n, kind, ticket, tick: 0 }
     }
 
-    fn event(self) -> Event {
+    fn placed(self) -> PlacedAction {
         let Self { distance, value, n, kind, ticket, .. } = self;
         let function = match kind {
             0 => Function::M(value as u16),
@@ -57,7 +57,7 @@ impl Record {
             2 => Function::Spindle(Position::from_bits(value)),
             _ => Function::Tool(value as u32),
         };
-        Event { distance, n, action: Action::Out(function, ticket) }
+        PlacedAction { distance, n, action: Action::Out(function, ticket) }
     }
 }
 
@@ -75,9 +75,9 @@ pub struct Outlet<'a>(&'a Actions);
 impl Actions {
     /// None; all bits zero.
     pub const fn blank() -> Self {
-        const { assert!(EVENTS.is_power_of_two()) };
+        const { assert!(ACTIONS.is_power_of_two()) };
         let [put, due, taken] = [const { AtomicU32::new(0) }; 3];
-        Self { put, due, taken, places: [const { UnsafeCell::new(Record::BLANK) }; EVENTS] }
+        Self { put, due, taken, places: [const { UnsafeCell::new(Record::BLANK) }; ACTIONS] }
     }
 
     /// Forgets all of them. Before the three sides run.
@@ -103,21 +103,21 @@ impl Scheduler<'_> {
     /// How many actions there is room for.
     pub fn room(&self) -> u32 {
         let put = self.0.put.load(Ordering::Relaxed);
-        (EVENTS as u32).wrapping_sub(put.wrapping_sub(self.0.taken.load(Ordering::Acquire)))
+        (ACTIONS as u32).wrapping_sub(put.wrapping_sub(self.0.taken.load(Ordering::Acquire)))
     }
 
     /// Puts an action in, at or behind the point of the last one.
     ///
     /// # Errors
     /// The action back if there is no room.
-    pub fn push(&mut self, event: Event) -> Result<(), Event> {
+    pub fn push(&mut self, placed: PlacedAction) -> Result<(), PlacedAction> {
         if self.room() == 0 {
-            return Err(event);
+            return Err(placed);
         }
         let put = self.0.put.load(Ordering::Relaxed);
         // SAFETY: the operator has given the place back, and of planners there is one; it is handed over
         // below.
-        unsafe { *self.0.record(put) = Record::new(&event) };
+        unsafe { *self.0.record(put) = Record::new(&placed) };
         self.0.put.store(put.wrapping_add(1), Ordering::Release);
         Ok(())
     }
@@ -143,7 +143,7 @@ impl Scheduler<'_> {
     /// others are put in their place a tick at hand that may look at them has to end
     /// ([`super::Clock::settle`]).
     pub fn withdraw(&mut self, number: u32) {
-        if self.0.put.load(Ordering::Relaxed).wrapping_sub(number) <= EVENTS as u32 {
+        if self.0.put.load(Ordering::Relaxed).wrapping_sub(number) <= ACTIONS as u32 {
             self.0.put.store(number, Ordering::Release);
         }
     }
@@ -163,7 +163,7 @@ impl Actions {
     pub(super) fn reach(&self, distance: i64, tick: u32) {
         let mut due = self.due.load(Ordering::Relaxed);
         let put = self.put.load(Ordering::Acquire);
-        for _ in 0..EVENTS {
+        for _ in 0..ACTIONS {
             if due == put {
                 return;
             }
@@ -202,7 +202,7 @@ impl Actions {
     pub(super) fn reach_later(&self, distance: i64, tick: u32, lag: &mut Lag, settled: bool) {
         let mut due = self.due.load(Ordering::Relaxed);
         let put = self.put.load(Ordering::Acquire);
-        for _ in 0..EVENTS {
+        for _ in 0..ACTIONS {
             let record = self.record(lag.reached);
             // SAFETY: put in and not due, so the operator does not know it, and the planner leaves it alone.
             if lag.reached == put || distance.wrapping_sub(unsafe { (*record).distance }.to_bits()) < 0 {
@@ -212,7 +212,7 @@ impl Actions {
             unsafe { (*record).tick = tick.wrapping_add(lag.delay) };
             lag.reached = lag.reached.wrapping_add(1);
         }
-        for _ in 0..EVENTS {
+        for _ in 0..ACTIONS {
             if due == lag.reached {
                 return;
             }
@@ -233,7 +233,7 @@ impl Actions {
 
 impl Outlet<'_> {
     /// The oldest action that is due, with the number of its tick. The caller is the only one that takes.
-    pub fn take(&self) -> Option<(Event, u32)> {
+    pub fn take(&self) -> Option<(PlacedAction, u32)> {
         let taken = self.0.taken.load(Ordering::Relaxed);
         if self.0.due.load(Ordering::Acquire) == taken {
             return None;
@@ -241,6 +241,6 @@ impl Outlet<'_> {
         // SAFETY: due and not taken, so it is the operator's until the counter moves on.
         let record = unsafe { *self.0.record(taken) };
         self.0.taken.store(taken.wrapping_add(1), Ordering::Release);
-        Some((record.event(), record.tick))
+        Some((record.placed(), record.tick))
     }
 }

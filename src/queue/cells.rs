@@ -1,10 +1,13 @@
-//! The memory of curves ([`super::curves`]): a slot has what a line has, and what an arc or a polynomial has beside it is
-//! a part of its own.
+//! The memory of curves ([`super::curves`]). A slot has what every curve has, which is all of a line. What an arc or a
+//! polynomial has beside it is its *part*.
 //!
-//! Where there is memory for it, each slot has room for a part behind it. In a small build a part takes the slot before
-//! its curve: a line takes one slot, any other curve two. The end of a slot is left to it then, and says that it is the
-//! slot of a part. Before the first slot of the ring there is one more, so that the part of a curve is always the slot
-//! before: a curve in the first one has its part there, and leaves out the last one.
+//! A build with Surface or splines has room for a part behind each slot. A small build has not: there a line takes one
+//! slot, and any other curve two, of which the first one is for its part. A part leaves the end of its slot free, and
+//! there the slot says that it is that of a part.
+//!
+//! The part of a curve is always in the memory before its slot. The first slot of the ring has one more before it, which
+//! is not in the ring: a curve in the first slot has its part there, and the last slot of the ring is that of a part then
+//! and has none.
 #![allow(unsafe_code)]
 use crate::machine::functions;
 use crate::path::{Arc, Bent, Bounds, Linear, Shape, add_cubic, add_poly};

@@ -14,15 +14,16 @@
 //! of reach too. Distances can be compared over a limited way only: where the curves of the look-ahead lead
 //! beyond, their starts are written when the interrupt comes nearer.
 //!
-//! In a small build an arc or a polynomial takes two slots ([`super::cells`]), and so two numbers and two starts, which
-//! are the same: the first one is that of its part. Both have begun together, so a tick never ends on a part. That of
-//! the curve is written before that of the part, which the interrupt waits for. What is counted here are slots then, and
-//! the look-ahead reaches less far where there are many such curves.
+//! In a small build an arc or a polynomial takes two slots ([`super::cells`]): the first one for its part, the second
+//! one for the curve. Each of the two has a number and a start. Both starts are the same path distance, so a tick that
+//! passes the first slot passes the second one too, and never ends on a part. The interrupt goes by the first start,
+//! so that is written last. What is counted here are slots then, and the look-ahead reaches less far where there are
+//! many such curves.
 //!
-//! A slot has half of the number of its motion block. The planner counts back from the latest one that it has put in,
-//! and so does who reads what the interrupt shows ([`super::cells::whole`]): numbers in the ring must be less than
-//! 2^16 apart. A curve may stand for many motion blocks, so the planner asks whether they are ([`CurveProducer::is_crowded`]),
-//! and puts in a curve for each of them if it is so.
+//! A slot has the lower half of the number of its motion block. Whoever reads it counts back from the latest number
+//! that was put in ([`super::cells::whole`]), so numbers in the ring must be less than 2^16 apart. A curve may stand for
+//! many motion blocks: before another one joins them the planner asks whether the numbers get too far apart
+//! ([`CurveProducer::is_crowded`]). Where they do, the block has a curve of its own.
 #![allow(unsafe_code)]
 use super::SEGMENTS;
 use super::cells::{self, BEFORE, IS_WHOLE, MOST, Place, Segment, Track, whole};
@@ -249,7 +250,7 @@ impl<const AXES: usize, const BLOCKS: usize> CurveRing<AXES, BLOCKS> {
         }
         let start = RingCursor::new(starts, 0, places(starts));
         let slot = RingCursor::new(slots, BEFORE, slots.len() - BEFORE);
-        let layer = CurveProducer {
+        let producer = CurveProducer {
             slots,
             starts,
             taken,
@@ -263,7 +264,7 @@ impl<const AXES: usize, const BLOCKS: usize> CurveRing<AXES, BLOCKS> {
             end: 0,
             long: false,
         };
-        (layer, CurveConsumer { taken, start, slot, latest })
+        (producer, CurveConsumer { taken, start, slot, latest })
     }
 }
 

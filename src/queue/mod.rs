@@ -1,7 +1,18 @@
-//! The one door between planner, interrupt and operator: static memory with one writer for every word. One
-//! ring of curves, one of pieces of time, one of actions; the clock, the status and the operator's commands.
+//! The one door between planner, interrupt and operator: static memory with one writer for every word.
+//!
+//! | file | what is in it |
+//! |---|---|
+//! | `curves`, `cells` | the ring of curves: where each begins, and the memory of each |
+//! | `ring` | a ring for one producer and one consumer, here that of the pieces of time |
+//! | `time`, `clock` | how the interrupt goes from piece to piece, and how planner and interrupt agree on a cut |
+//! | `reserve` | the pieces of a way to a standstill, for a planner that gets no time |
+//! | `actions` | what is due at points of the path |
+//! | `status` | what the interrupt shows of each tick |
+//! | `overlay` | the motion of one axis beside the path |
+//! | `word` | the words and places that the others are made of |
+//!
 //! The planner puts a curve in when its block goes into the look-ahead, and hands it on before the first
-//! piece of time that moves along it.
+//! piece of time that moves along it. The operator's commands lie here too: [`crate::control`] says what they are.
 mod actions;
 mod cells;
 pub mod clock;
@@ -30,20 +41,20 @@ use crate::math::wide::mul_u32;
 use crate::quantity::{Accel, Distance, Jerk, Position, Speed};
 use crate::technology::Action;
 
-/// Elements handed on. A tick may pass [`MAX_CURVES_PER_TICK`] of them: one and a half ticks of the shortest
-/// blocks at least. Each takes the room of a curve in the channel, beside those of the look-ahead; in a small build an
-/// arc or a polynomial counts as two.
+/// Slots of curves handed on, beside those of the look-ahead. A tick may pass [`MAX_CURVES_PER_TICK`] curves, so they
+/// last one and a half ticks of the shortest blocks at least; in a small build, where an arc or a polynomial takes two
+/// slots, two ticks of lines and one of other curves.
 pub const SEGMENTS: usize = if functions::IS_SMALL { 34 } else { 48 };
 /// Pieces of time handed over. A block takes seven at most, a short one two or three.
 pub const PHASES: usize = if functions::IS_SMALL { 32 } else { 128 };
 
-/// Events handed over, or still to be.
-pub const EVENTS: usize = if functions::IS_SMALL { 16 } else { 32 };
+/// Actions under way, from the program to the operator.
+pub const ACTIONS: usize = if functions::IS_SMALL { 16 } else { 32 };
 
-/// Something that is due at a point of the motion.
+/// An action at its point of the path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Event {
+pub struct PlacedAction {
     /// Path distance of its point.
     pub distance: Distance,
     /// Programmed N number.
@@ -65,7 +76,7 @@ pub struct Phase {
     pub half_accel: Accel,
     /// A sixth of the jerk.
     pub sixth_jerk: Jerk,
-    /// Ticks it lasts. 0 is a gate: the interrupt does not pass it, unless by a cut ([`Clock`]).
+    /// Ticks it lasts. 0 is a barrier: the interrupt does not pass it, unless by a cut ([`Clock`]).
     pub ticks: u16,
 }
 

@@ -4,9 +4,6 @@
 //! counter passes it, then to the consumer until the other counter does. Counters run freely and are masked,
 //! so that all `N` slots are used and no index needs a division (the queues of `heapless` forget `N` when
 //! they are split, which leaves one in the interrupt and a panic in its place if `N` were 0).
-//!
-//! The modules with `unsafe` code are this one, the ring of curves ([`super::course`]) and the ways to a
-//! standstill ([`super::reserve`]).
 #![allow(unsafe_code)]
 use super::word::{Memory, Place, Ram, Replay, Word};
 use core::sync::atomic::Ordering;

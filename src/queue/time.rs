@@ -7,13 +7,13 @@
 //!
 //! No order of events can mix both:
 //!
-//! 1. The planner puts a *gate* behind the old pieces, a piece of no ticks, which the interrupt does not
+//! 1. The planner puts a *barrier* behind the old pieces, a piece of no ticks, which the interrupt does not
 //!    pass, then the new pieces ([`Change::begin`]). Nothing has changed for the interrupt.
 //! 2. It publishes the cut: the piece first, then the instant. It waits for the tick at hand, if there is one
 //!    ([`Clock::settle`]): from there on every tick sees the cut.
 //! 3. It reads the instant of the next tick. If that is not behind the cut, the interrupt will take it. If it
-//!    is, the interrupt says: by its count of pieces taken, beyond the gate, it acknowledges that it has
-//!    taken the cut. Without that it never will, and stays before the gate; the planner takes gate and pieces
+//!    is, the interrupt says: by its count of pieces taken, beyond the barrier, it acknowledges that it has
+//!    taken the cut. Without that it never will, and stays before the barrier; the planner takes barrier and pieces
 //!    back ([`Change::commit`]).
 //!
 //! The end of what is in the queue has a standing cut of its own, the *reserve*: where the laws handed over
@@ -30,13 +30,13 @@ use super::{Clock, Consumer, Keeper, PHASES, Phase, Producer, Slot, Taker};
 /// The planner's end of the ring.
 pub type Pieces<'a, M = Ram> = Producer<'a, Phase, PHASES, M>;
 
-/// Gate and new pieces that are being put in for a cut. [`Self::commit`] or [`Self::abandon`] ends it.
+/// Barrier and new pieces that are being put in for a cut. [`Self::commit`] or [`Self::abandon`] ends it.
 #[derive(Debug)]
 #[must_use]
 pub struct Change {
     /// The number of the first piece put in.
     first: u32,
-    has_gate: bool,
+    has_barrier: bool,
 }
 
 /// The interrupt leaves the pieces it has at this instant, or has done so.
@@ -70,28 +70,23 @@ pub fn renew<M: Memory>(at: u32, keeper: &mut Keeper<'_, M>, clock: &Clock<M>) -
 }
 
 impl Change {
-    /// Puts the gate in; what is put in from here on counts from the cut. There is room.
+    /// Puts the barrier in; what is put in from here on counts from the cut. There is room.
     pub fn begin<M: Memory, const N: usize>(pieces: &mut Producer<'_, Phase, N, M>) -> Self {
         let first = pieces.count();
         let _ = pieces.push(Phase::BLANK);
-        Self { first, has_gate: true }
+        Self { first, has_barrier: true }
     }
 
     /// The same behind all that was put in: there is nothing to leave out, and no cut.
     pub fn append<M: Memory, const N: usize>(pieces: &Producer<'_, Phase, N, M>) -> Self {
-        Self { first: pieces.count(), has_gate: false }
-    }
-
-    /// Whether pieces are left out.
-    pub const fn has_gate(&self) -> bool {
-        self.has_gate
+        Self { first: pieces.count(), has_barrier: false }
     }
 
     /// The cut at `at`, the instant at which the new pieces begin. There is no other cut. Not where the reserve
     /// matters: [`Self::hand_over`].
     ///
     /// # Errors
-    /// [`TooLate`]: gate and new pieces are taken back.
+    /// [`TooLate`]: barrier and new pieces are taken back.
     pub fn commit<M: Memory, const N: usize>(
         self,
         at: u32,
@@ -123,7 +118,7 @@ impl Change {
     /// behind the cut and only there, and the old one goes when the cut is known to be in time.
     ///
     /// # Errors
-    /// The cut is too late, or the interrupt has gone on with the old way. Gate and new pieces are taken back; all
+    /// The cut is too late, or the interrupt has gone on with the old way. Barrier and new pieces are taken back; all
     /// is as before.
     pub fn hand_over<M: Memory, const N: usize>(
         self,
@@ -133,9 +128,9 @@ impl Change {
         keeper: &mut Keeper<'_, M>,
         clock: &Clock<M>,
     ) -> Result<Option<Cut>, NotNow> {
-        let cut = self.has_gate.then_some(self.first.wrapping_add(1));
+        let cut = self.has_barrier.then_some(self.first.wrapping_add(1));
         let kept = way.map(|instant| keeper.hold(instant, cut, clock));
-        let not_now = if self.has_gate && !self.publish(at, pieces, clock) {
+        let not_now = if self.has_barrier && !self.publish(at, pieces, clock) {
             NotNow::TooLate
         } else if !keeper.release(clock) {
             NotNow::Left
@@ -143,7 +138,7 @@ impl Change {
             keeper.commit(kept, cut);
             return Ok(cut.map(|_| Cut(at)));
         };
-        if self.has_gate {
+        if self.has_barrier {
             clock.withdraw();
         }
         if let Some(kept) = kept {
@@ -153,14 +148,14 @@ impl Change {
         Err(not_now)
     }
 
-    /// Takes gate and new pieces back.
+    /// Takes barrier and new pieces back.
     pub fn abandon<M: Memory, const N: usize>(
         self,
         pieces: &mut Producer<'_, Phase, N, M>,
         clock: &Clock<M>,
     ) {
         pieces.withdraw(self.first);
-        // A tick at hand may look at the gate.
+        // A tick at hand may look at the barrier.
         clock.settle();
     }
 }

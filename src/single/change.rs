@@ -243,7 +243,7 @@ impl Single {
         law: Option<Law>,
         stands: i64,
     ) -> bool {
-        // Of the gate and the rest, at least.
+        // Of the barrier and the rest, at least.
         if !has_room(overlay, 1) {
             return false;
         }

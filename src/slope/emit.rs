@@ -1,4 +1,4 @@
-//! From the time law of a block to what the tick evaluates: cubics that start at a tick and last whole ticks.
+//! From the law of a span to what the tick evaluates: cubics that start at a tick and last whole ticks.
 //!
 //! The parts of a [`Profile`] begin and end between ticks. The planner knows where the ticks fall, so it
 //! hands over the state at the first tick inside a part: the interrupt then counts whole ticks, and a part
@@ -52,7 +52,7 @@ struct Part {
     v1: i64,
 }
 
-/// Hands out the pieces of one block after the other.
+/// Hands out the pieces of one span after the other.
 #[derive(Clone, Copy, Debug)]
 pub struct Emitter {
     parts: [Part; PARTS],
@@ -84,13 +84,13 @@ impl Emitter {
         Self { parts: [IDLE; PARTS], part: 0, count: 0, next: 0, per_time: PerTime::NONE }
     }
 
-    /// Takes the next block, which starts at path distance `start`. Only when there is no piece:
+    /// Takes the law of the next span, which starts at path distance `start`. Only when there is no piece:
     /// [`Self::has_piece`].
     pub fn begin(&mut self, profile: &Profile, start: Distance, length: Distance) {
         let end = start.to_bits().wrapping_add(length.to_bits());
         let mut slots = Slots(self.parts.iter_mut());
         let at = slots.lay_out(&profile.up, start.to_bits());
-        // The slow-down is laid out back from the end, so that the block ends on its last bit; the cruise
+        // The slow-down is laid out back from the end, so that the span ends on its last bit; the cruise
         // lies between.
         let back = end.wrapping_sub(profile.down.length());
         let v = profile.peak().to_bits();

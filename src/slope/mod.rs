@@ -4,8 +4,15 @@
 //! ramp times and acceleration zero at both ends: TRAPEZ and HSC with linear ramps, SIN2 with ramps of a sine
 //! squared.
 //!
-//! [`ramp_shape`] holds the shapes of a ramp, [`ramp`] the formulas of a change, [`profile`] the time law of
-//! one block, [`brake`] the way out of a motion at hand, [`emit`] cuts it into what the tick needs.
+//! | file | what is in it |
+//! |---|---|
+//! | [`ramp_shape`] | the shapes of a ramp |
+//! | [`ramp`] | the formulas of a change of speed |
+//! | [`limits`] | what is permitted along the path |
+//! | [`kept`] | limits in few bytes, as blocks of the look-ahead have them |
+//! | [`profile`] | the law of a span: its times and lengths |
+//! | [`brake`] | the way from a motion at hand to a lower speed |
+//! | [`emit`] | the pieces of a law, for the tick |
 pub mod ramp_shape;
 
 pub mod ramp;

@@ -1,10 +1,10 @@
-//! The time law of one block: speed up (three parts), cruise, slow down (three parts), exact in its length.
+//! The law of one span: speed up (three parts), cruise, slow down (three parts), exact in its length.
 //!
 //! The fastest profile from `v_in` to `v_out` over the length has the highest peak that the length and the
 //! limits allow. The peak is searched in `f32`; with its ramp times taken as given, the distance of both
 //! slopes is then computed in integers and the cruise gets what is left, to 2^-36 tick. If nothing is left (a
-//! slope that fills the block, rounded against us), all times shrink by the missing part in ten million; the
-//! margins of the limits hold that, and [`Profile::plan`] verifies it. In a block so short that rounding its
+//! slope that fills the span, rounded against us), all times shrink by the missing part in ten million; the
+//! margins of the limits hold that, and [`Profile::plan`] verifies it. In a span so short that rounding its
 //! length is more than that, a length gives way by up to 2^-42 mm instead.
 use super::area;
 use super::ramp::{JerkLimited, Ramp, Stepped, root_of_cubic};
@@ -45,7 +45,7 @@ pub struct Change {
     pub lengths: [i64; 3],
 }
 
-/// Speed over time in one block.
+/// Speed over time in one span.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct Profile {
     /// From `v_in` to the peak.
@@ -68,7 +68,7 @@ impl Profile {
     }
 }
 
-/// Why a block has no plan.
+/// Why a span has no law.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Unplannable {
@@ -78,7 +78,7 @@ pub enum Unplannable {
     TooSlow,
 }
 
-/// Longest block: 2^27 ticks.
+/// Longest span: 2^27 ticks.
 const LONGEST: u64 = 1 << 63;
 
 /// How far `high` is above `low`.

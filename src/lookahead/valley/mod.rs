@@ -12,7 +12,7 @@
 //! seen backward. So any motion that begins or ends with acceleration zero at the anchor, at its speed or
 //! slower, keeps the limit of the piece: after a hold, with another override, with new blocks behind. The
 //! piece is *lent* to the fast span: its own limit does not count there. With another level the slow block
-//! gets all of it back ([`Ring::set_level`]).
+//! gets all of it back ([`super::Lookahead::set_level`]).
 //!
 //! A valley costs time inside the slow block and gains some in front of it: with a fast block of speed F the
 //! best depth is about V (1 − V/F)/4. A slow block too short for two valleys gets one from end to end. Two

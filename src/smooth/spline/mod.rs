@@ -164,11 +164,6 @@ impl<const AXES: usize> Splining<AXES> {
         self.mode
     }
 
-    /// Whether blocks that come become points.
-    pub const fn is_on(&self) -> bool {
-        self.on
-    }
-
     /// Points since it was switched on, the start among them.
     pub const fn points(&self) -> u32 {
         self.points

@@ -1,4 +1,4 @@
-//! What #HSC [SURFACE] sets, each until it is set again.
+//! What #HSC \[SURFACE\] sets, each until it is set again.
 use crate::math::float::{max, min, to_f32};
 use crate::math::root::sqrt_f32;
 use crate::nc::Hsc;
