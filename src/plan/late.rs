@@ -8,10 +8,10 @@
 //! Where the next function has no room, what has been taken in is handed on in the same way: the interrupt comes to
 //! the functions before it. A standstill makes room only where nothing is left to be handed on.
 //!
-//! A planner that does not keep up hands on in the same way, before it is done with the next block: where
-//! what is in the queue ends at speed and has run low while blocks are being taken in. A planner that keeps
-//! up never comes to that: it has filled the queue before each tick. (One that is not called at all is left
-//! to the way in reserve, see `reserve`.)
+//! A planner that does not keep up hands on in the same way, before it is done with the next block: when the
+//! queue has run low while blocks are being taken in, and what is in it ends at speed. A planner that keeps
+//! up never comes to that, since it has filled the queue before each tick. If it is not called at all, the
+//! interrupt takes the way in reserve (`reserve.rs`).
 //!
 //! A corner that contour mode holds back waits for its second block: the path does not depend on when the
 //! text comes. The row of blocks that HSC holds back ends where its last block ends ([`Smoother::gives_way`]).

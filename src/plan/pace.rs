@@ -1,9 +1,10 @@
 //! Override and reduced speed in laws that are already in the queue.
 //!
-//! The planner finds the motion a few ticks ahead, as for a feed hold, and has the interrupt change over
-//! there: to a slowing down to the new speed, or to a law without acceleration; the rest of the span then has
-//! a law of its own with the new speed. Where the motion slows down anyway, if not at a crawl, or too little of
-//! the span is left, the change begins with the next span. Spans that have no law yet get the right one when it is made.
+//! The planner finds the motion a few ticks ahead, as for a feed hold, and has the interrupt change over there.
+//! Either the motion slows down to the new speed from there on, or its acceleration ends. The rest of the span then
+//! has a law of its own with the new speed. The change begins with the next span where too little of this one is left,
+//! or where the motion slows down in it anyway, unless that is at a crawl. Spans without a law get the right one when
+//! it is made.
 use super::committed::CommittedSpan;
 use super::descent::Descent;
 use super::{Brake, Commands, Planning, Work, clock};

@@ -1,12 +1,11 @@
-//! A snapshot of the motion that the interrupt writes in every tick and any other context reads, consistent,
-//! without a lock.
+//! What the interrupt shows of every tick. Any other context reads it as a snapshot of one tick, without a lock.
 //!
-//! The interrupt writes words one by one: those of a snapshot belong together if no tick has begun while they
-//! were read. So the clock says it ([`Clock::ended`], [`Clock::is_at`]): the reader reads again until that is
-//! so. It never holds up the interrupt. A word is never torn, and there is nothing but words.
+//! The interrupt writes words one by one, and no word is ever torn. The words of a snapshot belong together if no
+//! tick has begun while they were read. The clock tells that ([`Clock::ended`], [`Clock::is_at`]), and the reader
+//! reads again until it is so. It never holds up the interrupt.
 //!
-//! The interrupt writes what it has at hand; what can be derived the reader derives. Two path distances, of
-//! this tick and the one before, are the speed.
+//! The interrupt writes what it has at hand, and the reader derives the rest: the speed, for one, is the difference
+//! of two path distances, of this tick and the one before.
 use super::cells::whole;
 use super::clock::TICK;
 use super::word::{Memory, Ram, Word};

@@ -1,8 +1,9 @@
 //! Copies of memory for Cortex-M3 and up, eight words at a time, and zeros.
 //!
 //! The compiler calls these functions of the ARM run-time ABI (IHI 0043, 4.3.4) where it copies a structure, or
-//! begins with one of zeros. Those that come with it copy a word in five instructions, and clear one in four; these
-//! copy eight words in four, clear four words in four, and are a kilobyte smaller. They are taken where this crate is linked: the others are weak.
+//! begins with one of zeros. Those that come with it copy a word in five instructions, and clear one in four. These
+//! copy eight words in four, clear four words in four, and are a kilobyte smaller. They are taken where this crate
+//! is linked, since the others are weak.
 //!
 //! Words that are not aligned are read and written as they are, which these cores do unless CCR.UNALIGN_TRP says
 //! otherwise; the compiler's own code for them does the same.
