@@ -13,7 +13,8 @@
 //! ([`crate::queue::Overlay`]).
 //!
 //! All that could go wrong is ruled out by the planner: a piece lasts at least one tick, its curve is in
-//! the ring, and at most [`crate::queue::MAX_CURVES_PER_TICK`] curves begin within a tick. Without a piece the set points rest.
+//! the ring, and at most [`crate::queue::MAX_CURVES_PER_TICK`] curves begin within a tick. Without a piece
+//! the set points rest.
 use crate::fir::{FilterTick, Unfiltered};
 use crate::quantity::{Accel, Distance, Position, Speed};
 use crate::queue::{OverlayReceiver, Receiver};
