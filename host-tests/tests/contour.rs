@@ -115,6 +115,8 @@ fn the_last_block_of_a_program_ends_where_it_should() {
         "N10 G61 G60 G01 X10 F1000\nN20 Y10\nM30\n",
         "N10 G61 G01 X10 F1000\nG260\nN20 Y10\nM30\n",
         "N10 G61 G01 X10 F1000\n#PUT AX [Z]\nN20 Y10\nM30\n",
+        "#PUT AX [Z]\nN10 G61 G01 X10 F1000\n#CALL AX [Z]\nN20 Y10\nM30\n",
+        "G261\nN10 G01 X10 F1000\n#CALL AX [Z]\nN20 Y10\nM30\n",
         "N10 G61 G01 X10 F1000\n#FLUSH&WAIT\nN20 Y10\nM30\n",
     ] {
         assert!(run(text).distance([10.0, 0.0]) < 1e-3, "{text}");

@@ -499,6 +499,25 @@ fn filters_change_at_a_standstill_and_nothing_steps() {
         assert!(peaks.values[2] <= 40_001.0, "{:?}", peaks.values);
     }
     assert!(filtered.states.contains(&State::Settling));
+    // Off again in N40, where Y goes up as Z rests at 0, on in all other motions.
+    let Filtered { path, drives, .. } = &filtered;
+    let moves = |axis: usize, tick: usize| path.columns[axis][tick] - path.columns[axis][tick - 1];
+    let begins = (1..path.columns[2].len()).rfind(|tick| moves(2, *tick) != 0).expect("N30");
+    for (sense, off) in [(1, true), (-1, false)] {
+        let mut ticks = (begins..path.columns[1].len()).filter(|tick| moves(1, *tick).signum() == sense);
+        let same = |tick: usize| (0..3).all(|k| path.columns[k][tick] == drives.columns[k][tick]);
+        assert_eq!((ticks.clone().count() > 50, ticks.all(same)), (true, off));
+    }
+    // The old form is the same, whatever the machine data say.
+    let [none, on, old] =
+        ["", "#FILTER ON\n", "#FILTER ON [HSC]\n"].map(|word| run_of(&format!("{word}{SQUARE}")));
+    assert!(none.drives.columns == none.path.columns);
+    assert!(on.drives.columns == old.drives.columns);
+    // All axes that have a filter: none of them is the path of so many ticks ago.
+    for axis in 0..2 {
+        let (path, drives) = (&on.path.columns[axis], &on.drives.columns[axis]);
+        assert!((0..=20).all(|ago| path[..path.len() - ago] != drives[ago..]), "axis {axis}");
+    }
     // Off at first: the drives get the path.
     let first = (0..50).all(|tick| filtered.drives.columns[0][tick] == filtered.path.columns[0][tick]);
     assert!(first);

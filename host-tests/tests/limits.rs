@@ -2,6 +2,7 @@
 use glidepath::machine::MachineData;
 use host_tests::cases::random::{Mix, program};
 use host_tests::cases::{Program, edges, machines, named};
+use host_tests::check::peaks;
 use host_tests::operate::{judge, operate, random_setup};
 use host_tests::properties::{Verdict, verify};
 
@@ -35,6 +36,32 @@ fn two_axes() {
 #[test]
 fn three_axes() {
     random::<3>(300..330, 1000);
+}
+
+/// P-AXIS-00008 limits what an axis of an arc has to do along and across the path together, with every slope: it
+/// is kept and used, and more of it takes less time.
+#[test]
+fn an_arc_uses_the_highest_acceleration_of_its_axes() {
+    for slope in 0..4 {
+        let mut last = f64::MAX;
+        for a_max in [2000, 2200, 2400] {
+            let mut machine = machines::even::<3>(1000);
+            machine.axes.iter_mut().for_each(|axis| {
+                (axis.vb_max, axis.vb_eilgang) = (2_000_000, 2_000_000);
+                machines::accelerations(axis, 2000, a_max);
+                axis.tr_geom = 10_000;
+            });
+            let machine = machines::with_slope(machine, slope);
+            let arc = Program::new("arc", 3).arc(&[400.0, 0.0], [200.0, 0.0], true, 120_000.0);
+            let run = good::<3, 120>(&arc, &machine).run;
+            let seen = [0, 1].map(|k| peaks(&run.trace.columns[k], 0.001).values[1] / f64::from(a_max));
+            // With STEP a quarter is left to knees.
+            let most = if slope == 0 { 0.75 } else { 1.0 } + 1e-4;
+            assert!(seen.iter().all(|part| *part < most), "slope {slope}, {a_max} mm/s²: {seen:?}");
+            assert!(run.trace.time() < last, "slope {slope}, {a_max} mm/s²");
+            last = run.trace.time();
+        }
+    }
 }
 
 #[test]

@@ -76,6 +76,24 @@ fn an_override_above_100_does_not_lift_the_reduced_speed() {
     }
 }
 
+/// P-AXIS-00214 is a speed of each axis: the path is as fast as the axis that reaches its own first, and an axis
+/// with 0 has none.
+#[test]
+fn the_reduced_speed_is_that_of_the_axis_that_reaches_it_first() {
+    for (reduced, m_min) in
+        [([0, 83_333], 6.25), ([83_333, 0], 25.0 / 3.0), ([50_000, 83_333], 5.0), ([83_333, 50_000], 3.75)]
+    {
+        let mut machine = machines::mill::<3>(1000);
+        for (axis, reduced) in machine.axes.iter_mut().zip(reduced) {
+            axis.vb_max_red = reduced;
+        }
+        let program = Program::new("slanting", 3).line(&[180.0, 240.0, 0.0], 20_000.0);
+        let run = run(&program, &machine, &[(0, Act::Reduced(true))], 1000);
+        let part = speeds(&run).into_iter().fold(0.0, f64::max) / (m_min * 1000.0);
+        assert!((0.9998..=1.000_001).contains(&part), "{reduced:?} µm/s: {part} of {m_min} m/min");
+    }
+}
+
 /// The lowest P-AXIS-00214 (1 µm/s) beside high speeds: the motion goes on, as slow as that.
 #[test]
 fn a_reduced_speed_far_below_the_feed_is_no_standstill() {

@@ -80,6 +80,21 @@ fn two_stages_of_step_at_feed_and_in_rapid_motion() {
     }
 }
 
+/// CF-01: where P-AXIS-00282 or 00283 is 0, P-AXIS-00011 or 00012 brakes too.
+#[test]
+fn a_stage_without_a_deceleration_brakes_as_it_accelerates() {
+    for (decelerations, brakes) in
+        [([0, 0], [2000.0, 1200.0]), ([900, 0], [900.0, 1200.0]), ([0, 900], [2000.0, 900.0])]
+    {
+        let mut machine = machines::with_slope(machines::uneven::<3>(1000), 0);
+        machine.axes.iter_mut().for_each(|axis| axis.d_stufe = decelerations);
+        for length in named::REST_TO_REST {
+            let time = stepped(length, 400.0, [2000.0, 1200.0], brakes, 100.0);
+            optimal(&named::one_line(length, 60_000.0, 3), &machine, time);
+        }
+    }
+}
+
 #[test]
 fn step_takes_the_acceleration_of_its_stage() {
     let machine = machines::with_slope(machines::uneven::<3>(1000), 0);

@@ -105,6 +105,8 @@ fn a_distance_of_ptp_counts_without_its_deviation() {
     assert!((4.5..5.4).contains(&shorter) && off > 0.1, "{shorter} mm before the corner, {off} mm off");
     let (_, kept) = corner("PTP PATH_DIST=20 PATH_DEV=0.3");
     assert!(kept <= 0.3 + 1e-3, "{kept} mm off");
+    let (kept, _) = corner("PTP PATH_DIST=5 PATH_DEV=3");
+    assert!((4.5..5.4).contains(&kept), "{kept} mm before the corner");
 }
 
 /// D3-003, every slope with every method: of 100 mm the first half is what it is without a method, and another
@@ -187,4 +189,75 @@ fn with_dist_soft_all_axes_bend_cf_26() {
     }
     let last = rows.last().expect("it moves");
     assert!(before.iter().chain(behind).all(|(axis, end)| (last[*axis] - end).abs() < 1e-9), "{last:?}");
+}
+
+/// D3-022: whatever the method asks for, it takes half of each block at most, where distances are equal half of
+/// the shorter one.
+#[test]
+fn no_method_takes_more_than_half_of_a_block_d3_022() {
+    let mut machine = machines::even::<3>(1000);
+    machine.channel.ptp = true;
+    for (mode, most) in [
+        ("DEV PATH_DEV=50", [4.0, 4.0]),
+        ("DIST PRE_DIST=30 POST_DIST=30", [4.0, 4.0]),
+        ("DIST PRE_DIST=30 POST_DIST=29", [20.0, 4.0]),
+        ("POS PRE_DIST=30 POST_DIST=29 X38 Y2", [20.0, 4.0]),
+        ("DIST_SOFT PATH_DIST=30", [4.0, 4.0]),
+        ("PTP PATH_DIST=30", [4.0, 4.0]),
+        ("PTP PATH_DEV=50", [4.0, 4.0]),
+    ] {
+        let text = format!("#CONTOUR MODE ON [{mode}]\nN10 G01 X40 F6000\nN20 G260 Y8\nM30\n");
+        let run = run_from(&text, [Position::ZERO; 3], &machine);
+        let rows: Vec<Vec<f64>> = (0..run.trace.len()).map(|row| run.trace.mm(row)).collect();
+        let leaves = rows.iter().position(|q| q[1] != 0.0).expect("a curve");
+        let enters = rows.iter().rposition(|q| q[0] != 40.0).expect("a curve");
+        // The tick before it leaves, and the one behind that in which it enters.
+        let [before, behind] = [40.0 - rows[leaves][0], rows[enters][1]];
+        assert!(before <= most[0] && before > 0.5 * most[0], "{mode}: {before} mm before the corner");
+        assert!(behind <= most[1] && behind > 0.5 * most[1], "{mode}: {behind} mm behind the corner");
+    }
+}
+
+/// D3-073: a command with one keyword leaves all others as they are. What each of them does shows without it.
+#[test]
+fn keywords_may_be_set_one_by_one_d3_073() {
+    let corners = "N10 G01 X40 A9 F20000\nN20 X40.05 Y0.25\nN30 X60 Y10 A15\nM7\nN40 Y14\nN50 X20\nN60 X60 Y20 A0\nN70 X80\nN80 Y40";
+    let lists: [(&str, &[&str]); 4] = [
+        (
+            "DEV",
+            &[
+                "PATH_DEV=0.3",
+                "TRACK_DEV=0.05",
+                "RELEVANT_PATH=0.29",
+                "REMAIN_PART=80",
+                "CHECK_JERK=0",
+                "CONST_VEL=1",
+                "MAX_ANGLE=120",
+                "PRE_ACTION",
+            ],
+        ),
+        ("DIST", &["PRE_DIST=1.5", "POST_DIST=1.7", "TRACK_DEV=0.05", "RELEVANT_PATH=0.5", "POST_ACTION"]),
+        ("POS", &["PRE_DIST=1.5", "POST_DIST=1.7", "X41", "Y1", "POST_ACTION"]),
+        ("DIST_SOFT", &["PATH_DIST=1.8", "TRACK_DIST=1.2", "ACC_MAX=60", "RAMP_TIME=150", "DIST_WEIGHT=60"]),
+    ];
+    let mut machine = machines::even::<4>(1000);
+    for axis in &mut machine.axes {
+        axis.tr_geom = 10_000;
+    }
+    for (method, keywords) in lists {
+        let run = |commands: &[String]| {
+            let commands: String =
+                commands.iter().map(|words| format!("#CONTOUR MODE [{method} {words}]\n")).collect();
+            let text = format!("{commands}G261\n{corners}\nG260\nM30\n");
+            let run = run_from(&text, [Position::ZERO; 4], &machine);
+            (run.digest, run.events.iter().map(|(row, _)| *row).collect::<Vec<_>>())
+        };
+        let all = run(&[keywords.join(" ")]);
+        for k in 0..keywords.len() {
+            let mut turned: Vec<String> = keywords.iter().map(|&word| word.to_owned()).collect();
+            turned.rotate_left(k);
+            assert!(run(&turned) == all, "{method}: from {} on, one by one", keywords[k]);
+            assert!(run(&[turned[1..].join(" ")]) != all, "{method}: without {}", keywords[k]);
+        }
+    }
 }

@@ -217,6 +217,26 @@ fn curves_in_corners_stay_inside() {
     }
 }
 
+/// A spline of Akima goes through its points and swings out between them: the curve counts, not the points.
+#[test]
+fn splines_between_points_stay_inside() {
+    let points = "X20 Y90\nX40 Y100\nX41 Y100\nX60 Y60\nX70 Y0\n";
+    let text = format!("G01 F3000 Y40\nG151\n{points}G150\nM30");
+    let mut wide = machine();
+    wide.axes[1].swe_pos = 2_000_000;
+    let passed = run_from(&wide, [0.0; 4], &text);
+    assert!(passed.error.is_none() && (100.01..110.0).contains(&passed.high[1]), "{:?}", passed.high);
+    let stopped = run(&text);
+    let Some(Error::SoftwareLimit(_, axis, beyond)) = stopped.error else { panic!("{:?}", stopped.error) };
+    assert!(axis.as_str() == "Y" && beyond.is_positive() && beyond.limit == 100 << 32);
+    assert!(stopped.high[1] <= 100.0, "{:?}", stopped.high);
+    // One that its points control stays between them.
+    for (on, off) in [("#SPLINE TYPE BSPLINE\nG151", "G150"), ("#HSC ON [BSPLINE PATH_DEV=1]", "#HSC OFF")] {
+        let inside = run(&format!("G01 F3000 Y40\n{on}\n{points}{off}\nM30"));
+        assert!(inside.error.is_none() && inside.high[1] <= 100.0, "{on}: {:?}", inside.error);
+    }
+}
+
 /// Random corners near the limits: no set point is beyond them, whatever the method.
 #[test]
 fn no_set_point_is_beyond_a_limit() {

@@ -328,9 +328,12 @@ fn d3_187_to_d3_192_deselection() {
     // D3-190: an exact stop stands on the curve, or in its point.
     assert!((0.099..0.1005).contains(&zigzag("", "G60")));
     assert_eq!(zigzag("AUTO_OFF_G60=1", "G60"), 0.0);
+    assert!((0.099..0.1005).contains(&zigzag("", "G360")));
+    assert_eq!(zigzag("AUTO_OFF_G60=1", "G360"), 0.0);
     // D3-191: long blocks; its maximum (CF-03).
     assert!(zigzag("MAX_PATH_LENGTH=9", "") < 1e-3);
     assert!((0.099..0.1005).contains(&zigzag("MAX_PATH_LENGTH=11", "")));
+    assert!((0.099..0.1005).contains(&zigzag("MAX_PATH_LENGTH=0", "")));
     // D3-189: rapid blocks.
     assert!((0.099..0.1005).contains(&zigzag("", "G00")));
     assert!(zigzag("AUTO_OFF_G00=1", "G00") < 1e-3);

@@ -33,6 +33,19 @@ fn random_paths_keep_tolerance_limits_and_ends() {
     paths_are_inside(seeds(60));
 }
 
+/// D3-162: PATH_DEV is 0.2 mm until it is given.
+#[test]
+fn path_dev_is_200_um_by_default_d3_162() {
+    let zigzag: String = (1..60).map(|k| format!("X{k} Y{}\n", [0.0, 0.7, 0.2][k % 3])).collect();
+    let path = |words: &str| {
+        let text = format!("#HSC ON [SURFACE {words}]\nG01 F6000\n{zigzag}#HSC OFF\nM30\n");
+        go::<3>(&text, &machine::<3>(50_000, 1)).trace.columns
+    };
+    let default = path("");
+    assert!(default == path("PATH_DEV=0.2"));
+    assert!(default != path("PATH_DEV=0.19") && default != path("PATH_DEV=0.21"));
+}
+
 /// D3-162: where the control polygon itself leaves the tolerance and nothing turns, a line is refused.
 #[test]
 fn lines_between_kernels_are_proven_too() {
