@@ -533,6 +533,66 @@ fn what_is_left_of_an_aborted_program_is_passed_over() {
     assert_eq!(bench.interpolator.set_points()[0], mm(stands) + mm(1.0));
 }
 
+/// Single lines between programs of a line: a text that is one or the other.
+enum Either<'w> {
+    Line(&'static [u8]),
+    Stream(Stream<'w, 128>),
+}
+
+impl Text for Either<'_> {
+    fn read(&mut self, file: u16, offset: u32, buffer: &mut [u8]) -> Result<usize, TextError> {
+        match self {
+            Self::Line(text) => text.read(file, offset, buffer),
+            Self::Stream(stream) => stream.read(file, offset, buffer),
+        }
+    }
+
+    fn pass(&mut self, file: u16, offset: u32) {
+        if let Self::Stream(stream) = self {
+            stream.pass(file, offset);
+        }
+    }
+
+    fn holds(&self, file: u16, offset: u32) -> bool {
+        if let Self::Stream(stream) = self { stream.holds(file, offset) } else { true }
+    }
+
+    fn start(&mut self) -> u32 {
+        if let Self::Stream(stream) = self { stream.start() } else { 0 }
+    }
+
+    fn next_program(&mut self) -> Option<u32> {
+        if let Self::Stream(stream) = self { stream.next_program() } else { None }
+    }
+}
+
+/// No program runs twice, whether the window still has it or not.
+#[test]
+fn a_stream_that_is_loaded_again_begins_where_it_was_said_to() {
+    for lines in [0, 20] {
+        let mut window = Window::<128>::new();
+        let (mut feeder, stream) = window.split();
+        let mut memory = Channel::new();
+        let data = machine();
+        let mut bench = Bench::new(&mut memory, &data, Either::Stream(stream));
+        for _ in 0..lines {
+            assert_eq!(feeder.push(b"G91 G00 Y1\n"), 11);
+            bench.run_until(10);
+        }
+        assert_eq!(feeder.push(b"G91 G00 X3\nM30\nX99\n"), 19);
+        assert_eq!(bench.run(), []);
+        for k in 1..4 {
+            let stream = bench.planner.continue_with(Either::Line(b"X1\n")).ok().unwrap();
+            assert_eq!(bench.run(), []);
+            feeder.restart();
+            assert_eq!(feeder.push(b"G91 G00 X5\nM30\nX99\n"), 19);
+            assert!(bench.planner.load(stream).is_ok());
+            assert_eq!(bench.run(), []);
+            assert_eq!(bench.at_mm(), [3.0 + f64::from(k) * 6.0, f64::from(lines), 0.0]);
+        }
+    }
+}
+
 /// The session that the target repeats bit for bit, and the judge of this test: what each of its parts leads
 /// to.
 struct Steps(Vec<[i64; 3]>);

@@ -296,6 +296,19 @@ fn an_axis_outside_may_come_back_and_go_no_further() {
 }
 
 #[test]
+fn a_message_tells_position_and_limit_apart() {
+    for (text, told) in [
+        ("G00 X100.0000001", "would come to 100.0000000999, its positive software limit is 100.0000000000 "),
+        ("G00 X100.000001", "would come to 100.0000010000, its positive software limit is 100.0000000000 "),
+        ("G00 X100.000002", "would come to 100.000002, its positive software limit is 100.000000 "),
+        ("G00 X101", "would come to 101.000000, its positive software limit is 100.000000 "),
+    ] {
+        let message = run(text).error.unwrap().to_string();
+        assert!(message.contains(told), "{message}");
+    }
+}
+
+#[test]
 fn a_refused_motion_leaves_no_trace_and_the_next_line_goes_on() {
     let mut memory = Channel::<4, BLOCKS>::new();
     let text = b"G01 X90 F3000\nG00 G91 X20 M5\nY10 X-1\nM30\n".as_slice();

@@ -36,7 +36,7 @@ pub(super) fn check<const AXES: usize, const BLOCKS: usize>(
     }
     for (k, axis) in machine.axes.iter().enumerate() {
         if axis.kind != AxisKind::Spindle {
-            if b"DEFGHIJKLMNPRST".contains(&axis.name.0[0]) {
+            if axis.name.is_reserved() {
                 return Err(MachineError::Reserved(axis.name));
             }
             check_axis(axis).map_err(|e| MachineError::Axis(k, e))?;

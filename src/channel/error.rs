@@ -173,14 +173,19 @@ fn spline(f: &mut core::fmt::Formatter<'_>, error: &SplineError) -> core::fmt::R
     }
 }
 
+/// What the sixth decimal of a position counts: 10^-6 in units of 2^-32, rounded up.
+const SIXTH_DECIMAL: u64 = 4295;
+
 /// Where an axis would come to, and its limit.
 fn software_limit(f: &mut core::fmt::Formatter<'_>, axis: &str, beyond: &Beyond) -> core::fmt::Result {
     let at = Position::from_bits;
     let (sign, id) = if beyond.is_positive() { ("positive", 178) } else { ("negative", 177) };
     let (position, limit) = (at(beyond.position), at(beyond.limit));
+    // As many decimals as tell them apart.
+    let decimals = if beyond.position.abs_diff(beyond.limit) <= SIXTH_DECIMAL { 10 } else { 6 };
     write!(
         f,
-        "{axis} would come to {position:.6}, its {sign} software limit is {limit:.6} (P-AXIS-00{id}, machine coordinates)"
+        "{axis} would come to {position:.decimals$}, its {sign} software limit is {limit:.decimals$} (P-AXIS-00{id}, machine coordinates)"
     )
 }
 

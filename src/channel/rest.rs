@@ -132,7 +132,8 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
     /// Goes on behind a refused line, from where the axes stand and with everything in force that was in
     /// force before that line. What the line would have done before the word refused, in the order of
     /// execution (an M00 behind a motion), stays done. Where the curve of a corner was refused for a software
-    /// limit, the axes stand inside the limits, before its part that leads beyond.
+    /// limit, the axes stand inside the limits, before its part that leads beyond; of what was read ahead of
+    /// there nothing is executed. With Surface that is up to 64 points, and the place of the error is that of the last.
     ///
     /// # Errors
     /// Not at rest, or there is no such line: nothing has changed.

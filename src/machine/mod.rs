@@ -36,6 +36,11 @@ impl AxisName {
         Some(Self(out))
     }
 
+    /// Whether it begins like another address of the language, so that no axis of a path can have it.
+    pub fn is_reserved(&self) -> bool {
+        b"DEFGHIJKLMNPRST".contains(&self.0[0])
+    }
+
     /// The name as text.
     pub fn as_str(&self) -> &str {
         let mut len = 0;

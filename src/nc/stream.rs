@@ -48,7 +48,8 @@ pub struct Feeder<'a, const N: usize> {
     window: &'a Window<N>,
 }
 
-/// The end of a [`Window`] that the decoder reads.
+/// The end of a [`Window`] that the decoder reads. Loaded again, behind another text, it begins where
+/// [`Feeder::restart`] was called last; without that, with its first byte, which the window may have forgotten.
 pub struct Stream<'a, const N: usize> {
     window: &'a Window<N>,
     /// Where the program at hand was said to begin.
@@ -124,7 +125,8 @@ impl<const N: usize> Feeder<'_, N> {
     }
 
     /// Another program follows: what was put in before and is not read yet does not belong to it. For the
-    /// rest of a program that was aborted. It counts from [`crate::channel::Planner::load_next`] on.
+    /// rest of a program that was aborted, and before the stream is loaded again. It counts from
+    /// [`crate::channel::Planner::load_next`] on, and from [`crate::channel::Planner::load`] of the stream.
     pub fn restart(&mut self) {
         self.window.ended.store(false, Ordering::Relaxed);
         self.window.start.store(self.window.put.load(Ordering::Relaxed), Ordering::Release);
@@ -169,12 +171,15 @@ impl<const N: usize> Text for Stream<'_, N> {
         !is_before(offset, self.window.kept.load(Ordering::Relaxed))
     }
 
+    fn start(&mut self) -> u32 {
+        self.start = self.window.start.load(Ordering::Acquire);
+        self.pass(0, self.start);
+        self.start
+    }
+
     fn next_program(&mut self) -> Option<u32> {
-        let start = self.window.start.load(Ordering::Acquire);
-        if core::mem::replace(&mut self.start, start) == start {
-            return None;
-        }
-        self.pass(0, start);
-        Some(start)
+        let before = self.start;
+        let start = self.start();
+        (start != before).then_some(start)
     }
 }

@@ -33,6 +33,12 @@ pub trait Text {
         true
     }
 
+    /// Where the main file begins when it is loaded: its first byte, but for a stream, which has other programs
+    /// behind it.
+    fn start(&mut self) -> u32 {
+        0
+    }
+
     /// Where the next program begins in the main file, if that is not behind the last line read.
     fn next_program(&mut self) -> Option<u32> {
         None

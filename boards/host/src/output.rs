@@ -49,8 +49,9 @@ impl Outputs {
             let file = File::options().write(true).open(path).map_err(|error| refused(path, error))?;
             return Ok(Box::new(file));
         }
-        // Where a link leads there is the file to replace, not the link.
-        let path = path.canonicalize().unwrap_or_else(|_| path.to_path_buf());
+        // Where a link leads there is the file to replace, not the link. A file that is not there yet is known by its
+        // directory, whatever way leads to that.
+        let path = path.canonicalize().unwrap_or_else(|_| in_its_directory(path));
         if self.taken.contains(&path) {
             return Err(refused(&path, "this run reads or writes it already"));
         }
@@ -99,6 +100,16 @@ impl Drop for Outputs {
             // Nothing sensible is left to do where this fails: the file is marked as a part by its name.
             let _ = fs::remove_file(partial);
         }
+    }
+}
+
+/// The path of a file by that of its directory.
+fn in_its_directory(path: &Path) -> PathBuf {
+    let parent = path.parent().filter(|parent| *parent != Path::new(""));
+    let directory = parent.unwrap_or(Path::new(".")).canonicalize();
+    match (directory, path.file_name()) {
+        (Ok(directory), Some(name)) => directory.join(name),
+        _ => path.to_path_buf(),
     }
 }
 

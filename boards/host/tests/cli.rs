@@ -123,6 +123,12 @@ fn outputs_that_cannot_be_written_are_named() {
     let one = directory.join("one").to_str().expect("a path of plain characters").to_owned();
     let twice = refusal(&["run", &program, "--summary", &one, "--contour", &one, "--trace", &one]);
     assert!(twice.contains("reads or writes it already"), "{twice}");
+    // Another way to the same file, which is not there yet.
+    let two = directory.join("two").to_str().expect("a path of plain characters").to_owned();
+    let around = directory.join("..").join(directory.file_name().expect("a name")).join("two");
+    let around = around.to_str().expect("a path of plain characters");
+    let twice = refusal(&["run", &program, "--summary", &two, "--contour", around]);
+    assert!(twice.contains("reads or writes it already"), "{twice}");
     assert!(!Path::new(&one).exists());
     if cfg!(target_os = "linux") {
         let full = refusal(&["run", &program, "--summary", "/dev/full"]);
@@ -314,6 +320,12 @@ fn machine_files_are_refused_with_line_name_value_and_range() {
         ),
         ("name", "[axis.\"1X\"]\n", 1, &["`1X` cannot be the name of an axis"]),
         ("twice", "[axis.X]\n[axis.x]\n", 2, &["axis X is there already"]),
+        (
+            "address",
+            "[axis.X]\n[axis.F1]\n",
+            2,
+            &["axis F1: F is an address of the language", " a name that begins with A, B, C, O, Q"],
+        ),
         ("top", "[axes.X]\n", 1, &["unknown table `axes`", "`axis`"]),
         ("syntax", "[axis.X]\nvb_eilgang =\n", 2, &["not a TOML file"]),
     ];

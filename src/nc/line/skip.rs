@@ -4,8 +4,8 @@ use crate::nc::{NcError, Text};
 
 impl<T: Text> LineReader<T> {
     /// Goes on with another text, from its start; the one before.
-    pub fn replace(&mut self, text: T) -> T {
-        self.seek(Mark::start_of(0));
+    pub fn replace(&mut self, mut text: T) -> T {
+        self.seek(Mark { offset: text.start(), ..Mark::start_of(0) });
         core::mem::replace(&mut self.text, text)
     }
 

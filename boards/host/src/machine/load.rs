@@ -2,6 +2,7 @@
 use super::{MAX_AXES, Machine, later};
 use crate::diagnose::{Diagnostic, Source, nearest};
 use crate::run::BLOCKS;
+use glidepath::channel::MachineError;
 use glidepath::machine::parameter::{AXIS, CHANNEL, Parameter, check_axis, check_given_stages};
 use glidepath::machine::{Adjusted, AxisData, AxisKind, AxisName, ChannelData, SYNCHRONISED, Synch};
 use std::ops::Range;
@@ -247,6 +248,11 @@ impl Loader<'_> {
             } else {
                 self.set(&table_name, entry, AXIS, later::AXIS, &mut axis);
             }
+        }
+        if axis.kind != AxisKind::Spindle && name.is_reserved() {
+            let told = MachineError::Reserved(name).to_string();
+            let (message, expected) = told.split_once("; expected ").unwrap_or((&told, ""));
+            self.refuse(&key.span(), message, expected);
         }
         if self.refused.len() == before {
             self.check(&table_name, key, &entries, &axis);
