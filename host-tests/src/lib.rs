@@ -21,6 +21,7 @@
 //! | [`deviation`] | is all of a contour inside it |
 //! | [`every_tick`] | and when a hold or a planner without time comes before each tick |
 //! | [`operate`] | and while an operator gives commands |
+//! | [`cores`] | and with planner, interrupt and operator on a core each |
 //! | [`sequences`] | what comes of programs, single lines and aborts one behind the other |
 //! | [`properties`] | do all of these agree that the motion is a good one |
 
@@ -35,6 +36,8 @@ pub mod chains;
 pub mod cases;
 
 pub mod cam;
+
+pub mod cores;
 
 pub mod seeds;
 

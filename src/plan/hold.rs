@@ -274,7 +274,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         empty && self.task.rest == 0 && !left && !self.orders.failed
     }
 
-    /// Spans that the interrupt has left are over, and so is a cut it has passed.
+    /// Spans that the interrupt has left are over, and so is a cut it has passed. On its way to a standstill it is
+    /// slower than they are: none of them is over by its time. An instant that was read before that is one of theirs.
     #[inline]
     pub(super) fn trim(&mut self) {
         let now = self.queue.clock.now();
@@ -284,6 +285,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         }
         while self.frontier.planned >= 2
             && self.committed.get(1).is_some_and(|next| !clock::is_before(now, next.first))
+            && !self.queue.clock.has_left()
         {
             self.committed.drop_first();
             self.frontier.planned -= 1;

@@ -123,6 +123,14 @@ pub fn panic_proof() -> Result<(), String> {
     no_panic(&Firmware::prepare(Place::Emulator)?)
 }
 
+/// The interpolator in the timer interrupt only: `cargo xtask hil --interrupt`.
+pub fn only_interrupt() -> Result<(), String> {
+    step("interpolator in the timer interrupt");
+    let firmware = Firmware::prepare(Place::Emulator)?;
+    firmware.build(TESTS, &binaries(&["interrupt"]), &[])?;
+    interrupt(&firmware.report("interrupt")?, &host::run_all()?)
+}
+
 /// Commands only: `cargo xtask hil --commands`.
 pub fn only_commands() -> Result<(), String> {
     step("firmware");
@@ -396,7 +404,8 @@ fn difference(host: &HostRun, target: &TargetRun) -> Option<String> {
 fn interrupt(report: &str, host: &[HostRun]) -> Result<(), String> {
     let mut preempted = 0;
     let mut lines = 0;
-    for line in report.lines().filter(|line| !line.starts_with("memory ")) {
+    late(report, host)?;
+    for line in report.lines().filter(|line| !line.starts_with("memory ") && !line.starts_with("late ")) {
         let Some(line) = line.strip_prefix("interrupt ") else { return Err(format!("interrupt: {line}")) };
         let (name, rest) = line.split_once(' ').ok_or(line)?;
         let values = target::fields(rest);
@@ -419,6 +428,27 @@ fn interrupt(report: &str, host: &[HostRun]) -> Result<(), String> {
     }
     if lines == 0 || preempted == 0 {
         return Err("no interrupt came while the planner worked: the test shows nothing".into());
+    }
+    Ok(())
+}
+
+/// With a planner that is late all the time: the firmware has judged the accelerations, the end is that of the host.
+fn late(report: &str, host: &[HostRun]) -> Result<(), String> {
+    let (mut runs, mut late) = (0, 0);
+    for line in report.lines().filter_map(|line| line.strip_prefix("late ")) {
+        let (name, rest) = line.split_once(' ').ok_or(line)?;
+        let values = target::fields(rest);
+        let value = |key| target::number(&values, key, line);
+        let end = [value("end_x")?, value("end_y")?, value("end_z")?].map(|bits| bits as i64);
+        let host = host.iter().find(|run| run.name == name && run.axes == 3).ok_or(line)?;
+        if !host.set_points.ends_with(&end) {
+            return Err(format!("{name} with a planner that is late: {line}"));
+        }
+        (runs, late) = (runs + 1, late + value("late")?);
+    }
+    eprintln!("   {runs} runs with a planner that was late {late} times");
+    if runs == 0 || late < 10 * runs {
+        return Err("the planner was hardly ever late: the test shows nothing".into());
     }
     Ok(())
 }

@@ -27,6 +27,7 @@ cargo xtask COMMAND
   hil --probe   the same on an STM32F405 behind a debug probe (probe-rs); figures are shown, not compared
   hil --beside  only filters and axes beside the path: digests, and what each of them costs
   hil --slim    only the build without other functions than lines, arcs and contour mode
+  hil --interrupt  only the interpolator in the timer interrupt, with a planner that keeps up and one that is late
   hil --commands  only programs with commands all the time: digests, and the largest call of each
   hil --panic   only the proof that no panicking path is left; names the places if there are any
   bench         instruction counts and memory, against the accepted ones
@@ -45,6 +46,7 @@ fn main() -> ExitCode {
         ["hil", "--probe"] => hil::all(firmware::Place::Probe),
         ["hil", "--beside"] => hil::only_beside(),
         ["hil", "--slim"] => hil::only_slim(),
+        ["hil", "--interrupt"] => hil::only_interrupt(),
         ["hil", "--commands"] => hil::only_commands(),
         ["hil", "--panic"] => hil::panic_proof(),
         ["bench"] => hil::bench(false),
