@@ -107,6 +107,14 @@ fn a_distance_of_ptp_counts_without_its_deviation() {
     assert!(kept <= 0.3 + 1e-3, "{kept} mm off");
     let (kept, _) = corner("PTP PATH_DIST=5 PATH_DEV=3");
     assert!((4.5..5.4).contains(&kept), "{kept} mm before the corner");
+    // Of two commands the last one holds, whichever is the smaller corner.
+    let [(last, off), (_, kept)] = [
+        "PATH_DEV=0.3]\n#CONTOUR MODE ON [PTP PATH_DIST=20",
+        "PATH_DIST=5]\n#CONTOUR MODE ON [PTP PATH_DEV=3",
+    ]
+    .map(|commands| corner(&format!("PTP {commands}")));
+    assert_eq!(last, distance);
+    assert!(off > 1.2 && kept > 1.0, "{off} mm, {kept} mm off");
 }
 
 /// D3-003, every slope with every method: of 100 mm the first half is what it is without a method, and another

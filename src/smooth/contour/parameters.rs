@@ -60,7 +60,7 @@ pub struct Parameters {
     pub dist_weight: f32,
     /// MERGE.
     pub merge: bool,
-    /// PTP: which of PATH_DEV and PATH_DIST was given since it was chosen.
+    /// PTP: which of PATH_DEV and PATH_DIST was given last, of both in one command both (CF-33).
     pub given: [bool; 2],
     /// Interim point, where it is given; else the corner's coordinate.
     point: [Position; 3],
@@ -130,10 +130,9 @@ impl Parameters {
             }
             self.method = method;
         }
-        if self.method == ContourMethod::Ptp {
-            let [dev, dist] = &mut self.given;
-            *dev |= contour.path_dev.is_some();
-            *dist |= contour.path_dist.is_some();
+        let given = [contour.path_dev.is_some(), contour.path_dist.is_some()];
+        if self.method == ContourMethod::Ptp && given != [false; 2] {
+            self.given = given;
         }
         set(&mut self.path_dev, contour.path_dev);
         set(&mut self.track_dev, contour.track_dev);
