@@ -40,6 +40,7 @@ const TABLE: &[(&str, u32, u32, u16, &str)] = &[
         "\"1.5E-3\" has an exponent: expected digits and a point, or a blank before end feed E",
     ),
     ("G04 2 X3", 1, 7, 2, "\"X3\": time of G04 given twice in this block"),
+    ("G1 X1 F600 F700", 1, 12, 4, "\"F700\": F given twice in this block"),
     ("G0 X1 X2", 1, 7, 2, "\"X2\": axis given twice in this block"),
     ("G0 G01 X1", 1, 4, 3, "\"G01\": G word of this group given twice in this block"),
     ("G90 G91", 1, 5, 3, "\"G91\": G word of this group given twice in this block"),

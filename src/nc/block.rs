@@ -72,7 +72,7 @@ pub(super) struct Words<const AXES: usize> {
     pub consumer_span: Span,
     pub mode_span: Option<Span>,
     pub exact_stop: Option<Span>,
-    /// Groups of G words seen, one bit each.
+    /// Groups of G words seen, and F, one bit each.
     pub groups: u16,
     /// Items in the interpreter's queue that come before the motion.
     pub before: u8,
@@ -133,6 +133,8 @@ mod group {
     pub const SPLINE: u16 = 256;
     pub const FEED: u16 = 512;
     pub const CONSUMER: u16 = 1024;
+    /// The word F.
+    pub const F: u16 = 2048;
 }
 
 /// G words of the language without a function here (ISG's list), sorted.
@@ -233,6 +235,10 @@ impl<const AXES: usize> Interpreter<AXES> {
             }
             b'F' => {
                 let given = self.value(c, mark)?;
+                if w.groups & group::F != 0 {
+                    return given.span.fault(NcErrorKind::Twice("F"));
+                }
+                w.groups |= group::F;
                 self.modal.feed = Some(self.feed(given)?);
             }
             b'E' => {
