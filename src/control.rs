@@ -115,8 +115,11 @@ impl Control {
     }
 
     pub(crate) fn abort(&self) {
-        let aborts = self.given.load(Ordering::Relaxed).wrapping_add(ONE_ABORT);
-        self.give(HOLD | ABORTS, aborts & ABORTS);
+        let next = |aborts: u32| aborts.wrapping_add(ONE_ABORT) & ABORTS;
+        let aborts = next(self.given.load(Ordering::Relaxed));
+        // A count that has come round must not look carried out.
+        let is_carried_out = aborts == self.aborted.load(Ordering::Relaxed);
+        self.give(HOLD | ABORTS, if is_carried_out { next(aborts) } else { aborts });
     }
 
     pub(crate) fn acknowledge(&self, function: Function) -> Result<(), Unexpected> {

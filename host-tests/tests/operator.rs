@@ -147,6 +147,33 @@ fn another_thread_never_sees_a_mixture() {
 }
 
 #[test]
+fn aborts_that_nobody_has_seen_do_not_cancel_out() {
+    let machine = machines::even(1000);
+    for count in [1, 255, 256, 257, 512] {
+        let mut channel: Box<Channel<3, 120>> = Box::new(Channel::new());
+        let text: &[u8] = b"N10 G01 X100 F6000\nM30\n";
+        let handles = channel.split(&machine, [Position::ZERO; 3], text).expect("machine data");
+        let Handles { mut planner, mut interpolator, operator } = handles;
+        for _ in 0..100 {
+            while !matches!(planner.poll().expect("a program"), Progress::Waiting | Progress::Done) {}
+            interpolator.tick();
+        }
+        for _ in 0..count {
+            operator.abort();
+        }
+        assert!(operator.commands().abort, "{count}");
+        for _ in 0..2000 {
+            while !matches!(planner.poll().expect("a program"), Progress::Waiting | Progress::Done) {}
+            interpolator.tick();
+        }
+        assert!(
+            !operator.commands().abort && interpolator.set_points()[0] < Position::from_num(50),
+            "{count}"
+        );
+    }
+}
+
+#[test]
 fn a_tick_counts_whether_the_path_moves_or_not() {
     let machine = machines::even(1000);
     let mut channel: Box<Channel<3, 120>> = Box::new(Channel::new());
