@@ -220,7 +220,7 @@ pub fn text_case(seed: u64) -> Result<usize, String> {
     let text = text(&mut random, word, mode);
     let mut machine = machines::with_slope(machines::mill::<3>(1000), slope as u8);
     machine.channel.ptp = true;
-    let acts = if seed / 16 % 2 == 0 {
+    let acts = if (seed / 16).is_multiple_of(2) {
         Vec::new()
     } else {
         let holds = random_acts(&mut random, 6000);

@@ -1,6 +1,6 @@
 //! Room for few functions: the look-ahead reaches less far, none is lost, and the motion stands only where it has to.
 use glidepath::machine::Synch;
-use glidepath::queue::EVENTS;
+use glidepath::queue::ACTIONS;
 use glidepath::{
     AxisData, AxisKind, AxisName, Channel, ChannelData, Function, Handles, MachineData, Position, Progress,
     State,
@@ -69,7 +69,7 @@ fn program(words: impl Fn(u16) -> String) -> String {
 
 #[test]
 fn more_functions_than_there_is_room_for() {
-    assert_eq!(EVENTS, 16);
+    assert_eq!(ACTIONS, 16);
     let codes = [100, 101, 102];
     for (waits, per_block) in
         [(Synch::Mos, 1), (Synch::Mos, 3), (Synch::MvsSns, 1), (Synch::MnsSns, 2), (Synch::MvsSvs, 3)]
@@ -108,10 +108,10 @@ fn functions_that_fill_all_there_is_room_for() {
     let many = |count: usize, between: &str| (0..count).map(|_| format!("M100{between}")).collect::<String>();
     let contour = if cfg!(feature = "contour") { "#CONTOUR MODE ON [DEV PATH_DEV=0.1]\n" } else { "" };
     for waits in [Synch::Mos, Synch::MvsSns, Synch::MvsSvs, Synch::MnsSns] {
-        let lines = many(2 * EVENTS, "\n");
+        let lines = many(2 * ACTIONS, "\n");
         let program =
             format!("{contour}G01 X10 F2000\n{lines}Y10\nX20\n{lines}Y20 M100 M100 M100 M100\nX30\nM30\n");
         let Run { functions, end, .. } = run(&program, waits);
-        assert_eq!((functions.len(), end), (4 * EVENTS + 4, 30.0), "{waits:?}");
+        assert_eq!((functions.len(), end), (4 * ACTIONS + 4, 30.0), "{waits:?}");
     }
 }
