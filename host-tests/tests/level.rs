@@ -269,9 +269,36 @@ fn a_span_begun_at_a_crawl_speeds_up() {
             run.distances.len()
         };
         let [alone, ticks] = [run(&turned(&[])), run(&turned(acts))];
-        println!("slope {slope}: {ticks} ticks, {alone} alone");
         // What the commands take, and the changes behind the last of them.
         let last = acts.last().map_or(0, |act| act.0);
         assert!(ticks < last + 2 * alone, "slope {slope}: {ticks} ticks, {alone} alone");
+    }
+}
+
+/// A level that falls while the motion crawls does not take the crawl for the plan: once the motion is up to speed
+/// again, it does not come down to it at the start of what was planned then.
+#[test]
+fn a_level_that_falls_at_a_crawl_leaves_nothing_slow_behind() {
+    let line = |program: Program, k: usize| program.line(&[30.0 * (k + 1) as f64], [9000.0, 6000.0][k % 2]);
+    let program = (0..100).fold(Program::new("line", 3), line);
+    for slope in 0..4 {
+        let machine = mill(slope, 0);
+        // From the crawl to 150 % and down again, a few times.
+        let turn = |k: usize| [(600 + 200 * k, Act::Override(1500)), (620 + 200 * k, Act::Override(10))];
+        let mut acts = vec![(400, Act::Override(10))];
+        acts.extend((0..5).flat_map(turn));
+        acts.push((1800, Act::Override(1000)));
+        let run = run(&program, &machine, &acts);
+        let v: Vec<f64> = run
+            .distances
+            .windows(2)
+            .map(|w| mm(w[1].wrapping_sub(w[0])) / run.trace.cycle * 60.0)
+            .skip(1800)
+            .collect();
+        let fast = |v: &f64| *v > 5900.0;
+        let (first, last) = (v.iter().position(fast), v.iter().rposition(fast));
+        let (first, last) = first.zip(last).expect("it is fast again");
+        let slowest = v[first..last].iter().copied().fold(f64::MAX, f64::min);
+        assert!(slowest > 500.0, "slope {slope}: {slowest} mm/min");
     }
 }
