@@ -1,8 +1,11 @@
 //! The ring is planned for the override of now: the table of P-CHAN-00066 in every block, and nothing is left
 //! of an override before.
-use glidepath::machine::MachineData;
+use glidepath::machine::{AxisData, AxisKind, AxisName, ChannelData, MachineData, Synch, SynchTable};
+use glidepath::quantity::Position;
 use host_tests::cases::{Program, machines};
-use host_tests::operate::{Act, Operated, judge, operate};
+use host_tests::check;
+use host_tests::operate::{Act, Operated, judge, operate, operate_text};
+use host_tests::properties::permitted;
 
 fn run(program: &Program, machine: &MachineData<3>, acts: &[(usize, Act)]) -> Operated {
     operate::<3, 120>(program, machine, acts, 1000)
@@ -155,5 +158,147 @@ fn a_lower_level_is_possible_through_the_shortest_blocks() {
                 let _ = run(&program, &machine, &acts);
             }
         }
+    }
+}
+
+/// A mill of three unequal axes, whose look-ahead waits at M3 for an acknowledgement.
+fn uneven_mill(slope: u8) -> MachineData<3> {
+    let axis = |name: &str, a: u32, v: u32| AxisData {
+        a_max: a,
+        a_beschl: a,
+        a_brems: a,
+        a_grenz: a,
+        a_stufe: [a, a / 2],
+        a_grenz_stufe: [a, a / 2],
+        vb_max: v,
+        vb_eilgang: v,
+        vb_max_red: v / 8,
+        tr_geom: 50_000,
+        tr_grenz: 50_000,
+        tr_min: 10_000,
+        ..AxisData::new(AxisName::new(name).expect("a name"), AxisKind::Linear)
+    };
+    MachineData {
+        axes: [axis("X", 2000, 300_000), axis("Y", 1500, 250_000), axis("Z", 800, 100_000)],
+        channel: ChannelData {
+            cycle_us: 1000,
+            slope_profile: slope,
+            corr_v_trans_jerk: true,
+            surface: true,
+            m_synch: SynchTable::NONE.with(3, Synch::MvsSvs),
+            ..ChannelData::new()
+        },
+    }
+}
+
+/// While an operator turns the override to and fro the level follows it, and spans begin at a crawl. One that was
+/// planned to be no faster than its ends, and ends at rest, is no crawl for that.
+#[test]
+fn a_span_begun_at_a_crawl_speeds_up() {
+    use Act::{Acknowledge, Override, Reduced};
+    // Through these points; before some of them a line of NC text.
+    let corners = [
+        ("M3", [5.0, 0.0, 5.0]),
+        ("", [45.0, 0.0, 0.0]),
+        ("", [0.0, -35.0, 41.0]),
+        ("", [0.0, 0.0, 0.0]),
+        ("M3", [0.0, -26.0, 0.0]),
+        ("", [-33.0, 0.0, 0.0]),
+        ("", [0.0, 0.0, 0.0]),
+        ("", [0.0, -32.0, 0.0]),
+        ("", [4.0, 0.0, 0.0]),
+        ("", [0.0, -10.0, 0.0]),
+        ("", [0.0, 0.0, 0.0]),
+        ("", [0.0, 0.0, -20.0]),
+        ("", [0.0, 48.0, 0.0]),
+        ("", [0.0, 0.0, 0.0]),
+        ("", [0.0, 0.0, -12.0]),
+    ];
+    let surface = "#HSC ON [SURFACE PATH_DEV=0.05]";
+    let smoothed = [
+        ("", [0.0, 0.0, -25.0]),
+        ("M3", [0.0, 0.0, 0.0]),
+        (surface, [0.0, 0.0, 36.0]),
+        ("", [0.0, 0.0, 4.0]),
+        ("", [0.0, 31.0, -25.0]),
+        ("", [0.0, 0.0, 0.0]),
+        ("", [0.0, 26.0, -18.625]),
+        ("", [0.0, 0.0, 0.0]),
+        ("#HSC OFF", [0.0, 0.0, 0.0]),
+        (surface, [-39.0, 0.0, 0.0]),
+        ("", [0.0, 0.0, 0.0]),
+        ("", [40.0, 0.0, 0.0]),
+        ("", [0.0, 0.0, 0.0]),
+        ("", [0.0, 0.0, -0.375]),
+        ("", [0.0, 0.0, 0.0]),
+        ("", [0.0, 0.125, 0.0]),
+        ("", [0.0, 0.0, 0.0]),
+    ];
+    let turned = |acts: &[(usize, Act)]| {
+        let last = acts.last().map_or(0, |act| act.0) + 30;
+        let end = [(last, Override(1000)), (last, Reduced(false))];
+        [&[(0, Acknowledge(50))], acts, &end].concat()
+    };
+    let at_corners = [
+        (16, Override(16)),
+        (989, Override(1469)),
+        (1271, Override(1181)),
+        (2084, Override(3)),
+        (2834, Override(1457)),
+        (2852, Override(20)),
+    ];
+    let at_smoothed = [
+        (9, Override(1726)),
+        (37, Override(1338)),
+        (43, Override(1371)),
+        (646, Reduced(true)),
+        (1093, Reduced(false)),
+        (1806, Override(1)),
+        (5757, Override(1317)),
+    ];
+    for (slope, points, acts) in [(3, &corners[..], &at_corners[..]), (1, &smoothed, &at_smoothed)] {
+        let line = |(before, [x, y, z]): &(&str, [f64; 3])| format!("{before}\nX{x} Y{y} Z{z}\n");
+        let lines: String = points.iter().map(line).collect();
+        let text = format!("G01 F6000\n#CONTOUR MODE ON [DEV PATH_DEV=0.1]\n{lines}#HSC OFF\nM30\n");
+        let machine = uneven_mill(slope);
+        let limits = machine.axes.each_ref().map(|axis| permitted(axis, slope, false, true, true));
+        let run = |acts: &[(usize, Act)]| {
+            let run = operate_text::<3, 120>(&text, [Position::ZERO; 3], &machine, acts, 40)
+                .unwrap_or_else(|fault| panic!("slope {slope}: {fault}"));
+            check::limits(&run.trace, &limits).unwrap_or_else(|fault| panic!("slope {slope}: {fault}"));
+            run.distances.len()
+        };
+        let [alone, ticks] = [run(&turned(&[])), run(&turned(acts))];
+        // What the commands take, and the changes behind the last of them.
+        let last = acts.last().map_or(0, |act| act.0);
+        assert!(ticks < last + 2 * alone, "slope {slope}: {ticks} ticks, {alone} alone");
+    }
+}
+
+/// A level that falls while the motion crawls does not take the crawl for the plan: once the motion is up to speed
+/// again, it does not come down to it at the start of what was planned then.
+#[test]
+fn a_level_that_falls_at_a_crawl_leaves_nothing_slow_behind() {
+    let line = |program: Program, k: usize| program.line(&[30.0 * (k + 1) as f64], [9000.0, 6000.0][k % 2]);
+    let program = (0..100).fold(Program::new("line", 3), line);
+    for slope in 0..4 {
+        let machine = mill(slope, 0);
+        // From the crawl to 150 % and down again, a few times.
+        let turn = |k: usize| [(600 + 200 * k, Act::Override(1500)), (620 + 200 * k, Act::Override(10))];
+        let mut acts = vec![(400, Act::Override(10))];
+        acts.extend((0..5).flat_map(turn));
+        acts.push((1800, Act::Override(1000)));
+        let run = run(&program, &machine, &acts);
+        let v: Vec<f64> = run
+            .distances
+            .windows(2)
+            .map(|w| mm(w[1].wrapping_sub(w[0])) / run.trace.cycle * 60.0)
+            .skip(1800)
+            .collect();
+        let fast = |v: &f64| *v > 5900.0;
+        let (first, last) = (v.iter().position(fast), v.iter().rposition(fast));
+        let (first, last) = first.zip(last).expect("it is fast again");
+        let slowest = v[first..last].iter().copied().fold(f64::MAX, f64::min);
+        assert!(slowest > 500.0, "slope {slope}: {slowest} mm/min");
     }
 }

@@ -161,7 +161,7 @@ impl Marks {
     pub(super) const ANCHOR: u8 = 2;
     /// It became an anchor after the last complete plan.
     pub(super) const FRESH: u8 = 4;
-    /// Its span does not rise above the speeds at its ends.
+    /// Its span is planned not to rise above the speeds at its ends. Released it may be as fast as all of its blocks.
     pub(super) const FLAT: u8 = 8;
     /// The span that begins with it keeps the limits of all its blocks.
     pub(super) const CHECKED: u8 = 16;

@@ -92,18 +92,18 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Lookahead<'a, AXES, BLOCKS> {
     }
 
     /// Speeds are planned for another level; only before a plan begins. The first block is entered at the
-    /// speed `v_in`. `false`, and nothing has changed, if that is too fast for a lower level. What was
-    /// planned stays possible.
-    pub fn set_level(&mut self, level: f32, v_in: Speed) -> bool {
-        let lower = level < self.ring.level();
-        if lower && v_in > self.ring.entry_for(level) {
+    /// speed `v_in`, and is planned to be entered at up to `most`, at least that: what an override takes may come back.
+    /// `false`, and nothing has changed, if `v_in` is too fast for a lower level. What was planned stays possible.
+    pub fn set_level(&mut self, level: f32, [v_in, most]: [Speed; 2]) -> bool {
+        if level >= self.ring.level() {
+            self.ring.raise(level);
+            return true;
+        }
+        let entry = self.ring.entry_for(level);
+        if v_in > entry {
             return false;
         }
-        if lower {
-            self.ring.lower(level, v_in);
-        } else {
-            self.ring.raise(level);
-        }
+        self.ring.lower(level, most.min(entry));
         true
     }
 

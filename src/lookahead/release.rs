@@ -388,9 +388,8 @@ impl ReleasedSpan {
             as_planned = next.v_in.is_some() && v_out == planned;
         }
         if first.is(Marks::FLAT) {
-            let ends = speed_f32(v_in.max(v_out).to_bits());
-            // Entered slower than planned it may still be as fast as all of its blocks.
-            let known = if first.is(Marks::CHECKED) { ends } else { max(self.slow.least, ends) };
+            // Whatever it begins and ends with, it may be as fast as all of its blocks.
+            let known = max(self.slow.least, speed_f32(v_in.max(v_out).to_bits()));
             self.limits.v = min(self.limits.v, known);
         }
         self.v_out = v_out;

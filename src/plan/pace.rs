@@ -7,11 +7,11 @@
 //! it is made.
 use super::committed::CommittedSpan;
 use super::descent::Descent;
-use super::{Brake, Commands, Planning, Work, clock};
+use super::{Brake, Commands, Planning, Speed, Work, clock};
 use crate::lookahead::Block;
 use crate::math::float::{max, min};
 use crate::nc::SlopeType;
-use crate::quantity::speed_bits;
+use crate::quantity::{speed_bits, speed_f32};
 
 /// A law that was made for so many times less speed ends even where it slows down.
 const CRAWL: f32 = 2.0;
@@ -57,15 +57,34 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let (before, level) = (self.lookahead.ring.level(), self.level());
         let empty = self.lookahead.ring.is_empty();
         let made = self.frontier.planned == self.committed.len();
-        if level == before || !(empty || made) || !self.lookahead.set_level(level, self.frontier.speed) {
+        if level == before || !(empty || made) {
+            return;
+        }
+        let ends = [self.frontier.speed, self.unslowed_end(level)];
+        if !self.lookahead.set_level(level, ends) {
             return;
         }
         if level < before && !empty {
             // With a higher override again, they do not end faster than what is behind begins.
-            self.committed.lower(self.frontier.planned, self.frontier.speed);
+            self.committed.lower(self.frontier.planned, self.lookahead.ring.first_speed());
         }
         self.dynamics.set_level(max(level, 1.0));
         self.renew_held();
+    }
+
+    /// The speed at which the last law would end if the override took nothing from it. One of another pace gets another
+    /// end.
+    fn unslowed_end(&self, level: f32) -> Speed {
+        let v = self.frontier.speed;
+        let last = self.committed.len().checked_sub(1).and_then(|k| self.committed.get(k));
+        let part = self.orders.pace.part(level);
+        if last.is_some_and(|last| last.pace != self.orders.pace.key()) {
+            Speed::from_bits(i64::MAX)
+        } else if part < 1.0 {
+            Speed::from_bits(speed_bits(speed_f32(v.to_bits()) / part)).max(v)
+        } else {
+            v
+        }
     }
 
     /// Whether the ring is planned for another level than that of now, and can follow it while there is time.
