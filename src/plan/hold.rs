@@ -276,8 +276,9 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
 
     /// Spans that the interrupt has left are over, and so is a cut it has passed. On its way to a standstill it is
     /// slower than they are: none of them is over by its time. An instant that was read before that is one of theirs.
+    /// The instant of now.
     #[inline]
-    pub(super) fn trim(&mut self) {
+    pub(super) fn trim(&mut self) -> u32 {
         let now = self.queue.clock.now();
         if self.orders.mode.cut.is_some_and(|Cut(at)| clock::is_before(at, now)) {
             self.queue.clock.withdraw();
@@ -290,6 +291,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             self.committed.drop_first();
             self.frontier.planned -= 1;
         }
+        now
     }
 
     /// The way to a standstill takes the place of what is in the queue.
@@ -342,8 +344,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     /// The instant of a change decided now, and the first span that begins behind it: one change at a time,
     /// and one attempt a tick.
     pub(super) fn attempt(&mut self) -> Option<(u32, usize)> {
-        let now = self.queue.clock.now();
-        self.trim();
+        let now = self.trim();
         let waits = self.reserve.waits && self.task.stage == RingStage::Passing;
         if waits
             || self.orders.yields

@@ -594,11 +594,11 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         if self.lookahead.ring.first().is_some_and(|first| first.is_gate()) {
             return Ok(self.wait());
         }
-        self.trim();
-        if self.secure(self.reserve.near) {
+        let now = self.trim();
+        if self.secure_at(now, self.reserve.near) {
             return Ok(Work::Working);
         }
-        if self.keeps_ahead() {
+        if self.keeps_ahead(now) {
             return Ok(self.wait_a_while());
         }
         // The queue is full: a planner that is called rarely learns so how long it is away.

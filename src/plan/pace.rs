@@ -46,8 +46,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
 
     /// Whether there is so much motion in the queue that no other span of HSC is handed on: it keeps the
     /// level it was planned for.
-    pub(super) fn keeps_ahead(&self) -> bool {
-        self.frontier.end.wrapping_sub(self.queue.clock.now()) > clock::TICK * AHEAD
+    pub(super) fn keeps_ahead(&self, now: u32) -> bool {
+        self.frontier.end.wrapping_sub(now) > clock::TICK * AHEAD
             && self.lookahead.ring.first().is_some_and(Block::varies)
     }
 

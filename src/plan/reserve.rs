@@ -184,7 +184,12 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     /// which the interrupt will come within that time, or within half of what is in the queue.
     #[cfg_attr(feature = "fast", inline(always))]
     pub(super) fn secure(&mut self, within: u32) -> bool {
-        let now = self.queue.clock.now();
+        self.secure_at(self.queue.clock.now(), within)
+    }
+
+    /// The same at the instant of now.
+    #[cfg_attr(feature = "fast", inline(always))]
+    pub(super) fn secure_at(&mut self, now: u32, within: u32) -> bool {
         let within = (self.frontier.end.wrapping_sub(now) / 2).min(within);
         self.reserve.kept.is_none_or(|way| clock::is_before(way.at, now.wrapping_add(within)))
             && (self.frontier.speed > Speed::ZERO || !self.frontier.emitter.is_done())
@@ -197,7 +202,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let now = self.queue.clock.now();
         let since = now.wrapping_sub(self.reserve.waited).min(1 << 28);
         (self.reserve.waited, self.reserve.near) = (now, (CALLS * since).max(NEAR));
-        if self.secure(self.reserve.near) { Work::Working } else { Work::Waiting }
+        if self.secure_at(now, self.reserve.near) { Work::Working } else { Work::Waiting }
     }
 
     /// A law that ends in a standstill has been handed out. The reserve led into it; now it is the tick that
