@@ -250,10 +250,14 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         Err(No::Law)
     }
 
-    /// The parts of the way of a law that is in the profile.
+    /// The parts of the way of a law that is in the profile. An acceleration falls up to the top speed: in all parts
+    /// that begin before it.
     #[inline(never)]
     fn part(&self, brake: &Brake, (speeds, v): (&Speeds, f32), parts: &mut [Part; PARTS]) {
-        let [_, risen, falls, _] = self.profile.down.speeds.map(speed_f32);
+        let [begins, risen, falls, _] = self.profile.down.speeds;
+        let gains = self.profile.up.length() > 0;
+        let top = speed_f32(if gains { self.profile.up.speeds[3] } else { begins });
+        let [risen, falls] = [risen, falls].map(speed_f32);
         for (k, part) in parts.iter_mut().enumerate() {
             let [from, to] = [speeds[k], speeds[k + 1]].map(|part| part * v);
             let until = if k + 1 < PARTS {
@@ -262,7 +266,13 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
                 brake.end
             };
             let change = [v - to, from - speeds[PARTS] * v];
-            *part = Part { v: from, change, ramps: [from > risen, to < falls], gains: k == 0, until };
+            *part = Part {
+                v: from,
+                change,
+                ramps: [from > risen, to < falls],
+                gains: k == 0 || from > top,
+                until,
+            };
         }
     }
 
