@@ -80,6 +80,7 @@ pub fn all(place: Place) -> Result<(), String> {
     step("interpolator in the timer interrupt");
     let report = firmware.report("interrupt")?;
     interrupt(&report, &host)?;
+    late(&report, &host)?;
     memory.interrupted = target::read_memory(&report)?;
     step("an overflow of the stack");
     overflow(&firmware)?;
@@ -128,7 +129,9 @@ pub fn only_interrupt() -> Result<(), String> {
     step("interpolator in the timer interrupt");
     let firmware = Firmware::prepare(Place::Emulator)?;
     firmware.build(TESTS, &binaries(&["interrupt"]), &[])?;
-    interrupt(&firmware.report("interrupt")?, &host::run_all()?)
+    let (report, host) = (firmware.report("interrupt")?, host::run_all()?);
+    interrupt(&report, &host)?;
+    late(&report, &host)
 }
 
 /// Commands only: `cargo xtask hil --commands`.
@@ -404,7 +407,6 @@ fn difference(host: &HostRun, target: &TargetRun) -> Option<String> {
 fn interrupt(report: &str, host: &[HostRun]) -> Result<(), String> {
     let mut preempted = 0;
     let mut lines = 0;
-    late(report, host)?;
     for line in report.lines().filter(|line| !line.starts_with("memory ") && !line.starts_with("late ")) {
         let Some(line) = line.strip_prefix("interrupt ") else { return Err(format!("interrupt: {line}")) };
         let (name, rest) = line.split_once(' ').ok_or(line)?;
