@@ -3,6 +3,7 @@ use glidepath::machine::MachineData;
 use host_tests::cases::knees::{beside, chain, turning};
 use host_tests::cases::random::{Mix, program};
 use host_tests::cases::{Program, edges, machines, named, set_point};
+use host_tests::operate::{self, operate, random_setup};
 use host_tests::properties::axis_limits;
 use host_tests::reference::geometry::Contour;
 use host_tests::reference::limits::Machine;
@@ -261,4 +262,16 @@ fn the_library_plans_what_the_reference_plans_along_feed_axes() {
     }
     println!("largest relative difference {worst:.2e}");
     assert!(worst <= tolerance::PLAN, "{worst}");
+}
+
+/// Of a block of STEP that is just as long as the change of speed needs, the peak is the rounding of a speed: its slopes
+/// are longer than the block by 2^-20 of it, and the law is one without a peak.
+#[test]
+fn a_peak_of_rounding_is_none() {
+    for seed in [10_002_932, 11_012_864] {
+        let (program, machine, _) = random_setup(seed);
+        operate::<3, 120>(&program, &machine, &[], 1000)
+            .and_then(|run| operate::judge(&program, &machine, &run))
+            .unwrap_or_else(|fault| panic!("seed {seed}: {fault}"));
+    }
 }

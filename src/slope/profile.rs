@@ -258,6 +258,10 @@ const MARGIN: u32 = 22;
 /// A peak is lowered by this power of two.
 const LOWER: u32 = 18;
 
+/// Above the higher end speed by less than this power of two of it a peak is rounding: two speeds in `f32` and their
+/// difference. Its slopes may be longer than what is left of the block by more than a part of it.
+const NO_PEAK: u32 = 20;
+
 impl Profile {
     /// Becomes the fastest profile over `length` inside `limits`.
     ///
@@ -297,7 +301,8 @@ impl Profile {
         let low = v_in.max(v_out);
         let mut peak = low + peak_above(&up, &down, [v_in, v_out, low], length, limits.v);
         if lower {
-            peak -= (peak - low) >> LOWER;
+            let above = peak - low;
+            peak -= if above < low >> NO_PEAK { above } else { above >> LOWER };
         }
         self.up.speed_up(&up, v_in, peak);
         self.down.slow_down(&down, peak, v_out);
