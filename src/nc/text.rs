@@ -34,7 +34,7 @@ pub trait Text {
     }
 
     /// Where the main file begins when it is loaded: its first byte, but for a stream, which has other programs
-    /// behind it.
+    /// behind it. A text that passes its calls on to a stream passes this one on, too.
     fn start(&mut self) -> u32 {
         0
     }

@@ -86,6 +86,13 @@ impl Text for Supply<'_> {
         }
     }
 
+    fn start(&mut self) -> u32 {
+        match self {
+            Self::Memory(text) => text.start(),
+            Self::Line(stream) => stream.start(),
+        }
+    }
+
     fn next_program(&mut self) -> Option<u32> {
         match self {
             Self::Memory(_) => None,

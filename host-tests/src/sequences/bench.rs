@@ -50,6 +50,10 @@ impl Text for Source<'_> {
         if let Self::Stream(stream) = self { stream.holds(file, offset) } else { true }
     }
 
+    fn start(&mut self) -> u32 {
+        if let Self::Stream(stream) = self { stream.start() } else { 0 }
+    }
+
     fn next_program(&mut self) -> Option<u32> {
         if let Self::Stream(stream) = self { stream.next_program() } else { None }
     }
