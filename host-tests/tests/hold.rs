@@ -5,7 +5,7 @@ use host_tests::cases::feeds::Feeds;
 use host_tests::cases::random::{Mix, Random, program};
 use host_tests::cases::{Program, machines};
 use host_tests::check;
-use host_tests::operate::{Act, Operated, POLLS, judge, operate, operate_text, random_acts};
+use host_tests::operate::{Act, Operated, POLLS, judge, operate, operate_text, random_acts, random_setup};
 use host_tests::properties::permitted;
 
 /// Corners of several angles, tangential transitions, an arc, an exact stop, short blocks.
@@ -109,6 +109,16 @@ fn random_commands_in_random_programs() {
             let again = run(&program, &machine, &acts, polls);
             assert_eq!(first.trace, again.trace, "seed {seed}");
         }
+    }
+}
+
+/// The way down of STEP has a law for each half of the speed. What is left behind the last of them is a tenth of a
+/// nanometre, and far less than that was rounded at the first.
+#[test]
+fn what_is_left_of_a_way_in_halves_is_long_enough() {
+    let (program, machine, _) = random_setup(11_091_388);
+    for tick in 1300..1312 {
+        run(&program, &machine, &[(tick, Act::Hold), (tick + 20, Act::Resume)], 12);
     }
 }
 

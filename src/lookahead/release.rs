@@ -235,6 +235,11 @@ impl ReleasedSpan {
         law::can_leave(&self.limits, self.length.to_bits(), v_in, v_out)
     }
 
+    /// Whether the last `left` of it (2^-44 mm) is long enough to slow down from `v` to its end speed.
+    pub fn can_slow_within(&self, left: i64, v: Speed) -> bool {
+        law::can_leave(&self.limits, left, v, self.v_out)
+    }
+
     /// Highest speed at its start, at most `v_in`, from which its end speed can be reached.
     pub fn enter(&self) -> Speed {
         law::enter(&self.limits, self.length.to_bits(), self.v_out, self.v_in)

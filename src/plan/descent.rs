@@ -354,7 +354,17 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let Stretch { limits, end, .. } = self.ahead(&mut cursor, span, false)?;
         let (braking, to) = ((&limits, limits.a_down), speed_bits(fall.to));
         let brake = Brake::down_to(&mut self.profile, motion, end, braking, to)?;
-        (brake.v_out == to && end.wrapping_sub(brake.end) > SHORT).then(|| Descent::inside(brake))
+        (brake.v_out == to && self.leaves_way(start, span, &brake)).then(|| Descent::inside(brake))
+    }
+
+    /// Whether a slowing down inside the first span leaves path for another law, and enough of it for what is planned
+    /// at the end of the span. Of one that slows down just as hard as planned rounding may leave too little: the less
+    /// is left, the larger a part of it.
+    pub(super) fn leaves_way(&self, start: Cursor, span: &mut ReleasedSpan, brake: &Brake) -> bool {
+        let Some(first) = self.ahead(&mut Cursor { fall: None, ..start }, span, true) else { return false };
+        let span = self.committed.get(start.k).map_or(&*span, |committed| &committed.span);
+        let left = first.end.wrapping_sub(brake.end);
+        left > SHORT && span.can_slow_within(left, Speed::from_bits(brake.v_out))
     }
 
     /// The next span, if there is one whose path the interrupt knows.

@@ -127,9 +127,9 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             // possible.
             let slows = &mut Found::with(&begin.planned);
             if self.come_down(begin, span, motion, (&SLOWS, first, f32::MAX), slows).is_ok()
-                && first.wrapping_sub(slows.brake.end) > SHORT
                 && slows.brake.v_out > 0
                 && slows.limits.brakes_above(&begin.planned)
+                && self.leaves_way(begin.cursor, span, &slows.brake)
             {
                 *descent = Descent::inside(slows.brake);
                 return Ok(());
