@@ -122,6 +122,30 @@ fn what_is_left_of_a_way_in_halves_is_long_enough() {
     }
 }
 
+/// What is left of a span of HSC goes on as fast as planned, wherever the hold was: where it speeds up, though it began
+/// at some speed, where it is fastest, and where it slows down. Its slowest block would take 30 times as long.
+#[test]
+fn a_hold_in_a_span_of_several_feeds_leaves_it_as_fast() {
+    let mut program = Program::new("feeds", 3)
+        .line(&[0.02, 0.0, 0.0], 20.0)
+        .line(&[0.04, 0.0, 0.0], 400.0)
+        .line(&[40.0, 0.0, 0.0], 12_000.0)
+        .line(&[40.02, 0.0, 0.0], 400.0)
+        .line(&[40.04, 0.0, 0.0], 20.0);
+    program.optimised = true;
+    let machine = machine(3);
+    // The plan may be for more than the override of now.
+    for (first, then) in [(1000, 1000), (600, 600), (1000, 500), (1200, 1000)] {
+        let begins = [(0, Act::Override(first)), (5, Act::Override(then))];
+        let alone = run(&program, &machine, &begins, 1000).trace.len();
+        for tick in (6..alone).step_by(3) {
+            let acts = [begins.as_slice(), &[(tick, Act::Hold), (tick + 300, Act::Resume)]].concat();
+            let longer = run(&program, &machine, &acts, 1000).trace.len() - alone;
+            assert!(longer < 550, "{first}, {then}, tick {tick}: {longer} ticks longer than {alone}");
+        }
+    }
+}
+
 /// Where a law uses less deceleration than permitted, a standstill and a change of pace use all of it.
 #[test]
 fn random_commands_along_changing_feeds() {

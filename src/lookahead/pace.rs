@@ -21,10 +21,9 @@
 //! override below the level it is that law at a part of its speed, s(t · part): all accelerations are smaller
 //! then, and no block is faster than its part. That needs the span to be entered at the same part of its
 //! planned speed, so such spans are left so, whatever P-CHAN-00066 says. In what is left of a span when the
-//! override changes, or after a hold, it is the law from where it cruises on. At the full speed again it is
-//! so before the cruise too, if the span was begun no faster than it goes on: mostly from a standstill
-//! ([`ReleasedSpan::rises`]). Entered at another speed otherwise, behind its cruise, and while the speed is
-//! reduced, its slowest block is the limit.
+//! override changes, or after a hold, it is a law that is below that one wherever it goes on
+//! ([`ReleasedSpan::rises`]): behind a slower start, a law up to the speed at which the span was begun comes first.
+//! While the speed is reduced, and where there is no such law, its slowest block is the limit.
 //!
 //! Reduced speed holds for the whole ring: while it is on, nothing is faster than the slowest of the blocks
 //! that are known may be. So there is always time to get as slow as the next one needs.
@@ -213,9 +212,6 @@ impl Pace {
             return None;
         }
         let most = self.part(span.level);
-        if span.slow.cruise > 0.0 {
-            return (speed_f32(v_in.to_bits()) <= span.slow.cruise * most * SAME).then_some(most);
-        }
         let begins = if span.v_in == Speed::ZERO {
             most
         } else {
@@ -226,6 +222,15 @@ impl Pace {
         let slower = if self.is_planned(span) { f32::MAX } else { most * SLOWER };
         let fast = slower <= begins || span.slow.shared < 0.5 * begins * span.limits.v;
         (as_planned && fast && begins <= most * SAME).then(|| min(begins, 1.0))
+    }
+
+    /// The part of its planned speed at which what is left of a span runs now; `None` where its slowest block is the
+    /// limit.
+    pub fn steady(&self, span: &ReleasedSpan) -> Option<f32> {
+        if self.is_planned(span) {
+            return Some(1.0);
+        }
+        (!self.reduced && !self.is_capped(span)).then(|| self.part(span.level))
     }
 
     /// The part of their planned speed at which spans with HSC are left now, all of them, so that the next

@@ -213,16 +213,25 @@ impl ReleasedSpan {
     /// Its highest speed, if a law may be as fast as the one planned for it, over `length` from the speed
     /// `v_in` on, that goes on without acceleration at the distance `at` with the speed `v`. Otherwise 0.
     ///
-    /// That is so where the planned law speeds up, is at least as fast, and began no faster than `v`. With
-    /// the same limits the new law then has, at each speed, at most the acceleration of the planned one:
-    /// both begin to accelerate with the same jerk, the new one at a higher speed, and both end it on the
-    /// curve a² = 2j(v_max − v). So it comes to each speed later, up to the highest one.
+    /// That is so
+    ///
+    /// - where the planned law speeds up, is at least as fast, and began no faster than `v`. With the same limits the
+    ///   new law then has, at each speed, at most the acceleration of the planned one: both begin to accelerate with
+    ///   the same jerk, the new one at a higher speed, and both end it on the curve a² = 2j(v_max − v). So it comes to
+    ///   each speed later, up to the highest one;
+    /// - where the planned law has its highest speed;
+    /// - where it slows down and is at least as fast. Without acceleration a new one has to slow down earlier than one
+    ///   that is slowing down already.
     pub fn rises(&self, length: i64, v_in: Speed, at: i64, v: Speed) -> f32 {
         let span = law::Span { length, limits: self.limits, kept: true };
         let mut law = law::Law::new(&span, v_in, self.v_out, true);
-        let at = to_f32(at) * DISTANCE_LSB;
-        let speeds_up = v_in <= v && at <= law.reaches_at();
-        if speeds_up && law.passes(speed_f32(v.to_bits()))[0] <= at { law.peak() } else { 0.0 }
+        let (at, slow) = (to_f32(at) * DISTANCE_LSB, speed_f32(v.to_bits()));
+        let below = if at > law.reaches_at() {
+            at <= law.brakes_at() || v <= self.v_out || at <= law.passes(slow)[1]
+        } else {
+            v_in <= v && law.passes(slow)[0] <= at
+        };
+        if below { law.peak() } else { 0.0 }
     }
 
     /// Its limits, and the deceleration of a slowing down that takes the place of its law.
@@ -254,7 +263,12 @@ impl ReleasedSpan {
     /// that planned.
     #[inline(never)]
     pub fn leave(&self, v_in: Speed) -> Speed {
-        law::leave(&self.limits, self.length.to_bits(), false, v_in, self.v_out).unwrap_or(Speed::ZERO)
+        self.leave_inside(&self.limits, v_in, self.v_out)
+    }
+
+    /// The same with other limits, and at most `v_out`.
+    pub fn leave_inside(&self, limits: &Limits, v_in: Speed, v_out: Speed) -> Speed {
+        law::leave(limits, self.length.to_bits(), false, v_in, v_out).unwrap_or(Speed::ZERO)
     }
 }
 

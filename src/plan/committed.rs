@@ -54,7 +54,7 @@ impl CommittedSpan {
     }
 
     /// What is left of it, begun at the speed `v`, may be as fast as that where the law planned for all of it
-    /// speeds up; 0: not known. `begins`: where it was released.
+    /// permits it; 0: not known. `begins`: where it was released.
     #[inline(never)]
     pub fn rises(&self, begins: i64, v: Speed) -> f32 {
         let v_in = self.released;

@@ -14,15 +14,10 @@
 //!
 //! A dwell runs on during a feed hold; the motion behind it waits. Time of rest begins only after the motion
 //! before it is complete. An abort ends a dwell.
-use super::change::Pending;
 use super::clock;
 use super::committed::CommittedSpan;
 use super::descent::{Descent, Passed};
-use super::{
-    Brake, Commands, Control, Distance, Instant, Planning, RingStage, Speed, Time, Unplannable, Work,
-};
-use crate::math::float::{max, min};
-use crate::quantity::{speed_bits, speed_f32};
+use super::{Commands, Control, Distance, Instant, Planning, RingStage, Speed, Unplannable, Work};
 use crate::queue::{Change, Cut, PHASES};
 use crate::smooth::Smoother;
 
@@ -93,19 +88,6 @@ impl Mode {
     pub const fn stop(self) -> Self {
         Self { busy: true, stopping: true, uneven: true, halting: self.halting, ..Self::RUN }
     }
-}
-
-/// No law at a part of its speed is longer: 2^26 ticks.
-const LONGEST: Time = Time::from_bits(1 << (26 + 36));
-
-/// How far a new law follows the planned one.
-enum Fit {
-    /// Its end speed, or that of now.
-    Whole,
-    /// A lower one.
-    Part,
-    /// All of it, at a part of its speed.
-    Stretched,
 }
 
 impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
@@ -412,204 +394,6 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             self.committed.get(self.frontier.planned).map(|committed| committed.start).or(stands)
         {
             self.put_rest(stands, 1);
-        }
-    }
-
-    /// Makes the law of the next span that has none.
-    pub(super) fn lay(&mut self) -> Result<(), Unplannable> {
-        let made = self.make_law();
-        self.note_passed();
-        made
-    }
-
-    /// Makes the law of the next span that has none, and leaves spans behind it as they are
-    /// ([`Self::note_passed`]).
-    pub(super) fn make_law(&mut self) -> Result<(), Unplannable> {
-        let (k, v_in) = (self.frontier.planned, self.frontier.speed);
-        let (end, next) = (self.frontier.end, self.frontier.emitter.next());
-        let Some(mut committed) = self.committed.get_mut(k) else { return Ok(()) };
-        (committed.first, committed.next, committed.enters, committed.pace) =
-            (end, next, v_in, self.orders.pace.key());
-        let span = &committed.span;
-        let as_planned = v_in == span.v_in && span.checked.now() && self.orders.pace.is_planned(span);
-        (committed.limit, committed.leaves) = (min(span.limits.v, span.slow.ceiling), span.v_out);
-        let mut fit = Fit::Whole;
-        if !as_planned || self.orders.mode.stopping || self.orders.mode.uneven {
-            if self.stretch(k) {
-                fit = Fit::Stretched;
-            } else {
-                match self.suit(k) {
-                    Some(how) => fit = how,
-                    None => return Ok(()),
-                }
-            }
-            let Some(same) = self.committed.get_mut(k) else { return Ok(()) };
-            committed = same;
-        }
-        let span = &mut committed.span;
-        if !matches!(fit, Fit::Stretched) {
-            let permitted = core::mem::replace(&mut span.limits.v, committed.limit);
-            let planned = self.profile.plan(span.length, v_in, committed.leaves, &span.limits);
-            span.limits.v = permitted;
-            planned?;
-        }
-        self.frontier.emitter.begin(&self.profile, committed.start, span.length);
-        self.frontier.planned = k + 1;
-        self.frontier.pending_dwell = u64::from(committed.rest);
-        self.frontier.speed = committed.leaves;
-        self.frontier.stops = self.frontier.speed == Speed::ZERO;
-        if matches!(fit, Fit::Part) {
-            self.lower();
-        }
-        Ok(())
-    }
-
-    /// Makes the law of the span `k` the one planned, or what is left of that, at a part of its speed, if
-    /// that is the one of now, or the one at which the span is entered.
-    #[inline(never)]
-    fn stretch(&mut self, k: usize) -> bool {
-        let begins = self.committed.begins(k);
-        let Some(committed) = self.committed.get_mut(k) else { return false };
-        if committed.span.blocks == 1 {
-            return false;
-        }
-        committed.look(begins, committed.start.to_bits());
-        let (span, v_in) = (&mut committed.span, committed.enters);
-        if self.orders.mode.stopping || (self.orders.pace.is_planned(span) && v_in >= span.v_in) {
-            return false;
-        }
-        if let Some(part) = self.orders.pace.stretch(span, v_in) {
-            let [from, to] = [span.v_in, span.v_out].map(Speed::to_bits);
-            let mut limits = span.limits.stretched(part);
-            let mut leaves = speed_bits(speed_f32(to) * part);
-            if span.slow.cruise > 0.0 {
-                limits.v = min(limits.v, span.slow.cruise * part);
-            } else {
-                // The change is what has to fit: of the end speed alone it would be rounded by far more.
-                let change = speed_bits(speed_f32((to - from).abs()) * part);
-                leaves = v_in.to_bits() + if to < from { -change } else { change };
-            }
-            committed.leaves = Speed::from_bits(leaves.max(0)).min(span.v_out);
-            committed.limit = limits.v;
-            let planned = self.profile.plan(span.length, v_in, committed.leaves, &limits);
-            if planned.is_ok() && self.profile.time() <= LONGEST {
-                return true;
-            }
-        }
-        span.slow.cruise = 0.0;
-        false
-    }
-
-    /// What the law of the span `k` may be when it is not the one planned: its limit and its end speed, and
-    /// whether that is as high as it may be. `None` where it slows down instead, which is done.
-    #[inline(never)]
-    fn suit(&mut self, k: usize) -> Option<Fit> {
-        let begins = self.committed.begins(k);
-        let committed = self.committed.get_mut(k)?;
-        let (end, v_in) = (committed.end(), committed.enters);
-        let full = self.orders.pace.is_planned(&committed.span);
-        let risen = if full && !self.orders.mode.stopping { committed.rises(begins, v_in) } else { 0.0 };
-        let span = &mut committed.span;
-        let mut v = self.orders.pace.limit(span);
-        let expected = if full { span.v_in } else { span.v_in.min(Speed::from_bits(speed_bits(v))) };
-        let lowered = v_in != expected || !span.checked.now();
-        if lowered && span.blocks > 1 {
-            let known = max(span.slow.least, speed_f32(v_in.to_bits()));
-            span.slow.ceiling = min(span.slow.ceiling, max(known, span.slow.cruise));
-            v = min(v, span.slow.ceiling);
-        }
-        // As fast as planned, if it ends as planned.
-        let known = (min(risen, span.limits.v) > v).then_some(v);
-        if known.is_some() {
-            v = min(risen, span.limits.v);
-            span.slow.ceiling = max(span.slow.ceiling, v);
-        }
-        committed.limit = v;
-        let motion = Instant { distance: committed.start.to_bits(), speed: v_in.to_bits(), accel: 0 };
-        let planned = span.v_out.to_bits();
-        let too_fast = !full && speed_bits(v) < v_in.to_bits();
-        if self.orders.mode.stopping {
-            if let Some(descent) = self.descend(k, &motion) {
-                self.go_down(k, &descent);
-                return None;
-            }
-        } else if too_fast
-            && let Some(brake) =
-                Brake::plan(&mut self.profile, &motion, end, planned, span.braking(), speed_bits(v))
-        {
-            self.brake(k, &brake);
-            return None;
-        }
-        if self.orders.mode.stopping || too_fast {
-            v = max(v, speed_f32(v_in.to_bits()));
-        }
-        let span = &self.committed.get(k)?.span;
-        let mut v_out = span.v_out;
-        let mut reached = true;
-        if lowered {
-            let least = v_in.min(v_out);
-            v_out = span.leave(v_in).min(Speed::from_bits(speed_bits(v))).max(least);
-            reached = v_out == span.v_out;
-        }
-        if !full || self.orders.mode.uneven {
-            let mut v_next = min(v, self.orders.pace.next(span));
-            if span.limits.varies() {
-                v_next = min(v_next, speed_f32(span.v_out.to_bits()) * self.orders.pace.part(span.level));
-            }
-            let v_next = Speed::from_bits(speed_bits(v_next));
-            let slower = v_out.min(v_next);
-            reached |= slower == v_next;
-            if slower >= v_in || span.can_leave(v_in, slower) {
-                v_out = slower;
-            } else if let Some(brake) =
-                Brake::plan(&mut self.profile, &motion, end, planned, span.braking(), slower.to_bits())
-            {
-                self.brake(k, &brake);
-                return None;
-            }
-        }
-        if let Some(committed) = self.committed.get_mut(k) {
-            if let Some(known) = known.filter(|_| v_out < committed.span.v_out) {
-                v = max(known, speed_f32(v_in.max(v_out).to_bits()));
-                committed.span.slow.ceiling = v;
-            }
-            (committed.limit, committed.leaves) = (v, v_out);
-        }
-        Some(if reached { Fit::Whole } else { Fit::Part })
-    }
-
-    /// The law of the span `k` is a slowing down. Its first tick is known. What it leaves of the span gets a
-    /// law of its own.
-    #[inline(never)]
-    pub(super) fn brake(&mut self, k: usize, brake: &Brake) {
-        self.frontier.emitter.begin_brake(&self.profile, brake);
-        let Some(committed) = self.committed.get_mut(k) else { return };
-        let v_out = Speed::from_bits(brake.v_out);
-        self.frontier.speed = v_out;
-        self.frontier.stops = v_out == Speed::ZERO;
-        let left = committed.end().wrapping_sub(brake.end);
-        if left > NOTHING {
-            committed.begin_at(brake.end, v_out);
-            self.frontier.planned = k;
-            self.frontier.pending_dwell = 0;
-            self.orders.mode.halting = self.frontier.stops;
-            return;
-        }
-        self.frontier.planned = k + 1;
-        self.frontier.pending_dwell = u64::from(committed.rest);
-        committed.leaves = v_out;
-        self.lower();
-    }
-
-    /// The law at hand ends slower than it was planned: what is still in the ring begins so, and relies on
-    /// it. Where that law does not count yet, so once it does: all may still be as it was before.
-    pub(super) fn lower(&mut self) {
-        if self.frontier.planned != self.committed.len() || self.reserve.is_made() {
-            return;
-        }
-        if !self.reserve.pending.as_mut().is_some_and(Pending::lower_later) {
-            self.committed.lower(self.frontier.planned, self.frontier.speed);
-            self.lookahead.start_at(self.frontier.speed);
         }
     }
 

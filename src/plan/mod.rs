@@ -20,6 +20,7 @@ mod held_line;
 mod hold;
 mod intake;
 mod late;
+mod law;
 mod pace;
 mod reserve;
 mod short_stop;

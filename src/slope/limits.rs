@@ -378,8 +378,11 @@ impl Limits {
 
     /// Those of the same law at `part` of its speed, at every point: of the accelerations the square, of the
     /// jerks the cube. A little more, for rounding: far less than `part` leaves.
-    pub fn stretched(&self, part: f32) -> Self {
+    pub fn at_part(&self, part: f32) -> Self {
         let mut limits = *self;
+        if part >= 1.0 {
+            return limits;
+        }
         let square = min(part * part * (2.0 - ROUNDED), 1.0);
         limits.v *= part;
         limits.loose.scale(square);
