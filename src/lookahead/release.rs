@@ -152,6 +152,15 @@ pub struct Slow {
     pub ceiling: f32,
 }
 
+/// What a law has to keep that goes on below the one planned for a span.
+#[derive(Clone, Copy, Debug)]
+pub struct GoingOn {
+    /// Highest speed.
+    pub v: f32,
+    /// Part of the jerk with which an acceleration rises.
+    pub jerk: f32,
+}
+
 /// The block behind a span.
 #[derive(Clone, Copy, Debug)]
 pub struct Behind {
@@ -210,28 +219,35 @@ impl ReleasedSpan {
         if law.reaches_at() <= at && at <= law.brakes_at() { law.peak() } else { 0.0 }
     }
 
-    /// Its highest speed, if a law may be as fast as the one planned for it, over `length` from the speed
-    /// `v_in` on, that goes on without acceleration at the distance `at` with the speed `v`. Otherwise 0.
+    /// What a law has to keep that goes on without acceleration at the distance `at` with the speed `v`, so that it is
+    /// nowhere faster than the one planned for the span, over `length` from the speed `v_in` on. `None`: not known.
     ///
-    /// That is so
-    ///
-    /// - where the planned law speeds up, is at least as fast, and began no faster than `v`. With the same limits the
-    ///   new law then has, at each speed, at most the acceleration of the planned one: both begin to accelerate with
-    ///   the same jerk, the new one at a higher speed, and both end it on the curve a² = 2j(v_max − v). So it comes to
-    ///   each speed later, up to the highest one;
-    /// - where the planned law has its highest speed;
-    /// - where it slows down and is at least as fast. Without acceleration a new one has to slow down earlier than one
-    ///   that is slowing down already.
-    pub fn rises(&self, length: i64, v_in: Speed, at: i64, v: Speed) -> f32 {
+    /// - Where the planned law speeds up, is at least as fast, and began no faster than `v`: its highest speed. With
+    ///   the same limits the new law then has, at each speed, at most the acceleration of the planned one: both begin
+    ///   to accelerate with the same jerk, the new one at a higher speed, and both end it on the curve
+    ///   a² = 2j(v_max − v). So it comes to each speed later, up to the highest one.
+    /// - Where the planned law speeds up and began faster, half of the jerk as well. The new law then has the larger
+    ///   acceleration at a speed up to v_in + (v_in − v), where both are equal, and no more than the planned one from
+    ///   there on; or, if the planned one has its largest acceleration a before, up to v_in + a²/2j. So it is least
+    ///   late at that speed: by no less than `at`, and there by (v_in − v − a²/2j)²/2a more.
+    /// - Where the planned law has its highest speed: that.
+    /// - Where it slows down and is at least as fast: the same. Without acceleration a new law has to slow down earlier
+    ///   than one that is slowing down already.
+    pub fn go_on(&self, length: i64, v_in: Speed, at: i64, v: Speed) -> Option<GoingOn> {
         let span = law::Span { length, limits: self.limits, kept: true };
         let mut law = law::Law::new(&span, v_in, self.v_out, true);
         let (at, slow) = (to_f32(at) * DISTANCE_LSB, speed_f32(v.to_bits()));
-        let below = if at > law.reaches_at() {
-            at <= law.brakes_at() || v <= self.v_out || at <= law.passes(slow)[1]
-        } else {
-            v_in <= v && law.passes(slow)[0] <= at
-        };
-        if below { law.peak() } else { 0.0 }
+        let (mut jerk, mut below) = (1.0, true);
+        if at <= law.reaches_at() {
+            if v < v_in {
+                jerk = 0.5;
+            } else {
+                below = law.passes(slow)[0] <= at;
+            }
+        } else if at > law.brakes_at() {
+            below = v <= self.v_out || at <= law.passes(slow)[1];
+        }
+        below.then(|| GoingOn { v: law.peak(), jerk })
     }
 
     /// Its limits, and the deceleration of a slowing down that takes the place of its law.

@@ -1,5 +1,5 @@
 //! Spans whose time law may still change: the interrupt has not left them.
-use crate::lookahead::ReleasedSpan;
+use crate::lookahead::{GoingOn, ReleasedSpan};
 use crate::machine::functions;
 use crate::math::float::{min, to_f32};
 use crate::quantity::{Distance, Speed};
@@ -53,14 +53,14 @@ impl CommittedSpan {
         self.span.slow.cruise = if known { self.span.cruises(length, self.released, at) } else { 0.0 };
     }
 
-    /// What is left of it, begun at the speed `v`, may be as fast as that where the law planned for all of it
-    /// permits it; 0: not known. `begins`: where it was released.
+    /// What is left of it, begun at the speed `v`, is below the law planned for all of it if it keeps that. `None`: not
+    /// known. `begins`: where it was released.
     #[inline(never)]
-    pub fn rises(&self, begins: i64, v: Speed) -> f32 {
-        let v_in = self.released;
+    pub fn go_on(&self, begins: i64, v: Speed) -> Option<GoingOn> {
         let [length, at] = [self.end(), self.start.to_bits()].map(|x| x.wrapping_sub(begins));
         let known = self.span.checked.released() && at > 0 && self.span.is_uneven();
-        if known && self.span.length.to_bits() >= SHORT { self.span.rises(length, v_in, at, v) } else { 0.0 }
+        let is_long = self.span.length.to_bits() >= SHORT;
+        if known && is_long { self.span.go_on(length, self.released, at, v) } else { None }
     }
 
     /// Its start, up to path distance `start`, is behind: it goes on there, at the speed `v_in`.

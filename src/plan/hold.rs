@@ -9,7 +9,7 @@
 //!
 //! Going on begins at rest, once the interrupt has come to the standstill, even if it is wanted before. A
 //! span of several blocks is then run no faster than its slowest block, unless the law planned for it shows
-//! that more is possible ([`CommittedSpan::rises`], [`CommittedSpan::look`]): another law would have to be
+//! that more is possible ([`CommittedSpan::go_on`], [`CommittedSpan::look`]): another law would have to be
 //! compared with every block again.
 //!
 //! A dwell runs on during a feed hold; the motion behind it waits. Time of rest begins only after the motion

@@ -10,12 +10,9 @@ use super::change::Pending;
 use super::committed::CommittedSpan;
 use super::hold::NOTHING;
 use super::{Brake, Instant, Planning, Speed, Time, Unplannable};
+use crate::lookahead::GoingOn;
 use crate::math::float::{max, min};
 use crate::quantity::{speed_bits, speed_f32};
-use crate::slope::brake::SHORT;
-
-/// Parts of speeds are rounded by less than that power of two.
-const ROUNDED_UP: u32 = 21;
 
 /// No law at a part of its speed is longer: 2^26 ticks.
 const LONGEST: Time = Time::from_bits(1 << (26 + 36));
@@ -113,7 +110,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             // The change is what has to fit: of the end speed alone it would be rounded by far more.
             let change = speed_bits(speed_f32((to - from).abs()) * part);
             let leaves = v_in.to_bits() + if to < from { -change } else { change };
-            if self.plan_at(k, part, f32::MAX, Speed::from_bits(leaves.max(0))) {
+            if self.plan_at(k, part, None, Speed::from_bits(leaves.max(0))) {
                 return Some(Made::Planned(Fit::Whole));
             }
         }
@@ -122,48 +119,37 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     }
 
     /// Makes the law of what is left of the span `k` one that is below what was planned for all of it, at the part of
-    /// its speed that is the one of now. Where that began faster, a law up to that speed comes first.
+    /// its speed that is the one of now.
     #[inline(never)]
     fn go_on_as_planned(&mut self, k: usize) -> Option<Made> {
         let begins = self.committed.begins(k);
         let committed = self.committed.get(k)?;
-        let (v_in, part) = (committed.enters, self.orders.pace.steady(&committed.span)?);
-        let v = Speed::from_bits(speed_bits(speed_f32(v_in.to_bits()) / part));
-        let most = committed.rises(begins, v);
-        if most > 0.0 {
-            let v_out = speed_bits(speed_f32(committed.span.v_out.to_bits()) * part);
-            if !self.plan_at(k, part, most * part, Speed::from_bits(v_out)) {
-                return None;
-            }
-            let CommittedSpan { span, leaves, limit, .. } = self.committed.get_mut(k)?;
-            span.slow.ceiling = max(span.slow.ceiling, *limit);
-            let reached = part < 1.0 || *leaves == span.v_out;
-            return Some(Made::Planned(if reached { Fit::Whole } else { Fit::Part }));
-        }
-        let first = committed.planned();
-        if v >= first || committed.rises(begins, first) == 0.0 {
+        let part = self.orders.pace.steady(&committed.span)?;
+        let v = Speed::from_bits(speed_bits(speed_f32(committed.enters.to_bits()) / part));
+        let most = committed.go_on(begins, v)?;
+        let v_out = speed_bits(speed_f32(committed.span.v_out.to_bits()) * part);
+        if !self.plan_at(k, part, Some(&most), Speed::from_bits(v_out)) {
             return None;
         }
-        let to = speed_bits(speed_f32(first.to_bits()) * part);
-        let limits = committed.span.limits.at_part(part);
-        let motion = Instant { distance: committed.start.to_bits(), speed: v_in.to_bits(), accel: 0 };
-        // A little faster, so that the next law begins as fast as that in spite of rounding.
-        let rise = Brake::rise(&mut self.profile, &motion, &limits, to + (to >> ROUNDED_UP) + 1);
-        if committed.end().wrapping_sub(rise.end) < SHORT {
-            return None;
-        }
-        self.brake(k, &rise);
-        Some(Made::Otherwise)
+        let CommittedSpan { span, leaves, limit, .. } = self.committed.get_mut(k)?;
+        span.slow.ceiling = max(span.slow.ceiling, *limit);
+        let reached = part < 1.0 || *leaves == span.v_out;
+        Some(Made::Planned(if reached { Fit::Whole } else { Fit::Part }))
     }
 
-    /// Makes the law of the span `k` one with its limits at a part of their speed, no faster than `most`, that ends at
-    /// `v_out` or, where that is too much, as fast as it can; if there is one.
+    /// Makes the law of the span `k` one with its limits, and those of `most`, at a part of their speed. It ends at
+    /// `v_out` or, where that is too much, as fast as it can. `false`: there is none.
     #[inline(never)]
-    fn plan_at(&mut self, k: usize, part: f32, most: f32, v_out: Speed) -> bool {
+    fn plan_at(&mut self, k: usize, part: f32, most: Option<&GoingOn>, v_out: Speed) -> bool {
         let Some(committed) = self.committed.get_mut(k) else { return false };
         let (span, v_in) = (&committed.span, committed.enters);
         let mut limits = span.limits.at_part(part);
-        limits.v = min(limits.v, most);
+        if let Some(most) = most {
+            limits.v = min(limits.v, most.v * part);
+            if most.jerk < 1.0 {
+                limits.rise_gently(most.jerk);
+            }
+        }
         committed.leaves = span.leave_inside(&limits, v_in, v_out.min(span.v_out));
         committed.limit = limits.v;
         let planned = self.profile.plan(span.length, v_in, committed.leaves, &limits);

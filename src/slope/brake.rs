@@ -151,15 +151,6 @@ impl Brake {
         Self::reach(profile, motion, room, &firm, Aim { v: to, or_near: false })
     }
 
-    /// From `motion`, which has no acceleration, up to the speed `to`: no slowing down, but it takes the place of a law
-    /// as one does.
-    pub fn rise(profile: &mut Profile, motion: &Motion, limits: &Limits, to: i64) -> Self {
-        profile.clear();
-        profile.up.speed_up(&limits.speed_up(), motion.speed, to);
-        let end = motion.distance.wrapping_add(profile.up.length());
-        Self { from: motion.distance, over: 0, tail: 0, end, v_out: to }
-    }
-
     /// Whether a standstill from `motion` takes less than `part` of the path up to `end`. In `f32`, a little
     /// work.
     pub fn fits(motion: &Motion, end: i64, limits: &Limits, part: f32) -> bool {

@@ -394,6 +394,14 @@ impl Limits {
         limits
     }
 
+    /// An acceleration rises with a part of the jerk, and is at most the one of its speeds.
+    pub const fn rise_gently(&mut self, part: f32) {
+        self.loose = Loose::NONE;
+        if let SlopeLaw::JerkLimited { j: [rise, ..], .. } = &mut self.law {
+            *rise *= part;
+        }
+    }
+
     /// Of a ramp; of STEP none.
     pub fn jerk(&self, ramp: usize) -> f32 {
         match self.law {
