@@ -359,6 +359,18 @@ pub fn is_long<const AXES: usize>(program: &Program, machine: &MachineData<AXES>
     longest(program, machine) + last as f64 > LONGEST as f64
 }
 
+/// Whether a run may end with that fault: it takes so long, or crawls, by what is expected.
+pub fn may_end<const AXES: usize>(
+    fault: &str,
+    program: &Program,
+    machine: &MachineData<AXES>,
+    acts: &[(usize, Act)],
+) -> bool {
+    let last = acts.last().map_or(0, |(tick, _)| *tick);
+    fault.ends_with(TOO_LONG) && is_long(program, machine, last)
+        || fault.ends_with("Unplannable") && crawls(machine, acts)
+}
+
 /// What came of [`crawl`].
 #[derive(Clone, Debug, PartialEq)]
 pub enum Crawled {
