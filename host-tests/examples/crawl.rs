@@ -1,4 +1,4 @@
-//! Random programs while an operator turns the override nearly to zero, or asks for the reduced speed, and takes
+//! Random programs while an operator turns the override nearly to zero, asks for the reduced speed or holds, and takes
 //! that back a little later, as many as wanted: `cargo run --release -p host-tests --example crawl -- FIRST_SEED
 //! LAST_SEED`. The judge sees every tick, and the motion has to be as fast as ever again behind each of them.
 use host_tests::operate::{Crawled, crawl};

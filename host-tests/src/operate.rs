@@ -387,7 +387,7 @@ const TRIED: usize = 20_000;
 const CRAWLS: f64 = 300.0;
 
 /// A program of [`random_setup`], slowed down nearly to a standstill a few times, by the override or by the
-/// reduced speed. Behind each of these it is as fast as before: all together it takes as long as it does alone
+/// reduced speed, or to one by a hold. Behind each of these it is as fast as before: all together it takes as long as it does alone
 /// (a quarter more: spans of HSC entered slower than planned), the time of the crawls, and for each of them `2 · (v/a + ramps)` of the slowest axis, to slow down and to
 /// speed up again.
 pub fn crawl(seed: u64) -> Crawled {
@@ -406,8 +406,12 @@ pub fn crawl(seed: u64) -> Crawled {
         if random.once_in(4) {
             acts.extend([(tick, Act::Reduced(true)), (tick + ticks, Act::Reduced(false))]);
         }
-        let over = random.magnitude(1.0, 20.0) as u16;
-        acts.extend([(tick, Act::Override(over)), (tick + ticks, Act::Override(1000))]);
+        if random.once_in(3) {
+            acts.extend([(tick, Act::Hold), (tick + ticks, Act::Resume)]);
+        } else {
+            let over = random.magnitude(1.0, 20.0) as u16;
+            acts.extend([(tick, Act::Override(over)), (tick + ticks, Act::Override(1000))]);
+        }
         tick += ticks;
         crawled += ticks;
     }

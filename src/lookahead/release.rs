@@ -245,7 +245,7 @@ impl ReleasedSpan {
                 below = law.passes(slow)[0] <= at;
             }
         } else if at > law.brakes_at() {
-            below = v <= self.v_out || at <= law.passes(slow)[1];
+            below = at <= law.passes(slow)[1];
         }
         below.then(|| GoingOn { v: law.peak(), jerk })
     }
