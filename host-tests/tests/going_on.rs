@@ -1,6 +1,6 @@
 //! What is left of a span goes on below the law planned for all of it, at each place, wherever that is left and however
 //! slow it is then: against closed forms in `f64`.
-use glidepath::lookahead::ReleasedSpan;
+use glidepath::lookahead::{Gain, ReleasedSpan};
 use glidepath::quantity::{Speed, speed_bits};
 use glidepath::slope::limits::{Joins, Limits, Loose, SlopeLaw};
 use glidepath::slope::ramp_shape::RampShape;
@@ -75,7 +75,12 @@ fn what_goes_on_is_below_what_was_planned() {
         }
         let v = if random.once_in(3) { 0.0 } else { there.v * random.unit() };
         let most = go_on(v).unwrap_or_else(|| panic!("seed {seed}: none"));
-        let gently = Ramps { up: gain.up / f64::from(most.jerk), ..gain };
+        let gently = match most.gain {
+            // Whatever it is.
+            Gain::Free => Ramps { a: 4.0 * gain.a, ..gain },
+            Gain::Alike => gain,
+            Gain::Gentle => Ramps { up: 2.0 * gain.up, ..gain },
+        };
         let left = length - at;
         let most_v = f64::from(most.v);
         let v_out = v_out.min(reach(left, v, most_v.max(v), gently));

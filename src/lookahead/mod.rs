@@ -46,7 +46,7 @@ pub use block::Block;
 use blocks::Blocks;
 pub use pace::Pace;
 pub(crate) use pace::SLOWEST;
-pub use release::{GoingOn, ReleasedSpan};
+pub use release::{Gain, GoingOn, ReleasedSpan};
 pub use ring::Ring;
 
 use crate::quantity::Speed;

@@ -157,8 +157,19 @@ pub struct Slow {
 pub struct GoingOn {
     /// Highest speed.
     pub v: f32,
-    /// Part of the jerk with which an acceleration rises.
-    pub jerk: f32,
+    /// Up to that.
+    pub gain: Gain,
+}
+
+/// How a law that goes on below the one planned for a span may gain speed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Gain {
+    /// As it likes: the planned law does not gain any more.
+    Free,
+    /// As the planned law does.
+    Alike,
+    /// The same, and its acceleration rises with half of the jerk.
+    Gentle,
 }
 
 /// The block behind a span.
@@ -230,24 +241,23 @@ impl ReleasedSpan {
     ///   acceleration at a speed up to v_in + (v_in − v), where both are equal, and no more than the planned one from
     ///   there on; or, if the planned one has its largest acceleration a before, up to v_in + a²/2j. So it is least
     ///   late at that speed: by no less than `at`, and there by (v_in − v − a²/2j)²/2a more.
-    /// - Where the planned law has its highest speed: that.
+    /// - Where the planned law has its highest speed: that, whatever it is reached with.
     /// - Where it slows down and is at least as fast: the same. Without acceleration a new law has to slow down earlier
     ///   than one that is slowing down already.
     pub fn go_on(&self, length: i64, v_in: Speed, at: i64, v: Speed) -> Option<GoingOn> {
         let span = law::Span { length, limits: self.limits, kept: true };
         let mut law = law::Law::new(&span, v_in, self.v_out, true);
         let (at, slow) = (to_f32(at) * DISTANCE_LSB, speed_f32(v.to_bits()));
-        let (mut jerk, mut below) = (1.0, true);
-        if at <= law.reaches_at() {
-            if v < v_in {
-                jerk = 0.5;
-            } else {
-                below = law.passes(slow)[0] <= at;
-            }
-        } else if at > law.brakes_at() {
-            below = at <= law.passes(slow)[1];
-        }
-        below.then(|| GoingOn { v: law.peak(), jerk })
+        let (gain, below) = if at > law.brakes_at() {
+            (Gain::Free, at <= law.passes(slow)[1])
+        } else if at > law.reaches_at() {
+            (Gain::Free, true)
+        } else if v < v_in {
+            (Gain::Gentle, true)
+        } else {
+            (Gain::Alike, law.passes(slow)[0] <= at)
+        };
+        below.then(|| GoingOn { v: law.peak(), gain })
     }
 
     /// Its limits, and the deceleration of a slowing down that takes the place of its law.
@@ -279,12 +289,7 @@ impl ReleasedSpan {
     /// that planned.
     #[inline(never)]
     pub fn leave(&self, v_in: Speed) -> Speed {
-        self.leave_inside(&self.limits, v_in, self.v_out)
-    }
-
-    /// The same with other limits, and at most `v_out`.
-    pub fn leave_inside(&self, limits: &Limits, v_in: Speed, v_out: Speed) -> Speed {
-        law::leave(limits, self.length.to_bits(), false, v_in, v_out).unwrap_or(Speed::ZERO)
+        law::leave(&self.limits, self.length.to_bits(), false, v_in, self.v_out).unwrap_or(Speed::ZERO)
     }
 }
 

@@ -10,9 +10,9 @@ use super::change::Pending;
 use super::committed::CommittedSpan;
 use super::hold::NOTHING;
 use super::{Brake, Instant, Planning, Speed, Time, Unplannable};
-use crate::lookahead::GoingOn;
-use crate::math::float::{max, min};
-use crate::quantity::{speed_bits, speed_f32};
+use crate::lookahead::{Gain, GoingOn};
+use crate::math::float::{max, min, size_f32, to_f32};
+use crate::quantity::{DISTANCE_LSB, speed_bits, speed_f32};
 
 /// No law at a part of its speed is longer: 2^26 ticks.
 const LONGEST: Time = Time::from_bits(1 << (26 + 36));
@@ -31,7 +31,7 @@ enum Made {
     /// Its speeds are known.
     Suited(Fit),
     /// It is in the profile.
-    Planned(Fit),
+    Planned,
     /// Another one took its place, up to somewhere in the span: it is handed out.
     Otherwise,
 }
@@ -64,7 +64,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let span = &mut committed.span;
         let fit = match made {
             Made::Otherwise => return Ok(()),
-            Made::Planned(fit) => fit,
+            Made::Planned => Fit::Whole,
             Made::Suited(fit) => {
                 let permitted = core::mem::replace(&mut span.limits.v, committed.limit);
                 let planned = self.profile.plan(span.length, v_in, committed.leaves, &span.limits);
@@ -111,7 +111,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             let change = speed_bits(speed_f32((to - from).abs()) * part);
             let leaves = v_in.to_bits() + if to < from { -change } else { change };
             if self.plan_at(k, part, None, Speed::from_bits(leaves.max(0))) {
-                return Some(Made::Planned(Fit::Whole));
+                return Some(Made::Planned);
             }
         }
         self.committed.get_mut(k)?.span.slow.cruise = 0.0;
@@ -131,14 +131,19 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         if !self.plan_at(k, part, Some(&most), Speed::from_bits(v_out)) {
             return None;
         }
-        let CommittedSpan { span, leaves, limit, .. } = self.committed.get_mut(k)?;
+        let CommittedSpan { span, limit, .. } = self.committed.get_mut(k)?;
+        // At a low override it gains speed so slowly that the slowest block may be sooner at the end.
+        let way = to_f32(span.length.to_bits()) * DISTANCE_LSB;
+        let ticks = size_f32(self.profile.time().to_bits()) * (1.0 / (1u64 << 36) as f32);
+        if ticks * (span.slow.shared * part) > way {
+            return None;
+        }
         span.slow.ceiling = max(span.slow.ceiling, *limit);
-        let reached = part < 1.0 || *leaves == span.v_out;
-        Some(Made::Planned(if reached { Fit::Whole } else { Fit::Part }))
+        Some(Made::Planned)
     }
 
-    /// Makes the law of the span `k` one with its limits, and those of `most`, at a part of their speed. It ends at
-    /// `v_out` or, where that is too much, as fast as it can. `false`: there is none.
+    /// Makes the law of the span `k` one with its limits, and those of `most`, at a part of their speed, that ends at
+    /// `v_out`. `false`: there is none.
     #[inline(never)]
     fn plan_at(&mut self, k: usize, part: f32, most: Option<&GoingOn>, v_out: Speed) -> bool {
         let Some(committed) = self.committed.get_mut(k) else { return false };
@@ -146,11 +151,13 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let mut limits = span.limits.at_part(part);
         if let Some(most) = most {
             limits.v = min(limits.v, most.v * part);
-            if most.jerk < 1.0 {
-                limits.rise_gently(most.jerk);
+            match most.gain {
+                Gain::Free => limits.gain_like(&span.limits),
+                Gain::Alike => {}
+                Gain::Gentle => limits.gain_gently(),
             }
         }
-        committed.leaves = span.leave_inside(&limits, v_in, v_out.min(span.v_out));
+        committed.leaves = v_out.min(span.v_out);
         committed.limit = limits.v;
         let planned = self.profile.plan(span.length, v_in, committed.leaves, &limits);
         planned.is_ok() && self.profile.time() <= LONGEST

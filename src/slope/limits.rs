@@ -394,11 +394,23 @@ impl Limits {
         limits
     }
 
-    /// An acceleration rises with a part of the jerk, and is at most the one of its speeds.
-    pub const fn rise_gently(&mut self, part: f32) {
+    /// Speed is gained with half of the jerk at first, and with no more acceleration than near the speed of the limits.
+    pub const fn gain_gently(&mut self) {
         self.loose = Loose::NONE;
         if let SlopeLaw::JerkLimited { j: [rise, ..], .. } = &mut self.law {
-            *rise *= part;
+            *rise *= 0.5;
+        }
+    }
+
+    /// Speed is gained as with the others, which have the same law.
+    pub const fn gain_like(&mut self, other: &Self) {
+        self.a_up = other.a_up;
+        if let (
+            SlopeLaw::JerkLimited { j: [rise, fall, ..], .. },
+            SlopeLaw::JerkLimited { j: [others_rise, others_fall, ..], .. },
+        ) = (&mut self.law, &other.law)
+        {
+            (*rise, *fall) = (*others_rise, *others_fall);
         }
     }
 
