@@ -22,7 +22,8 @@
 //! then, and no block is faster than its part. That needs the span to be entered at the same part of its
 //! planned speed, so such spans are left so, whatever P-CHAN-00066 says. In what is left of a span when the
 //! override changes, or after a hold, it is a law that is below that one wherever it goes on
-//! ([`ReleasedSpan::go_on`]). While the speed is reduced, and where there is no such law, its slowest block is the limit.
+//! ([`ReleasedSpan::go_on`]). While the speed is reduced, and where there is no such law, its slowest block is the
+//! limit.
 //!
 //! Reduced speed holds for the whole ring: while it is on, nothing is faster than the slowest of the blocks
 //! that are known may be. So there is always time to get as slow as the next one needs.

@@ -7,10 +7,8 @@
 //! last span known always is. A span that already slows down as hard as it can keeps its law, and the change
 //! begins with the next one.
 //!
-//! Going on begins at rest, once the interrupt has come to the standstill, even if it is wanted before. A
-//! span of several blocks is then run no faster than its slowest block, unless the law planned for it shows
-//! that more is possible ([`CommittedSpan::go_on`], [`CommittedSpan::look`]): another law would have to be
-//! compared with every block again.
+//! Going on begins at rest, once the interrupt has come to the standstill, even if it is wanted before. What is
+//! left of a span then gets another law (`super::law`).
 //!
 //! A dwell runs on during a feed hold; the motion behind it waits. Time of rest begins only after the motion
 //! before it is complete. An abort ends a dwell.

@@ -3,8 +3,10 @@
 //! A law is planned for the speed at which its span is entered, all of the span, and the pace of then. Behind a
 //! standstill, a change of the pace or a span that ended slower it is another one:
 //!
-//! - of several blocks, what is left of the planned law, or one below it at each place, at a part of its speed;
-//! - else one within the limit that the pace has for it, entered at the speed of now;
+//! - of several blocks, what is left of the planned law, or one below it at each place, at a part of its speed: any
+//!   other law would have to be compared with every block again ([`CommittedSpan::go_on`]);
+//! - else one within the limit that the pace has for it, entered at the speed of now: of several blocks that of the
+//!   slowest one, or the speed at which the planned law cruises ([`CommittedSpan::look`]);
 //! - or a slowing down to that limit.
 use super::change::Pending;
 use super::committed::CommittedSpan;
