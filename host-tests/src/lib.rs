@@ -71,3 +71,8 @@ pub mod soak;
 pub mod refusal;
 
 pub mod splines;
+
+/// The examples of the papers, as tests of the documentation.
+#[cfg(doctest)]
+#[doc = include_str!("../../docs/linking.md")]
+pub mod linking {}

@@ -12,7 +12,13 @@ mod example {
 
     const fn axis(name: &str) -> AxisData {
         match AxisName::new(name) {
-            Some(name) => AxisData { a_max: 3000, ..AxisData::new(name, AxisKind::Linear) },
+            Some(name) => AxisData {
+                a_beschl: 2000, // P-AXIS-00001: acceleration at feed, mm/s²
+                a_brems: 2000,  // P-AXIS-00002: deceleration at feed
+                a_grenz: 2000,  // P-AXIS-00004: rapid motion
+                a_max: 3000,    // P-AXIS-00008: largest acceleration, in curves
+                ..AxisData::new(name, AxisKind::Linear)
+            },
             None => panic!("not a name"),
         }
     }
@@ -46,50 +52,6 @@ mod example {
         Ok(*interpolator.set_points())
     }
     // </example>
-
-    // <one channel>
-    use glidepath::{Interpolator, Planner};
-
-    /// Runs what is loaded until the axes stand; what was refused on the way.
-    fn finish<'a>(
-        planner: &mut Planner<'a, &'static [u8], 3, 120>,
-        interpolator: &mut Interpolator<'a, 3>,
-    ) -> Vec<String> {
-        let mut refused = Vec::new();
-        loop {
-            match planner.poll() {
-                Ok(Progress::Done) if interpolator.tick() == State::Idle => return refused,
-                Ok(Progress::Waiting) => _ = interpolator.tick(),
-                Ok(_) => {}
-                // What was planned before runs to its end.
-                Err(error) => refused.push(format!("line {}: {error}", error.place().line)),
-            }
-        }
-    }
-
-    pub fn one_channel() -> Result<[Position; 3], Box<dyn std::error::Error>> {
-        let mut memory = Channel::<3, 120>::new();
-        let program: &'static [u8] = b"G01 X10 F1000\nM30\n";
-        let handles = memory.split(&MACHINE, [Position::ZERO; 3], program)?;
-        let Handles { mut planner, mut interpolator, .. } = handles;
-        finish(&mut planner, &mut interpolator);
-        // After M30, an error or an abort: the next program, from where the axes stand.
-        planner.load(b"G01 X20 F2000\nX25 Q1\nY5\nM30\n")?;
-        let refused = finish(&mut planner, &mut interpolator);
-        assert!(refused.len() == 1 && refused[0].starts_with("line 2: axis Q is known"));
-        // The refused line is left out, with what was in force before it; the axes stand at X20 Y0.
-        planner.go_on()?;
-        finish(&mut planner, &mut interpolator);
-        // A single line: the feed and G01 are still in force.
-        planner.continue_with(b"G91 X-5")?;
-        finish(&mut planner, &mut interpolator);
-        // The place where X stands is called 100 from now on; nothing moves.
-        planner.set_position(0, Position::from_num(100))?;
-        planner.load(b"G00 X101\nM30\n")?;
-        finish(&mut planner, &mut interpolator);
-        Ok(*interpolator.set_points())
-    }
-    // </one channel>
 }
 
 fn root() -> PathBuf {
@@ -116,22 +78,13 @@ fn the_example_runs() {
 }
 
 #[test]
-fn one_channel_runs() {
-    let end = example::one_channel().map(|end| end.map(|axis| axis.to_num::<f64>()));
-    assert_eq!(end.map_err(|error| error.to_string()), Ok([101.0, 5.0, 0.0]));
-}
-
-#[test]
 fn the_example_is_the_one_tested() {
     let readme = read("README.md");
     let tests = read("host-tests/tests/readme.rs");
     let words = |text: &str| text.lines().map(|line| line.trim().to_owned()).collect::<Vec<_>>().join("\n");
-    for name in ["example", "one channel"] {
-        let [begin, end] = [format!("<!-- {name} -->"), format!("<!-- /{name} -->")];
-        let shown = between(between(&readme, &begin, &end), "```rust\n", "```");
-        let tested = between(&tests, &format!("// <{name}>\n"), &format!("// </{name}>"));
-        assert_eq!(words(shown).trim(), words(tested).trim());
-    }
+    let shown = between(between(&readme, "<!-- example -->", "<!-- /example -->"), "```rust\n", "```");
+    let tested = between(&tests, "// <example>\n", "// </example>");
+    assert_eq!(words(shown).trim(), words(tested).trim());
 }
 
 /// Times of the named programs, from the accepted table.
@@ -141,7 +94,7 @@ fn times(text: &mut String) {
         text,
         "Program times at F 20 m/min and a cycle of 1 ms beside the ideal, the time of one straight line of the same length. Machine\n\
          *even*: 2000 mm/s², ramps 50 ms, 200 mm/s; *examples*: 2000 mm/s², ramps 150 ms, 1000 mm/s. From\n\
-         [times.csv](host-tests/tables/times.csv) and [times_examples.csv](host-tests/tables/times_examples.csv), asserted by\n\
+         [times.csv](../host-tests/tables/times.csv) and [times_examples.csv](../host-tests/tables/times_examples.csv), asserted by\n\
          `host-tests/tests/chords.rs`.\n\n| machine | {} |\n|---|---|---:|---:|---:|---:|---:|\n",
         wanted.join(" | ").replace('_', " ")
     );
@@ -157,8 +110,8 @@ fn times(text: &mut String) {
     }
 }
 
-/// Instructions and bytes, from the accepted table.
-fn target(text: &mut String) {
+/// The accepted table of the target: `section.key` and value.
+fn accepted() -> BTreeMap<String, String> {
     let table = read("hil-tests/tables/accepted.toml");
     let mut values = BTreeMap::new();
     let mut section = "";
@@ -166,14 +119,20 @@ fn target(text: &mut String) {
         if let Some(name) = line.strip_prefix('[') {
             section = name.trim_end_matches(']');
         } else if let Some((key, value)) = line.split_once(" = ") {
-            values.insert(format!("{section}.{key}"), value.trim_matches('"'));
+            values.insert(format!("{section}.{key}"), value.trim_matches('"').to_owned());
         }
     }
-    let get = |key: &str| *values.get(key).unwrap_or_else(|| panic!("{key} is not accepted yet"));
+    values
+}
+
+/// Instructions and bytes, from the accepted table.
+fn target(text: &mut String) {
+    let values = accepted();
+    let get = |key: &str| values.get(key).unwrap_or_else(|| panic!("{key} is not accepted yet")).as_str();
     let _ = write!(
         text,
-        "\nInstructions on a Cortex-M4F (STM32F405 in QEMU, not cycles), {}, `opt-level = 3` as in [boards](boards/README.md), look-ahead 120, over all \
-         programs of\n`hil-tests`, those in contour mode included. Program by program: [docs/figures.md](docs/figures.md). Repeat \
+        "\nInstructions on a Cortex-M4F (STM32F405 in QEMU, not cycles), {}, `opt-level = 3` as in [boards](../boards/README.md), look-ahead 120, over all \
+         programs of\n`hil-tests`, those in contour mode included. Program by program: [figures.md](figures.md). Repeat \
          with\n`cargo xtask bench`, asserted by `cargo xtask hil`.\n\n\
          | | 3 axes | 4 axes | 6 axes |\n|---|---:|---:|---:|\n",
         get(".compiler")
@@ -217,7 +176,7 @@ fn target(text: &mut String) {
     );
     let _ = writeln!(
         text,
-        "\nLines, arcs and contour mode alone, compiled for few bytes as below: {} bytes of flash, and for 3 axes {} bytes of RAM with the\n\
+        "\nLines, arcs and contour mode alone, compiled for few bytes as in [memory.md](memory.md): {} bytes of flash, and for 3 axes {} bytes of RAM with the\n\
          stack and 120 blocks, {} with 30.",
         get("slim.flash"),
         get("slim.ram_total_3x120"),
@@ -225,36 +184,72 @@ fn target(text: &mut String) {
     );
 }
 
-#[test]
-fn figures_are_those_of_the_accepted_tables() {
+/// The few figures of the front page.
+fn front(text: &mut String) {
+    let values = accepted();
+    let get = |key: &str| values.get(key).unwrap_or_else(|| panic!("{key} is not accepted yet")).as_str();
+    text.push_str("| Cortex-M4F in QEMU, all functions, look-ahead of 120 blocks | 3 axes | 4 axes | 6 axes |\n|---|---:|---:|---:|\n");
+    for (label, [three, four, six]) in [
+        ("worst tick, instructions (not cycles)", ["total.tick_max_3_axes", "total.tick_max_4_axes", "total.tick_max_6_axes"]),
+        (
+            "worst planner call without commands, instructions",
+            ["total.poll_max_3_axes", "total.poll_max_4_axes", "total.poll_max_6_axes"],
+        ),
+        (
+            "RAM with stack, bytes",
+            ["ram.axes_3_blocks_120.total", "ram.axes_4_blocks_120.total", "ram.axes_6_blocks_120.total"],
+        ),
+    ] {
+        let _ = writeln!(text, "| {label} | {} | {} | {} |", get(three), get(four), get(six));
+    }
+    let _ = writeln!(
+        text,
+        "\nFlash for 3 axes: {} bytes with all functions, {} for lines, arcs and contour mode compiled for size.",
+        get("flash.reference"),
+        get("slim.flash")
+    );
+}
+
+/// Compares what stands between the marks of a paper with what the accepted tables say.
+fn compare_figures(paper: &str, figures: &str) {
     const BEGIN: &str = "<!-- figures -->\n";
     const END: &str = "<!-- /figures -->";
-    let mut figures = String::new();
-    times(&mut figures);
-    target(&mut figures);
-    let readme = read("README.md");
-    let (head, rest) = readme.split_once(BEGIN).expect("the begin mark");
+    let text = read(paper);
+    let (head, rest) = text.split_once(BEGIN).expect("the begin mark");
     let (shown, tail) = rest.split_once(END).expect("the end mark");
-    let write = |figures: &str| {
-        std::fs::write(root().join("README.md"), format!("{head}{BEGIN}{figures}{END}{tail}"))
-    };
-    accept::compare("README.md", &figures, shown, Head::MARKDOWN, accept::reason().as_deref(), write)
+    let write = |figures: &str| std::fs::write(root().join(paper), format!("{head}{BEGIN}{figures}{END}{tail}"));
+    accept::compare(paper, figures, shown, Head::MARKDOWN, accept::reason().as_deref(), write)
         .unwrap_or_else(|fault| panic!("{fault}"));
 }
 
 #[test]
+fn figures_are_those_of_the_accepted_tables() {
+    let mut figures = String::new();
+    times(&mut figures);
+    target(&mut figures);
+    compare_figures("docs/measured.md", &figures);
+}
+
+#[test]
+fn the_front_page_has_the_accepted_figures() {
+    let mut figures = String::new();
+    front(&mut figures);
+    compare_figures("README.md", &figures);
+}
+
+#[test]
 fn files_that_papers_link_to_exist() {
-    let papers = [
-        "README.md",
-        "CONTRIBUTING.md",
-        "CHANGELOG.md",
-        "docs/overview.md",
-        "docs/limits.md",
-        "boards/README.md",
-    ];
+    let mut papers: Vec<String> =
+        ["README.md", "CONTRIBUTING.md", "CHANGELOG.md", "hil-tests/README.md"].map(String::from).into();
+    for folder in ["docs", "boards", "boards/host", "boards/stm32f405"] {
+        let files = std::fs::read_dir(root().join(folder)).expect("a folder").flatten();
+        let names = files.filter_map(|file| file.file_name().into_string().ok());
+        papers.extend(names.filter(|name| name.ends_with(".md")).map(|name| format!("{folder}/{name}")));
+    }
+    assert!(papers.len() > 15, "{papers:?}");
     for paper in papers {
-        let folder = root().join(paper).parent().expect("a folder").to_owned();
-        for link in read(paper).split("](").skip(1).filter_map(|rest| rest.split(')').next()) {
+        let folder = root().join(&paper).parent().expect("a folder").to_owned();
+        for link in read(&paper).split("](").skip(1).filter_map(|rest| rest.split(')').next()) {
             let file = link.split('#').next().unwrap_or(link);
             if !file.is_empty() && !file.contains("://") {
                 assert!(folder.join(file).exists(), "{paper}: {link}");
@@ -271,14 +266,14 @@ fn numbers_in_the_text_are_those_of_the_code() {
     let lengths = glidepath::queue::MAX_CURVES_PER_TICK - 1;
     assert!(limits.contains(&format!("at most {lengths} lengths of the block")), "{lengths} lengths");
     // The last column of the table of small builds.
-    let readme = read("README.md");
+    let memory = read("docs/memory.md");
     for (what, number) in [
         ("pieces of time in the queue", pieces),
         ("curves handed on", glidepath::queue::SEGMENTS),
         ("curves that a tick passes", glidepath::queue::MAX_CURVES_PER_TICK as usize),
         ("functions under way, and acknowledgements", glidepath::queue::ACTIONS),
     ] {
-        let row = between(&readme, &format!("\n| {what} | "), " |\n");
+        let row = between(&memory, &format!("\n| {what} | "), " |\n");
         assert_eq!(row.split(" | ").last(), Some(number.to_string().as_str()), "{what}");
     }
 }
@@ -296,12 +291,12 @@ fn files_with(folder: &Path, what: &str, found: &mut Vec<String>) {
 }
 
 #[test]
-fn the_readme_names_the_files_with_unsafe_code() {
+fn the_overview_names_the_files_with_unsafe_code() {
     let mut files = Vec::new();
     files_with(&root().join("src"), "#![allow(unsafe_code)]", &mut files);
     assert!(!files.is_empty());
-    let readme = read("README.md").split_whitespace().collect::<Vec<_>>().join(" ");
-    let sentence = between(&readme, "The only `unsafe` code is in", ").");
+    let overview = read("docs/overview.md").split_whitespace().collect::<Vec<_>>().join(" ");
+    let sentence = between(&overview, "The only `unsafe` code is in", ").");
     assert_eq!(sentence.matches(".rs`").count(), files.len(), "{files:?}");
     for file in files {
         assert!(sentence.contains(&format!("`{file}`")), "{file}");
