@@ -190,7 +190,10 @@ fn front(text: &mut String) {
     let get = |key: &str| values.get(key).unwrap_or_else(|| panic!("{key} is not accepted yet")).as_str();
     text.push_str("| Cortex-M4F in QEMU, all functions, look-ahead of 120 blocks | 3 axes | 4 axes | 6 axes |\n|---|---:|---:|---:|\n");
     for (label, [three, four, six]) in [
-        ("worst tick, instructions (not cycles)", ["total.tick_max_3_axes", "total.tick_max_4_axes", "total.tick_max_6_axes"]),
+        (
+            "worst tick, instructions (not cycles)",
+            ["total.tick_max_3_axes", "total.tick_max_4_axes", "total.tick_max_6_axes"],
+        ),
         (
             "worst planner call without commands, instructions",
             ["total.poll_max_3_axes", "total.poll_max_4_axes", "total.poll_max_6_axes"],
@@ -217,7 +220,8 @@ fn compare_figures(paper: &str, figures: &str) {
     let text = read(paper);
     let (head, rest) = text.split_once(BEGIN).expect("the begin mark");
     let (shown, tail) = rest.split_once(END).expect("the end mark");
-    let write = |figures: &str| std::fs::write(root().join(paper), format!("{head}{BEGIN}{figures}{END}{tail}"));
+    let write =
+        |figures: &str| std::fs::write(root().join(paper), format!("{head}{BEGIN}{figures}{END}{tail}"));
     accept::compare(paper, figures, shown, Head::MARKDOWN, accept::reason().as_deref(), write)
         .unwrap_or_else(|fault| panic!("{fault}"));
 }

@@ -39,7 +39,9 @@ fn fences(text: &str) -> Vec<Fence<'_>> {
     let mut open: Option<Fence> = None;
     for (number, line) in text.lines().enumerate() {
         match (&mut open, line.trim_start().strip_prefix("```")) {
-            (None, Some(info)) => open = Some(Fence { line: number + 1, info: info.trim(), lines: Vec::new() }),
+            (None, Some(info)) => {
+                open = Some(Fence { line: number + 1, info: info.trim(), lines: Vec::new() })
+            }
             (Some(_), Some(_)) => fences.extend(open.take()),
             (Some(fence), None) => fence.lines.push(line),
             (None, None) => {}
@@ -66,7 +68,8 @@ fn run(command: &str, folder: &Path) -> Result<String, String> {
     });
     let mut simulator = Command::new(env!("CARGO_BIN_EXE_glidepath"));
     let output = simulator.args(words).current_dir(folder).output().map_err(|e| e.to_string())?;
-    let said = format!("{}{}", String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+    let said =
+        format!("{}{}", String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
     if output.status.success() { Ok(said) } else { Err(said) }
 }
 
@@ -148,7 +151,8 @@ fn commands_in_the_papers_print_what_the_papers_say() {
 /// What does not exist of the parts of a `cargo` command.
 fn missing(command: &str) -> Option<String> {
     let words: Vec<&str> = command.split_whitespace().collect();
-    let behind = |option: &str| words.iter().position(|word| *word == option).and_then(|at| words.get(at + 1));
+    let behind =
+        |option: &str| words.iter().position(|word| *word == option).and_then(|at| words.get(at + 1));
     let is_there = |file: String| (!root().join(&file).exists()).then_some(file);
     if words.get(1) == Some(&"xtask") {
         let name = words.get(2).copied().unwrap_or_default();
