@@ -9,6 +9,7 @@
 //! | [`cases`] | which programs on which machines |
 //! | [`cam`] | which programs of short blocks |
 //! | [`seeds`] | which random cases, the same ones each time and others |
+//! | [`unlike`] | and do limits hold where axes are nothing alike |
 //! | [`trace`] | what the library made of them, tick by tick |
 //! | [`check`] | is that a permitted motion on the programmed contour (needs no reference) |
 //! | [`mod@reference`] | what would exact arithmetic have done |
@@ -71,3 +72,5 @@ pub mod soak;
 pub mod refusal;
 
 pub mod splines;
+
+pub mod unlike;
