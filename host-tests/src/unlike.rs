@@ -3,6 +3,7 @@
 //! every tick.
 use crate::cases::machines;
 use crate::cases::random::{Mix, Random, program};
+use crate::cases::set_point;
 use crate::check::{self, Limits};
 use crate::properties::permitted;
 use crate::trace::run_text;
@@ -17,6 +18,8 @@ const LENGTHS: [f64; 2] = [0.05, 10.0];
 pub struct Unlike {
     /// Its machine.
     pub machine: MachineData<3>,
+    /// Where it begins.
+    pub start: [Position; 3],
     /// Its text.
     pub text: String,
 }
@@ -57,8 +60,7 @@ impl Unlike {
             spin: 1.0,
             axes: 3,
         };
-        let mut program = program(seed, mix);
-        program.start = vec![0; 3];
+        let program = program(seed, mix);
         let size = r.magnitude(0.005, 0.5);
         let on = [
             format!("#CONTOUR MODE ON [DEV PATH_DEV={size:.6}]"),
@@ -68,7 +70,8 @@ impl Unlike {
         ];
         let on = &on[(r.bits() % 4) as usize];
         let text = program.text(&machine).replacen("N1 G90\n", &format!("N1 G90\n{on}\n"), 1);
-        Self { machine, text }
+        let start = std::array::from_fn(|k| Position::from_bits(set_point(program.start[k])));
+        Self { machine, start, text }
     }
 
     /// What its axes may do.
@@ -82,7 +85,7 @@ impl Unlike {
     /// # Errors
     /// The first excess.
     pub fn judge(&self) -> Result<Option<usize>, String> {
-        let Ok(run) = run_text::<3, 120>(&self.text, [Position::ZERO; 3], &self.machine, 1) else {
+        let Ok(run) = run_text::<3, 120>(&self.text, self.start, &self.machine, 1) else {
             return Ok(None);
         };
         check::limits(&run.trace, &self.limits())?;

@@ -1,5 +1,6 @@
 //! Axes that are nothing alike, at short cycles: a permitted jerk of some LSB per tick³.
 use glidepath::machine::MachineData;
+use glidepath::quantity::Position;
 use host_tests::cases::machines;
 use host_tests::seeds::seeds;
 use host_tests::unlike::Unlike;
@@ -29,6 +30,7 @@ fn a_curve_over_time_has_no_jump_in_a_short_piece() {
     let cases = [
         Unlike {
             machine: slow,
+            start: [Position::ZERO; 3],
             text: "G90 G17\n#HSC ON [OPMODE=1 CONTERROR=0.1]\nG01 X2.501799712 F1182.011\nX4.438775137 Y1.683102476\n\
                 X6.193464893 Y6.967878382\nG02 X13.223550107 Y7.534387891 I3.722270259 J-2.288331476\n\
                 G01 X14.344697509 Y5.936018898 Z-0.201377109\nX16.085138823 Y3.454750668 Z-1.244195609\n\
@@ -38,6 +40,7 @@ fn a_curve_over_time_has_no_jump_in_a_short_piece() {
         },
         Unlike {
             machine: machine(250, 3, [[20, 20, 25_000, 25_000], [20, 20, 1250, 0], [300, 300, 1250, 10_000]]),
+            start: [Position::ZERO; 3],
             text: "#CONTOUR MODE ON [DEV PATH_DEV=0.1]\nG01 X-1.701377 F5009.925\n\
                 X-5.067908 Y2.225992 Z-2.390141\nX-5.255849 Y1.820372 Z-2.608317\n\
                 X-4.943119 Y2.137893 Z-2.832569 F4607.988\nM30\n"
