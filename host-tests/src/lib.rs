@@ -9,6 +9,8 @@
 //! | [`cases`] | which programs on which machines |
 //! | [`cam`] | which programs of short blocks |
 //! | [`seeds`] | which random cases, the same ones each time and others |
+//! | [`never_slower`] | and is a smoothed program slower than standstills, less tolerance or less feed |
+//! | [`unlike`] | and do limits hold where axes are nothing alike |
 //! | [`trace`] | what the library made of them, tick by tick |
 //! | [`check`] | is that a permitted motion on the programmed contour (needs no reference) |
 //! | [`mod@reference`] | what would exact arithmetic have done |
@@ -71,6 +73,10 @@ pub mod soak;
 pub mod refusal;
 
 pub mod splines;
+
+pub mod never_slower;
+
+pub mod unlike;
 
 /// The examples of the papers, as tests of the documentation.
 #[cfg(doctest)]
