@@ -9,6 +9,8 @@
 //! | [`cases`] | which programs on which machines |
 //! | [`cam`] | which programs of short blocks |
 //! | [`seeds`] | which random cases, the same ones each time and others |
+//! | [`never_slower`] | and is a smoothed program slower than standstills, less tolerance or less feed |
+//! | [`unlike`] | and do limits hold where axes are nothing alike |
 //! | [`trace`] | what the library made of them, tick by tick |
 //! | [`check`] | is that a permitted motion on the programmed contour (needs no reference) |
 //! | [`mod@reference`] | what would exact arithmetic have done |
@@ -76,3 +78,5 @@ pub mod splines;
 #[cfg(doctest)]
 #[doc = include_str!("../../docs/linking.md")]
 pub mod linking {}
+pub mod never_slower;
+pub mod unlike;

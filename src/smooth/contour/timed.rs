@@ -311,10 +311,11 @@ impl Form {
         if first || !last { [way, gained, a] } else { [path / 2 - left + way, ONE - gained, a] }
     }
 
-    /// Lengths of the pieces up to the middle of a course of this motion and the one behind it, which ends at `end`,
-    /// and how many they are: jerk changes between them. Changes closer than `least` become one.
+    /// Lengths of the pieces up to the middle of a course of this motion and the one behind it, which ends about
+    /// `end`, how many they are, and where the middle is: jerk changes between them. Changes closer than `least` become
+    /// one.
     #[inline(never)]
-    fn pieces(&self, end: i64, least: i64) -> ([f32; PIECES], u8) {
+    fn pieces(&self, end: i64, least: i64) -> ([f32; PIECES], u8, i64) {
         let Self { path, ramp, .. } = *self;
         // The second half is the mirror image of the first.
         let middle = end / 2;
@@ -334,7 +335,7 @@ impl Form {
             at += to_bits::<44>(*length);
             count += 1;
         }
-        (lengths, count)
+        (lengths, count, at)
     }
 
     /// The sign of the jerk there.
@@ -395,9 +396,10 @@ impl<const AXES: usize> Timed<AXES> {
         let (path, whole) = (2 * reach, rise.time());
         let form = Form::new(path, rise.ramp / whole);
         let common = if time < whole { share(path, time / whole).min(path) } else { path };
-        let start = path - common;
-        let end = start + path;
-        let (lengths, count) = form.pieces(end, to_bits::<44>(rise.v * LEAST));
+        let (lengths, count, middle) = form.pieces(2 * path - common, to_bits::<44>(rise.v * LEAST));
+        // The course is as long as its pieces: the last of them may be short, and what rounding makes of the others
+        // would be a jump in it.
+        let start = 2 * middle - path;
         let tangents = [from.end.tangent, to.end.tangent];
         Self {
             origin: *origin,

@@ -1,0 +1,24 @@
+//! Random programs with every slope and method, against standstills, less tolerance and half the feed, as a table:
+//! `cargo run --release -p host-tests --example never_slower -- FIRST LAST [METHOD …]`. 2,000 programs: 0 2000.
+use host_tests::never_slower::{Case, METHODS, SLOPES, Worst};
+
+fn main() {
+    let words: Vec<String> = std::env::args().skip(1).collect();
+    let seeds: Vec<u64> = words.iter().filter_map(|word| word.parse().ok()).collect();
+    let [first, last] = seeds[..] else { panic!("two seeds") };
+    let named =
+        |method: &str| METHODS.iter().any(|name| words.iter().any(|word| word == name) && *name == method);
+    let all = !METHODS.iter().any(|name| named(name));
+    println!("| slope | method | standstills | less tolerance | half the feed | refused |");
+    println!("|---|---|---:|---:|---:|---:|");
+    for (slope, (name, ..)) in SLOPES.iter().enumerate() {
+        for (method, on) in METHODS.iter().enumerate().filter(|(_, on)| all || named(on)) {
+            let mut worst = Worst::default();
+            for seed in first..last {
+                Case::new(seed).measure(seed, slope, method, &mut worst);
+            }
+            let [a, b, c] = worst.quotients.map(|(quotient, seed)| format!("{quotient:.3} ({seed})"));
+            println!("| {name} | {on} | {a} | {b} | {c} | {} |", worst.refused);
+        }
+    }
+}
