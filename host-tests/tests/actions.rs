@@ -161,6 +161,7 @@ fn mm(point: [i64; 3]) -> Vec<i64> {
     point.iter().map(|x| x << 32).collect()
 }
 
+/// Rows: G-07.
 #[test]
 fn a_block_begins_when_its_function_is_acknowledged() {
     for slope in 0..4 {
@@ -274,6 +275,7 @@ fn rounded(action: &str, word: &str) -> String {
     )
 }
 
+/// Rows: D3-049, D3-050, D3-051, D3-052.
 #[test]
 fn at_a_rounded_corner_the_action_decides_where_it_stands() {
     for slope in 0..4 {
@@ -589,6 +591,7 @@ fn a_function_of_a_motion_that_is_refused_does_not_come_out() {
     assert_eq!(interpolator.set_points()[0], Position::from_num(10));
 }
 
+/// Rows: D3-153.
 #[test]
 fn a_dwell_between_rounded_blocks() {
     // POST_ACTION: M25 behind the first curve; the dwell keeps the corner before it sharp; M26 behind the

@@ -68,6 +68,8 @@ impl Case {
 }
 
 /// Undisturbed, the motion is slower where it has to be, says so, and stands nowhere.
+///
+/// Rows: OP-05.
 #[test]
 fn a_way_without_room_makes_the_motion_slower() {
     let mut faults = Vec::new();

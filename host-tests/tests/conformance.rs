@@ -140,11 +140,34 @@ fn tests_of_the_language_name_their_rows() {
     assert!(missing.is_empty(), "{} rows are not named:\n{}", missing.len(), missing.join("\n"));
 }
 
+/// A row is shown by a test that says so: one at least of those that the row names has its id.
+#[test]
+fn every_row_is_named_by_one_of_its_tests() {
+    let mut texts: BTreeMap<String, String> = BTreeMap::new();
+    let mut missing = Vec::new();
+    for row in rows().into_iter().filter(|row| matches!(row.state.as_str(), "done" | "part")) {
+        let named = row.tests.iter().any(|test| {
+            let Some((file, name)) = test.split_once("::") else { return false };
+            let text = texts.entry(file.into()).or_insert_with(|| {
+                std::fs::read_to_string(root().join(file)).unwrap_or_else(|e| panic!("{file}: {e}"))
+            });
+            names_row(text, name, &row.id)
+        });
+        if !named {
+            missing.push(row.id);
+        }
+    }
+    assert!(missing.is_empty(), "{} rows are named by none of their tests: {missing:?}", missing.len());
+}
+
 /// Whether the test with that name has the id in its name, or in its text from the item before it to its end.
 fn names_row(text: &str, name: &str, id: &str) -> bool {
-    let Some(at) = text.find(&format!("\nfn {name}(")) else { return false };
-    let before = text.get(..at).and_then(|before| before.rfind("\n}\n")).map_or(0, |end| end + 3);
-    let end = text.get(at..).and_then(|rest| rest.find("\n}\n")).map_or(text.len(), |end| at + end);
+    let Some(found) = text.find(&format!("fn {name}(")) else { return false };
+    // A test within a module ends where its own brace does.
+    let at = text[..found].rfind('\n').map_or(0, |line| line + 1);
+    let brace = format!("\n{}}}\n", &text[at..found]);
+    let before = text[..at].rfind(&brace).map_or(0, |end| end + brace.len());
+    let end = text[at..].find(&brace).map_or(text.len(), |end| at + end);
     let whole_id = |text: &str, id: &str| {
         text.match_indices(id)
             .any(|(at, _)| !text[at + id.len()..].starts_with(|next: char| next.is_ascii_digit()))

@@ -12,6 +12,7 @@ use host_tests::corner::{blocks, dev, judge_with, random, round};
 use host_tests::properties::axis_limits;
 use host_tests::rounded::{Run, quick, run, run_from};
 
+/// Rows: D3-001, D3-018, D3-019, D3-024.
 #[test]
 fn random_corners_are_smooth_and_use_their_tolerance() {
     // `cargo run --release -p host-tests --example corners -- 0 50000` goes on with it.
@@ -33,6 +34,7 @@ fn random_corners_are_smooth_and_use_their_tolerance() {
     assert!(free > 800, "{free}");
 }
 
+/// Rows: D3-025, D3-075, CF-07.
 #[test]
 fn switches_in_blocks_and_between_them_round_the_same_corners() {
     let by_block = "%a\nN10 X0 Y0 G01 F1000\nN20 X10 Y50\nN30 G61 X20 Y50\nN40 G61 X30 Y10\nN50 G61 X40 Y10\nN60 G61 X50 Y50\nN70 X60 Y50\nN80 X70 Y10\nN90 X80 Y10\nM30\n";
@@ -50,6 +52,7 @@ fn switches_in_blocks_and_between_them_round_the_same_corners() {
     }
 }
 
+/// Rows: D3-074, D3-078.
 #[test]
 fn on_and_off_by_command_and_whatever_the_feed() {
     let text = |on: &str, off: &str, feed: u32| {
@@ -72,6 +75,7 @@ fn on_and_off_by_command_and_whatever_the_feed() {
     }
 }
 
+/// Rows: D3-030, CF-06.
 #[test]
 fn straight_on_and_straight_back_get_no_curve() {
     let blocks = [
@@ -98,6 +102,7 @@ fn straight_on_and_straight_back_get_no_curve() {
     }
 }
 
+/// Rows: D3-026, D3-032.
 #[test]
 fn the_last_block_of_a_program_ends_where_it_should() {
     for text in [
@@ -124,6 +129,7 @@ fn the_last_block_of_a_program_ends_where_it_should() {
     assert!(run("N10 G61 G01 X10 F1000\nN20 G260 Y10\nM30\n").distance([10.0, 0.0]) > 0.99);
 }
 
+/// Rows: D3-156, D3-157.
 #[test]
 fn an_axis_given_away_does_not_move() {
     let text = b"N10 G01 X10 F1000\n#PUT AX [Z]\nN20 X20\nN30 Z1\nM30\n";
@@ -144,6 +150,7 @@ fn an_axis_given_away_does_not_move() {
     assert_eq!(fetched.trace.mm(fetched.trace.len() - 1), [20.0, 0.0, 1.0]);
 }
 
+/// Rows: D3-023, D3-089, D3-090, D3-104, D3-105, D3-106, D3-107, D3-115.
 #[test]
 fn deviation_distances_and_interim_point() {
     let dev = run("#CONTOUR MODE [DEV PATH_DEV=5]\nN10 G01 X100 G61 F6000\nN20 Y100\nM30\n");
@@ -169,6 +176,7 @@ fn deviation_distances_and_interim_point() {
     assert!(speeds.iter().all(|v| *v <= 100.0 * (1.0 + 1e-6)), "feed");
 }
 
+/// Rows: D3-021, D3-033, D3-034, D3-035, D3-036, D3-037, D3-077, D3-091, D3-092, D3-093, CF-09, CF-22.
 #[test]
 fn distances_stay_inside_half_a_block_and_what_is_to_remain() {
     // Both ends of N20 want more than its half: nothing is left of it.
@@ -195,6 +203,7 @@ fn distances_stay_inside_half_a_block_and_what_is_to_remain() {
     assert!(near(left(&dist(20.0, 8.0)), [80.0, 5.0]));
 }
 
+/// Rows: D3-038.
 #[test]
 fn arcs_are_left_and_entered_by_at_most_a_quarter_turn() {
     // A full circle of radius 5 would give half its length; a corner of 90° to it.
@@ -206,6 +215,7 @@ fn arcs_are_left_and_entered_by_at_most_a_quarter_turn() {
     assert!((run.lengths(20).last().unwrap() - 3.0 * quarter).abs() < 1e-4, "{:?}", run.lengths(20));
 }
 
+/// Rows: D3-039, D3-040, D3-044, D3-045, D3-046, CF-10, CF-11.
 #[test]
 fn short_blocks_are_left_out() {
     let head = "N03 G01 X0 Y0 Z0 F4000\nG04 X0.1\n";
@@ -260,6 +270,8 @@ fn short_blocks_are_left_out() {
 
 /// Contouring goes on up to where it is switched off, gets other parameters or has to stand still: the corner
 /// before the blocks left out is rounded, and the last of them ends where it was programmed to.
+///
+/// Rows: D3-048, D3-280.
 #[test]
 fn what_ends_a_row_of_short_blocks_keeps_the_corner_before_it() {
     let rows =
@@ -299,6 +311,8 @@ fn what_ends_a_row_of_short_blocks_keeps_the_corner_before_it() {
 
 /// RELEVANT_PATH is for both neighbours of a corner with DEV, for the one behind it with DIST; there a block
 /// before it is too short below 16 µm.
+///
+/// Rows: D3-279, CF-36, CF-37.
 #[test]
 fn which_neighbours_the_relevant_path_concerns() {
     let joined = |mode: &str, x: f64| {
@@ -398,6 +412,7 @@ fn super_short(blocks: &str) -> Run {
     run(&format!("#CONTOUR MODE ON [DEV PATH_DEV=1 RELEVANT_PATH=1]\nN04 G01 X5 F4000\n{blocks}M30\n"))
 }
 
+/// Rows: D3-047.
 #[test]
 fn a_short_block_to_begin_with_joins_the_next() {
     let run = run(
@@ -406,6 +421,7 @@ fn a_short_block_to_begin_with_joins_the_next() {
     assert!(run.lengths(20).is_empty() && (run.distance([20.0, 5.0]) - 1.0).abs() < 0.01);
 }
 
+/// Rows: D3-154.
 #[test]
 fn knees_beyond_the_largest_angle_stay() {
     let text = "#CONTOUR MODE [DEV PATH_DEV=0.5]\nN1 F10000\nG261\nN5 #CONTOUR MODE [MAX_ANGLE=91]\nN10 G01 X50 Y0\nN15 #CONTOUR MODE [MAX_ANGLE=89]\nN20 X50 Y50\nN25 #CONTOUR MODE [MAX_ANGLE=6]\nN30 X0 Y50\nN40 X0 Y0\nM30\n";
@@ -455,6 +471,7 @@ fn the_largest_angle_is_178_degrees_and_concerns_two_lines() {
     assert!(pos.lengths(10).len() > 1);
 }
 
+/// Rows: D3-155.
 #[test]
 fn a_sweep_of_angles_is_rounded_up_to_the_limit() {
     let text = "#CONTOUR MODE [DEV PATH_DEV=0.50 RELEVANT_PATH=0.1 MAX_ANGLE=73]\nP100 = 50\nF10000\nN10 G01 X-P100 Y0\n$FOR P123 = 0, 90, 7.5\nN2 G01 X0 Y0 G61\nP1 = COS[P123]*P100\nP2 = SIN[P123]*P100\nNP123 XP1 YP2\nN100 G01 X-P100 Y0\n$ENDFOR\nM30\n";
@@ -467,6 +484,7 @@ fn a_sweep_of_angles_is_rounded_up_to_the_limit() {
     assert_eq!(curves, 9);
 }
 
+/// Rows: D3-055, CF-08.
 #[test]
 fn jerk_is_checked_where_it_is_asked_for() {
     let text = |check: u8| {
@@ -498,6 +516,8 @@ fn jerk_is_checked_where_it_is_asked_for() {
 
 /// CHECK_JERK=1: P-AXIS-00199 limits the jerk that a curve causes where it is longer than the ramp times,
 /// too.
+///
+/// Rows: D3-053.
 #[test]
 fn a_geometric_ramp_time_above_the_ramp_times_slows_curves_down() {
     let run = |check: u8, geometric: u32| {
@@ -597,6 +617,8 @@ fn the_speed_varies_in_the_curve_unless_it_is_to_be_constant() {
 
 /// As in D3-EX08: a corner with the speed that each of its parts permits, and another one with constant
 /// speed.
+///
+/// Rows: D3-058.
 #[test]
 fn constant_speed_is_switched_on_from_corner_to_corner() {
     let text = "#CONTOUR MODE ON [DEV PATH_DEV=2]\nN6 G01 X100 F40000\nN7 Y100\n\
@@ -693,6 +715,7 @@ fn limits_hold<const AXES: usize>(program: &Program, machine: &MachineData<AXES>
     assert!(run.trace.row(run.trace.len() - 1).eq(end), "{} [{mode}]", program.name);
 }
 
+/// Rows: D3-028, D3-031.
 #[test]
 fn tracking_axes_bend_along_and_keep_their_tolerance() {
     let machine = machines::even::<5>(1000);

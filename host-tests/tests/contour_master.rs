@@ -45,6 +45,7 @@ fn programmed(x: f64) -> [f64; 2] {
     at
 }
 
+/// Rows: D3-130.
 #[test]
 fn the_master_keeps_its_speed_and_the_others_change_theirs_evenly() {
     const V: f64 = 20_000.0 / 60.0;
@@ -292,6 +293,7 @@ fn a_handling_path_is_faster_with_a_master_than_with_the_path_in_space() {
     }
 }
 
+/// Rows: D3-132.
 #[test]
 fn where_the_master_rests_or_turns_back_the_curve_keeps_its_distance_and_says_so() {
     // Up, across, back and down again.
@@ -386,6 +388,7 @@ fn walk(seed: u64, count: usize) -> (Program, Vec<[f64; 3]>) {
     (program, points)
 }
 
+/// Rows: D3-027.
 #[test]
 fn tolerances_are_distances_in_space_whatever_measures_the_path() {
     let mm = |x: f64| Some(position((x * NM as f64) as i64));

@@ -32,6 +32,7 @@ fn random_corners_over_time_are_smooth_and_use_their_tolerance() {
     assert!(timed > 200 && free > 100 && 10 * brief <= free, "{timed}, {free}, {brief}");
 }
 
+/// Rows: D3-140, D3-142.
 #[test]
 fn a_square_is_faster_rounded_than_with_stops() {
     let text =
@@ -59,6 +60,7 @@ fn a_square_is_faster_rounded_than_with_stops() {
     assert_eq!(both, ptp);
 }
 
+/// Rows: D3-138, D3-139, D3-141, D3-152.
 #[test]
 fn ptp_has_an_axis_at_its_limit_and_acceleration_at_the_ends_of_the_corner() {
     let text = |mode: &str| format!("#CONTOUR MODE ON [{mode}]\nN10 G01 X80 F20000\nN20 G260 Y80\nM30\n");
@@ -103,6 +105,7 @@ fn ptp_makes_one_of_blocks_that_go_straight_on() {
     assert!(off(&slower) < 1.1 * off(&apart), "{}", off(&slower));
 }
 
+/// Rows: D3-150, D3-151.
 #[test]
 fn ptp_is_enabled_by_machine_data_and_ends_at_an_arc() {
     let text = "#CONTOUR MODE ON [PTP PATH_DEV=0.5]\nN10 G01 X40 F20000\nN20 Y40\nN30 G02 X60 Y60 I20\nN40 G01 X90\nN50 Y0\nM30\n";
@@ -128,6 +131,7 @@ fn ptp_is_enabled_by_machine_data_and_ends_at_an_arc() {
     assert!(error.to_string().contains("P-CHAN-00600"), "{error}");
 }
 
+/// Rows: D3-116, D3-127.
 #[test]
 fn soft_corners_keep_their_distance_and_change_speed_evenly() {
     let soft = |rest: &str, feed: u32| {
@@ -173,6 +177,8 @@ fn soft_corners_keep_their_distance_and_change_speed_evenly() {
 }
 
 /// The largest ramp time of the four, and of the axes; ACC_MAX and RAMP_TIME act on that.
+///
+/// Rows: D3-124.
 #[test]
 fn soft_corners_take_the_longest_ramp_time() {
     const WIDE: &str = "PATH_DIST=-1 ACC_MIN=100";
@@ -249,6 +255,7 @@ fn jerk_inside(run: &Run) -> f64 {
         .fold(0.0, f64::max)
 }
 
+/// Rows: D3-123.
 #[test]
 fn soft_beside_an_arc_keeps_the_distance_and_says_so() {
     let text = "#CONTOUR MODE ON [DIST_SOFT PATH_DIST=3]\nN10 G01 X40 F6000\nN20 G260 G02 X60 Y20 I20\nM30\n";
@@ -257,6 +264,7 @@ fn soft_beside_an_arc_keeps_the_distance_and_says_so() {
     assert!((run.lengths(10)[0] - 37.0).abs() < 1e-4, "{:?}", run.lengths(10));
 }
 
+/// Rows: D3-128.
 #[test]
 fn distances_are_divided_by_the_neighbours_lengths() {
     // N20 is 20 mm between 60 mm and 30 mm: half of it for each corner, or two thirds and one.
@@ -300,6 +308,8 @@ fn distances_are_divided_by_the_neighbours_lengths() {
 }
 
 /// N20 is 40 mm between a long block and a short one, whose half is all that the second corner could have.
+///
+/// Rows: D3-126.
 #[test]
 fn a_weight_makes_better_use_of_a_block_between_unequal_ones() {
     for (first, last) in [(200.0, 4.0), (100.0, 10.0)] {
@@ -341,6 +351,7 @@ fn track_dist_shortens_the_distance() {
     assert!((80.0 - run.lengths(10)[0] - 12.0).abs() < 1e-3, "{:?}", run.lengths(10));
 }
 
+/// Rows: D3-129.
 #[test]
 fn a_soft_corner_is_calmer_than_one_by_deviation() {
     // The programs of DIST_SOFT 12 mm against DEV 0.2 mm: 2.5 m/min.

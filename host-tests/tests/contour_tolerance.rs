@@ -86,11 +86,13 @@ fn keeps(seeds: std::ops::Range<u64>, lengths: [f64; 2]) -> usize {
     left_out
 }
 
+/// Rows: D3-079, D3-149.
 #[test]
 fn short_blocks_keep_the_tolerance_by_every_method() {
     assert!(keeps(0..8, [0.02, 1.0]) > 100);
 }
 
+/// Rows: D3-042, D3-043, D3-277.
 #[test]
 fn blocks_that_are_left_out_keep_the_tolerance() {
     assert!(keeps(1000..1008, [0.001, 0.1]) > 1000);

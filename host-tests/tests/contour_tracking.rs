@@ -14,6 +14,8 @@ fn turned(run: &Run, y: f64) -> f64 {
 }
 
 /// A block of 10 µm that turns A by 30°, with every method that leaves blocks out.
+///
+/// Rows: D3-041.
 #[test]
 fn a_block_that_is_short_in_space_alone_is_kept() {
     for mode in [
@@ -71,6 +73,8 @@ fn the_relevant_track_is_a_limit_of_each_axis() {
 }
 
 /// With unequal distances a curve swings out: so does a tracking axis, elsewhere than in the middle.
+///
+/// Rows: D3-029.
 #[test]
 fn unequal_distances_keep_the_tracking_tolerance_all_along_the_curve() {
     let text =

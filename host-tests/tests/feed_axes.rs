@@ -45,6 +45,7 @@ fn machine_data_that_make_no_sense_are_refused() {
     assert!(matches!(spindle, Some(MachineError::Axis(2, e)) if e.id == "P-CHAN-00011"), "{spindle:?}");
 }
 
+/// Rows: D3-131.
 #[test]
 fn the_path_is_measured_along_the_feed_axes() {
     // 0…3: X, Y, Z, A, C. What each block is long.

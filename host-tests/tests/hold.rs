@@ -73,6 +73,7 @@ fn sin2_at_every_tick() {
     every_tick(2, 1000, 288);
 }
 
+/// Rows: OP-01.
 #[test]
 fn step_at_every_tick() {
     every_tick(0, 1000, 197);

@@ -35,6 +35,7 @@ fn cut(blocks: usize, seed: u64) -> Program {
     program.line(&[100.0], 10_000.0)
 }
 
+/// Rows: D3-206.
 #[test]
 fn a_line_cut_into_pieces_takes_the_same_time() {
     let machine = machines::examples::<3>(1000);
@@ -195,6 +196,7 @@ fn near_the_optimum_along_changing_feeds_and_never_faster() {
     assert!(mean <= MEAN && worst <= WORST, "{mean} % over the optimum on average, {worst} % at worst");
 }
 
+/// Rows: D3-200.
 #[test]
 fn nearer_to_the_optimum_with_no_opt_0() {
     let [mean, worst] = beside_the_optimum(true);

@@ -27,6 +27,7 @@ fn knee_speed(machine: &MachineData<3>, second: [f64; 2]) -> f64 {
     verdict.run.blocks[0].v_out.to_bits() as f64 / 2f64.powi(58) / CYCLE
 }
 
+/// Rows: D3-247.
 #[test]
 fn a_knee_is_taken_as_fast_as_its_weight_permits() {
     for (weight, part) in [(1, 0.001), (10, 0.01), (50, 0.05), (200, 0.2)] {
@@ -39,6 +40,7 @@ fn a_knee_is_taken_as_fast_as_its_weight_permits() {
     }
 }
 
+/// Rows: CF-12.
 #[test]
 fn weight_zero_is_cycle_over_ramp_time() {
     let v = knee_speed(&machine(0), [50.0, 50.0]);
@@ -70,6 +72,8 @@ fn bend(on: bool, weight: u32) -> MachineData<3> {
 
 /// P-CHAN-00009 = 1 and P-AXIS-00154: the step of acceleration, v²/R, has that part of the jerk which a
 /// transition may cause: two fifths of a / ramp time, here with the geometric one of a cycle.
+///
+/// Rows: D3-248.
 #[test]
 fn a_tangential_transition_causes_the_part_of_the_jerk_that_its_weight_gives() {
     for (weight, part) in [(1, 0.001), (10, 0.01), (100, 0.1), (500, 0.5), (1000, 1.0), (0, 1.0)] {
@@ -82,6 +86,8 @@ fn a_tangential_transition_causes_the_part_of_the_jerk_that_its_weight_gives() {
 }
 
 /// P-CHAN-00009 = 0: the transition is passed as fast as the circle is.
+///
+/// Rows: D3-262, D3-281.
 #[test]
 fn a_tangential_transition_may_have_any_jerk_by_default() {
     let v = tangential_speed(&bend(false, 1));

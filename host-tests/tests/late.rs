@@ -67,6 +67,7 @@ fn late_before_every_tick(slope: u8) {
     assert!(stood > ticks / 5, "slope {slope}: {stood} of {ticks}");
 }
 
+/// Rows: OP-03.
 #[test]
 fn late_before_any_tick_it_stands_at_the_end_of_what_there_is_with_step() {
     late_before_every_tick(0);
@@ -132,6 +133,8 @@ fn zigzag(pitch: f64, method: &str) -> String {
 
 /// A planner with a few calls a tick, with all of the text or as it trickles in, in contour mode too: without
 /// handing on what there is before the next corner is made, the queue ran out at speed.
+///
+/// Rows: OP-04.
 #[test]
 fn a_planner_that_does_not_keep_up_brakes() {
     let zigzags = [(1.0, "DEV PATH_DEV=0.05"), (0.3, "DEV PATH_DEV=0.02"), (3.0, "DIST_SOFT PATH_DIST=0.5")]

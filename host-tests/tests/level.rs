@@ -49,6 +49,8 @@ fn fastest(run: &Operated) -> Vec<f64> {
 
 /// D3-264 to D3-267 with an override from the start, and after another one: every block of a span reaches
 /// what the table says.
+///
+/// Rows: D3-265.
 #[test]
 fn every_block_has_the_speed_of_the_table() {
     for (slope, optimised) in [(0, false), (1, false), (2, false), (3, false), (3, true)] {

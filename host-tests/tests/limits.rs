@@ -40,6 +40,8 @@ fn three_axes() {
 
 /// P-AXIS-00008 limits what an axis of an arc has to do along and across the path together, with every slope: it
 /// is kept and used, and more of it takes less time.
+///
+/// Rows: D3-244.
 #[test]
 fn an_arc_uses_the_highest_acceleration_of_its_axes() {
     for slope in 0..4 {
@@ -90,6 +92,7 @@ fn arbitrary_machines() {
     }
 }
 
+/// Rows: D3-013.
 #[test]
 fn edges_of_three_axes() {
     for program in edges::three_axes() {
@@ -155,6 +158,7 @@ fn unlike(mut program: Program) -> Program {
     program
 }
 
+/// Rows: D3-199, D3-220, C40-056, C40-057, C40-058, C40-059.
 #[test]
 fn depth_of_look_ahead_costs_time_only() {
     let random = (900..904).map(|seed| program(seed, Mix::surface(3, 500)));

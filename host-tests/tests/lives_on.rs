@@ -102,6 +102,7 @@ impl<'a, T: Text> Bench<'a, T> {
     }
 }
 
+/// Rows: OP-07.
 #[test]
 fn the_next_program_begins_where_the_axes_stand_with_everything_as_at_program_start() {
     let mut memory = Channel::new();
@@ -203,6 +204,7 @@ fn around(bad: &str, behind: &str) -> (Error, [f64; 3], [f64; 3]) {
     (errors[0].clone(), stands, bench.at_mm())
 }
 
+/// Rows: OP-08.
 #[test]
 fn a_refused_line_costs_that_line() {
     let lines = [
@@ -336,6 +338,7 @@ fn what_does_not_move_stays_where_an_abort_left_the_axes() {
 
 fn is_send<T: Send>(_: &T) {}
 
+/// Rows: OP-09.
 #[test]
 fn a_position_is_set_at_rest_and_nothing_moves() {
     let mut memory = Channel::new();
@@ -464,6 +467,7 @@ fn streamed(memory: &mut Channel<3, BLOCKS>, text: &str, bytes: usize) -> (Vec<E
     (errors, bench.at_mm(), bench.ticks)
 }
 
+/// Rows: OP-11.
 #[test]
 fn a_stream_is_longer_than_its_window() {
     let text: String = (1..200).map(|k| format!("N{k} G01 X{} F6000 (a comment)\n", k % 7)).collect();

@@ -44,6 +44,7 @@ fn geometric(us: u32, set: impl Fn(&mut AxisData)) -> MachineData<3> {
 /// Writes a ramp time.
 type SetRamp = fn(&mut AxisData, u32);
 
+/// Rows: D3-282.
 #[test]
 fn a_geometric_ramp_of_zero_is_the_smallest_ramp() {
     for slope in 1..4 {
@@ -62,6 +63,8 @@ fn a_geometric_ramp_of_zero_is_the_smallest_ramp() {
 
 /// A geometric ramp time far below a cycle permits any jerk, and no more speed at a knee than acceleration
 /// does.
+///
+/// Rows: D3-253.
 #[test]
 fn a_geometric_ramp_below_the_cycle_keeps_the_acceleration() {
     for slope in 1..4 {

@@ -25,6 +25,7 @@ fn speeds(run: &Operated) -> Vec<f64> {
 /// that, and the change itself takes no longer than from standstill to the highest speed.
 const REACTION: usize = 5;
 
+/// Rows: D3-263, D3-266, D3-268, CF-02.
 #[test]
 fn worked_table_of_p_chan_00066() {
     // D3-267: v_max 50, v_prog 80, v_red 5 m/min, override 50 %.
@@ -182,6 +183,7 @@ fn constant_override_costs_no_more_than_the_same_feed() {
     }
 }
 
+/// Rows: OP-02.
 #[test]
 fn a_change_at_every_tick() {
     for slope in 0..4 {

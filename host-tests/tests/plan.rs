@@ -132,6 +132,7 @@ fn same_plan<const AXES: usize>(programs: impl Iterator<Item = Program>, cycle_u
     assert!(worst <= tolerance::PLAN, "{worst}");
 }
 
+/// Rows: D3-020, D3-269.
 #[test]
 fn the_library_plans_what_the_reference_plans() {
     same_plan::<1>((2500..2510).map(|seed| program(seed, Mix::general(1, 60))), 1000);

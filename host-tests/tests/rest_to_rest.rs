@@ -16,6 +16,7 @@ fn optimal<const AXES: usize>(program: &Program, machine: &MachineData<AXES>, op
     assert!(time < optimum + cycle + margin + 1e-9, "{name}: {time} s, optimum {optimum} s, cycle {cycle} s");
 }
 
+/// Rows: D3-204, CF-16.
 #[test]
 fn equal_ramps() {
     // With equal ramps SIN2 takes the time of TRAPEZ: what a ramp loses the other one gains.
@@ -28,6 +29,7 @@ fn equal_ramps() {
     }
 }
 
+/// Rows: D3-205.
 #[test]
 fn four_different_ramps_of_sin2() {
     let machine = machines::with_slope(machines::uneven::<3>(1000), 2);
@@ -65,6 +67,7 @@ fn stepped(length: f64, v: f64, a: [f64; 2], d: [f64; 2], change_over: f64) -> f
     both((from * from + 2.0 * rest / inverse).sqrt()).1
 }
 
+/// Rows: D3-203, D3-242, D3-243, D3-245, D3-246, D3-256, D3-258, D3-260, CF-13.
 #[test]
 fn two_stages_of_step_at_feed_and_in_rapid_motion() {
     for cycle_us in [250, 1000, 10_000] {
@@ -122,6 +125,7 @@ fn step_takes_the_acceleration_of_its_stage() {
     assert!(seen[..3].iter().all(|&n| n > 30), "{seen:?}");
 }
 
+/// Rows: D3-239, D3-240, D3-241, D3-249, D3-250, D3-251, D3-252, D3-254, D3-255, D3-257.
 #[test]
 fn four_different_ramps_at_feed_and_one_in_rapid_motion() {
     let machine = machines::uneven::<3>(1000);
@@ -158,6 +162,7 @@ fn several_axes_keep_the_limit_of_each() {
     }
 }
 
+/// Rows: NC-011.
 #[test]
 fn a_rotary_axis_alone_counts_degrees() {
     let machine = machines::mill::<4>(1000);

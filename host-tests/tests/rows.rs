@@ -44,6 +44,8 @@ fn no_method_makes_a_curve_straight_on_or_straight_back() {
 }
 
 /// CF-05: with HSC all four changes of acceleration take the longest of the four ramp times.
+///
+/// Rows: D3-270.
 #[test]
 fn hsc_has_the_longest_ramp_time() {
     let mut machine = machines::uneven::<3>(1000);
@@ -89,6 +91,8 @@ fn an_interim_point_leaves_no_block_out() {
 
 /// CF-33, PTP with PATH_DIST alone: the curve begins there, and the deviation is what comes of it; with both the
 /// smaller one counts.
+///
+/// Rows: D3-143.
 #[test]
 fn a_distance_of_ptp_counts_without_its_deviation() {
     let corner = |mode: &str| {
@@ -266,6 +270,45 @@ fn keywords_may_be_set_one_by_one_d3_073() {
             turned.rotate_left(k);
             assert!(run(&turned) == all, "{method}: from {} on, one by one", keywords[k]);
             assert!(run(&[turned[1..].join(" ")]) != all, "{method}: without {}", keywords[k]);
+        }
+    }
+}
+
+/// Whatever smooths them, no block is faster than its own feed. A
+/// block of another feed begins another element.
+#[test]
+fn smoothed_blocks_keep_their_own_feed() {
+    let mut machine = machines::even::<3>(1000);
+    machine.channel.surface = true;
+    for slope in [1] {
+        machine.channel.slope_profile = slope;
+        for mode in ["SURFACE PATH_DEV=0.1"] {
+            for length in [0.2, 0.5, 1.0, 2.0] {
+                let mut text = format!("#HSC ON [{mode}]\nG01 F6000\n");
+                // Forty blocks fast, forty slow, forty fast, along a gentle bow.
+                for k in 1..=120 {
+                    let feed = match k {
+                        1 | 81 => " F6000",
+                        41 => " F600",
+                        _ => "",
+                    };
+                    let x = f64::from(k) * length;
+                    let y = 0.1 * length * (f64::from(k) * 0.7).sin();
+                    text += &format!("N{k} X{x:.4} Y{y:.4}{feed}\n");
+                }
+                text += "#HSC OFF\nM30\n";
+                let run = run_from(&text, [Position::ZERO; 3], &machine);
+                let rows: Vec<_> = (0..run.trace.len()).map(|row| run.trace.mm(row)).collect();
+                let slow = rows
+                    .windows(2)
+                    .filter(|w| w[0][0] > 40.0 * length + 0.12 && w[1][0] < 80.0 * length - 0.12);
+                let fastest =
+                    slow.map(|w| (w[1][0] - w[0][0]).hypot(w[1][1] - w[0][1]) / 1e-3).fold(0.0, f64::max);
+                assert!(
+                    fastest > 1.0 && fastest < 10.1,
+                    "{mode}, slope {slope}, {length} mm: {fastest} mm/s"
+                );
+            }
         }
     }
 }

@@ -47,6 +47,7 @@ fn steps(program: &Program, machine: &MachineData<3>) -> Vec<f64> {
     pairs.filter(|(_, element)| element.iter().all(inside)).map(|(s, _)| s[1] - s[0]).collect()
 }
 
+/// Rows: D3-221.
 #[test]
 fn ten_metres_a_minute_at_five_milliseconds() {
     // 0.8333 mm a cycle, 16.7 chords. 100 mm are 120 cycles.

@@ -115,6 +115,8 @@ fn slopes_of<const AXES: usize>(program: &Program, machine: &MachineData<AXES>, 
 
 /// Another slope first: what says DEFAULT has that of P-CHAN-00071 again, and both commands mean the same
 /// slopes.
+///
+/// Rows: D3-202.
 #[test]
 fn the_default_is_the_slope_of_the_machine() {
     const NAMES: [&str; 4] = ["STEP", "TRAPEZ", "SIN2", "HSC"];
@@ -142,6 +144,7 @@ fn the_default_is_the_slope_of_the_machine() {
     }
 }
 
+/// Rows: CF-19.
 #[test]
 fn slopes_change_within_a_program() {
     let jerk_limited = ["#SLOPE [TYPE=SIN2]", "#SLOPE [TYPE=HSC]", "#SLOPE DEFAULT"];
@@ -221,6 +224,8 @@ fn a_line_in_pieces_takes_the_time_of_the_whole_with_step() {
 
 /// One line after the other, on one machine: acceleration in steps, with straight edges, and as a sine
 /// squared.
+///
+/// Rows: D3-210.
 #[test]
 fn each_slope_has_its_shape() {
     let machine = machines::with_slope(machines::even::<3>(1000), 0);
@@ -267,6 +272,8 @@ fn each_slope_has_its_shape() {
 
 /// Long blocks are as fast with TRAPEZ as with HSC; of many short ones with other feeds HSC takes about half
 /// the time.
+///
+/// Rows: D3-198.
 #[test]
 fn long_blocks_need_no_hsc_and_short_ones_do() {
     let ticks = |program: &Program, slope| {

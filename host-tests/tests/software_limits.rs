@@ -86,6 +86,7 @@ fn refused(text: &str, line: u32, column: u32, axis: &str, position: f64, limit:
     run
 }
 
+/// Rows: OP-10.
 #[test]
 fn an_axis_may_go_up_to_its_limit_and_not_beyond() {
     let at_limit = run("G00 X100 Y-10 C360\nG01 X-10 Y100 Z100 C-360 F6000\n");

@@ -70,6 +70,7 @@ fn limits_are_switched_off_one_by_one_or_together() {
     line(&format!("{on}\n#VECTOR LIMIT OFF ALL"), FEED, USUAL);
 }
 
+/// Rows: G-04.
 #[test]
 fn feed_and_rapid_motion_have_their_own() {
     let rapid = [200.0, 2000.0, 2000.0, 40_000.0];
@@ -86,6 +87,7 @@ fn feed_and_rapid_motion_have_their_own() {
     line(&format!("{on}\n#VECTOR LIMIT OFF [VEL FEED]"), "G00", [100.0, 2000.0, 2000.0, 40_000.0]);
 }
 
+/// Rows: D3-261, D3-272, CF-15.
 #[test]
 fn values_of_the_channel_and_units() {
     let mut machine = machine();
@@ -110,6 +112,8 @@ fn values_of_the_channel_and_units() {
 }
 
 /// P-CHAN-00090, 00002 and 00208 do nothing until a program asks for them.
+///
+/// Rows: D3-283.
 #[test]
 fn values_of_the_channel_wait_for_their_command() {
     let text = |words: &str| format!("%m\n{words}\nG01 X60 F12000\nM30");

@@ -78,6 +78,7 @@ fn accelerations(axis: &mut AxisData, feed: u32, rapid: u32) {
     axis.a_grenz = axis.a_grenz / 100 * rapid;
 }
 
+/// Rows: D3-208, D3-259, G-05.
 #[test]
 fn each_word_weights_its_data() {
     let (tour, m) = (tour(), machine());
@@ -141,6 +142,7 @@ fn weights_act_on_the_stages_of_step() {
     }
 }
 
+/// Rows: D3-216, G-08.
 #[test]
 fn weights_have_bounds() {
     let (tour, m) = (tour(), machine());
@@ -167,6 +169,7 @@ fn weights_have_bounds() {
     equivalent(&slow, &m, &["G133 10000"], |_, a| ramps(a, [10_000, 100, 100]));
 }
 
+/// Rows: D3-276.
 #[test]
 fn channel_data_choose_what_is_weighted() {
     // No joint: the ramps are all that counts.
@@ -188,6 +191,8 @@ fn channel_data_choose_what_is_weighted() {
 
 /// D3-EX25 and D3-EX26, and the same with an exact stop: then no joint takes its part of the jerk, and the
 /// axes show just what the weights say.
+///
+/// Rows: D3-217, D3-218.
 #[test]
 fn weighted_accelerations_and_ramps_are_used_in_full() {
     let machine = machines::even::<3>(1000);
@@ -353,6 +358,7 @@ fn a_knee_between_two_weights_keeps_both() {
     assert!(run_with(&three, &machine(), &lines).blocks[1].v_out > slow);
 }
 
+/// Rows: D3-209.
 #[test]
 fn weights_end_with_the_program() {
     let machine = machine();

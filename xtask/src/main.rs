@@ -7,6 +7,7 @@ mod firmware;
 mod hil;
 mod host;
 mod lint;
+mod mutants;
 mod shell;
 mod stack;
 mod target;
@@ -33,6 +34,8 @@ cargo xtask COMMAND
   bench         instruction counts and memory, against the accepted ones
   bench --accept  makes the measured figures the accepted ones and writes docs/figures.md
   depth FILE FUNCTION…  the deepest way down the stack from functions of a firmware; parts of their mangled names
+  mutants --seed N --first K --count M  changes by cargo-mutants, drawn by a seed, each against the tests of its
+                file's rows; prints what no test notices
   lint          formatting, clippy and documentation of host and firmware
 ";
 
@@ -51,6 +54,12 @@ fn main() -> ExitCode {
         ["hil", "--panic"] => hil::panic_proof(),
         ["bench"] => hil::bench(false),
         ["bench", "--accept"] => hil::bench(true),
+        ["mutants", "--seed", seed, "--first", first, "--count", count] => {
+            let number = |word: &str| word.parse::<u32>().map_err(|e| format!("{word}: {e}"));
+            number(seed).and_then(|seed| {
+                mutants::sample(u64::from(seed), number(first)? as usize, number(count)? as usize)
+            })
+        }
         ["lint"] => lint::all(),
         ["depth", file, roots @ ..] => stack::show(file, roots),
         _ => {

@@ -136,6 +136,7 @@ fn outputs_that_cannot_be_written_are_named() {
     }
 }
 
+/// Rows: D3-236, CF-35.
 #[test]
 fn shipped_machines_are_accepted() {
     let directory = directory("machines");
@@ -155,6 +156,7 @@ fn machine_refusal(name: &str, content: &str) -> String {
     refusal(&["run", &program, "--machine", &machine])
 }
 
+/// Rows: C40-060, CF-14.
 #[test]
 fn machine_files_are_refused_with_line_name_value_and_range() {
     let cases = [

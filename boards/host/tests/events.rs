@@ -99,6 +99,7 @@ fn late_text_is_braked_for_and_nothing_is_lost() {
     }
 }
 
+/// Rows: OP-06.
 #[test]
 fn a_hold_stands_on_the_path_and_goes_on() {
     let program = cut_line("held");

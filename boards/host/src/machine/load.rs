@@ -615,6 +615,7 @@ mod tests {
     }
 
     /// D3-275: P-CHAN-00605, whose index 0 is P-CHAN-00600; both spellings are valid.
+    /// Rows: D3-275, C40-072.
     #[test]
     fn functions_are_enabled_by_both_spellings() {
         let enabled = |lines: &str| {
