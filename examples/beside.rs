@@ -14,6 +14,7 @@ N50 Z[OSC OFF]
 M30
 ";
 
+/// Runs the example.
 pub fn main() -> Result<(), Box<dyn std::error::Error>> {
     let axes = ["X", "Y", "Z"].map(|name| {
         let mut axis = AxisData::new(AxisName::new(name).expect("a name"), AxisKind::Linear);

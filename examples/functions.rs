@@ -12,6 +12,7 @@ const PROGRAM: &[u8] = b"N10 G01 X10 F3000\nN20 M7\nN30 X20\nN40 M25\nN50 X30\nM
 /// Ticks that the clamp of M25 takes to close.
 const CLAMP_TICKS: u32 = 250;
 
+/// Runs the example.
 pub fn main() -> Result<(), Box<dyn std::error::Error>> {
     let axes =
         ["X", "Y", "Z"].map(|name| AxisData::new(AxisName::new(name).expect("a name"), AxisKind::Linear));

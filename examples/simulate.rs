@@ -23,6 +23,7 @@ fn axis(name: &str) -> Option<AxisData> {
     })
 }
 
+/// Runs the example.
 pub fn main() -> Result<(), Box<dyn std::error::Error>> {
     let axes = [axis("X"), axis("Y"), axis("Z")].map(|axis| axis.expect("a name of an axis"));
     let channel = ChannelData { slope_profile: 1, corr_v_trans_jerk: true, ..ChannelData::new() };

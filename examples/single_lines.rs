@@ -7,6 +7,7 @@ use glidepath::{
 
 const LINES: [&[u8]; 5] = [b"G01 X10 F3000", b"Y5", b"X20 Q1", b"G91 X-4", b"G90 Y0"];
 
+/// Runs the example.
 pub fn main() -> Result<(), Box<dyn std::error::Error>> {
     let axes =
         ["X", "Y", "Z"].map(|name| AxisData::new(AxisName::new(name).expect("a name"), AxisKind::Linear));

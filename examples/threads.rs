@@ -10,6 +10,7 @@ use std::time::Duration;
 
 const PROGRAM: &[u8] = b"N10 G01 X50 F3000\nN20 Y50\nN30 X0\nN40 Y0\nM30\n";
 
+/// Runs the example.
 pub fn main() -> Result<(), Box<dyn std::error::Error>> {
     let axes =
         ["X", "Y", "Z"].map(|name| AxisData::new(AxisName::new(name).expect("a name"), AxisKind::Linear));

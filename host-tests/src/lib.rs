@@ -74,9 +74,11 @@ pub mod refusal;
 
 pub mod splines;
 
+pub mod never_slower;
+
+pub mod unlike;
+
 /// The examples of the papers, as tests of the documentation.
 #[cfg(doctest)]
 #[doc = include_str!("../../docs/linking.md")]
 pub mod linking {}
-pub mod never_slower;
-pub mod unlike;

@@ -109,7 +109,7 @@ impl Case {
     /// Its ticks; none where it is refused. `stops`: with a standstill at the end of every block.
     fn ticks(&self, slope: usize, on: &str, [feed, stops]: [f64; 2]) -> Option<f64> {
         let (_, number, said) = SLOPES[slope];
-        let mut machine = self.machine.clone();
+        let mut machine = self.machine;
         machine.channel.slope_profile = number;
         let exact = if stops > 0.0 { "G360\n" } else { "" };
         let text = format!("{said}G90 G01 F{:.3}\n{exact}{on}\n{}M30\n", self.feed * feed, self.body);
