@@ -210,6 +210,23 @@ fn waits_at_the_reversals() {
     }
 }
 
+/// A8-033: behind the last counted stroke there is no wait.
+#[test]
+fn behind_the_last_stroke_there_is_no_wait_a8_033() {
+    for slope in 0..4 {
+        for count in ["NBR_OSC=2"] {
+            let text = format!(
+                "X[OSC ON 1ST_POS=-5 2ND_POS=5 TIME=2 2ND_DELT=0.5 {count}]\nG04 2.8\nG01 X6 Y1 F3000\nM30\n"
+            );
+            let run = good(&text, &with_slope(slope));
+            let arrivals = run.arrivals(0, 5 * ONE);
+            let last = *arrivals.last().expect("it comes there");
+            let rest = run.axes[0][last..].iter().take_while(|x| **x == 5 * ONE).count();
+            assert!(arrivals.len() == 2 && rest < 60, "slope {slope}, {count:?}: {arrivals:?}, {rest} ticks");
+        }
+    }
+}
+
 /// A8-055: a FEED that the axis cannot have is limited and told, and one that it can have is not.
 #[test]
 fn a_feed_that_is_too_fast_is_told_a8_055() {

@@ -274,8 +274,7 @@ fn keywords_may_be_set_one_by_one_d3_073() {
     }
 }
 
-/// Whatever smooths them, no block is faster than its own feed. A
-/// block of another feed begins another element.
+/// With Surface and TRAPEZ no block is faster than its own feed: a block of another feed begins another element.
 #[test]
 fn smoothed_blocks_keep_their_own_feed() {
     let mut machine = machines::even::<3>(1000);
