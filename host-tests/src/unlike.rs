@@ -40,12 +40,14 @@ impl Unlike {
             machines::accelerations(axis, a as u32, (a * [1.0, 1.0, 3.0][(r.bits() % 3) as usize]) as u32);
             machines::ramps(axis, ramp(&mut r));
             axis.tr_geom = [0, ramp(&mut r)][(r.bits() % 2) as usize];
+            (axis.a_stufe, axis.a_grenz_stufe) = ([a as u32; 2], [a as u32; 2]);
             axis.tr_min = cycle_us;
             axis.vb_max = [20_000, 300_000][(r.bits() % 2) as usize];
             axis.vb_eilgang = axis.vb_max;
             speed = speed.min(a.sqrt());
         }
         machine.channel.slope_profile = (1 + r.bits() % 3) as u8;
+        (machine.channel.surface, machine.channel.ptp) = (true, true);
         let feed = 60.0 * speed;
         let mix = Mix {
             blocks: r.between(4.0, 14.0) as usize,
@@ -80,15 +82,13 @@ impl Unlike {
         self.machine.axes.iter().map(|axis| permitted(axis, slope, false, true, true)).collect()
     }
 
-    /// Runs it, and asks the judge for every limit. How many ticks it takes; none where a program is refused.
+    /// Runs it, and asks the judge for every limit. How many ticks it takes.
     ///
     /// # Errors
-    /// The first excess.
-    pub fn judge(&self) -> Result<Option<usize>, String> {
-        let Ok(run) = run_text::<3, 120>(&self.text, self.start, &self.machine, 1) else {
-            return Ok(None);
-        };
+    /// The first excess, or why it is refused.
+    pub fn judge(&self) -> Result<usize, String> {
+        let run = run_text::<3, 120>(&self.text, self.start, &self.machine, 1)?;
         check::limits(&run.trace, &self.limits())?;
-        Ok(Some(run.trace.ticks()))
+        Ok(run.trace.ticks())
     }
 }
