@@ -15,7 +15,7 @@
 //! as its own law does. A curve in which acceleration is bought with speed is entered so slowly that the
 //! deceleration of the law may go on in it.
 use super::hold::NOTHING;
-use super::short_stop::No;
+use super::short_stop::{CURVES, No};
 use super::{Brake, Instant, Planning, Profile, RingStage, Speed, clock};
 use crate::lookahead::ReleasedSpan;
 use crate::math::float::{min, to_f32};
@@ -23,6 +23,9 @@ use crate::math::root::sqrt_f32;
 use crate::quantity::{speed_bits, speed_f32};
 use crate::slope::brake::SHORT;
 use crate::slope::limits::{Fall, Limits, SlopeLaw};
+
+/// Laws that are tried through fewer and fewer spans; then one span has a law of its own.
+const TRIES: usize = 3;
 
 /// Most spans of one law. A longer way has several.
 pub(super) const SPANS: usize = 32;
@@ -194,6 +197,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         } else {
             Ahead { next: 0, distance: self.handed.to_bits() }
         };
+        self.orders.looks = CURVES;
         // In its place, here and below: as a result it would be there several times.
         let mut descent = Descent::none();
         self.descend_to(Cursor { k, ahead, fall: None }, motion, &mut descent)?;
@@ -300,6 +304,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         (motion, found): (&Instant, &mut Descent),
         Row { limits, end, spans, last, .. }: &mut Row,
     ) -> Option<()> {
+        let mut tries = 0;
         loop {
             // Of as many as were looked at, of which the last begins there, only the speed at their end is not known.
             let v_out;
@@ -324,9 +329,10 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
                 brake.map(|brake| self.verify(start, span, (motion, &mut *found), (&brake, limits), false));
             *spans = match followed {
                 Some(Ok(())) => return Some(()),
-                Some(Err(whole)) => whole.min(*spans - 1),
-                None => 1,
+                Some(Err(whole)) if tries < TRIES => whole.min(*spans - 1),
+                _ => 1,
             };
+            tries += 1;
         }
     }
 

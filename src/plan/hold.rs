@@ -155,7 +155,10 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         self.trim();
         // What has been handed out holds: a span knows of one standstill only.
         if self.queue.clock.now() != self.frontier.end {
-            return Some(self.stand_sooner().unwrap_or(Work::Waiting));
+            let sooner = self.stand_sooner();
+            // A try is work of its own, also in vain: the next call waits, and looks at nothing.
+            let idle = if self.orders.trying { Work::Working } else { Work::Waiting };
+            return Some(sooner.unwrap_or(idle));
         }
         if commands.abort {
             if self.queue.control.commands().abort {

@@ -221,6 +221,8 @@ struct Orders {
     /// A change is being tried; the last try changed nothing, and other work has this call.
     trying: bool,
     yields: bool,
+    /// Parts of curves that the way being looked for may still look at.
+    looks: usize,
 }
 
 /// How often the queue was found low since blocks are taken in.
@@ -385,6 +387,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
                 lead: REACTION,
                 trying: false,
                 yields: false,
+                looks: 0,
             },
             functions,
             reserve,

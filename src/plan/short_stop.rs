@@ -31,8 +31,8 @@ const NEARLY: f32 = 1.2;
 const FAIRLY: f32 = 3.0;
 /// Rounds.
 const ROUNDS: usize = 8;
-/// Most parts of curves that are looked at for one standstill.
-const CURVES: usize = 72;
+/// Most parts of curves that one call looks at for a standstill, in all its tries together.
+pub(super) const CURVES: usize = 72;
 /// A knee shows in so many ticks.
 const KNEE_TICKS: i64 = 2;
 
@@ -119,6 +119,22 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         // By reference, here and below: as a whole it would be there twice.
         let begun = self.begin_short(cursor, span, motion, surely);
         let &(ref begin, ends, way) = begun.as_ref().map_err(|no| *no)?;
+        let found = self.come_short(begin, span, (motion, descent), (ends, way));
+        self.orders.looks = begin.left.get();
+        found
+    }
+
+    // What follows is not inlined: of what each has on the stack, only one is there at a time.
+
+    /// The same from there.
+    #[inline(never)]
+    fn come_short(
+        &mut self,
+        begin: &Begin,
+        span: &mut ReleasedSpan,
+        (motion, descent): (&Instant, &mut Descent),
+        (ends, way): ([i64; 2], f32),
+    ) -> Result<(), No> {
         let [first, end] = ends;
         let found = &mut Found::with(&begin.planned);
         let stands = self.come_down(begin, span, motion, (&STANDS, end, way), found);
@@ -138,8 +154,6 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         stands?;
         self.take_short(begin, span, (motion, descent), (end, way), found)
     }
-
-    // What follows is not inlined: of what each has on the stack, only one is there at a time.
 
     /// The law that was found, if no other one is better, with its spans.
     #[inline(never)]
@@ -193,7 +207,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let stepped = matches!(planned.law, SlopeLaw::Stepped { .. });
         let begun = if stepped { 0.0 } else { max(-accel, 0.0) };
         let gains = if stepped { 0.0 } else { max(accel, 0.0) };
-        let left = Cell::new(CURVES);
+        let left = Cell::new(self.orders.looks);
         let begin = Begin { cursor, curve, curve_starts, is_line, starts, planned, v, begun, gains, left };
         Ok((begin, ends, way))
     }
