@@ -1,6 +1,6 @@
 //! Machines whose axes are nothing alike, with ramps of few cycles, at short cycles: what a permitted jerk of some
 //! LSB per tick³ shows that no other machine does. Short programs with curves over time, and the limits of every axis at
-//! every tick.
+//! every tick. The jerk asked is that of the largest acceleration where the slope's is lower: smaller excesses are not seen.
 use crate::cases::machines;
 use crate::cases::random::{Mix, Random, program};
 use crate::cases::set_point;
