@@ -433,3 +433,15 @@ fn every_parameter_at_both_ends() {
     }
     assert!(runs > 100, "{runs}");
 }
+
+/// D3-261, D3-272: a machine file may say 0.
+#[test]
+fn limits_along_the_path_may_be_zero() {
+    for id in ["P-CHAN-00002", "P-CHAN-00090"] {
+        let parameter = CHANNEL.iter().find(|parameter| parameter.id == id).unwrap();
+        assert_eq!(parameter.min_milli, 0, "{id}");
+        let mut machine = machines::even::<3>(1000);
+        (parameter.set)(&mut machine.channel, 0);
+        assert_eq!(((parameter.get)(&machine.channel), refused(&machine)), (0, None), "{id}");
+    }
+}

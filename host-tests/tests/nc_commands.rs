@@ -580,6 +580,31 @@ fn oscillation_by_row() {
     assert_eq!(out[0].target[0], 8, "the axis stands on position 2");
 }
 
+/// A8-025: FEED is in inch/min with G70, of a linear axis; that of an independent axis is not.
+#[test]
+fn oscillation_feed_in_inch() {
+    let feed = |text: &str| match one_of(text) {
+        OscillationAction::On { speed: OscillationSpeed::Feed(feed), .. } => feed,
+        OscillationAction::OffFeed(feed) => feed,
+        other => panic!("{other:?}"),
+    };
+    let p = |x: f64| mm(x).unwrap();
+    assert_eq!(feed("G70\nX[OSC ON 1ST_POS=1 2ND_POS=2 FEED=100]"), p(2540.0));
+    assert_eq!(feed("G70\nX[OSC OFF FEED=10]"), p(254.0));
+    assert_eq!(feed("G70\nG71\nX[OSC ON 1ST_POS=1 2ND_POS=2 FEED=100]"), p(100.0));
+    assert_eq!(feed("G70\nC[OSC ON 1ST_POS=1 2ND_POS=2 FEED=100]"), p(100.0));
+    let Some(Command::Independent(_, words)) = commands("G70\nX[INDP_ASYN POS=1 FEED=100 G01]").pop() else {
+        panic!("an independent axis")
+    };
+    assert_eq!(words.feed, mm(100.0));
+}
+
+/// The oscillation that a program ends with.
+fn one_of(text: &str) -> OscillationAction {
+    let Some(Command::Oscillation(_, oscillation)) = commands(text).pop() else { panic!("{text}") };
+    oscillation.action
+}
+
 #[test]
 fn oscillation_refused_by_row() {
     assert_eq!(error("X[OSC ON 1ST_POS=1 2ND_POS=2]").kind.id(), 50593, "A8-043");

@@ -253,6 +253,20 @@ const TABLE: &[(&str, u32, u32, u16, &str)] = &[
     ("G04 G92 X1", 1, 5, 3, "\"G92\" cannot stand in one block with another use of its axis words"),
     ("X1 F1 \\ Y2", 1, 9, 1, "unexpected \"Y\": expected the end of the line after \\"),
     ("G0 X99999999999999999999", 1, 5, 20, "result too large in \"99999999999999999999\""),
+    (
+        "F9\nN1 G1 X10*45",
+        2,
+        10,
+        3,
+        "\"*45\" at the end of a numbered line is a checksum: expected a line without one, or brackets around arithmetic",
+    ),
+    (
+        "N2 G0 X=-1.5*7 ",
+        1,
+        13,
+        2,
+        "\"*7\" at the end of a numbered line is a checksum: expected a line without one, or brackets around arithmetic",
+    ),
 ];
 
 /// G-13.
@@ -420,6 +434,102 @@ fn comments_without_an_end_are_told() {
         [(message(), 1, 7), (message(), 3, 1), (message(), 4, 4)]
     );
     assert_eq!(warnings("G0 X1 ; (\n(a) X2 (b))X3".strip_suffix(")X3").unwrap_or("")), []);
+}
+
+/// Message, line and column of every warning of a program that is not refused.
+fn told(text: &str) -> Vec<(String, u32, u16)> {
+    let decoded = decode(text);
+    assert_eq!(decoded.error, None, "{text}");
+    decoded.warnings.iter().map(|w| (w.to_string(), w.place.line, w.place.column as u16)).collect()
+}
+
+/// NC-007.
+#[test]
+fn arithmetic_between_plain_numbers_names_its_result() {
+    let message = |value: &str| {
+        format!(
+            "arithmetic between plain numbers: the value is {value}; expected brackets around it, or a word less"
+        )
+    };
+    for (text, column, value) in [
+        ("G1 F9 X10 -5", 7, "5.000"),
+        ("N1 G1 F9 X10 -5", 10, "5.000"),
+        ("G0 X10*45", 4, "450.000"),
+        ("G0 X=-1.5+1", 4, "-0.500"),
+        ("G0 X1 Y7/2", 7, "3.500"),
+        ("G0 X1/3", 4, "0.333"),
+        ("G1 X1 F600 -100", 7, "500.000"),
+    ] {
+        assert_eq!(told(text), [(message(value), 1, column)], "{text}");
+    }
+    // The line after it is plain.
+    assert_eq!(told("G1 F9 X10 -5\nX20\nX30 -1"), [(message("5.000"), 1, 7), (message("29.000"), 3, 1)]);
+    let motion = nc_decode::motions("G0 X10 -5");
+    assert_eq!(motion[0].target[0], Position::from_num(5));
+    for text in [
+        "G0 X[10 -5]",
+        "G0 X-10 Y+5 Z=-2",
+        "P1=2*3 G0 X=P1*4",
+        "N5 P1=2*3",
+        "N1 P2=5\nN2 G0 X=P2*3",
+        "N1 G0 X[1+2]*3",
+        "N1 G0 X[2*3]",
+        "G0 X SIN[30]*2",
+        "$IF 2*3\nG0 X1\n$ENDIF",
+    ] {
+        assert_eq!(told(text), [], "{text}");
+    }
+}
+
+#[test]
+fn a_radius_without_an_arc_is_told() {
+    let message = || "R without an arc does nothing here: it stays in force for G02 and G03".to_owned();
+    assert_eq!(told("G0 X1 R5"), [(message(), 1, 7)]);
+    assert_eq!(told("F9 G1 X1\nX2 R5\nG2 X4"), [(message(), 2, 4)]);
+    assert_eq!(told("G4 X1 R5"), [(message(), 1, 7)]);
+    assert_eq!(told("F9 G2 X1 R5\nX2 R5\nG3 X1 R5"), []);
+}
+
+/// NC-001.
+#[test]
+fn programs_that_end_early_are_told() {
+    let ends = || "M17 or M29 ends the main program; expected M02 or M30 at its end".to_owned();
+    assert_eq!(told("%m\nG0 X1\nX2 M17\nX3\nM30"), [(ends(), 3, 4)]);
+    assert_eq!(told("G0 X1\nM29"), [(ends(), 2, 1)]);
+    assert_eq!(told("%L s\nG0 X1\nM17\n%m\nLL s\nM30"), []);
+    assert_eq!(told("%L s\nG0 X1\nM29\n%m\nLL s\nM29"), [(ends(), 6, 1)]);
+    let head = || {
+        "a program head ends the program of the words before it; expected % before the first word".to_owned()
+    };
+    assert_eq!(told("G0 X1\n%m\nG0 X2\nM30"), [(head(), 2, 1)]);
+    assert_eq!(told("(a remark)\n%m\nG0 X2\nM30\n%n\nG0 X3"), []);
+    assert_eq!(told("%m\nG0 X2\n%n\nG0 X3"), []);
+    assert_eq!(told("G0 X2\nM30\n%n\nG0 X3"), []);
+}
+
+/// A8-036.
+#[test]
+fn short_of_a_linear_axis_is_told() {
+    let message = || "SHORT of a linear axis does nothing; expected a modulo axis".to_owned();
+    let line = "X[OSC ON 1ST_POS=1 2ND_POS=2 FEED=1000 SHORT]";
+    assert_eq!(told(&format!("G0 X1\n  {line}")), [(message(), 2, 3)]);
+    assert_eq!(told(&line.replace('X', "C")), []);
+    assert_eq!(told(&line.replace(" SHORT", "")), []);
+}
+
+#[test]
+fn shipped_programs_are_without_a_warning() {
+    let directory = concat!(env!("CARGO_MANIFEST_DIR"), "/../programs");
+    let mut read = 0;
+    for entry in std::fs::read_dir(directory).unwrap() {
+        let path = entry.unwrap().path();
+        if path.extension().is_some_and(|extension| extension == "nc") {
+            let decoded = decode(&std::fs::read_to_string(&path).unwrap());
+            assert_eq!(decoded.warnings, [], "{}", path.display());
+            read += 1;
+        }
+    }
+    assert!(read > 20, "{read}");
 }
 
 struct Broken;

@@ -188,3 +188,26 @@ fn accelerations_that_no_axis_could_have_are_refused() {
     let text = Error::PathAcceleration(glidepath::nc::Place::NONE).to_string();
     assert!(text.contains("1 mm/s² (3600 mm/min²)"), "{text}");
 }
+
+/// D3-261, D3-272: 0 in the machine data is refused where a program switches that limit on, and only there.
+#[test]
+fn zero_of_the_channel_is_refused_where_it_is_switched_on() {
+    let mut zero = machine();
+    zero.channel.vector_velocity_milli = 0;
+    zero.channel.vector_acceleration_milli = 0;
+    let of = |machine: &MachineData<3>, words: &str| {
+        let text = format!("%m\nN10 {words}\nG01 X60 F9000\nM30");
+        run_text::<3, 120>(&text, [Position::ZERO; 3], machine, 1)
+    };
+    let usual = run(&machine(), "%m\nN10 G90\nG01 X60 F9000\nM30").digest;
+    assert_eq!(of(&zero, "G90").map(|run| run.digest), Ok(usual));
+    for words in ["#VECTOR LIMIT ON [VEL]", "#VECTOR LIMIT ON [ACC]", "#VECTOR LIMIT ON ALL"] {
+        let error = of(&zero, words).err().unwrap_or_default();
+        assert!(error.contains("PathAcceleration") && error.contains("line: 2"), "{words}: {error}");
+    }
+    for words in ["#VECTOR LIMIT ON [DEC]", "#VECTOR LIMIT ON [VEL=6000 ACC=500]", "#VECTOR LIMIT OFF ALL"] {
+        assert!(of(&zero, words).is_ok(), "{words}");
+    }
+    let text = Error::PathAcceleration(glidepath::nc::Place::NONE).to_string();
+    assert!(text.contains("VEL above 0"), "{text}");
+}

@@ -74,7 +74,7 @@ pub enum Error {
     Filter(Place, AxisName, FilterError),
     /// A command about splines that does not go here.
     Spline(Place, SplineError),
-    /// ACC or DEC of #VECTOR LIMIT is below 1 mm/s².
+    /// ACC or DEC of #VECTOR LIMIT is below 1 mm/s², or VEL is 0.
     PathAcceleration(Place),
     /// While the speed is reduced (P-AXIS-00214), a block takes more than 2^27 ticks.
     ReducedTooSlow,
@@ -142,7 +142,7 @@ impl core::fmt::Display for Error {
                 "at this feed the block takes more than 67 108 864 ticks; raise F or split the block",
             ),
             Self::PathAcceleration(_) => f.write_str(
-                "limit of path acceleration too low; expected ACC and DEC of 1 mm/s² (3600 mm/min²) at least",
+                "limit along the path too low; expected ACC and DEC of 1 mm/s² (3600 mm/min²) at least, VEL above 0",
             ),
             Self::Motion(_, MotionError::StrokeTooSlow) => f.write_str(
                 "at this speed a motion of the axis takes longer than can be planned; raise FEED or FREQ, or shorten TIME",

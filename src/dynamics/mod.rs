@@ -194,7 +194,7 @@ impl<const AXES: usize> Dynamics<AXES> {
     /// Sets limits along the path in the elements that follow.
     ///
     /// # Errors
-    /// An acceleration is too low.
+    /// An acceleration is too low or a speed is 0.
     pub fn limit(&mut self, command: &VectorLimit) -> Result<(), TooLow> {
         self.count();
         self.path.set(command)

@@ -15,7 +15,7 @@ use crate::math::float::{min, to_f32};
 use crate::nc::{Limit, VectorLimit};
 use crate::slope::limits::{Limits, SlopeLaw};
 
-/// A limit of acceleration below the smallest one of machine data, 1 mm/s².
+/// A limit of acceleration below the smallest one of machine data, 1 mm/s², or a limit of speed of 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TooLow;
 
@@ -82,7 +82,7 @@ impl PathLimits {
     /// Takes in a command.
     ///
     /// # Errors
-    /// An acceleration is too low; nothing has changed.
+    /// An acceleration is too low or a speed is 0; nothing has changed.
     pub fn set(&mut self, command: &VectorLimit) -> Result<(), TooLow> {
         let all = command.all.then_some(Limit::Channel);
         let value = |given: Option<Limit>, channel: f32, unit: f32| match given.or(all)? {
@@ -93,7 +93,8 @@ impl PathLimits {
         let v = value(command.vel, self.channel.v, self.speed_unit);
         let a_up = value(command.acc, self.channel.a_up, self.acceleration_unit);
         let a_down = value(command.dec, self.channel.a_down, self.acceleration_unit);
-        if [a_up, a_down].into_iter().flatten().any(|a| a < self.least * (MARGIN * MARGIN)) {
+        let too_low = |a: f32| a < self.least * (MARGIN * MARGIN);
+        if [a_up, a_down].into_iter().flatten().any(too_low) || v.is_some_and(|v| v <= 0.0) {
             return Err(TooLow);
         }
         let both = command.feed == command.rapid && (command.feed || !command.on);

@@ -229,7 +229,7 @@ pub const CHANNEL: &[Parameter<ChannelData>] = &[
         decimals: true,
         set: |t, milli| t.vector_acceleration_milli = milli as u64,
         get: |t| t.vector_acceleration_milli as i64,
-        ..plain("P-CHAN-00002", "vector.acceleration", VECTOR_UNIT, 1, VECTOR_MAX_MILLI)
+        ..plain("P-CHAN-00002", "vector.acceleration", VECTOR_UNIT, 0, VECTOR_MAX_MILLI)
     },
     Parameter {
         decimals: true,
@@ -241,7 +241,7 @@ pub const CHANNEL: &[Parameter<ChannelData>] = &[
         decimals: true,
         set: |t, milli| t.vector_velocity_milli = milli as u64,
         get: |t| t.vector_velocity_milli as i64,
-        ..plain("P-CHAN-00090", "vector.velocity", "mm/min", 1, VECTOR_MAX_MILLI)
+        ..plain("P-CHAN-00090", "vector.velocity", "mm/min", 0, VECTOR_MAX_MILLI)
     },
     Parameter {
         words: &["MM_M2", "MM_S2"],

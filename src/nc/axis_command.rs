@@ -5,7 +5,7 @@ use super::interpreter::{Gathered, Interpreter};
 use super::keyword::{COORDINATE, Keywords, Range, Slot, Units, checked, list_inside};
 use super::line::Line;
 use super::number::Factor;
-use super::{Command, Fault, Head, NcErrorKind, Span};
+use super::{Command, Fault, Head, NcErrorKind, NcWarningKind, Span};
 use crate::machine::{AxisKind, functions};
 use crate::quantity::Position;
 use core::cell::Cell;
@@ -264,7 +264,12 @@ impl<const AXES: usize> Interpreter<AXES> {
         mark: usize,
     ) -> Result<(), Fault> {
         let mut w = OscWords::default();
-        list_inside(c, &self.calculator, self.units(axis), &mut w)?;
+        let mut units = self.units(axis);
+        if units.length == Factor::INCH {
+            // FEED is in inch/min with G70.
+            units.feed.numerator = 2_540_000;
+        }
+        list_inside(c, &self.calculator, units, &mut w)?;
         self.oscillate(&w, line, axis, c.since(mark))
     }
 
@@ -285,6 +290,9 @@ impl<const AXES: usize> Interpreter<AXES> {
         if let OscillationAction::On { second, .. } = action {
             // It ends there, however it ends (but OFF INSTANT: the planner knows better then).
             self.stand_there(axis, second);
+        }
+        if w.short && self.setup.kinds.get(axis) == Some(&AxisKind::Linear) {
+            self.warn(line, span, NcWarningKind::ShortLinear);
         }
         let head = self.head_of(line, span);
         self.gathered = Gathered::Single(Cell::new(Command::Oscillation(head, Oscillation { axis, action })));

@@ -6,7 +6,7 @@ use super::interpreter::{Gathered, Interpreter, Next};
 use super::line::Line;
 use super::modal::{Before, Mode};
 use super::number::{Factor, Number};
-use super::{DwellTime, Fault, NcErrorKind, Plane, Span, WeightKind};
+use super::{DwellTime, Fault, NcErrorKind, NcWarningKind, Plane, Span, WeightKind};
 use crate::machine::functions;
 use crate::quantity::{Feed, Position};
 use core::cell::Cell;
@@ -77,6 +77,7 @@ pub(super) struct Words<const AXES: usize> {
     /// Items in the interpreter's queue that come before the motion.
     pub before: u8,
     pub ends: Option<Ending>,
+    pub end_span: Span,
 }
 
 /// A block that goes on in the next call.
@@ -108,6 +109,7 @@ impl<const AXES: usize> Words<AXES> {
             groups: 0,
             before: 0,
             ends: None,
+            end_span: Span { at: 0, len: 0 },
         }
     }
 
@@ -178,6 +180,9 @@ impl<const AXES: usize> Interpreter<AXES> {
                 return Ok(Next::Line);
             }
             self.calculator.complete();
+            if let Some((span, value)) = self.computed.take() {
+                self.warn(line, span, NcWarningKind::Computed(value));
+            }
         }
         self.finish(&mut w, line)
     }
@@ -324,15 +329,20 @@ impl<const AXES: usize> Interpreter<AXES> {
     }
 
     /// The value behind an address, with or without `=`.
-    fn value(&self, c: &mut Cursor<'_>, mark: usize) -> Result<Given, Fault> {
+    fn value(&mut self, c: &mut Cursor<'_>, mark: usize) -> Result<Given, Fault> {
         c.eat(b'=');
+        let from = c.mark();
         let number = expression(c, &self.calculator)?;
+        if !matches!(number, Number::Decimal { .. }) && is_bare_arithmetic(c.part(c.since(from))) {
+            let value = number.real() * 1000.0;
+            self.computed = Some((c.since(mark), (value + if value < 0.0 { -0.5 } else { 0.5 }) as i32));
+        }
         Ok(Given { number, span: c.since(mark) })
     }
 
     /// A whole number behind an address.
     fn code(
-        &self,
+        &mut self,
         c: &mut Cursor<'_>,
         mark: usize,
         what: &'static str,
@@ -369,6 +379,7 @@ impl<const AXES: usize> Interpreter<AXES> {
             _ => None,
         };
         if let Some(ending) = ending {
+            w.end_span = span;
             if w.ends.replace(ending).is_some() {
                 return span.fault(NcErrorKind::Twice("program end"));
             }
@@ -507,6 +518,46 @@ impl<const AXES: usize> Interpreter<AXES> {
         let percent = weight(given)?;
         put_before(&mut self.queue, &mut w.before, given.span, ItemKind::WeightAll(kind, percent))
     }
+}
+
+/// Whether digits, points, blanks and operators are all of an expression, with an operator behind a digit.
+#[cold]
+#[inline(never)]
+fn is_bare_arithmetic(text: &[u8]) -> bool {
+    let plain = |byte: &u8| matches!(byte, b'0'..=b'9' | b'.' | b' ' | b'+' | b'-' | b'*' | b'/');
+    let number = text.iter().position(|byte| byte.is_ascii_digit());
+    let behind = number.and_then(|at| text.get(at..)).unwrap_or(&[]);
+    text.iter().all(plain) && behind.iter().any(|byte| matches!(byte, b'+' | b'-' | b'*' | b'/'))
+}
+
+/// Whether a line ends with a plain number behind an address, and `*` and up to three digits behind it: at
+/// which byte that begins.
+#[cold]
+#[inline(never)]
+pub(super) fn checksum_of(text: &[u8]) -> Option<usize> {
+    let end = text.iter().rposition(|byte| *byte != b' ')? + 1;
+    let star = text.iter().rposition(|byte| *byte == b'*')?;
+    let digits = text.get(star + 1..end).unwrap_or(&[]);
+    if digits.is_empty() || digits.len() > 3 || !digits.iter().all(u8::is_ascii_digit) {
+        return None;
+    }
+    let before = text.get(..star).unwrap_or(&[]).trim_ascii_end();
+    let is_number = |byte: &u8| byte.is_ascii_digit() || *byte == b'.';
+    let letter = before.iter().rposition(|byte| !is_number(byte))?;
+    if letter + 1 == before.len() {
+        return None;
+    }
+    let signed = before.get(..=letter).unwrap_or(&[]).trim_ascii_end();
+    let named = match signed.split_last() {
+        Some((b'+' | b'-' | b'=', rest)) => rest.trim_ascii_end(),
+        _ => signed,
+    };
+    let named = match named.split_last() {
+        Some((b'=', rest)) => rest,
+        _ => named,
+    };
+    let address = named.last().is_some_and(|byte| byte.is_ascii_alphabetic() && !matches!(byte, b'P' | b'p'));
+    address.then_some(star)
 }
 
 /// Claims the axis words of the block.

@@ -47,6 +47,11 @@ impl<const AXES: usize> Interpreter<AXES> {
                 return given.span.fault(if is_zero { zero } else { coordinate("R", "mm") });
             };
             self.modal.radius = Some(radius);
+            if w.consumer != Use::Motion
+                || !matches!(self.modal.mode, Mode::Clockwise | Mode::Counterclockwise)
+            {
+                self.warn(line, given.span, NcWarningKind::RadiusAlone);
+            }
         }
         match w.consumer {
             Use::Motion => self.motion_of(w, line)?,
@@ -63,6 +68,9 @@ impl<const AXES: usize> Interpreter<AXES> {
             return span.fault(NcErrorKind::ExactStopAlone);
         }
         let Some(ending) = w.ends else { return Ok(Next::Line) };
+        if ending == Ending::Subroutine && self.flow.frames.is_empty() {
+            self.warn(line, w.end_span, NcWarningKind::MainEnds);
+        }
         if ending == Ending::Program && !self.flow.frames.is_empty() {
             let span = self.queue.iter().rev().find(|i| matches!(i.kind, ItemKind::ProgramEnd(_)));
             self.warn(line, span.map_or(Span::default(), |i| i.span), NcWarningKind::EndInSubroutine);

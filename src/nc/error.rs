@@ -162,6 +162,8 @@ pub enum NcErrorKind {
     Independent(&'static str),
     /// A word is missing.
     Missing(&'static str),
+    /// `*nn` at the end of a numbered line: a checksum of serial transmission.
+    Checksum,
 }
 
 impl NcErrorKind {
@@ -297,6 +299,10 @@ impl fmt::Display for NcError {
             K::OscillationSpeed => write!(f, "oscillation speed not defined: expected FEED, FREQ or TIME"),
             K::OscillationModulo => write!(f, "position \"{found}\" of a modulo axis: expected 0 to 360 deg"),
             K::Independent(rule) => write!(f, "inadmissible \"{found}\": expected that {rule}"),
+            K::Checksum => write!(
+                f,
+                "\"{found}\" at the end of a numbered line is a checksum: expected a line without one, or brackets around arithmetic"
+            ),
             K::Missing(what) => write!(f, "missing in \"{found}\": expected {what}"),
         }
     }
@@ -350,6 +356,16 @@ pub enum NcWarningKind {
     OscillationLimited,
     /// The dynamics of an axis do not allow the time that its motion is given.
     MotionLimited,
+    /// Arithmetic between plain numbers behind an address, without brackets: its result in thousandths.
+    Computed(i32),
+    /// R in a block without an arc: it stays in force for arcs that follow.
+    RadiusAlone,
+    /// M17 or M29 in the main program ends it.
+    MainEnds,
+    /// A program head behind words that stand without one: it ends their program.
+    HeadEnds,
+    /// SHORT of a linear axis is of no effect.
+    ShortLinear,
 }
 
 impl NcWarningKind {
@@ -391,6 +407,20 @@ impl NcWarning {
 impl fmt::Display for NcWarning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self.kind {
+            NcWarningKind::Computed(thousandths) => {
+                let (sign, size) = (if thousandths < 0 { "-" } else { "" }, thousandths.unsigned_abs());
+                let (whole, rest) = (size / 1000, size % 1000);
+                return write!(
+                    f,
+                    "arithmetic between plain numbers: the value is {sign}{whole}.{rest:03}; expected brackets around it, or a word less"
+                );
+            }
+            NcWarningKind::RadiusAlone => "R without an arc does nothing here: it stays in force for G02 and G03",
+            NcWarningKind::MainEnds => "M17 or M29 ends the main program; expected M02 or M30 at its end",
+            NcWarningKind::HeadEnds => {
+                "a program head ends the program of the words before it; expected % before the first word"
+            }
+            NcWarningKind::ShortLinear => "SHORT of a linear axis does nothing; expected a modulo axis",
             NcWarningKind::DwellExtraAxis => "G04 takes one time: the other axis is ignored",
             NcWarningKind::EndlessFor => "$FOR with step 0 never ends",
             NcWarningKind::UnclosedComment => "comment without ): it ends with its line",

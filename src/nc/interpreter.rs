@@ -1,6 +1,6 @@
 //! One logical line after the other: program heads, then `$`, `#`, calls or words; results wait in a short
 //! queue.
-use super::block::{Item, Items, Waiting};
+use super::block::{Item, Items, Waiting, checksum_of};
 use super::calculator::Calculator;
 use super::cursor::Cursor;
 use super::expression::expression;
@@ -81,6 +81,10 @@ pub(super) struct Interpreter<const AXES: usize> {
     /// Values per axis of the block's G130, G132 or G232.
     pub values: [Option<Position>; AXES],
     pub warnings: Deque<NcWarning, 4>,
+    /// Arithmetic without brackets in the word at hand, and its value in thousandths.
+    pub computed: Option<(Span, i32)>,
+    /// The main program has no head.
+    pub headless: bool,
     /// Lines carried out since the last command.
     pub quiet: u32,
 }
@@ -158,6 +162,8 @@ impl<const AXES: usize> Interpreter<AXES> {
             gathered: Gathered::Nothing,
             values: [None; AXES],
             warnings: Deque::new(),
+            computed: None,
+            headless: false,
             quiet: 0,
         }
     }
@@ -179,6 +185,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         *gathered = Gathered::Nothing;
         *values = [None; AXES];
         warnings.clear();
+        (self.computed, self.headless) = (None, false);
     }
 
     /// All axes stand there, and programs go on from there.
@@ -235,6 +242,10 @@ impl<const AXES: usize> Interpreter<AXES> {
         }
         if c.peek() == b'%' {
             if self.phase == Phase::Running {
+                let main = self.flow.frames.is_empty();
+                if main && self.headless {
+                    self.warn(line, c.rest_of_word(), NcWarningKind::HeadEnds);
+                }
                 return self.end_of_program();
             }
             return Ok(self.head(&mut c, bounds)?);
@@ -244,6 +255,7 @@ impl<const AXES: usize> Interpreter<AXES> {
             Phase::Start => {
                 self.phase = Phase::Running;
                 self.flow.program = bounds.start;
+                self.headless |= self.flow.frames.is_empty();
             }
             Phase::Running => {}
         }
@@ -275,6 +287,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         }
         if !local {
             self.phase = Phase::Running;
+            self.headless &= !self.flow.frames.is_empty();
             self.flow.program = bounds.next;
             return Ok(Next::Line);
         }
@@ -338,6 +351,7 @@ impl<const AXES: usize> Interpreter<AXES> {
     fn statement(&mut self, c: &mut Cursor<'_>, line: &Line, bounds: Bounds) -> Result<Next, Fault> {
         self.n = 0;
         self.moves = false;
+        let numbered = c.peek_upper() == b'N';
         self.block_number(c)?;
         if c.peek() == b'[' {
             // `[NAME]`: a label.
@@ -359,7 +373,13 @@ impl<const AXES: usize> Interpreter<AXES> {
             b'/' => c.here().fault(NcErrorKind::NotAvailable("block skip")),
             b'"' => c.rest_of_word().fault(NcErrorKind::NotAvailable("macro")),
             b'L' => self.call(c, bounds),
-            _ => self.words(c, line),
+            _ => {
+                if numbered && let Some(at) = checksum_of(line.bytes()) {
+                    c.back_to(at);
+                    return c.rest_of_word().fault(NcErrorKind::Checksum);
+                }
+                self.words(c, line)
+            }
         }
     }
 

@@ -272,9 +272,9 @@ fn machine_files_are_refused_with_line_name_value_and_range() {
         ),
         (
             "vector",
-            "[axis.X]\n[channel.vector]\nvelocity = 0\n",
+            "[axis.X]\n[channel.vector]\nvelocity = -1\n",
             3,
-            &["(P-CHAN-00090) = 0: out of range", "0.001…2000000000 mm/min"],
+            &["(P-CHAN-00090) = -1: out of range", "0…2000000000 mm/min"],
         ),
         (
             "jerk",
