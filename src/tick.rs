@@ -40,7 +40,7 @@ pub struct Telemetry {
     pub block: u32,
     /// Path distance; wraps at ±2^19 mm.
     pub distance: Distance,
-    /// Path speed.
+    /// Path speed. On a curve over time path is time, and the axes are slower: [`Interpolator::path_slope`].
     pub speed: Speed,
     /// Path acceleration.
     pub accel: Accel,
@@ -138,6 +138,14 @@ impl<'a, const AXES: usize, F: FilterTick<AXES>, const OVERLAYS: usize> Interpol
     /// The same before filters: where the path is.
     pub fn path_points(&self) -> &[Position; AXES] {
         &self.set_points
+    }
+
+    /// What every axis travels per path distance at the last set point, LSB 2^-40; `None` on a line or an arc, where
+    /// the path distance is what the feed axes travel. On a curve over time it is not ([`Telemetry::speed`]): the
+    /// driven speed is the path speed times what the feed axes travel together. Computed on demand, not in the tick.
+    pub fn path_slope(&self) -> Option<[i64; AXES]> {
+        let (track, along) = self.queue.segments.at_hand(self.queue.distance())?;
+        track.slope(along)
     }
 
     /// Path values of the last set point.

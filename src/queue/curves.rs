@@ -697,14 +697,20 @@ impl<const AXES: usize> CurveConsumer<'_, AXES> {
 
     /// The curve the interrupt is on, at the distance it asked for last.
     pub fn peek(&self, distance: i64) -> Option<&Segment<AXES>> {
+        self.at_hand(distance).map(|(track, _)| track.segment)
+    }
+
+    /// The same with its part, and the distance from its start.
+    pub fn at_hand(&self, distance: i64) -> Option<(Track<'_, AXES>, i64)> {
         // SAFETY: it is in its ring.
         let start = unsafe { &*self.start.at }.get();
-        if distance.wrapping_sub(start) < -(OUT_OF_REACH / 2) {
+        let along = distance.wrapping_sub(start);
+        if along < -(OUT_OF_REACH / 2) {
             return None;
         }
         fence(Ordering::Acquire);
         // SAFETY: as in `follow`. Before the first tick it may be a part.
-        unsafe { if (*self.slot.at).is_part() { None } else { Some(Track::new(self.slot.at).segment) } }
+        unsafe { if (*self.slot.at).is_part() { None } else { Some((Track::new(self.slot.at), along)) } }
     }
 
     /// The motion block of a curve of the ring.

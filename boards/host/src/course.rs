@@ -3,7 +3,6 @@
 //! The fastest tick of each block parts it. What is slow behind it belongs to the joint at the end of the
 //! block, what is slow before it to the joint at the start: with a curve in the corner too, whose slowest
 //! point lies beside the joint.
-use glidepath::channel::PlannedBlock;
 use glidepath::quantity::Speed;
 
 /// A speed, and the row of the trace that has it.
@@ -54,12 +53,11 @@ impl Course {
         }
     }
 
-    /// At the end of a law its speed is known exactly, also between two ticks.
-    pub fn refine(&mut self, spans: &[PlannedBlock]) {
-        for span in spans {
-            let last = span.block as usize + span.blocks.max(1) as usize - 1;
+    /// At the end of a law its speed is known exactly, also between two ticks: motion block, and that speed.
+    pub fn refine(&mut self, ends: &[(usize, Speed)]) {
+        for &(last, speed) in ends {
             if let Some(Some(joint)) = self.joints.get_mut(last) {
-                joint.speed = joint.speed.min(span.v_out);
+                joint.speed = joint.speed.min(speed);
             }
         }
     }

@@ -10,6 +10,7 @@ mod course;
 mod decimal;
 mod deviation;
 mod diagnose;
+mod driven;
 mod events;
 mod files;
 mod filtered;

@@ -3,6 +3,7 @@ use crate::acknowledge::{Automatic, Delay};
 use crate::beside::Beside;
 use crate::deviation::{CHORDS, Deviation};
 use crate::diagnose::Diagnostic;
+use crate::driven::Driven;
 use crate::events::{Event, Schedule, Script, What, function_name};
 use crate::files::{Delayed, Files};
 use crate::filtered::Filtered;
@@ -89,6 +90,7 @@ fn simulate_axes<const AXES: usize>(
     statistics.beside = Beside::new(machine);
     let recorder = Recorder {
         statistics,
+        driven: Driven::new(machine, &start),
         trace,
         picture: wanted.picture.then(|| {
             let (shown, moving) = (program.shown_axes(machine), program.moving_axes(machine));
@@ -270,6 +272,8 @@ fn drive<const AXES: usize>(
         let (row, beside) = (recorder.statistics.ticks, planner.beside());
         recorder.statistics.beside.add(row, path, beside, commands.hold || commands.abort);
         recorder.statistics.monitor.beside(row, beside);
+        let slope = interpolator.path_slope();
+        let telemetry = recorder.driven.tick(&telemetry, path, slope.as_ref().map(|slope| &slope[..]));
         recorder.tick(&telemetry, path, drives, pause).map_err(Stop::Unwritable)?;
         put_out(&operator, &mut recorder, &mut automatic, &schedule);
         if waiting
@@ -311,6 +315,7 @@ fn put_out<const AXES: usize>(
 /// Everything that looks at the set points.
 struct Recorder {
     statistics: Statistics,
+    driven: Driven,
     trace: Option<Trace>,
     picture: Option<Picture>,
     cycle_s: f64,
@@ -372,12 +377,13 @@ impl Recorder {
                 .map_err(Stop::Unwritable)?;
         }
         self.statistics.finish(set_points);
+        self.statistics.over_time = self.driven.differs;
         if let Some(deviation) = &mut self.statistics.deviation {
             deviation.finish();
         }
         if !self.has_events {
-            let Statistics { course, spans, .. } = &mut self.statistics;
-            course.refine(spans);
+            let ends = self.statistics.ends();
+            self.statistics.course.refine(&ends);
         }
         if let Some(trace) = self.trace {
             trace.finish().map_err(Stop::Unwritable)?;

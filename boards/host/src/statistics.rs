@@ -101,8 +101,12 @@ pub struct Statistics {
     /// Path speed where one motion block ends and the next one begins: the lower one of the two ticks around
     /// that point. Not inside a line that stands for several, nor where a tick passes several.
     pub transitions: Vec<Option<Speed>>,
+    /// Twice what the speed changes in a tick there.
+    reaches: Vec<i64>,
     /// The slowest between blocks, the fastest inside.
     pub course: Course,
+    /// Some driven speed is not the planned one: path was time.
+    pub over_time: bool,
     /// The highest path speed of all ticks.
     pub fastest: Speed,
     /// Technology functions in the order of their output.
@@ -225,6 +229,8 @@ impl Statistics {
             filtered: Filtered::default(),
             beside: Beside::default(),
             transitions: Vec::new(),
+            reaches: Vec::new(),
+            over_time: false,
             course: Course::default(),
             fastest: Speed::ZERO,
             functions: Vec::new(),
@@ -296,6 +302,9 @@ impl Statistics {
         for block in self.last.block..telemetry.block {
             let passed = block == self.last.block && self.ticks > 0;
             self.transitions.push(passed.then(|| telemetry.speed.min(self.last.speed)));
+            let changes = [telemetry.accel, self.last.accel].map(|accel| accel.to_bits().abs());
+            let change = (telemetry.speed.to_bits() - self.last.speed.to_bits()).abs();
+            self.reaches.push(2 * changes[0].max(changes[1]).max(change));
         }
         if telemetry.block != self.last.block {
             self.monitor.passes(self.ticks);
@@ -362,6 +371,18 @@ impl Statistics {
     /// Path length in mm.
     pub fn distance_mm(&self) -> f64 {
         self.distance as f64 / (1_u64 << 44) as f64
+    }
+
+    /// The last motion block of every law, and the planned speed at the end of the law. Only where the speeds of the
+    /// ticks around that point can come from the planned one: on a curve over time, they do not.
+    pub fn ends(&self) -> Vec<(usize, Speed)> {
+        let end = |span: &PlannedBlock| (span.block as usize + span.blocks.max(1) as usize - 1, span.v_out);
+        let reached =
+            |&(last, planned): &(usize, Speed)| match (self.transitions.get(last), self.reaches.get(last)) {
+                (Some(Some(seen)), Some(reach)) => (planned.to_bits() - seen.to_bits()).abs() <= *reach,
+                _ => true,
+            };
+        self.spans.iter().map(end).filter(reached).collect()
     }
 
     /// Motion blocks that the set points have come to.

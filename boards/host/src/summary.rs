@@ -264,7 +264,7 @@ impl Summary {
                 path_mm: mm(reaction.distance),
             }),
         });
-        let v_path_max = if planned {
+        let v_path_max = if planned && !statistics.over_time {
             plan.iter().map(|span| span.v_peak).fold(0.0, f64::max)
         } else {
             speed(statistics.fastest)
@@ -513,7 +513,7 @@ fn mm(bits: i128) -> f64 {
 /// Number of standstills between blocks, and the slowest transitions, standstills first.
 ///
 /// Inside a span nothing is planned for a transition: its speed is the one seen in the set points. At the end
-/// of a span it is the `planned` one, if that came true.
+/// of a span it is the `planned` one, if that came true: without events, and not on a curve over time.
 fn corners(
     files: &Files,
     program: &Program,
@@ -523,10 +523,9 @@ fn corners(
 ) -> (usize, Vec<Corner>) {
     let mut speeds: Vec<(Option<Speed>, usize)> = statistics.transitions.iter().copied().zip(0..).collect();
     if planned {
-        for span in &statistics.spans {
-            let last = span.block as usize + span.blocks.max(1) as usize - 1;
+        for (last, speed) in statistics.ends() {
             if let Some((v, _)) = speeds.get_mut(last) {
-                *v = Some(span.v_out);
+                *v = Some(speed);
             }
         }
     }
