@@ -22,6 +22,7 @@
 //! beside them and beside blocks that may pass within a tick on lines, always on arcs. A knee takes no more
 //! than what the acceleration of a stage changes in a cycle.
 
+mod arc;
 mod axis;
 mod filter;
 mod override_range;
@@ -38,6 +39,7 @@ use crate::nc::{Restriction, Slope, SlopeType, VectorLimit, Weight};
 use crate::path::{Circle, Element};
 use crate::slope::limits::{Joins, Limits, SlopeLaw};
 use crate::slope::ramp_shape::RampShape;
+use arc::Bend;
 use axis::{Axis, TransitionLimits};
 use filter::Watched;
 pub use override_range::OverrideRange;
@@ -331,19 +333,25 @@ impl<const AXES: usize> Dynamics<AXES> {
         let feed = self.programmed(feed);
         if let Some(circle) = circle {
             let curvature = circle.share * circle.share / circle.radius;
-            let mut normal = f32::MAX;
-            let mut a_max = f32::MAX;
-            let mut budget = f32::MAX;
+            let stepped = self.slope == SlopeType::Step;
+            let mut bend = Bend {
+                curvature,
+                share: circle.share,
+                turn: circle.turn,
+                normal: f32::MAX,
+                a_max: f32::MAX,
+                budget: if stepped { None } else { Some(f32::MAX) },
+                is_free: !stepped && !self.bends_have_jerk,
+            };
             for axis in circle.plane.into_iter().filter_map(|k| self.axes.get(k)) {
                 let set = axis.set(rapid);
-                normal = min(normal, set.least());
-                let stepped = self.slope == SlopeType::Step;
-                a_max = min(a_max, if stepped { (1.0 - KNEE_PART) * axis.a_max } else { axis.a_max });
-                budget = min(budget, if stepped { NO_LIMIT } else { set.joint.budget });
+                bend.normal = min(bend.normal, set.least());
+                bend.a_max =
+                    min(bend.a_max, if stepped { (1.0 - KNEE_PART) * axis.a_max } else { axis.a_max });
+                bend.budget = bend.budget.map(|budget| min(budget, set.joint.budget));
             }
-            let normal = min(normal, NORMAL_PART * a_max);
             limits.v = min(limits.v, feed * self.level);
-            limits.bend(curvature, normal, a_max, budget, circle.share);
+            limits.bend(&mut share_left, &bend);
         }
         self.path.lower(&mut limits, rapid, circle.is_some());
         limits.leave_rough(&mut share_left);

@@ -5,11 +5,9 @@ use super::override_range::OverrideRange;
 use super::{ROUGH, ROUGH_BELOW};
 use crate::machine::functions;
 use crate::math::float::{max, min};
-use crate::math::root::{cbrt_f32, sqrt_f32};
 use crate::nc::SlopeType;
 use crate::slope::limits::{Joins, Limits, SlopeLaw, lower};
 use crate::slope::ramp_shape::RampShape;
-use core::f32::consts::TAU;
 
 /// Part of `B` for a transition; as much is left to the slope, and a fifth to transitions closer than three
 /// ticks.
@@ -34,11 +32,16 @@ pub struct Share {
     pub a: f32,
     /// Acceleration where it is zero at the transition, mm/tick².
     pub a_resting: f32,
+    /// Speed of an arc that leaves the transition its part, mm/tick; of other elements none.
+    pub v: f32,
+    /// Acceleration that may pass the ends of an arc where another law begins, mm/tick².
+    pub passing: f32,
 }
 
 impl Share {
     /// All of it.
-    pub const WHOLE: Self = Self { j: f32::MAX, a: f32::MAX, a_resting: f32::MAX };
+    pub const WHOLE: Self =
+        Self { j: f32::MAX, a: f32::MAX, a_resting: f32::MAX, v: f32::MAX, passing: f32::MAX };
 
     /// What is left where acceleration is zero at the transition.
     pub(crate) fn resting(self) -> Self {
@@ -158,55 +161,5 @@ impl Limits {
         share.j = min(TRANSITION_PART * peak * set.joint.budget * scale, share.j);
         share.a = min(set.a_shared * scale, share.a);
         share.a_resting = min(set.a_resting * scale, share.a_resting);
-    }
-
-    /// Takes in a curvature κ: v²κ across the path, with the tangential acceleration inside `a_max`; jerks
-    /// v³κ²/share + 3vκ·a + share·j inside `budget` (their exact sum is a vector no longer than that).
-    /// `share` is the part of the path that lies in the arc's plane: of a helix κ = share²/r, and the first
-    /// of them is (share·v)³/r².
-    ///
-    /// The faster the arc, the less acceleration is left to reach that speed: of five speeds, each four
-    /// fifths of the one before, the one is taken with which the full circle, from rest to rest with that
-    /// acceleration, is fastest. So an arc does not become slower where it is cut.
-    pub(crate) fn bend(&mut self, curvature: f32, normal: f32, a_max: f32, budget: f32, share: f32) {
-        let twist = curvature * curvature / share;
-        // Roots only where they may be lower.
-        if self.v * self.v * curvature >= SURELY * normal {
-            self.v = min(self.v, sqrt_f32(normal / curvature));
-        }
-        if self.v * self.v * self.v * twist >= SURELY * ARC_PART * budget {
-            self.v = min(self.v, cbrt_f32(ARC_PART * budget / twist));
-        }
-        if let SlopeLaw::JerkLimited { shape, j, .. } = &mut self.law {
-            lower(j, [ARC_SLOPE_PART / shape.peak_jerk() * budget / share; 4]);
-        }
-        let most = min(self.a_up, self.a_down);
-        let mut v = self.v;
-        let across = v * v * curvature;
-        let left = SURELY * (a_max * a_max - across * across);
-        let jerk = SURELY * ((1.0 - ARC_SLOPE_PART) * budget - twist * v * v * v);
-        if left > most * share * most * share && jerk > most * (3.0 * v * curvature) {
-            // The first speed leaves all of it.
-            return self.lower_accelerations(most);
-        }
-        let length = TAU / curvature;
-        let mut best = (f32::MAX, 0.0, 0.0);
-        for _ in 0..ARC_SPEEDS {
-            let across = v * v * curvature;
-            let along = sqrt_f32(max(a_max * a_max - across * across, 0.0)) / share;
-            let jerk = (1.0 - ARC_SLOPE_PART) * budget - twist * v * v * v;
-            let a = min(most, min(along, jerk / (3.0 * v * curvature)));
-            let time = if length * a >= v * v { length / v + v / a } else { 2.0 * sqrt_f32(length / a) };
-            if time < best.0 {
-                best = (time, v, a);
-            }
-            // Slower there is no more acceleration, and no time to gain.
-            if a >= most {
-                break;
-            }
-            v *= ARC_SPEED_STEP;
-        }
-        self.v = best.1;
-        self.curve(best.2, min(most, SURELY * a_max / share), true);
     }
 }

@@ -1,6 +1,7 @@
 //! Speed of a transition from one element to the next.
 use super::axis::TransitionLimits;
-use super::{Dynamics, KNEE_PART, LSB_40, MARGIN, NORMAL_PART, SLIGHT, SMOOTH};
+use super::{Dynamics, KNEE_PART, LSB_40, MARGIN, SLIGHT, SMOOTH};
+use crate::dynamics::arc::HIGHEST;
 use crate::dynamics::permitted::TRANSITION_PART;
 use crate::math::float::{magnitude, max, min, size_f32};
 use crate::math::root::sqrt_f32;
@@ -93,8 +94,8 @@ impl<const AXES: usize> Dynamics<AXES> {
             }
             let curvature = max(magnitude(c0), magnitude(c1));
             if knee > 0.0 && curvature > 0.0 && !stepped {
-                // Arcs leave a part of the acceleration beside them, of which the slope needs some.
-                let rest = (joint.left - NORMAL_PART * axis.a_max) / knee;
+                // Curves leave a part of the acceleration beside them, of which the slope needs some; arcs the least.
+                let rest = (joint.left - HIGHEST * HIGHEST * axis.a_max) / knee;
                 v = min(v, max(joint.beside_turn(knee, curvature), max(rest, 0.0)));
             }
             if bend > 0.0 && !is_free {
@@ -142,6 +143,9 @@ impl<const AXES: usize> Dynamics<AXES> {
             let before = before.map_or(f32::MAX, |joints| joints[usize::from(rapid)].budget);
             let unseen = smooth * min(axis.set(rapid).joint.budget, before);
             v = if unseen < v * knee { unseen / knee } else { v };
+            let bend = magnitude(from.curvature[k] - to.curvature[k]);
+            let is_free = axis.set(rapid).joint.bend == f32::MAX;
+            v = if is_free || unseen >= v * v * bend { v } else { sqrt_f32(unseen / bend) };
         }
         v * MARGIN
     }
@@ -209,7 +213,7 @@ impl<const AXES: usize> Dynamics<AXES> {
             if bend > 0.0 && step > KNEE_PART * axis.a_max {
                 return Passing::NONE;
             }
-            let left = axis.a_max - step - min(v * v * bend, NORMAL_PART * axis.a_max);
+            let left = axis.a_max - step - min(v * v * bend, HIGHEST * HIGHEST * axis.a_max);
             let most = a * size_f32(max_size(t0, t1)) * LSB_40;
             part = if left < part * most { left / most } else { part };
         }
@@ -236,6 +240,16 @@ impl Passing {
     /// At most so much.
     fn of(part: f32) -> Self {
         Self::PARTS.iter().fold(Self::ALL, |Self(k), of| if *of <= part { Self(k) } else { Self(k + 1) })
+    }
+
+    /// `most` of the deceleration `a` at most.
+    pub fn of_part(most: f32, a: f32) -> Self {
+        if most >= a { Self::ALL } else { Self::of(most / a) }
+    }
+
+    /// No more than either.
+    pub fn least(self, other: Self) -> Self {
+        Self(self.0.max(other.0))
     }
 
     /// That of a number that [`Self::number`] has given.

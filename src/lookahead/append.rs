@@ -302,14 +302,16 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         // No more than the double is known.
         let (mut cap, mut highest, mut shared) = (fastest, 2.0 * fastest, false);
         let a = if slope == SlopeType::Step { max(limits.most(), kept.most()) } else { 0.0 };
-        let v = next.passed(last, fastest, a, dynamics);
+        let arcs = [&last.share, &next.share];
+        let arc = arcs.iter().fold(f32::MAX, |v, share| min(v, share.v));
+        let v = next.passed(last, fastest, a, dynamics).map(|v| min(v, arc));
         // STEP: what passes within a tick of a knee shows together with it.
         let brief = last.length < full_before || next.length < next.full;
         let sides = [(&kept, &last.share, last.length), (&*limits, &next.share, next.length)];
         let way = match v {
             // The block before it has left nothing to a knee that shows together with its end.
             Some(_) if !last.shared && last.is_hasty(&kept) => Way::Standing,
-            Some(v) if v < cap && is_corner(&last.exit, piece.entry) => {
+            Some(v) if v < cap && (arc < f32::MAX || is_corner(&last.exit, piece.entry)) => {
                 quickest(sides, v, slope == SlopeType::Hsc)
             }
             _ => Way::Through,
@@ -355,6 +357,12 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         let rests = matches!(slope, SlopeType::Trapez | SlopeType::Sin2);
         let smooth =
             way == Way::Through && last.slope == slope && (slope == SlopeType::Step || turns_little());
+        // A law that begins or ends with acceleration in an arc is not bound as others are.
+        let arc_passes = if arc < f32::MAX && (shared || !limits.are(&kept)) {
+            Passing::of_part(arcs.iter().fold(f32::MAX, |a, share| min(a, share.passing)), a)
+        } else {
+            Passing::ALL
+        };
         let passing = if !smooth {
             Passing::NONE
         } else if rests && v.is_some() {
@@ -364,8 +372,12 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         } else {
             Passing::ALL
         };
+        let passing = passing.least(arc_passes);
         let smooth = passing != Passing::NONE;
-        let anchor = !(through && smooth && self.tail.takes_in(last, next, [&kept, limits], cap));
+        let anchor = !(through
+            && smooth
+            && arc_passes == Passing::ALL
+            && self.tail.takes_in(last, next, [&kept, limits], cap));
         cap = min(cap, min(kept.v, limits.v));
         Transition { cap, highest, shared, passing, anchor }
     }

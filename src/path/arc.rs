@@ -131,6 +131,7 @@ pub(crate) fn arc_to<const AXES: usize>(
         plane: axes,
         radius: to_f32(len0.min(len1)) * DISTANCE_LSB,
         share: if share0 > share1 { share0 } else { share1 },
+        turn: size_f32(angle as u64) * LSB_60,
     });
     Ok(())
 }

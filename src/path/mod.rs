@@ -68,6 +68,8 @@ pub struct Circle {
     pub radius: f32,
     /// Share of the path that lies in the plane: 1, less for a helix.
     pub share: f32,
+    /// Radians from where the circle begins, in this arc or in one before it, to the end of the arc.
+    pub turn: f32,
 }
 
 /// A block as a curve: what `path` hands on.

@@ -247,6 +247,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         let mut element = Element::BLANK;
         let ends = [&self.intake.programmed, &motion.target];
         path::arc_to(ends, (centre, plane, clockwise), &self.measure, &mut element)?;
+        self.intake.turning.go_on(&mut element, (centre, plane, clockwise), self.intake.taken);
         let (limits, pass) = self.look_over(motion, feed, &element, &centre)?;
         self.functions.settle(true, false);
         self.pass_arc(&element, &limits, pass, &motion.target);
@@ -265,6 +266,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         let mut block = self.programmed(Form::Arc { centre, plane, clockwise }, motion, feed);
         let ends = [&self.intake.programmed, &motion.target];
         path::arc_to(ends, (centre, plane, clockwise), &self.measure, &mut block.element)?;
+        self.intake.turning.go_on(&mut block.element, (centre, plane, clockwise), self.intake.taken);
         self.look_over(motion, feed, &block.element, &centre)?;
         self.round(&block);
         self.advance(motion);

@@ -26,6 +26,7 @@ mod reserve;
 mod short_stop;
 mod slower;
 mod stand;
+mod turning;
 
 use crate::control::{Commands, Control};
 use crate::dynamics::Dynamics;
@@ -49,6 +50,7 @@ use held_line::HeldLine;
 use hold::{Mode, REACTION};
 pub use intake::MotionError;
 use reserve::{FAR, Reserve};
+use turning::Turning;
 
 /// Where the ring is handed on.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -154,6 +156,7 @@ struct Intake<'a, const AXES: usize> {
     smoothing: &'a mut Smoothing<AXES>,
     /// Waits for the next one, only while contour mode is idle.
     held: &'a mut HeldLine<AXES>,
+    turning: Turning,
     /// Software limits, and what was refused for them.
     travel: Travel<AXES>,
     refused: Option<(Place, Beyond)>,
@@ -368,6 +371,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
                 held,
                 travel,
                 refused: None,
+                turning: Turning::NONE,
                 uniform: Uniform { since: 0, by_ramps: machine.channel.check_jerk_on_poly_path == 2 },
             },
             lookahead: Lookahead::new(lookahead, depth),

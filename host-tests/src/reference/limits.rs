@@ -16,20 +16,44 @@
 //!   off by it (1, 2 and 1 times): along the path 4·δ of acceleration are left to that. Of an axis that moves n times as
 //!   far as the path that is 4·n·δ, so it keeps its own limit with any n.
 use super::geometry::{Element, Shape};
-use super::profile::{Ramps, Slope};
+use super::profile::{Change, Ramps, Slope};
 use crate::tolerance;
 use glidepath::machine::{AxisData, ChannelData};
+use std::f64::consts::{FRAC_PI_4, PI, TAU};
 
 /// Part of B for a joint that is not smooth; the slope beside it gets as much.
 const JOINT: f64 = 0.4;
 /// Part of B for an acceleration along the path that turns at a joint.
 const TURN: f64 = 0.05;
-/// Parts of B inside an arc: for the slope, for v³κ².
+/// Beside a joint an arc has these parts of B: for the slope, for v³κ².
 const ARC_SLOPE: f64 = 0.25;
 const ARC_TURN: f64 = 0.5;
-/// Speeds tried for an arc, and the step between them.
-const ARC_SPEEDS: i32 = 5;
-const ARC_SPEED_STEP: f64 = 0.8;
+/// Parts of the speed V at which v³κ² takes all of B, with the jerks against and along the motion, in parts of B, that
+/// an arc at up to that speed leaves to a law that begins and ends without acceleration.
+const ARC_LEVELS: [[f64; 3]; 11] = [
+    [0.986, 0.0404, 0.80],
+    [0.957, 0.1223, 0.95],
+    [0.918, 0.2241, 0.87],
+    [0.868, 0.3408, 0.78],
+    [0.810, 0.3983, 0.78],
+    [0.740, 0.4491, 0.81],
+    [0.671, 0.5444, 0.82],
+    [0.592, 0.6776, 0.84],
+    [0.500, 0.7788, 0.89],
+    [0.400, 0.8939, 0.93],
+    [0.300, 0.9535, 0.97],
+];
+/// Highest part of V, and parts of the highest speed that are tried: of two turns and more the first two.
+const ARC_HIGHEST: f64 = 0.985;
+const ARC_SPEEDS: [f64; 8] = [1.0, 0.971, 0.93, 0.88, 0.82, 0.75, 0.68, 0.6];
+const ARC_TURNS: f64 = 4.0 * PI;
+const ARC_MOST_TURNS: f64 = 64.0 * PI;
+/// Times that differ by less are one: the higher speed is taken.
+const ARC_CLEARLY: f64 = 1.0 - 1.0 / 4096.0;
+/// Angles that differ by less are one.
+const ARC_NEARLY: f64 = 1.001;
+/// For rounding.
+const SURELY: f64 = 0.999;
 /// Part of the largest acceleration that a knee may show, and a ramp in ticks from which on the slope is
 /// small beside it.
 const KNEE: f64 = 0.25;
@@ -37,7 +61,7 @@ const LONG_RAMP: f64 = 4.0;
 /// A joint that shows less than this part of what it may is none to acceleration.
 const SLIGHT: f64 = 1.0 / 64.0;
 /// Part of the largest acceleration that may act across the path.
-const ACROSS: f64 = 0.8;
+const ACROSS: f64 = ARC_HIGHEST * ARC_HIGHEST;
 /// A knee below this is rounding of coordinates.
 const SMOOTH: f64 = 1.0 / 20_000.0;
 /// The same for STEP.
@@ -64,6 +88,10 @@ pub struct BlockLimits {
     pub j_beside: f64,
     /// Acceleration that it may use.
     pub a_beside: f64,
+    /// Speed of an arc that leaves a joint its part; of a line none.
+    pub v_beside: f64,
+    /// Acceleration that may pass the ends of an arc.
+    pub passing: f64,
 }
 
 impl BlockLimits {
@@ -270,8 +298,8 @@ impl Machine {
         if rapid { &self.rapid } else { &self.feed }
     }
 
-    /// Limits of one block.
-    pub fn block(&self, element: &Element) -> BlockLimits {
+    /// Limits of one block; of an arc with the radians from where its circle begins to its end.
+    pub fn block(&self, element: &Element, turn: f64) -> BlockLimits {
         let axes = self.axes(element.feed.is_none());
         let shares = shares(element);
         let least = |limit: &dyn Fn(&AxisLimits) -> f64| {
@@ -306,38 +334,76 @@ impl Machine {
             j: std::array::from_fn(|k| least(&|a| a.j[k])),
             j_beside: mean * JOINT * least(&|a| a.jerk),
             a_beside: least(&|a| a.a_beside),
+            v_beside: f64::INFINITY,
+            passing: f64::INFINITY,
         };
         if let Shape::Arc { axes: plane, radius, .. } = &element.shape {
             let share = shares[plane[0]];
             let curvature = share * share / radius[0].min(radius[1]);
             let both =
                 |limit: &dyn Fn(&AxisLimits) -> f64| limit(&axes[plane[0]]).min(limit(&axes[plane[1]]));
-            let (mut a_max, mut jerk) = (both(&|a| a.a_max), both(&|a| a.jerk));
+            let (mut a_max, jerk) = (both(&|a| a.a_max), both(&|a| a.jerk));
             let mut normal = both(&|a| a.a_up.min(a.a_down));
-            if self.slope == 0 {
-                (a_max, jerk, normal) = ((1.0 - KNEE) * a_max, 1e20, both(&AxisLimits::least));
+            let stepped = self.slope == 0;
+            if stepped {
+                (a_max, normal) = ((1.0 - KNEE) * a_max, both(&AxisLimits::least));
             }
-            // Across the path v²κ, its change along the path v³κ².
-            let across = normal.min(ACROSS * a_max);
-            limits.v = limits.v.min((across / curvature).sqrt());
-            limits.v = limits.v.min((ARC_TURN * jerk * share / (curvature * curvature)).cbrt());
-            limits.j = limits.j.map(|j| j.min(mean * ARC_SLOPE * jerk / share));
-            // What is left of a_max along the path, and of B for the change 3vκ·a across it: the faster, the
-            // less. The speed that is best for the full circle, from rest to rest with constant acceleration.
-            let slope = limits.a_up.min(limits.a_down);
-            let length = std::f64::consts::TAU / curvature;
-            let choices = (0..ARC_SPEEDS).map(|i| {
-                let v = limits.v * ARC_SPEED_STEP.powi(i);
+            let is_free = !stepped && both(&|a| a.bend) == f64::INFINITY;
+            // At that speed v³κ² takes all of B.
+            let whole = if stepped { f64::INFINITY } else { (jerk * share / (curvature * curvature)).cbrt() };
+            limits.v = limits.v.min(ARC_HIGHEST * whole);
+            limits.v = limits.v.min((normal.min(ACROSS * a_max) / curvature).sqrt());
+            let mut counted = FRAC_PI_4;
+            while counted < ARC_MOST_TURNS && 2.0 * counted <= turn * ARC_NEARLY {
+                counted *= 2.0;
+            }
+            let counted = if stepped { counted.max(TAU) } else { counted };
+            let length = counted * share / curvature;
+            let at = |v: f64| {
+                let mut with = BlockLimits { v, ..limits };
                 let across = v * v * curvature;
-                let along = (a_max * a_max - across * across).max(0.0).sqrt() / share;
-                let left = (1.0 - ARC_SLOPE) * jerk - across * v * curvature / share;
-                let a = slope.min(along).min(left / (3.0 * v * curvature));
-                let time = if length >= v * v / a { length / v + v / a } else { 2.0 * (length / a).sqrt() };
-                (time, v, a)
-            });
-            if let Some((_, v, a)) = choices.min_by(|x, y| x.0.total_cmp(&y.0)) {
-                limits.v = v;
-                limits.lower(a);
+                with.lower((a_max * a_max - across * across).max(0.0).sqrt() / share);
+                if !stepped {
+                    let level = ARC_LEVELS.iter().rev().find(|level| v <= level[0] * whole);
+                    let [against, along] = level.map_or([0.0; 2], |level| [level[1], level[2]]);
+                    let unit = mean * jerk / share;
+                    for (j, part) in with.j.iter_mut().zip([along, against, against, along]) {
+                        *j = j.min(part * unit);
+                    }
+                }
+                with
+            };
+            // From rest to rest, or with one end at the speed.
+            let time = |with: &BlockLimits| {
+                let rise = Change::new(0.0, with.v, with.accelerate());
+                let (takes, way) = (rise.time(), rise.distance);
+                if is_free {
+                    length / with.v + takes - way / with.v
+                } else if 2.0 * way <= length {
+                    2.0 * takes + (length - 2.0 * way) / with.v
+                } else {
+                    2.0 * takes * (length / (2.0 * way)).cbrt()
+                }
+            };
+            let tried = if counted * ARC_NEARLY >= ARC_TURNS { 2 } else { ARC_SPEEDS.len() };
+            let first = at(limits.v);
+            let unchanged = (first.a_up, first.a_down, first.j) == (limits.a_up, limits.a_down, limits.j);
+            let tried = if unchanged { 1 } else { tried };
+            let (mut best, mut shortest) = (first, time(&first));
+            for with in ARC_SPEEDS[1..tried].iter().map(|part| at(limits.v * part)) {
+                if time(&with) < ARC_CLEARLY * shortest {
+                    (best, shortest) = (with, time(&with));
+                }
+            }
+            limits = best;
+            limits.lower(limits.a_up.min(limits.a_down));
+            if !stepped {
+                limits.j_beside = limits.j_beside.min(mean * ARC_SLOPE * jerk / share);
+                limits.v_beside = ARC_TURN.cbrt() * whole;
+                let steepest = limits.j.into_iter().fold(0.0, f64::max) / mean;
+                let both = steepest * share + curvature * curvature / share * limits.v.powi(3);
+                limits.passing =
+                    SURELY * (jerk * jerk - both * both).max(0.0).sqrt() / (3.0 * limits.v * curvature);
             }
         }
         limits.leave_distance();
@@ -346,8 +412,8 @@ impl Machine {
 
     /// Highest speed of a block with any override: that of the machine, up to twice the feed. That of an arc
     /// follows from its feed.
-    pub fn overridden(&self, element: &Element) -> f64 {
-        let v = self.block(element).v;
+    pub fn overridden(&self, element: &Element, turn: f64) -> f64 {
+        let v = self.block(element, turn).v;
         if element.shape != Shape::Line || element.feed.is_none() {
             return v;
         }
@@ -383,13 +449,17 @@ impl Machine {
         end.iter().zip(&begin).any(|(t0, t1)| (t1 - t0).abs() > CORNER)
     }
 
-    /// Highest speed at which the step of speed at a joint never shows on any axis.
+    /// Highest speed at which the steps of speed and of acceleration at a joint never show on any axis.
     pub fn unseen(&self, before: &Element, after: &Element) -> f64 {
         let axes = self.axes(before.feed.is_none() && after.feed.is_none());
-        let (end, begin) = (direction(before, 1.0).tangent, direction(after, 0.0).tangent);
-        let knees = end.iter().zip(&begin).map(|(t0, t1)| (t1 - t0).abs());
+        let (end, begin) = (direction(before, 1.0), direction(after, 0.0));
         let smooth = if self.slope == 0 { STEP_SMOOTH } else { SMOOTH };
-        let speeds = axes.iter().zip(knees).map(|(axis, knee)| smooth * axis.jerk / knee);
+        let speeds = axes.iter().enumerate().map(|(k, axis)| {
+            let knee = (begin.tangent[k] - end.tangent[k]).abs();
+            let bend = (begin.curvature[k] - end.curvature[k]).abs();
+            let bend = if axis.bend == f64::INFINITY { 0.0 } else { bend };
+            (smooth * axis.jerk / knee).min((smooth * axis.jerk / bend).sqrt())
+        });
         speeds.fold(f64::INFINITY, f64::min) * (1.0 - tolerance::SPEED_MARGIN)
     }
 

@@ -28,7 +28,7 @@ pub fn merged(contour: &Contour, machine: &Machine) -> Contour {
         {
             points.push(last.to.clone());
             *last = line;
-            let limits = machine.block(last);
+            let limits = machine.block(last, 0.0);
             let time = (tolerance::MERGED / machine.unseen_knee(last.feed.is_none())).min(LONGEST_TIME);
             last.long = path_length(last) >= (WAYS * ways(&limits)).max(limits.v * time);
         } else {

@@ -65,11 +65,14 @@ pub fn decided(
     let mut behind: Option<&Element> = None;
     // The last one has left the joint at its start a part.
     let mut left = false;
+    // Radians from where the circle begins.
+    let mut turn = 0.0;
     for (number, element) in contour.elements.iter().enumerate() {
         let length = path_length(element);
-        let mut limits = machine.block(element);
+        turn = turned(before, element, turn);
+        let mut limits = machine.block(element, turn);
         let after_brief = row.is_brief();
-        limits.v = limits.v.min(row.take(length, machine.overridden(element)));
+        limits.v = limits.v.min(row.take(length, machine.overridden(element, turn)));
         let mut v_start = 0.0;
         let mut through = false;
         let mut shared = false;
@@ -86,11 +89,13 @@ pub fn decided(
                     joint = Some(both.min(joint.unwrap_or(both)));
                 }
             }
+            let arc = limits.v_beside.min(last.limits.v_beside);
+            joint = joint.map(|v| v.min(arc));
             let unseen = if limits.slope == 0 { 0.0 } else { cap.min(machine.unseen(before, element)) };
             let unseen = unseen.min(joint.unwrap_or(unseen));
             let standing = match joint {
                 Some(_) if !left && last.is_hasty() => true,
-                Some(v) if v < cap && machine.is_corner(before, element) => {
+                Some(v) if v < cap && (arc < f64::INFINITY || machine.is_corner(before, element)) => {
                     match worth([(last.limits, last.length), (limits, length)], v) {
                         Worth::Passing => false,
                         Worth::Standing => true,
@@ -120,8 +125,12 @@ pub fn decided(
                 v_start = v_start.min(knees.take(between, [before, element], highest, machine));
             }
             let fastest = [limits, last.limits].iter().fold(0.0, |a: f64, l| a.max(l.a_up).max(l.a_down));
+            // A law that begins or ends with acceleration in an arc.
+            let passes =
+                arc == f64::INFINITY || !shared || limits.passing.min(last.limits.passing) >= fastest;
             through = limits.slope != 0
                 && !standing
+                && passes
                 && joint.is_none_or(|v| v >= cap && machine.slight(before, element, cap))
                 && limits.are(&last.limits)
                 && machine.turns_little(before, element, fastest);
@@ -143,6 +152,22 @@ pub fn decided(
         left = shared;
     }
     blocks
+}
+
+/// Centres closer than that in both axes are one, mm.
+const ONE_CENTRE: f64 = 1.0 / 512.0;
+
+/// Radians from where the circle of an arc begins to its end: arcs about one centre, one behind the other, are one.
+fn turned(before: Option<&Element>, element: &Element, turn: f64) -> f64 {
+    let Shape::Arc { axes, centre, sweep, .. } = &element.shape else { return 0.0 };
+    let goes_on = match before.map(|before| &before.shape) {
+        Some(Shape::Arc { axes: others, centre: from, sweep: swept, .. }) => {
+            let near = centre.iter().zip(from).all(|(a, b)| (a - b).abs() < ONE_CENTRE);
+            axes == others && near && sweep.signum() == swept.signum()
+        }
+        _ => false,
+    };
+    if goes_on { turn + sweep.abs() } else { sweep.abs() }
 }
 
 /// The blocks as a library decided where both ways take as long: whether its plan enters the block behind

@@ -1,0 +1,192 @@
+//! What an arc takes of the limits, and what it leaves to a change of speed.
+//!
+//! On a radius r an axis meets every direction. With the speed v, the acceleration a and the jerk j along the arc it
+//! shows up to √(a² + (v²/r)²) and √((j − v³/r²)² + (3·v·a/r)²). At the speed V with V³ = B·r² the curve alone takes all
+//! of the jerk B.
+//!
+//! A law begins and ends without acceleration, and is nowhere faster than the arc permits. So while it goes on at the
+//! speed w below the arc's speed v, its acceleration is at most √(2·n·(v − w)), n being the highest jerk against the
+//! motion: near its highest speed there is nearly none. The jerk against the motion adds to that of the curve, the one
+//! with the motion takes from it. So both jerks are different: with w, v, n and p in units of V and B
+//!
+//! (n + w³)² + 9·w²·2·n·(v − w) ≤ 1,  max(p − w³, w³)² + 9·w²·2·min(n·(v − w), p·w) ≤ 1
+//!
+//! for every w from 0 to v. [`LEVELS`] has for some speeds the n and p with which a law from rest loses least beside
+//! one that begins at v. They hold for each lower speed too, and for lower jerks.
+//!
+//! The higher the speed, the longer a law takes to reach it. How far the arc goes on decides: of [`SPEEDS`] the one is
+//! taken with which the turn is quickest. An arc that goes on where another one ends counts with it.
+//!
+//! An acceleration that passes the end of an arc is not bound like that: see [`Share::passing`].
+use super::Share;
+use crate::math::float::{max, min};
+use crate::math::root::{cbrt_f32, sqrt_f32};
+use crate::slope::limits::{Limits, SlopeLaw, lower};
+use core::f32::consts::{FRAC_PI_4, PI, TAU};
+
+/// A speed, the highest jerk against the motion and the one with it, in units of V and B.
+struct Level {
+    v: f32,
+    against: f32,
+    along: f32,
+}
+
+const fn level(v: f32, against: f32, along: f32) -> Level {
+    Level { v, against, along }
+}
+
+/// From the highest speed to the lowest.
+const LEVELS: [Level; 11] = [
+    level(0.986, 0.0404, 0.80),
+    level(0.957, 0.1223, 0.95),
+    level(0.918, 0.2241, 0.87),
+    level(0.868, 0.3408, 0.78),
+    level(0.810, 0.3983, 0.78),
+    level(0.740, 0.4491, 0.81),
+    level(0.671, 0.5444, 0.82),
+    level(0.592, 0.6776, 0.84),
+    level(0.500, 0.7788, 0.89),
+    level(0.400, 0.8939, 0.93),
+    level(0.300, 0.9535, 0.97),
+];
+/// Highest part of V, and of the speed at which the curve takes all of the acceleration.
+pub(super) const HIGHEST: f32 = 0.985;
+/// Parts of the highest speed that are tried; of an arc of two turns the first two.
+const SPEEDS: [f32; 8] = [1.0, 0.971, 0.93, 0.88, 0.82, 0.75, 0.68, 0.6];
+const LONG: usize = 2;
+/// Times that differ by less are one: the higher speed is taken.
+const CLEARLY: f32 = 1.0 - 1.0 / 4096.0;
+/// Radians that count as two turns, and the most.
+const TWO_TURNS: f32 = 4.0 * PI;
+const MOST_TURNS: f32 = 64.0 * PI;
+/// Angles that differ by less than that part are one.
+const NEARLY: f32 = 1.001;
+/// Parts of B beside a transition: for the curve, and for the slope.
+const CURVE_PART: f32 = 0.5;
+const SLOPE_PART: f32 = 0.25;
+/// What is below that part of another value is below it for any rounding.
+const SURELY: f32 = 0.999;
+
+/// A circle in the plane of two axes, and what they permit.
+pub(super) struct Bend {
+    /// Of the path, 1/mm: of a helix share²/r.
+    pub curvature: f32,
+    /// Part of the path that lies in the plane.
+    pub share: f32,
+    /// Radians from the begin of the circle to the end of the arc.
+    pub turn: f32,
+    /// Acceleration of the slope, and the largest one, mm/tick².
+    pub normal: f32,
+    pub a_max: f32,
+    /// B, mm/tick³; `None` with a slope that knows no jerk.
+    pub budget: Option<f32>,
+    /// Acceleration may begin at once at a joint: an arc need not be entered at a low speed.
+    pub is_free: bool,
+}
+
+impl Bend {
+    /// A speed of V, mm/tick.
+    fn jerk_speed(&self, budget: f32) -> f32 {
+        cbrt_f32(budget * self.share / (self.curvature * self.curvature))
+    }
+
+    /// Acceleration along the path that a speed leaves, mm/tick².
+    fn along(&self, v: f32) -> f32 {
+        let across = v * v * self.curvature;
+        sqrt_f32(max(self.a_max * self.a_max - across * across, 0.0)) / self.share
+    }
+
+    /// Radians that count: the next lower one of some angles, so that pieces of one arc have the limits of their
+    /// neighbours.
+    fn turns(&self) -> f32 {
+        let mut turn = FRAC_PI_4;
+        while turn < MOST_TURNS && 2.0 * turn <= self.turn * NEARLY {
+            turn *= 2.0;
+        }
+        turn
+    }
+
+    /// Acceleration along the path that may pass the ends of an arc with that speed and jerk, mm/tick²: √((j + v³/r²)² +
+    /// (3·v·a/r)²) is at most B.
+    fn passing(&self, v: f32, jerk: f32, budget: f32) -> f32 {
+        let twist = self.curvature * self.curvature / self.share;
+        let both = jerk * self.share + twist * v * v * v;
+        SURELY * sqrt_f32(max(budget * budget - both * both, 0.0)) / (3.0 * v * self.curvature)
+    }
+}
+
+impl Limits {
+    /// Takes in an arc; `share`: what that leaves beside a transition.
+    pub(super) fn bend(&mut self, share: &mut Share, bend: &Bend) {
+        let most = min(self.a_up, self.a_down);
+        let highest = bend.budget.map_or(f32::MAX, |budget| bend.jerk_speed(budget));
+        self.v = min(self.v, HIGHEST * highest);
+        // Roots only where they may be lower.
+        if self.v * self.v * bend.curvature >= SURELY * HIGHEST * HIGHEST * bend.normal {
+            let normal = min(bend.normal, HIGHEST * HIGHEST * bend.a_max);
+            self.v = min(self.v, sqrt_f32(normal / bend.curvature));
+        }
+        let turn = bend.turns();
+        // STEP has its acceleration at once, and passes more arcs than it speeds up in.
+        let turn = if bend.budget.is_none() { max(turn, TAU) } else { turn };
+        let length = turn * bend.share / bend.curvature;
+        let mut best = (f32::MAX, *self);
+        for (k, part) in SPEEDS.into_iter().enumerate() {
+            if k == LONG && turn * NEARLY >= TWO_TURNS {
+                break;
+            }
+            let with = self.bent(bend, self.v * part, highest);
+            let time = with.time(length, bend.is_free);
+            if time < CLEARLY * best.0 {
+                best = (time, with);
+            }
+            if k == 0 && with.leaves_all_of(self) {
+                break;
+            }
+        }
+        *self = best.1;
+        let a = min(self.a_up, self.a_down);
+        self.curve(a, min(most, SURELY * bend.a_max / bend.share), true);
+        let (Some(budget), SlopeLaw::JerkLimited { shape, j, .. }) = (bend.budget, &self.law) else { return };
+        let jerk = shape.peak_jerk() * j.into_iter().copied().fold(0.0, max);
+        share.j = min(share.j, SLOPE_PART / shape.peak_jerk() * budget / bend.share);
+        share.v = min(share.v, cbrt_f32(CURVE_PART) * highest);
+        share.passing = min(share.passing, bend.passing(self.v, jerk, budget));
+    }
+
+    /// Those at that speed; `highest` is V.
+    fn bent(&self, bend: &Bend, v: f32, highest: f32) -> Self {
+        let mut limits = Self { v, ..*self };
+        limits.lower_accelerations(bend.along(v));
+        if let (Some(budget), SlopeLaw::JerkLimited { shape, j, .. }) = (bend.budget, &mut limits.law) {
+            let [against, along] = LEVELS
+                .iter()
+                .take_while(|level| v <= level.v * highest)
+                .last()
+                .map_or([0.0; 2], |level| [level.against, level.along]);
+            let unit = budget / (shape.peak_jerk() * bend.share);
+            let [against, along] = [against * unit, along * unit];
+            lower(j, [along, against, against, along]);
+        }
+        limits
+    }
+
+    /// Whether it is as the others but for the speed.
+    fn leaves_all_of(&self, other: &Self) -> bool {
+        self.a_up >= other.a_up && self.a_down >= other.a_down && self.law == other.law
+    }
+
+    /// Ticks over a length from rest to rest, about; `entered`: the one end or the other one at their speed.
+    fn time(&self, length: f32, entered: bool) -> f32 {
+        let ramp = self.speed_up();
+        let [way, _] = ramp.distance(0.0, self.v);
+        let takes = ramp.duration(0.0, self.v);
+        if entered {
+            return length / self.v + (takes - way / self.v);
+        }
+        if 2.0 * way <= length {
+            return 2.0 * takes + (length - 2.0 * way) / self.v;
+        }
+        2.0 * takes * cbrt_f32(length / (2.0 * way))
+    }
+}

@@ -1,0 +1,46 @@
+//! How far arcs turn about one centre: an arc that goes on where another one ends counts as one arc with it
+//! ([`crate::path::Circle::turn`]).
+use crate::nc::Plane;
+use crate::path::Element;
+use crate::quantity::Position;
+
+/// Centres of arcs closer than this in both axes are one: 2^-9 mm, more than coordinates of three decimals are off by.
+const ONE_CENTRE: u64 = 1 << 23;
+
+/// The arc taken in last.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Turning {
+    centre: [Position; 2],
+    plane: Plane,
+    clockwise: bool,
+    /// Number of the motion block behind it.
+    behind: u32,
+    /// Radians up to its end.
+    turn: f32,
+}
+
+impl Turning {
+    /// None.
+    pub const NONE: Self =
+        Self { centre: [Position::ZERO; 2], plane: Plane::G17, clockwise: false, behind: 0, turn: 0.0 };
+
+    /// An arc comes in as motion block `number`, and counts with the one before.
+    pub fn go_on<const AXES: usize>(
+        &mut self,
+        element: &mut Element<AXES>,
+        (centre, plane, clockwise): ([Position; 2], Plane, bool),
+        number: u32,
+    ) {
+        let Some(circle) = &mut element.circle else { return };
+        let near = |(a, b): (&Position, &Position)| a.to_bits().abs_diff(b.to_bits()) < ONE_CENTRE;
+        let is_one = self.behind == number
+            && self.turn > 0.0
+            && self.plane == plane
+            && self.clockwise == clockwise
+            && self.centre.iter().zip(&centre).all(near);
+        if is_one {
+            circle.turn += self.turn;
+        }
+        *self = Self { centre, plane, clockwise, behind: number.wrapping_add(1), turn: circle.turn };
+    }
+}
