@@ -13,7 +13,7 @@ fn go(text: &str, mode: u8) -> Run {
 fn corners(on: &str, off: &str, mode: u8) -> [i64; 4] {
     let run = go(
         &format!(
-            "N10 G01 X0 Y0 F20000\n{on}\nN20 X20\nN30 X40 Y20\nN40 G02 X60 Y20 R30\nN50 G02 X80 Y20 R30\nN60 G01 X100\n{off}\nM30\n"
+            "N10 G01 X0 Y0 F3000\n{on}\nN20 X20\nN30 X40 Y20\nN40 G02 X60 Y20 R30\nN50 G02 X80 Y20 R30\nN60 G01 X100\n{off}\nM30\n"
         ),
         mode,
     );
@@ -56,7 +56,7 @@ fn corners_keep_the_tolerance_of_the_curve() {
     // A line as long as PATH_DEV between two arcs is left out: one corner instead of two.
     let text = |dev: f64, length: f64| {
         format!(
-            "N10 G01 X0 Y0 F20000\n#HSC ON [BSPLINE PATH_DEV={dev}]\nN20 X20\nN30 G02 X40 R30\nN40 G01 X{0}\nN50 G02 X{1} R30\nN60 G01 X90\n#HSC OFF\nM30\n",
+            "N10 G01 X0 Y0 F3000\n#HSC ON [BSPLINE PATH_DEV={dev}]\nN20 X20\nN30 G02 X40 R30\nN40 G01 X{0}\nN50 G02 X{1} R30\nN60 G01 X90\n#HSC OFF\nM30\n",
             40.0 + length,
             60.0 + length
         )
@@ -69,7 +69,7 @@ fn corners_keep_the_tolerance_of_the_curve() {
     machine.channel.auto_contour_mode = 2;
     let short_of = |track: f64| {
         let text = format!(
-            "N10 G01 X0 Y0 F20000\n#HSC ON [BSPLINE PATH_DEV=0.5 TRACK_DEV={track}]\nN20 X20 A20\nN30 G02 X40 R30 A0\nN40 G01 X60\n#HSC OFF\nM30\n"
+            "N10 G01 X0 Y0 F3000\n#HSC ON [BSPLINE PATH_DEV=0.5 TRACK_DEV={track}]\nN20 X20 A20\nN30 G02 X40 R30 A0\nN40 G01 X60\n#HSC OFF\nM30\n"
         );
         let run = run_from::<4>(&text, [Position::ZERO; 4], &machine);
         20.0 - (0..run.trace.len()).map(|row| run.trace.mm(row)[3]).fold(0.0, f64::max)
@@ -81,7 +81,7 @@ fn corners_keep_the_tolerance_of_the_curve() {
 /// The corner needs no standstill where an arc begins, and the motion is faster than with corners kept.
 #[test]
 fn rounded_corners_are_passed_without_a_standstill() {
-    let text = "N10 G01 X0 Y0 F20000\n#HSC ON [BSPLINE PATH_DEV=0.1]\nN20 X20\nN30 X40 Y5\nN40 G02 X60 R30\nN50 G01 X80 Y10\nN60 X100\n#HSC OFF\nM30\n";
+    let text = "N10 G01 X0 Y0 F3000\n#HSC ON [BSPLINE PATH_DEV=0.1]\nN20 X20\nN30 X40 Y5\nN40 G02 X60 R30\nN50 G01 X80 Y10\nN60 X100\n#HSC OFF\nM30\n";
     let [kept, rounded] = [0, 2].map(|mode| go(text, mode));
     let least = |run: &Run| {
         let speeds = run.speeds();
@@ -98,7 +98,7 @@ fn what_stands_beside_an_arc() {
     let distance = |line: &str| {
         let run = go(
             &format!(
-                "N10 G01 X0 Y0 F20000\n#HSC ON [BSPLINE PATH_DEV=0.1 AUTO_OFF_G60=1]\nN20 X10\nN30 {line}\nN40 G02 X40 R30\nN50 G01 X60\nM30\n"
+                "N10 G01 X0 Y0 F3000\n#HSC ON [BSPLINE PATH_DEV=0.1 AUTO_OFF_G60=1]\nN20 X10\nN30 {line}\nN40 G02 X40 R30\nN50 G01 X60\nM30\n"
             ),
             1,
         );
@@ -111,7 +111,7 @@ fn what_stands_beside_an_arc() {
     assert!((0.098..=0.105).contains(&off) && last == end && events == 1, "{off} {last:?} {events}");
     // It begins with an arc, and ends with one.
     let run = go(
-        "N10 G01 X0 Y0 F20000\n#HSC ON [BSPLINE PATH_DEV=0.1]\nN20 G02 X20 R30\nN30 G02 X40 R30\n#HSC OFF\nN40 G01 X60\nM30\n",
+        "N10 G01 X0 Y0 F3000\n#HSC ON [BSPLINE PATH_DEV=0.1]\nN20 G02 X20 R30\nN30 G02 X40 R30\n#HSC OFF\nN40 G01 X60\nM30\n",
         2,
     );
     assert!((0.098..=0.105).contains(&run.distance([20.0, 0.0])));

@@ -139,6 +139,9 @@ impl Limits {
             let time = with.time(length, bend.is_free);
             if time < CLEARLY * best.0 {
                 best = (time, with);
+            } else if CLEARLY * time > best.0 {
+                // Times fall and then rise.
+                break;
             }
             if k == 0 && with.leaves_all_of(self) {
                 break;

@@ -393,6 +393,8 @@ impl Machine {
             for with in ARC_SPEEDS[1..tried].iter().map(|part| at(limits.v * part)) {
                 if time(&with) < ARC_CLEARLY * shortest {
                     (best, shortest) = (with, time(&with));
+                } else if ARC_CLEARLY * time(&with) > shortest {
+                    break;
                 }
             }
             limits = best;
