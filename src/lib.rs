@@ -132,7 +132,7 @@ pub use quantity::Position;
 pub use technology::{Function, Output, Technology};
 pub use tick::{Interpolator, State};
 
-// The tower: each module uses those above it alone (`host-tests/tests/tower.rs`). Hidden are those that an
+// The tower: each module uses those above it alone (`host-tests/tests/papers/tower.rs`). Hidden are those that an
 // application does not name.
 
 #[doc(hidden)]

@@ -2,7 +2,7 @@
 //!
 //! Angles are in degrees and reduced exactly, so SIN\[90\] = 1, COS\[90\] = 0, SIN\[30\] = 0.5. Errors
 //! against the true value: sine, cosine, tangent, arc functions, square root, exponential and logarithm at
-//! most 2 ulp, tangent and the arc functions of it 3 (host-tests/tests/nc_real.rs); powers with whole
+//! most 2 ulp, tangent and the arc functions of it 3 (host-tests/tests/language/nc_real.rs); powers with whole
 //! exponents at most 1 ulp per multiplication.
 
 #![expect(clippy::neg_cmp_op_on_partial_ord, reason = "`!(a <= b)` is meant to hold for what is no number")]

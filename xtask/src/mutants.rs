@@ -125,10 +125,11 @@ fn tests_of(file: &str, conformance: &str) -> Tests {
         let rows = conformance.lines().filter(|line| line.starts_with("| ") && line.contains(place));
         for word in rows.flat_map(|line| line.split('`').skip(1).step_by(2)) {
             let Some((path, name)) = word.split_once("::") else { continue };
-            let Some(target) = target(path) else { continue };
+            let Some((target, module)) = target(path) else { continue };
+            let name = format!("{module}{name}");
             let names = tests.entry(target).or_default();
-            if !names.iter().any(|known| known == name) {
-                names.push(name.to_owned());
+            if !names.contains(&name) {
+                names.push(name);
             }
         }
         tests
@@ -137,16 +138,17 @@ fn tests_of(file: &str, conformance: &str) -> Tests {
     if own.is_empty() { of(&format!("`{folder}/")) } else { own }
 }
 
-/// What cargo is told for a file of tests.
-fn target(path: &str) -> Option<Vec<String>> {
-    let words = |words: [&str; 4]| Some(words.map(str::to_owned).to_vec());
-    let binary = |rest: &str| rest.split(['/', '.']).next().unwrap_or("").to_owned();
+/// What cargo is told for a file of tests, and what stands before the names of these tests.
+fn target(path: &str) -> Option<(Vec<String>, String)> {
+    let words = |words: [&str; 4]| words.map(str::to_owned).to_vec();
+    let without_end = |name: &str| name.strip_suffix(".rs").unwrap_or(name).to_owned();
     if let Some(rest) = path.strip_prefix("host-tests/tests/") {
-        words(["-p", "host-tests", "--test", &binary(rest)])
-    } else if let Some(rest) = path.strip_prefix("boards/host/tests/") {
-        words(["-p", "glidepath-host", "--test", &binary(rest)])
+        let (system, file) = rest.split_once('/')?;
+        let module = if file == "main.rs" { String::new() } else { without_end(file) + "::" };
+        Some((words(["-p", "host-tests", "--test", system]), module))
     } else {
-        None
+        let rest = path.strip_prefix("boards/host/tests/")?;
+        Some((words(["-p", "glidepath-host", "--test", &without_end(rest)]), String::new()))
     }
 }
 

@@ -368,7 +368,7 @@ const EXACT: f32 = 1.0 - 1.0 / 16_384.0;
 /// takes. PTP is for the shortest time.
 const PART: [f32; 2] = [0.93, 0.85];
 /// DEV has standstills to compete with: with a little tolerance no more time may be lost than that saves. And
-/// a feed hold is not to take longer than 1.3 s in the corners of `host-tests/tests/hold.rs`.
+/// a feed hold is not to take longer than 1.3 s in the corners of `host-tests/tests/commands/hold.rs`.
 const PART_DEV: [f32; 2] = [0.95, 0.905];
 /// See [`PART`].
 const PART_PTP: [f32; 2] = [0.975, 0.96];

@@ -433,7 +433,7 @@ fn random_run(seed: u64) {
 }
 
 /// GLIDEPATH_SEEDS: how many; GLIDEPATH_FROM: the first one. 3000 take some minutes:
-/// `GLIDEPATH_FROM=10000 GLIDEPATH_SEEDS=3000 cargo test -p host-tests --release --test filters random`
+/// `GLIDEPATH_FROM=10000 GLIDEPATH_SEEDS=3000 cargo test -p host-tests --release --test beside filters::random`
 #[test]
 fn random_programs_with_an_operator_keep_everything() {
     // D3-227, D3-232, D3-234: filters differ per axis, with holds, changes of the override and stalls. The

@@ -54,7 +54,7 @@ fn it_is_the_one_shown() {
     // Behind the drawing, which is the first block of code.
     let page = page.join("\n");
     let shown = page.split(" ```").nth(3).expect("a block of code");
-    let tested = between(&read("host-tests/tests/front_page.rs"), "// <example>\n", "// </example>");
+    let tested = between(&read("host-tests/tests/papers/front_page.rs"), "// <example>\n", "// </example>");
     let words = |text: &str| text.lines().map(str::trim).collect::<Vec<_>>().join("\n");
     assert_eq!(words(shown).trim(), words(&tested).trim());
 }

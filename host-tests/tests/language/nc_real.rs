@@ -1,8 +1,7 @@
 //! Functions of expressions against std, through the language: at most 2 ulp, and exact where the true value
 //! is simple.
-mod nc_decode;
 use glidepath::nc::NcErrorKind;
-use nc_decode::{Random, error, value};
+use crate::nc_decode::{Random, error, value};
 
 /// Distance in units of the last place of `b`.
 fn ulps(a: f64, b: f64) -> f64 {

@@ -1,6 +1,5 @@
 //! Decimals to fixed point: exact against big integers, to nearest, ties away from zero.
-mod nc_decode;
-use nc_decode::{Random, commands, motions, value};
+use crate::nc_decode::{Random, commands, motions, value};
 
 /// digits / 10^scale · num/den in units of 2^-32, by long division in 128 bits, then the rest decides.
 fn reference(digits: u64, scale: u32, num: u64, den: u64) -> i64 {
@@ -142,10 +141,10 @@ fn feed_follows_p_chan_00108() {
         (100_000, "0.125", 125, 3),
         (254_000, "7.1", 71, 1),
     ] {
-        let mut setup = nc_decode::setup();
+        let mut setup = crate::nc_decode::setup();
         setup.feedrate_factor_milli = milli;
         let program = format!("G01 X1 F{text}");
-        let (out, _, error, _) = nc_decode::decode_with(setup, program.as_bytes(), 100);
+        let (out, _, error, _) = crate::nc_decode::decode_with(setup, program.as_bytes(), 100);
         assert_eq!(error, None);
         let Command::Motion(motion) = out[0] else { panic!("{out:?}") };
         assert_eq!(

@@ -1,9 +1,8 @@
 //! Rows NC-001…NC-008 and gaps §11: program structure, words, modal state, parameters, control blocks.
-mod nc_decode;
 use glidepath::machine::{Synch, SynchTable};
 use glidepath::nc::{ArcBy, Command, DwellTime, MotionKind, NcWarningKind, Plane};
 use glidepath::quantity::Position;
-use nc_decode::{commands, decode, decode_with, ends, motions, setup, value};
+use crate::nc_decode::{commands, decode, decode_with, ends, motions, setup, value};
 
 fn mm(x: f64) -> Position {
     Position::from_num(x)
@@ -75,14 +74,14 @@ fn nc_003_comments_continuation_and_blanks() {
         let out = motions(&text);
         assert_eq!(xs(&text), [1.0, 2.0], "line ends of every kind: {text:?}");
         assert_eq!((out[1].place.line, out[1].place.column), (3, 1), "{text:?}");
-        let error = nc_decode::error(&text.replace("Y3", "Q3"));
+        let error = crate::nc_decode::error(&text.replace("Y3", "Q3"));
         assert_eq!((error.place.line, error.place.column), (4, 7), "{text:?}");
         assert_eq!(&text.as_bytes()[error.place.offset as usize..][..2], b"Y3", "{text:?}");
     }
     // CR at the end of a chunk of 64 bytes, LF at the start of the next; empty lines count.
     for blanks in 50..70 {
         let text = format!("G0 X1{}\r\n\r\r\n\nX2 Q1", " ".repeat(blanks));
-        let place = nc_decode::error(&text).place;
+        let place = crate::nc_decode::error(&text).place;
         assert_eq!((place.line, place.column, place.offset as usize), (5, 4, text.len() - 2), "{blanks}");
     }
     assert_eq!(xs("G0 X1 (\u{e4}\u{f6}\u{fc} \u{4e2d})\nX2"), [1.0, 2.0], "comments in any language");
@@ -279,7 +278,7 @@ fn nc_007_parameters_and_expressions() {
 fn nc_007_deep_expressions_have_a_limit() {
     let nested = |depth: usize| format!("P1={}1{}", "[".repeat(depth), "]".repeat(depth));
     assert!(decode(&nested(24)).error.is_none());
-    assert_eq!(nc_decode::error(&nested(25)).kind, glidepath::nc::NcErrorKind::ExpressionTooDeep);
+    assert_eq!(crate::nc_decode::error(&nested(25)).kind, glidepath::nc::NcErrorKind::ExpressionTooDeep);
 }
 
 #[test]
@@ -364,7 +363,7 @@ fn jumps() {
 fn nesting_has_limits() {
     let nest = |n: usize| format!("{}{}", "$IF 1\n".repeat(n), "$ENDIF\n".repeat(n));
     assert!(decode(&nest(20)).error.is_none());
-    assert_eq!(nc_decode::error(&nest(21)).kind, glidepath::nc::NcErrorKind::NestingTooDeep);
+    assert_eq!(crate::nc_decode::error(&nest(21)).kind, glidepath::nc::NcErrorKind::NestingTooDeep);
     let skipped = format!("$IF 0\n{}$ENDIF\nG0 X1", nest(300));
     assert_eq!(xs(&skipped), [1.0], "what is passed over may be deeper");
 }
@@ -373,7 +372,7 @@ fn nesting_has_limits() {
 fn parameters_have_a_limit() {
     let fill = |n: usize| (1..=n).map(|i| format!("P{}={i}\n", 7 * i % 1009 + 1)).collect::<String>();
     assert!(decode(&fill(128)).error.is_none());
-    assert_eq!(nc_decode::error(&fill(129)).kind, glidepath::nc::NcErrorKind::TooManyParameters);
+    assert_eq!(crate::nc_decode::error(&fill(129)).kind, glidepath::nc::NcErrorKind::TooManyParameters);
     let text = format!("{}G0 XP8 YP1", (1..=100).rev().map(|i| format!("P{i}={i}\n")).collect::<String>());
     assert_eq!(ends(&text)[0].1, [8.0, 1.0, 0.0]);
 }

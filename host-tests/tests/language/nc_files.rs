@@ -1,10 +1,9 @@
 //! Subroutines in other files, and the ways a file of the same program can be written.
-mod nc_decode;
 use glidepath::nc::{
     Command, Decoder, DecoderMemory, Library, NcError, NcErrorKind, NcWarningKind, Place, Step, Text,
     TextError,
 };
-use nc_decode::{commands, setup};
+use crate::nc_decode::{commands, setup};
 
 type Files<'a> = &'a [(&'a str, &'a str)];
 /// N numbers of the motions, files of the warnings, refusal.
@@ -170,10 +169,10 @@ fn other_spellings_of_one_program() {
 fn a_byte_order_mark_stands_first_or_not_at_all() {
     // Columns count bytes, and the mark has three.
     assert_eq!(
-        nc_decode::error("\u{feff}Q5").place,
+        crate::nc_decode::error("\u{feff}Q5").place,
         Place { line: 1, column: 4, offset: 3, length: 1, file: 0 }
     );
-    assert_eq!(nc_decode::error("\nG0\u{feff}").kind, NcErrorKind::ForeignByte(0xef));
+    assert_eq!(crate::nc_decode::error("\nG0\u{feff}").kind, NcErrorKind::ForeignByte(0xef));
     let (_, _, error) = run_text(b"\xef\xbbX1".as_slice());
     assert_eq!(error.expect("half a mark").kind, NcErrorKind::ForeignByte(0xef));
     assert_eq!(commands("\u{feff}"), []);

@@ -80,7 +80,7 @@ fn the_example_runs() {
 #[test]
 fn the_example_is_the_one_tested() {
     let readme = read("README.md");
-    let tests = read("host-tests/tests/readme.rs");
+    let tests = read("host-tests/tests/papers/readme.rs");
     let words = |text: &str| text.lines().map(|line| line.trim().to_owned()).collect::<Vec<_>>().join("\n");
     let shown = between(between(&readme, "<!-- example -->", "<!-- /example -->"), "```rust\n", "```");
     let tested = between(&tests, "// <example>\n", "// </example>");
@@ -95,7 +95,7 @@ fn times(text: &mut String) {
         "Program times at F 20 m/min and a cycle of 1 ms beside the ideal, the time of one straight line of the same length. Machine\n\
          *even*: 2000 mm/s², ramps 50 ms, 200 mm/s; *examples*: 2000 mm/s², ramps 150 ms, 1000 mm/s. From\n\
          [times.csv](../host-tests/tables/times.csv) and [times_examples.csv](../host-tests/tables/times_examples.csv), asserted by\n\
-         `host-tests/tests/chords.rs`.\n\n| machine | {} |\n|---|---|---:|---:|---:|---:|---:|\n",
+         `host-tests/tests/planning/chords.rs`.\n\n| machine | {} |\n|---|---|---:|---:|---:|---:|---:|\n",
         wanted.join(" | ").replace('_', " ")
     );
     for (machine, file) in [("even", "times.csv"), ("examples", "times_examples.csv")] {

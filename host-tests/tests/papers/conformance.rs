@@ -122,7 +122,7 @@ fn tests_exist() {
 
 /// Tests of the language: each of them names every row that it is to show, in its comment, its name or its
 /// body.
-const OF_ROWS: &str = "host-tests/tests/nc_";
+const OF_ROWS: &str = "host-tests/tests/language/nc_";
 
 /// A keyword test that stands for fifty rows shows none of them: it has a line for each.
 #[test]

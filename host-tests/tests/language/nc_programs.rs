@@ -1,7 +1,6 @@
 //! Whole programs: what comes out, computed a second way.
-mod nc_decode;
 use glidepath::nc::{ArcBy, MotionKind};
-use nc_decode::motions;
+use crate::nc_decode::motions;
 
 /// Within an LSB of 2^-32 of what f64 says.
 fn near(ours: glidepath::quantity::Position, theirs: f64) -> bool {
@@ -11,7 +10,7 @@ fn near(ours: glidepath::quantity::Position, theirs: f64) -> bool {
 /// NC-008.
 #[test]
 fn a_fan_of_13_and_14_strokes() {
-    let all = motions(include_str!("../programs/nc/sweep.nc"));
+    let all = motions(include_str!("../../programs/nc/sweep.nc"));
     assert_eq!(all.len(), 1 + 3 * 13 + 3 * 14);
     let strokes = all[1..].iter().skip(1).step_by(3);
     let angles = (0..13).map(|i| 7.5 * f64::from(i)).chain((0..14).map(|i| 270.0 + 7.5 * f64::from(i)));
@@ -27,7 +26,7 @@ fn a_fan_of_13_and_14_strokes() {
 /// NC-007.
 #[test]
 fn a_polygon_and_its_circle() {
-    let all = motions(include_str!("../programs/nc/polygon.nc"));
+    let all = motions(include_str!("../../programs/nc/polygon.nc"));
     assert_eq!(all.len(), 2 + 16 + 1 + 4);
     for (i, corner) in all[2..18].iter().enumerate() {
         let angle = f64::from(i as u32 + 1) * 22.5;
@@ -50,6 +49,6 @@ fn a_polygon_and_its_circle() {
 
 #[test]
 fn the_same_program_twice_gives_the_same_commands() {
-    let text = include_str!("../programs/nc/everything.nc");
-    assert_eq!(nc_decode::commands(text), nc_decode::commands(text));
+    let text = include_str!("../../programs/nc/everything.nc");
+    assert_eq!(crate::nc_decode::commands(text), crate::nc_decode::commands(text));
 }

@@ -1,9 +1,8 @@
 //! Malformed programs, each with its message and place: program, line, column, length, message.
-mod nc_decode;
 use glidepath::machine::{AxisData, AxisKind, AxisName, ChannelData, MachineData};
 use glidepath::nc::{NcErrorKind, Setup, Text, TextError};
 use glidepath::quantity::Position;
-use nc_decode::{decode, decode_with, error, setup};
+use crate::nc_decode::{decode, decode_with, error, setup};
 
 const TABLE: &[(&str, u32, u32, u16, &str)] = &[
     ("X1 Q5", 1, 4, 1, "axis Q is known, not available on this machine (axes X, Y, Z, A, C)"),
@@ -398,8 +397,8 @@ fn programs_end_inside_control_blocks_that_are_closed() {
         "$WHILE 1\n$IF 1\nG0 X1 M30\n$ENDIF\nX2\n$ENDWHILE\nX3 ? not read",
         "%L s\n$IF 1\nG0 X1\nM17\n$IF 0\n$ENDIF\nX7\n$ENDIF\nX9\nM17\n%m\n$IF 1\nLL s\n$ENDIF\nM30",
     ] {
-        assert_eq!(nc_decode::ends(text).len(), 1, "{text}");
-        assert_eq!(nc_decode::ends(text)[0].1[0], 1.0, "{text}");
+        assert_eq!(crate::nc_decode::ends(text).len(), 1, "{text}");
+        assert_eq!(crate::nc_decode::ends(text)[0].1[0], 1.0, "{text}");
     }
 }
 
@@ -464,7 +463,7 @@ fn arithmetic_between_plain_numbers_names_its_result() {
     }
     // The line after it is plain.
     assert_eq!(told("G1 F9 X10 -5\nX20\nX30 -1"), [(message("5.000"), 1, 7), (message("29.000"), 3, 1)]);
-    let motion = nc_decode::motions("G0 X10 -5");
+    let motion = crate::nc_decode::motions("G0 X10 -5");
     assert_eq!(motion[0].target[0], Position::from_num(5));
     for text in [
         "G0 X[10 -5]",

@@ -1,6 +1,5 @@
 //! A line with more arithmetic than one step does is taken in several: what it says stays the same.
-mod nc_decode;
-use nc_decode::{decode, error};
+use crate::nc_decode::{decode, error};
 
 /// As much as two steps: its value is `value`.
 fn heavy(value: &str) -> String {

@@ -1,8 +1,7 @@
 //! Any bytes and any heap of words: the decoder ends with commands or one error, never in a panic, and every
 //! call is bounded.
-mod nc_decode;
 use glidepath::nc::{Decoder, DecoderMemory, Step};
-use nc_decode::{Random, decode_text, decode_with, setup};
+use crate::nc_decode::{Random, decode_text, decode_with, setup};
 
 const LIMIT: usize = 30_000;
 
@@ -188,7 +187,7 @@ fn random_words() {
 /// One byte of a good program changed, dropped, or the program cut there.
 #[test]
 fn damaged_programs() {
-    let good = include_str!("../programs/nc/everything.nc").as_bytes();
+    let good = include_str!("../../programs/nc/everything.nc").as_bytes();
     assert_eq!(decode_with(setup(), good, LIMIT).2, None);
     let mut random = Random(42);
     for at in 0..good.len() {
@@ -222,7 +221,7 @@ impl glidepath::nc::Text for Pieces<'_> {
 
 #[test]
 fn text_that_arrives_in_pieces_is_the_same_program() {
-    let everything = include_str!("../programs/nc/everything.nc");
+    let everything = include_str!("../../programs/nc/everything.nc");
     let lines = everything.replace('\n', "\r\n");
     let marked = format!("\u{feff}{everything}");
     let wrong = format!("{everything}\r\nN1 X1 \\ Y");

@@ -426,7 +426,7 @@ fn check(seed: u64) -> Result<bool, String> {
 }
 
 /// GLIDEPATH_SEEDS: how many; GLIDEPATH_FROM: the first one. 20,000 take four minutes:
-/// `GLIDEPATH_FROM=100000 GLIDEPATH_SEEDS=20000 cargo test -p host-tests --release --test independent random`
+/// `GLIDEPATH_FROM=100000 GLIDEPATH_SEEDS=20000 cargo test -p host-tests --release --test beside independent::random`
 #[test]
 fn random_programs_beside_the_path() {
     let number = |name| std::env::var(name).ok().and_then(|number| number.parse().ok());

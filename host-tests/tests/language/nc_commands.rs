@@ -1,9 +1,8 @@
 //! Rows NC-009 and NC-010 and every # command, G word and axis command of the inventory: typed, with keywords
 //! and ranges.
-mod nc_decode;
 use glidepath::nc::*;
 use glidepath::quantity::Position;
-use nc_decode::{commands, decode, error};
+use crate::nc_decode::{commands, decode, error};
 
 fn mm(x: f64) -> Option<Position> {
     // To nearest, as the decoder rounds.
@@ -576,7 +575,7 @@ fn oscillation_by_row() {
         }
         ref other => panic!("{other:?}"),
     }
-    let out = nc_decode::motions("X[OSC ON 1ST_POS=-1 2ND_POS=7 FREQ=1]\nX[OSC OFF]\nG91 G0 X1");
+    let out = crate::nc_decode::motions("X[OSC ON 1ST_POS=-1 2ND_POS=7 FREQ=1]\nX[OSC OFF]\nG91 G0 X1");
     assert_eq!(out[0].target[0], 8, "the axis stands on position 2");
 }
 
@@ -658,7 +657,7 @@ fn feed_modes_and_exact_stop_gaps_6_and_11() {
 /// NC-009.
 #[test]
 fn every_command_knows_its_place_and_name() {
-    for command in commands(include_str!("../programs/nc/everything.nc")) {
+    for command in commands(include_str!("../../programs/nc/everything.nc")) {
         assert!(
             command.place().line > 0 && command.place().column > 0 && command.place().length > 0,
             "{command:?}"

@@ -1,15 +1,15 @@
 //! The examples of the library run, and end where they say.
 #[path = "."]
 mod shipped {
-    #[path = "../../examples/beside.rs"]
+    #[path = "../../../examples/beside.rs"]
     pub mod beside;
-    #[path = "../../examples/functions.rs"]
+    #[path = "../../../examples/functions.rs"]
     pub mod functions;
-    #[path = "../../examples/simulate.rs"]
+    #[path = "../../../examples/simulate.rs"]
     pub mod simulate;
-    #[path = "../../examples/single_lines.rs"]
+    #[path = "../../../examples/single_lines.rs"]
     pub mod single_lines;
-    #[path = "../../examples/threads.rs"]
+    #[path = "../../../examples/threads.rs"]
     pub mod threads;
 }
 

@@ -1,0 +1,4 @@
+//! Axes and filters beside the path.
+mod filters;
+mod independent;
+mod oscillation;

@@ -1,0 +1,14 @@
+//! The operator's commands and a planner that is late: holds, override, stops, outputs.
+mod actions;
+mod between_programs;
+mod cores;
+mod dense;
+mod hold;
+mod late;
+mod lives_on;
+mod operator;
+mod pace;
+mod sequences;
+mod stall;
+mod taken_back;
+mod ways;

@@ -1,0 +1,19 @@
+//! What a program says: words, expressions, errors, machine data.
+mod axis_names;
+mod feed_axes;
+mod machine_data;
+mod machines;
+mod nc_commands;
+mod nc_decode;
+mod nc_errors;
+mod nc_files;
+mod nc_fuzz;
+mod nc_halves;
+mod nc_keywords;
+mod nc_language;
+mod nc_number;
+mod nc_offsets;
+mod nc_plain;
+mod nc_programs;
+mod nc_real;
+mod software_limits;

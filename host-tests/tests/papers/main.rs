@@ -1,0 +1,9 @@
+//! The documents, the examples and the requirements are true.
+mod conformance;
+mod examples;
+mod front_page;
+mod programs;
+mod readme;
+mod rows;
+mod spec_programs;
+mod tower;

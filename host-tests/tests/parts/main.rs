@@ -1,0 +1,7 @@
+//! Numbers, rings, and what judges the other tests.
+mod accept;
+mod judge;
+mod math_angle;
+mod math_exact;
+mod ring;
+mod seeds;

@@ -1,0 +1,23 @@
+//! Speeds over the look-ahead: slopes, limits of the axes, arcs, short blocks.
+mod arc_times;
+mod arcs;
+mod chains;
+mod chords;
+mod closed_form;
+mod every_tick;
+mod failed_plan;
+mod going_on;
+mod hsc;
+mod level;
+mod limits;
+mod monotone;
+mod optimum;
+mod plan;
+mod reference;
+mod rest_to_rest;
+mod short_blocks;
+mod slopes;
+mod turns;
+mod unlike;
+mod vector_limit;
+mod weights;

@@ -1,0 +1,19 @@
+//! Curves in place of corners and chords: contour mode, Surface, B-splines.
+mod auto_contour;
+mod cam;
+mod contour;
+mod contour_constant;
+mod contour_master;
+mod contour_time;
+mod contour_tolerance;
+mod contour_tracking;
+mod corners;
+mod curves;
+mod knee;
+mod merge;
+mod merge_chords;
+mod quintic;
+mod splines;
+mod surface;
+mod symmetry;
+mod zigzags;
