@@ -140,6 +140,13 @@ impl<const AXES: usize> Next<'_, AXES> {
         self.piece.timed && last.timed && limits.v == before.v
     }
 
+    /// What of the deceleration `a` passes the knee at its start. Both sides are planned with all of their acceleration:
+    /// there it is zero at the knee.
+    fn passing_knee(&self, last: &Last<AXES>, highest: f32, a: f32, dynamics: &Dynamics<AXES>) -> Passing {
+        let (rapid, shorter) = (self.rapid && last.rapid, min(last.length, self.length));
+        dynamics.passing_knee(&last.exit, self.piece.entry, rapid, shorter, (highest, a))
+    }
+
     /// Whether the slope lets acceleration pass a transition to it, whatever that shows. `cap`: speed of the
     /// motion there; `v`: as in [`Self::passed`].
     #[cfg_attr(feature = "fast", inline(always))]
@@ -166,6 +173,16 @@ impl<const AXES: usize> Next<'_, AXES> {
             SlopeType::Step => false,
         }
     }
+}
+
+/// What of the deceleration `a` passes a transition beside arcs. With limits `alike` nothing binds it: both sides are one
+/// law. A law that begins or ends with acceleration in an arc is bound by less than others are.
+fn passing_arcs(shares: [&Share; 2], alike: bool, a: f32) -> Passing {
+    let [before, behind] = shares;
+    if alike || min(before.v, behind.v) == f32::MAX {
+        return Passing::ALL;
+    }
+    Passing::of_part(min(before.passing, behind.passing), a)
 }
 
 impl<const AXES: usize> Tail<AXES> {
@@ -303,7 +320,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         let (mut cap, mut highest, mut shared) = (fastest, 2.0 * fastest, false);
         let a = if slope == SlopeType::Step { max(limits.most(), kept.most()) } else { 0.0 };
         let arcs = [&last.share, &next.share];
-        let arc = arcs.iter().fold(f32::MAX, |v, share| min(v, share.v));
+        let arc = min(last.share.v, next.share.v);
         let v = next.passed(last, fastest, a, dynamics).map(|v| min(v, arc));
         // STEP: what passes within a tick of a knee shows together with it.
         let brief = last.length < full_before || next.length < next.full;
@@ -357,22 +374,13 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         let rests = matches!(slope, SlopeType::Trapez | SlopeType::Sin2);
         let smooth =
             way == Way::Through && last.slope == slope && (slope == SlopeType::Step || turns_little());
-        // A law that begins or ends with acceleration in an arc is not bound as others are.
-        let arc_passes = if arc < f32::MAX && (shared || !limits.are(&kept)) {
-            Passing::of_part(arcs.iter().fold(f32::MAX, |a, share| min(a, share.passing)), a)
-        } else {
-            Passing::ALL
+        let arc_passes = passing_arcs(arcs, !shared && limits.are(&kept), a);
+        let knee_passes = match v {
+            _ if !smooth => Passing::NONE,
+            Some(_) if rests => next.passing_knee(last, highest, a, dynamics),
+            _ => Passing::ALL,
         };
-        let passing = if !smooth {
-            Passing::NONE
-        } else if rests && v.is_some() {
-            // Both sides are planned with all of it: their acceleration is zero there.
-            let shorter = min(last.length, next.length);
-            dynamics.passing_knee(&last.exit, piece.entry, rapid, shorter, (highest, a))
-        } else {
-            Passing::ALL
-        };
-        let passing = passing.least(arc_passes);
+        let passing = knee_passes.least(arc_passes);
         let smooth = passing != Passing::NONE;
         let anchor = !(through
             && smooth
