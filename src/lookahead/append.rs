@@ -319,7 +319,6 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         // No more than the double is known.
         let (mut cap, mut highest, mut shared) = (fastest, 2.0 * fastest, false);
         let a = if slope == SlopeType::Step { max(limits.most(), kept.most()) } else { 0.0 };
-        let arcs = [&last.share, &next.share];
         let arc = min(last.share.v, next.share.v);
         let v = next.passed(last, fastest, a, dynamics).map(|v| min(v, arc));
         // STEP: what passes within a tick of a knee shows together with it.
@@ -371,19 +370,19 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         let turns_little = || {
             (v.is_none() && a <= STEEP * fastest) || dynamics.turns_little(&last.exit, piece.entry, rapid, a)
         };
-        let rests = matches!(slope, SlopeType::Trapez | SlopeType::Sin2);
         let smooth =
             way == Way::Through && last.slope == slope && (slope == SlopeType::Step || turns_little());
-        let arc_passes = passing_arcs(arcs, !shared && limits.are(&kept), a);
+        let arc_passes = passing_arcs([&last.share, &next.share], !shared && limits.are(&kept), a);
         let knee_passes = match v {
             _ if !smooth => Passing::NONE,
-            Some(_) if rests => next.passing_knee(last, highest, a, dynamics),
+            Some(_) if matches!(slope, SlopeType::Trapez | SlopeType::Sin2) => {
+                next.passing_knee(last, highest, a, dynamics)
+            }
             _ => Passing::ALL,
         };
         let passing = knee_passes.least(arc_passes);
-        let smooth = passing != Passing::NONE;
         let anchor = !(through
-            && smooth
+            && passing != Passing::NONE
             && arc_passes == Passing::ALL
             && self.tail.takes_in(last, next, [&kept, limits], cap));
         cap = min(cap, min(kept.v, limits.v));

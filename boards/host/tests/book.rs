@@ -160,8 +160,10 @@ fn missing(command: &str) -> Option<String> {
         return (!main.contains(&format!("\"{name}\""))).then(|| format!("xtask {name}"));
     }
     if let Some(test) = behind("--test") {
-        let folder = if behind("-p") == Some(&"host-tests") { "host-tests/tests" } else { "boards/host/tests" };
-        let file = if folder == "host-tests/tests" { format!("{test}/main.rs") } else { format!("{test}.rs") };
+        let folder =
+            if behind("-p") == Some(&"host-tests") { "host-tests/tests" } else { "boards/host/tests" };
+        let file =
+            if folder == "host-tests/tests" { format!("{test}/main.rs") } else { format!("{test}.rs") };
         return is_there(format!("{folder}/{file}"));
     }
     if let Some(example) = behind("--example") {

@@ -1,8 +1,8 @@
 //! Rows NC-009 and NC-010 and every # command, G word and axis command of the inventory: typed, with keywords
 //! and ranges.
+use crate::nc_decode::{commands, decode, error};
 use glidepath::nc::*;
 use glidepath::quantity::Position;
-use crate::nc_decode::{commands, decode, error};
 
 fn mm(x: f64) -> Option<Position> {
     // To nearest, as the decoder rounds.

@@ -1,8 +1,8 @@
 //! Malformed programs, each with its message and place: program, line, column, length, message.
+use crate::nc_decode::{decode, decode_with, error, setup};
 use glidepath::machine::{AxisData, AxisKind, AxisName, ChannelData, MachineData};
 use glidepath::nc::{NcErrorKind, Setup, Text, TextError};
 use glidepath::quantity::Position;
-use crate::nc_decode::{decode, decode_with, error, setup};
 
 const TABLE: &[(&str, u32, u32, u16, &str)] = &[
     ("X1 Q5", 1, 4, 1, "axis Q is known, not available on this machine (axes X, Y, Z, A, C)"),

@@ -1,9 +1,9 @@
 //! Subroutines in other files, and the ways a file of the same program can be written.
+use crate::nc_decode::{commands, setup};
 use glidepath::nc::{
     Command, Decoder, DecoderMemory, Library, NcError, NcErrorKind, NcWarningKind, Place, Step, Text,
     TextError,
 };
-use crate::nc_decode::{commands, setup};
 
 type Files<'a> = &'a [(&'a str, &'a str)];
 /// N numbers of the motions, files of the warnings, refusal.

@@ -1,7 +1,7 @@
 //! Any bytes and any heap of words: the decoder ends with commands or one error, never in a panic, and every
 //! call is bounded.
-use glidepath::nc::{Decoder, DecoderMemory, Step};
 use crate::nc_decode::{Random, decode_text, decode_with, setup};
+use glidepath::nc::{Decoder, DecoderMemory, Step};
 
 const LIMIT: usize = 30_000;
 

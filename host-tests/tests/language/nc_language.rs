@@ -1,8 +1,8 @@
 //! Rows NC-001…NC-008 and gaps §11: program structure, words, modal state, parameters, control blocks.
+use crate::nc_decode::{commands, decode, decode_with, ends, motions, setup, value};
 use glidepath::machine::{Synch, SynchTable};
 use glidepath::nc::{ArcBy, Command, DwellTime, MotionKind, NcWarningKind, Plane};
 use glidepath::quantity::Position;
-use crate::nc_decode::{commands, decode, decode_with, ends, motions, setup, value};
 
 fn mm(x: f64) -> Position {
     Position::from_num(x)

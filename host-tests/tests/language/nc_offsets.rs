@@ -1,11 +1,11 @@
 //! Zero offsets G53…G59: machine data, calls at rest, and what programs make of them.
+use crate::nc_decode::decode_with;
 use glidepath::channel::{Channel, Handles, MachineError, Planner, ZeroOffsetError};
 use glidepath::machine::{AxisData, AxisKind, AxisName, ChannelData, MachineData};
 use glidepath::nc::{Command, Setup};
 use glidepath::quantity::Position;
 use glidepath::tick::{Interpolator, State};
 use host_tests::calls::call;
-use crate::nc_decode::decode_with;
 
 /// X linear and C rotary; G54 is 10 mm and 1°, G56 -0.0001 mm.
 fn machine() -> MachineData<2> {

@@ -1,8 +1,8 @@
 //! Blocks of N, G00, G01, F and axes with plain decimals are understood in one pass. They mean what they mean
 //! word by word: G94, which changes nothing, behind the same words makes the decoder go the long way.
+use crate::nc_decode::{Random, commands, decode_with, motions, setup};
 use glidepath::machine::AxisName;
 use glidepath::nc::{Command, Setup};
-use crate::nc_decode::{Random, commands, decode_with, motions, setup};
 
 /// What the decoder says about `before` and a last line, and about the same with `behind` at the end of that
 /// line.

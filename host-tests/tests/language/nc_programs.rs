@@ -1,6 +1,6 @@
 //! Whole programs: what comes out, computed a second way.
-use glidepath::nc::{ArcBy, MotionKind};
 use crate::nc_decode::motions;
+use glidepath::nc::{ArcBy, MotionKind};
 
 /// Within an LSB of 2^-32 of what f64 says.
 fn near(ours: glidepath::quantity::Position, theirs: f64) -> bool {

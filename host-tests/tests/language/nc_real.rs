@@ -1,7 +1,7 @@
 //! Functions of expressions against std, through the language: at most 2 ulp, and exact where the true value
 //! is simple.
-use glidepath::nc::NcErrorKind;
 use crate::nc_decode::{Random, error, value};
+use glidepath::nc::NcErrorKind;
 
 /// Distance in units of the last place of `b`.
 fn ulps(a: f64, b: f64) -> f64 {
