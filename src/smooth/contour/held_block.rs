@@ -367,7 +367,8 @@ impl<const AXES: usize> HeldBlock<AXES> {
     }
 }
 
-/// An arc of this form between two points, in the place of an element.
+/// An arc of this form between two points, in the place of an element. Of the limits it has those of the arc that it was
+/// cut from: what was compared with them stays true.
 #[inline(never)]
 fn rest_of_arc<const AXES: usize>(
     ends: [&[Position; AXES]; 2],
@@ -376,5 +377,10 @@ fn rest_of_arc<const AXES: usize>(
     element: &mut Element<AXES>,
 ) -> Result<(), PathError> {
     let Form::Arc { centre, plane, clockwise } = *form else { return Ok(()) };
-    arc_to(ends, (centre, plane, clockwise), measure, element)
+    let whole = element.circle;
+    arc_to(ends, (centre, plane, clockwise), measure, element)?;
+    if let (Some(circle), Some(whole)) = (&mut element.circle, whole) {
+        circle.turn = whole.turn;
+    }
+    Ok(())
 }
