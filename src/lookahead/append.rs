@@ -175,11 +175,12 @@ impl<const AXES: usize> Next<'_, AXES> {
     }
 }
 
-/// What of the deceleration `a` passes a transition beside arcs. With limits `alike` nothing binds it: both sides are one
+/// What of the deceleration `a` passes a transition beside arcs. With limits alike nothing binds it: both sides are one
 /// law. A law that begins or ends with acceleration in an arc is bound by less than others are.
-fn passing_arcs(shares: [&Share; 2], alike: bool, a: f32) -> Passing {
-    let [before, behind] = shares;
-    if alike || min(before.v, behind.v) == f32::MAX {
+#[inline(always)]
+fn passing_arcs([before, behind]: [&Share; 2], is_alike: impl FnOnce() -> bool, a: f32) -> Passing {
+    // Asked first: most transitions have no arc beside them.
+    if min(before.v, behind.v) == f32::MAX || is_alike() {
         return Passing::ALL;
     }
     Passing::of_part(min(before.passing, behind.passing), a)
@@ -372,7 +373,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         };
         let smooth =
             way == Way::Through && last.slope == slope && (slope == SlopeType::Step || turns_little());
-        let arc_passes = passing_arcs([&last.share, &next.share], !shared && limits.are(&kept), a);
+        let arc_passes = passing_arcs([&last.share, &next.share], || !shared && limits.are(&kept), a);
         let knee_passes = match v {
             _ if !smooth => Passing::NONE,
             Some(_) if matches!(slope, SlopeType::Trapez | SlopeType::Sin2) => {
