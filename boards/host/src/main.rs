@@ -52,7 +52,7 @@ struct Arguments {
 enum Command {
     /// Decode, plan and interpolate a program; say what it did and write what is asked for.
     Run(Run),
-    /// Decode a program only: syntax, words and their ranges.
+    /// Run a program without output: tells what `run` would refuse, and nothing else.
     Check(Input),
 }
 
@@ -146,16 +146,7 @@ fn run(arguments: &Run) -> Result<(), Refusal> {
     let files = Files::read(&input.program)?;
     let mut machine = load(input)?;
     let script = arguments.events.as_deref().map(Script::read).transpose()?;
-    let mut program = match program::decode(&files, &machine, input.max_commands) {
-        Ok(program) => program,
-        // An earlier command may be refused by the planner: the first one counts.
-        Err(Undecoded::Refused(refusal)) => {
-            let empty = program::Program::empty(&machine);
-            let earlier = run::simulate(&files, &machine, &empty, Wanted::default()).err();
-            return Err(earlier.unwrap_or(refusal));
-        }
-        Err(Undecoded::Endless(endless)) => return Err(endless),
-    };
+    let mut program = decode(&files, &machine, input.max_commands)?;
     let outputs = [&arguments.trace, &arguments.summary, &arguments.contour];
     if outputs.into_iter().flatten().filter(|path| path.as_os_str() == "-").count() > 1 {
         return Err(output::refused(Path::new("-"), "the standard output takes one of the outputs"));
@@ -218,15 +209,32 @@ fn run(arguments: &Run) -> Result<(), Refusal> {
     if excess.is_empty() { Ok(()) } else { Err(excess) }
 }
 
+/// The program, if it is one.
+fn decode(files: &Files, machine: &Machine, max_commands: u64) -> Result<program::Program, Refusal> {
+    match program::decode(files, machine, max_commands) {
+        Ok(program) => Ok(program),
+        // An earlier command may be refused by the planner: the first one counts.
+        Err(Undecoded::Refused(refusal)) => {
+            let empty = program::Program::empty(machine);
+            Err(run::simulate(files, machine, &empty, Wanted::default()).err().unwrap_or(refusal))
+        }
+        Err(Undecoded::Endless(endless)) => Err(endless),
+    }
+}
+
+/// The program runs as in [`run`], with no output: what that refuses is refused here.
 fn check(input: &Input) -> Result<(), Refusal> {
     let files = Files::read(&input.program)?;
     let machine = load(input)?;
-    let decoded = program::decode(&files, &machine, input.max_commands);
-    let program = decoded.map_err(|(Undecoded::Refused(why) | Undecoded::Endless(why))| why)?;
+    let mut program = decode(&files, &machine, input.max_commands)?;
+    let (result, _) = run::simulate(&files, &machine, &program, Wanted::default())?;
+    program.warnings.extend(result.remarks.iter().map(|warning| program::remark(&files, warning)));
     for warning in machine.warnings.iter().chain(&program.warnings) {
         warning.print();
     }
-    say(&format!("{}: {}\n", files.main.name, program.describe()))
+    say(&format!("{}: {}\n", files.main.name, program.describe()))?;
+    let excess = result.monitor.errors(&machine);
+    if excess.is_empty() { Ok(()) } else { Err(excess) }
 }
 
 /// On the standard output; a reader that has gone away is no failure of the run.

@@ -472,10 +472,43 @@ fn refusals_in_called_files_show_that_file() {
         [("decoded", "decoded.nc:3:17", "N30 G01 X3 F600 Q5"), ("planned", "planned.nc:4:5", "N40 G95 F1")]
     {
         let program = file(&directory, "main.nc", format!("N10 G00 X1\nL {name}\n").as_bytes());
-        for command in ["run", "check"].iter().take(if name == "decoded" { 2 } else { 1 }) {
+        for command in ["run", "check"] {
             let text = refusal(&[command, &program]);
             assert!(text.contains(place) && text.contains(line), "{text}");
         }
+    }
+}
+
+/// What the decoder accepts and the planner refuses: one answer.
+#[test]
+fn check_refuses_what_run_refuses() {
+    let directory = directory("one-answer");
+    let machine = file(
+        &directory,
+        "m.toml",
+        b"[axis.X.kenngr]\nswe_pos = 500000\nswe_neg = -500000\n[axis.Y]\n[axis.Z]\n",
+    );
+    for (k, line) in [
+        "M0",
+        "M1",
+        "E500",
+        "D1",
+        "G93 F2 X5",
+        "G95 F0.1 X5",
+        "G02 X10 Y0 I1 J5",
+        "X60",
+        "G04 S5",
+        "X10 F0.00000001",
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let text = format!("N10 G01 X1 F600\nN20 {line}\nN30 X2\nM30\n");
+        let program = file(&directory, &format!("p{k}.nc"), text.as_bytes());
+        let [run, check] =
+            ["run", "check"].map(|command| refusal(&[command, &program, "--machine", &machine]));
+        assert!(run.contains("error") && run.contains(":2:"), "{line}: {run}");
+        assert_eq!(run, check, "{line}");
     }
 }
 
