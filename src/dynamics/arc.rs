@@ -151,7 +151,7 @@ impl Limits {
         let a = min(self.a_up, self.a_down);
         self.curve(a, min(most, SURELY * bend.a_max / bend.share), true);
         let (Some(budget), SlopeLaw::JerkLimited { shape, j, .. }) = (bend.budget, &self.law) else { return };
-        let jerk = shape.peak_jerk() * j.into_iter().copied().fold(0.0, max);
+        let jerk = shape.peak_jerk() * j.iter().copied().fold(0.0, max);
         share.j = min(share.j, SLOPE_PART / shape.peak_jerk() * budget / bend.share);
         share.v = min(share.v, cbrt_f32(CURVE_PART) * highest);
         share.passing = min(share.passing, bend.passing(self.v, jerk, budget));
