@@ -338,8 +338,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             shares = shares.map(Share::resting);
         }
         if way == Way::Standing {
-            // But for rounding, so that it need not wait for a tick. The acceleration of STEP does not vanish
-            // beside it: it waits.
+            // But for rounding: no wait for a tick. The acceleration of STEP does not vanish beside it: that waits.
             let unseen = || min(dynamics.unseen(&last.exit, piece.entry, rapid), v.unwrap_or(f32::MAX));
             cap = if slope == SlopeType::Step { 0.0 } else { min(cap, unseen()) };
             highest = cap;
@@ -365,8 +364,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         kept.v = before.v();
         cap = min(cap, highest);
         let through = next.goes_on(last, &kept, limits, (cap, v), dynamics);
-        // A transition that shows nothing at the speed `fastest` turns little for accelerations up to a
-        // thousand times that.
+        // A transition that shows nothing at `fastest` turns little for accelerations up to a thousand times that.
         let a = limits.fastest(&kept);
         let turns_little = || {
             (v.is_none() && a <= STEEP * fastest) || dynamics.turns_little(&last.exit, piece.entry, rapid, a)

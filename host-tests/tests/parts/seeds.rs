@@ -16,7 +16,7 @@ fn fixed_seeds_come_first_and_then_a_runs_own() {
 fn the_number_is_another_each_time_and_can_be_given() {
     let number = |given: Option<&str>| -> u64 {
         let mut command = std::process::Command::new(std::env::current_exe().expect("this test"));
-        command.args(["--exact", "fixed_seeds_come_first_and_then_a_runs_own", "--nocapture"]);
+        command.args(["--exact", "seeds::fixed_seeds_come_first_and_then_a_runs_own", "--nocapture"]);
         command.env_remove(VARIABLE);
         if let Some(given) = given {
             command.env(VARIABLE, given);
