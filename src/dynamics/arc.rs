@@ -19,6 +19,7 @@
 //!
 //! An acceleration that passes the end of an arc is not bound like that: see [`Share::passing`].
 use super::Share;
+use super::permitted::{ARC_PART, ARC_SLOPE_PART, SURELY};
 use crate::math::float::{max, min};
 use crate::math::root::{cbrt_f32, sqrt_f32};
 use crate::slope::limits::{Limits, SlopeLaw, lower};
@@ -61,11 +62,6 @@ const TWO_TURNS: f32 = 4.0 * PI;
 const MOST_TURNS: f32 = 64.0 * PI;
 /// Angles that differ by less than that part are one.
 const NEARLY: f32 = 1.001;
-/// Parts of B beside a transition: for the curve, and for the slope.
-const CURVE_PART: f32 = 0.5;
-const SLOPE_PART: f32 = 0.25;
-/// What is below that part of another value is below it for any rounding.
-const SURELY: f32 = 0.999;
 
 /// A circle in the plane of two axes, and what they permit.
 pub(super) struct Bend {
@@ -152,8 +148,8 @@ impl Limits {
         self.curve(a, min(most, SURELY * bend.a_max / bend.share), true);
         let (Some(budget), SlopeLaw::JerkLimited { shape, j, .. }) = (bend.budget, &self.law) else { return };
         let jerk = shape.peak_jerk() * j.iter().copied().fold(0.0, max);
-        share.j = min(share.j, SLOPE_PART / shape.peak_jerk() * budget / bend.share);
-        share.v = min(share.v, cbrt_f32(CURVE_PART) * highest);
+        share.j = min(share.j, ARC_SLOPE_PART / shape.peak_jerk() * budget / bend.share);
+        share.v = min(share.v, cbrt_f32(ARC_PART) * highest);
         share.passing = min(share.passing, bend.passing(self.v, jerk, budget));
     }
 

@@ -1,5 +1,4 @@
-//! How the axes of an element restrict its limits, what an arc takes of them, and what a transition leaves of
-//! them.
+//! How the axes of an element restrict its limits, and what a transition leaves of them.
 use super::axis::Set;
 use super::override_range::OverrideRange;
 use super::{ROUGH, ROUGH_BELOW};
@@ -12,12 +11,9 @@ use crate::slope::ramp_shape::RampShape;
 /// Part of `B` for a transition; as much is left to the slope, and a fifth to transitions closer than three
 /// ticks.
 pub(crate) const TRANSITION_PART: f32 = 0.4;
-/// Parts of `B` inside an arc: slope, and v³κ²; the rest goes to 3vκ·a.
+/// Parts of `B` beside a joint of an arc, and inside a polynomial: slope, and v³κ²; the rest goes to 3vκ·a.
 pub(crate) const ARC_SLOPE_PART: f32 = 0.25;
 pub(crate) const ARC_PART: f32 = 0.5;
-/// Speeds tried for an arc, and the step from one to the next.
-pub(crate) const ARC_SPEEDS: usize = 5;
-pub(crate) const ARC_SPEED_STEP: f32 = 0.8;
 /// What is below that part of another value is below it for any rounding.
 pub(crate) const SURELY: f32 = 0.999;
 /// Two change-over speeds that differ by less are one.

@@ -2,7 +2,7 @@
 use super::axis::{Axis, Set};
 use super::{Dynamics, KNEE_PART, NO_LIMIT, NORMAL_PART, Permitted};
 use crate::dynamics::Share;
-use crate::dynamics::permitted::{ARC_PART, ARC_SLOPE_PART, ARC_SPEED_STEP, ARC_SPEEDS, SURELY};
+use crate::dynamics::permitted::{ARC_PART, ARC_SLOPE_PART, SURELY};
 use crate::math::float::{magnitude, max, min, to_f32};
 use crate::math::root::{cbrt_f32, sqrt_f32};
 use crate::nc::SlopeType;
@@ -19,6 +19,9 @@ const TRADED: f32 = 1.0 - 1.0 / 65_536.0;
 /// In place of a zero in a denominator.
 const TINY: f32 = 1e-12;
 
+/// Speeds tried for a curve, and the step from one to the next.
+const SPEEDS: usize = 5;
+const SPEED_STEP: f32 = 0.8;
 /// Parts of `a_max` and of `B` for the curvature of an element that is passed at one speed: the less, the
 /// sooner a feed hold stands in it.
 const STEADY_NORMAL_PART: f32 = 0.95;
@@ -141,7 +144,7 @@ impl Limits {
             if a >= still {
                 break;
             }
-            v *= ARC_SPEED_STEP;
+            v *= SPEED_STEP;
         }
         self.v = best.1;
         if let Some(Steady { length, .. }) = constant {
@@ -261,7 +264,7 @@ impl<const AXES: usize> Dynamics<AXES> {
             if speeds == 0 || a >= FLOWING_PULL * min(most, sqrt_f32(j * limits.v)) {
                 break [a, j];
             }
-            limits.v *= ARC_SPEED_STEP;
+            limits.v *= SPEED_STEP;
             speeds -= 1;
         };
         if bounds.flows() && limits.v >= NEARLY * feed && self.trade(bounds, (feed, jerk), limits, &budget_of)
@@ -338,7 +341,7 @@ impl<const AXES: usize> Dynamics<AXES> {
         let a_max = |axis: &Axis| if stepped { (1.0 - KNEE_PART) * axis.a_max } else { axis.a_max };
         let budget_of = |set: &Set| if stepped { f32::MAX } else { set.curving_budget(curving.jerk) };
         let [.., slope_part] = parts(bounds.passage, curving.near.way <= 0.0, stepped);
-        let speeds = if bounds.passage == Passage::Varying { ARC_SPEEDS } else { 1 };
+        let speeds = if bounds.passage == Passage::Varying { SPEEDS } else { 1 };
         if bounds.passes() && !stepped {
             self.flow(bounds, (feed, slow), limits, |axis| budget_of(axis.set(rapid)));
         } else if bounds.trades() && !stepped {

@@ -160,11 +160,13 @@ fn missing(command: &str) -> Option<String> {
         return (!main.contains(&format!("\"{name}\""))).then(|| format!("xtask {name}"));
     }
     if let Some(test) = behind("--test") {
-        let folder =
-            if behind("-p") == Some(&"host-tests") { "host-tests/tests" } else { "boards/host/tests" };
-        let file =
-            if folder == "host-tests/tests" { format!("{test}/main.rs") } else { format!("{test}.rs") };
-        return is_there(format!("{folder}/{file}"));
+        let is_system = behind("-p") == Some(&"host-tests");
+        let file = if is_system {
+            format!("host-tests/tests/{test}/main.rs")
+        } else {
+            format!("boards/host/tests/{test}.rs")
+        };
+        return is_there(file);
     }
     if let Some(example) = behind("--example") {
         let folder = if behind("-p") == Some(&"host-tests") { "host-tests/examples" } else { "examples" };
