@@ -4,11 +4,11 @@ use std::path::{Path, PathBuf};
 
 /// Families of ids: prefix, digits, last number.
 const FAMILIES: [(&str, usize, u32); 7] = [
-    ("D3", 3, 284),
+    ("D3", 3, 287),
     ("A8", 3, 62),
     ("C40", 3, 74),
-    ("NC", 3, 14),
-    ("CF", 2, 37),
+    ("NC", 3, 15),
+    ("CF", 2, 40),
     ("G", 2, 13),
     ("OP", 2, 11),
 ];
