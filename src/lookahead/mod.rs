@@ -99,11 +99,12 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Lookahead<'a, AXES, BLOCKS> {
             self.ring.raise(level);
             return true;
         }
-        let entry = self.ring.entry_for(level);
+        let part = self.ring.lowers(level);
+        let entry = self.ring.entry_at(part);
         if v_in > entry {
             return false;
         }
-        self.ring.lower(level, most.min(entry));
+        self.ring.lower((level, part), most.min(entry));
         true
     }
 

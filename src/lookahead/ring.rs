@@ -204,14 +204,19 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
 
     /// The speed at which the first block has to be entered for a lower level, at most.
     pub fn entry_for(&self, level: f32) -> Speed {
+        self.entry_at(self.lowers(level))
+    }
+
+    /// The same for the part of all speeds that is left.
+    pub(super) fn entry_at(&self, part: i64) -> Speed {
         let anchors = self.blocks.len().saturating_sub(self.counts.through) as i64;
-        scaled(self.first_speed(), self.lowers(level) - LOST * anchors)
+        scaled(self.first_speed(), part - LOST * anchors)
     }
 
     /// The part of all speeds that is left for a lower level, LSB 2^-36: less by more than roundings of
     /// limits. At that part the planned motion is inside the limits of all blocks. A call of its own: it is rare.
     #[inline(never)]
-    fn lowers(&self, level: f32) -> i64 {
+    pub(super) fn lowers(&self, level: f32) -> i64 {
         let (front, back) = self.blocks.as_slices();
         let inside = |part, block: &Block| min(part, block.limits_by_call().part_inside());
         let part = front.iter().chain(back).fold(level / self.level, inside);
@@ -242,12 +247,11 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
         }
     }
 
-    /// Speeds are planned for a lower level; the first block is entered at `v_in`, at most
-    /// [`Self::entry_for`]. What was planned stays possible at the part of its speed that the level is
+    /// Speeds are planned for a lower level, at that `part` of theirs; the first block is entered at `v_in`, at most
+    /// [`Self::entry_at`]. What was planned stays possible at the part of its speed that the level is
     /// lowered by: all accelerations are smaller then ([`Limits::part_inside`]). Slow blocks get back what they have
     /// lent.
-    pub(super) fn lower(&mut self, level: f32, v_in: Speed) {
-        let part = self.lowers(level);
+    pub(super) fn lower(&mut self, (level, part): (f32, i64), v_in: Speed) {
         let before = core::mem::replace(&mut self.level, level);
         let (mut last, mut lent) = (f32::MAX, false);
         for block in self.blocks.iter_mut() {

@@ -141,7 +141,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         self.frontier.emitter.resume_at(committed.next);
         (self.frontier.planned, self.frontier.speed, self.frontier.end) =
             (k, committed.enters, committed.first);
-        if self.lay().is_ok()
+        if self.lay() == Ok(true)
             && self.frontier.speed > Speed::ZERO
             && let Some((_, rest)) = self.piece_at(at).filter(|(same, _)| *same == motion)
         {

@@ -13,7 +13,7 @@ use super::committed::CommittedSpan;
 use super::descent::Descent;
 use super::hold::{Mode, REACTION};
 use super::reserve::Way;
-use super::{Distance, Frontier, KEPT_FREE, Planning, Speed, Work};
+use super::{Distance, Frontier, Instant, KEPT_FREE, Planning, Speed, Work};
 use crate::queue::{Change, NotNow, renew};
 
 /// How often a call goes on with the way to a standstill behind new pieces that count at once or never.
@@ -71,7 +71,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     fn make_change(&mut self, k: usize, at: u32, descent: Option<&Descent>) -> Option<()> {
         let drops = at != self.frontier.end;
         self.open_change(k, at)?;
-        let mut made = Ok(());
+        let mut made = Ok(true);
         if let Some(descent) = descent {
             self.frontier.emitter.resume_at(0);
             self.go_down(k, descent);
@@ -85,9 +85,15 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             // It stands before the span, and has no law to stand still by.
             (self.frontier.pending_dwell, self.frontier.stops) = (0, true);
         } else if self.frontier.end == at && self.frontier.planned == k && !self.orders.mode.halting {
-            // So short a slowing down that it has no tick leaves it to the rest.
+            if descent.is_some()
+                && let Some(committed) = self.committed.get(k)
+            {
+                // So short a slowing down that it has no tick leaves it to the rest.
+                let (distance, speed) = (committed.start.to_bits(), self.frontier.speed.to_bits());
+                self.stay_within(k, &Instant { distance, speed, accel: 0 });
+            }
             made = self.make_law();
-            if made.is_ok() {
+            if made == Ok(true) {
                 self.hand_out();
             }
         }
@@ -104,8 +110,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             let stands = self.orders.mode.passed.and_then(|passed| passed.stands).map(Distance::from_bits);
             self.put_rest(stands.unwrap_or(in_span), 1);
         }
-        // Nothing was handed out for a law that failed.
-        if made.is_err() || (drops && self.frontier.end == at) {
+        // Nothing was handed out for a law that failed, or is still being looked for.
+        if made != Ok(true) || (drops && self.frontier.end == at) {
             self.undo();
             return None;
         }
@@ -191,7 +197,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
                 }
                 Err(not_now) => {
                     if not_now == NotNow::TooLate {
-                        self.orders.lead = (2 * self.orders.lead).min(FURTHEST);
+                        self.look_further();
                     }
                     self.put_back(&before);
                     return false;
@@ -210,6 +216,11 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         }
         (self.reserve.kept, self.reserve.failed) = (way, None);
         true
+    }
+
+    /// A change came too late: the next one is further ahead.
+    pub(super) fn look_further(&mut self) {
+        self.orders.lead = (2 * self.orders.lead).min(FURTHEST);
     }
 
     /// The span of a change that counts has another law: those behind begin anew, but for those that a way
@@ -251,6 +262,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         self.secure_change();
         for _ in 0..WAYS {
             if self.reserve.pending.is_some() {
+                self.orders.search.begin_call();
                 self.look_after();
             }
         }

@@ -15,7 +15,7 @@
 //! as its own law does. A curve in which acceleration is bought with speed is entered so slowly that the
 //! deceleration of the law may go on in it.
 use super::hold::NOTHING;
-use super::short_stop::No;
+use super::search::{PLAN_COSTS, SCAN_COSTS, SPAN_COSTS};
 use super::{Brake, Instant, Planning, Profile, RingStage, Speed, clock};
 use crate::lookahead::ReleasedSpan;
 use crate::math::float::{min, to_f32};
@@ -42,7 +42,7 @@ pub(super) struct Descent {
 
 impl Descent {
     /// None yet.
-    fn none() -> Self {
+    pub fn none() -> Self {
         Self::inside(Brake::default())
     }
 
@@ -108,20 +108,12 @@ pub(super) struct Stretch {
     v_out: Speed,
 }
 
-/// So many spans from the motion on: what they permit to a slowing down, and the end of the last one.
-struct Row {
-    limits: Limits,
-    end: i64,
-    spans: usize,
-    /// Where the last one begins, if they are those looked at.
-    last: Option<Cursor>,
-    /// A standstill fits into them.
-    fits: bool,
-}
-
-impl Row {
-    /// No span yet.
-    const NONE: Self = Self { limits: ReleasedSpan::BLANK.limits, end: 0, spans: 0, last: None, fits: false };
+/// What the limits of the spans lead to.
+pub(super) enum Along {
+    /// A standstill.
+    Stands,
+    /// A law through so many spans; a standstill fits into them.
+    Through { spans: usize, fits: bool },
 }
 
 impl Stretch {
@@ -182,11 +174,12 @@ impl Stretch {
 }
 
 impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
-    /// The way down from `motion` in the span `k`. `None` if the law at hand is as slow at the end of that
-    /// span.
-    #[inline(never)]
-    pub(super) fn descend(&mut self, k: usize, motion: &Instant) -> Option<Descent> {
-        let ahead = if self.reserve.is_made() {
+    /// Where spans begin that a way from the span `k` on may pass: behind those that are committed, those of the
+    /// look-ahead, unless the way is to stay within the former.
+    pub(super) fn begin_ahead(&self, k: usize, stays: bool) -> Cursor {
+        let ahead = if stays {
+            Ahead::NONE
+        } else if self.reserve.is_made() {
             let (next, distance) = self.reserve.ahead();
             Ahead { next, distance: distance.to_bits() }
         } else if self.task.stage == RingStage::Passing || self.reserve.behind.is_some() {
@@ -194,140 +187,85 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         } else {
             Ahead { next: 0, distance: self.handed.to_bits() }
         };
-        // In its place, here and below: as a result it would be there several times.
-        let mut descent = Descent::none();
-        self.descend_to(Cursor { k, ahead, fall: None }, motion, &mut descent)?;
-        // A hold goes on only behind spans that are committed.
-        let commits = self.reserve.is_made() || descent.brake.v_out == 0;
-        if commits || k + descent.spans <= self.committed.len() {
-            return Some(descent);
-        }
-        self.descend_to(Cursor { k, ahead: Ahead::NONE, fall: None }, motion, &mut descent)?;
-        Some(descent)
+        Cursor { k, ahead, fall: None }
     }
 
-    #[inline(never)]
-    fn descend_to(&mut self, mut start: Cursor, motion: &Instant, found: &mut Descent) -> Option<()> {
-        let mut blank = ReleasedSpan::BLANK;
-        let span = &mut blank;
-        let wanted = !self.reserve.is_made();
-        let mut again = wanted;
-        if wanted {
-            match self.stand_short(start, span, (motion, false), found) {
-                Ok(()) => return Some(()),
-                Err(no) => again = no == No::Shorter,
-            }
-        }
-        self.go_along(&mut start, span, (motion, again), found)
+    /// The same with the limits that the first span has from this motion on: [`Fall`].
+    pub(super) fn know_fall(&self, start: &mut Cursor, span: &mut ReleasedSpan, motion: &Instant) -> Option<()> {
+        let first = self.ahead(&mut start.clone(), span, false)?;
+        start.fall = first.limits.fall(speed_f32(motion.speed));
+        Some(())
     }
 
     // What follows is not inlined: of what each has on the stack, only one is there at a time.
 
-    /// By the limits of the spans; where they permit a standstill, first of all `again` by those of its own way.
+    /// Whether the limits of the spans permit a standstill by one law; else through how many spans a law may lead, and
+    /// whether a standstill fits into them.
     #[inline(never)]
-    fn go_along(
+    pub(super) fn look_along(
         &mut self,
-        start: &mut Cursor,
-        span: &mut ReleasedSpan,
-        (motion, again): (&Instant, bool),
-        found: &mut Descent,
-    ) -> Option<()> {
-        let mut row = Row::NONE;
-        let stands = self.look_along(start, span, (motion, found), &mut row)?;
-        if stands || row.fits && again && self.stand_short(*start, span, (motion, true), found).is_ok() {
-            return Some(());
-        }
-        self.step_down(*start, span, (motion, found), &mut row)
-    }
-
-    /// Whether the limits of the spans permit a standstill by one law; else what is known of them. From there on the
-    /// limits are known for `start`.
-    #[inline(never)]
-    fn look_along(
-        &mut self,
-        start: &mut Cursor,
+        start: &Cursor,
         span: &mut ReleasedSpan,
         (motion, found): (&Instant, &mut Descent),
-        row: &mut Row,
-    ) -> Option<bool> {
+    ) -> Option<Along> {
         let mut cursor = *start;
-        let mut first = self.ahead(&mut cursor, span, false)?;
-        if let Some(fall) = first.limits.fall(speed_f32(motion.speed)) {
-            start.fall = Some(fall);
-            if let Some(descent) = self.fall_inside(*start, span, motion, &fall) {
-                *found = descent;
-                return Some(true);
-            }
-            cursor = *start;
-            first = self.ahead(&mut cursor, span, false)?;
+        if let Some(fall) = start.fall
+            && let Some(descent) = self.fall_inside(*start, span, motion, &fall)
+        {
+            *found = descent;
+            return Some(Along::Stands);
         }
-        let (limits, end) = (first.limits, first.end);
-        let fits = Brake::fits(motion, end, &limits, CLOSE);
-        *row = Row { limits, end, spans: 1, last: Some(*start), fits };
-        while !row.fits && row.spans < SPANS {
+        let Stretch { mut limits, mut end, .. } = self.ahead(&mut cursor, span, false)?;
+        let mut spans = 1;
+        let mut fits = Brake::fits(motion, end, &limits, CLOSE);
+        while !fits && spans < SPANS {
             // A deceleration that a span does not permit ends before it.
             let goes_on = |next: &Stretch| {
                 let passes = next.smooth && next.v_in > Speed::ZERO && next.permits(motion);
-                passes && row.limits.slows_alike(&next.limits)
+                passes && limits.slows_alike(&next.limits)
             };
-            let at = cursor;
             let Some(next) = self.ahead(&mut cursor, span, false).filter(goes_on) else { break };
-            row.last = Some(at);
-            row.limits.go_on_braking(&next.entered());
-            (row.end, row.spans) = (next.end, row.spans + 1);
-            row.fits = Brake::fits(motion, row.end, &row.limits, CLOSE);
+            limits.go_on_braking(&next.entered());
+            (end, spans) = (next.end, spans + 1);
+            fits = Brake::fits(motion, end, &limits, CLOSE);
         }
-        let Row { limits, end, .. } = &*row;
-        if row.fits
-            && let Some(brake) = Brake::down_to(&mut self.profile, motion, *end, (limits, limits.a_down), 0)
+        if fits
+            && let Some(brake) = Brake::down_to(&mut self.profile, motion, end, (&limits, limits.a_down), 0)
         {
-            match self.verify(*start, span, (motion, found), (&brake, limits), false) {
-                Ok(()) => return Some(true),
-                Err(whole) => {
-                    (row.last, row.spans) = (row.last.filter(|_| whole == row.spans), whole);
-                }
+            match self.verify(*start, span, (motion, found), (&brake, &limits), false) {
+                Ok(()) => return Some(Along::Stands),
+                Err(whole) => spans = whole,
             }
         }
-        Some(false)
+        Some(Along::Through { spans, fits })
     }
 
-    /// To the end of so many spans: fewer of them if the law is too fast before.
+    /// To the end of so many spans. `Err`: fewer of them, since the law is too fast before.
     #[inline(never)]
-    fn step_down(
+    pub(super) fn step_down(
         &mut self,
-        start: Cursor,
+        start: &Cursor,
         span: &mut ReleasedSpan,
         (motion, found): (&Instant, &mut Descent),
-        Row { limits, end, spans, last, .. }: &mut Row,
-    ) -> Option<()> {
-        loop {
-            // Of as many as were looked at, of which the last begins there, only the speed at their end is not known.
-            let v_out;
-            if let Some(mut last) = last.take() {
-                v_out = self.ahead(&mut last, span, true)?.v_out;
-            } else {
-                (*limits, *end, v_out) = self.together(start, span, *spans)?;
+        spans: usize,
+    ) -> Option<Result<(), usize>> {
+        let (limits, end, v_out) = self.together(*start, span, spans)?;
+        let braking = (&limits, limits.a_down);
+        self.orders.search.spend(PLAN_COSTS);
+        let brake = Brake::plan(&mut self.profile, motion, end, v_out.to_bits(), braking, 0);
+        if spans == 1 {
+            let brake = brake?;
+            let spans = usize::from(end.wrapping_sub(brake.end) <= NOTHING);
+            let mut cursor = *start;
+            if spans > 0 {
+                self.ahead(&mut cursor, span, false)?;
             }
-            let braking = (&*limits, limits.a_down);
-            let brake = Brake::plan(&mut self.profile, motion, *end, v_out.to_bits(), braking, 0);
-            if *spans == 1 {
-                let brake = brake?;
-                let spans = usize::from(end.wrapping_sub(brake.end) <= NOTHING);
-                let mut cursor = start;
-                if spans > 0 {
-                    self.ahead(&mut cursor, span, false)?;
-                }
-                *found = Descent { brake, spans, ahead: cursor.ahead };
-                return Some(());
-            }
-            let followed =
-                brake.map(|brake| self.verify(start, span, (motion, &mut *found), (&brake, limits), false));
-            *spans = match followed {
-                Some(Ok(())) => return Some(()),
-                Some(Err(whole)) => whole.min(*spans - 1),
-                None => 1,
-            };
+            *found = Descent { brake, spans, ahead: cursor.ahead };
+            return Some(Ok(()));
         }
+        let Some(brake) = brake else { return Some(Err(1)) };
+        let followed = self.verify(*start, span, (motion, found), (&brake, &limits), false);
+        Some(followed.map_err(|whole| whole.min(spans - 1)))
     }
 
     /// With STEP, whether a way down that begins in the span `k` ends where another law takes it further: it
@@ -372,6 +310,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     /// Where the motion goes on behind it, the speed planned at its end need not be known: not `ends`.
     pub(super) fn ahead(&self, cursor: &mut Cursor, span: &mut ReleasedSpan, ends: bool) -> Option<Stretch> {
         if let Some(committed) = self.committed.get(cursor.k) {
+            self.orders.search.spend(SPAN_COSTS);
             cursor.k += 1;
             let (span, v_in) = (&committed.span, committed.planned());
             return Some(Stretch::new(span, v_in, committed.end(), cursor.fall.as_ref()));
@@ -379,6 +318,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         if cursor.ahead.next == usize::MAX || !self.lookahead.ring.scan(cursor.ahead.next, span, ends) {
             return None;
         }
+        self.orders.search.spend(SCAN_COSTS + u32::from(span.blocks));
         let end = cursor.ahead.distance.wrapping_add(span.length.to_bits());
         if !self.queue.segments.is_known(crate::quantity::Distance::from_bits(end)) {
             return None;

@@ -15,7 +15,8 @@
 use super::clock;
 use super::committed::CommittedSpan;
 use super::descent::{Descent, Passed};
-use super::{Commands, Control, Distance, Instant, Planning, RingStage, Speed, Unplannable, Work};
+use super::search::Later;
+use super::{Commands, Control, Distance, Instant, KEPT_FREE, Planning, RingStage, Speed, Unplannable, Work};
 use crate::queue::{Change, Cut, PHASES};
 use crate::smooth::Smoother;
 
@@ -52,7 +53,7 @@ pub(super) struct Mode {
     standing: bool,
     /// The cut that may be pending, and the last instant at which one was tried.
     pub(super) cut: Option<Cut>,
-    tried: Option<u32>,
+    pub(super) tried: Option<u32>,
     /// What a way down passes, until its spans know.
     pub(super) passed: Option<Passed>,
     /// At that speed a shorter way down is looked for: [`Planning::stand_sooner`].
@@ -92,6 +93,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     /// Follows the commands, if there is something to do for them.
     #[cfg_attr(feature = "fast", inline(always))]
     pub(super) fn attend(&mut self) -> Option<Work> {
+        self.orders.search.begin_call();
         let word = self.queue.control.word();
         let is_changed = word != self.orders.word || self.reserve.pending.is_some();
         let is_called = self.orders.mode.busy || is_changed || self.queue.clock.has_left();
@@ -113,9 +115,12 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let word = word & Control::COMMANDS;
         if word != self.orders.word {
             self.orders.word = word;
+            self.orders.search.forget();
             // At a standstill no tick of motion passes: another command is tried at the same instant.
             self.orders.mode.tried = None;
-            self.set_pace(&commands);
+            // All spans at hand were gone through: that is work, unless other work was put off for it before.
+            let is_paced = self.set_pace(&commands);
+            self.orders.trying = is_paced && !self.orders.yields;
         }
         self.orders.mode.busy = true;
         if let Some(work) = self.answer() {
@@ -135,10 +140,10 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             || commands.standstill()
             || self.task.joining
             || self.queue.control.is_answered();
-        // A try that changed nothing is a call of its own; other work has the next one.
+        // A try that changed nothing is work in a call of its own; other work has the next one.
         let tried = core::mem::take(&mut self.orders.trying);
         self.orders.yields = tried && work.is_none();
-        if self.orders.yields { Some(Work::Working) } else { work }
+        if tried && matches!(work, None | Some(Work::Waiting)) { Some(Work::Working) } else { work }
     }
 
     // What follows is not inlined: of what each has on the stack, only one is there at a time.
@@ -152,7 +157,9 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         if !self.orders.mode.standing {
             return None;
         }
-        self.trim();
+        if !self.orders.search.is_paused() {
+            self.trim();
+        }
         // What has been handed out holds: a span knows of one standstill only.
         if self.queue.clock.now() != self.frontier.end {
             return Some(self.stand_sooner().unwrap_or(Work::Waiting));
@@ -175,19 +182,15 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     /// on its way down another one takes its place, if that is shorter by a part.
     #[inline(never)]
     fn stand_sooner(&mut self) -> Option<Work> {
-        let at = self.queue.clock.now().wrapping_add(clock::TICK * self.orders.lead);
+        let paused = self.paused();
+        let soon = || self.queue.clock.now().wrapping_add(clock::TICK * self.orders.lead);
+        let at = paused.map_or_else(soon, |(at, _)| at);
         let worth = clock::is_before(at.wrapping_add(clock::TICK * WORTH), self.frontier.end);
         if !worth || self.orders.mode.cut.is_some() || self.reserve.behind.is_some() {
             return None;
         }
         let motion = self.motion_at(at)?;
-        let slowed = self.orders.mode.slowed.to_bits();
-        if slowed > 0 && motion.speed > slowed {
-            return None;
-        }
-        self.orders.mode.slowed = Speed::from_bits(motion.speed - (motion.speed >> SLOWED));
-        // The way in the queue is still new.
-        if slowed == 0 {
+        if paused.is_none() && !self.has_slowed(&motion) {
             return None;
         }
         self.orders.trying = true;
@@ -195,7 +198,11 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let k = (0..self.committed.len()).find(|&k| {
             self.committed.get(k).is_some_and(|committed| committed.end().wrapping_sub(motion.distance) > 0)
         })?;
-        let descent = self.descend(k, &motion)?;
+        let Ok(descent) = self.descend(k, &motion) else {
+            self.orders.search.pause((at, k), false);
+            return None;
+        };
+        let descent = descent?;
         let [way, now] = [descent.brake.end, stands].map(|end| end.wrapping_sub(motion.distance));
         if descent.brake.v_out > 0 || way >= now - (now >> SHORTER) {
             return None;
@@ -212,6 +219,17 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             committed.first = at;
         }
         Some(work)
+    }
+
+    /// Whether the motion is slow enough for another look at its way down. The first one notes the speed alone: the way
+    /// in the queue is still new.
+    fn has_slowed(&mut self, motion: &Instant) -> bool {
+        let slowed = self.orders.mode.slowed.to_bits();
+        let is_slow = motion.speed <= slowed;
+        if is_slow || slowed == 0 {
+            self.orders.mode.slowed = Speed::from_bits(motion.speed - (motion.speed >> SLOWED));
+        }
+        is_slow && slowed > 0
     }
 
     /// What is left of a dwell goes, if nothing but that is left.
@@ -278,12 +296,20 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     #[inline(never)]
     fn stop(&mut self, abort: bool) -> Option<Work> {
         let (at, later) = self.attempt()?;
+        let skips = self.orders.search.skips();
         let mut next = later;
         if let Some((k, committed)) = later.checked_sub(1).and_then(|k| Some((k, self.committed.get(k)?))) {
             if committed.first == at {
                 next = k;
-            } else if let Some(motion) = self.motion_at(at)
-                && let Some(descent) = self.descend(k, &motion)
+            } else if !skips
+                && let Some(motion) = self.motion_at(at)
+                && let Some(descent) = match self.descend(k, &motion) {
+                    Ok(descent) => descent,
+                    Err(Later) => {
+                        self.orders.search.pause((at, later), false);
+                        return Some(Work::Working);
+                    }
+                }
             {
                 let waits = self.task.stage == RingStage::Passing && !self.orders.failed;
                 if waits && descent.brake.v_out > 0 && !self.is_stage(k, &descent) {
@@ -295,7 +321,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         }
         // From the start of the next span that has a tick.
         next = self.with_tick(next);
-        match self.committed.get(next) {
+        let stops = match self.committed.get(next) {
             Some(committed) if next < self.frontier.planned => {
                 let first = committed.first;
                 if abort && next > 0 && self.motion_at(at).is_some_and(|motion| motion.is_rest()) {
@@ -311,7 +337,12 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
                 self.orders.mode.stopping = true;
                 None
             }
+        };
+        if stops.is_none() && self.orders.search.goes_on() {
+            self.orders.search.pause((at, later), true);
+            return Some(Work::Working);
         }
+        stops
     }
 
     fn stop_at(&mut self, k: usize, at: u32, descent: Option<Descent>) -> Option<Work> {
@@ -324,9 +355,15 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     /// The instant of a change decided now, and the first span that begins behind it: one change at a time,
     /// and one attempt a tick.
     pub(super) fn attempt(&mut self) -> Option<(u32, usize)> {
+        if let Some(paused) = self.paused() {
+            self.orders.trying = true;
+            return Some(paused);
+        }
         let now = self.trim();
         let waits = self.reserve.waits && self.task.stage == RingStage::Passing;
+        // A change has no room: nothing is looked for.
         if waits
+            || self.queue.phases.room() < KEPT_FREE
             || self.orders.yields
             || self.orders.mode.tried == Some(now)
             || self.orders.mode.cut.is_some()
@@ -420,8 +457,9 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             if self.secure(self.reserve.near) {
                 return Ok(Some(Work::Working));
             }
-            self.lay().map_err(|error| self.fail_to_plan(error))?;
-            return Ok(Some(Work::Working));
+            let is_made = self.lay().map_err(|error| self.fail_to_plan(error))?;
+            let is_told = is_made && core::mem::take(&mut self.report.is_due);
+            return Ok(Some(if is_told { Work::Planned } else { Work::Working }));
         }
         Ok(None)
     }
@@ -496,5 +534,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         self.reserve.clear();
         self.orders.mode = Mode { cut: self.orders.mode.cut, ..Mode::RUN };
         self.orders.failed = false;
+        self.orders.search.forget();
+        self.report.is_due = false;
     }
 }

@@ -36,22 +36,24 @@ enum Made {
     Planned,
     /// Another one took its place, up to somewhere in the span: it is handed out.
     Otherwise,
+    /// It is still being looked for.
+    Later,
 }
 
 impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
-    /// Makes the law of the next span that has none.
-    pub(super) fn lay(&mut self) -> Result<(), Unplannable> {
+    /// Makes the law of the next span that has none. `false`: it is still being looked for, and nothing has changed.
+    pub(super) fn lay(&mut self) -> Result<bool, Unplannable> {
         let made = self.make_law();
         self.note_passed();
         made
     }
 
     /// Makes the law of the next span that has none, and leaves spans behind it as they are
-    /// ([`Self::note_passed`]).
-    pub(super) fn make_law(&mut self) -> Result<(), Unplannable> {
+    /// ([`Self::note_passed`]). `false`: it is still being looked for.
+    pub(super) fn make_law(&mut self) -> Result<bool, Unplannable> {
         let (k, v_in) = (self.frontier.planned, self.frontier.speed);
         let (end, next) = (self.frontier.end, self.frontier.emitter.next());
-        let Some(mut committed) = self.committed.get_mut(k) else { return Ok(()) };
+        let Some(mut committed) = self.committed.get_mut(k) else { return Ok(true) };
         (committed.first, committed.next, committed.enters, committed.pace) =
             (end, next, v_in, self.orders.pace.key());
         let span = &committed.span;
@@ -60,12 +62,13 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let mut made = Made::Suited(Fit::Whole);
         if !as_planned || self.orders.mode.stopping || self.orders.mode.uneven {
             made = self.stretch(k).unwrap_or_else(|| self.suit(k));
-            let Some(same) = self.committed.get_mut(k) else { return Ok(()) };
+            let Some(same) = self.committed.get_mut(k) else { return Ok(true) };
             committed = same;
         }
         let span = &mut committed.span;
         let fit = match made {
-            Made::Otherwise => return Ok(()),
+            Made::Otherwise => return Ok(true),
+            Made::Later => return Ok(false),
             Made::Planned => Fit::Whole,
             Made::Suited(fit) => {
                 let permitted = core::mem::replace(&mut span.limits.v, committed.limit);
@@ -83,7 +86,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         if fit == Fit::Part {
             self.lower();
         }
-        Ok(())
+        Ok(true)
     }
 
     /// Makes the law of the span `k` the one planned, or what is left of that, at a part of its speed, if
@@ -186,7 +189,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let planned = span.v_out.to_bits();
         let too_fast = !full && speed_bits(v) < v_in.to_bits();
         if self.orders.mode.stopping {
-            if let Some(descent) = self.descend(k, &motion) {
+            let Ok(descent) = self.descend(k, &motion) else { return Made::Later };
+            if let Some(descent) = descent {
                 self.go_down(k, &descent);
                 return Made::Otherwise;
             }

@@ -6,6 +6,7 @@
 //! | `functions`, `acknowledge` | where functions come out; how the motion waits at a gate and goes on |
 //! | `committed` | which spans have a law that may still change |
 //! | `hold`, `descent`, `short_stop` | how the motion stops, through which spans, and whether it can stop sooner |
+//! | `search` | how much of that one call does |
 //! | `pace` | what override and reduced speed change in the queue |
 //! | `change` | when new pieces count for the interrupt |
 //! | `reserve`, `slower` | how the motion stops without the planner; what becomes of it where that has no room |
@@ -23,6 +24,7 @@ mod late;
 mod law;
 mod pace;
 mod reserve;
+mod search;
 mod short_stop;
 mod slower;
 mod stand;
@@ -50,6 +52,7 @@ use held_line::HeldLine;
 use hold::{Mode, REACTION};
 pub use intake::MotionError;
 use reserve::{FAR, Reserve};
+use search::Search;
 use turning::Turning;
 
 /// Where the ring is handed on.
@@ -188,6 +191,8 @@ struct Task {
     stood: bool,
     /// The instant at which the queue ends, if nothing has moved since the axes came to stand there.
     shifted: Option<u32>,
+    /// A level that the ring cannot follow, and the instant at which the queue ends then.
+    refused_level: Option<(u32, f32)>,
 }
 
 /// Where laws end: of what is behind, nothing is in the queue.
@@ -210,7 +215,7 @@ struct Frontier {
 }
 
 /// The operator's commands, and what they make of the motion.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 struct Orders {
     mode: Mode,
     /// The commands as they were seen last.
@@ -224,6 +229,8 @@ struct Orders {
     /// A change is being tried; the last try changed nothing, and other work has this call.
     trying: bool,
     yields: bool,
+    /// For a way down.
+    search: Search,
 }
 
 /// How often the queue was found low since blocks are taken in.
@@ -241,6 +248,8 @@ struct Report {
     /// Motion blocks whose time law has begun.
     begun: u32,
     planned: Planned,
+    /// The law of the span released last is still being looked for.
+    is_due: bool,
 }
 
 /// The time law of one motion block.
@@ -286,6 +295,7 @@ impl Task {
         joining: false,
         stood: false,
         shifted: None,
+        refused_level: None,
     };
 }
 
@@ -389,12 +399,18 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
                 lead: REACTION,
                 trying: false,
                 yields: false,
+                search: Search::NONE,
             },
             functions,
             reserve,
-            report: Report { begun: 0, planned: Planned::default() },
+            report: Report { begun: 0, planned: Planned::default(), is_due: false },
             queue,
         }
+    }
+
+    /// What the last call has cost for the search of a way down, in about 100 instructions of a Cortex-M4.
+    pub const fn searched(&self) -> u32 {
+        self.orders.search.spent()
     }
 
     /// Demands a standstill after the blocks taken in, and that many ticks of rest. The next [`Work::Hungry`]
@@ -528,10 +544,11 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
                 (self.supply.seen, self.supply.low) = (self.queue.clock.now(), 0);
                 Ok(Work::Working)
             }
-            RingStage::Releasing(_)
-                if (self.task.reopened || self.has_other_level()) && !self.queue.segments.is_over() =>
-            {
+            RingStage::Releasing(_) if self.task.reopened && !self.queue.segments.is_over() => {
                 Ok(self.plan_anew())
+            }
+            RingStage::Releasing(_) if self.has_other_level() && !self.queue.segments.is_over() => {
+                Ok(self.try_level())
             }
             RingStage::Releasing(left) => self.release(left),
             RingStage::Filling => Ok(self.fill()),
@@ -570,6 +587,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
     }
 
     /// Instead of handing on what was planned with gates that are open now, or for another level.
+    #[inline(never)]
     fn plan_anew(&mut self) -> Work {
         self.task.reopened = false;
         if self.task.flush {
@@ -633,8 +651,8 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         }
         // All before it have a law, and this one had none before.
         self.orders.mode.uneven = false;
-        self.lay().map_err(|error| self.fail_to_plan(error))?;
-        Ok(Work::Planned)
+        self.report.is_due = !self.lay().map_err(|error| self.fail_to_plan(error))?;
+        Ok(if self.report.is_due { Work::Working } else { Work::Planned })
     }
 
     /// The first blocks of the look-ahead leave it, so many: their curves have been in the queue since they

@@ -20,12 +20,12 @@ const CRAWL: f32 = 2.0;
 const AHEAD: u32 = 1024;
 
 impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
-    /// The pace of the commands, for all laws to be made.
-    pub(super) fn set_pace(&mut self, commands: &Commands) {
+    /// The pace of the commands, for all laws to be made. `false`: it is the one of before.
+    pub(super) fn set_pace(&mut self, commands: &Commands) -> bool {
         let before = self.orders.pace;
         self.orders.pace.follow(commands);
         if self.orders.pace == before {
-            return;
+            return false;
         }
         let level = self.level();
         for committed in self.committed.from(0).filter(|committed| committed.span.level < level) {
@@ -35,6 +35,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             self.follow_level();
         }
         self.orders.mode.adjusting = true;
+        true
     }
 
     /// The level that the pace needs. Below 100 % there is none but with HSC: the others have spans of one
@@ -87,12 +88,23 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         }
     }
 
-    /// Whether the ring is planned for another level than that of now, and can follow it while there is time.
+    /// Whether the ring is planned for another level than that of now, may be able to follow it, and there is time.
     pub(super) fn has_other_level(&self) -> bool {
-        let (ring, level) = (&self.lookahead.ring, self.level());
-        level != ring.level()
-            && (level > ring.level() || self.frontier.speed <= ring.entry_for(level))
+        let level = self.level();
+        level != self.lookahead.ring.level()
+            && self.task.refused_level != Some((self.frontier.end, level))
             && self.is_far(self.frontier.end)
+    }
+
+    /// The ring is planned anew for the level of now, if it can follow that. Whether it can takes a look at all of it, so
+    /// it is asked once for each end of the queue.
+    pub(super) fn try_level(&mut self) -> Work {
+        let (ring, level) = (&self.lookahead.ring, self.level());
+        if level > ring.level() || self.frontier.speed <= ring.entry_for(level) {
+            return self.plan_anew();
+        }
+        self.task.refused_level = Some((self.frontier.end, level));
+        Work::Working
     }
 
     /// Its law was made for another pace, and is not the one of now.

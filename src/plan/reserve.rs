@@ -25,6 +25,7 @@
 use super::change::Pending;
 use super::committed::CommittedSpan;
 use super::hold::{Mode, NOTHING};
+use super::search::Later;
 use super::{Distance, Frontier, Instant, PIECES, Phase, Planning, RingStage, Slot, Speed, Work, clock};
 
 /// Time ahead of the interrupt at which a new one is made, at least; and the same before blocks are taken in
@@ -58,6 +59,10 @@ pub(super) struct Aside {
     spans: usize,
     /// A span that has another law meanwhile.
     touched: Option<(usize, CommittedSpan)>,
+    /// The way down from within the law with the emitter is still being looked for.
+    slows: bool,
+    /// With linear ramps the next span has no law: it keeps its own.
+    keeps_ramps: bool,
 }
 
 /// The reserve.
@@ -279,7 +284,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     #[inline(never)]
     fn set_aside(&mut self) {
         let (frontier, mode, spans) = (self.frontier, self.orders.mode, self.committed.len());
-        self.reserve.aside = Some(Aside { frontier, mode, spans, touched: None });
+        self.reserve.aside = Some(Aside { frontier, mode, spans, touched: None, slows: false, keeps_ramps: false });
     }
 
     /// From within the law with the emitter.
@@ -300,12 +305,25 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             (self.frontier.planned, self.frontier.speed, self.orders.mode.halting) = (k, Speed::ZERO, true);
             return;
         }
-        if let Some(descent) = self.descend(k, &motion) {
-            self.frontier.emitter.resume_at(0);
-            self.go_down(k, &descent);
-        } else if let Some(aside) = &self.reserve.aside {
-            self.frontier.emitter = aside.frontier.emitter;
-            self.reserve.as_planned = true;
+        self.slow_down_within(k, &motion);
+    }
+
+    /// The same from this motion on.
+    #[inline(never)]
+    fn slow_down_within(&mut self, k: usize, motion: &Instant) {
+        let descent = self.descend(k, motion);
+        let Some(aside) = &mut self.reserve.aside else { return };
+        aside.slows = descent.is_err();
+        match descent {
+            Ok(Some(descent)) => {
+                self.frontier.emitter.resume_at(0);
+                self.go_down(k, &descent);
+            }
+            Ok(None) => {
+                self.frontier.emitter = aside.frontier.emitter;
+                self.reserve.as_planned = true;
+            }
+            Err(Later) => {}
         }
     }
 
@@ -344,6 +362,11 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
 
     /// A piece of it; `false` when it is done, or cannot be made.
     fn go_on_stopping(&mut self) -> bool {
+        if self.reserve.aside.as_ref().is_some_and(|aside| aside.slows) {
+            let (k, motion) = self.orders.search.begins();
+            self.slow_down_within(k, &motion);
+            return true;
+        }
         for _ in 0..LAWS {
             for _ in 0..PIECES {
                 if !self.frontier.emitter.has_piece() {
@@ -402,17 +425,27 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         } else if touched != Some(self.frontier.planned) {
             self.touch(self.frontier.planned);
         }
-        // A ramp of SIN2 is many pieces; a linear one of its mean jerk keeps the limits too, with few.
+        // A ramp of SIN2 is many pieces; a linear one of its mean jerk keeps the limits too, with few. Where ramps differ it
+        // may take longer than there is path.
+        let keeps_ramps = self.reserve.aside.as_mut().is_some_and(|aside| core::mem::take(&mut aside.keeps_ramps));
         let Some(committed) = self.committed.get_mut(self.frontier.planned) else { return false };
-        let law = committed.span.limits.straighten();
-        let jerk_limited = law != committed.span.limits.law;
-        if self.lay().is_ok() {
+        let law = committed.span.limits.law;
+        if !keeps_ramps {
+            committed.span.limits.straighten();
+        }
+        let is_straight = committed.span.limits.law != law;
+        let is_laid = self.lay();
+        if is_laid == Ok(true) {
             return true;
         }
-        // Where ramps differ it may take longer.
-        let Some(committed) = self.committed.get_mut(self.frontier.planned) else { return false };
+        let (Some(committed), Some(aside)) =
+            (self.committed.get_mut(self.frontier.planned), &mut self.reserve.aside)
+        else {
+            return false;
+        };
         committed.span.limits.law = law;
-        jerk_limited && self.lay().is_ok()
+        aside.keeps_ramps = if is_laid.is_ok() { keeps_ramps } else { is_straight };
+        is_laid.is_ok() || is_straight
     }
 
     /// It is complete: the interrupt may come.

@@ -7,6 +7,7 @@
 //! the axes permit the law everywhere: that is asked for each of a few speeds, for the path that is left when the
 //! law has come down to it.
 use super::descent::{CLOSE, Cursor, Descent, SPANS, Stretch};
+use super::search::{LAW_COSTS, WALK, curve_costs, part_costs};
 use super::{Brake, Instant, Planning, Speed};
 use crate::dynamics::{Braking, Passed};
 use crate::lookahead::ReleasedSpan;
@@ -15,7 +16,6 @@ use crate::path::Bounds;
 use crate::quantity::{speed_bits, speed_f32};
 use crate::slope::brake::SHORT;
 use crate::slope::limits::{Limits, SlopeLaw};
-use core::cell::Cell;
 
 /// Speeds at which the parts of a way begin, and at which it ends, as parts of the highest one.
 type Speeds = [f32; PARTS + 1];
@@ -31,8 +31,6 @@ const NEARLY: f32 = 1.2;
 const FAIRLY: f32 = 3.0;
 /// Rounds.
 const ROUNDS: usize = 8;
-/// Most parts of curves that are looked at for one standstill.
-const CURVES: usize = 72;
 /// A knee shows in so many ticks.
 const KNEE_TICKS: i64 = 2;
 
@@ -53,7 +51,7 @@ impl Part {
 }
 
 /// Why there is no such way.
-#[derive(Clone, Copy, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum No {
     /// That of the spans is as short.
     Shorter,
@@ -61,17 +59,45 @@ pub(super) enum No {
     Law,
 }
 
-/// A law that was found, its limits, and how many times longer it is than with what is left here and now.
-struct Found {
-    brake: Brake,
-    limits: Limits,
-    needs: f32,
+/// Rounds behind this one.
+#[derive(Clone, Copy, Debug)]
+struct Rounds {
+    count: usize,
+    are_over: bool,
+    /// What the next one tries, what the one before tried and what was left of it.
+    braking: Braking,
+    before: Option<[Braking; 2]>,
+    /// Path of the first law, mm.
+    nearest: f32,
 }
 
-impl Found {
-    /// None yet, with these limits.
-    fn with(limits: &Limits) -> Self {
-        Self { brake: Brake::default(), limits: *limits, needs: 0.0 }
+impl Rounds {
+    const NONE: Self = Self { count: 0, are_over: false, braking: Braking::WIDEST, before: None, nearest: 0.0 };
+}
+
+/// The search for such a way, between two calls.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Short {
+    /// Path distances of the end of the first span, and of the one up to which a deceleration may go on.
+    ends: [i64; 2],
+    /// A longer one is none, mm.
+    way: f32,
+    /// With STEP, one to half the speed is looked for.
+    slows: bool,
+    rounds: Rounds,
+    /// The law to a standstill, and how many times longer it is than with what is left here and now.
+    stands: Result<(Braking, f32), No>,
+}
+
+impl Short {
+    /// None.
+    pub const NONE: Self =
+        Self { ends: [0; 2], way: 0.0, slows: false, rounds: Rounds::NONE, stands: Err(No::Law) };
+
+    /// With STEP the standstill is not to be reached by one law, or nearly: there is another way to be looked for.
+    fn goes_on(&self, begin: &Begin) -> bool {
+        let is_near = self.stands.is_ok_and(|(_, needs)| needs <= NEARLY);
+        begin.is_stepped() && !is_near && !self.rounds.are_over
     }
 }
 
@@ -93,8 +119,6 @@ struct Begin {
     begun: f32,
     /// Acceleration, but with STEP.
     gains: f32,
-    /// Parts of curves that may still be looked at.
-    left: Cell<usize>,
 }
 
 impl Begin {
@@ -102,44 +126,91 @@ impl Begin {
     const fn is_stepped(&self) -> bool {
         matches!(self.planned.law, SlopeLaw::Stepped { .. })
     }
+
+    /// Those of a law through these speeds.
+    fn limits(&self, braking: &Braking, speeds: &Speeds) -> Limits {
+        let ends = if self.gains > 0.0 { braking.ends } else { 0.0 };
+        self.planned.braked(braking.a, speeds[STAGE] * self.v, braking.j, ends)
+    }
 }
 
 impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
-    /// The way down from `motion` by one law that the axes permit on its own part of the path: `descent`, and the
-    /// law is in the profile. An error where there is none, or where the dynamics have changed since those blocks came in;
-    /// where the limits of the spans lead to a standstill as soon, too, unless they do not: `surely`.
+    /// Begins to look for the way down from `motion` by one law that the axes permit on its own part of the path. An error
+    /// where there is none, or where the dynamics have changed since those blocks came in; where the limits of the
+    /// spans lead to a standstill as soon, too, unless they do not: `surely`.
     #[inline(never)]
-    pub(super) fn stand_short(
-        &mut self,
-        cursor: Cursor,
+    pub(super) fn begin_short(
+        &self,
+        cursor: &Cursor,
         span: &mut ReleasedSpan,
-        (motion, surely): (&Instant, bool),
-        descent: &mut Descent,
-    ) -> Result<(), No> {
-        // By reference, here and below: as a whole it would be there twice.
-        let begun = self.begin_short(cursor, span, motion, surely);
-        let &(ref begin, ends, way) = begun.as_ref().map_err(|no| *no)?;
-        let [first, end] = ends;
-        let found = &mut Found::with(&begin.planned);
-        let stands = self.come_down(begin, span, motion, (&STANDS, end, way), found);
-        if begin.is_stepped() && !(stands.is_ok() && found.needs <= NEARLY) {
-            // To half the speed in the first span, at least as hard as planned. What is planned behind it stays
-            // possible.
-            let slows = &mut Found::with(&begin.planned);
-            if self.come_down(begin, span, motion, (&SLOWS, first, f32::MAX), slows).is_ok()
-                && slows.brake.v_out > 0
-                && slows.limits.brakes_above(&begin.planned)
-                && self.leaves_way(begin.cursor, span, &slows.brake)
-            {
-                *descent = Descent::inside(slows.brake);
-                return Ok(());
-            }
+        motion: &Instant,
+        surely: bool,
+    ) -> Result<Short, No> {
+        let begin = self.begin_way(cursor, span, motion).ok_or(No::Law)?;
+        let (now, ends, mut way) = self.as_planned(*cursor, span, motion).ok_or(No::Law)?;
+        // Of several blocks the limits are those of the worst one.
+        if begin.is_line && !now.is_many && Brake::fits(motion, ends[0], &now.limits, CLOSE) {
+            return Err(No::Shorter);
         }
-        stands?;
-        self.take_short(begin, span, (motion, descent), (end, way), found)
+        if surely {
+            way = f32::MAX;
+        }
+        Ok(Short { ends, way, slows: false, rounds: Rounds::NONE, stands: Err(No::Law) })
     }
 
     // What follows is not inlined: of what each has on the stack, only one is there at a time.
+
+    /// One round, or, behind them, the law that was found with its spans. `Ok(false)`: it goes on. The law is in the
+    /// profile then.
+    #[inline(never)]
+    pub(super) fn go_on_short(
+        &mut self,
+        cursor: &Cursor,
+        span: &mut ReleasedSpan,
+        (motion, descent): (&Instant, &mut Descent),
+        short: &mut Short,
+    ) -> Result<bool, No> {
+        // By reference, here and below: as a whole it would be there twice.
+        let begun = self.begin_way(cursor, span, motion);
+        let begin = begun.as_ref().ok_or(No::Law)?;
+        if let Ok((braking, needs)) = short.stands
+            && !short.goes_on(begin)
+        {
+            return self.take_short(begin, span, (motion, descent), short, (&braking, needs)).map(|()| true);
+        }
+        let [first, end] = short.ends;
+        let aim = if short.slows { (&SLOWS, first, f32::MAX) } else { (&STANDS, end, short.way) };
+        let mut brake = Brake::default();
+        let found = self.go_round(begin, span, motion, aim, (&mut short.rounds, &mut brake));
+        if !short.slows {
+            match found {
+                Ok(None) => {}
+                Ok(Some(found)) => short.stands = Ok(found),
+                Err(no) if begin.is_stepped() => short.stands = Err(no),
+                Err(no) => return Err(no),
+            }
+            if found != Ok(None) && short.goes_on(begin) {
+                // To half the speed in the first span, at least as hard as planned. What is planned behind it stays
+                // possible.
+                (short.slows, short.rounds) = (true, Rounds::NONE);
+            }
+            return Ok(false);
+        }
+        match found {
+            Ok(None) => return Ok(false),
+            Ok(Some((braking, _)))
+                if brake.v_out > 0
+                    && begin.limits(&braking, &SLOWS).brakes_above(&begin.planned)
+                    && self.leaves_way(begin.cursor, span, &brake) =>
+            {
+                *descent = Descent::inside(brake);
+                return Ok(true);
+            }
+            _ => {}
+        }
+        short.rounds.are_over = true;
+        short.stands.map(|_| false)
+    }
 
     /// The law that was found, if no other one is better, with its spans.
     #[inline(never)]
@@ -148,106 +219,88 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         begin: &Begin,
         span: &mut ReleasedSpan,
         (motion, descent): (&Instant, &mut Descent),
-        (end, way): (i64, f32),
-        Found { brake, limits, needs }: &mut Found,
+        short: &Short,
+        (braking, needs): (&Braking, f32),
     ) -> Result<(), No> {
         let stepped = begin.is_stepped();
         let most = if stepped && begin.is_line { NEARLY } else { FAIRLY };
-        if *needs > most && (stepped || way == f32::MAX) {
+        if needs > most && (stepped || short.way == f32::MAX) {
             return Err(No::Law);
         }
-        if stepped {
-            // The profile had another one.
-            *brake =
-                Brake::down_to(&mut self.profile, motion, end, (limits, limits.a_down), 0).ok_or(No::Law)?;
-        }
-        self.verify(begin.cursor, span, (motion, descent), (brake, limits), true).map_err(|_| No::Law)
+        let limits = &begin.limits(braking, &STANDS);
+        let braking = (limits, limits.a_down);
+        self.orders.search.spend(LAW_COSTS);
+        let brake = Brake::down_to(&mut self.profile, motion, short.ends[1], braking, 0).ok_or(No::Law)?;
+        self.verify(begin.cursor, span, (motion, descent), (&brake, limits), true).map_err(|_| No::Law)
     }
 
-    /// Where such a way begins, and what [`Self::as_planned`] has.
+    /// Where such a way begins.
     #[inline(never)]
-    fn begin_short(
-        &mut self,
-        cursor: Cursor,
-        span: &mut ReleasedSpan,
-        motion: &Instant,
-        surely: bool,
-    ) -> Result<(Begin, [i64; 2], f32), No> {
-        let curve = self.curve_at(motion.distance).ok_or(No::Law)?;
-        let first = self.queue.segments.recent(curve).ok_or(No::Law)?;
+    fn begin_way(&self, cursor: &Cursor, span: &mut ReleasedSpan, motion: &Instant) -> Option<Begin> {
+        let curve = self.curve_at(motion.distance)?;
+        let first = self.queue.segments.recent(curve)?;
         let curve_starts = [curve, curve.wrapping_add(1)].map(|curve| self.queue.segments.start(curve));
         let behind = motion.distance.wrapping_sub(curve_starts[0]);
         let is_line = first.segment.is_line();
         let starts = behind <= KNEE_TICKS * (motion.speed >> 14);
-        let (now, ends, mut way) = self.as_planned(cursor, span, motion).ok_or(No::Law)?;
-        let planned = now.limits;
-        // Of several blocks the limits are those of the worst one.
-        if is_line && !now.is_many && Brake::fits(motion, ends[0], &planned, CLOSE) {
-            return Err(No::Shorter);
-        }
-        if surely {
-            way = f32::MAX;
-        }
+        let planned = self.ahead(&mut cursor.clone(), span, false)?.limits;
         let accel = to_f32(motion.accel) * (1.0 / (1u64 << 58) as f32);
         let v = fastest(speed_f32(motion.speed), accel, &planned);
         let stepped = matches!(planned.law, SlopeLaw::Stepped { .. });
         let begun = if stepped { 0.0 } else { max(-accel, 0.0) };
         let gains = if stepped { 0.0 } else { max(accel, 0.0) };
-        let left = Cell::new(CURVES);
-        let begin = Begin { cursor, curve, curve_starts, is_line, starts, planned, v, begun, gains, left };
-        Ok((begin, ends, way))
+        Some(Begin { cursor: *cursor, curve, curve_starts, is_line, starts, planned, v, begun, gains })
     }
 
-    /// A law through these speeds that the axes permit, before the path distance `end` and in less than `way`
-    /// (mm).
+    /// A round on the way to a law through these speeds that the axes permit, before the path distance `end` and in
+    /// less than `way` (mm); the law, and what it takes of what the axes permit, if this round is the last one.
     #[inline(never)]
-    fn come_down(
+    fn go_round(
         &mut self,
         begin: &Begin,
         span: &mut ReleasedSpan,
         motion: &Instant,
         (speeds, end, way): (&Speeds, i64, f32),
-        Found { brake, limits, needs: longer }: &mut Found,
-    ) -> Result<(), No> {
-        let Begin { planned, v, begun, gains, .. } = begin;
-        // Of each stage of STEP something.
-        let mut here = motion.distance;
+        (rounds, brake): (&mut Rounds, &mut Brake),
+    ) -> Result<Option<(Braking, f32)>, No> {
+        let Begin { v, begun, .. } = begin;
         let mut parts = [Part::BLANK; PARTS];
-        for (k, (part, speed)) in parts.iter_mut().zip(speeds).enumerate() {
-            if k % STAGE == 0 && k <= STAGE {
-                here = here.wrapping_add(SHORT);
+        let Rounds { count, braking, nearest, before, .. } = rounds;
+        if *count == 0 {
+            // Of each stage of STEP something.
+            let mut here = motion.distance;
+            for (k, (part, speed)) in parts.iter_mut().zip(speeds).enumerate() {
+                if k % STAGE == 0 && k <= STAGE {
+                    here = here.wrapping_add(SHORT);
+                }
+                let v = speed * v;
+                *part = Part { v, change: [0.0, v], ramps: [true; 2], gains: true, until: here };
             }
-            let v = speed * v;
-            *part = Part { v, change: [0.0, v], ramps: [true; 2], gains: true, until: here };
+            *count = 1;
+            return self.permitted(begin, span, motion, &parts, braking).map(|()| None).ok_or(No::Law);
         }
-        let mut braking = Braking::WIDEST;
-        self.permitted(begin, span, motion, &parts, &mut braking).ok_or(No::Law)?;
-        let mut nearest = 0.0;
-        let mut before = None;
-        for _round in 0..ROUNDS {
-            if *begun > braking.a[0] {
-                return Err(No::Law);
-            }
-            let ends = if *gains > 0.0 { braking.ends } else { 0.0 };
-            *limits = planned.braked(braking.a, speeds[STAGE] * v, braking.j, ends);
-            let needs = Brake::needs(motion, limits);
-            if needs >= way {
-                return Err(No::Shorter);
-            }
-            nearest = if nearest > 0.0 { nearest } else { needs };
-            let (law, to) = ((&*limits, limits.a_down), speed_bits(speeds[PARTS] * v));
-            *brake = Brake::down_to(&mut self.profile, motion, end, law, to).ok_or(No::Law)?;
-            self.part(brake, (speeds, *v), &mut parts);
-            let mut left = braking;
-            self.permitted(begin, span, motion, &parts, &mut left).ok_or(No::Law)?;
-            let Some(less) = braking.less(&left, before.as_ref()) else {
-                *longer = needs / nearest;
-                return Ok(());
-            };
-            before = Some([braking, left]);
-            braking = less;
+        if *begun > braking.a[0] || *count > ROUNDS {
+            return Err(No::Law);
         }
-        Err(No::Law)
+        *count += 1;
+        let limits = &begin.limits(braking, speeds);
+        let needs = Brake::needs(motion, limits);
+        if needs >= way {
+            return Err(No::Shorter);
+        }
+        *nearest = if *nearest > 0.0 { *nearest } else { needs };
+        let (law, to) = ((limits, limits.a_down), speed_bits(speeds[PARTS] * v));
+        self.orders.search.spend(LAW_COSTS);
+        *brake = Brake::down_to(&mut self.profile, motion, end, law, to).ok_or(No::Law)?;
+        self.part(brake, (speeds, *v), &mut parts);
+        let mut left = *braking;
+        self.permitted(begin, span, motion, &parts, &mut left).ok_or(No::Law)?;
+        let Some(less) = braking.less(&left, before.as_ref()) else {
+            return Ok(Some((*braking, needs / *nearest)));
+        };
+        *before = Some([*braking, left]);
+        *braking = less;
+        Ok(None)
     }
 
     /// The parts of the way of a law that is in the profile. An acceleration falls up to the top speed: in all parts
@@ -328,6 +381,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         braking: &mut Braking,
     ) -> Option<()> {
         let Begin { mut cursor, mut curve, starts, begun, .. } = *begin;
+        let most = self.orders.search.spent() + WALK;
         let [mut start, second] = begin.curve_starts;
         let mut at = motion.distance;
         let mut stretch = self.ahead(&mut cursor, span, false)?;
@@ -344,7 +398,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
                     let track = self.queue.segments.recent(curve)?;
                     let block = self.queue.segments.block_of(track.segment);
                     let is_of_now = block.wrapping_sub(self.intake.uniform.since) as i32 >= 0;
-                    begin.left.set(if is_of_now { begin.left.get().checked_sub(1)? } else { return None });
+                    is_of_now.then_some(())?;
+                    self.orders.search.spend_up_to(most, curve_costs(track.segment))?;
                     let length = track.segment.length();
                     let [from, to] = [at, end].map(|at| at.wrapping_sub(start));
                     let (from, to) = (from.max(0), to.min(length));
@@ -386,6 +441,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
                     corners: knee,
                     passing: still,
                 };
+                self.orders.search.spend_up_to(most, part_costs(AXES))?;
                 self.dynamics.stopping(&bounds, &passed, braking)?;
                 at = end;
             }

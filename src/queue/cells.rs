@@ -315,6 +315,11 @@ impl<const AXES: usize> Segment<AXES> {
         self.form & KIND == LINE
     }
 
+    /// Whether it is an arc.
+    pub const fn is_arc(&self) -> bool {
+        self.form & KIND == ARC
+    }
+
     #[inline(always)]
     const fn linear(&self) -> Linear<'_, AXES> {
         Linear { gain: &self.gain, shift: self.form & !KIND }

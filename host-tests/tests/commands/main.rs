@@ -8,6 +8,7 @@ mod late;
 mod lives_on;
 mod operator;
 mod pace;
+mod pieces;
 mod sequences;
 mod stall;
 mod taken_back;

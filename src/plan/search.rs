@@ -1,0 +1,282 @@
+//! The search for a way down, a piece at a time: no call of the planner does more than a bounded part of it.
+//!
+//! A search has stages, tried in this order until one leads to a law:
+//!
+//! | stage | what it tries | one step |
+//! |---|---|---|
+//! | `Begin`, `Short` | what the axes permit on the way itself (`short_stop`) | a round |
+//! | `Along` | the limits of the spans, down to a standstill (`descent`) | all of it |
+//! | `Short`, surely | the first one again, if the spans permit a standstill but not by one law | a round |
+//! | `Down` | to the end of fewer and fewer spans | one law |
+//!
+//! Each step counts what it costs. Behind a step that takes more than [`ENOUGH`] the call ends with [`Later`], and the
+//! next call goes on. What lies between two steps is a few numbers: the law is made in the last step, in which it is also
+//! checked against the spans as they are then.
+//!
+//! A search belongs to a span and a motion. For another one it begins anew, so that nothing has to end it where plans
+//! change. A motion ahead of the interrupt is kept with its instant ([`Search::pause`]). If the interrupt has come to
+//! that instant, the next search begins further ahead.
+use super::descent::{Along, Descent};
+use super::short_stop::{No, Short};
+use super::{Instant, Planning, clock};
+use crate::lookahead::ReleasedSpan;
+use crate::queue::Segment;
+use core::cell::Cell;
+
+/// Costs, in about 100 instructions of a Cortex-M4: of a span at hand, of one of the look-ahead beside each of its blocks,
+/// of a law to a given speed, and of one whose end speed is looked for.
+pub(super) const SPAN_COSTS: u32 = 3;
+pub(super) const SCAN_COSTS: u32 = 6;
+pub(super) const LAW_COSTS: u32 = 15;
+pub(super) const PLAN_COSTS: u32 = 100;
+
+/// Most that one round may cost. A way for which it is not enough is none.
+pub(super) const WALK: u32 = 550;
+
+/// Behind so much a call ends.
+const ENOUGH: u32 = 60;
+
+/// What a look at a part of this curve costs.
+pub(super) const fn curve_costs<const AXES: usize>(segment: &Segment<AXES>) -> u32 {
+    let axes = AXES as u32;
+    if segment.is_line() {
+        2 + axes
+    } else if segment.is_arc() {
+        7 + axes
+    } else {
+        6 + 4 * axes
+    }
+}
+
+/// What the deceleration costs that a part of the path permits.
+pub(super) const fn part_costs(axes: usize) -> u32 {
+    2 * axes as u32
+}
+
+/// The search goes on in the next call.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Later;
+
+/// What is tried next.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Stage {
+    Begin { surely: bool },
+    Short { surely: bool },
+    Along,
+    Down(usize),
+}
+
+/// A search, between two calls.
+#[derive(Clone, Debug)]
+pub(super) struct Search {
+    /// The span and the motion in it; whether the way is one in reserve. At rest: there is no search.
+    k: usize,
+    motion: Instant,
+    is_reserve: bool,
+    /// The way is to stay within committed spans.
+    stays: bool,
+    stage: Stage,
+    short: Short,
+    /// The limits of the spans lead to a standstill as soon, unless they do not: the way itself is looked at again.
+    again: bool,
+    /// Spans that [`Stage::Along`] found for a law.
+    spans: usize,
+    /// The instant of the motion, and the first span that begins behind it.
+    paused: Option<(u32, usize)>,
+    /// The span at hand has no way: the one looked for begins with the next span.
+    skips: bool,
+    /// What this call has cost, and whether the search goes on in the next one.
+    spent: Cell<u32>,
+    goes_on: bool,
+}
+
+impl Search {
+    const NO_MOTION: Instant = Instant { distance: 0, speed: 0, accel: 0 };
+
+    /// None.
+    pub const NONE: Self = Self {
+        k: 0,
+        motion: Self::NO_MOTION,
+        is_reserve: false,
+        stays: false,
+        stage: Stage::Along,
+        short: Short::NONE,
+        again: false,
+        spans: 1,
+        paused: None,
+        skips: false,
+        spent: Cell::new(0),
+        goes_on: false,
+    };
+
+    /// A step costs so much.
+    pub fn spend(&self, costs: u32) {
+        self.spent.set(self.spent.get().saturating_add(costs));
+    }
+
+    /// The same in a round, up to so much of all. `None`: that is not enough.
+    pub fn spend_up_to(&self, most: u32, costs: u32) -> Option<()> {
+        self.spend(costs);
+        (self.spent() <= most).then_some(())
+    }
+
+    /// A call of the planner begins.
+    pub const fn begin_call(&mut self) {
+        (self.spent, self.goes_on) = (Cell::new(0), false);
+    }
+
+    /// It goes on in the next call.
+    pub const fn goes_on(&self) -> bool {
+        self.goes_on
+    }
+
+    /// There is none.
+    pub const fn forget(&mut self) {
+        (self.motion, self.paused, self.skips) = (Self::NO_MOTION, None, false);
+    }
+
+    /// It goes on in the next call, for a change at the instant `at`; `later`: the first span that begins behind it.
+    /// `skips`: the way begins with that span.
+    pub const fn pause(&mut self, (at, later): (u32, usize), skips: bool) {
+        (self.paused, self.skips) = (Some((at, later)), skips);
+    }
+
+    /// Whether the way looked for begins with the next span.
+    pub const fn skips(&mut self) -> bool {
+        core::mem::replace(&mut self.skips, false)
+    }
+
+    /// What this call has cost.
+    pub const fn spent(&self) -> u32 {
+        self.spent.get()
+    }
+
+    /// An instant is kept for it.
+    pub const fn is_paused(&self) -> bool {
+        self.paused.is_some()
+    }
+
+    /// The span and the motion that it is for.
+    pub const fn begins(&self) -> (usize, Instant) {
+        (self.k, self.motion)
+    }
+
+    #[inline(never)]
+    fn restart(&mut self, (k, motion): (usize, &Instant), is_reserve: bool, stays: bool) {
+        let stage = if is_reserve { Stage::Along } else { Stage::Begin { surely: false } };
+        (self.k, self.motion, self.is_reserve, self.stays) = (k, *motion, is_reserve, stays);
+        (self.stage, self.again) = (stage, false);
+    }
+
+    /// There is no such way.
+    fn leave_short(&mut self, no: No, surely: bool) {
+        self.again = no == No::Shorter;
+        self.stage = if surely { Stage::Down(self.spans) } else { Stage::Along };
+    }
+}
+
+impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
+    /// The instant and span of a search that goes on. If the interrupt has come to that instant there is none, and the
+    /// next one begins further ahead.
+    #[inline(never)]
+    pub(super) fn paused(&mut self) -> Option<(u32, usize)> {
+        let paused = self.orders.search.paused.take()?;
+        if clock::is_before(self.queue.clock.now(), paused.0) {
+            return Some(paused);
+        }
+        self.orders.search.forget();
+        self.orders.mode.tried = None;
+        self.look_further();
+        None
+    }
+
+    /// The way down from `motion` in the span `k`. `None` if the law at hand is as slow at the end of that span. The law
+    /// is in the profile.
+    ///
+    /// # Errors
+    /// The call has done enough: asked again for the same motion, the search goes on.
+    #[inline(never)]
+    pub(super) fn descend(&mut self, k: usize, motion: &Instant) -> Result<Option<Descent>, Later> {
+        if motion.speed <= 0 {
+            return Ok(None);
+        }
+        let is_reserve = self.reserve.is_made();
+        let search = &mut self.orders.search;
+        if search.k != k || search.motion != *motion || search.is_reserve != is_reserve {
+            search.restart((k, motion), is_reserve, false);
+        }
+        // In its place, here and below: as a result it would be there several times.
+        let mut descent = Descent::none();
+        loop {
+            if self.orders.search.spent() >= ENOUGH {
+                self.orders.search.goes_on = true;
+                return Err(Later);
+            }
+            let Some(is_found) = self.go_on_searching(&mut descent) else { continue };
+            // A hold goes on only behind spans that are committed.
+            let commits = is_reserve || descent.brake.v_out == 0 || self.orders.search.stays;
+            if is_found && !commits && k + descent.spans > self.committed.len() {
+                self.orders.search.restart((k, motion), is_reserve, true);
+                continue;
+            }
+            self.orders.search.forget();
+            return Ok(is_found.then_some(descent));
+        }
+    }
+
+    /// The way down from this motion is one through the rest of the span `k`: the next [`Self::descend`] needs one step.
+    pub(super) fn stay_within(&mut self, k: usize, motion: &Instant) {
+        let is_reserve = self.reserve.is_made();
+        let search = &mut self.orders.search;
+        search.restart((k, motion), is_reserve, true);
+        search.stage = Stage::Down(1);
+        search.begin_call();
+    }
+
+    /// A step of the search; whether there is a way, when it is over.
+    #[inline(never)]
+    fn go_on_searching(&mut self, descent: &mut Descent) -> Option<bool> {
+        let mut blank = ReleasedSpan::BLANK;
+        let span = &mut blank;
+        let Search { k, motion, stays, stage, .. } = self.orders.search;
+        let mut start = self.begin_ahead(k, stays);
+        let is_first = matches!(stage, Stage::Begin { surely: false } | Stage::Short { surely: false });
+        if !is_first && self.know_fall(&mut start, span, &motion).is_none() {
+            return Some(false);
+        }
+        let step = (&motion, descent);
+        match stage {
+            Stage::Begin { surely } => match self.begin_short(&start, span, &motion, surely) {
+                Ok(short) => {
+                    self.orders.search.short = short;
+                    self.orders.search.stage = Stage::Short { surely };
+                }
+                Err(no) => self.orders.search.leave_short(no, surely),
+            },
+            Stage::Short { surely } => {
+                let mut short = self.orders.search.short;
+                let went = self.go_on_short(&start, span, step, &mut short);
+                self.orders.search.short = short;
+                match went {
+                    Ok(true) => return Some(true),
+                    Ok(false) => {}
+                    Err(no) => self.orders.search.leave_short(no, surely),
+                }
+            }
+            Stage::Along => {
+                let Some(along) = self.look_along(&start, span, step) else { return Some(false) };
+                let Along::Through { spans, fits } = along else { return Some(true) };
+                let search = &mut self.orders.search;
+                search.spans = spans;
+                search.stage =
+                    if fits && search.again { Stage::Begin { surely: true } } else { Stage::Down(spans) };
+            }
+            Stage::Down(spans) => match self.step_down(&start, span, step, spans) {
+                None => return Some(false),
+                Some(Ok(())) => return Some(true),
+                Some(Err(fewer)) => self.orders.search.stage = Stage::Down(fewer),
+            },
+        }
+        None
+    }
+}
