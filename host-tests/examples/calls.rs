@@ -3,8 +3,8 @@
 //! `cargo run --release -p host-tests --example calls -- FIRST_SEED LAST_SEED [random|steady|alone]`; `steady` has the
 //! commands of the target's own case, `alone` has none.
 //!
-//! A cost is a number of basic blocks of the host's code: the same in each run. They are counted where the build is told so,
-//! in a folder of its own; elsewhere the cost is the time in nanoseconds, the least of five runs:
+//! A cost is a number of basic blocks of the host's code: the same in each run. They are counted where the build is
+//! told so, in a folder of its own. Elsewhere the cost is the time in nanoseconds, the least of five runs.
 //!
 //! ```text
 //! CARGO_INCREMENTAL=0 CARGO_TARGET_DIR=target/counted RUSTFLAGS="-Cpasses=sancov-module -Ccodegen-units=8

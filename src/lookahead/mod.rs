@@ -94,6 +94,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Lookahead<'a, AXES, BLOCKS> {
     /// Speeds are planned for another level; only before a plan begins. The first block is entered at the
     /// speed `v_in`, and is planned to be entered at up to `most`, at least that: what an override takes may come back.
     /// `false`, and nothing has changed, if `v_in` is too fast for a lower level. What was planned stays possible.
+    /// A lower level is complete with [`Self::complete_level`].
     pub fn set_level(&mut self, level: f32, [v_in, most]: [Speed; 2]) -> bool {
         if level >= self.ring.level() {
             self.ring.raise(level);
@@ -106,6 +107,16 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Lookahead<'a, AXES, BLOCKS> {
         }
         self.ring.lower((level, part), most.min(entry));
         true
+    }
+
+    /// Planned speeds follow a lower level: before anything else is done with the ring.
+    pub fn complete_level(&mut self) {
+        self.ring.lower_planned();
+    }
+
+    /// Whether [`Self::complete_level`] is to come.
+    pub fn is_lowering(&self) -> bool {
+        self.ring.lowering.is_some()
     }
 
     /// Begins to plan the whole ring. `open`: blocks may follow the last one, and their transition may need

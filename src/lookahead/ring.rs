@@ -20,6 +20,8 @@ pub struct Ring<'a, const AXES: usize, const BLOCKS: usize> {
     pub(super) depth: usize,
     /// Speeds are those of the programmed feed, so many times.
     pub(super) level: f32,
+    /// Planned speeds are still to be lowered, to that part of themselves.
+    pub(super) lowering: Option<i64>,
     /// Speed at the start of the first block, if there is one: any, where all others are [`Planned`].
     pub(super) start: Speed,
     pub(super) tail: Tail<AXES>,
@@ -184,7 +186,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
         blocks.clear();
         let depth = if depth < BLOCKS { depth } else { BLOCKS };
         let (tail, scope, counts) = (Tail::NONE, Scope::NONE, Counts::NONE);
-        Self { blocks, depth, level: 1.0, start: Speed::ZERO, tail, scope, counts }
+        Self { blocks, depth, level: 1.0, lowering: None, start: Speed::ZERO, tail, scope, counts }
     }
 
     /// Where the block taken in last ends, if its direction is known.
@@ -250,7 +252,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
     /// Speeds are planned for a lower level, at that `part` of theirs; the first block is entered at `v_in`, at most
     /// [`Self::entry_at`]. What was planned stays possible at the part of its speed that the level is
     /// lowered by: all accelerations are smaller then ([`Limits::part_inside`]). Slow blocks get back what they have
-    /// lent.
+    /// lent. The planned speeds follow with [`Self::lower_planned`], in a call of their own.
     pub(super) fn lower(&mut self, (level, part): (f32, i64), v_in: Speed) {
         let before = core::mem::replace(&mut self.level, level);
         let (mut last, mut lent) = (f32::MAX, false);
@@ -272,6 +274,16 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
                 block.keep_ease(block.ease().scaled(by * ROUNDED));
             }
         }
+        if !self.blocks.is_empty() {
+            (self.start, self.lowering) = (v_in, Some(part));
+            self.scope.until = 0;
+        }
+    }
+
+    /// Planned speeds are lowered, if the level was.
+    #[inline(never)]
+    pub(super) fn lower_planned(&mut self) {
+        let Some(part) = self.lowering.take() else { return };
         let [mut planned, mut reached, mut old] = [(); 3].map(|()| Lowered::new(part));
         for block in self.blocks.iter_mut().rev().filter(|block| block.is(Marks::ANCHOR)) {
             planned.take(&mut block.v_in);
@@ -283,10 +295,6 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
                 reached.take(&mut block.v_reached);
                 old.take(&mut block.v_old);
             }
-        }
-        if !self.blocks.is_empty() {
-            self.start = v_in;
-            self.scope.until = 0;
         }
     }
 
@@ -304,6 +312,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
     /// Throws away what it holds.
     pub(super) fn clear(&mut self) {
         self.blocks.clear();
+        self.lowering = None;
         self.tail.leave();
         self.tail.gate = false;
         (self.scope.until, self.scope.free) = (usize::MAX, None);

@@ -191,7 +191,12 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     }
 
     /// The same with the limits that the first span has from this motion on: [`Fall`].
-    pub(super) fn know_fall(&self, start: &mut Cursor, span: &mut ReleasedSpan, motion: &Instant) -> Option<()> {
+    pub(super) fn know_fall(
+        &self,
+        start: &mut Cursor,
+        span: &mut ReleasedSpan,
+        motion: &Instant,
+    ) -> Option<()> {
         let first = self.ahead(&mut start.clone(), span, false)?;
         start.fall = first.limits.fall(speed_f32(motion.speed));
         Some(())

@@ -426,6 +426,10 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
     /// [`Unplannable`]: a defect of the planner, found by its own verification, or a reduced speed at which a
     /// block takes too long. The motion comes to a standstill as with an abort: [`Work::Aborted`] follows.
     pub fn work(&mut self) -> Result<Work, Unplannable> {
+        if self.lookahead.is_lowering() {
+            self.lookahead.complete_level();
+            return Ok(Work::Working);
+        }
         if let Some(work) = self.attend() {
             return Ok(work);
         }
@@ -599,8 +603,12 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
     }
 
     fn begin_pass(&mut self) -> Work {
-        self.task.reopened = false;
         self.follow_level();
+        // The level is lower: the rest of that comes first.
+        self.task.reopened = self.lookahead.is_lowering();
+        if self.task.reopened {
+            return Work::Working;
+        }
         self.lookahead.begin_pass(self.is_open());
         self.task.stage = RingStage::Passing;
         Work::Working

@@ -96,8 +96,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             && self.is_far(self.frontier.end)
     }
 
-    /// The ring is planned anew for the level of now, if it can follow that. Whether it can takes a look at all of it, so
-    /// it is asked once for each end of the queue.
+    /// The ring is planned anew for the level of now, if it can follow that. To know takes a look at all blocks: it is
+    /// asked once for each end of the queue.
     pub(super) fn try_level(&mut self) -> Work {
         let (ring, level) = (&self.lookahead.ring, self.level());
         if level > ring.level() || self.frontier.speed <= ring.entry_for(level) {

@@ -284,7 +284,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     #[inline(never)]
     fn set_aside(&mut self) {
         let (frontier, mode, spans) = (self.frontier, self.orders.mode, self.committed.len());
-        self.reserve.aside = Some(Aside { frontier, mode, spans, touched: None, slows: false, keeps_ramps: false });
+        self.reserve.aside =
+            Some(Aside { frontier, mode, spans, touched: None, slows: false, keeps_ramps: false });
     }
 
     /// From within the law with the emitter.
@@ -425,9 +426,10 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         } else if touched != Some(self.frontier.planned) {
             self.touch(self.frontier.planned);
         }
-        // A ramp of SIN2 is many pieces; a linear one of its mean jerk keeps the limits too, with few. Where ramps differ it
-        // may take longer than there is path.
-        let keeps_ramps = self.reserve.aside.as_mut().is_some_and(|aside| core::mem::take(&mut aside.keeps_ramps));
+        // A ramp of SIN2 is many pieces; a linear one of its mean jerk keeps the limits too, with few. Where ramps
+        // differ it may take longer than there is path.
+        let keeps_ramps =
+            self.reserve.aside.as_mut().is_some_and(|aside| core::mem::take(&mut aside.keeps_ramps));
         let Some(committed) = self.committed.get_mut(self.frontier.planned) else { return false };
         let law = committed.span.limits.law;
         if !keeps_ramps {

@@ -1,4 +1,4 @@
-//! The search for a way down, a piece at a time: no call of the planner does more than a bounded part of it.
+//! The search for a way down, in pieces: no call of the planner does more than a bounded part of it.
 //!
 //! A search has stages, tried in this order until one leads to a law:
 //!
@@ -6,15 +6,14 @@
 //! |---|---|---|
 //! | `Begin`, `Short` | what the axes permit on the way itself (`short_stop`) | a round |
 //! | `Along` | the limits of the spans, down to a standstill (`descent`) | all of it |
-//! | `Short`, surely | the first one again, if the spans permit a standstill but not by one law | a round |
+//! | `Begin`, `Short`, surely | the first one again, where a standstill fits but not by one law | a round |
 //! | `Down` | to the end of fewer and fewer spans | one law |
 //!
-//! Each step counts what it costs. Behind a step that takes more than [`ENOUGH`] the call ends with [`Later`], and the
-//! next call goes on. What lies between two steps is a few numbers: the law is made in the last step, in which it is also
-//! checked against the spans as they are then.
+//! Each step counts what it costs. A call that has spent [`ENOUGH`] ends with [`Later`], and the next call goes on.
+//! Between two steps a search is a few numbers. The last step makes the law and checks it against the spans of then.
 //!
-//! A search belongs to a span and a motion. For another one it begins anew, so that nothing has to end it where plans
-//! change. A motion ahead of the interrupt is kept with its instant ([`Search::pause`]). If the interrupt has come to
+//! A search belongs to a span and a motion. For another one it begins anew: nothing has to end it where plans change.
+//! Where the motion is ahead of the interrupt, its instant is kept ([`Search::pause`]). If the interrupt has passed
 //! that instant, the next search begins further ahead.
 use super::descent::{Along, Descent};
 use super::short_stop::{No, Short};
@@ -23,8 +22,8 @@ use crate::lookahead::ReleasedSpan;
 use crate::queue::Segment;
 use core::cell::Cell;
 
-/// Costs, in about 100 instructions of a Cortex-M4: of a span at hand, of one of the look-ahead beside each of its blocks,
-/// of a law to a given speed, and of one whose end speed is looked for.
+/// Costs, in about 100 instructions of a Cortex-M4: of a span at hand; of one of the look-ahead, beside 1 for each of
+/// its blocks; of a law to a given speed; of a law whose end speed is looked for.
 pub(super) const SPAN_COSTS: u32 = 3;
 pub(super) const SCAN_COSTS: u32 = 6;
 pub(super) const LAW_COSTS: u32 = 15;
@@ -176,12 +175,15 @@ impl Search {
 }
 
 impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
-    /// The instant and span of a search that goes on. If the interrupt has come to that instant there is none, and the
+    /// The instant and span of a search that goes on. If the interrupt is beyond that instant there is none, and the
     /// next one begins further ahead.
     #[inline(never)]
     pub(super) fn paused(&mut self) -> Option<(u32, usize)> {
         let paused = self.orders.search.paused.take()?;
-        if clock::is_before(self.queue.clock.now(), paused.0) {
+        let now = self.queue.clock.now();
+        // At a standstill it may be the instant of now.
+        if !clock::is_before(paused.0, now) {
+            self.orders.mode.tried = Some(now);
             return Some(paused);
         }
         self.orders.search.forget();

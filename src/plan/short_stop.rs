@@ -6,6 +6,8 @@
 //! in rounds. The first one tries what the axes leave at the start of the way. Each further one takes less, until
 //! the axes permit the law everywhere: that is asked for each of a few speeds, for the path that is left when the
 //! law has come down to it.
+//!
+//! One call makes a round, or a few where the way has few curves (`search`).
 use super::descent::{CLOSE, Cursor, Descent, SPANS, Stretch};
 use super::search::{LAW_COSTS, WALK, curve_costs, part_costs};
 use super::{Brake, Instant, Planning, Speed};
@@ -72,7 +74,8 @@ struct Rounds {
 }
 
 impl Rounds {
-    const NONE: Self = Self { count: 0, are_over: false, braking: Braking::WIDEST, before: None, nearest: 0.0 };
+    const NONE: Self =
+        Self { count: 0, are_over: false, braking: Braking::WIDEST, before: None, nearest: 0.0 };
 }
 
 /// The search for such a way, between two calls.
@@ -135,9 +138,9 @@ impl Begin {
 }
 
 impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
-    /// Begins to look for the way down from `motion` by one law that the axes permit on its own part of the path. An error
-    /// where there is none, or where the dynamics have changed since those blocks came in; where the limits of the
-    /// spans lead to a standstill as soon, too, unless they do not: `surely`.
+    /// Begins to look for the way down from `motion` by one law that the axes permit on its own part of the path. It is
+    /// an error where there is none, or where the dynamics have changed since those blocks came in. It is one, too,
+    /// where the limits of the spans lead to a standstill as soon, unless they do not: `surely`.
     #[inline(never)]
     pub(super) fn begin_short(
         &self,

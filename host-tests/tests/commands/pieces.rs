@@ -1,5 +1,5 @@
-//! A call of the planner does a bounded piece of the search for a way down, whatever the operator wants at any tick; a call
-//! that waits has looked for nothing.
+//! A call of the planner does a bounded piece of the search for a way down, whatever the operator wants at any tick.
+//! A call that waits has looked for nothing.
 use glidepath::channel::{Channel, Handles, Progress};
 use glidepath::machine::MachineData;
 use glidepath::operator::Operator;
@@ -10,8 +10,8 @@ use host_tests::cases::random::Random;
 use host_tests::cases::set_point;
 use host_tests::operate::{Act, random_setup};
 
-/// In about 100 instructions of a Cortex-M4, see `src/plan/search.rs`: what there may be before the last step, and that. It
-/// goes twice along all blocks of the look-ahead, in as many spans as a law has, and makes a law. A round has less.
+/// Cost of a call at most, in about 100 instructions of a Cortex-M4 (`src/plan/search.rs`): what is spent before the
+/// last step, and that step. It goes twice along 32 spans with all 120 blocks, and makes a law. A round has less.
 const MOST: u32 = 60 + 2 * (32 * 6 + 120) + 100;
 
 /// No command comes later, and no run is longer, ticks.
