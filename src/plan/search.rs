@@ -30,7 +30,7 @@ pub(super) const LAW_COSTS: u32 = 15;
 pub(super) const PLAN_COSTS: u32 = 100;
 
 /// Most that one round may cost. A way for which it is not enough is none.
-pub(super) const WALK: u32 = 550;
+pub(super) const WALK: u32 = 760;
 
 /// Behind so much a call ends.
 const ENOUGH: u32 = 60;

@@ -11,8 +11,8 @@ use host_tests::cases::set_point;
 use host_tests::operate::{Act, random_setup};
 
 /// Cost of a call at most, in about 100 instructions of a Cortex-M4 (`src/plan/search.rs`): what is spent before the
-/// last step, and that step. It goes twice along 32 spans with all 120 blocks, and makes a law. A round has less.
-const MOST: u32 = 60 + 2 * (32 * 6 + 120) + 100;
+/// last step, and that step, a round with its law and its first span.
+const MOST: u32 = 60 + 760 + 40;
 
 /// No command comes later, and no run is longer, ticks.
 const UNTIL: u32 = 4000;
