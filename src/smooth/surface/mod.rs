@@ -25,7 +25,7 @@ mod parameters;
 mod window;
 
 pub(super) use edges::Edges;
-pub use parameters::Parameters;
+pub use parameters::{Parameters, Used};
 
 use self::cell::{Beside, Hull, Straight};
 use self::chords::{Between, Chord, Source};
@@ -248,20 +248,21 @@ impl<const AXES: usize> Surface<AXES> {
     }
 
     /// The `rest` of the last line, in the middle of which the row ends, if the next block makes an edge with
-    /// it: half of it, or all of it where the row has nothing else. Whether it is half. Only where a block may
-    /// be taken.
+    /// it: half of it, or all of it where the row has nothing else. Whether it is half, and what the lines it stands
+    /// for use of the tolerance. Only where a block may be taken.
     pub(super) fn leave(
         &mut self,
         block: &ProgrammedBlock<AXES>,
         dynamics: &Dynamics<AXES>,
         rest: &mut Option<(ProgrammedBlock<AXES>, Parting)>,
-    ) -> Option<bool> {
+    ) -> Option<(bool, Used)> {
         let pending = self.pending.as_mut().filter(|_| self.ending.is_none())?;
         let edges = Edges { parameters: &self.parameters, space: self.window.space };
         if !edges.parts(pending, block, dynamics) {
             return None;
         }
         let alone = self.window.len() == 0;
+        let used = self.parameters.used(&pending.stray);
         let from = if alone { pending.from } else { middle(&pending.from, &pending.to) };
         let Programmed { feed, n, number } = pending.programmed;
         let data = Data { feed, n, place: self.place, number, stop: false };
@@ -274,7 +275,7 @@ impl<const AXES: usize> Surface<AXES> {
             (pending.to, pending.length, pending.half) = (from, 0.5 * pending.length, true);
             self.ending = Some(false);
         }
-        Some(!alone)
+        Some((!alone, used))
     }
 
     /// Takes the second half of a line, in the middle of which the row begins.
@@ -500,8 +501,10 @@ impl<const AXES: usize> Surface<AXES> {
 
     /// What is left of the tolerance beside the chord to a vertex.
     fn tolerance(&self, k: usize) -> parameters::Tolerance {
-        let arc = self.window.get(k).is_some_and(|vertex| vertex.is(Vertex::<AXES>::ARC));
-        self.parameters.left(self.programmed(k), arc)
+        let vertex = self.window.get(k);
+        let arc = vertex.is_some_and(|vertex| vertex.is(Vertex::<AXES>::ARC));
+        let used = vertex.map_or(Used::NOTHING, |vertex| vertex.used);
+        self.parameters.left(self.programmed(k), arc, used)
     }
 
     /// The programmed tolerance beside the chord to a vertex.

@@ -4,7 +4,7 @@
 //! the *control polygon*, which the kernels smooth. Three passes go over the vertices, each as far behind the
 //! last one as it has to know ahead: widths, then points of the control polygon, then knots of the path.
 use super::knot::Spot;
-use super::parameters::{Parameters, Tolerance};
+use super::parameters::{Parameters, Tolerance, Used};
 use crate::math::float::{magnitude, max, min, to_f32};
 use crate::math::root::sqrt_f32;
 use crate::path::Measure;
@@ -49,6 +49,8 @@ pub struct Vertex<const AXES: usize> {
     pub gain: f32,
     pub programmed: Programmed,
     pub marks: u8,
+    /// What the lines that the chord up to it stands for use of the tolerance.
+    pub used: Used,
 }
 
 impl<const AXES: usize> Vertex<AXES> {
@@ -221,11 +223,8 @@ impl<const AXES: usize> Window<AXES> {
 
     /// Whether a deviation is inside a tolerance.
     pub fn is_inside(&self, d: &[f32; AXES], tolerance: &Tolerance, part: f32) -> bool {
-        let mut tracks = true;
-        if tolerance.track > 0.0 {
-            let most = tolerance.track * part;
-            tracks = d.iter().enumerate().all(|(k, x)| self.is_main(k) || magnitude(*x) <= most);
-        }
+        let most = tolerance.track * part;
+        let tracks = d.iter().enumerate().all(|(k, x)| self.is_main(k) || magnitude(*x) <= most);
         tracks && self.length(d) <= tolerance.path * part
     }
 
@@ -245,6 +244,7 @@ impl<const AXES: usize> Window<AXES> {
             gain: 0.0,
             programmed,
             marks: Vertex::<AXES>::PROGRAMMED,
+            used: Used::NOTHING,
         });
         (self.wide, self.moved, self.ended, self.begun) = (1, 1, false, Some(0));
         (self.checked, self.again, self.furthest) = (1, 0, 1);
@@ -299,7 +299,7 @@ impl<const AXES: usize> Window<AXES> {
         (turn, edge): (&[f32; AXES], Option<f32>),
         length: f32,
         programmed: Programmed,
-        marks: u8,
+        (marks, used): (u8, Used),
     ) {
         let mut gain = 1.0;
         let mut distance = 0;
@@ -324,6 +324,7 @@ impl<const AXES: usize> Window<AXES> {
             gain: min(1.0, gain + length / widest),
             programmed,
             marks,
+            used,
         });
         if self.begun.is_some_and(|begun| distance.wrapping_sub(begun) > 100 << 20) {
             self.begun = None;
@@ -353,7 +354,9 @@ impl<const AXES: usize> Window<AXES> {
     /// The tolerance at a vertex.
     pub fn tolerance(&self, k: usize, parameters: &Parameters) -> Tolerance {
         let rapid = |k: usize| self.vertices.get(k).is_none_or(|vertex| vertex.programmed.feed.is_none());
-        parameters.left(parameters.tolerance(rapid(k) && rapid(k + 1)), false)
+        let used = |k: usize| self.vertices.get(k).map_or(Used::NOTHING, |vertex| vertex.used);
+        let used = used(k).larger(used(k + 1));
+        parameters.left(parameters.tolerance(rapid(k) && rapid(k + 1)), false, used)
     }
 
     /// The next vertex gets its width; `false` if that has to wait.
