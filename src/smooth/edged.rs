@@ -132,7 +132,8 @@ impl<const AXES: usize> Edged<AXES> {
     #[inline(never)]
     fn end(&mut self, dynamics: &Dynamics<AXES>) {
         let Some((line, _)) = &mut self.last else { return };
-        let rest = if line.data.stop { None } else { halve(line, &self.measure) };
+        let exact = line.data.stop && !self.parameters.stands();
+        let rest = if exact { None } else { halve(line, &self.measure) };
         self.round(false, rest.is_some(), dynamics);
         if let Turn::Corner(corner) = &mut self.turn {
             corner.cancel();

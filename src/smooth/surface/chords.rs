@@ -23,6 +23,8 @@ pub struct Chord<const AXES: usize> {
     pub arc: bool,
     /// It is half a line, and goes on where the row begins or ends.
     pub half: bool,
+    /// The motion stands where it ends, and the curve goes on.
+    pub stop: bool,
     /// What lines that it stands for are beside it.
     pub stray: Tolerance,
 }
@@ -123,15 +125,38 @@ impl<const AXES: usize> Chord<AXES> {
         let per = 1.0 / length;
         let direction = direction.map(|d| d * per);
         let stray = Tolerance { path: 0.0, track: 0.0 };
-        Some(Self { from: *from, to: *to, direction, length, programmed, arc: false, half: false, stray })
+        Some(Self {
+            from: *from,
+            to: *to,
+            direction,
+            length,
+            programmed,
+            arc: false,
+            half: false,
+            stop: false,
+            stray,
+        })
+    }
+
+    /// Length of a straight block in space, mm.
+    pub fn length_of(block: &ProgrammedBlock<AXES>, window: &Window<AXES>) -> Option<f32> {
+        let none = Programmed { feed: None, n: 0, number: 0 };
+        Self::new(&block.from, &block.to, none, window.space).map(|chord| chord.length)
     }
 
     /// One chord in place of this line and the next one, if what is between is inside `most` of it.
     pub fn merged(&self, next: &Self, most: &Tolerance, window: &Window<AXES>) -> Option<Self> {
-        if self.arc || next.arc || self.half || next.half || window.length(&self.turn(next)) > GENTLE {
+        if self.stop
+            || self.arc
+            || next.arc
+            || self.half
+            || next.half
+            || window.length(&self.turn(next)) > GENTLE
+        {
             return None;
         }
         let mut both = Self::new(&self.from, &next.to, next.programmed, window.space)?;
+        both.stop = next.stop;
         let mut off = self.direction;
         for (off, both) in off.iter_mut().zip(&both.direction) {
             *off = (*off - both) * self.length;

@@ -52,7 +52,7 @@ impl<'a> Edges<'a> {
         block: &ProgrammedBlock<AXES>,
         dynamics: &Dynamics<AXES>,
     ) -> bool {
-        let Some(next) = self.chord(block).filter(|_| !before.arc) else { return false };
+        let Some(next) = self.chord(block).filter(|_| !before.arc && !before.stop) else { return false };
         let change = before.turn(&next);
         let turn = self.space.length(&change);
         if turn <= 0.0 || turn > BACK || self.parameters.is_beyond(turn) {
@@ -127,6 +127,7 @@ impl<'a> Edges<'a> {
         if block.form != Form::Line || feed.is_none() && self.parameters.leaves_rapid() {
             return None;
         }
-        Chord::new(&block.from, &block.to, Programmed { feed, n, number }, self.space)
+        let chord = Chord::new(&block.from, &block.to, Programmed { feed, n, number }, self.space);
+        chord.filter(|chord| !self.parameters.is_longer(chord.length))
     }
 }

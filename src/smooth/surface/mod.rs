@@ -184,7 +184,8 @@ impl<const AXES: usize> Surface<AXES> {
             if self.ending.is_none() {
                 return false;
             }
-            if self.pending.is_some() {
+            if let Some(pending) = &self.pending {
+                self.ending = self.ending.map(|stop| stop || pending.stop);
                 self.push(None, 0);
                 self.window.ended = true;
                 return true;
@@ -194,13 +195,14 @@ impl<const AXES: usize> Surface<AXES> {
             }
             return false;
         };
-        let Some(next) = source.chord(&self.window) else {
+        let Some(mut next) = source.chord(&self.window) else {
             // Nothing of it moves in space: of an arc, the rest of a rounding.
             if let Some(source) = &mut self.source {
                 source.go_on(&source.block.to.clone());
             }
             return self.finish_source();
         };
+        next.stop = source.block.data.stop && self.parameters.stands();
         let mut marks = 0;
         if let Some(pending) = &self.pending
             && !source.parted
@@ -226,6 +228,9 @@ impl<const AXES: usize> Surface<AXES> {
                 || pending.programmed.feed != next.programmed.feed
             {
                 marks = Vertex::<AXES>::FORCED;
+            }
+            if pending.stop {
+                marks |= Vertex::<AXES>::FORCED | Vertex::<AXES>::STANDS;
             }
             self.push(Some(&next), marks);
         }
@@ -294,7 +299,7 @@ impl<const AXES: usize> Surface<AXES> {
     /// The block at hand may have gone on as a whole.
     fn finish_source(&mut self) -> bool {
         if let Some(source) = self.source.as_ref().filter(|source| source.is_over) {
-            if source.block.data.stop {
+            if source.block.data.stop && !self.parameters.stands() {
                 self.ending = Some(true);
             }
             self.source = None;
@@ -359,7 +364,9 @@ impl<const AXES: usize> Surface<AXES> {
         let first = chord(from.vertex + 1).unwrap_or(none);
         let last = if to.x > 0.0 { chord(to.vertex + 1) } else { chord(to.vertex) }.unwrap_or(first);
         let ends = self.window.ended && to.vertex + 1 == self.window.len();
-        let stop = ends && self.ending == Some(true);
+        let stands =
+            to.x <= 0.0 && self.window.get(to.vertex).is_some_and(|vertex| vertex.is(Vertex::<AXES>::STANDS));
+        let stop = stands || ends && self.ending == Some(true);
         let Programmed { feed, n, number } = last;
         (Data { feed, n, place: self.place, number, stop }, first.number)
     }
@@ -651,7 +658,9 @@ impl<const AXES: usize> Smoother<AXES> for Surface<AXES> {
             Form::Line => (None, false),
             Form::Arc { .. } => (self.parameters.chord_of(&block.element), true),
         };
-        let exact = rapid || if arc { chord.is_none() } else { !moves };
+        let long = !arc
+            && Chord::length_of(block, &self.window).is_some_and(|length| self.parameters.is_longer(length));
+        let exact = rapid || long || if arc { chord.is_none() } else { !moves };
         if (exact || parting == Parting::Awaited) && self.holds() {
             self.ending = self.ending.or(Some(false));
         }

@@ -5,6 +5,8 @@ use crate::nc::Hsc;
 use crate::path::Element;
 use crate::quantity::{DISTANCE_LSB, Position};
 use crate::smooth::contour::half_sine;
+#[cfg(feature = "splines")]
+use crate::smooth::spline::Rules;
 
 const LSB_32: f32 = 1.0 / (1u64 << 32) as f32;
 
@@ -36,6 +38,10 @@ pub struct Parameters {
     merge: bool,
     /// LENGTH_LONG_CIR.
     length_long_cir: f32,
+    /// MAX_PATH_LENGTH of the B-spline, mm: a longer line is passed as it is.
+    longest: f32,
+    /// AUTO_OFF_G60 of the B-spline is 0: an exact stop stands on the curve.
+    stands: bool,
 }
 
 /// Largest width of a kernel is this times the square root of the tolerance (mm): 6.5 mm at 0.02 mm, which is
@@ -44,6 +50,10 @@ pub struct Parameters {
 const WIDTH: f32 = 46.0;
 /// Its largest value, mm.
 const WIDEST: f32 = 16.0;
+
+/// Tolerance of tracking axes that are not monitored, degrees.
+#[cfg(feature = "splines")]
+const NOT_MONITORED: f32 = 1e6;
 
 /// Sagitta of a chord of an arc, as a part of the tolerance.
 const SAGITTA: f32 = 1.0 / 20.0;
@@ -115,7 +125,36 @@ impl Parameters {
             cir_min_radius: 0.0,
             merge: false,
             length_long_cir: 2.0,
+            longest: f32::MAX,
+            stands: false,
         }
+    }
+
+    /// Those of the B-spline: its tolerance, and its rules of deselection.
+    #[cfg(feature = "splines")]
+    pub fn of_spline(rules: &Rules, check_jerk: u8) -> Self {
+        let track = if rules.track_dev > 0.0 { rules.track_dev } else { NOT_MONITORED };
+        Self {
+            path_dev: rules.path_dev,
+            track_dev: track,
+            max_angle: sqrt_f32(max(0.5 * (1.0 - rules.cosine), 0.0)),
+            auto_off_g00: rules.off_rapid,
+            cir_mode: 0,
+            merge: rules.merge,
+            longest: rules.longest,
+            stands: !rules.off_stop,
+            ..Self::new(check_jerk)
+        }
+    }
+
+    /// Whether a line of that length (mm) is passed as it is.
+    pub fn is_longer(&self, length: f32) -> bool {
+        length > self.longest
+    }
+
+    /// Whether an exact stop stands on the curve.
+    pub const fn stands(&self) -> bool {
+        self.stands
     }
 
     /// As at program start.

@@ -67,6 +67,8 @@ impl<const AXES: usize> Vertex<AXES> {
     pub const STEPS: u8 = 32;
     /// Its point of the control polygon is not moved out: the row begins or ends along the line.
     pub const FIXED: u8 = 64;
+    /// The motion stands there, on the curve.
+    pub const STANDS: u8 = 128;
 
     pub const fn is(&self, mark: u8) -> bool {
         self.marks & mark != 0
