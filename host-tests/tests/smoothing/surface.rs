@@ -773,3 +773,36 @@ fn short_blocks_are_fast_d3_159() {
         assert!(times[0] < most[0] && times[1] < most[1], "ramps of {ramp} µs: {times:?} s");
     }
 }
+
+/// D3-198, D3-184: the B-spline is faster than stops and the faster the more PATH_DEV permits, and it takes hardly longer
+/// than Surface with many short blocks.
+#[test]
+fn the_b_spline_is_fast_d3_184_d3_198() {
+    let time = |text: &str, (ramp, slope): (u32, u8)| go::<3>(text, &machine(ramp, slope)).trace.len() as f64;
+    let polygon = |corners: u32, size: f64, head: &str| {
+        let mut text = format!("G00 X{size} Y0\n{head}\nG01 F20000\n");
+        for k in 1..=corners {
+            let angle = std::f64::consts::TAU * f64::from(k) / f64::from(corners);
+            text += &format!("X{:.4} Y{:.4}\n", size * angle.cos(), size * angle.sin());
+        }
+        text + "M30\n"
+    };
+    for setting in [(50_000, 3), (150_000, 3), (50_000, 1)] {
+        for (corners, size) in [(3, 60.0), (4, 56.6), (6, 20.0), (12, 30.0), (24, 7.0)] {
+            let mut before = time(&polygon(corners, size, ""), setting);
+            for dev in [0.02, 0.1, 0.5, 2.0] {
+                let now =
+                    time(&polygon(corners, size, &format!("#HSC ON [BSPLINE PATH_DEV={dev}]")), setting);
+                let what = format!("{corners} corners, {size} mm, PATH_DEV {dev}, {setting:?}");
+                assert!(now <= 1.01 * before, "{what}: {now} ticks, {before} with less tolerance");
+                before = f64::min(now, before);
+            }
+        }
+        for (text, dev) in [(cam::circle("@"), 0.1), (cam::rows_of(1000, "@"), 0.02)] {
+            let [surface, spline] = ["SURFACE", "BSPLINE"].map(|method| {
+                time(&text.replace('@', &format!("#HSC ON [{method} PATH_DEV={dev}]")), setting)
+            });
+            assert!(spline <= 1.3 * surface, "{setting:?}: {spline} ticks, Surface {surface}");
+        }
+    }
+}

@@ -311,7 +311,7 @@ impl<const AXES: usize> Surface<AXES> {
     fn push(&mut self, behind: Option<&Chord<AXES>>, marks: u8) {
         let Some(chord) = self.pending.take() else { return };
         if self.window.len() == 0 {
-            self.window.begin(&chord.from, self.parameters.widest());
+            self.window.begin(&chord.from, &self.parameters);
             self.heading = None;
         }
         let before = self.passed.as_ref();

@@ -42,6 +42,8 @@ pub struct Parameters {
     longest: f32,
     /// AUTO_OFF_G60 of the B-spline is 0: an exact stop stands on the curve.
     stands: bool,
+    /// Points control the curve, as those of a B-spline do: it need not pass them.
+    controlled: bool,
 }
 
 /// Largest width of a kernel is this times the square root of the tolerance (mm): 6.5 mm at 0.02 mm, which is
@@ -50,6 +52,10 @@ pub struct Parameters {
 const WIDTH: f32 = 46.0;
 /// Its largest value, mm.
 const WIDEST: f32 = 16.0;
+
+/// What points of a B-spline are moved out by, as a part of what kernels cut: they control the curve, which need not
+/// pass them.
+const CONTROLLED: f32 = 0.5;
 
 /// Tolerance of tracking axes that are not monitored, degrees.
 #[cfg(feature = "splines")]
@@ -127,6 +133,7 @@ impl Parameters {
             length_long_cir: 2.0,
             longest: f32::MAX,
             stands: false,
+            controlled: false,
         }
     }
 
@@ -143,6 +150,7 @@ impl Parameters {
             merge: rules.merge,
             longest: rules.longest,
             stands: !rules.off_stop,
+            controlled: true,
             ..Self::new(check_jerk)
         }
     }
@@ -150,6 +158,11 @@ impl Parameters {
     /// Whether a line of that length (mm) is passed as it is.
     pub fn is_longer(&self, length: f32) -> bool {
         length > self.longest
+    }
+
+    /// The part of what kernels cut that vertices are moved out by, at most.
+    pub const fn gain(&self) -> f32 {
+        if self.controlled { CONTROLLED } else { 1.0 }
     }
 
     /// Whether an exact stop stands on the curve.

@@ -142,6 +142,8 @@ pub struct Window<const AXES: usize> {
     /// The widest kernel of the row, mm, and now: less where the window is full.
     pub widest: f32,
     pub reach: f32,
+    /// The largest gain of a vertex.
+    pub most: f32,
     /// The last vertex is the end of the row.
     pub ended: bool,
     /// The start of the row is near: its distance.
@@ -206,6 +208,7 @@ impl<const AXES: usize> Window<AXES> {
             furthest: 0,
             widest: 0.0,
             reach: 0.0,
+            most: 1.0,
             ended: false,
             begun: None,
         }
@@ -230,8 +233,10 @@ impl<const AXES: usize> Window<AXES> {
         tracks && self.length(d) <= tolerance.path * part
     }
 
-    /// Empties it for a row with kernels of that width.
-    pub fn begin(&mut self, from: &[Position; AXES], widest: f32) {
+    /// Empties it for a row.
+    pub fn begin(&mut self, from: &[Position; AXES], parameters: &Parameters) {
+        let widest = parameters.widest();
+        self.most = parameters.gain();
         self.vertices.clear();
         let programmed = Programmed { feed: None, n: 0, number: 0 };
         let _ = self.vertices.push_back(Vertex {
@@ -303,7 +308,7 @@ impl<const AXES: usize> Window<AXES> {
         programmed: Programmed,
         (marks, used): (u8, Used),
     ) {
-        let mut gain = 1.0;
+        let mut gain = self.most;
         let mut distance = 0;
         if let Some(last) = self.vertices.back_mut() {
             last.turn = *turn;
@@ -323,7 +328,7 @@ impl<const AXES: usize> Window<AXES> {
             moved_length: length,
             distance,
             width: 0.0,
-            gain: min(1.0, gain + length / widest),
+            gain: min(self.most, gain + length / widest),
             programmed,
             marks,
             used,
