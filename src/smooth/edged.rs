@@ -5,7 +5,7 @@
 //! other one a block of contour mode, of which the corner may take nearly all. Both go straight where they meet.
 use super::contour::{Contouring, Settings};
 use super::halved::{Waiting, halve};
-use super::surface::{Edges, Parameters, Surface};
+use super::surface::{Edges, Parameters, Surface, Used};
 use super::{Parting, ProgrammedBlock, Smoothed, Smoother};
 use crate::dynamics::Dynamics;
 use crate::nc::{NcWarningKind, Place};
@@ -31,6 +31,8 @@ pub struct Edged<const AXES: usize> {
     last: Option<Waiting<AXES>>,
     /// It is half a line.
     half: bool,
+    /// What lines that it stands for use of the tolerance.
+    used: Used,
     /// The block behind it, until what is before it is done.
     next: Option<Waiting<AXES>>,
     /// Nothing follows for now; `true` demands a standstill.
@@ -49,6 +51,7 @@ impl<const AXES: usize> Edged<AXES> {
             turn: Turn::Surface(Surface::new(measure, parameters)),
             last: None,
             half: false,
+            used: Used::NOTHING,
             next: None,
             ending: None,
             remark: None,
@@ -83,7 +86,7 @@ impl<const AXES: usize> Edged<AXES> {
     #[inline(never)]
     fn round(&mut self, rapid: bool, half: bool, dynamics: &Dynamics<AXES>) {
         let Some((line, parting)) = &self.last else { return };
-        let tolerance = self.edges().tolerance(rapid && line.data.feed.is_none());
+        let tolerance = self.edges().tolerance(rapid && line.data.feed.is_none(), self.used);
         if let Turn::Corner(corner) = &mut self.turn {
             corner.tolerate([tolerance.path, tolerance.track], half);
             corner.take(line, dynamics, *parting);
@@ -95,8 +98,8 @@ impl<const AXES: usize> Edged<AXES> {
     #[inline(never)]
     fn leave(&mut self, block: &ProgrammedBlock<AXES>, parting: Parting, dynamics: &Dynamics<AXES>) -> bool {
         let Turn::Surface(surface) = &mut self.turn else { return false };
-        let Some(half) = surface.leave(block, dynamics, &mut self.last) else { return false };
-        self.half = half;
+        let Some((half, used)) = surface.leave(block, dynamics, &mut self.last) else { return false };
+        (self.half, self.used) = (half, used);
         self.wait(block, parting);
         true
     }
@@ -118,7 +121,7 @@ impl<const AXES: usize> Edged<AXES> {
         let edges = Edges::new(&self.parameters, &self.measure);
         if parting != Parting::Awaited && edges.between(line, block, dynamics) {
             self.round(rapid, false, dynamics);
-            self.last = Some((*block, parting));
+            (self.last, self.used) = (Some((*block, parting)), Used::NOTHING);
             return;
         }
         self.end(dynamics);
@@ -129,7 +132,8 @@ impl<const AXES: usize> Edged<AXES> {
     #[inline(never)]
     fn end(&mut self, dynamics: &Dynamics<AXES>) {
         let Some((line, _)) = &mut self.last else { return };
-        let rest = if line.data.stop { None } else { halve(line, &self.measure) };
+        let exact = line.data.stop && !self.parameters.stands();
+        let rest = if exact { None } else { halve(line, &self.measure) };
         self.round(false, rest.is_some(), dynamics);
         if let Turn::Corner(corner) = &mut self.turn {
             corner.cancel();
@@ -181,7 +185,7 @@ impl<const AXES: usize> Edged<AXES> {
                 let rapid = next.data.feed.is_none();
                 self.begin_corner();
                 self.round(rapid, self.half, dynamics);
-                self.last = self.next.take();
+                (self.last, self.used) = (self.next.take(), Used::NOTHING);
             }
             Turn::Corner(corner) => {
                 if corner.holds() {

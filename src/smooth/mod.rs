@@ -451,6 +451,10 @@ impl<const AXES: usize> Smoothing<AXES> {
             Wanted::Spline(Start { mode: Mode::Control(rules), .. }) if rules.rounds_arcs => {
                 self.begin_alternating(rules);
             }
+            #[cfg(all(feature = "surface", feature = "splines"))]
+            Wanted::Spline(Start { mode: Mode::Control(rules), .. }) if rules.is_bounded() => {
+                self.begin_bounded(rules);
+            }
             #[cfg(feature = "splines")]
             Wanted::Spline(start) => self.begin_curve(start),
             #[cfg(feature = "surface")]
@@ -487,6 +491,14 @@ impl<const AXES: usize> Smoothing<AXES> {
     fn begin_curve(&mut self, start: &Start<AXES>) {
         let check_jerk = self.contour.check_jerk_of_channel();
         self.kind = Kind::Spline(Splining::new(self.measure, check_jerk, start));
+    }
+
+    /// A B-spline inside a tolerance: the kernels of Surface are its curves, and edges have those of contour mode.
+    #[cfg(all(feature = "surface", feature = "splines"))]
+    #[inline(never)]
+    fn begin_bounded(&mut self, rules: &spline::Rules) {
+        let parameters = surface::Parameters::of_spline(rules, self.contour.check_jerk_of_channel());
+        self.kind = Kind::Surface(Edged::new(self.measure, &parameters));
     }
 
     #[cfg(feature = "splines")]

@@ -178,6 +178,12 @@ impl HscParameters {
 }
 
 impl Rules {
+    /// Whether the curve has a tolerance along its path, and keeps to it without deselection.
+    #[cfg(feature = "surface")]
+    pub const fn is_bounded(&self) -> bool {
+        self.path_dev > 0.0 && !self.off_path && !self.off_track
+    }
+
     /// The tolerance that is monitored.
     pub fn tolerance(&self) -> Tolerance {
         let monitored = |deviation: f32| if deviation > 0.0 { deviation } else { f32::MAX };

@@ -155,7 +155,7 @@ impl<const AXES: usize> Hull<AXES> {
                 let d = i64::from(*x) - i64::from(at);
                 if is_main {
                     *square = square.saturating_add(d * d);
-                } else if chord.tolerance.track > 0.0 && d.abs() > track {
+                } else if d.abs() > track {
                     return false;
                 }
             }
@@ -194,7 +194,7 @@ impl<'a, const AXES: usize> Straight<'a, AXES> {
                     square = square.saturating_add(d * d);
                     return d.abs() < i64::from(BEYOND);
                 }
-                chord.tolerance.track <= 0.0 || d.abs() <= most(chord.tolerance.track)
+                d.abs() <= most(chord.tolerance.track)
             });
             tracks && square <= most(chord.tolerance.path) * most(chord.tolerance.path)
         });

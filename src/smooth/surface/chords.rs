@@ -1,6 +1,6 @@
 //! Blocks as chords: a line is one, an arc many. On chords that are long beside the kernels more vertices come
 //! in between, on the smooth curve that the chords stand for.
-use super::parameters::{Parameters, Tolerance};
+use super::parameters::{Parameters, Tolerance, Used};
 use super::window::{Programmed, Space, Vertex, Window, smoothness};
 use crate::math::float::{max, min, to_f32, to_i64};
 use crate::quantity::{Distance, Position};
@@ -23,6 +23,8 @@ pub struct Chord<const AXES: usize> {
     pub arc: bool,
     /// It is half a line, and goes on where the row begins or ends.
     pub half: bool,
+    /// The motion stands where it ends, and the curve goes on.
+    pub stop: bool,
     /// What lines that it stands for are beside it.
     pub stray: Tolerance,
 }
@@ -123,15 +125,38 @@ impl<const AXES: usize> Chord<AXES> {
         let per = 1.0 / length;
         let direction = direction.map(|d| d * per);
         let stray = Tolerance { path: 0.0, track: 0.0 };
-        Some(Self { from: *from, to: *to, direction, length, programmed, arc: false, half: false, stray })
+        Some(Self {
+            from: *from,
+            to: *to,
+            direction,
+            length,
+            programmed,
+            arc: false,
+            half: false,
+            stop: false,
+            stray,
+        })
+    }
+
+    /// Length of a straight block in space, mm.
+    pub fn length_of(block: &ProgrammedBlock<AXES>, window: &Window<AXES>) -> Option<f32> {
+        let none = Programmed { feed: None, n: 0, number: 0 };
+        Self::new(&block.from, &block.to, none, window.space).map(|chord| chord.length)
     }
 
     /// One chord in place of this line and the next one, if what is between is inside `most` of it.
     pub fn merged(&self, next: &Self, most: &Tolerance, window: &Window<AXES>) -> Option<Self> {
-        if self.arc || next.arc || self.half || next.half || window.length(&self.turn(next)) > GENTLE {
+        if self.stop
+            || self.arc
+            || next.arc
+            || self.half
+            || next.half
+            || window.length(&self.turn(next)) > GENTLE
+        {
             return None;
         }
         let mut both = Self::new(&self.from, &next.to, next.programmed, window.space)?;
+        both.stop = next.stop;
         let mut off = self.direction;
         for (off, both) in off.iter_mut().zip(&both.direction) {
             *off = (*off - both) * self.length;
@@ -140,8 +165,7 @@ impl<const AXES: usize> Chord<AXES> {
         for (_, off) in off.iter().enumerate().filter(|(k, _)| !window.is_main(*k)) {
             both.stray.track = max(both.stray.track, self.stray.track + max(*off, -*off));
         }
-        let tracks = most.track <= 0.0 || both.stray.track <= most.track;
-        (tracks && both.stray.path <= most.path).then_some(both)
+        (both.stray.track <= most.track && both.stray.path <= most.path).then_some(both)
     }
 
     /// The step of direction to the next chord.
@@ -231,10 +255,8 @@ impl<const AXES: usize> Window<AXES> {
         for place in FARTHEST {
             let off = bulge.at(place, chord.length);
             part = min(part, kept(self.length(&off), tolerance.path));
-            if tolerance.track > 0.0 {
-                for (_, x) in off.iter().enumerate().filter(|(k, _)| !self.is_main(*k)) {
-                    part = min(part, kept(max(*x, -*x), tolerance.track));
-                }
+            for (_, x) in off.iter().enumerate().filter(|(k, _)| !self.is_main(*k)) {
+                part = min(part, kept(max(*x, -*x), tolerance.track));
             }
         }
         for slopes in &mut bulge.slopes {
@@ -261,6 +283,7 @@ impl<const AXES: usize> Window<AXES> {
         {
             vertex.marks |= Vertex::<AXES>::STEPS;
         }
+        let used = parameters.used(&chord.stray);
         let mut bulge = Bulge::NONE;
         let mut count = 0;
         let mut long = false;
@@ -276,7 +299,7 @@ impl<const AXES: usize> Window<AXES> {
             } else {
                 count = (chord.length / step) as usize;
                 let tolerance = parameters.tolerance(chord.programmed.feed.is_none());
-                bulge = self.bulge(between, &parameters.left(tolerance, false));
+                bulge = self.bulge(between, &parameters.left(tolerance, false, used));
             }
         }
         let mut from = (chord.from, [0.0; AXES]);
@@ -297,10 +320,10 @@ impl<const AXES: usize> Window<AXES> {
                 *at = Position::from_bits(at.to_bits().wrapping_add(d));
             }
             let offset = bulge.at(w, chord.length);
-            self.append(&mut from, (&at, &offset), edge.take(), heading, (chord, arc | fixed));
+            self.append(&mut from, (&at, &offset), edge.take(), heading, (chord, arc | fixed, used));
         }
         let marks = between.marks | Vertex::<AXES>::PROGRAMMED | arc;
-        self.append(&mut from, (&chord.to, &[0.0; AXES]), edge, heading, (chord, marks));
+        self.append(&mut from, (&chord.to, &[0.0; AXES]), edge, heading, (chord, marks, used));
     }
 
     /// Appends a vertex, with the turn at the one before.
@@ -310,7 +333,7 @@ impl<const AXES: usize> Window<AXES> {
         (at, offset): (&[Position; AXES], &[f32; AXES]),
         edge: Option<f32>,
         heading: &mut Option<[f32; AXES]>,
-        (chord, marks): (&Chord<AXES>, u8),
+        (chord, marks, used): (&Chord<AXES>, u8, Used),
     ) {
         let is_straight = from.1.iter().chain(offset).all(|x| *x == 0.0);
         let mut d = [0.0; AXES];
@@ -327,7 +350,7 @@ impl<const AXES: usize> Window<AXES> {
                 *turn = now - before;
             }
         }
-        self.push((at, offset), (&turn, edge), length, chord.programmed, marks);
+        self.push((at, offset), (&turn, edge), length, chord.programmed, (marks, used));
         *heading = Some(direction);
         *from = (*at, *offset);
     }

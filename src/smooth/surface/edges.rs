@@ -2,7 +2,7 @@
 //! the path would be much shorter than its polygon. And where a line on both sides is long beside what the
 //! tolerance leaves of a kernel, or a kernel is slow, the curve of a corner is faster: speed changes inside it.
 use super::chords::Chord;
-use super::parameters::{Parameters, Tolerance};
+use super::parameters::{Parameters, Tolerance, Used};
 use super::window::{Programmed, Space};
 use crate::dynamics::Dynamics;
 use crate::math::float::{max, min};
@@ -52,7 +52,7 @@ impl<'a> Edges<'a> {
         block: &ProgrammedBlock<AXES>,
         dynamics: &Dynamics<AXES>,
     ) -> bool {
-        let Some(next) = self.chord(block).filter(|_| !before.arc) else { return false };
+        let Some(next) = self.chord(block).filter(|_| !before.arc && !before.stop) else { return false };
         let change = before.turn(&next);
         let turn = self.space.length(&change);
         if turn <= 0.0 || turn > BACK || self.parameters.is_beyond(turn) {
@@ -62,13 +62,11 @@ impl<'a> Edges<'a> {
             return true;
         }
         let rapid = before.programmed.feed.is_none() && next.programmed.feed.is_none();
-        let Tolerance { path, track } = self.tolerance(rapid);
+        let Tolerance { path, track } = self.tolerance(rapid, self.parameters.used(&before.stray));
         // A kernel alone deviates by a sixth of its width times the turn.
         let mut width = path / turn;
-        if track > 0.0 {
-            for (_, x) in change.iter().enumerate().filter(|(k, _)| !self.space.is_main(*k)) {
-                width = min(width, track / max(max(*x, -*x), f32::MIN_POSITIVE));
-            }
+        for (_, x) in change.iter().enumerate().filter(|(k, _)| !self.space.is_main(*k)) {
+            width = min(width, track / max(max(*x, -*x), f32::MIN_POSITIVE));
         }
         let long = match turn {
             ..=EDGE => LONG_BESIDE_SMOOTH,
@@ -118,9 +116,9 @@ impl<'a> Edges<'a> {
         !before.data.stop && self.chord(before).is_some_and(|before| self.parts(&before, block, dynamics))
     }
 
-    /// What a curve in a corner may deviate; `rapid`: G00 on both sides.
-    pub fn tolerance(&self, rapid: bool) -> Tolerance {
-        self.parameters.left(self.parameters.tolerance(rapid), false)
+    /// What a curve in a corner may deviate; `rapid`: G00 on both sides; `used`: by merged lines before it.
+    pub fn tolerance(&self, rapid: bool, used: Used) -> Tolerance {
+        self.parameters.left(self.parameters.tolerance(rapid), false, used)
     }
 
     /// A line that is not passed as it is.
@@ -129,6 +127,7 @@ impl<'a> Edges<'a> {
         if block.form != Form::Line || feed.is_none() && self.parameters.leaves_rapid() {
             return None;
         }
-        Chord::new(&block.from, &block.to, Programmed { feed, n, number }, self.space)
+        let chord = Chord::new(&block.from, &block.to, Programmed { feed, n, number }, self.space);
+        chord.filter(|chord| !self.parameters.is_longer(chord.length))
     }
 }

@@ -25,7 +25,7 @@ mod parameters;
 mod window;
 
 pub(super) use edges::Edges;
-pub use parameters::Parameters;
+pub use parameters::{Parameters, Used};
 
 use self::cell::{Beside, Hull, Straight};
 use self::chords::{Between, Chord, Source};
@@ -184,7 +184,8 @@ impl<const AXES: usize> Surface<AXES> {
             if self.ending.is_none() {
                 return false;
             }
-            if self.pending.is_some() {
+            if let Some(pending) = &self.pending {
+                self.ending = self.ending.map(|stop| stop || pending.stop);
                 self.push(None, 0);
                 self.window.ended = true;
                 return true;
@@ -194,13 +195,14 @@ impl<const AXES: usize> Surface<AXES> {
             }
             return false;
         };
-        let Some(next) = source.chord(&self.window) else {
+        let Some(mut next) = source.chord(&self.window) else {
             // Nothing of it moves in space: of an arc, the rest of a rounding.
             if let Some(source) = &mut self.source {
                 source.go_on(&source.block.to.clone());
             }
             return self.finish_source();
         };
+        next.stop = source.block.data.stop && self.parameters.stands();
         let mut marks = 0;
         if let Some(pending) = &self.pending
             && !source.parted
@@ -227,6 +229,9 @@ impl<const AXES: usize> Surface<AXES> {
             {
                 marks = Vertex::<AXES>::FORCED;
             }
+            if pending.stop {
+                marks |= Vertex::<AXES>::FORCED | Vertex::<AXES>::STANDS;
+            }
             self.push(Some(&next), marks);
         }
         self.pending = Some(next);
@@ -248,20 +253,21 @@ impl<const AXES: usize> Surface<AXES> {
     }
 
     /// The `rest` of the last line, in the middle of which the row ends, if the next block makes an edge with
-    /// it: half of it, or all of it where the row has nothing else. Whether it is half. Only where a block may
-    /// be taken.
+    /// it: half of it, or all of it where the row has nothing else. Whether it is half, and what the lines it stands
+    /// for use of the tolerance. Only where a block may be taken.
     pub(super) fn leave(
         &mut self,
         block: &ProgrammedBlock<AXES>,
         dynamics: &Dynamics<AXES>,
         rest: &mut Option<(ProgrammedBlock<AXES>, Parting)>,
-    ) -> Option<bool> {
+    ) -> Option<(bool, Used)> {
         let pending = self.pending.as_mut().filter(|_| self.ending.is_none())?;
         let edges = Edges { parameters: &self.parameters, space: self.window.space };
         if !edges.parts(pending, block, dynamics) {
             return None;
         }
         let alone = self.window.len() == 0;
+        let used = self.parameters.used(&pending.stray);
         let from = if alone { pending.from } else { middle(&pending.from, &pending.to) };
         let Programmed { feed, n, number } = pending.programmed;
         let data = Data { feed, n, place: self.place, number, stop: false };
@@ -274,7 +280,7 @@ impl<const AXES: usize> Surface<AXES> {
             (pending.to, pending.length, pending.half) = (from, 0.5 * pending.length, true);
             self.ending = Some(false);
         }
-        Some(!alone)
+        Some((!alone, used))
     }
 
     /// Takes the second half of a line, in the middle of which the row begins.
@@ -293,7 +299,7 @@ impl<const AXES: usize> Surface<AXES> {
     /// The block at hand may have gone on as a whole.
     fn finish_source(&mut self) -> bool {
         if let Some(source) = self.source.as_ref().filter(|source| source.is_over) {
-            if source.block.data.stop {
+            if source.block.data.stop && !self.parameters.stands() {
                 self.ending = Some(true);
             }
             self.source = None;
@@ -305,7 +311,7 @@ impl<const AXES: usize> Surface<AXES> {
     fn push(&mut self, behind: Option<&Chord<AXES>>, marks: u8) {
         let Some(chord) = self.pending.take() else { return };
         if self.window.len() == 0 {
-            self.window.begin(&chord.from, self.parameters.widest());
+            self.window.begin(&chord.from, &self.parameters);
             self.heading = None;
         }
         let before = self.passed.as_ref();
@@ -358,7 +364,9 @@ impl<const AXES: usize> Surface<AXES> {
         let first = chord(from.vertex + 1).unwrap_or(none);
         let last = if to.x > 0.0 { chord(to.vertex + 1) } else { chord(to.vertex) }.unwrap_or(first);
         let ends = self.window.ended && to.vertex + 1 == self.window.len();
-        let stop = ends && self.ending == Some(true);
+        let stands =
+            to.x <= 0.0 && self.window.get(to.vertex).is_some_and(|vertex| vertex.is(Vertex::<AXES>::STANDS));
+        let stop = stands || ends && self.ending == Some(true);
         let Programmed { feed, n, number } = last;
         (Data { feed, n, place: self.place, number, stop }, first.number)
     }
@@ -500,8 +508,10 @@ impl<const AXES: usize> Surface<AXES> {
 
     /// What is left of the tolerance beside the chord to a vertex.
     fn tolerance(&self, k: usize) -> parameters::Tolerance {
-        let arc = self.window.get(k).is_some_and(|vertex| vertex.is(Vertex::<AXES>::ARC));
-        self.parameters.left(self.programmed(k), arc)
+        let vertex = self.window.get(k);
+        let arc = vertex.is_some_and(|vertex| vertex.is(Vertex::<AXES>::ARC));
+        let used = vertex.map_or(Used::NOTHING, |vertex| vertex.used);
+        self.parameters.left(self.programmed(k), arc, used)
     }
 
     /// The programmed tolerance beside the chord to a vertex.
@@ -648,7 +658,9 @@ impl<const AXES: usize> Smoother<AXES> for Surface<AXES> {
             Form::Line => (None, false),
             Form::Arc { .. } => (self.parameters.chord_of(&block.element), true),
         };
-        let exact = rapid || if arc { chord.is_none() } else { !moves };
+        let long = !arc
+            && Chord::length_of(block, &self.window).is_some_and(|length| self.parameters.is_longer(length));
+        let exact = rapid || long || if arc { chord.is_none() } else { !moves };
         if (exact || parting == Parting::Awaited) && self.holds() {
             self.ending = self.ending.or(Some(false));
         }

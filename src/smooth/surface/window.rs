@@ -4,7 +4,7 @@
 //! the *control polygon*, which the kernels smooth. Three passes go over the vertices, each as far behind the
 //! last one as it has to know ahead: widths, then points of the control polygon, then knots of the path.
 use super::knot::Spot;
-use super::parameters::{Parameters, Tolerance};
+use super::parameters::{Parameters, Tolerance, Used};
 use crate::math::float::{magnitude, max, min, to_f32};
 use crate::math::root::sqrt_f32;
 use crate::path::Measure;
@@ -49,6 +49,8 @@ pub struct Vertex<const AXES: usize> {
     pub gain: f32,
     pub programmed: Programmed,
     pub marks: u8,
+    /// What the lines that the chord up to it stands for use of the tolerance.
+    pub used: Used,
 }
 
 impl<const AXES: usize> Vertex<AXES> {
@@ -65,6 +67,8 @@ impl<const AXES: usize> Vertex<AXES> {
     pub const STEPS: u8 = 32;
     /// Its point of the control polygon is not moved out: the row begins or ends along the line.
     pub const FIXED: u8 = 64;
+    /// The motion stands there, on the curve.
+    pub const STANDS: u8 = 128;
 
     pub const fn is(&self, mark: u8) -> bool {
         self.marks & mark != 0
@@ -138,6 +142,8 @@ pub struct Window<const AXES: usize> {
     /// The widest kernel of the row, mm, and now: less where the window is full.
     pub widest: f32,
     pub reach: f32,
+    /// The largest gain of a vertex.
+    pub most: f32,
     /// The last vertex is the end of the row.
     pub ended: bool,
     /// The start of the row is near: its distance.
@@ -202,6 +208,7 @@ impl<const AXES: usize> Window<AXES> {
             furthest: 0,
             widest: 0.0,
             reach: 0.0,
+            most: 1.0,
             ended: false,
             begun: None,
         }
@@ -221,16 +228,15 @@ impl<const AXES: usize> Window<AXES> {
 
     /// Whether a deviation is inside a tolerance.
     pub fn is_inside(&self, d: &[f32; AXES], tolerance: &Tolerance, part: f32) -> bool {
-        let mut tracks = true;
-        if tolerance.track > 0.0 {
-            let most = tolerance.track * part;
-            tracks = d.iter().enumerate().all(|(k, x)| self.is_main(k) || magnitude(*x) <= most);
-        }
+        let most = tolerance.track * part;
+        let tracks = d.iter().enumerate().all(|(k, x)| self.is_main(k) || magnitude(*x) <= most);
         tracks && self.length(d) <= tolerance.path * part
     }
 
-    /// Empties it for a row with kernels of that width.
-    pub fn begin(&mut self, from: &[Position; AXES], widest: f32) {
+    /// Empties it for a row.
+    pub fn begin(&mut self, from: &[Position; AXES], parameters: &Parameters) {
+        let widest = parameters.widest();
+        self.most = parameters.gain();
         self.vertices.clear();
         let programmed = Programmed { feed: None, n: 0, number: 0 };
         let _ = self.vertices.push_back(Vertex {
@@ -245,6 +251,7 @@ impl<const AXES: usize> Window<AXES> {
             gain: 0.0,
             programmed,
             marks: Vertex::<AXES>::PROGRAMMED,
+            used: Used::NOTHING,
         });
         (self.wide, self.moved, self.ended, self.begun) = (1, 1, false, Some(0));
         (self.checked, self.again, self.furthest) = (1, 0, 1);
@@ -299,9 +306,9 @@ impl<const AXES: usize> Window<AXES> {
         (turn, edge): (&[f32; AXES], Option<f32>),
         length: f32,
         programmed: Programmed,
-        marks: u8,
+        (marks, used): (u8, Used),
     ) {
-        let mut gain = 1.0;
+        let mut gain = self.most;
         let mut distance = 0;
         if let Some(last) = self.vertices.back_mut() {
             last.turn = *turn;
@@ -321,9 +328,10 @@ impl<const AXES: usize> Window<AXES> {
             moved_length: length,
             distance,
             width: 0.0,
-            gain: min(1.0, gain + length / widest),
+            gain: min(self.most, gain + length / widest),
             programmed,
             marks,
+            used,
         });
         if self.begun.is_some_and(|begun| distance.wrapping_sub(begun) > 100 << 20) {
             self.begun = None;
@@ -353,7 +361,9 @@ impl<const AXES: usize> Window<AXES> {
     /// The tolerance at a vertex.
     pub fn tolerance(&self, k: usize, parameters: &Parameters) -> Tolerance {
         let rapid = |k: usize| self.vertices.get(k).is_none_or(|vertex| vertex.programmed.feed.is_none());
-        parameters.left(parameters.tolerance(rapid(k) && rapid(k + 1)), false)
+        let used = |k: usize| self.vertices.get(k).map_or(Used::NOTHING, |vertex| vertex.used);
+        let used = used(k).larger(used(k + 1));
+        parameters.left(parameters.tolerance(rapid(k) && rapid(k + 1)), false, used)
     }
 
     /// The next vertex gets its width; `false` if that has to wait.
