@@ -1,12 +1,13 @@
 //! #HSC \[SURFACE\] and contour mode by turns: where two lines make an edge (`surface/edges.rs`), their corner is
-//! one of DEV with the tolerances of Surface.
+//! one of DEV with the tolerances of Surface. So is every transition with an arc that stays one (CIR_MODE): where
+//! it is tangential, a curve leads from one curvature to the other. CIR_MODE=0 leaves them all.
 //!
 //! A line with an edge at one end is halved: one half is the last or the first chord of a row of Surface, the
 //! other one a block of contour mode, of which the corner may take nearly all. Both go straight where they meet.
 use super::contour::{Contouring, Settings};
 use super::halved::{Waiting, halve};
 use super::surface::{Edges, Parameters, Surface, Used};
-use super::{Parting, ProgrammedBlock, Smoothed, Smoother};
+use super::{Form, Parting, ProgrammedBlock, Smoothed, Smoother};
 use crate::dynamics::Dynamics;
 use crate::nc::{NcWarningKind, Place};
 use crate::path::Measure;
@@ -132,8 +133,8 @@ impl<const AXES: usize> Edged<AXES> {
     #[inline(never)]
     fn end(&mut self, dynamics: &Dynamics<AXES>) {
         let Some((line, _)) = &mut self.last else { return };
-        let exact = line.data.stop && !self.parameters.stands();
-        let rest = if exact { None } else { halve(line, &self.measure) };
+        let whole = line.data.stop && !self.parameters.stands() || line.form != Form::Line;
+        let rest = if whole { None } else { halve(line, &self.measure) };
         self.round(false, rest.is_some(), dynamics);
         if let Turn::Corner(corner) = &mut self.turn {
             corner.cancel();
@@ -173,8 +174,9 @@ impl<const AXES: usize> Edged<AXES> {
             }
             return true;
         };
+        let edges = Edges::new(&self.parameters, &self.measure);
         match &mut self.turn {
-            Turn::Surface(surface) if self.last.is_none() => {
+            Turn::Surface(surface) if self.last.is_none() && !edges.keeps(next) => {
                 surface.take(next, dynamics, *parting);
                 self.next = None;
             }
@@ -207,10 +209,20 @@ impl<const AXES: usize> Smoother<AXES> for Edged<AXES> {
     fn take(&mut self, block: &ProgrammedBlock<AXES>, dynamics: &Dynamics<AXES>, parting: Parting) {
         if matches!(self.turn, Turn::Corner(_)) {
             self.follow(block, parting, dynamics);
-        } else if (parting == Parting::Awaited || !self.leave(block, parting, dynamics))
-            && let Turn::Surface(surface) = &mut self.turn
-        {
-            surface.take(block, dynamics, parting);
+            return;
+        }
+        if parting != Parting::Awaited && self.leave(block, parting, dynamics) {
+            return;
+        }
+        if self.edges().keeps(block) {
+            self.wait(block, parting);
+        }
+        if let Turn::Surface(surface) = &mut self.turn {
+            if self.next.is_some() {
+                surface.flush(false);
+            } else {
+                surface.take(block, dynamics, parting);
+            }
         }
     }
 

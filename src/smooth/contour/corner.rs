@@ -36,6 +36,9 @@ pub struct Corner<'a, const AXES: usize> {
     pub gap: Option<[f32; AXES]>,
 }
 
+/// A change of curvature of less than that part is none.
+const ALIKE: f32 = 1.0 / 256.0;
+
 /// Cosine of 102 degrees.
 const SHARP: f32 = -0.207_912;
 
@@ -71,6 +74,12 @@ impl<const AXES: usize> Corner<'_, AXES> {
     pub fn turns(&self) -> bool {
         let ends = self.before.tangent().iter().zip(self.behind.tangent());
         ends.fold(0.0, |most, (a, b)| max(most, max(a - b, b - a))) >= TANGENTIAL
+    }
+
+    /// Whether a main axis changes its curvature here: an arc begins or ends, or goes on with another radius.
+    pub fn steps(&self) -> bool {
+        let change = size(self.main, &plus(self.behind.curvature(), -1.0, self.before.curvature()));
+        change > ALIKE * max(self.before.rate, self.behind.rate)
     }
 
     /// Whether it turns by more than 102 degrees, over the main axes.

@@ -125,6 +125,11 @@ impl<const AXES: usize> Side<AXES> {
         &self.tangent
     }
 
+    /// Curvature at the corner.
+    pub const fn curvature(&self) -> &[f32; AXES] {
+        &self.curvature
+    }
+
     /// The point at distance `s`.
     pub fn at(&self, s: f32) -> Site<AXES> {
         let offset = self.tangent.map(|t| t * s);

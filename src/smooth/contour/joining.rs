@@ -185,7 +185,8 @@ impl Joining {
             }
         } else {
             let turn = turn(setting.measure, before, behind)?;
-            if !rule.rounds(&turn, before.rate > 0.0 || behind.rate > 0.0) {
+            let with_arc = before.rate > 0.0 || behind.rate > 0.0;
+            if !rule.rounds(&turn, with_arc, with_arc && corner.steps()) {
                 return None;
             }
             match rule.method {

@@ -224,8 +224,9 @@ impl Parameters {
     }
 
     /// Whether a transition is rounded at all: not if it goes straight on or straight back, nor, between
-    /// lines, beyond the largest angle, which POS does not have.
-    pub(super) fn rounds(&self, turn: &Turn, with_arc: bool) -> bool {
+    /// lines, beyond the largest angle, which POS does not have. Where Surface `steps` from one curvature to
+    /// another, going straight on is rounded too.
+    pub(super) fn rounds(&self, turn: &Turn, with_arc: bool, steps: bool) -> bool {
         let tangential = turn.sine < TANGENTIAL && (turn.track < TANGENTIAL || self.track_dev == 0.0);
         let tolerated = match self.method {
             ContourMethod::Dev => self.path_dev > 0.0,
@@ -233,7 +234,7 @@ impl Parameters {
             _ => true,
         };
         let far = !with_arc && self.method != ContourMethod::Pos && turn.sine > self.max_angle;
-        tolerated && !tangential && turn.cosine >= REVERSAL && !far
+        tolerated && (!tangential || self.edges && steps) && turn.cosine >= REVERSAL && !far
     }
 
     /// Corner distances that are asked for, or allowed where a tolerance decides.

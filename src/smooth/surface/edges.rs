@@ -106,14 +106,32 @@ impl<'a> Edges<'a> {
         v < SLOW * min(fastest, reached)
     }
 
-    /// Whether two blocks make an edge.
+    /// Whether a block is an arc that stays one, and the transitions beside it are for contour mode.
+    pub fn keeps<const AXES: usize>(&self, block: &ProgrammedBlock<AXES>) -> bool {
+        let rapid = block.data.feed.is_none() && self.parameters.leaves_rapid();
+        let arc = block.form != Form::Line && self.parameters.rounds_arcs() && !rapid;
+        arc && self.parameters.chord_of(&block.element).is_none()
+    }
+
+    /// Whether two blocks make an edge, where the first one is for contour mode. Beside arcs they always do, as far
+    /// as both are smoothed.
     pub fn between<const AXES: usize>(
         &self,
         before: &ProgrammedBlock<AXES>,
         block: &ProgrammedBlock<AXES>,
         dynamics: &Dynamics<AXES>,
     ) -> bool {
-        !before.data.stop && self.chord(before).is_some_and(|before| self.parts(&before, block, dynamics))
+        if before.data.stop {
+            return false;
+        }
+        if before.form != Form::Line {
+            // A small one, too: it has come in behind one that stays.
+            return block.form != Form::Line || self.chord(block).is_some();
+        }
+        if self.keeps(block) {
+            return self.chord(before).is_some();
+        }
+        self.chord(before).is_some_and(|before| self.parts(&before, block, dynamics))
     }
 
     /// What a curve in a corner may deviate; `rapid`: G00 on both sides; `used`: by merged lines before it.

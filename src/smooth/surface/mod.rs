@@ -253,8 +253,8 @@ impl<const AXES: usize> Surface<AXES> {
     }
 
     /// The `rest` of the last line, in the middle of which the row ends, if the next block makes an edge with
-    /// it: half of it, or all of it where the row has nothing else. Whether it is half, and what the lines it stands
-    /// for use of the tolerance. Only where a block may be taken.
+    /// it, or is an arc that stays one: half of it, or all of it where the row has nothing else. Whether it is half,
+    /// and what the lines it stands for use of the tolerance. Only where a block may be taken.
     pub(super) fn leave(
         &mut self,
         block: &ProgrammedBlock<AXES>,
@@ -263,7 +263,7 @@ impl<const AXES: usize> Surface<AXES> {
     ) -> Option<(bool, Used)> {
         let pending = self.pending.as_mut().filter(|_| self.ending.is_none())?;
         let edges = Edges { parameters: &self.parameters, space: self.window.space };
-        if !edges.parts(pending, block, dynamics) {
+        if !edges.keeps(block) && !edges.parts(pending, block, dynamics) {
             return None;
         }
         let alone = self.window.len() == 0;

@@ -262,6 +262,11 @@ impl Parameters {
         min(WIDTH * sqrt_f32(self.path_dev), WIDEST)
     }
 
+    /// CIR_MODE: whether transitions with arcs that stay exact are smoothed.
+    pub const fn rounds_arcs(&self) -> bool {
+        self.cir_mode != 0
+    }
+
     /// Length of the chords (mm) that stand for an arc; `None` if it is passed exactly.
     pub fn chord_of<const AXES: usize>(&self, arc: &Element<AXES>) -> Option<f32> {
         let circle = arc.circle.as_ref()?;
