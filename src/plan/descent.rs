@@ -191,6 +191,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     }
 
     /// The same with the limits that the first span has from this motion on: [`Fall`].
+    #[inline(never)]
     pub(super) fn know_fall(
         &self,
         start: &mut Cursor,

@@ -10,12 +10,12 @@ use std::path::PathBuf;
 
 /// Hard limits of the project, whatever is accepted: key, largest value.
 pub(crate) const LIMITS: [(&str, u64); 44] = [
-    ("total.block_mean_plain_3_axes", 7800),
+    ("total.block_mean_plain_3_axes", 7850),
     ("total.block_mean_3_axes", 12_000),
     ("case.surface.block_mean", 20_000),
     ("case.splines.block_mean", 60_000),
     ("case.cam_dev.block_mean", 36_000),
-    ("case.corners.block_mean", 40_200),
+    ("case.corners.block_mean", 40_500),
     ("case.contour.block_mean", 85_000),
     ("total.block_mean_contour_3_axes", 38_000),
     ("total.block_mean_contour_4_axes", 29_000),
@@ -35,8 +35,8 @@ pub(crate) const LIMITS: [(&str, u64); 44] = [
     ("total.block_mean_hsc", 8000),
     ("case.plain.decode_mean", 2500),
     ("case.cam.decode_mean", 2500),
-    ("flash.reference", 496 * 1024),
-    ("slim.flash", 247 * 1024),
+    ("flash.reference", 504 * 1024),
+    ("slim.flash", 250 * 1024),
     ("slim.ram_total_3x30", 30 * 1024),
     ("slim.ram_total_3x120", 44 * 1024),
     ("slim.ram_bytes_per_block", 136),
