@@ -1,10 +1,13 @@
 //! The loader: walks the tables of the file along the parameter tables of the crate.
 use super::{MAX_AXES, Machine, later};
 use crate::diagnose::{Diagnostic, Source, nearest};
+use crate::dialect::Choice;
 use crate::run::BLOCKS;
 use glidepath::channel::MachineError;
-use glidepath::machine::parameter::{AXIS, CHANNEL, Parameter, check_axis, check_given_stages};
-use glidepath::machine::{Adjusted, AxisData, AxisKind, AxisName, ChannelData, SYNCHRONISED, Synch};
+use glidepath::machine::parameter::{
+    AXIS, AXIS_FOREIGN, CHANNEL, CHANNEL_FOREIGN, Parameter, check_axis, check_given_stages,
+};
+use glidepath::machine::{Adjusted, AxisData, AxisKind, AxisName, ChannelData, SYNCHRONISED, Synch, TOOLS};
 use std::ops::Range;
 use std::path::Path;
 use toml::Spanned;
@@ -121,6 +124,18 @@ pub fn load(path: &Path, overrides: &Overrides) -> Result<Machine, Vec<Diagnosti
     }
 }
 
+/// Longest tool, µm.
+const LONGEST_TOOL_UM: i128 = 10_000_000;
+
+/// The table of the two that has the parameter; the first one where neither has.
+fn table_of<Target>(
+    name: &str,
+    isg: &'static [Parameter<Target>],
+    foreign: &'static [Parameter<Target>],
+) -> &'static [Parameter<Target>] {
+    if foreign.iter().any(|parameter| parameter.name == name) { foreign } else { isg }
+}
+
 /// A value of the file with its dotted name inside its table.
 struct Entry<'a> {
     name: String,
@@ -149,6 +164,7 @@ impl Loader<'_> {
             channel: ChannelData::new(),
             name: String::new(),
             warnings: Vec::new(),
+            dialect: Choice::Auto,
         };
         let document = match DeTable::parse(text) {
             Ok(document) => document,
@@ -166,9 +182,11 @@ impl Loader<'_> {
                     flatten(table, "", &mut entries);
                     for entry in &entries {
                         let is_set = self.synch(entry, &mut machine.channel)
+                            || self.dialect(entry, &mut machine)
                             || self.enable(entry, &entries, &mut machine.channel);
                         if !is_set {
-                            self.set("channel", entry, CHANNEL, later::CHANNEL, &mut machine.channel);
+                            let known = table_of(&entry.name, CHANNEL, CHANNEL_FOREIGN);
+                            self.set("channel", entry, known, later::CHANNEL, &mut machine.channel);
                         }
                     }
                 }
@@ -246,7 +264,8 @@ impl Loader<'_> {
             if entry.name == "type" {
                 self.kind(entry, &mut axis);
             } else {
-                self.set(&table_name, entry, AXIS, later::AXIS, &mut axis);
+                let known = table_of(&entry.name, AXIS, AXIS_FOREIGN);
+                self.set(&table_name, entry, known, later::AXIS, &mut axis);
             }
         }
         if axis.kind != AxisKind::Spindle && name.is_reserved() {
@@ -337,6 +356,47 @@ impl Loader<'_> {
             }
             Ok(value) => (parameter.set)(target, value as i64),
         }
+    }
+
+    /// `dialect`, or a length of `tool_length`; `false` if the name is another.
+    fn dialect(&mut self, entry: &Entry<'_>, machine: &mut Machine) -> bool {
+        let (span, value) = (entry.value.span(), entry.value.get_ref());
+        let text = self.text(&span).to_owned();
+        if entry.name == "dialect" {
+            let names = Choice::ALL.map(|(name, _)| name);
+            match Choice::ALL.into_iter().find(|(name, _)| value.as_str() == Some(name)) {
+                Some((_, choice)) => machine.dialect = choice,
+                None => {
+                    let meant = value.as_str().and_then(|word| nearest(word, names));
+                    let meant = meant.map_or_else(String::new, |name| format!("; is \"{name}\" meant?"));
+                    let expected = format!("\"auto\", \"isg\", \"linuxcnc\" or \"grbl\"{meant}");
+                    self.refuse(&span, format!("channel.dialect = {text}: no such dialect"), &expected);
+                }
+            }
+            return true;
+        }
+        let Some(number) = entry.name.strip_prefix("tool_length.") else { return false };
+        let label = format!("channel.tool_length[{number}]");
+        let tools = &mut machine.channel.foreign.tools;
+        // mm with three decimals to 0.1 µm.
+        let length = milli(value, true).ok().filter(|milli| milli.abs() <= LONGEST_TOOL_UM);
+        match (number.parse::<u32>().ok(), length) {
+            (None, _) => {
+                self.refuse(&entry.key, format!("{label}: no number of a tool"), "for example 1 = 52.3")
+            }
+            (_, None) => {
+                let expected = "a number of mm with three decimals at most, -10 000…10 000";
+                self.refuse(&span, format!("{label} = {text}: no tool length"), expected);
+            }
+            (Some(number), Some(milli)) => {
+                *tools = tools.with(number, milli as i32 * 10);
+                if tools.of(number).is_none() {
+                    let message = format!("{label}: more than {TOOLS} tools");
+                    self.refuse(&entry.key, message, "fewer tools");
+                }
+            }
+        }
+        true
     }
 
     /// A function of `m_synch` or `h_synch`; `false` if the name is another.
