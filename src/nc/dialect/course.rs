@@ -108,7 +108,7 @@ impl<const AXES: usize> Turns<AXES> {
         Some(Part::Motion(kind, target))
     }
 
-    /// The angle of the programmed arc, LSB 2^-32 revolutions, above 0.
+    /// The angle of the programmed arc, LSB 2^-48 revolutions, above 0.
     fn angle(&self) -> u64 {
         let direction = |point: &[Position; AXES]| {
             let of = |k: usize| {
@@ -121,22 +121,22 @@ impl<const AXES: usize> Turns<AXES> {
         let turned = direction(&self.end).wrapping_sub(direction(&self.start));
         let turned = if self.clockwise { turned.wrapping_neg() } else { turned };
         // To nearest; as little as nothing is a full circle.
-        match (turned >> 31).wrapping_add(1) >> 1 {
-            0 => 1 << 32,
+        match ((turned >> 15) + 1) >> 1 {
+            0 => 1 << 48,
             angle => angle,
         }
     }
 
     /// Where all axes are behind `turns` full circles: those outside the plane have gone on with the angle.
     fn behind(&self, turns: u32) -> [Position; AXES] {
-        let whole = i128::from(self.full) * (1 << 32) + i128::from(self.angle());
-        let part = i128::from(turns) << 32;
+        let whole = (i128::from(self.full) << 48) + i128::from(self.angle());
+        let part = i128::from(turns) << 48;
         let mut target = self.start;
         for (axis, (slot, end)) in target.iter_mut().zip(&self.end).enumerate() {
             if self.axes.contains(&axis) {
                 continue;
             }
-            // Below 2^50, times below 2^43.
+            // Below 2^50, times below 2^62.
             let travel = i128::from(end.to_bits()) - i128::from(slot.to_bits());
             let gone = (travel * part * 2 + whole).div_euclid(whole * 2);
             *slot = Position::from_bits(slot.to_bits().saturating_add(gone as i64));
@@ -159,7 +159,10 @@ pub struct Holes<const AXES: usize> {
     pub bottom: Position,
     /// Where the tool ends above the hole.
     pub clear: Position,
-    pub peck: Position,
+    /// And what its rounding left.
+    pub peck: (Position, i64),
+    /// What the pecks of this hole have left.
+    pub rest: i32,
     pub back: Position,
     pub dwell: Position,
     /// Holes still to come.
@@ -242,12 +245,14 @@ impl<const AXES: usize> Holes<AXES> {
         let (level, rapid, next) = match stage {
             Stage::Lift => (self.r, true, Stage::Over),
             Stage::Down => {
-                self.depth = self.r;
+                (self.depth, self.rest) = (self.r, 0);
                 (self.r, true, Stage::Feed)
             }
             Stage::Feed => {
-                let peck = self.depth.saturating_sub(self.peck).max(self.bottom);
-                self.depth = if self.kind.pecks() { peck } else { self.bottom };
+                let (peck, left) = self.peck;
+                let peck = peck.saturating_add(carry(&mut self.rest, left));
+                let depth = self.depth.saturating_sub(peck).max(self.bottom);
+                self.depth = if self.kind.pecks() { depth } else { self.bottom };
                 let next = match self.kind {
                     _ if self.depth <= self.bottom => Stage::Bottom,
                     CycleKind::Break => Stage::Break,

@@ -67,6 +67,7 @@ impl<const AXES: usize> Interpreter<AXES> {
             bottom,
             clear,
             peck: cycle.peck,
+            rest: 0,
             back: if kind == CycleKind::Break { cycle.back } else { BACK },
             dwell: cycle.dwell,
             left: repeats,
@@ -105,14 +106,17 @@ impl<const AXES: usize> Interpreter<AXES> {
             kind,
             r: r.ok_or(missing("R, the level above the hole"))?,
             bottom: bottom.or(known.map(|cycle| cycle.bottom)).ok_or(missing("the bottom of the hole"))?,
-            peck: Position::ZERO,
+            peck: (Position::ZERO, 0),
             back: known.map_or(BACK, |cycle| cycle.back),
             dwell: Position::ZERO,
             from,
         };
         if kind.pecks() {
             let peck = match block.take(b'Q') {
-                Some(given) => Some(self.above_zero(given, axis, "Q")?),
+                Some(given) => {
+                    let peck = self.above_zero(given, axis, "Q")?;
+                    Some((peck, given.number.rest(self.axis_factor(axis), peck)))
+                }
                 None => known.map(|cycle| cycle.peck),
             };
             cycle.peck = peck.ok_or(missing("Q, the depth of a peck"))?;

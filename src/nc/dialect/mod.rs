@@ -111,7 +111,8 @@ pub(super) struct Cycle {
     pub kind: CycleKind,
     pub r: Position,
     pub bottom: Position,
-    pub peck: Position,
+    /// Q, and what its rounding left.
+    pub peck: (Position, i64),
     pub back: Position,
     pub dwell: Position,
     /// Machine coordinate of the tool before the first cycle of the row.

@@ -48,13 +48,10 @@ impl<const AXES: usize> Interpreter<AXES> {
             }
             Meaning::Here => {
                 needs_axes(said.span, block)?;
-                // The others keep what they have.
-                self.foreign.now.here_off = false;
                 self.set_here(block, true)?;
             }
             Meaning::Local => {
                 needs_axes(said.span, block)?;
-                self.foreign.now.here_off = false;
                 self.set_here(block, false)?;
             }
             Meaning::HereClear => {
@@ -68,8 +65,12 @@ impl<const AXES: usize> Interpreter<AXES> {
         Ok(())
     }
 
-    /// G92: the axes named stand at these coordinates. G52: they are shifted by them.
+    /// G92: the axes named stand at these coordinates. G52: they are shifted by them. The others keep what they have
+    /// in force.
     fn set_here(&mut self, block: &Block<AXES>, stands: bool) -> Result<(), Fault> {
+        if core::mem::take(&mut self.foreign.now.here_off) {
+            self.foreign.now.here = [Position::ZERO; AXES];
+        }
         for (axis, given) in block.axes.iter().enumerate() {
             let Some(given) = *given else { continue };
             let value = self.axis_value(axis, given)?;

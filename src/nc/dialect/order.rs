@@ -258,7 +258,13 @@ impl<const AXES: usize> Interpreter<AXES> {
     /// Words that use the axes of the block: at most one.
     fn moves_of(&mut self, block: &mut Block<AXES>, line: &Line) -> Result<Course<AXES>, Fault> {
         let single = block.said(group::NON_MODAL);
-        let motion = block.said(group::MOTION);
+        let end = block.said(group::CYCLE_END);
+        if let (Some(Said { word, span, .. }), Some(_)) = (block.said(group::MOTION), end)
+            && matches!(word.meaning, Meaning::Cycle(_))
+        {
+            return span.fault(NcErrorKind::Conflict("G80"));
+        }
+        let motion = block.said(group::MOTION).or(end);
         if let Some(said) = motion {
             self.choose_motion(said, block)?;
         }
@@ -381,6 +387,13 @@ impl<const AXES: usize> Interpreter<AXES> {
         }
         for (slot, letter) in words.centre.iter_mut().zip([b'I', b'J', b'K']) {
             *slot = block.take(letter);
+        }
+        if self.setup.foreign.dialect == Dialect::Grbl {
+            // Grbl does not look at the one outside of the plane; posts write K0.
+            let [first, second] = self.modal.plane.main_axes();
+            if let Some(slot) = words.centre.get_mut(3 - first - second) {
+                *slot = None;
+            }
         }
         words.radius = block.take(b'R');
         words.first = words.first.or(words.centre_span());

@@ -100,7 +100,9 @@ pub mod group {
     pub const OVERRIDE: u8 = 19;
     pub const USER: u8 = 20;
     pub const OUTPUT: u8 = 21;
-    pub const COUNT: usize = 22;
+    /// G80, which the heads of programs have beside G0.
+    pub const CYCLE_END: u8 = 22;
+    pub const COUNT: usize = 23;
 }
 
 /// A word of a dialect.
@@ -228,7 +230,7 @@ pub static WORDS: &[WordEntry] = &[
     g(730, BOTH, group::MOTION, Meaning::Cycle(CycleKind::Break), "drill with chip breaking"),
     g(740, LINUXCNC, group::MOTION, Meaning::Later(SYNCHRONISED), "left-hand tapping"),
     g(760, BOTH, group::MOTION, Meaning::Later(SYNCHRONISED), "threading"),
-    g(800, BOTH, group::MOTION, Meaning::NoMotion, "end of cycles"),
+    g(800, BOTH, group::CYCLE_END, Meaning::NoMotion, "end of cycles"),
     g(810, BOTH, group::MOTION, Meaning::Cycle(CycleKind::Drill), "drill"),
     g(820, BOTH, group::MOTION, Meaning::Cycle(CycleKind::Dwell), "drill with dwell P"),
     g(830, BOTH, group::MOTION, Meaning::Cycle(CycleKind::Peck), "deep drill in pecks of Q"),
