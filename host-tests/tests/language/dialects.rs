@@ -122,7 +122,7 @@ fn compare(name: &str, dialect: Dialect, text: &[u8]) -> Vec<NcWarningKind> {
     let events: Vec<Event> = commands.iter().map(|command| event(command, text)).collect();
     for (index, (found, wanted)) in events.iter().zip(&machine.events).enumerate() {
         let text = String::from_utf8_lossy(text);
-        assert!(is_alike(found, wanted), "{name}, event {index}: {found:?}, expected {wanted:?}\n{text}");
+        assert!(is_alike(found, wanted), "{name}, event {index}: {found:?}, expected {wanted:?}; before {:?}\n{text}", &events[index.saturating_sub(3)..index]);
     }
     assert_eq!(events.len(), machine.events.len(), "{name}: {events:?}\n{:?}", machine.events);
     warnings.iter().map(|warning| warning.kind).collect()

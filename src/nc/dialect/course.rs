@@ -145,6 +145,9 @@ impl<const AXES: usize> Turns<AXES> {
     }
 }
 
+/// A peck that ends so near to the bottom is the last one: a nanometre, which rounding may leave.
+const NEAR: Position = Position::from_bits(1 << 12);
+
 /// Holes of a canned cycle, in machine coordinates.
 #[derive(Clone, Copy)]
 pub struct Holes<const AXES: usize> {
@@ -251,7 +254,8 @@ impl<const AXES: usize> Holes<AXES> {
             Stage::Feed => {
                 let (peck, left) = self.peck;
                 let peck = peck.saturating_add(carry(&mut self.rest, left));
-                let depth = self.depth.saturating_sub(peck).max(self.bottom);
+                let depth = self.depth.saturating_sub(peck);
+                let depth = if depth <= self.bottom.saturating_add(NEAR) { self.bottom } else { depth };
                 self.depth = if self.kind.pecks() { depth } else { self.bottom };
                 let next = match self.kind {
                     _ if self.depth <= self.bottom => Stage::Bottom,

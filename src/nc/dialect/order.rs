@@ -418,8 +418,10 @@ impl<const AXES: usize> Interpreter<AXES> {
     fn feed_in_degrees(&mut self, start: &[Position; AXES]) {
         let (Some(feed), Gathered::Motion(cell)) = (self.foreign.now.degrees, &self.gathered) else { return };
         let mut motion = cell.get();
-        let mut axes = self.setup.kinds.iter().zip(&motion.target).zip(start);
-        if self.moves && axes.all(|((kind, to), from)| *kind == AxisKind::Rotary || to == from) {
+        let moved = self.setup.kinds.iter().zip(&motion.target).zip(start);
+        let mut moved = moved.filter(|((_, to), from)| to != from).map(|((kind, _), _)| *kind);
+        if self.moves && moved.next() == Some(AxisKind::Rotary) && moved.all(|kind| kind == AxisKind::Rotary)
+        {
             motion.feed = feed;
             cell.set(motion);
         }
