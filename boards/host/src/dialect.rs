@@ -338,3 +338,102 @@ pub fn list(choice: Option<Choice>) -> String {
     }
     text
 }
+
+#[cfg(test)]
+#[path = "../../../host-tests/tests/language/dialects/corpus.rs"]
+mod corpus;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn shown(text: &str) -> Shown {
+        Found::of(&Source { name: "test.nc".into(), text: text.as_bytes().to_vec() }).decide()
+    }
+
+    fn dialect(text: &str) -> Option<Dialect> {
+        match shown(text) {
+            Shown::Isg => Some(Dialect::Isg),
+            Shown::Is(dialect, _) => Some(dialect),
+            Shown::Printer(_) => None,
+        }
+    }
+
+    #[test]
+    fn each_program_shows_its_dialect_in_any_look() {
+        for (name, wanted, text) in corpus::CORPUS {
+            let looks = [
+                (*text).to_owned(),
+                text.to_lowercase(),
+                text.replace('\n', "\r\n"),
+                text.trim_end().to_owned(),
+                format!("\u{feff}{text}"),
+                text.lines().map(|line| if line.contains('(') { line.to_owned() } else { line.replace(' ', "") } + "\n").collect(),
+            ];
+            for text in looks {
+                assert_eq!(dialect(&text).map(Dialect::name), Some(*wanted), "{name}\n{text}");
+            }
+        }
+        assert!(corpus::REFUSED.len() > 50);
+    }
+
+    #[test]
+    fn programs_of_isg_stay_so() {
+        let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../programs");
+        let mut count = 0;
+        for entry in std::fs::read_dir(folder).expect("programs") {
+            let path = entry.expect("an entry").path();
+            if path.extension().is_some_and(|extension| extension == "nc") {
+                let text = String::from_utf8_lossy(&std::fs::read(&path).expect("a text")).into_owned();
+                assert_eq!(dialect(&text), Some(Dialect::Isg), "{}", path.display());
+                count += 1;
+            }
+        }
+        assert!(count > 20);
+        for text in [
+            "",
+            "G00 X1\nG01 X2 F100\nM30",
+            "%main\nG20\n#HSC ON\nM30",
+            "P1=5\nG04 P1\nM30",
+            "N10 $IF P1==2\nG21",
+            "G261 G40",
+            "G70 X1 F100\nG80",
+            "LL name\nG20",
+            "(comment with G20 and G64 P1)\nG0 X1",
+            "G92 X5\nG53\nG61 X1 F1",
+            "M3 S100\nG1 X1 F100\nG1 X2\nM30",
+            "X[OSC ON]\nG21",
+        ] {
+            assert_eq!(dialect(text), Some(Dialect::Isg), "{text}");
+        }
+    }
+
+    #[test]
+    fn the_reason_names_a_word_and_its_line() {
+        let Shown::Is(Dialect::LinuxCnc, mark) = shown("(head)\nG0 X1\nN5 G90 g6 4 p0.01\nM2\n") else {
+            panic!("LinuxCNC")
+        };
+        assert_eq!((mark.word.as_str(), mark.line, mark.column), ("G64", 3, 8));
+        let Shown::Is(Dialect::Grbl, mark) = shown("G0 X1\nG21\n") else { panic!("Grbl") };
+        assert_eq!((mark.word.as_str(), mark.line, mark.column), ("G21", 2, 1));
+        for printer in ["G28\nG21\nM82\nG92 E0\nG1 X1 E5 F100", "M104 S200\nG21", "M107\nG28"] {
+            assert!(matches!(shown(printer), Shown::Printer(_)), "{printer}");
+        }
+        assert_eq!(dialect("#<x>=1\nG0 X#<x>\nM2"), Some(Dialect::LinuxCnc));
+        assert_eq!(dialect("o100 sub\nG21\no100 endsub\nM2"), Some(Dialect::LinuxCnc));
+        assert_eq!(dialect("#100=5 (p=5)\nG1 X#100 F#101\nM2"), Some(Dialect::LinuxCnc));
+        assert_eq!(dialect("$H\nG21\nM2"), Some(Dialect::Grbl));
+        assert_eq!(dialect("(post: grbl)\nG21\nM2"), Some(Dialect::Grbl));
+        assert_eq!(dialect("(MSG, hello)\nG0 X1\nM2"), Some(Dialect::LinuxCnc));
+    }
+
+    #[test]
+    fn the_list_of_words_is_that_of_the_decoder() {
+        let all = list(None);
+        assert_eq!(all.lines().count(), WORDS.len() + ADDRESSES.len());
+        let grbl = list(Some(Choice::Grbl));
+        assert!(grbl.contains("G20    inch") && !grbl.contains("G61.1"), "{grbl}");
+        assert!(list(Some(Choice::Linuxcnc)).contains("G38.2  probe towards, with an error - not available"));
+        assert!(all.contains("G61.1  linuxcnc        exact stop"), "{all}");
+    }
+}

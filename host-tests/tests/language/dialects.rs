@@ -102,7 +102,9 @@ fn is_alike(a: &Event, b: &Event) -> bool {
                 (Shape::Radius(wa, pa, ra), Shape::Radius(wb, pb, rb)) => wa == wb && pa == pb && near(*ra, *rb),
                 _ => sa == sb,
             };
-            shapes && ta.iter().zip(tb).all(|(a, b)| near(*a, *b)) && near(*fa, *fb) && pa == pb
+            // Lengths of arcs are sums of chords.
+            let feeds = near(*fa, *fb) || (fa - fb).abs() <= 1e-7 * fb;
+            shapes && ta.iter().zip(tb).all(|(a, b)| near(*a, *b)) && feeds && pa == pb
         }
         (Event::Dwell(a), Event::Dwell(b))
         | (Event::Speed(a), Event::Speed(b))

@@ -12,6 +12,7 @@ mod course;
 mod cycle;
 mod offset;
 mod order;
+mod time;
 mod words;
 
 pub use words::{ADDRESSES, WORDS, WordEntry};
@@ -94,6 +95,8 @@ pub(super) struct State<const AXES: usize> {
     pub no_motion: bool,
     /// G99.
     pub to_level: bool,
+    /// G93.
+    pub by_time: bool,
     /// M3 or M4; 0 when off.
     pub spindle: u16,
     pub coolant: bool,
@@ -127,6 +130,7 @@ impl<const AXES: usize> State<AXES> {
         cycle: None,
         no_motion: false,
         to_level: false,
+        by_time: false,
         spindle: 0,
         coolant: false,
         blends: false,
@@ -207,7 +211,9 @@ impl<const AXES: usize> Interpreter<AXES> {
 
     /// What holds at program start. The unit, F, G92 and the tool length stay.
     pub fn begin_program(&mut self, mode: Mode) {
-        let Modal { inch, feed, shift, .. } = self.modal;
+        let Modal { inch, shift, .. } = self.modal;
+        // In inverse time F is of its block alone.
+        let feed = self.modal.feed.filter(|_| !self.foreign.now.by_time);
         self.modal = Modal { mode, inch, feed, shift, zero_set: Some(0), ..Modal::BLANK };
         let State { here, here_off, length, degrees, tool, .. } = self.foreign.now;
         self.foreign.now = State { here, here_off, length, degrees, tool, ..State::START };
@@ -219,9 +225,9 @@ impl<const AXES: usize> Interpreter<AXES> {
     /// Whether plain lines may be read as such: no cycle, no G80, and no axis whose F counts in another unit.
     fn settle_plain(&mut self) {
         use crate::machine::AxisKind;
-        let State { cycle, no_motion, degrees, .. } = &self.foreign.now;
+        let State { cycle, no_motion, by_time, degrees, .. } = &self.foreign.now;
         let turns = self.setup.kinds.contains(&AxisKind::Rotary) && (self.modal.inch || degrees.is_some());
-        self.foreign.plain = cycle.is_none() && !no_motion && !turns;
+        self.foreign.plain = cycle.is_none() && !no_motion && !by_time && !turns;
     }
 
     /// G92 and the tool length make one shift.

@@ -11,7 +11,7 @@ use crate::nc::interpreter::{Bounds, Gathered, Next, Phase, Refusal};
 use crate::nc::line::Line;
 use crate::nc::modal::{Before, Mode};
 use crate::nc::number::Factor;
-use crate::nc::{ArcBy, DwellTime, Fault, MotionKind, NcErrorKind, NcWarningKind, Span};
+use crate::nc::{ArcBy, DwellTime, Fault, Motion, MotionKind, NcErrorKind, NcWarningKind, Span};
 use crate::quantity::{Feed, Position};
 
 /// Most turns of an arc.
@@ -94,6 +94,12 @@ impl<const AXES: usize> Interpreter<AXES> {
         let converts =
             block.said(group::UNITS).is_some_and(|said| said.word.meaning != Meaning::Inch(self.modal.inch));
         let grbl = self.setup.foreign.dialect == Dialect::Grbl;
+        if let Some(Said { word, .. }) = block.said(group::FEED) {
+            let by_time = word.meaning == Meaning::ByTime(true);
+            if core::mem::replace(&mut self.foreign.now.by_time, by_time) != by_time {
+                (self.modal.feed, self.foreign.now.degrees) = (None, None);
+            }
+        }
         let feed = block.take(b'F');
         if let (Some(given), false) = (feed, grbl) {
             // LinuxCNC takes F before the unit.
@@ -110,6 +116,10 @@ impl<const AXES: usize> Interpreter<AXES> {
         }
         let course = self.moves_of(block, line)?;
         block.is_used_up()?;
+        if self.foreign.now.by_time {
+            // F is of its block alone.
+            self.modal.feed = None;
+        }
         self.settle_plain();
         self.foreign.tail = match block.said(group::STOP) {
             Some(said) if said.word.meaning != Meaning::OptionalPause || self.setup.foreign.optional_stop => {
@@ -135,6 +145,10 @@ impl<const AXES: usize> Interpreter<AXES> {
         let feed = of(self.length_factor()).ok_or(fault)?;
         let degrees = of(Factor::ONE).ok_or(fault)?;
         let some = |feed| Some(feed).filter(|feed| *feed > Feed::ZERO);
+        if self.foreign.now.by_time {
+            self.modal.feed = some(degrees);
+            return Ok(());
+        }
         self.modal.feed = some(feed);
         self.foreign.now.degrees = if self.modal.inch { some(degrees) } else { None };
         Ok(())
@@ -301,6 +315,9 @@ impl<const AXES: usize> Interpreter<AXES> {
             if block.first.is_none() {
                 return span.fault(NcErrorKind::Missing("axis words"));
             }
+            if self.foreign.now.by_time {
+                return span.fault(NcErrorKind::Conflict("inverse time feed, G93"));
+            }
             self.foreign.span = span;
             return self.drill(kind, block, span);
         }
@@ -411,7 +428,18 @@ impl<const AXES: usize> Interpreter<AXES> {
         (self.modal.zero_set, self.modal.relative, self.modal.shift) = (zero_set, relative, shift);
         moved?;
         self.feed_in_degrees(&start);
+        self.feed_of_time(&start);
         Ok(())
+    }
+
+    /// With G93 the motion gets the feed at which it takes its time.
+    fn feed_of_time(&mut self, start: &[Position; AXES]) {
+        if let (true, true, Gathered::Motion(cell)) = (self.foreign.now.by_time, self.moves, &self.gathered) {
+            let motion = cell.get();
+            if motion.kind != MotionKind::Rapid {
+                cell.set(Motion { feed: self.feed_by_time(&motion, start), ..motion });
+            }
+        }
     }
 
     /// Where only rotary axes move, F counts in degrees with inches too.
@@ -450,6 +478,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         let moved = self.motion_of(words, line);
         self.modal.radius = None;
         moved?;
+        self.feed_of_time(&start);
         let Some(given) = turns else { return Ok(Course::None) };
         let turns = self.whole(given, "P", TURNS)?;
         if turns == 0 {
@@ -457,6 +486,9 @@ impl<const AXES: usize> Interpreter<AXES> {
         }
         if turns == 1 {
             return Ok(Course::None);
+        }
+        if self.foreign.now.by_time {
+            return given.span.fault(NcErrorKind::Conflict("inverse time feed, G93"));
         }
         let Some(motion) = self.gathered.motion() else { return Ok(Course::None) };
         let MotionKind::Arc { clockwise, by: ArcBy::Centre(centre), .. } = motion.kind else {

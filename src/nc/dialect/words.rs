@@ -45,6 +45,8 @@ pub enum Meaning {
     Relative(bool),
     /// G90.1 (true), G91.1.
     CentreAbsolute(bool),
+    /// G93 (true), G94.
+    ByTime(bool),
     /// G92.
     Here,
     /// G92.1.
@@ -248,8 +250,8 @@ pub static WORDS: &[WordEntry] = &[
     g(921, BOTH, group::NON_MODAL, Meaning::HereClear, "clear the offsets of G92"),
     g(922, LINUXCNC, group::NON_MODAL, Meaning::HereOff, "suspend the offsets of G92"),
     g(923, LINUXCNC, group::NON_MODAL, Meaning::HereBack, "bring the offsets of G92 back"),
-    g(930, BOTH, group::FEED, Meaning::Later("F per minute, G94"), "inverse time feed"),
-    g(940, BOTH, group::FEED, Meaning::Nothing, "feed per minute"),
+    g(930, BOTH, group::FEED, Meaning::ByTime(true), "inverse time feed: F blocks per minute"),
+    g(940, BOTH, group::FEED, Meaning::ByTime(false), "feed per minute"),
     g(950, BOTH, group::FEED, Meaning::Later("F per minute, G94"), "feed per revolution"),
     g(960, BOTH, group::SPINDLE_MODE, Meaning::Later("S in 1/min, G97"), "constant surface speed"),
     g(970, BOTH, group::SPINDLE_MODE, Meaning::Nothing, "S in 1/min"),

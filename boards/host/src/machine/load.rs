@@ -652,7 +652,10 @@ fn thousandths(value: i64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glidepath::machine::{AccelerationUnit, MODE_LINEAR, MODE_MASTER, SynchTable};
+    use glidepath::machine::{
+        AccelerationUnit, Dialect, ForeignAxis, ForeignChannel, MODE_LINEAR, MODE_MASTER, SynchTable,
+        ToolLengths,
+    };
 
     #[test]
     fn the_default_file_is_the_built_in_machine() {
@@ -705,11 +708,11 @@ mod tests {
     #[test]
     fn every_parameter_is_read() {
         let dir = std::env::temp_dir().join(format!("glidepath-parameters-{}", std::process::id()));
-        let text = "[channel]\ndefault_index = 6\ncycle_us = 2000\nlook_ahead = 30\ncorr_v_trans_jerk = 1\nmode_implicite_sync_indp_asyn_axis = 1\nmode_exact_stop_indp_axis = 2\noverride_weight_prog_feed = 2\ncheck_jerk_on_poly_path = 2\nmerge_chords = 40\nhsc.bspline.auto_contour_mode = 2\n\
+        let text = "[channel]\ndialect = \"grbl\"\nblend_tolerance = 50\nblock_delete = 1\noptional_stop = 1\ndefault_index = 6\ncycle_us = 2000\nlook_ahead = 30\ncorr_v_trans_jerk = 1\nmode_implicite_sync_indp_asyn_axis = 1\nmode_exact_stop_indp_axis = 2\noverride_weight_prog_feed = 2\ncheck_jerk_on_poly_path = 2\nmerge_chords = 40\nhsc.bspline.auto_contour_mode = 2\n\
             [channel.prog_start]\nfeedrate_factor = 0.1\nslope = { profile = 1, acceleration = 2, ramp_time = 4 }\n\
             [channel.configuration.path_preparation]\nfunction = \"FCT_DEFAULT|FCT_PTP\"\n\
             [channel.vector]\nacceleration = 500.5\ndeceleration = 400\nvelocity = 1500\nacc_dec_unit = \"MM_S2\"\n\
-            cir_radial_acc_limit = 1\n[channel.m_synch]\n25 = \"MVS_SNS\"\n26 = 0x2\n3 = \"NO_SYNCH\"\n[channel.h_synch]\n7 = \"MNS_SNS\"\n[axis.X]\nvb_max_red = 83_333\n\
+            cir_radial_acc_limit = 1\n[channel.m_synch]\n25 = \"MVS_SNS\"\n26 = 0x2\n3 = \"NO_SYNCH\"\n[channel.h_synch]\n7 = \"MNS_SNS\"\n[channel.tool_length]\n5 = -52.125\n[axis.X]\nnp_grp.7.versch = 7\nnp_grp.8.versch = 8\nnp_grp.9.versch = 9\ng28 = 28\ng30 = -30\n\nvb_max_red = 83_333\n\
             default_feed_axis = 1\nkenngr.achs_mode = 0x1000_0001\nnp_grp.1.versch = 100_000\nnp_grp.2.versch = -2\n\
             np_grp.3.versch = 3\nnp_grp.4.versch = 4\nnp_grp.5.versch = 5\nnp_grp.6.versch = -1_000_000_000\n[axis.X.dynamik]\na_max = 4000\n\
             r_trans_weight = 30\ntr_w_min = 20_000\n[axis.X.lslope_profil]\na_grenz_stufe_1 = 1\na_grenz_stufe_2 = 2\n\
@@ -733,6 +736,7 @@ mod tests {
             achs_mode: MODE_LINEAR | MODE_MASTER,
             default_feed_axis: true,
             versch: [100_000, -2, 3, 4, 5, -1_000_000_000],
+            foreign: ForeignAxis { versch: [7, 8, 9], stored: [28, -30] },
             ..AxisData::new(name, AxisKind::Linear)
         };
         let channel = ChannelData {
@@ -760,7 +764,16 @@ mod tests {
             joins_named: true,
             exact_stop_indp: 2,
             default_index: 6,
+            foreign: ForeignChannel {
+                // Chosen when the program is there.
+                dialect: Dialect::Isg,
+                blend_tolerance_um: 50,
+                block_delete: true,
+                optional_stop: true,
+                tools: ToolLengths::NONE.with(5, -521_250),
+            },
         };
+        assert_eq!(machine.dialect, Choice::Grbl);
         let synch = [25, 26, 3, 4].map(|code| channel.m_synch.of(code));
         assert_eq!(synch, [Synch::MvsSns, Synch::MvsSvs, Synch::NoSynch, Synch::Mos]);
         assert_eq!((machine.axes, machine.channel), (vec![axis], channel));
