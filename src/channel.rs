@@ -76,11 +76,20 @@ struct Held {
     n: u32,
     function: Function,
     in_motion: bool,
+    /// The motion waits for it, whatever the machine data say.
+    #[cfg(feature = "dialects")]
+    pauses: bool,
 }
 
 impl Held {
     fn new(head: &Head, function: Function) -> Self {
-        Self { n: head.n, function, in_motion: head.in_motion }
+        Self {
+            n: head.n,
+            function,
+            in_motion: head.in_motion,
+            #[cfg(feature = "dialects")]
+            pauses: false,
+        }
     }
 }
 
@@ -436,6 +445,13 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
             }
             Command::Filter(..) => {}
             Command::Kinematics(_, Kinematics::Off) => {}
+            #[cfg(feature = "dialects")]
+            Command::Pause(head, code) => {
+                let held = Held { pauses: true, ..Held::new(head, Function::M(*code)) };
+                return Ok(self.output(held));
+            }
+            #[cfg(feature = "dialects")]
+            Command::Message(_) => {}
             _ => return refuse(command.name()),
         }
         Ok(Progress::Working)
@@ -554,7 +570,9 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
             Function::H(code) => setup.h_synch.of(code),
             Function::Spindle(_) | Function::Tool(_) => Synch::Mos,
         };
-        let Held { n, function, in_motion } = held;
+        #[cfg(feature = "dialects")]
+        let synch = if held.pauses { Synch::MnsSns } else { synch };
+        let Held { n, function, in_motion, .. } = held;
         if self.planning.output(n, function, synch, in_motion).is_err() {
             self.held = Some(held);
         }

@@ -1,12 +1,16 @@
 //! Machine data: what the ISG parameter lists call axis and channel parameters, in their units and under
 //! their names.
 
+#[cfg(feature = "dialects")]
+mod foreign;
 pub mod functions;
 pub mod parameter;
 mod planned;
 mod synch;
 mod travel;
 
+#[cfg(feature = "dialects")]
+pub use foreign::{Dialect, ForeignAxis, ForeignChannel, MORE_OFFSETS, TOOLS, ToolLengths};
 pub use planned::{Adjusted, SHORTEST_RAMP};
 pub use synch::{SYNCHRONISED, Synch, SynchTable};
 pub(crate) use travel::of_tenths;
@@ -137,6 +141,9 @@ pub struct AxisData {
     pub swe_pos: i32,
     /// The filter of its set points.
     pub filter: FilterData,
+    /// What programs of other dialects need beside it.
+    #[cfg(feature = "dialects")]
+    pub foreign: ForeignAxis,
 }
 
 /// Types of filters (P-AXIS-00586).
@@ -262,6 +269,8 @@ impl AxisData {
             swe_neg: -NO_LIMIT,
             swe_pos: NO_LIMIT,
             filter: FilterData::NONE,
+            #[cfg(feature = "dialects")]
+            foreign: ForeignAxis::NONE,
         }
     }
 
@@ -379,6 +388,9 @@ pub struct ChannelData {
     pub exact_stop_indp: u8,
     /// P-ZERO-00002 `default_index`: zero offset in force at program start: 0 G53 (none), 1…6 G54…G59.
     pub default_index: u8,
+    /// The dialect of programs, and what others than ISG's need.
+    #[cfg(feature = "dialects")]
+    pub foreign: ForeignChannel,
 }
 
 impl ChannelData {
@@ -408,6 +420,8 @@ impl ChannelData {
             joins_named: false,
             exact_stop_indp: 0,
             default_index: 0,
+            #[cfg(feature = "dialects")]
+            foreign: ForeignChannel::ISG,
         }
     }
 }

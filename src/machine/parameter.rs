@@ -300,6 +300,62 @@ pub const CHANNEL: &[Parameter<ChannelData>] = &[
     },
 ];
 
+/// Axis parameters of other dialects than ISG's, of the project's own.
+#[cfg(feature = "dialects")]
+pub const AXIS_FOREIGN: &[Parameter<AxisData>] = &[
+    Parameter {
+        set: |t, milli| t.foreign.versch[0] = (milli / 1000) as i32,
+        get: |t| t.foreign.versch[0] as i64 * 1000,
+        ..place("np_grp.7.versch")
+    },
+    Parameter {
+        set: |t, milli| t.foreign.versch[1] = (milli / 1000) as i32,
+        get: |t| t.foreign.versch[1] as i64 * 1000,
+        ..place("np_grp.8.versch")
+    },
+    Parameter {
+        set: |t, milli| t.foreign.versch[2] = (milli / 1000) as i32,
+        get: |t| t.foreign.versch[2] as i64 * 1000,
+        ..place("np_grp.9.versch")
+    },
+    Parameter {
+        set: |t, milli| t.foreign.stored[0] = (milli / 1000) as i32,
+        get: |t| t.foreign.stored[0] as i64 * 1000,
+        ..place("g28")
+    },
+    Parameter {
+        set: |t, milli| t.foreign.stored[1] = (milli / 1000) as i32,
+        get: |t| t.foreign.stored[1] as i64 * 1000,
+        ..place("g30")
+    },
+];
+
+/// A place of an axis.
+#[cfg(feature = "dialects")]
+const fn place(name: &'static str) -> Parameter<AxisData> {
+    plain("", name, "0.1 µm or 0.0001°", -ZERO_OFFSET_MAX * 1000, ZERO_OFFSET_MAX * 1000)
+}
+
+/// Channel parameters of other dialects than ISG's, of the project's own.
+#[cfg(feature = "dialects")]
+pub const CHANNEL_FOREIGN: &[Parameter<ChannelData>] = &[
+    Parameter {
+        set: |t, milli| t.foreign.blend_tolerance_um = (milli / 1000) as u32,
+        get: |t| t.foreign.blend_tolerance_um as i64 * 1000,
+        ..plain("", "blend_tolerance", "µm", 1000, 10_000_000)
+    },
+    Parameter {
+        set: |t, milli| t.foreign.block_delete = milli != 0,
+        get: |t| t.foreign.block_delete as i64 * 1000,
+        ..plain("", "block_delete", "0 no, 1 lines that begin with / are left out", 0, 1000)
+    },
+    Parameter {
+        set: |t, milli| t.foreign.optional_stop = milli != 0,
+        get: |t| t.foreign.optional_stop as i64 * 1000,
+        ..plain("", "optional_stop", "0 no, 1 M1 pauses", 0, 1000)
+    },
+];
+
 const VECTOR_UNIT: &str = "mm/min² or mm/s², by vector.acc_dec_unit";
 /// ISG leaves the largest path limits to the application: 2·10^9.
 const VECTOR_MAX_MILLI: i64 = 2_000_000_000_000;

@@ -41,6 +41,15 @@ pub(super) enum ItemKind {
     M(u16),
     H(u16),
     ProgramEnd(u16),
+    /// M0, M1, M6, M60 of other dialects.
+    #[cfg(feature = "dialects")]
+    Pause(u16),
+    /// The comment of the line.
+    #[cfg(feature = "dialects")]
+    Message,
+    /// G64 with its largest deviation.
+    #[cfg(feature = "dialects")]
+    Blend(Position),
 }
 
 /// An address and its value.
@@ -94,7 +103,7 @@ const WORD: u32 = 16;
 impl<const AXES: usize> Words<AXES> {
     /// No word yet.
     #[cfg_attr(feature = "fast", inline(always))]
-    const fn new() -> Self {
+    pub const fn new() -> Self {
         Self {
             axes: [None; AXES],
             first: None,

@@ -1,4 +1,6 @@
 //! What the decoder hands to the next stage: one typed command at a time.
+#[cfg(feature = "dialects")]
+use super::dialect::ForeignSetup;
 use super::function::*;
 use crate::machine::{AxisKind, AxisName, MachineData, SynchTable, ZERO_OFFSETS, of_tenths};
 use crate::quantity::{Feed, Position};
@@ -45,6 +47,9 @@ pub struct Setup<const AXES: usize> {
     pub m_synch: SynchTable,
     /// P-CHAN-00027: the same of H functions.
     pub h_synch: SynchTable,
+    /// What programs of other dialects need.
+    #[cfg(feature = "dialects")]
+    pub foreign: ForeignSetup<AXES>,
 }
 
 impl<const AXES: usize> Setup<AXES> {
@@ -59,6 +64,8 @@ impl<const AXES: usize> Setup<AXES> {
         default_index: 0,
         m_synch: SynchTable::BLANK,
         h_synch: SynchTable::BLANK,
+        #[cfg(feature = "dialects")]
+        foreign: ForeignSetup::ISG,
     };
 
     /// The set-up of a machine standing at `start`.
@@ -79,6 +86,8 @@ impl<const AXES: usize> Setup<AXES> {
             default_index: machine.channel.default_index,
             m_synch: machine.channel.m_synch,
             h_synch: machine.channel.h_synch,
+            #[cfg(feature = "dialects")]
+            foreign: ForeignSetup::new(machine),
         }
     }
 }
@@ -218,6 +227,13 @@ pub enum Command<const AXES: usize> {
     WaitIndependent(Head, u32),
     /// M02, M30.
     ProgramEnd(Head, u16),
+    /// M0, M1, M6 and M60 of other dialects: the motion stands still, and goes on when this M function is
+    /// acknowledged.
+    #[cfg(feature = "dialects")]
+    Pause(Head, u16),
+    /// A comment for the operator, `(MSG, text)`: the place is that of the text.
+    #[cfg(feature = "dialects")]
+    Message(Head),
 }
 
 impl<const AXES: usize> Command<AXES> {
@@ -253,6 +269,8 @@ impl<const AXES: usize> Command<AXES> {
             | Self::Independent(h, _)
             | Self::WaitIndependent(h, _)
             | Self::ProgramEnd(h, _) => Some(h),
+            #[cfg(feature = "dialects")]
+            Self::Pause(h, _) | Self::Message(h) => Some(h),
         }
     }
 
@@ -330,6 +348,10 @@ impl<const AXES: usize> Command<AXES> {
             Self::Independent(..) => "independent axis [INDP_…]",
             Self::WaitIndependent(..) => "#WAIT INDP",
             Self::ProgramEnd(..) => "program end",
+            #[cfg(feature = "dialects")]
+            Self::Pause(..) => "pause",
+            #[cfg(feature = "dialects")]
+            Self::Message(_) => "message",
         }
     }
 }

@@ -95,17 +95,19 @@ impl<const AXES: usize> Interpreter<AXES> {
     pub fn offset(&self, axis: usize) -> Position {
         let set = self.modal.zero_set.and_then(|set| self.setup.zero_offsets.get(set));
         let zero = set.and_then(|set| set.get(axis)).copied().unwrap_or(Position::ZERO);
+        #[cfg(feature = "dialects")]
+        let zero = zero.wrapping_add(self.more_offset(axis));
         // Two coordinates: far from the end of the numbers.
         zero.wrapping_add(self.modal.shift.get(axis).copied().unwrap_or(Position::ZERO))
     }
 
     /// The value of an axis word in the axis' unit.
-    fn axis_value(&self, axis: usize, given: Given) -> Result<Position, Fault> {
+    pub fn axis_value(&self, axis: usize, given: Given) -> Result<Position, Fault> {
         let value = given.number.fixed(self.axis_factor(axis)).filter(|v| in_range(*v));
         value.ok_or(Fault { span: given.span, kind: self.coordinate_of(axis) })
     }
 
-    fn coordinate_of(&self, axis: usize) -> NcErrorKind {
+    pub fn coordinate_of(&self, axis: usize) -> NcErrorKind {
         let linear = self.setup.kinds.get(axis) == Some(&AxisKind::Linear);
         coordinate("coordinate", if linear { "mm" } else { "deg" })
     }
@@ -188,7 +190,7 @@ impl<const AXES: usize> Interpreter<AXES> {
 
 impl<const AXES: usize> Interpreter<AXES> {
     /// G00…G03 with the axis words of the block.
-    fn motion_of(&mut self, w: &mut Words<AXES>, line: &Line) -> Result<(), Fault> {
+    pub fn motion_of(&mut self, w: &mut Words<AXES>, line: &Line) -> Result<(), Fault> {
         let mode = self.modal.mode;
         let arc = matches!(mode, Mode::Clockwise | Mode::Counterclockwise);
         let centre = w.centre.iter().flatten().next().copied();

@@ -87,7 +87,13 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
         let DecoderMemory { line, interpreter } = memory;
         line.clear();
         interpreter.begin(&setup);
-        Self { reader: LineReader::new(text), line, interpreter, refused: false }
+        #[cfg_attr(not(feature = "dialects"), expect(unused_mut, reason = "only dialects change it"))]
+        let mut reader = LineReader::new(text);
+        #[cfg(feature = "dialects")]
+        {
+            reader.foreign.is_on = !interpreter.is_isg();
+        }
+        Self { reader, line, interpreter, refused: false }
     }
 
     /// The same for a machine that stands at `start`.
@@ -124,6 +130,11 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
         }
         let is_motion = match self.interpreter.front() {
             Some(item) => matches!(item.kind, ItemKind::Motion),
+            #[cfg(feature = "dialects")]
+            None if self.interpreter.foreign.is_under_way() => {
+                self.interpreter.foreign_part(self.line);
+                return Ok(Step::Working);
+            }
             None if self.interpreter.phase == Phase::Ended => return Ok(Step::End),
             None => match self.work() {
                 Ok(Work::Line) => return Ok(Step::Working),
@@ -276,6 +287,10 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
     /// Whether the lines read so far are understood to their ends, and all their commands are handed out.
     pub(crate) fn is_between_lines(&self) -> bool {
         let Interpreter { queue, gathered, calculator, .. } = &self.interpreter;
+        #[cfg(feature = "dialects")]
+        if !self.refused && self.interpreter.foreign.is_under_way() {
+            return false;
+        }
         self.refused || queue.is_empty() && !gathered.is_single() && !calculator.is_halted()
     }
 
@@ -289,6 +304,10 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
             Fill::Line => {
                 let bounds = Bounds { start: self.reader.line_start(), next: self.reader.next_start() };
                 self.interpreter.line(self.line, bounds, goes_on)
+            }
+            #[cfg(feature = "dialects")]
+            Fill::End if !self.interpreter.is_isg() => {
+                Ok(self.interpreter.end_of_foreign_text(self.reader.here()))
             }
             Fill::End => match self.interpreter.phase {
                 Phase::Running => self.interpreter.end_of_program(),
@@ -338,6 +357,10 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
         let fill = self.reader.fill(self.line)?;
         let bytes = self.reader.next_start().offset.wrapping_sub(from);
         self.interpreter.calculator.charge(LINE + bytes / BYTES);
+        #[cfg(feature = "dialects")]
+        if fill == Fill::Line {
+            self.interpreter.foreign.note = self.reader.foreign.take();
+        }
         if let (Fill::Line, Some(place)) = (fill, self.reader.unclosed()) {
             self.interpreter.warn_at(place, NcWarningKind::UnclosedComment);
         }
@@ -390,6 +413,8 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
     fn command_of(&mut self, item: Item) -> Option<Command<AXES>> {
         let i = &mut *self.interpreter;
         let head = Head { n: i.n, place: self.line.place(item.span), in_motion: i.moves };
+        #[cfg(feature = "dialects")]
+        let head = Head { in_motion: head.in_motion && i.is_isg(), ..head };
         let contour = |switch| Command::Contour(head, Contour { switch: Some(switch), ..Contour::default() });
         Some(match item.kind {
             ItemKind::Motion => Command::Motion(i.gathered.motion()?),
@@ -401,6 +426,16 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
             ItemKind::ToolOffset(number) => Command::ToolOffset(head, number),
             ItemKind::EndFeed => Command::EndFeed(head),
             ItemKind::ProgramEnd(code) => Command::ProgramEnd(head, code),
+            #[cfg(feature = "dialects")]
+            ItemKind::Pause(code) => Command::Pause(head, code),
+            #[cfg(feature = "dialects")]
+            ItemKind::Message => Command::Message(Head { place: i.foreign.message, ..head }),
+            #[cfg(feature = "dialects")]
+            ItemKind::Blend(deviation) => {
+                let (switch, method) = (Some(ContourSwitch::On), Some(ContourMethod::Dev));
+                let path_dev = Some(deviation);
+                Command::Contour(head, Contour { switch, method, path_dev, ..Contour::default() })
+            }
             ItemKind::WeightAll(kind, percent) => {
                 Command::Weight(head, Weight { kind, percent: [Some(percent); AXES] })
             }

@@ -164,6 +164,23 @@ pub enum NcErrorKind {
     Missing(&'static str),
     /// `*nn` at the end of a numbered line: a checksum of serial transmission.
     Checksum,
+    /// Known to the dialect of the program, and not built: what it is, and what to write.
+    #[cfg(feature = "dialects")]
+    Known {
+        /// What it is.
+        what: &'static str,
+        /// What is expected instead.
+        hint: &'static str,
+    },
+    /// A G or M word that this dialect does not have.
+    #[cfg(feature = "dialects")]
+    UnknownCode(&'static str),
+    /// A value that no word of the block uses.
+    #[cfg(feature = "dialects")]
+    Unused,
+    /// A tool without a length in the machine data.
+    #[cfg(feature = "dialects")]
+    NoTool,
 }
 
 impl NcErrorKind {
@@ -304,6 +321,19 @@ impl fmt::Display for NcError {
                 "\"{found}\" at the end of a numbered line is a checksum: expected a line without one, or brackets around arithmetic"
             ),
             K::Missing(what) => write!(f, "missing in \"{found}\": expected {what}"),
+            #[cfg(feature = "dialects")]
+            K::Known { what, hint } => {
+                write!(f, "{what} \"{found}\" is known, not available in this version; expected {hint}")
+            }
+            #[cfg(feature = "dialects")]
+            K::UnknownCode(dialect) => write!(
+                f,
+                "unknown word \"{found}\": expected a word of the dialect {dialect} (`glidepath words {dialect}`)"
+            ),
+            #[cfg(feature = "dialects")]
+            K::Unused => write!(f, "no word of this block uses \"{found}\": expected a word that does"),
+            #[cfg(feature = "dialects")]
+            K::NoTool => write!(f, "\"{found}\" has no length: expected it in the machine data, tool_length"),
         }
     }
 }
@@ -366,6 +396,30 @@ pub enum NcWarningKind {
     HeadEnds,
     /// SHORT of a linear axis is of no effect.
     ShortLinear,
+    /// G64 without P: how far the motion may leave the path, µm.
+    #[cfg(feature = "dialects")]
+    BlendTolerance(u32),
+    /// Q of G64.
+    #[cfg(feature = "dialects")]
+    NoMerging,
+    /// `/` in a program of Grbl, which carries the block out.
+    #[cfg(feature = "dialects")]
+    BlockSkip,
+    /// G4 of more than a minute.
+    #[cfg(feature = "dialects")]
+    LongDwell,
+    /// F beside G20 or G21 that changes the unit.
+    #[cfg(feature = "dialects")]
+    FeedBeforeUnit,
+    /// A program of LinuxCNC without M2, M30 or %.
+    #[cfg(feature = "dialects")]
+    NoProgramEnd,
+    /// A comment that LinuxCNC carries out.
+    #[cfg(feature = "dialects")]
+    ActiveComment,
+    /// G43 on a machine without tool lengths.
+    #[cfg(feature = "dialects")]
+    NoToolTable,
 }
 
 impl NcWarningKind {
@@ -452,6 +506,32 @@ impl fmt::Display for NcWarning {
             }
             NcWarningKind::MotionLimited => {
                 "the dynamics of the axis do not allow this TIME: the motion takes longer"
+            }
+            #[cfg(feature = "dialects")]
+            NcWarningKind::BlendTolerance(um) => {
+                return write!(
+                    f,
+                    "G64 without P: corners are rounded by {} mm at most (blend_tolerance); expected P for another value",
+                    f64::from(um) / 1000.0
+                );
+            }
+            #[cfg(feature = "dialects")]
+            NcWarningKind::NoMerging => "Q of G64 merges no lines here: the motion is nearer to the path",
+            #[cfg(feature = "dialects")]
+            NcWarningKind::BlockSkip => "Grbl carries out a block with / before it, and so does this version",
+            #[cfg(feature = "dialects")]
+            NcWarningKind::LongDwell => "a dwell of more than a minute: P of G4 is in seconds, not milliseconds",
+            #[cfg(feature = "dialects")]
+            NcWarningKind::FeedBeforeUnit => {
+                "F beside a change of the unit: LinuxCNC takes F in the unit before; expected F in the next block"
+            }
+            #[cfg(feature = "dialects")]
+            NcWarningKind::NoProgramEnd => "the text ends without M2, M30 or %: what is in force stays",
+            #[cfg(feature = "dialects")]
+            NcWarningKind::ActiveComment => "this comment is carried out by LinuxCNC, not by this version",
+            #[cfg(feature = "dialects")]
+            NcWarningKind::NoToolTable => {
+                "the machine data have no tool lengths: the length is 0; expected tool_length in the machine data"
             }
             NcWarningKind::EndInSubroutine => "program end inside a subroutine ends the whole program",
         })

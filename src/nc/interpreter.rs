@@ -3,6 +3,8 @@
 use super::block::{Item, Items, Waiting, checksum_of};
 use super::calculator::Calculator;
 use super::cursor::Cursor;
+#[cfg(feature = "dialects")]
+use super::dialect::Foreign;
 use super::expression::expression;
 use super::flow::{Ending, Flow, Frame, Passing, Subroutine, hash};
 use super::line::{Line, Mark};
@@ -87,6 +89,9 @@ pub(super) struct Interpreter<const AXES: usize> {
     pub headless: bool,
     /// Lines carried out since the last command.
     pub quiet: u32,
+    /// What only programs of other dialects have.
+    #[cfg(feature = "dialects")]
+    pub foreign: Foreign<AXES>,
 }
 
 /// What was gathered of the line at hand: never two of them. Cells, so that nothing is all bits zero.
@@ -165,6 +170,8 @@ impl<const AXES: usize> Interpreter<AXES> {
             computed: None,
             headless: false,
             quiet: 0,
+            #[cfg(feature = "dialects")]
+            foreign: Foreign::BLANK,
         }
     }
 
@@ -186,6 +193,8 @@ impl<const AXES: usize> Interpreter<AXES> {
         *values = [None; AXES];
         warnings.clear();
         (self.computed, self.headless) = (None, false);
+        #[cfg(feature = "dialects")]
+        self.begin_foreign();
     }
 
     /// All axes stand there, and programs go on from there.
@@ -226,12 +235,18 @@ impl<const AXES: usize> Interpreter<AXES> {
     /// Interprets one line, or goes on with it: [`Calculator::is_halted`] then tells whether the refusal is
     /// none.
     pub fn line(&mut self, line: &Line, bounds: Bounds, goes_on: bool) -> Result<Next, Refusal> {
+        #[cfg(feature = "dialects")]
+        let goes_on = goes_on || !self.takes_plain();
         if !goes_on
             && self.phase == Phase::Running
             && self.flow.passing == Passing::No
             && self.plain_block(line).is_some()
         {
             return Ok(Next::Motion);
+        }
+        #[cfg(feature = "dialects")]
+        if !self.is_isg() {
+            return self.foreign_line(line, bounds);
         }
         let mut c = Cursor::new(line.bytes());
         if self.gathered.waits() {

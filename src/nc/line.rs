@@ -2,7 +2,12 @@
 //!
 //! A line ends with LF, CR LF or CR alone. It closes the comments in it, as ISG does; a comment left open is
 //! worth a warning, because what was meant to follow it in the line is gone.
+#[cfg(feature = "dialects")]
+mod comment;
 mod skip;
+
+#[cfg(feature = "dialects")]
+pub(super) use comment::ForeignComments;
 
 use super::{NcError, NcErrorKind, Place, Span, Text, TextError};
 use crate::machine::functions;
@@ -183,6 +188,9 @@ pub(super) struct LineReader<T> {
     refused: bool,
     /// What is left of such a line is passed over.
     skips: bool,
+    /// Comments as LinuxCNC and Grbl have them.
+    #[cfg(feature = "dialects")]
+    pub foreign: ForeignComments,
 }
 
 /// What is known of the logical line at hand.
@@ -233,6 +241,8 @@ impl<T: Text> LineReader<T> {
             logical: Logical::NONE,
             refused: false,
             skips: false,
+            #[cfg(feature = "dialects")]
+            foreign: ForeignComments::ISG,
         }
     }
 
@@ -277,6 +287,8 @@ impl<T: Text> LineReader<T> {
         self.logical.gap = 0;
         self.logical.broken = false;
         self.logical.in_words = false;
+        #[cfg(feature = "dialects")]
+        self.foreign.clear();
     }
 
     /// The end of a line in the text, of which the first byte was read at `here`. Whether the logical line ends too.
@@ -434,6 +446,10 @@ impl<T: Text> LineReader<T> {
 
     /// Follows comments and continuations; true for a byte that is not part of the line.
     fn dropped(&mut self, byte: u8, here: Place) -> bool {
+        #[cfg(feature = "dialects")]
+        if self.foreign.is_on {
+            return self.foreign_dropped(byte, here);
+        }
         match byte {
             _ if self.logical.remark => true,
             b'(' => {

@@ -4,7 +4,8 @@
 //!  Text → line ─logical lines→ interpreter ┬ flow, control   $ statements, calls, jumps
 //!                                          ├ plain           lines of N, G00, G01, F and axes alone, at once
 //!                                          ├ block           words: G, axes, F, M …, and the motion they make
-//!                                          └ hash, keyword   # commands and axis[…] with their keywords
+//!                                          ├ hash, keyword   # commands and axis[…] with their keywords
+//!                                          └ dialect         lines of programs of Grbl and LinuxCNC
 //! ```
 //!
 //! Numbers are decimals as long as nothing is calculated ([`Motion`] targets are the decimal rounded once, to
@@ -18,6 +19,8 @@ mod compose;
 mod control;
 mod cursor;
 mod decoder;
+#[cfg(feature = "dialects")]
+mod dialect;
 mod error;
 mod expression;
 mod flow;
@@ -39,6 +42,8 @@ mod text;
 pub use command::*;
 pub(crate) use decoder::Restriction;
 pub use decoder::{Decoder, DecoderMemory, Step};
+#[cfg(feature = "dialects")]
+pub use dialect::{ADDRESSES, ForeignSetup, WORDS, WordEntry};
 use error::{Fault, Span};
 pub use error::{NcError, NcErrorKind, NcWarning, NcWarningKind};
 pub use expression::EXPRESSION_DEPTH;

@@ -45,7 +45,7 @@ impl Letters {
         Self(letters)
     }
 
-    fn axis(&self, letter: u8) -> Option<usize> {
+    pub fn axis(&self, letter: u8) -> Option<usize> {
         let axis = self.0.get(usize::from(letter.wrapping_sub(b'A')))?;
         (*axis != u8::MAX).then_some(usize::from(*axis))
     }
@@ -162,8 +162,12 @@ impl<const AXES: usize> Interpreter<AXES> {
         Some(())
     }
 
-    /// Factor from F to mm/min (°/min): P-CHAN-00108.
+    /// Factor from F to mm/min (°/min): P-CHAN-00108; in other dialects that of lengths.
     pub fn feed_factor(&self) -> Factor {
+        #[cfg(feature = "dialects")]
+        if !self.is_isg() {
+            return self.length_factor();
+        }
         Factor::new(100_000, self.setup.feedrate_factor_milli.max(1))
     }
 }

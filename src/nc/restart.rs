@@ -3,6 +3,8 @@ use super::NcErrorKind;
 use super::flow::Passing;
 use super::interpreter::{Gathered, Interpreter, Next, Phase};
 use super::line::Mark;
+#[cfg(feature = "dialects")]
+use super::modal::Mode;
 use super::modal::{Before, Modal};
 
 impl<const AXES: usize> Interpreter<AXES> {
@@ -12,7 +14,14 @@ impl<const AXES: usize> Interpreter<AXES> {
         self.flow.clear();
         if !keeps {
             self.calculator.parameters.clear();
+            #[cfg(feature = "dialects")]
+            let kept = self.modal;
             self.modal = Modal::new(self.setup.default_index);
+            #[cfg(feature = "dialects")]
+            if !self.is_isg() {
+                self.modal = kept;
+                self.begin_program(Mode::Rapid);
+            }
         }
         self.before = Before::Alike;
         self.n = 0;
@@ -22,6 +31,8 @@ impl<const AXES: usize> Interpreter<AXES> {
     /// The line at hand is refused: what was in force before it is in force again. P parameters keep what was
     /// assigned to them.
     pub fn refuse(&mut self) {
+        #[cfg(feature = "dialects")]
+        self.refuse_foreign();
         match core::mem::replace(&mut self.before, Before::Alike) {
             Before::Alike => {}
             Before::Feed(mode, feed) => (self.modal.mode, self.modal.feed) = (mode, feed),

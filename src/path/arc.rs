@@ -67,7 +67,11 @@ pub(crate) fn arc_to<const AXES: usize>(
     }
     let mut travel = [0; AXES];
     let points = points(start, target, centre, axes, &mut travel)?;
-    let lengths = lengths(points)?;
+    let lengths = lengths(
+        points,
+        #[cfg(feature = "dialects")]
+        measure,
+    )?;
     let ends = Ends::new(points, lengths);
     let swept = ends.swept(clockwise);
     let angle = mul_shift(swept, TWO_PI, 60);
@@ -193,16 +197,32 @@ fn points<const AXES: usize>(
 
 /// How far both are from the centre, LSB 2^-44 mm.
 #[cfg_attr(feature = "fast", inline(always))]
-fn lengths(points: [[i64; 2]; 2]) -> Result<[i64; 2], PathError> {
+fn lengths(
+    points: [[i64; 2]; 2],
+    #[cfg(feature = "dialects")] measure: &Measure,
+) -> Result<[i64; 2], PathError> {
     let [len0, len1] = points.map(plane_hypot);
     if len0 == 0 || len1 == 0 {
         return Err(PathError::NoRadius);
     }
     let difference = (len1 - len0).abs();
+    #[cfg(feature = "dialects")]
+    if measure.is_tolerant() && is_tolerable(difference, len0.min(len1)) {
+        return Ok([len0, len1]);
+    }
     if difference > DIFFERENCE && difference > LARGEST_DIFFERENCE.min(len0 >> 10) {
         return Err(PathError::RadiusDiffers { start: len0 >> FINER, end: len1 >> FINER });
     }
     Ok([len0, len1])
+}
+
+/// Whether LinuxCNC and Grbl take radii that differ so much: 5 µm, and 0.1 % of the radius up to 0.5 mm. Where 5 µm
+/// are more than a quarter of the radius, the path would be no arc.
+#[cfg(feature = "dialects")]
+fn is_tolerable(difference: i64, radius: i64) -> bool {
+    const ALWAYS: i64 = 21_474_836 << FINER;
+    const NEVER: i64 = (1 << 31) << FINER;
+    difference <= ALWAYS.min(radius >> 2) || difference <= NEVER.min(radius / 1000)
 }
 
 impl Ends {

@@ -18,6 +18,8 @@
 //!   counts along: PATH_DEV, RELEVANT_PATH, points left out of straight lines. **Corner distances are path**:
 //!   PRE_DIST, POST_DIST, PATH_DIST ("on the feed axes' path"), SYM_DIST, shares of blocks.
 use super::{FINER, travelled};
+#[cfg(feature = "dialects")]
+use crate::machine::Dialect;
 use crate::machine::{AxisData, MODE_MASTER, MachineData};
 use crate::math::root::sqrt_f32;
 
@@ -72,6 +74,9 @@ pub struct Measure {
     /// The feed axes where they are others, bit k for axis k.
     feed: Option<u32>,
     master: Option<usize>,
+    /// Radii of an arc may differ as much as LinuxCNC and Grbl permit.
+    #[cfg(feature = "dialects")]
+    tolerant: bool,
 }
 
 /// More axes have no bit.
@@ -98,7 +103,13 @@ impl Measure {
         };
         let only = feed.count_ones() == 1 && feed & bits(marked) != 0;
         let master = only.then_some(feed.trailing_zeros() as usize);
-        Self { main: Main::new(main), feed: (feed != space).then_some(feed), master }
+        Self {
+            main: Main::new(main),
+            feed: (feed != space).then_some(feed),
+            master,
+            #[cfg(feature = "dialects")]
+            tolerant: false,
+        }
     }
 
     /// By what the paths of a machine are measured.
@@ -106,11 +117,20 @@ impl Measure {
         let named = |wanted: fn(&AxisData) -> bool| {
             machine.axes.iter().enumerate().filter(move |(_, axis)| wanted(axis)).map(|(k, _)| k)
         };
-        Self::new(
+        let measure = Self::new(
             machine.main_axes(),
             named(|axis| axis.default_feed_axis),
             named(|axis| axis.achs_mode & MODE_MASTER != 0),
-        )
+        );
+        #[cfg(feature = "dialects")]
+        let measure = Self { tolerant: machine.channel.foreign.dialect != Dialect::Isg, ..measure };
+        measure
+    }
+
+    /// Whether the radii of an arc may differ as much as LinuxCNC and Grbl permit.
+    #[cfg(feature = "dialects")]
+    pub fn is_tolerant(&self) -> bool {
+        self.tolerant
     }
 
     /// Whether the main axes are the feed axes.

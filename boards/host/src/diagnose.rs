@@ -58,6 +58,7 @@ impl Source {
 enum Severity {
     Error,
     Warning,
+    Note,
 }
 
 struct Shown {
@@ -89,6 +90,11 @@ impl Diagnostic {
     /// Something worth knowing.
     pub fn warning(message: impl Into<String>) -> Self {
         Self::new(Severity::Warning, message.into())
+    }
+
+    /// What a program has to say.
+    pub fn note(message: impl Into<String>) -> Self {
+        Self::new(Severity::Note, message.into())
     }
 
     fn new(severity: Severity, message: String) -> Self {
@@ -133,6 +139,7 @@ impl Diagnostic {
         let (word, colour) = match self.severity {
             Severity::Error => ("error", AnsiColor::Red),
             Severity::Warning => ("warning", AnsiColor::Yellow),
+            Severity::Note => ("note", AnsiColor::Green),
         };
         let (head, strong, rule) =
             (colour.on_default().bold(), Style::new().bold(), AnsiColor::Blue.on_default().bold());

@@ -10,6 +10,7 @@ mod course;
 mod decimal;
 mod deviation;
 mod diagnose;
+mod dialect;
 mod driven;
 mod events;
 mod files;
@@ -54,6 +55,12 @@ enum Command {
     Run(Run),
     /// Run a program without output: tells what `run` would refuse, and nothing else.
     Check(Input),
+    /// List the G and M words of a dialect; without one, those of LinuxCNC and Grbl.
+    Words {
+        /// The dialect.
+        #[arg(value_enum)]
+        dialect: Option<dialect::Choice>,
+    },
 }
 
 #[derive(clap::Args)]
@@ -69,6 +76,9 @@ struct Input {
     /// Blocks of look-ahead, in place of P-STUP-00071 (P-CHAN-00653).
     #[arg(long, value_name = "N")]
     look_ahead: Option<u32>,
+    /// The language of the program, in place of that of the machine data.
+    #[arg(long, value_enum, ignore_case = true)]
+    dialect: Option<dialect::Choice>,
     /// Commands (motions, functions, switches) after which a program is taken for endless.
     #[arg(long, value_name = "N", default_value_t = 1_000_000)]
     max_commands: u64,
@@ -116,6 +126,7 @@ fn main() -> ExitCode {
     let done = match Arguments::parse().command {
         Command::Run(arguments) => run(&arguments),
         Command::Check(input) => check(&input),
+        Command::Words { dialect } => say(&dialect::list(dialect)),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,
@@ -131,20 +142,25 @@ fn main() -> ExitCode {
 /// What stops a run, at least one.
 type Refusal = Vec<Diagnostic>;
 
-fn load(input: &Input) -> Result<Machine, Refusal> {
+fn load(input: &Input, files: &Files) -> Result<Machine, Refusal> {
     let overrides = Overrides { slope: input.slope.map(|slope| slope as u8), look_ahead: input.look_ahead };
-    if let Some(path) = &input.machine {
-        return machine::load(path, &overrides);
-    }
-    let mut machine = Machine::built_in();
-    overrides.apply(&mut machine.channel)?;
+    let mut machine = match &input.machine {
+        Some(path) => machine::load(path, &overrides)?,
+        None => {
+            let mut machine = Machine::built_in();
+            overrides.apply(&mut machine.channel)?;
+            machine
+        }
+    };
+    let choice = input.dialect.unwrap_or(machine.dialect);
+    machine.channel.foreign.dialect = dialect::choose(choice, &files.main)?;
     Ok(machine)
 }
 
 fn run(arguments: &Run) -> Result<(), Refusal> {
     let input = &arguments.input;
     let files = Files::read(&input.program)?;
-    let mut machine = load(input)?;
+    let mut machine = load(input, &files)?;
     let script = arguments.events.as_deref().map(Script::read).transpose()?;
     let mut program = decode(&files, &machine, input.max_commands)?;
     let outputs = [&arguments.trace, &arguments.summary, &arguments.contour];
@@ -194,8 +210,8 @@ fn run(arguments: &Run) -> Result<(), Refusal> {
         };
         outputs.write(&target.path, &plot::draw(target.format, &files.main, &scene))?;
     }
-    for warning in &program.warnings {
-        warning.print();
+    for told in program.messages.iter().chain(&program.warnings) {
+        told.print();
     }
     let text = summary.to_text();
     if outputs.on_stdout() {
@@ -225,12 +241,12 @@ fn decode(files: &Files, machine: &Machine, max_commands: u64) -> Result<program
 /// The program runs as in [`run`], with no output: what that refuses is refused here.
 fn check(input: &Input) -> Result<(), Refusal> {
     let files = Files::read(&input.program)?;
-    let machine = load(input)?;
+    let machine = load(input, &files)?;
     let mut program = decode(&files, &machine, input.max_commands)?;
     let (result, _) = run::simulate(&files, &machine, &program, Wanted::default())?;
     program.warnings.extend(result.remarks.iter().map(|warning| program::remark(&files, warning)));
-    for warning in machine.warnings.iter().chain(&program.warnings) {
-        warning.print();
+    for told in program.messages.iter().chain(&machine.warnings).chain(&program.warnings) {
+        told.print();
     }
     say(&format!("{}: {}\n", files.main.name, program.describe()))?;
     let excess = result.monitor.errors(&machine);

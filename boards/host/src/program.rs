@@ -112,6 +112,8 @@ pub struct Program {
     pub motions: usize,
     /// Remarks of the decoder.
     pub warnings: Vec<Diagnostic>,
+    /// What the program tells the operator.
+    pub messages: Vec<Diagnostic>,
     /// What each axis may do with the largest weights under which the program moves.
     pub limits: Vec<Limits>,
     /// What each axis may do in each of its motions beside the path, in their order.
@@ -213,6 +215,15 @@ fn decode_axes<const AXES: usize>(
                 });
             }
             Step::Command(Command::FlushWait(_)) => program.stop(),
+            Step::Command(Command::Message(head)) => {
+                let text = files.with(head.place.file, |source| {
+                    let from = head.place.offset as usize;
+                    let text = source.text.get(from..from + usize::from(head.place.length));
+                    String::from_utf8_lossy(text.unwrap_or_default()).trim().to_owned()
+                });
+                program.messages.push(Diagnostic::note(format!("line {}: {text}", head.place.line)));
+            }
+            Step::Command(Command::Pause(..)) => program.stop(),
             Step::Command(Command::Spline(..)) => program.through_points = true,
             Step::Command(Command::Hsc(_, hsc)) => {
                 program.through_points = true;
@@ -319,6 +330,7 @@ impl Program {
             segments: Vec::new(),
             motions: 0,
             warnings: Vec::new(),
+            messages: Vec::new(),
             limits: Vec::new(),
             limits_beside: vec![Vec::new(); machine.axes.len()],
             through_points: false,

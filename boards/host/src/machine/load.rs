@@ -1,10 +1,13 @@
 //! The loader: walks the tables of the file along the parameter tables of the crate.
 use super::{MAX_AXES, Machine, later};
 use crate::diagnose::{Diagnostic, Source, nearest};
+use crate::dialect::Choice;
 use crate::run::BLOCKS;
 use glidepath::channel::MachineError;
-use glidepath::machine::parameter::{AXIS, CHANNEL, Parameter, check_axis, check_given_stages};
-use glidepath::machine::{Adjusted, AxisData, AxisKind, AxisName, ChannelData, SYNCHRONISED, Synch};
+use glidepath::machine::parameter::{
+    AXIS, AXIS_FOREIGN, CHANNEL, CHANNEL_FOREIGN, Parameter, check_axis, check_given_stages,
+};
+use glidepath::machine::{Adjusted, AxisData, AxisKind, AxisName, ChannelData, SYNCHRONISED, Synch, TOOLS};
 use std::ops::Range;
 use std::path::Path;
 use toml::Spanned;
@@ -121,6 +124,18 @@ pub fn load(path: &Path, overrides: &Overrides) -> Result<Machine, Vec<Diagnosti
     }
 }
 
+/// Longest tool, µm.
+const LONGEST_TOOL_UM: i128 = 10_000_000;
+
+/// The table of the two that has the parameter; the first one where neither has.
+fn table_of<Target>(
+    name: &str,
+    isg: &'static [Parameter<Target>],
+    foreign: &'static [Parameter<Target>],
+) -> &'static [Parameter<Target>] {
+    if foreign.iter().any(|parameter| parameter.name == name) { foreign } else { isg }
+}
+
 /// A value of the file with its dotted name inside its table.
 struct Entry<'a> {
     name: String,
@@ -149,6 +164,7 @@ impl Loader<'_> {
             channel: ChannelData::new(),
             name: String::new(),
             warnings: Vec::new(),
+            dialect: Choice::Auto,
         };
         let document = match DeTable::parse(text) {
             Ok(document) => document,
@@ -166,9 +182,11 @@ impl Loader<'_> {
                     flatten(table, "", &mut entries);
                     for entry in &entries {
                         let is_set = self.synch(entry, &mut machine.channel)
+                            || self.dialect(entry, &mut machine)
                             || self.enable(entry, &entries, &mut machine.channel);
                         if !is_set {
-                            self.set("channel", entry, CHANNEL, later::CHANNEL, &mut machine.channel);
+                            let known = table_of(&entry.name, CHANNEL, CHANNEL_FOREIGN);
+                            self.set("channel", entry, known, later::CHANNEL, &mut machine.channel);
                         }
                     }
                 }
@@ -246,7 +264,8 @@ impl Loader<'_> {
             if entry.name == "type" {
                 self.kind(entry, &mut axis);
             } else {
-                self.set(&table_name, entry, AXIS, later::AXIS, &mut axis);
+                let known = table_of(&entry.name, AXIS, AXIS_FOREIGN);
+                self.set(&table_name, entry, known, later::AXIS, &mut axis);
             }
         }
         if axis.kind != AxisKind::Spindle && name.is_reserved() {
@@ -337,6 +356,47 @@ impl Loader<'_> {
             }
             Ok(value) => (parameter.set)(target, value as i64),
         }
+    }
+
+    /// `dialect`, or a length of `tool_length`; `false` if the name is another.
+    fn dialect(&mut self, entry: &Entry<'_>, machine: &mut Machine) -> bool {
+        let (span, value) = (entry.value.span(), entry.value.get_ref());
+        let text = self.text(&span).to_owned();
+        if entry.name == "dialect" {
+            let names = Choice::ALL.map(|(name, _)| name);
+            match Choice::ALL.into_iter().find(|(name, _)| value.as_str() == Some(name)) {
+                Some((_, choice)) => machine.dialect = choice,
+                None => {
+                    let meant = value.as_str().and_then(|word| nearest(word, names));
+                    let meant = meant.map_or_else(String::new, |name| format!("; is \"{name}\" meant?"));
+                    let expected = format!("\"auto\", \"isg\", \"linuxcnc\" or \"grbl\"{meant}");
+                    self.refuse(&span, format!("channel.dialect = {text}: no such dialect"), &expected);
+                }
+            }
+            return true;
+        }
+        let Some(number) = entry.name.strip_prefix("tool_length.") else { return false };
+        let label = format!("channel.tool_length[{number}]");
+        let tools = &mut machine.channel.foreign.tools;
+        // mm with three decimals to 0.1 µm.
+        let length = milli(value, true).ok().filter(|milli| milli.abs() <= LONGEST_TOOL_UM);
+        match (number.parse::<u32>().ok(), length) {
+            (None, _) => {
+                self.refuse(&entry.key, format!("{label}: no number of a tool"), "for example 1 = 52.3")
+            }
+            (_, None) => {
+                let expected = "a number of mm with three decimals at most, -10 000…10 000";
+                self.refuse(&span, format!("{label} = {text}: no tool length"), expected);
+            }
+            (Some(number), Some(milli)) => {
+                *tools = tools.with(number, milli as i32 * 10);
+                if tools.of(number).is_none() {
+                    let message = format!("{label}: more than {TOOLS} tools");
+                    self.refuse(&entry.key, message, "fewer tools");
+                }
+            }
+        }
+        true
     }
 
     /// A function of `m_synch` or `h_synch`; `false` if the name is another.
@@ -592,7 +652,10 @@ fn thousandths(value: i64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glidepath::machine::{AccelerationUnit, MODE_LINEAR, MODE_MASTER, SynchTable};
+    use glidepath::machine::{
+        AccelerationUnit, Dialect, ForeignAxis, ForeignChannel, MODE_LINEAR, MODE_MASTER, SynchTable,
+        ToolLengths,
+    };
 
     #[test]
     fn the_default_file_is_the_built_in_machine() {
@@ -645,11 +708,11 @@ mod tests {
     #[test]
     fn every_parameter_is_read() {
         let dir = std::env::temp_dir().join(format!("glidepath-parameters-{}", std::process::id()));
-        let text = "[channel]\ndefault_index = 6\ncycle_us = 2000\nlook_ahead = 30\ncorr_v_trans_jerk = 1\nmode_implicite_sync_indp_asyn_axis = 1\nmode_exact_stop_indp_axis = 2\noverride_weight_prog_feed = 2\ncheck_jerk_on_poly_path = 2\nmerge_chords = 40\nhsc.bspline.auto_contour_mode = 2\n\
+        let text = "[channel]\ndialect = \"grbl\"\nblend_tolerance = 50\nblock_delete = 1\noptional_stop = 1\ndefault_index = 6\ncycle_us = 2000\nlook_ahead = 30\ncorr_v_trans_jerk = 1\nmode_implicite_sync_indp_asyn_axis = 1\nmode_exact_stop_indp_axis = 2\noverride_weight_prog_feed = 2\ncheck_jerk_on_poly_path = 2\nmerge_chords = 40\nhsc.bspline.auto_contour_mode = 2\n\
             [channel.prog_start]\nfeedrate_factor = 0.1\nslope = { profile = 1, acceleration = 2, ramp_time = 4 }\n\
             [channel.configuration.path_preparation]\nfunction = \"FCT_DEFAULT|FCT_PTP\"\n\
             [channel.vector]\nacceleration = 500.5\ndeceleration = 400\nvelocity = 1500\nacc_dec_unit = \"MM_S2\"\n\
-            cir_radial_acc_limit = 1\n[channel.m_synch]\n25 = \"MVS_SNS\"\n26 = 0x2\n3 = \"NO_SYNCH\"\n[channel.h_synch]\n7 = \"MNS_SNS\"\n[axis.X]\nvb_max_red = 83_333\n\
+            cir_radial_acc_limit = 1\n[channel.m_synch]\n25 = \"MVS_SNS\"\n26 = 0x2\n3 = \"NO_SYNCH\"\n[channel.h_synch]\n7 = \"MNS_SNS\"\n[channel.tool_length]\n5 = -52.125\n[axis.X]\nnp_grp.7.versch = 7\nnp_grp.8.versch = 8\nnp_grp.9.versch = 9\ng28 = 28\ng30 = -30\n\nvb_max_red = 83_333\n\
             default_feed_axis = 1\nkenngr.achs_mode = 0x1000_0001\nnp_grp.1.versch = 100_000\nnp_grp.2.versch = -2\n\
             np_grp.3.versch = 3\nnp_grp.4.versch = 4\nnp_grp.5.versch = 5\nnp_grp.6.versch = -1_000_000_000\n[axis.X.dynamik]\na_max = 4000\n\
             r_trans_weight = 30\ntr_w_min = 20_000\n[axis.X.lslope_profil]\na_grenz_stufe_1 = 1\na_grenz_stufe_2 = 2\n\
@@ -673,6 +736,7 @@ mod tests {
             achs_mode: MODE_LINEAR | MODE_MASTER,
             default_feed_axis: true,
             versch: [100_000, -2, 3, 4, 5, -1_000_000_000],
+            foreign: ForeignAxis { versch: [7, 8, 9], stored: [28, -30] },
             ..AxisData::new(name, AxisKind::Linear)
         };
         let channel = ChannelData {
@@ -700,7 +764,16 @@ mod tests {
             joins_named: true,
             exact_stop_indp: 2,
             default_index: 6,
+            foreign: ForeignChannel {
+                // Chosen when the program is there.
+                dialect: Dialect::Isg,
+                blend_tolerance_um: 50,
+                block_delete: true,
+                optional_stop: true,
+                tools: ToolLengths::NONE.with(5, -521_250),
+            },
         };
+        assert_eq!(machine.dialect, Choice::Grbl);
         let synch = [25, 26, 3, 4].map(|code| channel.m_synch.of(code));
         assert_eq!(synch, [Synch::MvsSns, Synch::MvsSvs, Synch::NoSynch, Synch::Mos]);
         assert_eq!((machine.axes, machine.channel), (vec![axis], channel));

@@ -8,6 +8,7 @@ mod later;
 mod load;
 
 use crate::diagnose::Diagnostic;
+use crate::dialect::Choice;
 use glidepath::machine::{AxisData, AxisKind, AxisName, ChannelData, MachineData};
 use glidepath::nc::SlopeType;
 pub use load::{Overrides, load};
@@ -22,6 +23,8 @@ pub struct Machine {
     pub name: String,
     /// What was remarked about its data.
     pub warnings: Vec<Diagnostic>,
+    /// The dialect of programs, as its data say.
+    pub dialect: Choice,
 }
 
 /// The largest number of axes this board is compiled for.
@@ -52,7 +55,13 @@ impl Machine {
         // not.
         let channel =
             ChannelData { slope_profile: 1, corr_v_trans_jerk: true, surface: true, ..ChannelData::new() };
-        Self { axes, channel, name: "built-in three-axis machine".into(), warnings: Vec::new() }
+        Self {
+            axes,
+            channel,
+            name: "built-in three-axis machine".into(),
+            warnings: Vec::new(),
+            dialect: Choice::Auto,
+        }
     }
 
     /// The same for a known number of axes; `None` where it is another.

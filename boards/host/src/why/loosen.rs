@@ -125,7 +125,13 @@ impl Limit {
             _ => {}
         }
         let same = axes == machine.axes && channel == machine.channel;
-        let machine = Machine { axes, channel, name: machine.name.clone(), warnings: Vec::new() };
+        let machine = Machine {
+            axes,
+            channel,
+            name: machine.name.clone(),
+            warnings: Vec::new(),
+            dialect: machine.dialect,
+        };
         (!same).then_some(Loosened { machine, limit: self, axis })
     }
 

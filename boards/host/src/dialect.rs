@@ -1,0 +1,439 @@
+//! The dialect of a program: as the command line or the machine data say, or as the text shows.
+use crate::diagnose::{Diagnostic, Source};
+use glidepath::machine::Dialect;
+use glidepath::nc::{ADDRESSES, WORDS, WordEntry};
+use std::fmt::Write as _;
+
+/// What the command line or the machine data ask for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+pub enum Choice {
+    /// As the text shows: decided once, before the program is read.
+    #[default]
+    Auto,
+    /// ISG's language.
+    Isg,
+    /// LinuxCNC's RS274/NGC.
+    Linuxcnc,
+    /// Grbl 1.1, with words of grblHAL and FluidNC.
+    Grbl,
+}
+
+impl Choice {
+    /// All of them with their names.
+    pub const ALL: [(&str, Self); 4] =
+        [("auto", Self::Auto), ("isg", Self::Isg), ("linuxcnc", Self::Linuxcnc), ("grbl", Self::Grbl)];
+
+    /// The dialect, where it is chosen.
+    pub const fn dialect(self) -> Option<Dialect> {
+        match self {
+            Self::Auto => None,
+            Self::Isg => Some(Dialect::Isg),
+            Self::Linuxcnc => Some(Dialect::LinuxCnc),
+            Self::Grbl => Some(Dialect::Grbl),
+        }
+    }
+}
+
+/// The dialect of the program. Where the text decides, and it is not ISG's, one line says which and why.
+///
+/// # Errors
+/// The text is a program for a 3-D printer.
+pub fn choose(choice: Choice, program: &Source) -> Result<Dialect, Vec<Diagnostic>> {
+    if let Some(dialect) = choice.dialect() {
+        return Ok(dialect);
+    }
+    match Found::of(program).decide() {
+        Shown::Isg => Ok(Dialect::Isg),
+        Shown::Printer(mark) => {
+            let message = format!("{} is a word of 3-D printers (Marlin)", mark.word);
+            let error = Diagnostic::error(message).at(program, mark.line, mark.column, mark.length);
+            Err(vec![error.expected("expected a CNC program; --dialect grbl reads it as one")])
+        }
+        Shown::Is(dialect, mark) => {
+            let (name, Mark { word, line, .. }) = (dialect.name(), mark);
+            anstream::eprintln!("note: dialect {name}: {word} in line {line} (--dialect chooses another)");
+            Ok(dialect)
+        }
+    }
+}
+
+/// A word that tells a dialect.
+#[derive(Clone, Debug, PartialEq, Eq)]
+struct Mark {
+    word: String,
+    line: usize,
+    /// In bytes, from 1.
+    column: usize,
+    length: usize,
+}
+
+/// The first mark of each kind.
+#[derive(Default)]
+struct Found {
+    isg: Option<Mark>,
+    linuxcnc: Option<Mark>,
+    grbl: Option<Mark>,
+    /// LinuxCNC and Grbl have it, ISG's language has not.
+    either: Option<Mark>,
+    printer: Option<Mark>,
+    /// S beside axes in G1: pixel rows of a laser.
+    rows: Vec<Mark>,
+    ends: bool,
+}
+
+/// What the text shows.
+#[derive(Debug, PartialEq, Eq)]
+enum Shown {
+    Isg,
+    Is(Dialect, Mark),
+    Printer(Mark),
+}
+
+/// Blocks with S and axes from which on a text is taken for that of a laser.
+const ROWS: usize = 3;
+
+impl Found {
+    fn of(program: &Source) -> Self {
+        let mut found = Self::default();
+        let mut at_feed = false;
+        for (index, line) in program.lines().enumerate() {
+            found.comments(line, index + 1);
+            let line = Line::new(line, index + 1);
+            found.marks(&line);
+            if line.words.iter().any(|word| word.letter == 'G' && word.tenths < 40) {
+                at_feed = line.has('G', 10);
+            }
+            let axes = line.words.iter().find(|word| matches!(word.letter, 'X' | 'Y'));
+            if let (true, Some(_), Some(speed)) = (at_feed, axes, line.first('S')) {
+                found.rows.push(line.mark("S in a G1 block", speed));
+            }
+        }
+        found
+    }
+
+    fn decide(mut self) -> Shown {
+        if self.isg.is_some() {
+            return Shown::Isg;
+        }
+        if let Some(mark) = self.printer {
+            return Shown::Printer(mark);
+        }
+        if let Some(mark) = self.linuxcnc {
+            return Shown::Is(Dialect::LinuxCnc, mark);
+        }
+        if let Some(mark) = self.grbl {
+            return Shown::Is(Dialect::Grbl, mark);
+        }
+        match self.either {
+            Some(mark) if self.ends => Shown::Is(Dialect::LinuxCnc, mark),
+            Some(mark) => Shown::Is(Dialect::Grbl, mark),
+            None if !self.ends && self.rows.len() >= ROWS => {
+                Shown::Is(Dialect::Grbl, self.rows.swap_remove(0))
+            }
+            None => Shown::Isg,
+        }
+    }
+
+    /// Post-processors name themselves.
+    fn comments(&mut self, line: &[u8], number: usize) {
+        let text = String::from_utf8_lossy(line).to_lowercase();
+        let Some(at) = text.find(['(', ';']) else { return };
+        let comment = &text[at..];
+        for (name, slot) in [("grbl", &mut self.grbl), ("linuxcnc", &mut self.linuxcnc)] {
+            if comment.contains(name) && slot.is_none() {
+                let word = format!("\"{name}\" in a comment");
+                *slot = Some(Mark { word, line: number, column: 1, length: 1 });
+            }
+        }
+        if comment.replace(' ', "").starts_with("(msg,") && self.either.is_none() {
+            self.either = Some(Mark { word: "(MSG, …)".into(), line: number, column: 1, length: 1 });
+        }
+    }
+
+    fn marks(&mut self, line: &Line) {
+        let plain = line.text.as_str();
+        self.ends |= line.has('M', 20) || line.has('M', 300) || plain == "%";
+        let slot = |slot: &mut Option<Mark>, mark: Option<Mark>| *slot = slot.take().or(mark);
+        slot(&mut self.isg, line.isg());
+        slot(&mut self.linuxcnc, line.linuxcnc());
+        slot(&mut self.grbl, line.grbl());
+        slot(&mut self.either, line.either());
+        slot(&mut self.printer, line.printer());
+    }
+}
+
+/// A letter with a number.
+#[derive(Clone, Copy)]
+struct Word {
+    letter: char,
+    /// Number times ten, cut; words without a number have `u32::MAX`.
+    tenths: u32,
+    at: usize,
+    length: usize,
+}
+
+/// A line without comments and blanks, in upper case.
+struct Line {
+    text: String,
+    words: Vec<Word>,
+    number: usize,
+}
+
+impl Line {
+    fn new(line: &[u8], number: usize) -> Self {
+        let (mut text, mut places, mut comment) = (String::new(), Vec::new(), false);
+        let line = line.strip_prefix(b"\xef\xbb\xbf").unwrap_or(line);
+        for (at, byte) in line.iter().enumerate() {
+            match byte {
+                b';' if !comment => break,
+                b'(' => comment = true,
+                b')' => comment = false,
+                b' ' | b'\t' => {}
+                _ if comment => {}
+                _ => {
+                    text.push(char::from(byte.to_ascii_uppercase()));
+                    places.push(at);
+                }
+            }
+        }
+        let mut words = Vec::new();
+        let letters: Vec<char> = text.chars().collect();
+        let mut at = 0;
+        while at < letters.len() {
+            let letter = letters[at];
+            let end = (at + 1..letters.len())
+                .find(|&k| !matches!(letters[k], '0'..='9' | '.' | '+' | '-'))
+                .unwrap_or(letters.len());
+            if letter.is_ascii_alphabetic() {
+                let number: String = letters[at + 1..end].iter().collect();
+                let tenths = number.parse::<f64>().map_or(u32::MAX, |value| (value * 10.0).round() as u32);
+                words.push(Word { letter, tenths, at: places[at], length: end - at });
+            }
+            at = end;
+        }
+        Self { text, words, number }
+    }
+
+    fn has(&self, letter: char, tenths: u32) -> bool {
+        self.words.iter().any(|word| word.letter == letter && word.tenths == tenths)
+    }
+
+    fn first(&self, letter: char) -> Option<Word> {
+        self.words.iter().copied().find(|word| word.letter == letter)
+    }
+
+    fn mark(&self, word: impl Into<String>, found: Word) -> Mark {
+        Mark { word: word.into(), line: self.number, column: found.at + 1, length: found.length }
+    }
+
+    /// The first of these G or M words.
+    fn any(&self, letter: char, codes: &[u32]) -> Option<Mark> {
+        let word = *self.words.iter().find(|word| word.letter == letter && codes.contains(&word.tenths))?;
+        let (whole, tenth) = (word.tenths / 10, word.tenths % 10);
+        let point = if tenth > 0 { format!(".{tenth}") } else { String::new() };
+        Some(self.mark(format!("{letter}{whole}{point}"), word))
+    }
+
+    fn at_start(&self, word: &str) -> Mark {
+        Mark { word: word.to_owned(), line: self.number, column: 1, length: 1 }
+    }
+
+    /// What only ISG's language has.
+    fn isg(&self) -> Option<Mark> {
+        let text = self.text.as_str();
+        let body = text.trim_start_matches('N').trim_start_matches(|c: char| c.is_ascii_digit() || c == ':');
+        let named = |lead: char, of: fn(char) -> bool| {
+            body.strip_prefix(lead).and_then(|rest| rest.chars().next()).is_some_and(of)
+        };
+        let statement = named('#', |c| c.is_ascii_alphabetic())
+            || named('%', |c| c.is_ascii_alphanumeric())
+            || named('L', |c| !matches!(c, '0'..='9' | '.' | '+' | '-'))
+            || ["$FOR", "$IF", "$WHILE", "$DO", "$REPEAT", "$SWITCH", "$GOTO"]
+                .iter()
+                .any(|s| body.starts_with(s))
+            || ["V.", "[OSC", "[INDP", "\\"].iter().any(|part| text.contains(part));
+        if statement {
+            return Some(self.at_start("a statement of ISG"));
+        }
+        let assigns = text.split('P').skip(1).any(|rest| {
+            let behind = rest.trim_start_matches(|c: char| c.is_ascii_digit());
+            behind.len() < rest.len() && behind.starts_with('=')
+        });
+        let high = self.words.iter().find(|word| word.letter == 'G' && (1000..10_000).contains(&word.tenths));
+        let own = high.map(|word| self.mark("a G word of ISG", *word));
+        let assigned = assigns.then(|| self.at_start("a P parameter"));
+        own.or(assigned).or_else(|| self.any('G', &[600, 700, 710])).or_else(|| self.any('M', &[170, 290]))
+    }
+
+    /// What LinuxCNC has, and Grbl has not.
+    fn linuxcnc(&self) -> Option<Mark> {
+        const CODES: &[u32] = &[
+            50, 51, 52, 331, 410, 411, 420, 421, 520, 591, 592, 593, 611, 730, 760, 810, 820, 830, 840, 850,
+            860, 870, 880, 890, 901, 922, 923, 980, 990,
+        ];
+        let text = self.text.as_str();
+        let body = text.trim_start_matches('N').trim_start_matches(|c: char| c.is_ascii_digit());
+        if text.contains("#<") || text.contains("#[") || body.starts_with('#') && body.contains('=') {
+            return Some(self.at_start("a # parameter"));
+        }
+        let keys = ["SUB", "CALL", "WHILE", "IF", "REPEAT", "DO", "ENDSUB", "RETURN"];
+        if body.starts_with('O') && keys.iter().any(|key| text.contains(key)) {
+            return Some(self.at_start("an O word"));
+        }
+        let blend = self.any('G', &[640]).filter(|_| self.first('P').is_some());
+        let length = self.any('G', &[430]).filter(|_| self.first('H').is_some());
+        let outputs = self.any('M', &[610, 620, 630, 640, 650, 660, 670, 680]);
+        blend.or(length).or_else(|| self.any('G', CODES)).or(outputs)
+    }
+
+    /// What Grbl has alone.
+    fn grbl(&self) -> Option<Mark> {
+        let commands = ["$H", "$X", "$J=", "$$", "$RST"];
+        commands.iter().find(|command| self.text.starts_with(*command)).map(|command| self.at_start(command))
+    }
+
+    /// What both have, and ISG's language has not, or means otherwise.
+    fn either(&self) -> Option<Mark> {
+        const CODES: &[u32] =
+            &[200, 210, 280, 281, 300, 301, 382, 383, 384, 385, 400, 430, 431, 490, 640, 800, 911, 921];
+        let store = self.any('G', &[100]).filter(|_| self.first('L').is_some());
+        let dwell = self.any('G', &[40]).filter(|_| self.first('P').is_some());
+        self.any('G', CODES).or(store).or(dwell)
+    }
+
+    /// What 3-D printers have.
+    fn printer(&self) -> Option<Mark> {
+        const CODES: &[u32] = &[820, 830, 840, 1040, 1060, 1070, 1090, 1400, 1900];
+        let feeds =
+            self.first('E').filter(|word| word.tenths != u32::MAX && self.any('G', &[0, 10]).is_some());
+        self.any('M', CODES).or(feeds.map(|word| self.mark("E", word)))
+    }
+}
+
+/// The words of a dialect, or of all that have a table.
+pub fn list(choice: Option<Choice>) -> String {
+    let wanted = choice.and_then(Choice::dialect);
+    let mut text = String::new();
+    if wanted == Some(Dialect::Isg) {
+        return "The words of ISG's language stand in docs/conformance.md.\n".into();
+    }
+    let heads = |word: &WordEntry| -> String {
+        let in_dialect = |dialect| if word.is_in(dialect) { Dialect::name(dialect) } else { "" };
+        let (first, second) = (in_dialect(Dialect::LinuxCnc), in_dialect(Dialect::Grbl));
+        if wanted.is_some() { String::new() } else { format!("{first:<10}{second:<6}") }
+    };
+    for word in WORDS.iter().filter(|word| wanted.is_none_or(|dialect| word.is_in(dialect))) {
+        let (whole, tenth) = (word.tenths / 10, word.tenths % 10);
+        let name =
+            format!("{}{whole}{}", word.letter, if tenth > 0 { format!(".{tenth}") } else { String::new() });
+        let built = match word.is_built() {
+            Ok(()) => String::new(),
+            Err(hint) => format!(" - not available; expected {hint}"),
+        };
+        let _ = writeln!(text, "{name:<7}{}{}{built}", heads(word), word.text);
+    }
+    for (letter, what) in ADDRESSES {
+        let blank = if wanted.is_some() { 0 } else { 16 };
+        let _ = writeln!(text, "{letter:<7}{:blank$}{what}", "");
+    }
+    text
+}
+
+#[cfg(test)]
+#[path = "../../../host-tests/tests/language/dialects/corpus.rs"]
+mod corpus;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn shown(text: &str) -> Shown {
+        Found::of(&Source { name: "test.nc".into(), text: text.as_bytes().to_vec() }).decide()
+    }
+
+    fn dialect(text: &str) -> Option<Dialect> {
+        match shown(text) {
+            Shown::Isg => Some(Dialect::Isg),
+            Shown::Is(dialect, _) => Some(dialect),
+            Shown::Printer(_) => None,
+        }
+    }
+
+    #[test]
+    fn each_program_shows_its_dialect_in_any_look() {
+        for (name, wanted, text) in corpus::CORPUS {
+            let looks = [
+                (*text).to_owned(),
+                text.to_lowercase(),
+                text.replace('\n', "\r\n"),
+                text.trim_end().to_owned(),
+                format!("\u{feff}{text}"),
+                text.lines().map(|line| if line.contains('(') { line.to_owned() } else { line.replace(' ', "") } + "\n").collect(),
+            ];
+            for text in looks {
+                assert_eq!(dialect(&text).map(Dialect::name), Some(*wanted), "{name}\n{text}");
+            }
+        }
+        assert!(corpus::REFUSED.len() > 50);
+    }
+
+    #[test]
+    fn programs_of_isg_stay_so() {
+        let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../programs");
+        let mut count = 0;
+        for entry in std::fs::read_dir(folder).expect("programs") {
+            let path = entry.expect("an entry").path();
+            if path.extension().is_some_and(|extension| extension == "nc") {
+                let text = String::from_utf8_lossy(&std::fs::read(&path).expect("a text")).into_owned();
+                assert_eq!(dialect(&text), Some(Dialect::Isg), "{}", path.display());
+                count += 1;
+            }
+        }
+        assert!(count > 20);
+        for text in [
+            "",
+            "G00 X1\nG01 X2 F100\nM30",
+            "%main\nG20\n#HSC ON\nM30",
+            "P1=5\nG04 P1\nM30",
+            "N10 $IF P1==2\nG21",
+            "G261 G40",
+            "G70 X1 F100\nG80",
+            "LL name\nG20",
+            "(comment with G20 and G64 P1)\nG0 X1",
+            "G92 X5\nG53\nG61 X1 F1",
+            "M3 S100\nG1 X1 F100\nG1 X2\nM30",
+            "X[OSC ON]\nG21",
+        ] {
+            assert_eq!(dialect(text), Some(Dialect::Isg), "{text}");
+        }
+    }
+
+    #[test]
+    fn the_reason_names_a_word_and_its_line() {
+        let Shown::Is(Dialect::LinuxCnc, mark) = shown("(head)\nG0 X1\nN5 G90 g6 4 p0.01\nM2\n") else {
+            panic!("LinuxCNC")
+        };
+        assert_eq!((mark.word.as_str(), mark.line, mark.column), ("G64", 3, 8));
+        let Shown::Is(Dialect::Grbl, mark) = shown("G0 X1\nG21\n") else { panic!("Grbl") };
+        assert_eq!((mark.word.as_str(), mark.line, mark.column), ("G21", 2, 1));
+        for printer in ["G28\nG21\nM82\nG92 E0\nG1 X1 E5 F100", "M104 S200\nG21", "M107\nG28"] {
+            assert!(matches!(shown(printer), Shown::Printer(_)), "{printer}");
+        }
+        assert_eq!(dialect("#<x>=1\nG0 X#<x>\nM2"), Some(Dialect::LinuxCnc));
+        assert_eq!(dialect("o100 sub\nG21\no100 endsub\nM2"), Some(Dialect::LinuxCnc));
+        assert_eq!(dialect("#100=5 (p=5)\nG1 X#100 F#101\nM2"), Some(Dialect::LinuxCnc));
+        assert_eq!(dialect("$H\nG21\nM2"), Some(Dialect::Grbl));
+        assert_eq!(dialect("(post: grbl)\nG21\nM2"), Some(Dialect::Grbl));
+        assert_eq!(dialect("(MSG, hello)\nG0 X1\nM2"), Some(Dialect::LinuxCnc));
+    }
+
+    #[test]
+    fn the_list_of_words_is_that_of_the_decoder() {
+        let all = list(None);
+        assert_eq!(all.lines().count(), WORDS.len() + ADDRESSES.len());
+        let grbl = list(Some(Choice::Grbl));
+        assert!(grbl.contains("G20    inch") && !grbl.contains("G61.1"), "{grbl}");
+        assert!(list(Some(Choice::Linuxcnc)).contains("G38.2  probe towards, with an error - not available"));
+        assert!(all.contains("G61.1  linuxcnc        exact stop"), "{all}");
+    }
+}

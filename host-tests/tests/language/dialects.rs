@@ -1,0 +1,464 @@
+//! Programs of LinuxCNC and Grbl: what the decoder makes of them, beside an interpreter of the tests' own.
+#[path = "dialects/corpus.rs"]
+mod corpus;
+#[path = "dialects/interpreter.rs"]
+mod interpreter;
+#[path = "dialects/random.rs"]
+mod random;
+
+use crate::nc_decode::decode_text;
+use corpus::{CORPUS, REFUSED};
+use glidepath::machine::{AxisData, AxisKind, AxisName, ChannelData, Dialect, MachineData, ToolLengths};
+use glidepath::nc::{
+    ArcBy, Command, ContourSwitch, Decoder, DecoderMemory, DwellTime, ExactStop, Motion, MotionKind, NcErrorKind,
+    NcWarningKind, Setup, Step, WORDS, Window,
+};
+use glidepath::quantity::Position;
+use host_tests::cases::machines;
+use host_tests::trace::run_text;
+use interpreter::{Event, Machine, Shape};
+
+/// Tools of the machine, mm.
+const TOOLS: [(u32, f64); 3] = [(1, 52.5), (2, 40.25), (3, -3.125)];
+
+fn dialect_of(name: &str) -> Dialect {
+    Dialect::ALL.into_iter().find(|dialect| dialect.name() == name).expect("a dialect")
+}
+
+fn machine_of(names: [(&str, AxisKind); 3], dialect: Dialect) -> MachineData<3> {
+    let axes = names.map(|(name, kind)| AxisData::new(AxisName::new(name).unwrap(), kind));
+    let mut machine = MachineData { axes, channel: ChannelData::new() };
+    // P-CHAN-00108 does not concern other dialects.
+    machine.channel.feedrate_factor_milli = 12_345;
+    machine.channel.foreign.dialect = dialect;
+    machine.channel.foreign.tools = TOOLS
+        .iter()
+        .fold(ToolLengths::NONE, |tools, (number, mm)| tools.with(*number, (mm * 10_000.0).round() as i32));
+    machine
+}
+
+fn setup(dialect: Dialect) -> Setup<3> {
+    let linear = AxisKind::Linear;
+    Setup::new(&machine_of([("X", linear), ("Y", linear), ("Z", linear)], dialect), [Position::ZERO; 3])
+}
+
+fn mm(position: Position) -> f64 {
+    position.to_num()
+}
+
+fn of_motion(motion: &Motion<3>) -> Event {
+    let plane_of = |plane: glidepath::nc::Plane| 17 + plane as u32;
+    let shape = match motion.kind {
+        MotionKind::Rapid => Shape::Rapid,
+        MotionKind::Line => Shape::Line,
+        MotionKind::Arc { plane, clockwise, by: ArcBy::Centre(centre) } => {
+            Shape::Centre(clockwise, plane_of(plane), centre.map(mm))
+        }
+        MotionKind::Arc { plane, clockwise, by: ArcBy::Radius(r) } => {
+            Shape::Radius(clockwise, plane_of(plane), mm(r))
+        }
+    };
+    let feed = if shape == Shape::Rapid { 0.0 } else { mm(motion.feed) };
+    Event::Move { shape, to: motion.target.map(mm), feed, stop: motion.exact_stop }
+}
+
+fn event(command: &Command<3>, text: &[u8]) -> Event {
+    match command {
+        Command::Motion(motion) => of_motion(motion),
+        Command::Dwell(_, DwellTime::Seconds(time)) => Event::Dwell(mm(*time)),
+        Command::M(_, code) => Event::M(u32::from(*code)),
+        Command::Pause(_, code) => Event::Pause(u32::from(*code)),
+        Command::Spindle(_, speed) => Event::Speed(mm(*speed)),
+        Command::Tool(_, number) => Event::Tool(*number),
+        Command::ProgramEnd(_, code) => Event::End(u32::from(*code)),
+        Command::ExactStop(_, ExactStop::On) => Event::Stop(true),
+        Command::ExactStop(_, ExactStop::Off) => Event::Stop(false),
+        Command::Message(head) => {
+            let from = head.place.offset as usize;
+            let part = &text[from..from + usize::from(head.place.length)];
+            Event::Message(String::from_utf8_lossy(part).trim().to_owned())
+        }
+        Command::Contour(_, contour) => match contour.switch {
+            Some(ContourSwitch::On) => Event::Blend(mm(contour.path_dev.expect("a deviation"))),
+            Some(ContourSwitch::Off) => Event::NoBlend,
+            other => panic!("{other:?}"),
+        },
+        other => panic!("unexpected {}", other.name()),
+    }
+}
+
+/// Alike to a billionth of a millimetre; of what a feed in inches leaves, to 10^-8 mm/min.
+fn is_alike(a: &Event, b: &Event) -> bool {
+    let near = |a: f64, b: f64| (a - b).abs() <= 2e-9 + 1e-12 * b.abs();
+    match (a, b) {
+        (
+            Event::Move { shape: sa, to: ta, feed: fa, stop: pa },
+            Event::Move { shape: sb, to: tb, feed: fb, stop: pb },
+        ) => {
+            let shapes = match (sa, sb) {
+                (Shape::Centre(wa, pa, ca), Shape::Centre(wb, pb, cb)) => {
+                    wa == wb && pa == pb && ca.iter().zip(cb).all(|(a, b)| near(*a, *b))
+                }
+                (Shape::Radius(wa, pa, ra), Shape::Radius(wb, pb, rb)) => wa == wb && pa == pb && near(*ra, *rb),
+                _ => sa == sb,
+            };
+            // Lengths of arcs are sums of chords.
+            let feeds = near(*fa, *fb) || (fa - fb).abs() <= 1e-7 * fb;
+            shapes && ta.iter().zip(tb).all(|(a, b)| near(*a, *b)) && feeds && pa == pb
+        }
+        (Event::Dwell(a), Event::Dwell(b))
+        | (Event::Speed(a), Event::Speed(b))
+        | (Event::Blend(a), Event::Blend(b)) => near(*a, *b),
+        _ => a == b,
+    }
+}
+
+/// What both make of a text, event by event.
+fn compare(name: &str, dialect: Dialect, text: &[u8]) -> Vec<NcWarningKind> {
+    let (commands, warnings, error, _) = decode_text(setup(dialect), text, 1_000_000);
+    if let Some(error) = error {
+        panic!("{name}: line {}: {error}\n{}", error.place.line, String::from_utf8_lossy(text));
+    }
+    let mut machine = Machine::new(dialect == Dialect::Grbl, &TOOLS);
+    machine.run(&String::from_utf8_lossy(text));
+    let events: Vec<Event> = commands.iter().map(|command| event(command, text)).collect();
+    for (index, (found, wanted)) in events.iter().zip(&machine.events).enumerate() {
+        let text = String::from_utf8_lossy(text);
+        assert!(is_alike(found, wanted), "{name}, event {index}: {found:?}, expected {wanted:?}; before {:?}\n{text}", &events[index.saturating_sub(3)..index]);
+    }
+    assert_eq!(events.len(), machine.events.len(), "{name}: {events:?}\n{:?}", machine.events);
+    warnings.iter().map(|warning| warning.kind).collect()
+}
+
+/// The same with another look: the meaning stays.
+fn variants(text: &str) -> Vec<Vec<u8>> {
+    let outside = |change: &dyn Fn(char, &mut String)| {
+        let (mut changed, mut comment) = (String::new(), ' ');
+        for c in text.chars() {
+            match (comment, c) {
+                (' ', '(' | ';') => comment = c,
+                ('(', ')') | ('(' | ';', '\n') => {
+                    comment = ' ';
+                    changed.push(c);
+                    continue;
+                }
+                _ => {}
+            }
+            if comment == ' ' { change(c, &mut changed) } else { changed.push(c) }
+        }
+        changed
+    };
+    let lower = outside(&|c, out| out.push(c.to_ascii_lowercase()));
+    let dense = outside(&|c, out| {
+        if c != ' ' {
+            out.push(c);
+        }
+    });
+    let wide = outside(&|c, out| {
+        out.push(c);
+        if c != '\n' && c != '\r' {
+            out.push_str(" \t");
+        }
+    });
+    let unix = text.replace("\r\n", "\n");
+    let mut all: Vec<Vec<u8>> = [text.to_owned(), lower, dense, wide].map(String::into_bytes).to_vec();
+    all.push(unix.replace('\n', "\r\n").into_bytes());
+    all.push(unix.replace('\n', "  \n").into_bytes());
+    all.push(unix.trim_end().as_bytes().to_vec());
+    all.push(format!("\u{feff}{text}").into_bytes());
+    all
+}
+
+#[test]
+fn programs_do_what_an_own_interpreter_says() {
+    assert!(CORPUS.len() >= 30);
+    for (name, dialect, text) in CORPUS {
+        for (number, variant) in variants(text).iter().enumerate() {
+            compare(&format!("{name}, variant {number}"), dialect_of(dialect), variant);
+        }
+    }
+}
+
+#[test]
+fn random_programs_do_what_an_own_interpreter_says() {
+    for seed in host_tests::seeds::seeds(0..600, 60) {
+        for dialect in [Dialect::LinuxCnc, Dialect::Grbl] {
+            let text = random::program(seed, dialect == Dialect::Grbl);
+            compare(&format!("seed {seed}"), dialect, text.as_bytes());
+        }
+    }
+}
+
+#[test]
+fn what_is_not_built_or_wrong_is_refused_by_name() {
+    for (dialect, text, named) in REFUSED {
+        let (commands, _, error, _) = decode_text(setup(dialect_of(dialect)), text.as_bytes(), 10_000);
+        let Some(error) = error else { panic!("{text} is accepted: {commands:?}") };
+        let told = error.to_string();
+        assert!(told.contains(named) || error.found.contains(named), "{text}: {told}, found {:?}", error.found);
+        assert!(told.contains("expected") || matches!(error.kind, NcErrorKind::Twice(_) | NcErrorKind::Conflict(_) | NcErrorKind::AxisNotHere), "{text}: {told}");
+        assert_eq!(error.place.line as usize, text.lines().count(), "{text}");
+    }
+}
+
+#[test]
+fn every_word_of_the_table_is_known_and_no_other() {
+    for dialect in [Dialect::LinuxCnc, Dialect::Grbl] {
+        for (letter, most) in [('G', 1200_u16), ('M', 2100)] {
+            for tenths in 0..most {
+                let listed = WORDS.iter().filter(|word| word.letter == letter && word.tenths == tenths);
+                let here: Vec<_> = listed.filter(|word| word.is_in(dialect)).collect();
+                assert!(here.len() <= 1, "{letter}{tenths} is there twice");
+                let text = format!("{letter}{}.{}", tenths / 10, tenths % 10);
+                let (_, _, error, _) = decode_text(setup(dialect), text.as_bytes(), 1000);
+                let kind = error.map(|error| error.kind);
+                let user = letter == 'M'
+                    && (1000..=1990).contains(&tenths)
+                    && tenths % 10 == 0
+                    && dialect == Dialect::LinuxCnc;
+                let unknown = matches!(kind, Some(NcErrorKind::UnknownCode(_)));
+                assert_eq!(unknown, here.is_empty() && !user, "{text}: {kind:?}");
+                if let Some(Err(_)) = here.first().map(|word| word.is_built()) {
+                    assert!(matches!(kind, Some(NcErrorKind::Known { .. })), "{text}: {kind:?}");
+                }
+            }
+        }
+    }
+}
+
+fn motions(dialect: Dialect, text: &str) -> Vec<Motion<3>> {
+    let (commands, _, error, _) = decode_text(setup(dialect), text.as_bytes(), 1_000_000);
+    assert_eq!(error, None, "{text}");
+    let motion = |command: &Command<3>| if let Command::Motion(motion) = command { Some(*motion) } else { None };
+    commands.iter().filter_map(motion).collect()
+}
+
+/// A decimal times 25.4 in units of 2^-32, to nearest.
+fn inches(mantissa: i128, scale: u32) -> i64 {
+    let (dividend, divisor) = (mantissa * 254 << 32, 10_i128.pow(scale + 1));
+    ((2 * dividend + divisor).div_euclid(2 * divisor)) as i64
+}
+
+#[test]
+fn inches_are_exact_for_positions_and_feeds() {
+    let mut random = crate::nc_decode::Random(77);
+    for _ in 0..400 {
+        let (mantissa, scale) = (i128::from(random.below(9_999_999)) + 1, random.below(7) as u32);
+        let digits = format!("{:0>8}", mantissa);
+        let (whole, part) = digits.split_at(digits.len() - scale as usize);
+        let text = format!("G20 G1\nF{whole}.{part}\nX{whole}.{part}\nX0 Y-{whole}.{part}");
+        if mantissa * 26 > 90_000 * 10_i128.pow(scale) {
+            continue;
+        }
+        let found = motions(Dialect::Grbl, &text);
+        let wanted = inches(mantissa, scale);
+        assert_eq!(found[0].target[0].to_bits(), wanted, "{text}");
+        assert_eq!(found[0].feed.to_bits(), wanted, "{text}");
+        let both = found[1].target[1].to_bits();
+        assert!((both + wanted).abs() <= 1, "{text}");
+    }
+    // Tenths of an inch come to whole millimetres and their tenths: increments do not drift.
+    let steps = "G20 G91 G1 F1\n".to_owned() + &"X0.1\n".repeat(1000);
+    let last = motions(Dialect::LinuxCnc, &steps).pop().unwrap();
+    assert_eq!(last.target[0], Position::from_num(2540));
+}
+
+#[test]
+fn the_same_geometry_has_one_digest() {
+    let isg = "G00 X10 Y5\nG01 X20 F600\nG02 X25 Y10 I0 J5\nG01 Y20\nG03 I-5 J0\nG04 0.25\nG00 X0 Y0 Z3\nG01 X1 Z-1 F1200\nM30\n";
+    let words = "G21 G90\nG0 X10 Y5\nG1 X20 F600\nG2 X25 Y10 I0 J5\nG1 Y20\nG3 I-5 J0\nG4 P0.25\nG0 X0 Y0 Z3\nG1 X1 Z-1 F1200\nM30\n";
+    let run = |dialect, text: &str| {
+        let mut machine = machines::even::<3>(1000);
+        machine.channel.foreign.dialect = dialect;
+        run_text::<3, 120>(text, [Position::ZERO; 3], &machine, 1).expect("a program").digest
+    };
+    let wanted = run(Dialect::Isg, isg);
+    assert_ne!(wanted, run(Dialect::Isg, "G00 X1\nM30\n"));
+    for dialect in [Dialect::LinuxCnc, Dialect::Grbl] {
+        assert_eq!(run(dialect, words), wanted, "{dialect:?}");
+    }
+}
+
+#[test]
+fn radii_may_differ_as_much_as_the_peers_permit() {
+    let run = |dialect, text: &str| {
+        let mut machine = machines::even::<3>(1000);
+        machine.channel.foreign.dialect = dialect;
+        run_text::<3, 120>(text, [Position::ZERO; 3], &machine, 1).map(|run| run.digest)
+    };
+    // The radius is 10 at the start, and more at the end by what is written.
+    let arc = |more: &str| format!("G0 X10\nF600\nG3 X0 Y{more} I-10\n");
+    for (more, isg, others) in
+        [("10.009", true, true), ("10.012", false, false), ("10.0005", true, true), ("10.0101", false, false)]
+    {
+        assert_eq!(run(Dialect::Isg, &arc(more)).is_ok(), isg, "{more}");
+        for dialect in [Dialect::LinuxCnc, Dialect::Grbl] {
+            assert_eq!(run(dialect, &arc(more)).is_ok(), others, "{more}");
+        }
+    }
+    // At a radius of 0.5 and of 400 mm.
+    for (text, isg) in [
+        ("G0 X0.5\nF600\nG3 X0 Y0.504 I-0.5\n", false),
+        ("G0 X400\nF600\nG3 X0 Y400.3 I-400\n", false),
+        ("G0 X400\nF600\nG3 X0 Y400.04 I-400\n", true),
+    ] {
+        assert_eq!(run(Dialect::Isg, text).is_ok(), isg, "{text}");
+        assert!(run(Dialect::LinuxCnc, text).is_ok(), "{text}");
+    }
+    assert!(run(Dialect::Grbl, "G0 X800\nF600\nG3 X0 Y800.6 I-800\n").is_err(), "0.5 mm at most");
+}
+
+#[test]
+fn doubtful_words_are_told() {
+    let told = |dialect, text: &str| {
+        let (_, warnings, error, _) = decode_text(setup(dialect), text.as_bytes(), 10_000);
+        assert_eq!(error, None, "{text}");
+        warnings.iter().map(|warning| warning.kind).collect::<Vec<_>>()
+    };
+    use NcWarningKind as K;
+    let linuxcnc = |text: &str| told(Dialect::LinuxCnc, text);
+    assert_eq!(linuxcnc("G64\nM2"), [K::BlendTolerance(20)]);
+    assert_eq!(linuxcnc("G64 P0.1 Q0.1\nM2"), [K::NoMerging]);
+    assert_eq!(linuxcnc("G4 P500\nM2"), [K::LongDwell]);
+    assert_eq!(linuxcnc("G20 F10\nM2"), [K::FeedBeforeUnit]);
+    assert_eq!(told(Dialect::Grbl, "G20 F10\nM2"), []);
+    assert_eq!(linuxcnc("G0 X1"), [K::NoProgramEnd]);
+    assert_eq!(told(Dialect::Grbl, "G0 X1"), []);
+    assert_eq!(told(Dialect::Grbl, "/G0 X1"), [K::BlockSkip]);
+    assert_eq!(linuxcnc("(DEBUG, #1)\n(logopen, x)\nM2"), [K::ActiveComment, K::ActiveComment]);
+    assert_eq!(linuxcnc("G0 X1 (open\nM2"), [K::UnclosedComment]);
+    let mut bare = setup(Dialect::LinuxCnc);
+    bare.foreign.tools = ToolLengths::NONE;
+    let (_, warnings, error, _) = decode_text(bare, &b"G43 H1\nM2"[..], 1000);
+    assert_eq!((error, warnings[0].kind), (None, K::NoToolTable));
+    let mut bare = setup(Dialect::Grbl);
+    bare.foreign.tools = ToolLengths::NONE;
+    let (_, _, error, _) = decode_text(bare, &b"G43 H0\nG43 H1\nM2"[..], 1000);
+    assert_eq!(error.map(|error| error.place.line), Some(2));
+}
+
+#[test]
+fn switches_of_the_machine_data_count() {
+    let mut switched = setup(Dialect::LinuxCnc);
+    switched.foreign.block_delete = true;
+    switched.foreign.optional_stop = true;
+    let (commands, ..) = decode_text(switched, &b"/G0 X5\nG0 X1 M1\nM2"[..], 1000);
+    let names: Vec<_> = commands.iter().map(Command::name).collect();
+    assert_eq!(names, ["G00", "pause", "program end"]);
+    switched.foreign.stored[0][2] = Position::from_num(7);
+    switched.foreign.offsets[1][0] = Position::from_num(3);
+    let (commands, ..) = decode_text(switched, &b"G59.2 G0 X1\nG91 G28 Z1\nM2"[..], 1000);
+    let ends: Vec<_> = commands.iter().filter_map(|c| if let Command::Motion(m) = c { Some(m.target.map(mm)) } else { None }).collect();
+    assert_eq!(ends, [[4.0, 0.0, 0.0], [4.0, 0.0, 1.0], [4.0, 0.0, 7.0]]);
+}
+
+#[test]
+fn a_refused_line_leaves_nothing_behind() {
+    // What each line would put in force is not in force behind it.
+    let lines = [
+        "G91 G20 G18 F1 G92 X5 E1",
+        "G55 G99 G54 X1",
+        "G81 X1 Z-1 R1 F100 E1",
+        "G80 X1",
+        "G43 H3 E1",
+        "G10 L2 P1 X5 E1",
+        "G59.3 G10 L20 P0 X5 E1",
+        "G92.2 X1",
+        "G64 P0.1 E1",
+        "G61.1 E1",
+        "M3 E1",
+        "T3 E1",
+        "G28.1 X1",
+        "M2 E1",
+    ];
+    for line in lines {
+        let text = format!("G21 G90 G54\nG0 X1 Y1 Z1\nG92 Y2\nG1 X2 F500\n{line}\nX3 Y3\nG43\nG28\nG54 X0 Z0\nM2\n");
+        let mut memory = DecoderMemory::new();
+        let mut decoder: Decoder<_, 3> = Decoder::new(&mut memory, setup(Dialect::LinuxCnc), text.as_bytes());
+        let (mut commands, mut refused) = (Vec::new(), 0);
+        loop {
+            match decoder.step() {
+                Ok(Step::Command(command)) => commands.push(command),
+                Ok(Step::End) if decoder.is_refused() => decoder.go_on(decoder.position()),
+                Ok(Step::End) => break,
+                Ok(_) => {}
+                Err(_) => refused += 1,
+            }
+        }
+        assert_eq!(refused, 1, "{line}");
+        let without = text.replace(&format!("{line}\n"), "\n");
+        let (wanted, _, error, _) = decode_text(setup(Dialect::LinuxCnc), without.as_bytes(), 10_000);
+        assert_eq!(error, None);
+        let events = |commands: &[Command<3>]| -> Vec<Event> { commands.iter().map(|c| event(c, &[])).collect() };
+        assert_eq!(events(&commands), events(&wanted), "{line}");
+    }
+}
+
+#[test]
+fn the_next_program_begins_as_it_should() {
+    let first = "G20 G91 G18 G99 G55\nG92 X1\nG1 X1 F10\nG43.1 Z2\nM3\nM2\n";
+    let second = "X1 Y1 Z1\nG1 X2\nM2\n";
+    let mut memory = DecoderMemory::new();
+    let mut decoder: Decoder<_, 3> =
+        Decoder::new(&mut memory, setup(Dialect::LinuxCnc), first.as_bytes());
+    let mut machine = Machine::new(false, &TOOLS);
+    machine.run(first);
+    let mut events = Vec::new();
+    for _ in 0..1000 {
+        if let Ok(Step::Command(command)) = decoder.step() {
+            events.push(event(&command, &[]));
+        }
+    }
+    decoder.load(second.as_bytes(), decoder.position(), false);
+    machine.begin(0);
+    machine.run(second);
+    for _ in 0..1000 {
+        if let Ok(Step::Command(command)) = decoder.step() {
+            events.push(event(&command, &[]));
+        }
+    }
+    assert_eq!(events.len(), machine.events.len());
+    assert!(events.iter().zip(&machine.events).all(|(a, b)| is_alike(a, b)), "{events:?}\n{:?}", machine.events);
+}
+
+#[test]
+fn a_stream_says_the_same() {
+    for (name, dialect, text) in CORPUS {
+        let dialect = dialect_of(dialect);
+        let (wanted, ..) = decode_text(setup(dialect), text.as_bytes(), 1_000_000);
+        let mut window = Window::<512>::new();
+        let (mut feeder, stream) = window.split();
+        let mut memory = DecoderMemory::new();
+        let mut decoder: Decoder<_, 3> = Decoder::new(&mut memory, setup(dialect), stream);
+        let (mut rest, mut commands) = (text.as_bytes(), Vec::new());
+        loop {
+            match decoder.step().unwrap_or_else(|error| panic!("{name}: {error}")) {
+                Step::Command(command) => commands.push(command),
+                Step::End => break,
+                Step::Late if rest.is_empty() => feeder.end(),
+                Step::Late => {
+                    let count = feeder.push(&rest[..rest.len().min(7)]);
+                    rest = &rest[count..];
+                }
+                _ => {}
+            }
+        }
+        assert_eq!(commands, wanted, "{name}");
+    }
+}
+
+#[test]
+fn inches_do_not_concern_degrees() {
+    let (linear, rotary) = (AxisKind::Linear, AxisKind::Rotary);
+    let machine = machine_of([("X", linear), ("Y", linear), ("A", rotary)], Dialect::LinuxCnc);
+    let setup = Setup::new(&machine, [Position::ZERO; 3]);
+    let text = "G20 G1 F10\nA90\nX1\nX2 A180\nG21 F100\nA0\nG20\nA5\nX3\nM2\n";
+    let (commands, _, error, _) = decode_text(setup, text.as_bytes(), 10_000);
+    assert_eq!(error, None);
+    let found: Vec<_> = commands
+        .iter()
+        .filter_map(|c| if let Command::Motion(m) = c { Some((mm(m.target[2]), mm(m.feed))) } else { None })
+        .collect();
+    // F beside G20 and G21: LinuxCNC takes it in the unit before. Degrees have no inches.
+    assert_eq!(found, [(90.0, 10.0), (90.0, 10.0), (180.0, 10.0), (0.0, 100.0), (5.0, 100.0), (5.0, 2540.0)]);
+}

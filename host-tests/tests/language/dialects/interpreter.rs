@@ -1,0 +1,548 @@
+//! A small interpreter of LinuxCNC's and Grbl's words in f64: the judge. It shares nothing with the library.
+
+/// What a program makes a machine do.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Event {
+    Move { shape: Shape, to: [f64; 3], feed: f64, stop: bool },
+    Dwell(f64),
+    M(u32),
+    Pause(u32),
+    Speed(f64),
+    Tool(u32),
+    Message(String),
+    Blend(f64),
+    NoBlend,
+    Stop(bool),
+    End(u32),
+}
+
+#[derive(Clone, Debug, PartialEq)]
+pub enum Shape {
+    Rapid,
+    Line,
+    /// Clockwise, plane 17 to 19, centre in its two axes.
+    Centre(bool, u32, [f64; 2]),
+    Radius(bool, u32, f64),
+}
+
+pub struct Machine {
+    grbl: bool,
+    at: [f64; 3],
+    systems: [[f64; 3]; 9],
+    system: usize,
+    here: [f64; 3],
+    here_on: bool,
+    tool_length: [f64; 3],
+    lengths: Vec<(u32, f64)>,
+    stored: [[f64; 3]; 2],
+    unit: f64,
+    incremental: bool,
+    centre_absolute: bool,
+    plane: u32,
+    /// G word times ten.
+    motion: u32,
+    feed: f64,
+    by_time: bool,
+    to_r: bool,
+    sticky: Sticky,
+    /// Level before a row of cycles.
+    row: Option<f64>,
+    tool: u32,
+    spindle: bool,
+    coolant: bool,
+    blends: bool,
+    stops: bool,
+    percent: bool,
+    any: bool,
+    pub over: bool,
+    pub events: Vec<Event>,
+}
+
+/// Values that a cycle keeps.
+#[derive(Clone, Copy, Default)]
+struct Sticky {
+    of: u32,
+    r: f64,
+    z: f64,
+    q: f64,
+    p: f64,
+    d: f64,
+}
+
+const CHIP: f64 = 0.254;
+
+impl Machine {
+    pub fn new(grbl: bool, lengths: &[(u32, f64)]) -> Self {
+        Self {
+            grbl,
+            at: [0.0; 3],
+            systems: [[0.0; 3]; 9],
+            system: 0,
+            here: [0.0; 3],
+            here_on: true,
+            tool_length: [0.0; 3],
+            lengths: lengths.to_vec(),
+            stored: [[0.0; 3]; 2],
+            unit: 1.0,
+            incremental: false,
+            centre_absolute: false,
+            plane: 17,
+            motion: 0,
+            feed: 0.0,
+            by_time: false,
+            to_r: false,
+            sticky: Sticky::default(),
+            row: None,
+            tool: 0,
+            spindle: false,
+            coolant: false,
+            blends: false,
+            stops: false,
+            percent: false,
+            any: false,
+            over: false,
+            events: Vec::new(),
+        }
+    }
+
+    /// Another program begins.
+    pub fn begin(&mut self, motion: u32) {
+        (self.system, self.plane, self.motion) = (0, 17, motion);
+        (self.incremental, self.centre_absolute, self.to_r, self.row) = (false, false, false, None);
+        (self.spindle, self.coolant, self.blends, self.stops) = (false, false, false, false);
+        (self.percent, self.any, self.over) = (false, false, false);
+    }
+
+    pub fn run(&mut self, text: &str) {
+        let text = text.trim_start_matches('\u{feff}').replace("\r\n", "\n");
+        for line in text.split('\n') {
+            if !self.over {
+                self.line(line);
+            }
+        }
+    }
+
+    fn offset(&self, axis: usize) -> f64 {
+        let here = if self.here_on { self.here[axis] } else { 0.0 };
+        self.systems[self.system][axis] + here + self.tool_length[axis]
+    }
+
+    fn line(&mut self, line: &str) {
+        let (mut code, mut note, mut rest) = (String::new(), None, line);
+        while let Some(at) = rest.find(['(', ';']) {
+            code.push_str(&rest[..at]);
+            if rest[at..].starts_with(';') {
+                rest = "";
+                break;
+            }
+            let end = rest[at..].find(')').map_or(rest.len(), |end| at + end);
+            let comment = &rest[at + 1..end];
+            if let Some((head, text)) = comment.split_once(',')
+                && head.trim().eq_ignore_ascii_case("msg")
+                && end < rest.len()
+            {
+                note = Some(text.trim().to_owned());
+            }
+            rest = rest.get(end + 1..).unwrap_or("");
+        }
+        code.push_str(rest);
+        let code: String = code.chars().filter(|c| !c.is_whitespace()).collect::<String>().to_uppercase();
+        self.events.extend(note.map(Event::Message));
+        if code == "%" {
+            self.over = self.percent || self.any;
+            self.percent = true;
+        } else if !code.is_empty() {
+            self.any = true;
+            self.block(&words(code.trim_start_matches('/')));
+        }
+    }
+
+    fn block(&mut self, words: &[(char, f64)]) {
+        let g = |code: f64| words.iter().any(|(l, v)| *l == 'G' && (v - code).abs() < 1e-9);
+        let v = |letter: char| words.iter().find(|(l, _)| *l == letter).map(|(_, v)| *v);
+        let unit_before = self.unit;
+        if g(20.0) {
+            self.unit = 25.4;
+        }
+        if g(21.0) {
+            self.unit = 1.0;
+        }
+        if g(93.0) || g(94.0) {
+            self.by_time = g(93.0);
+        }
+        if let Some(f) = v('F') {
+            let unit = if self.grbl { self.unit } else { unit_before };
+            self.feed = if self.by_time { f } else { f * unit };
+        }
+        self.functions(words);
+        if g(4.0) {
+            self.events.push(Event::Dwell(v('P').unwrap()));
+        }
+        for plane in [17, 18, 19] {
+            if g(f64::from(plane)) {
+                self.plane = plane;
+            }
+        }
+        let unit = self.unit;
+        if g(49.0) {
+            self.tool_length = [0.0; 3];
+        }
+        if g(43.0) {
+            let number = v('H').map_or(self.tool, |h| h as u32);
+            let length = self.lengths.iter().find(|(n, _)| *n == number).map_or(0.0, |(_, length)| *length);
+            self.tool_length = [0.0, 0.0, length];
+        }
+        let named = ['X', 'Y', 'Z'].map(|letter| v(letter).map(|value| value * unit));
+        if g(43.1) {
+            for axis in 0..3 {
+                self.tool_length[axis] = named[axis].unwrap_or(self.tool_length[axis]);
+            }
+        }
+        for (system, code) in [54.0, 55.0, 56.0, 57.0, 58.0, 59.0, 59.1, 59.2, 59.3].into_iter().enumerate() {
+            if g(code) {
+                self.system = system;
+            }
+        }
+        self.path(words);
+        if g(90.0) || g(91.0) {
+            self.incremental = g(91.0);
+        }
+        if g(90.1) || g(91.1) {
+            self.centre_absolute = g(90.1);
+        }
+        if g(98.0) || g(99.0) {
+            self.to_r = g(99.0);
+        }
+        if !self.other(words, named) && !g(43.1) {
+            self.motion(words, named);
+        }
+        self.stop(words);
+    }
+
+    fn functions(&mut self, words: &[(char, f64)]) {
+        let m = |code: u32| words.iter().any(|(l, v)| *l == 'M' && *v == f64::from(code));
+        if let Some((_, s)) = words.iter().find(|(l, _)| *l == 'S') {
+            self.events.push(Event::Speed(*s));
+        }
+        if let Some((_, t)) = words.iter().find(|(l, _)| *l == 'T') {
+            self.tool = *t as u32;
+            self.events.push(Event::Tool(self.tool));
+        }
+        if m(6) {
+            self.events.push(Event::Pause(6));
+        }
+        for code in [3, 4, 5, 7, 8, 9].into_iter().chain(100..200) {
+            if m(code) {
+                self.events.push(Event::M(code));
+                match code {
+                    3 | 4 => self.spindle = true,
+                    5 => self.spindle = false,
+                    7 | 8 => self.coolant = true,
+                    9 => self.coolant = false,
+                    _ => {}
+                }
+            }
+        }
+    }
+
+    fn path(&mut self, words: &[(char, f64)]) {
+        let g = |code: f64| words.iter().any(|(l, v)| *l == 'G' && (v - code).abs() < 1e-9);
+        let (exact, stop, blend) = (g(61.0), g(61.1), g(64.0));
+        if exact || stop {
+            if self.blends {
+                self.events.push(Event::NoBlend);
+            }
+            if stop != self.stops {
+                self.events.push(Event::Stop(stop));
+            }
+            (self.blends, self.stops) = (false, stop);
+        }
+        if blend {
+            if self.stops {
+                self.events.push(Event::Stop(false));
+            }
+            (self.blends, self.stops) = (true, false);
+            let p = words.iter().find(|(l, _)| *l == 'P').map_or(0.0, |(_, p)| p * self.unit);
+            self.events.push(Event::Blend(if p == 0.0 { 0.02 } else { p }));
+        }
+    }
+
+    /// Words that use axis words otherwise, or need none.
+    fn other(&mut self, words: &[(char, f64)], named: [Option<f64>; 3]) -> bool {
+        let g = |code: f64| words.iter().any(|(l, v)| *l == 'G' && (v - code).abs() < 1e-9);
+        let v = |letter: char| words.iter().find(|(l, _)| *l == letter).map(|(_, v)| *v);
+        for place in 0..2 {
+            if g([28.1, 30.1][place]) {
+                self.stored[place] = self.at;
+                return true;
+            }
+            if g([28.0, 30.0][place]) {
+                self.go_home(place, named);
+                return true;
+            }
+        }
+        if g(10.0) {
+            let p = v('P').unwrap() as usize;
+            let set = if p == 0 { self.system } else { p - 1 };
+            for axis in 0..3 {
+                let Some(value) = named[axis] else { continue };
+                let others = self.offset(axis) - self.systems[self.system][axis];
+                let wanted = if v('L') == Some(20.0) { self.at[axis] - others - value } else { value };
+                self.systems[set][axis] = wanted;
+            }
+            return true;
+        }
+        if g(92.0) || g(52.0) {
+            if !self.here_on {
+                (self.here, self.here_on) = ([0.0; 3], true);
+            }
+            for axis in 0..3 {
+                let Some(value) = named[axis] else { continue };
+                let stands = self.at[axis] - self.systems[self.system][axis] - self.tool_length[axis] - value;
+                self.here[axis] = if g(92.0) { stands } else { value };
+            }
+            return true;
+        }
+        if g(92.1) {
+            (self.here, self.here_on) = ([0.0; 3], true);
+        }
+        if g(92.2) {
+            self.here_on = false;
+        }
+        if g(92.3) {
+            self.here_on = true;
+        }
+        g(92.1) || g(92.2) || g(92.3)
+    }
+
+    fn go_home(&mut self, place: usize, named: [Option<f64>; 3]) {
+        let mut way = self.at;
+        for axis in 0..3 {
+            if let Some(value) = named[axis] {
+                way[axis] = value + if self.incremental { self.at[axis] } else { self.offset(axis) };
+            }
+        }
+        let none = named.iter().all(Option::is_none);
+        if !none && far(way, self.at) {
+            self.go(Shape::Rapid, way, false);
+        }
+        let mut to = self.at;
+        for axis in 0..3 {
+            if none || named[axis].is_some() {
+                to[axis] = self.stored[place][axis];
+            }
+        }
+        self.go(Shape::Rapid, to, false);
+    }
+
+    fn go(&mut self, shape: Shape, to: [f64; 3], stop: bool) {
+        let length = self.length(&shape, to);
+        let feed = match shape {
+            Shape::Rapid => 0.0,
+            _ if self.by_time => self.feed * length,
+            _ => self.feed,
+        };
+        self.events.push(Event::Move { shape, to, feed, stop: stop || self.stops });
+        self.at = to;
+    }
+
+    /// Arcs by many chords: the judge needs no formula.
+    fn length(&self, shape: &Shape, to: [f64; 3]) -> f64 {
+        let far = |a: [f64; 3], b: [f64; 3]| a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
+        let (clockwise, plane, centre) = match *shape {
+            Shape::Rapid | Shape::Line => return far(self.at, to),
+            Shape::Centre(clockwise, plane, centre) => (clockwise, plane, centre),
+            Shape::Radius(clockwise, plane, r) => {
+                let [a, b, _] = axes_of(plane);
+                let [dx, dy] = [to[a] - self.at[a], to[b] - self.at[b]];
+                let chord = dx.hypot(dy);
+                let side = (r * r - chord * chord / 4.0).max(0.0).sqrt();
+                let left = if clockwise == (r < 0.0) { side } else { -side };
+                let middle = [(to[a] + self.at[a]) / 2.0, (to[b] + self.at[b]) / 2.0];
+                (clockwise, plane, [middle[0] - left * dy / chord, middle[1] + left * dx / chord])
+            }
+        };
+        let [a, b, c] = axes_of(plane);
+        let angle = |p: [f64; 3]| (p[b] - centre[1]).atan2(p[a] - centre[0]);
+        let turned = angle(to) - angle(self.at);
+        let mut turned = if clockwise { -turned } else { turned }.rem_euclid(std::f64::consts::TAU);
+        if turned < 1e-9 {
+            turned = std::f64::consts::TAU;
+        }
+        let radius = (self.at[a] - centre[0]).hypot(self.at[b] - centre[1]);
+        const CHORDS: u32 = 20_000;
+        let part = turned / f64::from(CHORDS);
+        let chord = 2.0 * radius * (part / 2.0).sin();
+        let rise = (to[c] - self.at[c]) / f64::from(CHORDS);
+        chord.hypot(rise) * f64::from(CHORDS)
+    }
+
+    fn motion(&mut self, words: &[(char, f64)], named: [Option<f64>; 3]) {
+        let g = |code: u32| words.iter().any(|(l, v)| *l == 'G' && (v * 10.0).round() as u32 == code);
+        let v = |letter: char| words.iter().find(|(l, _)| *l == letter).map(|(_, v)| *v);
+        for code in [800, 0, 10, 20, 30, 730, 810, 820, 830, 850, 890] {
+            if g(code) {
+                self.motion = code;
+                if code < 730 || code == 800 {
+                    (self.row, self.sticky.of) = (None, 0);
+                }
+            }
+        }
+        let axes = named.iter().any(Option::is_some);
+        let arc = matches!(self.motion, 20 | 30);
+        if !(axes || arc && ['I', 'J', 'K'].iter().any(|letter| v(*letter).is_some())) {
+            return;
+        }
+        if self.motion >= 730 {
+            return self.cycle(words, named);
+        }
+        let machine = g(530);
+        let mut to = self.at;
+        for axis in 0..3 {
+            let Some(value) = named[axis] else { continue };
+            to[axis] = match (machine, self.incremental) {
+                (true, _) => value,
+                (false, true) => self.at[axis] + value,
+                (false, false) => value + self.offset(axis),
+            };
+        }
+        if !arc {
+            return self.go(if self.motion == 0 { Shape::Rapid } else { Shape::Line }, to, false);
+        }
+        let clockwise = self.motion == 20;
+        if let Some(r) = v('R') {
+            return self.go(Shape::Radius(clockwise, self.plane, r * self.unit), to, false);
+        }
+        let [a, b, _] = axes_of(self.plane);
+        let mut centre = [0.0; 2];
+        for (slot, axis) in centre.iter_mut().zip([a, b]) {
+            let base = if self.centre_absolute { self.offset(axis) } else { self.at[axis] };
+            let given = v(['I', 'J', 'K'][axis]);
+            *slot = given.map_or(self.at[axis], |value| base + value * self.unit);
+        }
+        self.turns(clockwise, centre, to, v('P').unwrap_or(1.0));
+    }
+
+    fn turns(&mut self, clockwise: bool, centre: [f64; 2], to: [f64; 3], turns: f64) {
+        let [a, b, c] = axes_of(self.plane);
+        let angle = |p: [f64; 3]| (p[b] - centre[1]).atan2(p[a] - centre[0]);
+        let turned = (angle(to) - angle(self.at)) / std::f64::consts::TAU;
+        let mut last = if clockwise { -turned } else { turned }.rem_euclid(1.0);
+        if !(1e-9..1.0 - 1e-9).contains(&last) {
+            last = 1.0;
+        }
+        let all = turns - 1.0 + last;
+        let (from, shape) = (self.at, Shape::Centre(clockwise, self.plane, centre));
+        for turn in 1..turns as u32 {
+            let mut end = from;
+            end[c] += (to[c] - from[c]) * f64::from(turn) / all;
+            self.go(shape.clone(), end, false);
+        }
+        self.go(shape, to, false);
+    }
+
+    fn cycle(&mut self, words: &[(char, f64)], named: [Option<f64>; 3]) {
+        let v = |letter: char| words.iter().find(|(l, _)| *l == letter).map(|(_, v)| *v);
+        let [a, b, c] = axes_of(self.plane);
+        let mut s = if self.sticky.of == self.motion { self.sticky } else { Sticky { d: CHIP, ..Sticky::default() } };
+        s.of = self.motion;
+        s.r = v('R').map_or(s.r, |r| r * self.unit);
+        s.z = named[c].unwrap_or(s.z);
+        s.q = v('Q').map_or(s.q, |q| q * self.unit);
+        s.d = v('D').map_or(s.d, |d| d * self.unit);
+        s.p = v('P').unwrap_or(s.p);
+        self.sticky = s;
+        let mut old = *self.row.get_or_insert(self.at[c]);
+        let relative = self.incremental;
+        let r = s.r + if relative { old } else { self.offset(c) };
+        let bottom = s.z + if relative { r } else { self.offset(c) };
+        if old < r {
+            self.level(c, r, true);
+            old = r;
+        }
+        let clear = if self.to_r { r } else { old };
+        for _ in 0..v('L').unwrap_or(1.0) as u32 {
+            let mut over = self.at;
+            for axis in [a, b] {
+                let Some(value) = named[axis] else { continue };
+                over[axis] = value + if relative { over[axis] } else { self.offset(axis) };
+            }
+            if far(over, self.at) {
+                self.go(Shape::Rapid, over, self.blends);
+            }
+            self.level(c, r, true);
+            let pecks = matches!(s.of, 830 | 730);
+            let mut depth = r;
+            while pecks && depth - s.q > bottom + 1e-9 {
+                depth -= s.q;
+                self.level(c, depth, false);
+                if s.of == 830 {
+                    self.level(c, r, true);
+                }
+                self.level(c, (depth + if s.of == 730 { s.d } else { CHIP }).min(r), true);
+            }
+            self.level(c, bottom, false);
+            if matches!(s.of, 820 | 890) {
+                self.events.push(Event::Dwell(s.p));
+            }
+            match s.of {
+                850 => self.level(c, r, false),
+                890 => self.level(c, clear, false),
+                _ => {}
+            }
+            self.level(c, clear, true);
+        }
+    }
+
+    fn level(&mut self, axis: usize, level: f64, rapid: bool) {
+        let mut to = self.at;
+        to[axis] = level;
+        if far(to, self.at) {
+            self.go(if rapid { Shape::Rapid } else { Shape::Line }, to, self.blends);
+        }
+    }
+
+    fn stop(&mut self, words: &[(char, f64)]) {
+        let m = |code: u32| words.iter().any(|(l, v)| *l == 'M' && *v == f64::from(code));
+        for code in [0, 60] {
+            if m(code) {
+                self.events.push(Event::Pause(code));
+            }
+        }
+        for code in [2, 30] {
+            if !m(code) {
+                continue;
+            }
+            self.events.extend(self.spindle.then_some(Event::M(5)));
+            self.events.extend(self.coolant.then_some(Event::M(9)));
+            self.events.extend(self.blends.then_some(Event::NoBlend));
+            self.events.push(Event::End(code));
+            self.begin(10);
+            self.over = true;
+        }
+    }
+}
+
+fn axes_of(plane: u32) -> [usize; 3] {
+    match plane {
+        17 => [0, 1, 2],
+        18 => [2, 0, 1],
+        _ => [1, 2, 0],
+    }
+}
+
+fn far(a: [f64; 3], b: [f64; 3]) -> bool {
+    a.iter().zip(b).any(|(a, b)| (a - b).abs() > 1e-10)
+}
+
+/// Letters and numbers of a line without blanks.
+fn words(code: &str) -> Vec<(char, f64)> {
+    let mut found = Vec::new();
+    let mut rest = code;
+    while let Some(letter) = rest.chars().next() {
+        let end = rest[1..].find(|c: char| c.is_ascii_alphabetic()).map_or(rest.len(), |at| at + 1);
+        found.push((letter, rest[1..end].parse().unwrap_or_else(|_| panic!("a number in {code}"))));
+        rest = &rest[end..];
+    }
+    found
+}

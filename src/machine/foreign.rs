@@ -1,0 +1,113 @@
+//! Machine data that programs of other dialects than ISG's need: parameters of the project's own, without ISG ids.
+
+/// The language that programs are written in.
+///
+/// Words that two dialects share need not mean the same: `G20` mirrors in ISG's language and is the inch elsewhere.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Dialect {
+    /// ISG's language, DIN 66025 with extensions.
+    #[default]
+    Isg,
+    /// LinuxCNC's RS274/NGC.
+    LinuxCnc,
+    /// Grbl 1.1, with words of grblHAL and FluidNC.
+    Grbl,
+}
+
+impl Dialect {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Isg, Self::LinuxCnc, Self::Grbl];
+
+    /// Its name in machine data and on command lines: `isg`, `linuxcnc`, `grbl`.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Isg => "isg",
+            Self::LinuxCnc => "linuxcnc",
+            Self::Grbl => "grbl",
+        }
+    }
+}
+
+/// Zero offsets beside G54…G59: G59.1, G59.2, G59.3.
+pub const MORE_OFFSETS: usize = 3;
+
+/// Tools that a table of lengths holds.
+pub const TOOLS: usize = 32;
+
+/// Tool lengths by tool number, for G43 H.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct ToolLengths {
+    tools: [(u32, i32); TOOLS],
+    len: u8,
+}
+
+impl ToolLengths {
+    /// No tool.
+    pub const NONE: Self = Self { tools: [(0, 0); TOOLS], len: 0 };
+
+    /// The same with the length of tool `number`, 0.1 µm. A tool that is in the table gets the new length; more than
+    /// [`TOOLS`] tools are left out.
+    #[must_use]
+    pub fn with(mut self, number: u32, length: i32) -> Self {
+        let len = usize::from(self.len);
+        let known = self.tools.iter_mut().take(len).find(|tool| tool.0 == number);
+        if let Some(tool) = known {
+            tool.1 = length;
+        } else if let Some(slot) = self.tools.get_mut(len) {
+            *slot = (number, length);
+            self.len += 1;
+        }
+        self
+    }
+
+    /// The length of tool `number`, 0.1 µm; `None` for a tool that is not in the table.
+    pub fn of(&self, number: u32) -> Option<i32> {
+        self.tools.iter().take(self.len.into()).find(|tool| tool.0 == number).map(|tool| tool.1)
+    }
+
+    /// Whether no tool is in the table.
+    pub const fn is_empty(&self) -> bool {
+        self.len == 0
+    }
+}
+
+/// The dialect of a channel, and what others than ISG's need.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct ForeignChannel {
+    /// `dialect`: the language of its programs.
+    pub dialect: Dialect,
+    /// `blend_tolerance`: how far G64 without P may leave the programmed path, µm.
+    pub blend_tolerance_um: u32,
+    /// `block_delete`: lines that begin with `/` are left out.
+    pub block_delete: bool,
+    /// `optional_stop`: M1 pauses.
+    pub optional_stop: bool,
+    /// `tool_length[n]`: lengths for G43, along the third main axis.
+    pub tools: ToolLengths,
+}
+
+impl ForeignChannel {
+    /// ISG's language.
+    pub const ISG: Self = Self {
+        dialect: Dialect::Isg,
+        blend_tolerance_um: 20,
+        block_delete: false,
+        optional_stop: false,
+        tools: ToolLengths::NONE,
+    };
+}
+
+/// What an axis has beside for other dialects, 0.1 µm (rotary: 0.0001°), machine coordinates.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct ForeignAxis {
+    /// `np_grp.7.versch`…`np_grp.9.versch`: zero offsets of G59.1…G59.3.
+    pub versch: [i32; MORE_OFFSETS],
+    /// `g28` and `g30`: the places that these words lead to.
+    pub stored: [i32; 2],
+}
+
+impl ForeignAxis {
+    /// All of them 0.
+    pub const NONE: Self = Self { versch: [0; MORE_OFFSETS], stored: [0; 2] };
+}

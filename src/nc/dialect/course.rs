@@ -1,0 +1,281 @@
+//! Blocks that make several motions: G28 and G30, arcs of several turns, canned cycles. One part per call.
+use crate::math::angle::atan2_turns;
+use crate::nc::compose::carry;
+use crate::nc::{ArcBy, MotionKind, Plane};
+use crate::quantity::Position;
+
+/// Canned cycles.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum CycleKind {
+    /// G81.
+    Drill,
+    /// G82.
+    Dwell,
+    /// G83.
+    Peck,
+    /// G73.
+    Break,
+    /// G85.
+    Bore,
+    /// G89.
+    BoreDwell,
+}
+
+impl CycleKind {
+    /// It has a dwell at the bottom.
+    pub const fn dwells(self) -> bool {
+        matches!(self, Self::Dwell | Self::BoreDwell)
+    }
+
+    /// It goes down in pecks.
+    pub const fn pecks(self) -> bool {
+        matches!(self, Self::Peck | Self::Break)
+    }
+}
+
+/// What a block does in several parts.
+#[derive(Clone, Copy)]
+pub enum Course<const AXES: usize> {
+    None,
+    /// G28 or G30: perhaps to a place on the way, then to the stored one.
+    Home {
+        way: Option<[Position; AXES]>,
+        to: [Position; AXES],
+    },
+    Turns(Turns<AXES>),
+    Holes(Holes<AXES>),
+}
+
+/// One part.
+#[derive(Clone, Copy)]
+pub enum Part<const AXES: usize> {
+    Motion(MotionKind, [Position; AXES]),
+    /// Seconds.
+    Dwell(Position),
+}
+
+impl<const AXES: usize> Course<AXES> {
+    /// The next part from `at`; `None` when the block is done. `rests` is what rounding of increments has left.
+    pub fn next(&mut self, at: &[Position; AXES], rests: &mut [i32; AXES]) -> Option<Part<AXES>> {
+        match self {
+            Self::None => None,
+            Self::Home { way, to } => {
+                let (target, last) = match way.take() {
+                    Some(way) if way != *at => (way, false),
+                    _ => (*to, true),
+                };
+                if last {
+                    *self = Self::None;
+                }
+                Some(Part::Motion(MotionKind::Rapid, target))
+            }
+            Self::Turns(turns) => turns.next(),
+            Self::Holes(holes) => holes.next(at, rests),
+        }
+    }
+
+    /// Whether there is one.
+    pub const fn is_some(&self) -> bool {
+        !matches!(self, Self::None)
+    }
+}
+
+/// An arc of several turns: full circles, and the arc as it was programmed.
+#[derive(Clone, Copy)]
+pub struct Turns<const AXES: usize> {
+    pub start: [Position; AXES],
+    pub end: [Position; AXES],
+    /// Axes of the plane.
+    pub axes: [usize; 2],
+    pub centre: [Position; 2],
+    pub plane: Plane,
+    pub clockwise: bool,
+    /// Full circles before the arc.
+    pub full: u32,
+    pub done: u32,
+}
+
+impl<const AXES: usize> Turns<AXES> {
+    fn next(&mut self) -> Option<Part<AXES>> {
+        if self.done > self.full {
+            return None;
+        }
+        self.done += 1;
+        let last = self.done > self.full;
+        let target = if last { self.end } else { self.behind(self.done) };
+        let by = ArcBy::Centre(self.centre);
+        let kind = MotionKind::Arc { plane: self.plane, clockwise: self.clockwise, by };
+        Some(Part::Motion(kind, target))
+    }
+
+    /// The angle of the programmed arc, LSB 2^-48 revolutions, above 0.
+    fn angle(&self) -> u64 {
+        let direction = |point: &[Position; AXES]| {
+            let of = |k: usize| {
+                let (axis, centre) = (self.axes.get(k), self.centre.get(k));
+                let at = axis.and_then(|axis| point.get(*axis)).copied().unwrap_or_default();
+                at.saturating_sub(centre.copied().unwrap_or_default()).to_bits()
+            };
+            atan2_turns(of(1), of(0))
+        };
+        let turned = direction(&self.end).wrapping_sub(direction(&self.start));
+        let turned = if self.clockwise { turned.wrapping_neg() } else { turned };
+        // To nearest; as little as nothing is a full circle.
+        match ((turned >> 15) + 1) >> 1 {
+            0 => 1 << 48,
+            angle => angle,
+        }
+    }
+
+    /// Where all axes are behind `turns` full circles: those outside the plane have gone on with the angle.
+    fn behind(&self, turns: u32) -> [Position; AXES] {
+        let whole = (i128::from(self.full) << 48) + i128::from(self.angle());
+        let part = i128::from(turns) << 48;
+        let mut target = self.start;
+        for (axis, (slot, end)) in target.iter_mut().zip(&self.end).enumerate() {
+            if self.axes.contains(&axis) {
+                continue;
+            }
+            // Below 2^50, times below 2^62.
+            let travel = i128::from(end.to_bits()) - i128::from(slot.to_bits());
+            let gone = (travel * part * 2 + whole).div_euclid(whole * 2);
+            *slot = Position::from_bits(slot.to_bits().saturating_add(gone as i64));
+        }
+        target
+    }
+}
+
+/// A peck that ends so near to the bottom is the last one: a nanometre, which rounding may leave.
+const NEAR: Position = Position::from_bits(1 << 12);
+
+/// Holes of a canned cycle, in machine coordinates.
+#[derive(Clone, Copy)]
+pub struct Holes<const AXES: usize> {
+    pub kind: CycleKind,
+    /// Axes of the plane, and the one of the hole.
+    pub axes: [usize; 3],
+    /// From hole to hole, and what its rounding left.
+    pub step: [(Position, i64); 2],
+    /// The hole at hand in the plane.
+    pub hole: [Position; 2],
+    pub r: Position,
+    pub bottom: Position,
+    /// Where the tool ends above the hole.
+    pub clear: Position,
+    /// And what its rounding left.
+    pub peck: (Position, i64),
+    /// What the pecks of this hole have left.
+    pub rest: i32,
+    pub back: Position,
+    pub dwell: Position,
+    /// Holes still to come.
+    pub left: u32,
+    /// How deep this one is.
+    pub depth: Position,
+    pub stage: Stage,
+}
+
+/// What comes next in a cycle.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Stage {
+    /// Up to R, before the first hole.
+    Lift,
+    /// Over the hole.
+    Over,
+    /// To R.
+    Down,
+    Feed,
+    /// Out to R between pecks.
+    Back,
+    /// Down again to the last depth.
+    Again,
+    /// A short way up, to break the chip.
+    Break,
+    Bottom,
+    Out,
+    /// From R to where the hole ends.
+    Clear,
+    End,
+}
+
+impl<const AXES: usize> Holes<AXES> {
+    fn next(&mut self, at: &[Position; AXES], rests: &mut [i32; AXES]) -> Option<Part<AXES>> {
+        loop {
+            let mut target = *at;
+            let rapid = match self.stage {
+                Stage::End if self.left == 0 => return None,
+                Stage::End | Stage::Over => {
+                    self.over(&mut target, rests);
+                    self.stage = Stage::Down;
+                    true
+                }
+                Stage::Bottom => {
+                    self.stage = Stage::Out;
+                    if self.kind.dwells() {
+                        return Some(Part::Dwell(self.dwell));
+                    }
+                    continue;
+                }
+                _ => {
+                    let (level, rapid) = self.level();
+                    let [.., axis] = self.axes;
+                    if let Some(slot) = target.get_mut(axis) {
+                        *slot = level;
+                    }
+                    rapid
+                }
+            };
+            if target != *at {
+                return Some(Part::Motion(if rapid { MotionKind::Rapid } else { MotionKind::Line }, target));
+            }
+        }
+    }
+
+    /// The next hole.
+    fn over(&mut self, target: &mut [Position; AXES], rests: &mut [i32; AXES]) {
+        self.left = self.left.saturating_sub(1);
+        for ((hole, (step, left)), axis) in self.hole.iter_mut().zip(self.step).zip(self.axes) {
+            if let (Some(rest), Some(slot)) = (rests.get_mut(axis), target.get_mut(axis)) {
+                *hole = hole.saturating_add(step).saturating_add(carry(rest, left));
+                *slot = *hole;
+            }
+        }
+    }
+
+    /// The next level, and whether the way there is rapid.
+    fn level(&mut self) -> (Position, bool) {
+        let stage = self.stage;
+        let (level, rapid, next) = match stage {
+            Stage::Lift => (self.r, true, Stage::Over),
+            Stage::Down => {
+                (self.depth, self.rest) = (self.r, 0);
+                (self.r, true, Stage::Feed)
+            }
+            Stage::Feed => {
+                let (peck, left) = self.peck;
+                let peck = peck.saturating_add(carry(&mut self.rest, left));
+                let depth = self.depth.saturating_sub(peck);
+                let depth = if depth <= self.bottom.saturating_add(NEAR) { self.bottom } else { depth };
+                self.depth = if self.kind.pecks() { depth } else { self.bottom };
+                let next = match self.kind {
+                    _ if self.depth <= self.bottom => Stage::Bottom,
+                    CycleKind::Break => Stage::Break,
+                    _ => Stage::Back,
+                };
+                (self.depth, false, next)
+            }
+            Stage::Back => (self.r, true, Stage::Again),
+            Stage::Again | Stage::Break => {
+                (self.depth.saturating_add(self.back).min(self.r), true, Stage::Feed)
+            }
+            Stage::Out => match self.kind {
+                CycleKind::Bore => (self.r, false, Stage::Clear),
+                CycleKind::BoreDwell => (self.clear, false, Stage::End),
+                _ => (self.clear, true, Stage::End),
+            },
+            _ => (self.clear, true, Stage::End),
+        };
+        self.stage = next;
+        (level, rapid)
+    }
+}

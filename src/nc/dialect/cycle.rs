@@ -1,0 +1,185 @@
+//! Canned cycles: what their words make.
+use super::Cycle;
+use super::block::Block;
+use super::course::{Course, CycleKind, Holes, Stage};
+use crate::nc::block::Given;
+use crate::nc::compose::in_range;
+use crate::nc::interpreter::Interpreter;
+use crate::nc::number::Factor;
+use crate::nc::{Fault, NcErrorKind, Span};
+use crate::quantity::Position;
+
+/// How far above the last depth a deep hole goes on, and how far a tool backs off to break the chip: 0.01 inch.
+const BACK: Position = Position::from_bits(0x4106_24dd);
+
+/// Most holes of L.
+const REPEATS: u32 = 10_000;
+
+impl<const AXES: usize> Interpreter<AXES> {
+    /// A block of a cycle with axis words: its holes.
+    pub(super) fn drill(
+        &mut self,
+        kind: CycleKind,
+        block: &mut Block<AXES>,
+        span: Span,
+    ) -> Result<Course<AXES>, Fault> {
+        let axes = self.axes_of_plane(span)?;
+        let [.., axis] = axes;
+        let here = self.position.get(axis).copied().unwrap_or_default();
+        let known = self.foreign.now.cycle.filter(|cycle| cycle.kind == kind);
+        let from = self.foreign.now.cycle.map_or(here, |cycle| cycle.from);
+        let cycle = self.cycle_of(kind, block, (known, from, axis), span)?;
+        let repeats = match block.take(b'L') {
+            Some(given) => {
+                let count = self.whole(given, "L", REPEATS)?;
+                if count == 0 {
+                    return given.span.fault(NcErrorKind::Expected("L of 1 and more"));
+                }
+                count
+            }
+            None => 1,
+        };
+        let relative = self.modal.relative;
+        let base = if relative { from } else { self.offset(axis) };
+        let r = cycle.r.saturating_add(base);
+        let bottom = cycle.bottom.saturating_add(if relative { r } else { base });
+        if r < bottom {
+            return span.fault(NcErrorKind::Expected("R above the bottom of the hole"));
+        }
+        if !in_range(r) || !in_range(bottom) {
+            return span.fault(self.coordinate_of(axis));
+        }
+        if self.modal.feed.is_none() {
+            return span.fault(NcErrorKind::NoFeed);
+        }
+        let (hole, step) = self.first_hole(block, axes, repeats)?;
+        let clear = if self.foreign.now.to_level { r } else { from.max(r) };
+        self.foreign.now.cycle = Some(cycle);
+        if let Some(rest) = self.rests.get_mut(axis) {
+            *rest = 0;
+        }
+        Ok(Course::Holes(Holes {
+            kind,
+            axes,
+            step,
+            hole,
+            r,
+            bottom,
+            clear,
+            peck: cycle.peck,
+            rest: 0,
+            back: if kind == CycleKind::Break { cycle.back } else { BACK },
+            dwell: cycle.dwell,
+            left: repeats,
+            depth: r,
+            stage: if from < r { Stage::Lift } else { Stage::Over },
+        }))
+    }
+
+    /// Axes of the plane in force, and the one across.
+    pub(super) fn axes_of_plane(&self, span: Span) -> Result<[usize; 3], Fault> {
+        let [first, second] = self.modal.plane.main_axes();
+        let places = [first, second, 3 - first - second];
+        let mut axes = [0; 3];
+        for (slot, place) in axes.iter_mut().zip(places) {
+            match self.setup.main.get(place).copied().flatten() {
+                Some(axis) => *slot = axis,
+                None => return span.fault(NcErrorKind::NoMainAxis),
+            }
+        }
+        Ok(axes)
+    }
+
+    /// The words of a cycle; what is left out is that of the block before.
+    fn cycle_of(
+        &self,
+        kind: CycleKind,
+        block: &mut Block<AXES>,
+        (known, from, axis): (Option<Cycle>, Position, usize),
+        span: Span,
+    ) -> Result<Cycle, Fault> {
+        let missing = |what| Fault { span, kind: NcErrorKind::Missing(what) };
+        let level = |given: Given| self.axis_value(axis, given);
+        let r = block.take(b'R').map(level).transpose()?.or(known.map(|cycle| cycle.r));
+        let bottom = block.axes.get(axis).copied().flatten().map(level).transpose()?;
+        let mut cycle = Cycle {
+            kind,
+            r: r.ok_or(missing("R, the level above the hole"))?,
+            bottom: bottom.or(known.map(|cycle| cycle.bottom)).ok_or(missing("the bottom of the hole"))?,
+            peck: (Position::ZERO, 0),
+            back: known.map_or(BACK, |cycle| cycle.back),
+            dwell: Position::ZERO,
+            from,
+        };
+        if kind.pecks() {
+            let peck = match block.take(b'Q') {
+                Some(given) => {
+                    let peck = self.above_zero(given, axis, "Q")?;
+                    Some((peck, given.number.rest(self.axis_factor(axis), peck)))
+                }
+                None => known.map(|cycle| cycle.peck),
+            };
+            cycle.peck = peck.ok_or(missing("Q, the depth of a peck"))?;
+        }
+        if kind == CycleKind::Break
+            && let Some(given) = block.take(b'D')
+        {
+            cycle.back = self.above_zero(given, axis, "D")?;
+        }
+        if kind.dwells() {
+            let dwell = block.take(b'P').map(|given| self.seconds(given)).transpose()?;
+            cycle.dwell = dwell.or(known.map(|cycle| cycle.dwell)).ok_or(missing("P, seconds"))?;
+        }
+        Ok(cycle)
+    }
+
+    fn above_zero(&self, given: Given, axis: usize, what: &'static str) -> Result<Position, Fault> {
+        let value =
+            given.number.fixed(self.axis_factor(axis)).filter(|v| *v > Position::ZERO && in_range(*v));
+        let kind = NcErrorKind::Range { what, min: 0, max: 100_000, unit: "mm", above: true };
+        value.ok_or(Fault { span: given.span, kind })
+    }
+
+    /// Seconds of P.
+    pub(super) fn seconds(&self, given: Given) -> Result<Position, Fault> {
+        let value = given.number.fixed(Factor::ONE).filter(|v| *v >= Position::ZERO && in_range(*v));
+        let kind = NcErrorKind::Range { what: "P", min: 0, max: 100_000, unit: "s", above: false };
+        value.ok_or(Fault { span: given.span, kind })
+    }
+
+    /// Where the way to the first hole begins, and the step from hole to hole.
+    #[expect(clippy::type_complexity, reason = "two pairs that the caller takes apart at once")]
+    fn first_hole(
+        &mut self,
+        block: &Block<AXES>,
+        axes: [usize; 3],
+        repeats: u32,
+    ) -> Result<([Position; 2], [(Position, i64); 2]), Fault> {
+        let (mut hole, mut step) = ([Position::ZERO; 2], [(Position::ZERO, 0); 2]);
+        for (axis, given) in block.axes.iter().enumerate() {
+            if let (Some(given), false) = (given, axes.contains(&axis)) {
+                return given.span.fault(NcErrorKind::Conflict("a cycle, which moves the main axes alone"));
+            }
+        }
+        for ((hole, step), axis) in hole.iter_mut().zip(&mut step).zip(axes) {
+            *hole = self.position.get(axis).copied().unwrap_or_default();
+            let Some(given) = block.axes.get(axis).copied().flatten() else { continue };
+            let value = self.axis_value(axis, given)?;
+            let last = if self.modal.relative {
+                *step = (value, given.number.rest(self.axis_factor(axis), value));
+                let way = i128::from(value.to_bits()) * i128::from(repeats) + i128::from(hole.to_bits());
+                Position::from_bits(way.clamp(i128::from(i64::MIN), i128::from(i64::MAX)) as i64)
+            } else {
+                *hole = value.saturating_add(self.offset(axis));
+                if let Some(rest) = self.rests.get_mut(axis) {
+                    *rest = 0;
+                }
+                *hole
+            };
+            if !in_range(last) {
+                return given.span.fault(self.coordinate_of(axis));
+            }
+        }
+        Ok((hole, step))
+    }
+}

@@ -1,0 +1,324 @@
+//! Lines of programs of LinuxCNC and Grbl.
+//!
+//! ```text
+//!  Line → block ──words by group──→ order ─fixed order─→ items of the queue, one motion
+//!                   words: the table of both dialects    └ course: blocks that make several motions
+//! ```
+//!
+//! Plain lines (N, G0, G1, F and axes) go through [`super::plain`], as those of ISG's language do. What is in
+//! force of both kinds lies in [`super::modal::Modal`]; what only these dialects have, in [`Foreign`].
+mod block;
+mod course;
+mod cycle;
+mod offset;
+mod order;
+mod time;
+mod words;
+
+pub use words::{ADDRESSES, WORDS, WordEntry};
+
+use super::block::{Item, ItemKind};
+use super::interpreter::{Gathered, Interpreter, Next, Phase};
+use super::line::Line;
+use super::modal::{Before, Modal, Mode};
+use super::{DwellTime, Motion, MotionKind, NcWarningKind, Place, Span};
+use crate::machine::{Dialect, MORE_OFFSETS, MachineData, ToolLengths, of_tenths};
+use crate::quantity::{Feed, Position};
+use core::cell::Cell;
+use course::{Course, CycleKind, Part};
+
+/// What programs of other dialects need of the machine.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ForeignSetup<const AXES: usize> {
+    /// The language of programs.
+    pub dialect: Dialect,
+    /// Zero offsets of G59.1…G59.3.
+    pub offsets: [[Position; AXES]; MORE_OFFSETS],
+    /// Where G28 and G30 lead to, machine coordinates.
+    pub stored: [[Position; AXES]; 2],
+    /// How far G64 without P may leave the path, mm.
+    pub blend: Position,
+    /// Lines that begin with `/` are left out.
+    pub block_delete: bool,
+    /// M1 pauses.
+    pub optional_stop: bool,
+    /// Lengths for G43, along the third main axis.
+    pub tools: ToolLengths,
+}
+
+impl<const AXES: usize> ForeignSetup<AXES> {
+    /// None: ISG's language.
+    pub(super) const ISG: Self = Self {
+        dialect: Dialect::Isg,
+        offsets: [[Position::ZERO; AXES]; MORE_OFFSETS],
+        stored: [[Position::ZERO; AXES]; 2],
+        blend: Position::ZERO,
+        block_delete: false,
+        optional_stop: false,
+        tools: ToolLengths::NONE,
+    };
+
+    /// Of a machine.
+    pub(super) fn new(machine: &MachineData<AXES>) -> Self {
+        let channel = &machine.channel.foreign;
+        let mut setup = Self { dialect: channel.dialect, ..Self::ISG };
+        for (axis, data) in machine.axes.iter().enumerate() {
+            let sets = setup.offsets.iter_mut().zip(data.foreign.versch);
+            let places = setup.stored.iter_mut().zip(data.foreign.stored);
+            for (places, tenths) in sets.chain(places) {
+                if let Some(slot) = places.get_mut(axis) {
+                    *slot = of_tenths(tenths);
+                }
+            }
+        }
+        Self {
+            blend: of_tenths(channel.blend_tolerance_um.saturating_mul(10).min(100_000_000) as i32),
+            block_delete: channel.block_delete,
+            optional_stop: channel.optional_stop,
+            tools: channel.tools,
+            ..setup
+        }
+    }
+}
+
+/// What is in force beside [`Modal`].
+#[derive(Clone, Copy)]
+pub(super) struct State<const AXES: usize> {
+    /// Offsets of G92 and G52, in force or suspended.
+    pub here: [Position; AXES],
+    /// They are not in force: G92.2.
+    pub here_off: bool,
+    /// Tool length in force.
+    pub length: [Position; AXES],
+    pub cycle: Option<Cycle>,
+    /// G80: axis words need a motion word.
+    pub no_motion: bool,
+    /// G99.
+    pub to_level: bool,
+    /// G93.
+    pub by_time: bool,
+    /// M3 or M4; 0 when off.
+    pub spindle: u16,
+    pub coolant: bool,
+    /// G64 rounds corners.
+    pub blends: bool,
+    /// F as a number of degrees, where inches scale that of lengths.
+    pub degrees: Option<Feed>,
+    /// T.
+    pub tool: u32,
+}
+
+/// A cycle in force. Levels are program coordinates, or increments.
+#[derive(Clone, Copy)]
+pub(super) struct Cycle {
+    pub kind: CycleKind,
+    pub r: Position,
+    pub bottom: Position,
+    /// Q, and what its rounding left.
+    pub peck: (Position, i64),
+    pub back: Position,
+    pub dwell: Position,
+    /// Machine coordinate of the tool before the first cycle of the row.
+    pub from: Position,
+}
+
+impl<const AXES: usize> State<AXES> {
+    const START: Self = Self {
+        here: [Position::ZERO; AXES],
+        here_off: false,
+        length: [Position::ZERO; AXES],
+        cycle: None,
+        no_motion: false,
+        to_level: false,
+        by_time: false,
+        spindle: 0,
+        coolant: false,
+        blends: false,
+        degrees: None,
+        tool: 0,
+    };
+}
+
+/// A comment that is meant for somebody.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Note {
+    /// `(MSG, text)`.
+    Message,
+    /// `(DEBUG, …)`, `(PRINT, …)`, `(LOG…, …)`, `(PROBE…)`.
+    Other,
+    /// `(ABORT, …)`.
+    Abort,
+}
+
+/// All that only programs of other dialects have.
+pub(super) struct Foreign<const AXES: usize> {
+    pub now: State<AXES>,
+    /// For a line that is refused.
+    before: State<AXES>,
+    /// Plain lines may be read by [`super::plain`].
+    plain: bool,
+    /// A line `%` has come.
+    percent: bool,
+    /// An active comment of the line at hand.
+    pub note: Option<(Note, Place)>,
+    /// Where the text of the message to be handed out stands.
+    pub message: Place,
+    course: Course<AXES>,
+    /// M word that ends the block behind its motions.
+    tail: Option<(u16, Span)>,
+    /// The words that made the course.
+    span: Span,
+}
+
+impl<const AXES: usize> Foreign<AXES> {
+    /// Nothing is in it.
+    pub const BLANK: Self = Self {
+        now: State::START,
+        before: State::START,
+        plain: false,
+        percent: false,
+        note: None,
+        message: Place::NONE,
+        course: Course::None,
+        tail: None,
+        span: Span { at: 0, len: 0 },
+    };
+
+    /// Parts of the block at hand are still to come.
+    pub const fn is_under_way(&self) -> bool {
+        self.course.is_some() || self.tail.is_some()
+    }
+}
+
+impl<const AXES: usize> Interpreter<AXES> {
+    /// Whether programs are ISG's.
+    pub fn is_isg(&self) -> bool {
+        self.setup.foreign.dialect == Dialect::Isg
+    }
+
+    /// Whether a plain line means the same in the dialect at hand.
+    pub fn takes_plain(&self) -> bool {
+        self.is_isg() || self.foreign.plain && self.foreign.note.is_none()
+    }
+
+    /// A channel begins.
+    pub fn begin_foreign(&mut self) {
+        self.foreign = Foreign::BLANK;
+        if !self.is_isg() {
+            self.begin_program(Mode::Rapid);
+        }
+    }
+
+    /// What holds at program start. The unit, F, G92 and the tool length stay.
+    pub fn begin_program(&mut self, mode: Mode) {
+        let Modal { inch, shift, .. } = self.modal;
+        // In inverse time F is of its block alone.
+        let feed = self.modal.feed.filter(|_| !self.foreign.now.by_time);
+        self.modal = Modal { mode, inch, feed, shift, zero_set: Some(0), ..Modal::BLANK };
+        let State { here, here_off, length, degrees, tool, .. } = self.foreign.now;
+        self.foreign.now = State { here, here_off, length, degrees, tool, ..State::START };
+        let Foreign { percent, course, tail, note, .. } = &mut self.foreign;
+        (*percent, *course, *tail, *note) = (false, Course::None, None, None);
+        self.settle_plain();
+    }
+
+    /// Whether plain lines may be read as such: no cycle, no G80, and no axis whose F counts in another unit.
+    fn settle_plain(&mut self) {
+        use crate::machine::AxisKind;
+        let State { cycle, no_motion, by_time, degrees, .. } = &self.foreign.now;
+        let turns = self.setup.kinds.contains(&AxisKind::Rotary) && (self.modal.inch || degrees.is_some());
+        self.foreign.plain = cycle.is_none() && !no_motion && !by_time && !turns;
+    }
+
+    /// G92 and the tool length make one shift.
+    fn settle_shift(&mut self) {
+        let State { here, here_off, length, .. } = &self.foreign.now;
+        for ((shift, here), length) in self.modal.shift.iter_mut().zip(here).zip(length) {
+            let here = if *here_off { Position::ZERO } else { *here };
+            *shift = here.saturating_add(*length);
+        }
+    }
+
+    /// A line that is refused leaves nothing behind.
+    pub fn refuse_foreign(&mut self) {
+        self.foreign.note = None;
+        if self.foreign.is_under_way() || matches!(self.before, Before::All(_)) {
+            self.foreign.now = self.foreign.before;
+        }
+        (self.foreign.course, self.foreign.tail) = (Course::None, None);
+    }
+
+    /// The next part of a block that makes several, or what stands behind its motions.
+    pub fn foreign_part(&mut self, line: &Line) {
+        let mut position = self.position;
+        let Foreign { course, span, .. } = &mut self.foreign;
+        let span = *span;
+        let item = match course.next(&position, &mut self.rests) {
+            Some(Part::Motion(kind, target)) => {
+                position = target;
+                self.gathered = Gathered::Motion(Cell::new(self.part(kind, target, line.place(span))));
+                ItemKind::Motion
+            }
+            Some(Part::Dwell(time)) => ItemKind::Dwell(DwellTime::Seconds(time)),
+            None => {
+                self.foreign.course = Course::None;
+                self.end_block();
+                return;
+            }
+        };
+        self.position = position;
+        let _ = self.queue.push_back(Item { span, kind: item });
+    }
+
+    /// A motion of a block that makes several.
+    fn part(&self, kind: MotionKind, target: [Position; AXES], place: Place) -> Motion<AXES> {
+        let moved = target.iter().zip(&self.position).enumerate().filter(|(_, (to, from))| to != from);
+        let named = moved.fold(0_u32, |bits, (axis, _)| bits | 1_u32.wrapping_shl(axis as u32));
+        // Corners of a cycle are not rounded.
+        let stops = matches!(self.foreign.course, Course::Holes(_)) && self.foreign.now.blends;
+        Motion {
+            n: self.n,
+            place,
+            centre: place,
+            kind,
+            target,
+            feed: self.modal.feed.unwrap_or(Feed::ZERO),
+            exact_stop: self.modal.exact_stop || stops,
+            named,
+        }
+    }
+
+    /// M0, M1, M2, M30 and M60 behind the motions of their block.
+    fn end_block(&mut self) {
+        let Some((code, span)) = self.foreign.tail.take() else { return };
+        let kind = match code {
+            2 | 30 => {
+                self.end_program(span);
+                ItemKind::ProgramEnd(code)
+            }
+            _ => ItemKind::Pause(code),
+        };
+        let _ = self.queue.push_back(Item { span, kind });
+    }
+
+    /// M2 and M30: spindle and coolant off, and what holds at program start. Line is the motion behind it.
+    fn end_program(&mut self, span: Span) {
+        let State { spindle, coolant, blends, .. } = self.foreign.now;
+        let off =
+            [(spindle != 0, ItemKind::M(5)), (coolant, ItemKind::M(9)), (blends, ItemKind::Switch(260))];
+        for (_, kind) in off.into_iter().filter(|(on, _)| *on) {
+            let _ = self.queue.push_back(Item { span, kind });
+        }
+        self.begin_program(Mode::Line);
+        self.phase = Phase::Ended;
+    }
+
+    /// The text has ended, without M2 or M30.
+    pub fn end_of_foreign_text(&mut self, here: Place) -> Next {
+        if self.phase == Phase::Running && self.setup.foreign.dialect == Dialect::LinuxCnc {
+            self.warn_at(here, NcWarningKind::NoProgramEnd);
+        }
+        self.phase = Phase::Ended;
+        Next::Line
+    }
+}

@@ -1,0 +1,512 @@
+//! What the words of a line do, in the order that LinuxCNC and Grbl share: the order of the text does not count.
+use super::block::{Block, Said};
+use super::course::{Course, Turns};
+use super::words::{Meaning, group};
+use super::{Interpreter, Note};
+use crate::machine::{AxisKind, Dialect, functions};
+use crate::nc::block::{Given, Item, ItemKind, Words};
+use crate::nc::compose::in_range;
+use crate::nc::cursor::Cursor;
+use crate::nc::interpreter::{Bounds, Gathered, Next, Phase, Refusal};
+use crate::nc::line::Line;
+use crate::nc::modal::{Before, Mode};
+use crate::nc::number::Factor;
+use crate::nc::{ArcBy, DwellTime, Fault, Motion, MotionKind, NcErrorKind, NcWarningKind, Span};
+use crate::quantity::{Feed, Position};
+
+/// Most turns of an arc.
+const TURNS: u32 = 10_000;
+
+/// A longer dwell may be meant in milliseconds.
+const LONG_DWELL: Position = Position::const_from_int(60);
+
+impl<const AXES: usize> Interpreter<AXES> {
+    /// A line of a program of another dialect than ISG's.
+    #[inline(never)]
+    pub fn foreign_line(&mut self, line: &Line, bounds: Bounds) -> Result<Next, Refusal> {
+        let mut c = Cursor::new(line.bytes());
+        let note = self.foreign.note.take();
+        if self.phase == Phase::Ended {
+            return Ok(Next::Line);
+        }
+        self.before = Before::All(self.modal);
+        self.foreign.before = self.foreign.now;
+        self.queue.clear();
+        (self.n, self.moves) = (0, false);
+        match note {
+            None => {}
+            Some((Note::Message, place)) => {
+                self.foreign.message = place;
+                self.push(ItemKind::Message, Span::default())?;
+            }
+            Some((Note::Other, place)) => self.warn_at(place, NcWarningKind::ActiveComment),
+            Some((Note::Abort, place)) => {
+                let kind = NcErrorKind::Known { what: "ABORT", hint: "a program without it" };
+                return Err(Refusal::At(place, kind));
+            }
+        }
+        if c.at_end() {
+            return Ok(Next::Line);
+        }
+        if c.peek() == b'%' {
+            return Ok(self.percent(&mut c, line)?);
+        }
+        if self.phase == Phase::Start {
+            self.phase = Phase::Running;
+            self.flow.program = bounds.start;
+        }
+        if c.peek() == b'/' {
+            if self.setup.foreign.block_delete {
+                self.queue.clear();
+                return Ok(Next::Line);
+            }
+            if self.setup.foreign.dialect == Dialect::Grbl {
+                self.warn(line, c.here(), NcWarningKind::BlockSkip);
+            }
+            c.bump();
+        }
+        let mut block = self.read_block(&mut c)?;
+        self.carry_out(&mut block, line)?;
+        Ok(Next::Line)
+    }
+
+    /// `%`: the first one begins a program, the next one ends it.
+    fn percent(&mut self, c: &mut Cursor<'_>, line: &Line) -> Result<Next, Fault> {
+        let span = c.here();
+        c.bump();
+        c.require_end("%")?;
+        if self.phase == Phase::Start && !self.foreign.percent {
+            self.foreign.percent = true;
+            return Ok(Next::Line);
+        }
+        if !self.foreign.percent {
+            self.warn(line, span, NcWarningKind::HeadEnds);
+        }
+        self.phase = Phase::Ended;
+        Ok(Next::Line)
+    }
+
+    fn push(&mut self, kind: ItemKind, span: Span) -> Result<(), Fault> {
+        self.queue.push_back(Item { span, kind }).map_err(|_| Fault { span, kind: NcErrorKind::BlockTooFull })
+    }
+
+    fn carry_out(&mut self, block: &mut Block<AXES>, line: &Line) -> Result<(), Fault> {
+        let converts =
+            block.said(group::UNITS).is_some_and(|said| said.word.meaning != Meaning::Inch(self.modal.inch));
+        let grbl = self.setup.foreign.dialect == Dialect::Grbl;
+        if let Some(Said { word, .. }) = block.said(group::FEED) {
+            let by_time = word.meaning == Meaning::ByTime(true);
+            if core::mem::replace(&mut self.foreign.now.by_time, by_time) != by_time {
+                (self.modal.feed, self.foreign.now.degrees) = (None, None);
+            }
+        }
+        let feed = block.take(b'F');
+        if let (Some(given), false) = (feed, grbl) {
+            // LinuxCNC takes F before the unit.
+            if converts {
+                self.warn(line, given.span, NcWarningKind::FeedBeforeUnit);
+            }
+            self.set_feed(given)?;
+        }
+        self.functions(block)?;
+        self.dwell(block, line)?;
+        self.settings(block, line)?;
+        if let (Some(given), true) = (feed, grbl) {
+            self.set_feed(given)?;
+        }
+        let course = self.moves_of(block, line)?;
+        block.is_used_up()?;
+        if self.foreign.now.by_time {
+            // F is of its block alone.
+            self.modal.feed = None;
+        }
+        self.settle_plain();
+        self.foreign.tail = match block.said(group::STOP) {
+            Some(said) if said.word.meaning != Meaning::OptionalPause || self.setup.foreign.optional_stop => {
+                Some((said.number, said.span))
+            }
+            _ => None,
+        };
+        if course.is_some() {
+            self.foreign.course = course;
+            self.moves = true;
+        } else {
+            self.end_block();
+        }
+        Ok(())
+    }
+
+    /// F per minute; 0 is none.
+    fn set_feed(&mut self, given: Given) -> Result<(), Fault> {
+        let range =
+            NcErrorKind::Range { what: "F", min: 0, max: 2_147_483_647, unit: "mm/min", above: false };
+        let of = |factor| given.number.fixed(factor).filter(|feed| *feed >= Feed::ZERO);
+        let fault = Fault { span: given.span, kind: range };
+        let feed = of(self.length_factor()).ok_or(fault)?;
+        let degrees = of(Factor::ONE).ok_or(fault)?;
+        let some = |feed| Some(feed).filter(|feed| *feed > Feed::ZERO);
+        if self.foreign.now.by_time {
+            self.modal.feed = some(degrees);
+            return Ok(());
+        }
+        self.modal.feed = some(feed);
+        self.foreign.now.degrees = if self.modal.inch { some(degrees) } else { None };
+        Ok(())
+    }
+
+    /// S, T, M6, spindle, coolant, other M.
+    fn functions(&mut self, block: &mut Block<AXES>) -> Result<(), Fault> {
+        if let Some(given) = block.take(b'S') {
+            let speed = given.number.fixed(Factor::ONE).filter(|speed| *speed >= Position::ZERO);
+            let kind =
+                NcErrorKind::Range { what: "S", min: 0, max: 2_147_483_647, unit: "1/min", above: false };
+            self.push(ItemKind::Spindle(speed.ok_or(Fault { span: given.span, kind })?), given.span)?;
+        }
+        if let Some(given) = block.take(b'T') {
+            self.foreign.now.tool = self.whole(given, "T", 999_999_999)?;
+            self.push(ItemKind::Tool(self.foreign.now.tool), given.span)?;
+        }
+        for group in [group::TOOL, group::SPINDLE, group::MIST, group::FLOOD, group::USER] {
+            let Some(Said { word, number, span }) = block.said(group) else { continue };
+            let now = &mut self.foreign.now;
+            match word.meaning {
+                Meaning::Spindle => now.spindle = if number == 5 { 0 } else { number },
+                Meaning::Coolant => now.coolant = number != 9,
+                _ => {}
+            }
+            let changes = word.meaning == Meaning::Change;
+            self.push(if changes { ItemKind::Pause(number) } else { ItemKind::M(number) }, span)?;
+        }
+        Ok(())
+    }
+
+    /// G4.
+    fn dwell(&mut self, block: &mut Block<AXES>, line: &Line) -> Result<(), Fault> {
+        let Some(said) = block.said(group::NON_MODAL) else { return Ok(()) };
+        if said.word.meaning != Meaning::Dwell {
+            return Ok(());
+        }
+        let Some(given) = block.take(b'P') else {
+            return said.span.fault(NcErrorKind::Missing("P, seconds"));
+        };
+        let time = self.seconds(given)?;
+        if time > LONG_DWELL {
+            self.warn(line, given.span, NcWarningKind::LongDwell);
+        }
+        self.push(ItemKind::Dwell(DwellTime::Seconds(time)), said.span)
+    }
+
+    /// Words that stay in force, but for the motion.
+    fn settings(&mut self, block: &mut Block<AXES>, line: &Line) -> Result<(), Fault> {
+        const ORDER: [u8; 7] = [
+            group::PLANE,
+            group::UNITS,
+            group::LENGTH,
+            group::OFFSET,
+            group::PATH,
+            group::DISTANCE,
+            group::CENTRE,
+        ];
+        for group in ORDER.into_iter().chain([group::LEVEL]) {
+            let Some(said) = block.said(group) else { continue };
+            match said.word.meaning {
+                Meaning::Plane(plane) => self.modal.plane = plane,
+                Meaning::Inch(inch) => self.modal.inch = inch,
+                Meaning::Length | Meaning::LengthNow | Meaning::NoLength => {
+                    self.set_length(said, block, line)?;
+                }
+                Meaning::Offset(set) => self.modal.zero_set = Some(usize::from(set)),
+                Meaning::ExactPath => self.path_mode(false, said.span)?,
+                Meaning::ExactStop => self.path_mode(true, said.span)?,
+                Meaning::Blend => self.blend(block, said.span, line)?,
+                Meaning::Relative(relative) => self.modal.relative = relative,
+                Meaning::CentreAbsolute(absolute) => self.modal.centre_absolute = absolute,
+                Meaning::ToLevel(to_level) => self.foreign.now.to_level = to_level,
+                _ => {}
+            }
+        }
+        Ok(())
+    }
+
+    /// G61 and G61.1: corners as programmed, with or without a standstill.
+    fn path_mode(&mut self, stops: bool, span: Span) -> Result<(), Fault> {
+        if core::mem::take(&mut self.foreign.now.blends) {
+            self.push(ItemKind::Switch(260), span)?;
+        }
+        if core::mem::replace(&mut self.modal.exact_stop, stops) != stops {
+            self.push(ItemKind::Switch(if stops { 360 } else { 359 }), span)?;
+        }
+        Ok(())
+    }
+
+    /// G64 with the largest deviation P; without it, or with 0, that of the machine data.
+    fn blend(&mut self, block: &mut Block<AXES>, span: Span, line: &Line) -> Result<(), Fault> {
+        span.needs(functions::CONTOUR)?;
+        let given = block.take(b'P');
+        let deviation = match given {
+            None => Position::ZERO,
+            Some(given) => {
+                let value = given.number.fixed(self.length_factor());
+                let kind = NcErrorKind::Range { what: "P", min: 0, max: 1000, unit: "mm", above: false };
+                let fits =
+                    |value: &Position| (Position::ZERO..=Position::const_from_int(1000)).contains(value);
+                value.filter(fits).ok_or(Fault { span: given.span, kind })?
+            }
+        };
+        if let Some(given) = block.take(b'Q') {
+            self.warn(line, given.span, NcWarningKind::NoMerging);
+        }
+        let told = deviation == Position::ZERO;
+        let deviation = if told { self.setup.foreign.blend } else { deviation };
+        if told {
+            let um = (i128::from(deviation.to_bits()) * 1000 + (1 << 31)) >> 32;
+            self.warn(line, span, NcWarningKind::BlendTolerance(um as u32));
+        }
+        if core::mem::take(&mut self.modal.exact_stop) {
+            self.push(ItemKind::Switch(359), span)?;
+        }
+        self.foreign.now.blends = true;
+        self.push(ItemKind::Blend(deviation), span)
+    }
+
+    /// Words that use the axes of the block: at most one.
+    fn moves_of(&mut self, block: &mut Block<AXES>, line: &Line) -> Result<Course<AXES>, Fault> {
+        let single = block.said(group::NON_MODAL);
+        let end = block.said(group::CYCLE_END);
+        if let (Some(Said { word, span, .. }), Some(_)) = (block.said(group::MOTION), end)
+            && matches!(word.meaning, Meaning::Cycle(_))
+        {
+            return span.fault(NcErrorKind::Conflict("G80"));
+        }
+        let motion = block.said(group::MOTION).or(end);
+        if let Some(said) = motion {
+            self.choose_motion(said, block)?;
+        }
+        let length = block.said(group::LENGTH).filter(|said| said.word.meaning == Meaning::LengthNow);
+        let other = single.filter(|said| !matches!(said.word.meaning, Meaning::Dwell | Meaning::Machine));
+        if let Some(user) = other.or(length) {
+            let moves = motion.filter(|said| said.word.meaning != Meaning::NoMotion);
+            if let Some(said) = moves {
+                return said.span.fault(NcErrorKind::Conflict("another use of its axis words"));
+            }
+            return match user.word.meaning {
+                Meaning::LengthNow => Ok(Course::None),
+                Meaning::Home(place) => self.home(place, block, user.span),
+                _ => self.store(user, block).map(|()| Course::None),
+            };
+        }
+        let machine = single.filter(|said| said.word.meaning == Meaning::Machine);
+        if let (Some(said), Some(_)) = (machine, block.first)
+            && (self.foreign.now.cycle.is_some()
+                || self.foreign.now.no_motion
+                || !matches!(self.modal.mode, Mode::Rapid | Mode::Line)
+                || motion.is_some_and(|said| matches!(said.word.meaning, Meaning::Cycle(_))))
+        {
+            return said.span.fault(NcErrorKind::Missing("G0 or G1"));
+        }
+        let said = motion.map(|said| said.word.meaning);
+        let cycle = match (said, self.foreign.now.cycle) {
+            (Some(Meaning::Cycle(kind)), _) => Some(kind),
+            (None, Some(cycle)) => Some(cycle.kind),
+            _ => None,
+        };
+        if let Some(kind) = cycle {
+            let Some(span) = motion.map(|said| said.span).or(block.first) else { return Ok(Course::None) };
+            if block.first.is_none() {
+                return span.fault(NcErrorKind::Missing("axis words"));
+            }
+            if self.foreign.now.by_time {
+                return span.fault(NcErrorKind::Conflict("inverse time feed, G93"));
+            }
+            self.foreign.span = span;
+            return self.drill(kind, block, span);
+        }
+        self.move_by(block, machine.is_some(), line)
+    }
+
+    /// A word of the motion group.
+    fn choose_motion(&mut self, said: Said, block: &Block<AXES>) -> Result<(), Fault> {
+        let now = &mut self.foreign.now;
+        match said.word.meaning {
+            Meaning::Motion(mode) => {
+                self.modal.mode = mode;
+                (now.cycle, now.no_motion) = (None, false);
+            }
+            Meaning::NoMotion => {
+                (now.cycle, now.no_motion) = (None, true);
+                let user = block.said(group::NON_MODAL);
+                if let (Some(first), None) = (block.first, user) {
+                    return first.fault(NcErrorKind::Missing("G0, G1, G2 or G3 behind G80"));
+                }
+            }
+            _ => now.no_motion = false,
+        }
+        Ok(())
+    }
+
+    /// G28 and G30.
+    fn home(&mut self, place: u8, block: &Block<AXES>, span: Span) -> Result<Course<AXES>, Fault> {
+        let stored = self.setup.foreign.stored.get(usize::from(place)).copied();
+        let stored = stored.unwrap_or([Position::ZERO; AXES]);
+        self.foreign.span = span;
+        if block.first.is_none() {
+            self.rests = [0; AXES];
+            return Ok(Course::Home { way: None, to: stored });
+        }
+        let (mut way, mut to) = (self.position, self.position);
+        for (axis, given) in block.axes.iter().enumerate() {
+            let Some(given) = *given else { continue };
+            let value = self.axis_value(axis, given)?;
+            let base =
+                if self.modal.relative { self.position.get(axis).copied() } else { Some(self.offset(axis)) };
+            let slots = (way.get_mut(axis), to.get_mut(axis), stored.get(axis), self.rests.get_mut(axis));
+            let (Some(way), Some(to), Some(stored), Some(rest)) = slots else { continue };
+            *way = value.saturating_add(base.unwrap_or_default());
+            (*to, *rest) = (*stored, 0);
+            if !in_range(*way) {
+                return given.span.fault(self.coordinate_of(axis));
+            }
+        }
+        for (axis, given) in block.axes.iter().enumerate() {
+            if let (None, Some(way), Some(to)) = (given, way.get(axis), to.get_mut(axis)) {
+                *to = *way;
+            }
+        }
+        Ok(Course::Home { way: Some(way), to })
+    }
+
+    /// G0 to G3 in force, with the axis words of the block.
+    fn move_by(
+        &mut self,
+        block: &mut Block<AXES>,
+        machine: bool,
+        line: &Line,
+    ) -> Result<Course<AXES>, Fault> {
+        let arc = matches!(self.modal.mode, Mode::Clockwise | Mode::Counterclockwise);
+        let mut words = Words::new();
+        words.axes = block.axes;
+        words.first = block.first;
+        words.mode_span = block.said(group::MOTION).map(|said| said.span);
+        words.before = self.queue.len() as u8;
+        let has_centre = [b'I', b'J', b'K'].iter().any(|letter| block.value(*letter).is_some());
+        if self.foreign.now.no_motion {
+            return match block.first {
+                Some(first) => first.fault(NcErrorKind::Missing("G0, G1, G2 or G3 behind G80")),
+                None => Ok(Course::None),
+            };
+        }
+        if !arc {
+            self.move_straight(&mut words, machine, line)?;
+            return Ok(Course::None);
+        }
+        if block.first.is_none() && !has_centre {
+            return Ok(Course::None);
+        }
+        for (slot, letter) in words.centre.iter_mut().zip([b'I', b'J', b'K']) {
+            *slot = block.take(letter);
+        }
+        if self.setup.foreign.dialect == Dialect::Grbl {
+            // Grbl does not look at the one outside of the plane; posts write K0.
+            let [first, second] = self.modal.plane.main_axes();
+            if let Some(slot) = words.centre.get_mut(3 - first - second) {
+                *slot = None;
+            }
+        }
+        words.radius = block.take(b'R');
+        words.first = words.first.or(words.centre_span());
+        self.move_round(&mut words, block.take(b'P'), line)
+    }
+
+    fn move_straight(&mut self, words: &mut Words<AXES>, machine: bool, line: &Line) -> Result<(), Fault> {
+        let (modal, start) = (self.modal, self.position);
+        if machine {
+            (self.modal.zero_set, self.modal.relative) = (None, false);
+            self.modal.shift = [Position::ZERO; AXES];
+        }
+        let moved = self.motion_of(words, line);
+        let (zero_set, relative, shift) = (modal.zero_set, modal.relative, modal.shift);
+        (self.modal.zero_set, self.modal.relative, self.modal.shift) = (zero_set, relative, shift);
+        moved?;
+        self.feed_in_degrees(&start);
+        self.feed_of_time(&start);
+        Ok(())
+    }
+
+    /// With G93 the motion gets the feed at which it takes its time.
+    fn feed_of_time(&mut self, start: &[Position; AXES]) {
+        if let (true, true, Gathered::Motion(cell)) = (self.foreign.now.by_time, self.moves, &self.gathered) {
+            let motion = cell.get();
+            if motion.kind != MotionKind::Rapid {
+                cell.set(Motion { feed: self.feed_by_time(&motion, start), ..motion });
+            }
+        }
+    }
+
+    /// Where only rotary axes move, F counts in degrees with inches too.
+    fn feed_in_degrees(&mut self, start: &[Position; AXES]) {
+        let (Some(feed), Gathered::Motion(cell)) = (self.foreign.now.degrees, &self.gathered) else { return };
+        let mut motion = cell.get();
+        let moved = self.setup.kinds.iter().zip(&motion.target).zip(start);
+        let mut moved = moved.filter(|((_, to), from)| to != from).map(|((kind, _), _)| *kind);
+        if self.moves && moved.next() == Some(AxisKind::Rotary) && moved.all(|kind| kind == AxisKind::Rotary)
+        {
+            motion.feed = feed;
+            cell.set(motion);
+        }
+    }
+
+    /// G2 and G3; `turns` is P.
+    fn move_round(
+        &mut self,
+        words: &mut Words<AXES>,
+        turns: Option<Given>,
+        line: &Line,
+    ) -> Result<Course<AXES>, Fault> {
+        let start = self.position;
+        let span = words.first.unwrap_or_default();
+        let plane = self.modal.plane;
+        if self.modal.centre_absolute && words.centre_span().is_some() && words.radius.is_none() {
+            let both = plane.main_axes().iter().all(|k| words.centre.get(*k).is_some_and(Option::is_some));
+            if !both {
+                return span.fault(NcErrorKind::Missing("both coordinates of the centre with G90.1"));
+            }
+        }
+        self.modal.radius = match words.radius {
+            Some(given) => Some(self.radius_of(given)?),
+            None => None,
+        };
+        let moved = self.motion_of(words, line);
+        self.modal.radius = None;
+        moved?;
+        self.feed_of_time(&start);
+        let Some(given) = turns else { return Ok(Course::None) };
+        let turns = self.whole(given, "P", TURNS)?;
+        if turns == 0 {
+            return given.span.fault(NcErrorKind::Expected("P of 1 and more"));
+        }
+        if turns == 1 {
+            return Ok(Course::None);
+        }
+        if self.foreign.now.by_time {
+            return given.span.fault(NcErrorKind::Conflict("inverse time feed, G93"));
+        }
+        let Some(motion) = self.gathered.motion() else { return Ok(Course::None) };
+        let MotionKind::Arc { clockwise, by: ArcBy::Centre(centre), .. } = motion.kind else {
+            return given.span.fault(NcErrorKind::Conflict("R: turns need I, J or K"));
+        };
+        let [first, second, _] = self.axes_of_plane(span)?;
+        let _ = self.queue.pop_back();
+        self.gathered = Gathered::Nothing;
+        self.position = start;
+        self.foreign.span = span;
+        let (axes, end) = ([first, second], motion.target);
+        Ok(Course::Turns(Turns { start, end, axes, centre, plane, clockwise, full: turns - 1, done: 0 }))
+    }
+
+    /// R of an arc.
+    fn radius_of(&self, given: Given) -> Result<Position, Fault> {
+        let radius = given.number.fixed(self.length_factor());
+        let radius = radius.filter(|r| *r != Position::ZERO && in_range(*r));
+        radius.ok_or(Fault { span: given.span, kind: NcErrorKind::Expected("a radius that is not 0") })
+    }
+}

@@ -1,0 +1,83 @@
+//! G93: F is how many times a minute the block could be driven. The length of its path makes a feed of it.
+use crate::math::angle::atan2_turns;
+use crate::nc::interpreter::Interpreter;
+use crate::nc::{ArcBy, Motion, MotionKind, Plane};
+use crate::quantity::{Feed, Position};
+
+/// 2π, LSB 2^-60.
+const TWO_PI: u128 = 0x6487_ED51_10B4_611A;
+
+/// How far one is from the other, LSB 2^-32.
+fn between(from: Position, to: Position) -> u128 {
+    u128::from(to.to_bits().abs_diff(from.to_bits()))
+}
+
+impl<const AXES: usize> Interpreter<AXES> {
+    /// The feed of a motion from `start` whose F is a number per minute. A motion without a path has the least feed.
+    pub(super) fn feed_by_time(&self, motion: &Motion<AXES>, start: &[Position; AXES]) -> Feed {
+        let per_minute = u128::from(motion.feed.to_bits().unsigned_abs());
+        // Below 2^55 times below 2^63.
+        let feed = (self.length(motion, start) * per_minute) >> 32;
+        Feed::from_bits(i64::try_from(feed).unwrap_or(i64::MAX).max(1))
+    }
+
+    /// Length of the path, LSB 2^-32 mm: along the main axes, or along all others if none of those moves.
+    fn length(&self, motion: &Motion<AXES>, start: &[Position; AXES]) -> u128 {
+        let travel = |axis: usize| match (start.get(axis), motion.target.get(axis)) {
+            (Some(from), Some(to)) => between(*from, *to),
+            _ => 0,
+        };
+        let square = |axis: usize| travel(axis) * travel(axis);
+        let main = || self.setup.main.iter().flatten().copied();
+        let across = |plane: Plane| {
+            let [first, second] = plane.main_axes();
+            self.setup.main.get(3 - first - second).copied().flatten()
+        };
+        if let MotionKind::Arc { plane, clockwise, by } = motion.kind {
+            let along = self.arc_length(motion, start, (plane, clockwise, by));
+            return (along * along + across(plane).map_or(0, square)).isqrt();
+        }
+        let space: u128 = main().map(square).sum();
+        let all = || (0..AXES).map(square).sum();
+        if space > 0 { space.isqrt() } else { u128::isqrt(all()) }
+    }
+
+    /// Length of an arc in its plane.
+    fn arc_length(
+        &self,
+        motion: &Motion<AXES>,
+        start: &[Position; AXES],
+        (plane, clockwise, by): (Plane, bool, ArcBy),
+    ) -> u128 {
+        let axes = plane.main_axes().map(|place| self.setup.main.get(place).copied().flatten());
+        let of = |point: &[Position; AXES]| {
+            axes.map(|axis| axis.and_then(|axis| point.get(axis)).copied().unwrap_or_default())
+        };
+        let [from, to] = [of(start), of(&motion.target)];
+        let (radius, angle) = match by {
+            ArcBy::Centre(centre) => {
+                let seen = |[p, q]: [Position; 2]| {
+                    let [x, y] = [p.saturating_sub(centre[0]), q.saturating_sub(centre[1])];
+                    (x.to_bits(), y.to_bits())
+                };
+                let ((x0, y0), (x1, y1)) = (seen(from), seen(to));
+                let turned = atan2_turns(y1, x1).wrapping_sub(atan2_turns(y0, x0));
+                let turned = if clockwise { turned.wrapping_neg() } else { turned };
+                let [x, y] = [x0, y0].map(|x| u128::from(x.unsigned_abs()));
+                // As little as nothing is a full circle.
+                let full = turned < 1 << 10 || from == to;
+                ((x * x + y * y).isqrt(), if full { 1 << 64 } else { u128::from(turned) })
+            }
+            ArcBy::Radius(radius) => {
+                let [dx, dy] = [between(from[0], to[0]), between(from[1], to[1])];
+                let r = u128::from(radius.to_bits().unsigned_abs());
+                let half = (dx * dx + dy * dy).isqrt() / 2;
+                let rest = (r * r).saturating_sub(half * half).isqrt();
+                let turned = u128::from(atan2_turns(half as i64, rest as i64)) * 2;
+                (r, if radius < Position::ZERO { (1 << 64) - turned } else { turned })
+            }
+        };
+        // Below 2^51 times at most 2^64, then below 2^51 times below 2^63.
+        ((radius * angle >> 64) * TWO_PI) >> 60
+    }
+}
