@@ -5,6 +5,7 @@
 
 mod acknowledge;
 mod beside;
+mod clock;
 mod contour;
 mod course;
 mod decimal;
@@ -69,7 +70,7 @@ struct Input {
     /// Blocks of look-ahead, in place of P-STUP-00071 (P-CHAN-00653).
     #[arg(long, value_name = "N")]
     look_ahead: Option<u32>,
-    /// Commands (motions, functions, switches) after which a program is taken for endless.
+    /// Commands (motions, functions, switches) of lines carried out before, after which a program is taken for endless.
     #[arg(long, value_name = "N", default_value_t = 1_000_000)]
     max_commands: u64,
 }

@@ -1,6 +1,7 @@
 //! The board itself: memory, clock and drive loop.
 use crate::acknowledge::{Automatic, Delay};
 use crate::beside::Beside;
+use crate::clock::clock;
 use crate::deviation::{CHORDS, Deviation};
 use crate::diagnose::Diagnostic;
 use crate::driven::Driven;
@@ -94,7 +95,8 @@ fn simulate_axes<const AXES: usize>(
         trace,
         picture: wanted.picture.then(|| {
             let (shown, moving) = (program.shown_axes(machine), program.moving_axes(machine));
-            Picture::new(machine, shown, moving, program.axes_beside())
+            let rapid = program.motions().map(|segment| segment.feed.is_none()).collect();
+            Picture::new(machine, shown, moving, (program.axes_beside(), rapid))
         }),
         cycle_s: machine.cycle_s(),
         has_events: !events.is_empty(),
@@ -126,7 +128,9 @@ fn simulate_axes<const AXES: usize>(
         }
         Stop::Held { since, cause } => {
             let at = since as f64 * machine.cycle_s();
-            let message = format!("the motion stands still from {at:.3} s on and no later event lets it go on");
+            let clock = clock(at);
+            let message =
+                format!("the motion stands still from {at:.3} s{clock} on and no later event lets it go on");
             let diagnostic = Diagnostic::error(message);
             vec![match wanted.script.zip(cause) {
                 Some((script, event)) => {
@@ -274,7 +278,7 @@ fn drive<const AXES: usize>(
         recorder.statistics.monitor.beside(row, beside);
         let slope = interpolator.path_slope();
         let telemetry = recorder.driven.tick(&telemetry, path, slope.as_ref().map(|slope| &slope[..]));
-        recorder.tick(&telemetry, path, drives, pause).map_err(Stop::Unwritable)?;
+        recorder.tick(&telemetry, [path, drives], slope.is_some(), pause).map_err(Stop::Unwritable)?;
         put_out(&operator, &mut recorder, &mut automatic, &schedule);
         if waiting
             && state == State::Idle
@@ -347,16 +351,17 @@ impl Recorder {
         }
     }
 
-    /// A row, and why it may be at rest.
+    /// A row with its set points before and behind the filters, whether it is on a curve that is no arc, and why it
+    /// may be at rest.
     fn tick(
         &mut self,
         telemetry: &Telemetry,
-        set_points: &[Position],
-        drives: &[Position],
+        [set_points, drives]: [&[Position]; 2],
+        curve: bool,
         pause: Pause,
     ) -> io::Result<()> {
         self.statistics.digest.add(drives);
-        self.statistics.add(telemetry, set_points, pause);
+        self.statistics.add(telemetry, set_points, curve, pause);
         let statistics = &self.statistics;
         if let Some(picture) = &mut self.picture {
             let off = statistics.filtered.off();
@@ -373,7 +378,7 @@ impl Recorder {
     fn finish(mut self, set_points: &[Position]) -> Result<(Statistics, Option<Picture>), Stop> {
         if self.statistics.ticks == 0 {
             // Nothing moved: the rest is worth a row.
-            self.tick(&Telemetry::default(), set_points, set_points, Pause::None)
+            self.tick(&Telemetry::default(), [set_points; 2], false, Pause::None)
                 .map_err(Stop::Unwritable)?;
         }
         self.statistics.finish(set_points);
@@ -421,7 +426,7 @@ impl Bar {
             Some(bar) => {
                 bar.set_position(block);
                 if let Some(seconds) = to_go(elapsed, block, self.motions as u64) {
-                    bar.set_message(format!("{seconds} s to go"));
+                    bar.set_message(format!("{seconds} s{} to go", clock(seconds as f64)));
                 }
             }
             None if !self.quiet && elapsed > Duration::from_secs(1) => {
