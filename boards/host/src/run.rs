@@ -453,6 +453,55 @@ impl Bar {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::program::decode;
+
+    /// Runs one program and judges it by the weights of another one: N number and order of what is beyond.
+    fn judged(driven: &str, by: &str) -> Vec<(u32, usize)> {
+        let machine = Machine::built_in();
+        let [driven, by] = [driven, by].map(Files::of_text);
+        let program = decode(&by, &machine, 100).unwrap_or_else(|_| panic!("it is a program"));
+        let wanted = Wanted { quiet: true, ..Wanted::default() };
+        let (seen, _) = simulate(&driven, &machine, &program, wanted).unwrap_or_else(|_| panic!("it runs"));
+        seen.monitor.excess.iter().map(|excess| (excess.n, excess.order)).collect()
+    }
+
+    /// The machine permits every tick of the first program, and so does the second one in all blocks but one.
+    #[test]
+    fn a_weighted_limit_that_is_broken_in_one_block_is_told() {
+        let program = |before: &str, motion: &str, behind: &str| {
+            format!("%p\nN10 G01 X50 F30000\n{before}\nN20 {motion}\n{behind}\nN30 G01 X0\nM30\n")
+        };
+        let (line, rapid) = ("G01 Y50", "G00 Y50");
+        for (motion, weight, expected) in [
+            (line, "G131 50", vec![1, 2]),
+            (line, "G130 Y60", vec![1, 2]),
+            (line, "G133 200", vec![2]),
+            (line, "G132 Y120", vec![2]),
+            (rapid, "G231 50", vec![1, 2]),
+            (rapid, "G233 200", vec![2]),
+            // Weights of rapid motion do not weight lines, and vice versa.
+            (line, "G231 50", vec![]),
+            (rapid, "G131 50", vec![]),
+        ] {
+            let (off, _) = weight.split_once(' ').unwrap_or_default();
+            let (plain, weighted) = (
+                program("", motion, ""),
+                program(
+                    weight,
+                    motion,
+                    &format!("{off}{}100", if weight.contains(" Y") { " Y" } else { " " }),
+                ),
+            );
+            let told = judged(&plain, &weighted);
+            assert!(told.iter().all(|(n, _)| *n == 20), "{motion}, {weight}: {told:?}");
+            let mut orders: Vec<usize> = told.into_iter().map(|(_, order)| order).collect();
+            orders.sort_unstable();
+            assert_eq!(orders, expected, "{motion}, {weight}");
+            assert_eq!(judged(&weighted, &weighted), [], "{motion}, {weight}");
+            // Before, the union of both permitted all.
+            assert_eq!(judged(&plain, &plain), [], "{motion}, {weight}");
+        }
+    }
 
     #[test]
     fn the_time_to_go_is_that_of_the_blocks_left() {
