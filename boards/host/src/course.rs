@@ -71,6 +71,13 @@ impl Course {
         self.before = None;
     }
 
+    /// Nothing is known of the joint at the end of a block.
+    pub fn forget(&mut self, block: usize) {
+        if let Some(joint) = self.joints.get_mut(block) {
+            *joint = None;
+        }
+    }
+
     /// At the end of a law its speed is known exactly, also between two ticks: motion block, and that speed.
     pub fn refine(&mut self, ends: &[(usize, Speed)]) {
         for &(last, speed) in ends {

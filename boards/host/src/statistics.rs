@@ -102,6 +102,8 @@ pub struct Statistics {
     /// one of the two ticks around that point. Not inside a line that stands for several, nor where a tick passes
     /// several.
     pub transitions: Vec<Option<Speed>>,
+    /// The block at whose end the motion stands, until it moves.
+    stands: Option<u32>,
     /// Twice what the speed changes in a tick there.
     reaches: Vec<i64>,
     /// The slowest between blocks, the fastest inside.
@@ -230,6 +232,7 @@ impl Statistics {
             filtered: Filtered::default(),
             beside: Beside::default(),
             transitions: Vec::new(),
+            stands: None,
             reaches: Vec::new(),
             over_time: false,
             course: Course::default(),
@@ -301,6 +304,9 @@ impl Statistics {
         let step = telemetry.distance.to_bits().wrapping_sub(self.last.distance.to_bits());
         self.distance += i128::from(step);
         let stood = self.stood(telemetry);
+        if stood.is_some() || moved {
+            self.stands = stood;
+        }
         for block in self.last.block..telemetry.block {
             let passed = if stood == Some(block) { Some(Speed::ZERO) } else { self.passed(block, telemetry) };
             self.transitions.push(passed);
@@ -381,6 +387,13 @@ impl Statistics {
     /// Adds the rest behind the last tick, so that a stop with a jump is seen in the peaks, and an abort to
     /// its end.
     pub fn finish(&mut self, set_points: &[Position]) {
+        // The last block began and ended within a tick: that was the end of the program, and no joint.
+        if let Some(joint) = self.stands.take() {
+            if let Some(passed) = self.transitions.get_mut(joint as usize) {
+                *passed = None;
+            }
+            self.course.forget(joint as usize);
+        }
         self.react(false);
         for row in 0..3 {
             self.monitor.drives(self.last.block, false);
@@ -528,6 +541,17 @@ mod tests {
             (0..7).map(|block| statistics.course.joint(block).map(|seen| seen.speed)).collect();
         // The course looks from fastest to fastest: there it stands inside block 5.
         assert_eq!(joints, [passed(5), None, passed(0), passed(2), passed(4), passed(0), passed(0)]);
+    }
+
+    #[test]
+    fn the_end_of_the_program_is_no_joint() {
+        let mut statistics = Statistics::new(&[Position::ZERO], 0);
+        for (mm, (block, speed)) in (0..).zip([(0, 0), (0, 5), (1, 0), (1, 4), (2, 0)]) {
+            statistics.add(&row(mm, block, speed), &[Position::ZERO], false, Pause::None);
+        }
+        statistics.finish(&[Position::ZERO]);
+        assert_eq!(statistics.transitions, [Some(Speed::ZERO), None]);
+        assert_eq!([0, 1].map(|block| statistics.course.joint(block).is_some()), [true, false]);
     }
 
     #[test]
