@@ -28,8 +28,8 @@ pub struct Course {
 }
 
 impl Course {
-    /// Takes in a row.
-    pub fn add(&mut self, tick: u64, block: u32, speed: Speed) {
+    /// Takes in a row, and the block at whose end it stands.
+    pub fn add(&mut self, tick: u64, block: u32, speed: Speed, stood: Option<u32>) {
         let seen = Seen { speed, tick };
         if self.block != Some(block) {
             self.before = self.block;
@@ -38,7 +38,10 @@ impl Course {
             self.tops.resize(room.max(self.tops.len()), None);
             self.joints.resize(room.max(self.joints.len()), None);
             // What is slow on both sides is one.
-            self.low = self.low.map(|low| low.min(seen));
+            self.low = self.low.map(|low| if speed == Speed::ZERO { low } else { low.min(seen) });
+        }
+        if let Some(joint) = stood {
+            self.stands(seen, joint as usize);
         }
         let Some(top) = self.tops.get_mut(block as usize) else { return };
         let low = self.low.map_or(seen, |low| low.min(seen));
@@ -47,9 +50,31 @@ impl Course {
             if let Some(joint) = self.before.and_then(|before| self.joints.get_mut(before as usize)) {
                 *joint = Some(joint.map_or(low, |other| other.min(low)));
             }
-            self.low = Some(seen);
+            // It stands where the block begins: at the joint in front of it, and at no other one.
+            self.low = (speed != Speed::ZERO).then_some(seen);
         } else {
             self.low = Some(low);
+        }
+    }
+
+    fn stands(&mut self, seen: Seen, joint: usize) {
+        let before = self.before.map(|before| before as usize);
+        if let Some(joint) = self.joints.get_mut(joint) {
+            *joint = Some(seen);
+        }
+        // A tick that has passed several: what was slow belongs to the first one.
+        let other = before.filter(|before| *before != joint).and_then(|before| self.joints.get_mut(before));
+        if let (Some(other), Some(low)) = (other, self.low) {
+            *other = Some(other.map_or(low, |other| other.min(low)));
+        }
+        self.low = None;
+        self.before = None;
+    }
+
+    /// Nothing is known of the joint at the end of a block.
+    pub fn forget(&mut self, block: usize) {
+        if let Some(joint) = self.joints.get_mut(block) {
+            *joint = None;
         }
     }
 
@@ -88,7 +113,7 @@ mod tests {
         let rows =
             [(0, 0), (0, 5), (0, 9), (0, 4), (0, 3), (1, 5), (1, 8), (1, 7), (3, 2), (3, 1), (3, 6), (3, 0)];
         for (tick, (block, speed)) in (0..).zip(rows) {
-            course.add(tick, block, Speed::from_bits(speed));
+            course.add(tick, block, Speed::from_bits(speed), None);
         }
         let at = |seen: Option<Seen>| seen.map(|seen| (seen.speed.to_bits(), seen.tick));
         assert_eq!(

@@ -22,6 +22,13 @@ impl Files {
         Ok(Self { main: Source::read(program)?, directory, called: RefCell::default() })
     }
 
+    /// A program that calls no others.
+    #[cfg(test)]
+    pub fn of_text(text: &str) -> Self {
+        let main = Source { name: "test.nc".into(), text: text.as_bytes().to_vec() };
+        Self { main, directory: PathBuf::new(), called: RefCell::default() }
+    }
+
     /// The same texts for another thread.
     pub fn again(&self) -> Self {
         let (main, called) = (self.main.clone(), RefCell::new(self.called.borrow().clone()));

@@ -67,6 +67,7 @@ mod tests {
             stop: false,
             smoothed: false,
             tolerance: Tolerance::default(),
+            dynamics: 0,
         };
         let arc = Kind::Arc { plane: [0, 1], centre: [10.0, 10.0], clockwise: false };
         let segments = vec![

@@ -5,6 +5,7 @@
 
 mod acknowledge;
 mod beside;
+mod clock;
 mod contour;
 mod course;
 mod decimal;
@@ -79,7 +80,7 @@ struct Input {
     /// The language of the program, in place of that of the machine data.
     #[arg(long, value_enum, ignore_case = true)]
     dialect: Option<dialect::Choice>,
-    /// Commands (motions, functions, switches) after which a program is taken for endless.
+    /// Commands (motions, functions, switches) of lines carried out before, after which a program is taken for endless.
     #[arg(long, value_name = "N", default_value_t = 1_000_000)]
     max_commands: u64,
 }

@@ -1,4 +1,16 @@
-//! Compares every row with the limits of the machine data: speed, acceleration and jerk of every axis.
+//! Compares every row with the limits of the blocks that it drives: speed, acceleration and jerk of every axis.
+//!
+//! The limits are the machine data with the weights (G130…G134, G231…G233) and the slope in force in a block, in
+//! rapid motion those of rapid motion. A difference of order n looks at n ticks. It may be what the largest of the
+//! blocks permits in which these ticks lie:
+//!
+//! | what these ticks drive | acceleration | jerk |
+//! |---|---|---|
+//! | a part of one straight block | of the slope (P-AXIS-00001, 00002, rapid 00004) | of the slope |
+//! | an arc, a curve, a joint | in all (P-AXIS-00008) | of slope and contour |
+//!
+//! A curve may join its block with the ones beside it, where a corner between them may be rounded. These count too if
+//! they have the same weights and slope: a corner between blocks of different ones has no curve.
 //!
 //! Beside rounding of set points a difference may exceed them by what the resolution of the path adds
 //! (`resolution.rs`), and by nothing else.
@@ -8,7 +20,7 @@
 //! 0). Joints where a step shows are counted.
 use crate::diagnose::Diagnostic;
 use crate::machine::{Limits, Machine};
-use crate::program::Program;
+use crate::program::{Kind, Program};
 use crate::resolution::Resolution;
 use glidepath::machine::AxisKind;
 
@@ -21,9 +33,47 @@ const COVERED: u64 = 3;
 /// Per order: the limit per second, and the largest difference in LSB of a position.
 type Bounds = [(f64, i128); 3];
 
+/// The larger one of each.
+fn larger(one: Bounds, other: Bounds) -> Bounds {
+    std::array::from_fn(|k| if one[k].1 > other[k].1 { one[k] } else { other[k] })
+}
+
+/// What an axis may do under the same weights and slope: by [`Motion::kind`].
+type Kinds = [Bounds; 4];
+
+/// A motion block.
+#[derive(Clone, Copy, Debug)]
+struct Motion {
+    /// Index of its weights and slope.
+    dynamics: u32,
+    rapid: bool,
+    arc: bool,
+    /// A curve may lead to the next one.
+    smoothed: bool,
+}
+
+impl Motion {
+    /// Index into [`Kinds`].
+    fn kind(self, bent: bool) -> usize {
+        usize::from(self.rapid) + 2 * usize::from(bent)
+    }
+}
+
+/// Where a row is: in which motion block, and whether on a curve that is no arc.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+struct At {
+    block: u32,
+    curve: bool,
+}
+
 /// An axis: what it may do on the path, what in each of its motions beside it, and since when it is where.
 #[derive(Clone, Debug)]
 struct Compared {
+    /// Anywhere on the path.
+    anywhere: Bounds,
+    /// By weights and slope.
+    dynamics: Vec<Kinds>,
+    /// Where it is now.
     path: Bounds,
     beside: Vec<Bounds>,
     /// Its motions beside the path that have begun, and whether the last one goes on.
@@ -48,7 +98,7 @@ impl Compared {
         if tick >= self.since + COVERED {
             return now;
         }
-        std::array::from_fn(|k| if self.before[k].1 > now[k].1 { self.before[k] } else { now[k] })
+        larger(self.before, now)
     }
 
     /// From the row with this number on it moves beside the path, or does not.
@@ -94,6 +144,9 @@ pub struct Step {
 #[derive(Debug, Default)]
 pub struct Monitor {
     axes: Vec<Compared>,
+    motions: Vec<Motion>,
+    /// The rows that a third difference looks at, the latest one last.
+    rows: [At; COVERED as usize + 1],
     cycle_s: f64,
     /// Steps are permitted at joints.
     steps: bool,
@@ -131,13 +184,32 @@ impl Monitor {
         };
         let resolution = program.resolution(machine);
         let axes = (0..machine.axes.len()).map(|k| {
-            let path = bounds(program.allowed(k, machine), resolution.get(k).copied().unwrap_or_default());
+            let resolution = resolution.get(k).copied().unwrap_or_default();
+            let anywhere = bounds(program.allowed(k, machine), resolution);
+            let dynamics = program.dynamics.iter().filter_map(|axes| axes.get(k));
+            let dynamics = dynamics.map(|allowed| kinds(*allowed).map(|allowed| bounds(allowed, resolution)));
             let beside = program.limits_beside.get(k).into_iter().flatten();
             let beside = beside.map(|allowed| bounds(*allowed, Resolution::default())).collect();
-            Compared { path, beside, begun: 0, is_beside: false, before: path, since: 0 }
+            Compared {
+                anywhere,
+                dynamics: dynamics.collect(),
+                path: anywhere,
+                beside,
+                begun: 0,
+                is_beside: false,
+                before: anywhere,
+                since: 0,
+            }
+        });
+        let motions = program.motions().map(|segment| Motion {
+            dynamics: segment.dynamics,
+            rapid: segment.feed.is_none(),
+            arc: matches!(segment.kind, Kind::Arc { .. }),
+            smoothed: segment.smoothed,
         });
         Self {
             axes: axes.collect(),
+            motions: motions.collect(),
             cycle_s,
             steps: !machine.channel.corr_v_trans_jerk
                 || machine.axes.iter().any(|axis| axis.a_trans_weight > 0),
@@ -151,6 +223,47 @@ impl Monitor {
     pub fn passes(&mut self, tick: u64) {
         self.joint = Some((tick, false));
         self.sums.fill(0);
+    }
+
+    /// The next row is in this motion block, on a `curve` or not.
+    pub fn drives(&mut self, block: u32, curve: bool) {
+        let before = self.rows;
+        self.rows.rotate_left(1);
+        self.rows[COVERED as usize] = At { block, curve };
+        if self.rows == before {
+            return;
+        }
+        let driven = [2, 1, 0].map(|from| self.driven(from));
+        for axis in &mut self.axes {
+            axis.path = std::array::from_fn(|order| {
+                let of = |(dynamics, kind): &(u32, usize)| axis.dynamics.get(*dynamics as usize)?.get(*kind);
+                let all: Option<Vec<&Bounds>> = driven[order].iter().map(of).collect();
+                let most = all.and_then(|all| all.into_iter().copied().reduce(larger));
+                most.unwrap_or(axis.anywhere)[order]
+            });
+        }
+    }
+
+    /// What the ticks from one of the rows on drive: weights and slope, and [`Motion::kind`]. Empty if that is unknown.
+    fn driven(&self, from: usize) -> Vec<(u32, usize)> {
+        let rows = self.rows.get(from..).unwrap_or(&[]);
+        let blocks = rows.iter().map(|row| row.block as usize);
+        let (Some(first), Some(last)) = (blocks.clone().min(), blocks.max()) else { return Vec::new() };
+        let Some(inside) = self.motions.get(first..=last) else { return Vec::new() };
+        let curve = rows.iter().any(|row| row.curve);
+        let bent = curve || inside.len() > 1 || inside.iter().any(|motion| motion.arc);
+        let [before, behind] = [first.checked_sub(1), Some(last)].map(|joint| {
+            let motion = self.motions.get(joint?).filter(|motion| curve && motion.smoothed);
+            motion.map(|_| joint)?
+        });
+        let beside = before.into_iter().chain(behind.map(|block| block + 1));
+        let beside = beside.filter_map(|block| self.motions.get(block));
+        let same = |motion: &&Motion| inside.iter().any(|other| other.dynamics == motion.dynamics);
+        let all = inside.iter().chain(beside.filter(same));
+        let mut driven: Vec<(u32, usize)> = all.map(|motion| (motion.dynamics, motion.kind(bent))).collect();
+        driven.sort_unstable();
+        driven.dedup();
+        driven
     }
 
     /// From the row with this number on these axes move beside the path, bit i for axis i. Between two
@@ -220,6 +333,18 @@ impl Monitor {
         });
         messages.collect()
     }
+}
+
+/// What is compared in feed and rapid motion, in straight blocks and in bent ones: speed, acceleration and jerk.
+fn kinds(allowed: Limits) -> [Limits; 4] {
+    let of = |speed, accel, jerk| Limits { speed, accel, jerk, ..allowed };
+    let Limits { speed, speed_rapid, accel, .. } = allowed;
+    [
+        of(speed, allowed.accel_feed.max(allowed.brake_feed), allowed.ramp_feed),
+        of(speed_rapid, allowed.accel_rapid, allowed.ramp_rapid),
+        of(speed, accel, allowed.jerk_feed),
+        of(speed_rapid, accel, allowed.jerk_rapid),
+    ]
 }
 
 /// Decimals that show an excess with two digits of its own: three at least, and no more than an f64 has.
@@ -317,6 +442,92 @@ mod tests {
         monitor.look(0, 53, 40, &jerk);
         assert_eq!(monitor.excess.iter().map(|excess| excess.order).collect::<Vec<_>>(), [1, 2]);
     }
+
+    /// Lines of 50 mm, whose weights change in front of each; the last one is bent.
+    fn weighted() -> (Machine, Program) {
+        let machine = Machine::built_in();
+        let allowed = |weight: u32| {
+            let weigh = |axis: &glidepath::machine::AxisData| {
+                let (a, ramp) = (axis.a_beschl * weight / 100, axis.tr_beschl_zu);
+                let axis = glidepath::machine::AxisData { a_beschl: a, a_brems: a, tr_grenz: ramp, ..*axis };
+                crate::machine::limits(&axis, machine.slope())
+            };
+            machine.axes.iter().map(weigh).collect::<Vec<Limits>>()
+        };
+        let line = |dynamics: u32, feed, x: f64| crate::program::Segment {
+            n: 10 * (dynamics + 1),
+            place: Default::default(),
+            kind: Kind::Line,
+            end: vec![x, 0.0, 0.0],
+            feed,
+            stop: false,
+            smoothed: dynamics == 3,
+            tolerance: Default::default(),
+            dynamics,
+        };
+        let feed = Some(6000.0);
+        let arc = Kind::Arc { plane: [0, 1], centre: [150.0, 25.0], clockwise: false };
+        let segments = vec![
+            line(0, feed, 50.0),
+            line(1, feed, 100.0),
+            line(2, None, 150.0),
+            crate::program::Segment { kind: arc, ..line(3, feed, 150.0) },
+            line(3, feed, 200.0),
+        ];
+        let dynamics: Vec<Vec<Limits>> = [100, 50, 25, 25].map(allowed).to_vec();
+        let limits = dynamics[0].clone();
+        (Machine::built_in(), Program { motions: 5, segments, dynamics, limits, ..Program::empty(&machine) })
+    }
+
+    const NOTHING: [usize; 0] = [];
+
+    /// What the monitor says of a second difference (mm/s²) and of a third one (mm/s³) at the end of rows in blocks.
+    fn said(rows: [(u32, bool); 4], accel: f64, jerk: f64) -> Vec<usize> {
+        let (machine, program) = weighted();
+        let mut monitor = Monitor::new(&machine, &program);
+        for (block, curve) in rows {
+            monitor.drives(block, curve);
+        }
+        monitor.look(0, 50, 10, &[0, lsb(accel * 1e-6), lsb(jerk * 1e-9)]);
+        monitor.excess.iter().map(|excess| excess.order).collect()
+    }
+
+    /// 2000 mm/s² of the slope, 6000 in all; 2000 / 0.15 s and 2000 / 0.01 s of jerk; times the weight of the block.
+    #[test]
+    fn each_block_has_its_own_weights() {
+        let inside = |block| [(block, false); 4];
+        // The machine permits it, and block 0 does: block 1 has half of it.
+        assert_eq!(said(inside(0), 1990.0, 13_300.0), NOTHING);
+        assert_eq!(said(inside(1), 1990.0, 6600.0), [1]);
+        assert_eq!(said(inside(1), 990.0, 13_300.0), [2]);
+        assert_eq!(said(inside(1), 990.0, 6600.0), NOTHING);
+        // Rapid motion has weights of its own.
+        assert_eq!(said(inside(2), 1990.0, 13_300.0), NOTHING);
+        assert_eq!(said(inside(2), 2010.0, 13_400.0), [1, 2]);
+        // An arc has the contour's part, weighted.
+        assert_eq!(said(inside(3), 5990.0, 49_900.0), NOTHING);
+        assert_eq!(said(inside(3), 6010.0, 50_100.0), [1, 2]);
+    }
+
+    #[test]
+    fn at_joints_the_larger_one_of_both_holds_and_at_curves_that_of_their_blocks() {
+        // A difference looks at as many ticks as its order says.
+        let joint = [(0, false), (1, false), (1, false), (1, false)];
+        assert_eq!(said(joint, 990.0, 199_000.0), NOTHING);
+        assert_eq!(said(joint, 1010.0, 201_000.0), [1, 2]);
+        let joint = [(0, false), (0, false), (1, false), (1, false)];
+        assert_eq!(said(joint, 5990.0, 199_000.0), NOTHING);
+        // What two blocks away was permitted does not count.
+        let later = [(1, false), (1, false), (1, false), (2, false)];
+        assert_eq!(said(later, 5990.0, 201_000.0), [2]);
+        assert_eq!(said(later, 5990.0, 199_000.0), NOTHING);
+        // A curve in block 4 belongs to the arc in front of it as well: both have the weights of 25 %.
+        let curve = [(4, true), (4, true), (4, true), (4, true)];
+        assert_eq!(said(curve, 5990.0, 49_900.0), NOTHING);
+        assert_eq!(said(curve, 6010.0, 50_100.0), [1, 2]);
+        assert_eq!(said([(4, false); 4], 510.0, 3400.0), [1, 2]);
+    }
+
     #[test]
     fn beside_the_path_other_limits_hold() {
         let machine = Machine::built_in();

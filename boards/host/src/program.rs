@@ -36,6 +36,8 @@ pub struct Segment {
     pub smoothed: bool,
     /// How far the motion may leave it, where that is monitored.
     pub tolerance: Tolerance,
+    /// Which of [`Program::dynamics`] it moves with.
+    pub dynamics: u32,
 }
 
 /// Shapes of blocks.
@@ -116,6 +118,8 @@ pub struct Program {
     pub messages: Vec<Diagnostic>,
     /// What each axis may do with the largest weights under which the program moves.
     pub limits: Vec<Limits>,
+    /// What each axis may do with the weights and the slope of a stretch of the program, stretch by stretch.
+    pub dynamics: Vec<Vec<Limits>>,
     /// What each axis may do in each of its motions beside the path, in their order.
     pub limits_beside: Vec<Vec<Limits>>,
     /// #HSC or #SPLINE: curves go through points, or along them.
@@ -132,14 +136,46 @@ pub struct Program {
 pub enum Undecoded {
     /// The first refusal, with its place.
     Refused(Vec<Diagnostic>),
-    /// More commands than wanted: it may have no end. With the place it had come to.
+    /// It repeats its lines more often than wanted: it may have no end. With the place it had come to.
     Endless(Vec<Diagnostic>),
 }
 
-/// Decodes the whole program, at most `limit` commands.
+/// More commands than one line can have.
+const LINE: u32 = 64;
+
+/// Counts the commands of lines that were carried out before: what makes a program endless, however long it is.
+#[derive(Default)]
+struct Repeats {
+    /// File and offset of the commands so far.
+    seen: HashSet<(u16, u32)>,
+    last: Option<(u16, u32)>,
+    /// The line at hand is carried out for the first time.
+    is_new: bool,
+    /// Commands of the place at hand, one behind the other.
+    row: u32,
+    count: u64,
+}
+
+impl Repeats {
+    /// Takes in a command; how many are repeated up to now.
+    fn add(&mut self, place: Place) -> u64 {
+        let here = (place.file, place.offset);
+        if self.last == Some(here) {
+            // Either of one line, or of a loop of one line.
+            self.row += 1;
+        } else {
+            (self.last, self.row) = (Some(here), 1);
+            self.is_new = self.seen.insert(here);
+        }
+        self.count += u64::from(!self.is_new || self.row > LINE);
+        self.count
+    }
+}
+
+/// Decodes the whole program, at most `limit` commands of lines that were carried out before.
 ///
 /// # Errors
-/// It is refused, or longer than `limit`.
+/// It is refused, or repeats more than `limit` commands.
 pub fn decode(files: &Files, machine: &Machine, limit: u64) -> Result<Program, Undecoded> {
     with_axes!(machine, decode_axes(files, machine, limit))
 }
@@ -163,17 +199,17 @@ fn decode_axes<const AXES: usize>(
     let (mut axes, mut slope, mut changed) = (data.axes, machine.slope(), true);
     let mut warned = HashSet::new();
     let mut smoothing = Smoothing::new();
-    let mut commands = 0;
+    let mut repeats = Repeats::default();
     loop {
         let step = decoder.step().map_err(|error| Undecoded::Refused(vec![refused(files, &error)]))?;
-        if let Step::Command(command) = &step {
-            commands += 1;
-            if commands > limit {
-                let message = format!("the program goes on after {limit} commands");
-                let diagnostic = place(Diagnostic::error(message), files, command.place());
-                let expected = "expected an end; --max-commands N allows for more";
-                return Err(Undecoded::Endless(vec![diagnostic.expected(expected)]));
-            }
+        if let Step::Command(command) = &step
+            && repeats.add(command.place()) > limit
+        {
+            let message =
+                format!("the program goes on after {limit} commands of lines that were carried out before");
+            let diagnostic = place(Diagnostic::error(message), files, command.place());
+            let expected = "expected an end; --max-commands N allows for more";
+            return Err(Undecoded::Endless(vec![diagnostic.expected(expected)]));
         }
         match step {
             // All files are there.
@@ -212,6 +248,7 @@ fn decode_axes<const AXES: usize>(
                     stop: true,
                     smoothed: false,
                     tolerance: Tolerance::default(),
+                    dynamics: program.latest_dynamics(),
                 });
             }
             Step::Command(Command::FlushWait(_)) => program.stop(),
@@ -332,6 +369,7 @@ impl Program {
             warnings: Vec::new(),
             messages: Vec::new(),
             limits: Vec::new(),
+            dynamics: Vec::new(),
             limits_beside: vec![Vec::new(); machine.axes.len()],
             through_points: false,
             free_curves: false,
@@ -350,12 +388,16 @@ impl Program {
 
     /// Takes in what axes are allowed from a block on.
     fn allow(&mut self, axes: &[AxisData], slope: SlopeType, machine: &Machine) {
-        for (k, axis) in axes.iter().enumerate() {
-            let now = limits(&axis.planned(&machine.channel), slope);
-            match self.limits.get_mut(k) {
-                Some(allowed) => *allowed = allowed.or(now),
-                None => self.limits.push(now),
-            }
+        let now: Vec<Limits> =
+            axes.iter().map(|axis| limits(&axis.planned(&machine.channel), slope)).collect();
+        if self.limits.is_empty() {
+            self.limits.clone_from(&now);
+        }
+        for (allowed, now) in self.limits.iter_mut().zip(&now) {
+            *allowed = allowed.or(*now);
+        }
+        if self.dynamics.last() != Some(&now) {
+            self.dynamics.push(now);
         }
     }
 
@@ -397,7 +439,18 @@ impl Program {
         all
     }
 
-    /// What the axis with this index may do on the path.
+    /// Which weights and slope are in force.
+    fn latest_dynamics(&self) -> u32 {
+        self.dynamics.len().saturating_sub(1) as u32
+    }
+
+    /// What the axis with this index may do in a block.
+    fn allowed_in(&self, segment: &Segment, axis: usize, machine: &Machine) -> Limits {
+        let dynamics = self.dynamics.get(segment.dynamics as usize).and_then(|axes| axes.get(axis));
+        dynamics.copied().unwrap_or_else(|| self.allowed(axis, machine))
+    }
+
+    /// What the axis with this index may do somewhere on the path.
     pub fn allowed(&self, axis: usize, machine: &Machine) -> Limits {
         self.limits
             .get(axis)
@@ -446,6 +499,7 @@ impl Program {
             stop: motion.exact_stop,
             smoothed: smoothing.is_on(),
             tolerance: smoothing.tolerance(motion.kind == MotionKind::Rapid),
+            dynamics: self.latest_dynamics(),
         });
         smoothing.passes();
         self.motions += 1;
@@ -534,14 +588,14 @@ impl Program {
             // At some point, or nearly, this axis too has all of the speed.
             travel[plane[1]] = along;
             for axis in plane {
-                let allowed = self.allowed(axis, machine);
+                let allowed = self.allowed_in(segment, axis, machine);
                 let accel = allowed.accel_feed.min(allowed.brake_feed).min(allowed.accel);
                 limit = limit.min((accel * radius).sqrt() * path / along);
             }
         }
         let moving = travel.iter().enumerate().filter(|(_, travel)| **travel > 0.0);
         let speeds = moving.map(|(axis, travel)| {
-            let allowed = self.allowed(axis, machine);
+            let allowed = self.allowed_in(segment, axis, machine);
             let speed = if segment.feed.is_some() { allowed.speed } else { allowed.speed_rapid };
             speed * path / travel
         });
@@ -572,8 +626,8 @@ impl Program {
         if moving.is_empty() { machine.main_axes() } else { moving }
     }
 
-    /// The contour in up to three axes as connected lines, arcs in small chords.
-    pub fn polyline(&self, axes: &[usize]) -> Vec<[f64; 3]> {
+    /// The contour in up to three axes, arcs in small chords: stretches of feed and of rapid motion, connected.
+    pub fn polylines(&self, axes: &[usize]) -> Vec<Stretch> {
         let pick = |point: &[f64]| {
             let mut at = [0.0; 3];
             for (value, &index) in at.iter_mut().zip(axes) {
@@ -581,17 +635,29 @@ impl Program {
             }
             at
         };
-        let mut line = vec![pick(&self.start)];
+        let mut stretches: Vec<Stretch> = Vec::new();
         let mut start = self.start.as_slice();
         for segment in self.motions() {
-            if let Kind::Arc { plane, centre, clockwise } = segment.kind {
-                chords(&mut line, start, &segment.end, plane, centre, clockwise, &pick);
+            let rapid = segment.feed.is_none();
+            if stretches.last().is_none_or(|stretch| stretch.rapid != rapid) {
+                stretches.push(Stretch { rapid, line: vec![pick(start)] });
             }
-            line.push(pick(&segment.end));
+            if let Some(Stretch { line, .. }) = stretches.last_mut() {
+                if let Kind::Arc { plane, centre, clockwise } = segment.kind {
+                    chords(line, start, &segment.end, plane, centre, clockwise, &pick);
+                }
+                line.push(pick(&segment.end));
+            }
             start = &segment.end;
         }
-        line
+        stretches
     }
+}
+
+/// A part of the contour, all of it rapid motion or none.
+pub struct Stretch {
+    pub rapid: bool,
+    pub line: Vec<[f64; 3]>,
 }
 
 /// Ending of a counted word.
@@ -639,6 +705,21 @@ fn chords(
 mod tests {
     use super::*;
 
+    #[test]
+    fn long_programs_are_not_endless_and_loops_are_counted() {
+        let place = |offset| Place { offset, ..Place::NONE };
+        let mut repeats = Repeats::default();
+        // Three commands per line.
+        assert!((0..1_500_000).all(|i| repeats.add(place(10 * (i / 3))) == 0));
+        // Back to a line, and twice over two.
+        let again = [30, 30, 40, 50, 40, 50].map(|offset| repeats.add(place(offset)));
+        assert_eq!(again, [1, 2, 3, 4, 5, 6]);
+        // A loop of one line.
+        let mut repeats = Repeats::default();
+        let last = (0..1000).map(|_| repeats.add(place(7))).last();
+        assert_eq!(last, Some(1000 - u64::from(LINE)));
+    }
+
     fn position(x: f64, y: f64) -> [Position; 2] {
         [Position::from_num(x), Position::from_num(y)]
     }
@@ -663,7 +744,8 @@ mod tests {
             let end = end.to_vec();
             let (smoothed, tolerance) = (false, Tolerance::default());
             let place = Place::default();
-            let segment = Segment { n: 0, place, kind, end, feed, stop: false, smoothed, tolerance };
+            let (stop, dynamics) = (false, 0);
+            let segment = Segment { n: 0, place, kind, end, feed, stop, smoothed, tolerance, dynamics };
             program.limit(&machine, &[10.0, 0.0, 0.0], &segment)
         };
         // 1000 mm/s per axis: 3-4-5, and two thirds of the way in Z.

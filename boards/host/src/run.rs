@@ -1,6 +1,7 @@
 //! The board itself: memory, clock and drive loop.
 use crate::acknowledge::{Automatic, Delay};
 use crate::beside::Beside;
+use crate::clock::clock;
 use crate::deviation::{CHORDS, Deviation};
 use crate::diagnose::Diagnostic;
 use crate::driven::Driven;
@@ -94,7 +95,8 @@ fn simulate_axes<const AXES: usize>(
         trace,
         picture: wanted.picture.then(|| {
             let (shown, moving) = (program.shown_axes(machine), program.moving_axes(machine));
-            Picture::new(machine, shown, moving, program.axes_beside())
+            let rapid = program.motions().map(|segment| segment.feed.is_none()).collect();
+            Picture::new(machine, shown, moving, (program.axes_beside(), rapid))
         }),
         cycle_s: machine.cycle_s(),
         has_events: !events.is_empty(),
@@ -126,7 +128,9 @@ fn simulate_axes<const AXES: usize>(
         }
         Stop::Held { since, cause } => {
             let at = since as f64 * machine.cycle_s();
-            let message = format!("the motion stands still from {at:.3} s on and no later event lets it go on");
+            let clock = clock(at);
+            let message =
+                format!("the motion stands still from {at:.3} s{clock} on and no later event lets it go on");
             let diagnostic = Diagnostic::error(message);
             vec![match wanted.script.zip(cause) {
                 Some((script, event)) => {
@@ -274,7 +278,7 @@ fn drive<const AXES: usize>(
         recorder.statistics.monitor.beside(row, beside);
         let slope = interpolator.path_slope();
         let telemetry = recorder.driven.tick(&telemetry, path, slope.as_ref().map(|slope| &slope[..]));
-        recorder.tick(&telemetry, path, drives, pause).map_err(Stop::Unwritable)?;
+        recorder.tick(&telemetry, [path, drives], slope.is_some(), pause).map_err(Stop::Unwritable)?;
         put_out(&operator, &mut recorder, &mut automatic, &schedule);
         if waiting
             && state == State::Idle
@@ -347,16 +351,17 @@ impl Recorder {
         }
     }
 
-    /// A row, and why it may be at rest.
+    /// A row with its set points before and behind the filters, whether it is on a curve that is no arc, and why it
+    /// may be at rest.
     fn tick(
         &mut self,
         telemetry: &Telemetry,
-        set_points: &[Position],
-        drives: &[Position],
+        [set_points, drives]: [&[Position]; 2],
+        curve: bool,
         pause: Pause,
     ) -> io::Result<()> {
         self.statistics.digest.add(drives);
-        self.statistics.add(telemetry, set_points, pause);
+        self.statistics.add(telemetry, set_points, curve, pause);
         let statistics = &self.statistics;
         if let Some(picture) = &mut self.picture {
             let off = statistics.filtered.off();
@@ -373,7 +378,7 @@ impl Recorder {
     fn finish(mut self, set_points: &[Position]) -> Result<(Statistics, Option<Picture>), Stop> {
         if self.statistics.ticks == 0 {
             // Nothing moved: the rest is worth a row.
-            self.tick(&Telemetry::default(), set_points, set_points, Pause::None)
+            self.tick(&Telemetry::default(), [set_points; 2], false, Pause::None)
                 .map_err(Stop::Unwritable)?;
         }
         self.statistics.finish(set_points);
@@ -421,7 +426,7 @@ impl Bar {
             Some(bar) => {
                 bar.set_position(block);
                 if let Some(seconds) = to_go(elapsed, block, self.motions as u64) {
-                    bar.set_message(format!("{seconds} s to go"));
+                    bar.set_message(format!("{seconds} s{} to go", clock(seconds as f64)));
                 }
             }
             None if !self.quiet && elapsed > Duration::from_secs(1) => {
@@ -448,6 +453,55 @@ impl Bar {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::program::decode;
+
+    /// Runs one program and judges it by the weights of another one: N number and order of what is beyond.
+    fn judged(driven: &str, by: &str) -> Vec<(u32, usize)> {
+        let machine = Machine::built_in();
+        let [driven, by] = [driven, by].map(Files::of_text);
+        let program = decode(&by, &machine, 100).unwrap_or_else(|_| panic!("it is a program"));
+        let wanted = Wanted { quiet: true, ..Wanted::default() };
+        let (seen, _) = simulate(&driven, &machine, &program, wanted).unwrap_or_else(|_| panic!("it runs"));
+        seen.monitor.excess.iter().map(|excess| (excess.n, excess.order)).collect()
+    }
+
+    /// The machine permits every tick of the first program, and so does the second one in all blocks but one.
+    #[test]
+    fn a_weighted_limit_that_is_broken_in_one_block_is_told() {
+        let program = |before: &str, motion: &str, behind: &str| {
+            format!("%p\nN10 G01 X50 F30000\n{before}\nN20 {motion}\n{behind}\nN30 G01 X0\nM30\n")
+        };
+        let (line, rapid) = ("G01 Y50", "G00 Y50");
+        for (motion, weight, expected) in [
+            (line, "G131 50", vec![1, 2]),
+            (line, "G130 Y60", vec![1, 2]),
+            (line, "G133 200", vec![2]),
+            (line, "G132 Y120", vec![2]),
+            (rapid, "G231 50", vec![1, 2]),
+            (rapid, "G233 200", vec![2]),
+            // Weights of rapid motion do not weight lines, and vice versa.
+            (line, "G231 50", vec![]),
+            (rapid, "G131 50", vec![]),
+        ] {
+            let (off, _) = weight.split_once(' ').unwrap_or_default();
+            let (plain, weighted) = (
+                program("", motion, ""),
+                program(
+                    weight,
+                    motion,
+                    &format!("{off}{}100", if weight.contains(" Y") { " Y" } else { " " }),
+                ),
+            );
+            let told = judged(&plain, &weighted);
+            assert!(told.iter().all(|(n, _)| *n == 20), "{motion}, {weight}: {told:?}");
+            let mut orders: Vec<usize> = told.into_iter().map(|(_, order)| order).collect();
+            orders.sort_unstable();
+            assert_eq!(orders, expected, "{motion}, {weight}");
+            assert_eq!(judged(&weighted, &weighted), [], "{motion}, {weight}");
+            // Before, the union of both permitted all.
+            assert_eq!(judged(&plain, &plain), [], "{motion}, {weight}");
+        }
+    }
 
     #[test]
     fn the_time_to_go_is_that_of_the_blocks_left() {

@@ -98,9 +98,12 @@ pub struct Statistics {
     pub distance: i128,
     /// The time laws, in the order of the motion blocks they cover.
     pub spans: Vec<PlannedBlock>,
-    /// Path speed where one motion block ends and the next one begins: the lower one of the two ticks around
-    /// that point. Not inside a line that stands for several, nor where a tick passes several.
+    /// Path speed where one motion block ends and the next one begins: zero where a row stands there, else the lower
+    /// one of the two ticks around that point. Not inside a line that stands for several, nor where a tick passes
+    /// several.
     pub transitions: Vec<Option<Speed>>,
+    /// The block at whose end the motion stands, until it moves.
+    stands: Option<u32>,
     /// Twice what the speed changes in a tick there.
     reaches: Vec<i64>,
     /// The slowest between blocks, the fastest inside.
@@ -229,6 +232,7 @@ impl Statistics {
             filtered: Filtered::default(),
             beside: Beside::default(),
             transitions: Vec::new(),
+            stands: None,
             reaches: Vec::new(),
             over_time: false,
             course: Course::default(),
@@ -294,14 +298,18 @@ impl Statistics {
         self.awaited.retain(|awaited| !matches!(awaited.what, What::Stall(_)));
     }
 
-    /// Takes in a row, and why it may be at rest.
-    pub fn add(&mut self, telemetry: &Telemetry, set_points: &[Position], pause: Pause) {
+    /// Takes in a row, whether it is on a curve that is no arc, and why it may be at rest.
+    pub fn add(&mut self, telemetry: &Telemetry, set_points: &[Position], curve: bool, pause: Pause) {
         let moved = telemetry.distance != self.last.distance;
         let step = telemetry.distance.to_bits().wrapping_sub(self.last.distance.to_bits());
         self.distance += i128::from(step);
+        let stood = self.stood(telemetry);
+        if stood.is_some() || moved {
+            self.stands = stood;
+        }
         for block in self.last.block..telemetry.block {
-            let passed = block == self.last.block && self.ticks > 0;
-            self.transitions.push(passed.then(|| telemetry.speed.min(self.last.speed)));
+            let passed = if stood == Some(block) { Some(Speed::ZERO) } else { self.passed(block, telemetry) };
+            self.transitions.push(passed);
             let changes = [telemetry.accel, self.last.accel].map(|accel| accel.to_bits().abs());
             let change = (telemetry.speed.to_bits() - self.last.speed.to_bits()).abs();
             self.reaches.push(2 * changes[0].max(changes[1]).max(change));
@@ -309,7 +317,8 @@ impl Statistics {
         if telemetry.block != self.last.block {
             self.monitor.passes(self.ticks);
         }
-        self.course.add(self.ticks, telemetry.block, telemetry.speed);
+        self.monitor.drives(telemetry.block, curve);
+        self.course.add(self.ticks, telemetry.block, telemetry.speed, stood);
         self.fastest = self.fastest.max(telemetry.speed);
         self.last = *telemetry;
         self.add_points(self.ticks, set_points);
@@ -335,6 +344,29 @@ impl Statistics {
         self.rest.min(self.ticks.saturating_sub(1 + self.moved))
     }
 
+    /// The block at whose end this row stands.
+    ///
+    /// Where the motion stands at a joint, a row lies there: the next motion begins at a tick. That row counts as one of
+    /// the block behind, or as the last one of those that became one line. Where more than one joint may be meant, the
+    /// laws tell.
+    fn stood(&self, row: &Telemetry) -> Option<u32> {
+        let joints = self.last.block..row.block;
+        if row.speed != Speed::ZERO || self.distance == 0 || joints.is_empty() {
+            return None;
+        }
+        let ends = self.spans.iter().rev().filter(|span| span.v_out == Speed::ZERO);
+        let mut ends = ends.map(|span| span.block + span.blocks.max(1) - 1);
+        let last = row.block - 1;
+        Some(if joints.len() == 1 { last } else { ends.find(|end| joints.contains(end)).unwrap_or(last) })
+    }
+
+    /// The speed at the joint at the end of a block, which lies between the last row and this one. From a standstill a
+    /// tick may pass a whole block: the joint at its end is not stood at.
+    fn passed(&self, block: u32, row: &Telemetry) -> Option<Speed> {
+        let around = [self.last.speed, row.speed].into_iter().filter(|speed| *speed != Speed::ZERO).min();
+        around.filter(|_| block == self.last.block && self.ticks > 0)
+    }
+
     fn react(&mut self, moved: bool) {
         let reached = if moved { Effect::Motion } else { Effect::Standstill };
         let (now, at) = (self.ticks, self.distance);
@@ -355,8 +387,16 @@ impl Statistics {
     /// Adds the rest behind the last tick, so that a stop with a jump is seen in the peaks, and an abort to
     /// its end.
     pub fn finish(&mut self, set_points: &[Position]) {
+        // The last block began and ended within a tick: that was the end of the program, and no joint.
+        if let Some(joint) = self.stands.take() {
+            if let Some(passed) = self.transitions.get_mut(joint as usize) {
+                *passed = None;
+            }
+            self.course.forget(joint as usize);
+        }
         self.react(false);
         for row in 0..3 {
+            self.monitor.drives(self.last.block, false);
             self.add_points(self.ticks + row, set_points);
         }
     }
@@ -373,16 +413,27 @@ impl Statistics {
         self.distance as f64 / (1_u64 << 44) as f64
     }
 
-    /// The last motion block of every law, and the planned speed at the end of the law. Only where the speeds of the
-    /// ticks around that point can come from the planned one: on a curve over time, they do not.
+    /// The last motion block of every law that ends at a joint, and the planned speed there. Only where the speeds of
+    /// the ticks around that point can come from the planned one: on a curve over time, they do not. A standstill is
+    /// seen in the rows, or it is none.
     pub fn ends(&self) -> Vec<(usize, Speed)> {
-        let end = |span: &PlannedBlock| (span.block as usize + span.blocks.max(1) as usize - 1, span.v_out);
-        let reached =
-            |&(last, planned): &(usize, Speed)| match (self.transitions.get(last), self.reaches.get(last)) {
-                (Some(Some(seen)), Some(reach)) => (planned.to_bits() - seen.to_bits()).abs() <= *reach,
-                _ => true,
+        let end = |pair: &[PlannedBlock]| {
+            let [span, next] = pair else { return None };
+            let last = span.block as usize + span.blocks.max(1) as usize - 1;
+            // Else the next law begins inside of the block.
+            (next.block as usize == last + 1).then_some((last, span.v_out))
+        };
+        let reached = |&(last, planned): &(usize, Speed)| {
+            let (Some(seen), Some(reach)) = (self.transitions.get(last), self.reaches.get(last)) else {
+                return false;
             };
-        self.spans.iter().map(end).filter(reached).collect()
+            match seen {
+                Some(seen) if *seen == Speed::ZERO || planned == Speed::ZERO => *seen == planned,
+                Some(seen) => (planned.to_bits() - seen.to_bits()).abs() <= *reach,
+                None => planned != Speed::ZERO,
+            }
+        };
+        self.spans.windows(2).filter_map(end).filter(reached).collect()
     }
 
     /// Motion blocks that the set points have come to.
@@ -416,7 +467,7 @@ mod tests {
         let mut statistics = Statistics::new(&[Position::ZERO], 0);
         // 1 mm per tick from rest, and a jump to rest.
         for i in 1..=10 {
-            statistics.add(&row(i, 0, 0), &[Position::from_num(-i)], Pause::None);
+            statistics.add(&row(i, 0, 0), &[Position::from_num(-i)], false, Pause::None);
         }
         statistics.finish(&[Position::from_num(-10)]);
         let axis = &statistics.axes[0];
@@ -448,7 +499,7 @@ mod tests {
         let mut statistics = Statistics::new(&[Position::ZERO], 1);
         let rows = |statistics: &mut Statistics, places: &[i64], pause| {
             for &mm in places {
-                statistics.add(&row(mm, 0, 0), &[Position::ZERO], pause);
+                statistics.add(&row(mm, 0, 0), &[Position::ZERO], false, pause);
             }
         };
         rows(&mut statistics, &[0, 1, 2, 2, 2, 2, 3], Pause::None);
@@ -464,7 +515,7 @@ mod tests {
     fn transitions_have_the_lower_speed_of_the_ticks_around_them() {
         let mut statistics = Statistics::new(&[Position::ZERO], 0);
         for (block, speed) in [(0, 0), (0, 5), (1, 3), (1, 4), (4, 7), (4, 0)] {
-            statistics.add(&row(0, block, speed), &[Position::ZERO], Pause::None);
+            statistics.add(&row(0, block, speed), &[Position::ZERO], false, Pause::None);
         }
         let passed = [3, 4].map(|bits| Some(Speed::from_bits(bits)));
         assert_eq!(statistics.transitions, [passed[0], passed[1], None, None]);
@@ -472,11 +523,61 @@ mod tests {
     }
 
     #[test]
+    fn a_joint_is_stood_at_where_a_row_stands() {
+        let mut statistics = Statistics::new(&[Position::ZERO], 0);
+        // A tick passes two joints and ends in a standstill at a third one; from there a tick passes a whole block.
+        let rows = [(0, 0), (0, 5), (3, 0), (3, 0), (4, 2), (4, 6), (5, 4), (5, 0), (5, 3), (6, 3)];
+        for (mm, (block, speed)) in (0..).zip(rows) {
+            statistics.add(&row(mm, block, speed), &[Position::ZERO], false, Pause::None);
+        }
+        let passed = |bits| Some(Speed::from_bits(bits));
+        assert_eq!(statistics.transitions, [passed(5), None, passed(0), passed(2), passed(4), passed(3)]);
+        // Blocks 7 to 9 became one line: the laws tell that it stands in front of them.
+        let law = PlannedBlock { block: 6, blocks: 1, ..PlannedBlock::default() };
+        statistics.spans = vec![law, PlannedBlock { block: 7, blocks: 3, ..law }];
+        statistics.add(&row(10, 9, 0), &[Position::ZERO], false, Pause::None);
+        assert_eq!(statistics.transitions[6..], [passed(0), None, None]);
+        let joints: Vec<_> =
+            (0..7).map(|block| statistics.course.joint(block).map(|seen| seen.speed)).collect();
+        // The course looks from fastest to fastest: there it stands inside block 5.
+        assert_eq!(joints, [passed(5), None, passed(0), passed(2), passed(4), passed(0), passed(0)]);
+    }
+
+    #[test]
+    fn the_end_of_the_program_is_no_joint() {
+        let mut statistics = Statistics::new(&[Position::ZERO], 0);
+        for (mm, (block, speed)) in (0..).zip([(0, 0), (0, 5), (1, 0), (1, 4), (2, 0)]) {
+            statistics.add(&row(mm, block, speed), &[Position::ZERO], false, Pause::None);
+        }
+        statistics.finish(&[Position::ZERO]);
+        assert_eq!(statistics.transitions, [Some(Speed::ZERO), None]);
+        assert_eq!([0, 1].map(|block| statistics.course.joint(block).is_some()), [true, false]);
+    }
+
+    #[test]
+    fn laws_end_at_joints_or_inside_of_blocks() {
+        let mut statistics = Statistics::new(&[Position::ZERO], 0);
+        let rows = [(0, 0), (0, 9), (1, 8), (1, 9), (2, 9), (2, 5), (3, 0), (3, 7)];
+        for (mm, (block, speed)) in (0..).zip(rows) {
+            statistics.add(&row(mm, block, speed), &[Position::ZERO], false, Pause::None);
+        }
+        let law = |block, blocks, v_out| PlannedBlock {
+            block,
+            blocks,
+            v_out: Speed::from_bits(v_out),
+            ..PlannedBlock::default()
+        };
+        // The second one ends inside of block 1; a standstill that no row shows is none.
+        statistics.spans = vec![law(0, 1, 7), law(1, 1, 0), law(1, 1, 0), law(2, 1, 0), law(3, 1, 0)];
+        assert_eq!(statistics.ends(), [(0, Speed::from_bits(7)), (2, Speed::ZERO)]);
+    }
+
+    #[test]
     fn reactions_count_from_the_event() {
         let mut statistics = Statistics::new(&[Position::ZERO], 4);
         let rows = |statistics: &mut Statistics, places: &[i64]| {
             for &mm in places {
-                statistics.add(&row(mm, 0, 0), &[Position::ZERO], Pause::Held);
+                statistics.add(&row(mm, 0, 0), &[Position::ZERO], false, Pause::Held);
             }
         };
         rows(&mut statistics, &[0, 2]);

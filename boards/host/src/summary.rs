@@ -1,5 +1,6 @@
 //! What a run comes down to, for people and for programs.
 use crate::beside::{Beside, Oscillation};
+use crate::clock::clock;
 use crate::deviation;
 use crate::events::{Event, function_name};
 use crate::files::Files;
@@ -344,21 +345,22 @@ impl Summary {
         let cycle = self.cycle_s * 1e3;
         writeln!(
             out,
-            "  program time   {bold}{:.3} s{bold:#}, {} tick{} of {cycle} ms",
+            "  program time   {bold}{:.3} s{bold:#}{}, {} tick{} of {cycle} ms",
             self.program_time_s,
+            clock(self.program_time_s),
             self.ticks,
             if self.ticks == 1 { "" } else { "s" }
         )?;
         write!(out, "  motion         {} block{}", self.blocks, plural(self.blocks))?;
         write!(out, ", {:.3} mm of path", self.path_mm)?;
         if self.dwell_s > 0.0 {
-            write!(out, ", {:.3} s of dwell", self.dwell_s)?;
+            write!(out, ", {:.3} s{} of dwell", self.dwell_s, clock(self.dwell_s))?;
         }
         if self.held_s > 0.0 {
-            write!(out, ", {:.3} s held", self.held_s)?;
+            write!(out, ", {:.3} s{} held", self.held_s, clock(self.held_s))?;
         }
         if self.waited_s > 0.0 {
-            write!(out, ", {:.3} s waited", self.waited_s)?;
+            write!(out, ", {:.3} s{} waited", self.waited_s, clock(self.waited_s))?;
         }
         writeln!(out)?;
         let moving = self.program_time_s - self.dwell_s - self.held_s - self.waited_s;
@@ -429,7 +431,8 @@ impl Summary {
                     None if event.tick.is_none() => format!("{dim}after the end{dim:#}"),
                     None => String::new(),
                 };
-                let line = format!("  {:>10.3} s  {:<18}  {outcome}", event.t_s, event.what);
+                let (at, clock) = (event.t_s, clock(event.t_s));
+                let line = format!("  {at:>10.3} s{clock}  {:<18}  {outcome}", event.what);
                 writeln!(out, "{}", line.trim_end())?;
             }
             if self.events.len() > EVENTS {
@@ -447,7 +450,8 @@ impl Summary {
                     }
                     None => format!("{dim}not acknowledged{dim:#}"),
                 };
-                writeln!(out, "  {:>10.3} s  {:<18}  {outcome}", output.t_s, output.function)?;
+                let (at, clock) = (output.t_s, clock(output.t_s));
+                writeln!(out, "  {at:>10.3} s{clock}  {:<18}  {outcome}", output.function)?;
             }
             if waits.len() > EVENTS {
                 writeln!(out, "  {dim}… {} in all{dim:#}", waits.len())?;
@@ -513,7 +517,8 @@ fn mm(bits: i128) -> f64 {
 /// Number of standstills between blocks, and the slowest transitions, standstills first.
 ///
 /// Inside a span nothing is planned for a transition: its speed is the one seen in the set points. At the end
-/// of a span it is the `planned` one, if that came true: without events, and not on a curve over time.
+/// of a span it is the `planned` one, if that came true: without events, and not on a curve over time. A standstill is
+/// one that a row shows.
 fn corners(
     files: &Files,
     program: &Program,
@@ -526,6 +531,12 @@ fn corners(
         for (last, speed) in statistics.ends() {
             if let Some((v, _)) = speeds.get_mut(last) {
                 *v = Some(speed);
+            }
+        }
+        // Beside a joint, a row may stand too: at the end of a piece of path that only leads there.
+        for (v, index) in &mut speeds {
+            if statistics.course.joint(*index).is_some_and(|seen| seen.speed == Speed::ZERO) {
+                *v = Some(Speed::ZERO);
             }
         }
     }

@@ -535,12 +535,46 @@ fn endless_programs_are_stopped() {
         assert!(text.contains("no motion and no other command in 1000000 lines"), "{text}");
         assert!(text.contains("silent.nc:"), "{text}");
         let text = refusal(&[command, &moving, "--max-commands", "1000"]);
-        assert!(text.contains("goes on after 1000 commands") && text.contains("moving.nc:2:"), "{text}");
+        let told = "goes on after 1000 commands of lines that were carried out before";
+        assert!(text.contains(told) && text.contains("moving.nc:2:"), "{text}");
         assert!(text.contains("--max-commands"), "{text}");
     }
-    let three = file(&directory, "three.nc", b"N10 G00 X1\nN20 X0\nM30\n");
-    assert_eq!(glidepath(&["check", &three, "--max-commands", "3"]).status.code(), Some(0));
-    refusal(&["check", &three, "--max-commands", "2"]);
+    // Without the option; backward by GOTO; one line alone.
+    for (name, text) in [
+        ("goto", "N10: G00 X1\nX0\n$GOTO N10\nM30\n"),
+        ("alone", "$WHILE 1\nM3\n$ENDWHILE\nM30\n"),
+        ("sub", "%L s\nG00 X1\nX0\nM29\n%main\n$WHILE 1\nLL s\n$ENDWHILE\nM30\n"),
+    ] {
+        let text = refusal(&["check", &file(&directory, &format!("{name}.nc"), text.as_bytes())]);
+        assert!(text.contains("goes on after 1000000 commands of lines that were"), "{name}: {text}");
+    }
+    // Two lines are carried out once more.
+    let twice = file(&directory, "twice.nc", b"$FOR P1=1,2,1\nN10 G00 X1\nN20 X0\n$ENDFOR\nM30\n");
+    assert_eq!(glidepath(&["check", &twice, "--max-commands", "2"]).status.code(), Some(0));
+    refusal(&["check", &twice, "--max-commands", "1"]);
+}
+
+/// More lines than a loop may repeat.
+#[test]
+fn a_long_program_is_not_endless() {
+    let directory = directory("long");
+    let lines: String = (1..=1_050_000).map(|i| format!("X{:.4}\n", f64::from(i) * 5e-4)).collect();
+    let long = file(&directory, "long.nc", format!("G01 F60000\n{lines}M30\n").as_bytes());
+    let output = glidepath(&["check", &long]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    assert!(String::from_utf8_lossy(&output.stdout).contains("1050000 motion blocks"));
+}
+
+#[test]
+fn a_minute_and_more_is_told_as_a_clock_shows_it() {
+    let directory = directory("clock");
+    let program = |name: &str, text: &str| file(&directory, name, text.as_bytes());
+    let out = |program: &str| String::from_utf8_lossy(&glidepath(&["run", program]).stdout).into_owned();
+    let long = out(&program("long.nc", "G01 X10 F600\nG04 X75\nG01 X0\nM30\n"));
+    assert!(long.contains(" s (0:01:17), 7"), "{long}");
+    assert!(long.contains("75.000 s (0:01:15) of dwell"), "{long}");
+    let short = out(&program("short.nc", "G01 X10 F600\nM30\n"));
+    assert!(!short.contains("(0:"), "{short}");
 }
 
 #[test]

@@ -95,7 +95,7 @@ impl Machine {
 }
 
 /// What the machine data allow one axis: mm/s, mm/s², mm/s³ (rotary: degrees).
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limits {
     /// P-AXIS-00212.
     pub speed: f64,
@@ -113,7 +113,11 @@ pub struct Limits {
     pub ramp_feed: f64,
     /// The steepest ramp of the slope in rapid motion.
     pub ramp_rapid: f64,
-    /// All jerk together: with the geometric ramp time (P-AXIS-00199) where that is shorter.
+    /// All jerk together at feed: with the geometric ramp time (P-AXIS-00199) where that is shorter.
+    pub jerk_feed: f64,
+    /// The same in rapid motion.
+    pub jerk_rapid: f64,
+    /// The larger one of both.
     pub jerk: f64,
 }
 
@@ -129,6 +133,8 @@ impl Limits {
             accel_rapid: self.accel_rapid.max(other.accel_rapid),
             ramp_feed: self.ramp_feed.max(other.ramp_feed),
             ramp_rapid: self.ramp_rapid.max(other.ramp_rapid),
+            jerk_feed: self.jerk_feed.max(other.jerk_feed),
+            jerk_rapid: self.jerk_rapid.max(other.jerk_rapid),
             jerk: self.jerk.max(other.jerk),
         }
     }
@@ -161,10 +167,11 @@ pub fn limits(axis: &AxisData, slope: SlopeType) -> Limits {
     } else {
         ([axis.a_beschl, axis.a_brems], axis.a_grenz)
     };
-    let fastest = accel.max(brake).max(rapid);
-    let contour = over(fastest, axis.geometric_ramp());
+    let contour = |accel: u32| over(accel, axis.geometric_ramp());
     let ramp_feed = shape * over(accel, up).max(over(brake, down));
     let ramp_rapid = shape * over(rapid, axis.tr_grenz);
+    let jerk_feed = ramp_feed.max(contour(accel.max(brake)));
+    let jerk_rapid = ramp_rapid.max(contour(rapid));
     Limits {
         speed: f64::from(axis.vb_max) / 1e3,
         speed_rapid: f64::from(axis.vb_eilgang) / 1e3,
@@ -174,7 +181,9 @@ pub fn limits(axis: &AxisData, slope: SlopeType) -> Limits {
         accel_rapid: f64::from(rapid),
         ramp_feed,
         ramp_rapid,
-        jerk: ramp_feed.max(ramp_rapid).max(contour),
+        jerk_feed,
+        jerk_rapid,
+        jerk: jerk_feed.max(jerk_rapid),
     }
 }
 

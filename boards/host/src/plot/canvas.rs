@@ -115,6 +115,9 @@ impl TextStyle {
     }
 }
 
+/// Width of the line of a ring.
+pub const RING_WIDTH: f64 = 1.6;
+
 /// A file format that can be drawn on.
 pub trait Canvas {
     /// Connected lines.
@@ -129,6 +132,8 @@ pub trait Canvas {
     fn fill(&mut self, area: &Rect, colour: Colour, opacity: f64);
     /// A filled circle with a white rim.
     fn dot(&mut self, centre: Point, radius: f64, colour: Colour);
+    /// A circle that hides nothing.
+    fn ring(&mut self, centre: Point, radius: f64, colour: Colour);
     /// Text with its base line at `at`.
     fn text(&mut self, at: Point, text: &str, style: &TextStyle);
     /// Limits what follows to `area`, or lifts the limit.

@@ -14,6 +14,7 @@ mod record;
 mod scale;
 mod svg;
 
+use crate::clock::clock;
 use crate::diagnose::Source;
 use crate::events::Event;
 use crate::machine::{Machine, slope_name};
@@ -97,8 +98,9 @@ fn compose(canvas: &mut dyn Canvas, height: f64, source: &Source, scene: &Scene<
     let title = file.unwrap_or_else(|| source.name.as_str().into());
     canvas.text(Point(MARGIN, 40.0), &title, &TextStyle { size: 22.0, bold: true, ..TextStyle::new(INK) });
     let facts = format!(
-        "{:.3} s  ·  {} block{}  ·  {:.1} {} of path  ·  {}  ·  cycle {} ms  ·  slope {}",
+        "{:.3} s{}  ·  {} block{}  ·  {:.1} {} of path  ·  {}  ·  cycle {} ms  ·  slope {}",
         statistics.time_s(scene.machine),
+        clock(statistics.time_s(scene.machine)),
         statistics.blocks(),
         plural(statistics.blocks()),
         statistics.distance_mm(),
@@ -143,6 +145,7 @@ mod tests {
             stop: false,
             smoothed: false,
             tolerance: Default::default(),
+            dynamics: 0,
         };
         let arc = Kind::Arc { plane: [0, 1], centre: [50.0, 100.0], clockwise: false };
         let segments = vec![
@@ -155,8 +158,9 @@ mod tests {
         let rest = (0..rounds).map(|i| line((i * 37 % 101) as f64, (i * 59 % 103) as f64));
         let segments: Vec<Segment> = segments.into_iter().chain(rest).collect();
         let program = Program { motions: segments.len(), segments, ..Program::empty(&machine) };
+        let rapid = program.motions().map(|segment| segment.feed.is_none()).collect();
         let mut statistics = Statistics::new(&[Position::ZERO; 3], 0);
-        let mut picture = Picture::new(&machine, vec![0, 1, 2], vec![0, 1, 2], Vec::new());
+        let mut picture = Picture::new(&machine, vec![0, 1, 2], vec![0, 1, 2], (Vec::new(), rapid));
         for tick in 0..=ticks {
             let s = 400.0 * tick as f64 / ticks as f64;
             let at = match s {
@@ -174,7 +178,7 @@ mod tests {
                 accel: Accel(((s * 0.04).cos() * 0.001).to_string().parse().unwrap_or_default()),
                 ..Telemetry::default()
             };
-            statistics.add(&telemetry, &set_points, Pause::None);
+            statistics.add(&telemetry, &set_points, false, Pause::None);
             picture.add(&telemetry, &set_points, (&statistics.axes, &[]), machine.cycle_s());
         }
         let source = Source { name: "a & b.nc".into(), text: Vec::new() };
@@ -194,6 +198,13 @@ mod tests {
         let short = scene(Format::Svg, 1000, 0).len();
         let long = scene(Format::Svg, 3_600_000, 300_000).len();
         assert!(short > 10_000 && long < 2_000_000, "{short} {long}");
+    }
+
+    /// The last side of the square is rapid motion.
+    #[test]
+    fn rapid_motion_is_dashed_and_named() {
+        let svg = String::from_utf8(scene(Format::Svg, 4000, 0)).unwrap_or_default();
+        assert!(svg.contains(">rapid</text>") && svg.contains("stroke-dasharray=\"4 3\""));
     }
 
     #[test]

@@ -2,7 +2,9 @@
 use super::Scene;
 use super::canvas::{Anchor, Canvas, Colour, GRID, INK, PROGRAMMED, Point, Rect, SOFT, Stroke, TextStyle};
 use super::font::Font;
+use super::record::Place;
 use super::scale::{label, round_up, ticks};
+use crate::program::Stretch;
 
 /// Shades of the speed scale.
 const SHADES: usize = 32;
@@ -11,75 +13,119 @@ const SHADES: usize = 32;
 const FINEST: f64 = 0.5;
 const MOST: usize = 12_000;
 
-/// Radius of the dots at start and end, and of the end's dot where it lies under that of the start.
-const DOT: f64 = 5.0;
-const RING: f64 = 8.5;
+/// Radius of the rings around start and end, and of the end's ring where it lies around that of the start.
+const DOT: f64 = 4.0;
+const RING: f64 = 7.0;
+const START: Colour = Colour(0x3a, 0x9d, 0x5d);
+
+/// Width of the path: as far as lines beside each other leave room, between these.
+const WIDTHS: [f64; 2] = [0.5, 2.2];
+
+/// Rapid motion.
+const RAPID: Stroke = Stroke { opacity: 0.9, dash: Some((4.0, 3.0)), ..Stroke::new(SOFT, 0.9) };
 
 /// How three coordinates become two.
 #[derive(Clone, Copy, PartialEq)]
 enum View {
-    /// First to the right, second up.
-    Plan,
+    /// One to the right, one up.
+    Plan(usize, usize),
     /// All three, seen from the front left and above.
     Isometric,
 }
 
 impl View {
-    fn project(self, [x, y, z]: [f64; 3]) -> [f64; 2] {
+    fn project(self, at: [f64; 3]) -> [f64; 2] {
         const COS_30: f64 = 0.866_025_403_784_438_6;
         match self {
-            Self::Plan => [x, y],
-            Self::Isometric => [(x - y) * COS_30, (x + y) * 0.5 + z],
+            Self::Plan(right, up) => [at[right], at[up]],
+            Self::Isometric => [(at[0] - at[1]) * COS_30, (at[0] + at[1]) * 0.5 + at[2]],
         }
+    }
+
+    /// The planes in which there is something to see: the first two axes, or others if one of these hardly moves.
+    fn all(extent: [f64; 3]) -> Vec<Self> {
+        // Of the largest: less is seen as a line.
+        const HARDLY: f64 = 0.01;
+        let most = extent.into_iter().fold(0.0, f64::max);
+        let deep = extent.iter().all(|&extent| extent > 1e-6);
+        let plan = match extent.map(|extent| extent > HARDLY * most) {
+            [true, false, true] => Self::Plan(0, 2),
+            [false, true, true] => Self::Plan(1, 2),
+            [false, false, true] => Self::Plan(0, 2),
+            _ => Self::Plan(0, 1),
+        };
+        if deep { vec![plan, Self::Isometric] } else { vec![plan] }
+    }
+}
+
+/// What is drawn of the path.
+struct Shown<'a> {
+    scene: &'a Scene<'a>,
+    programmed: Vec<Stretch>,
+    moved: Vec<Place>,
+    top_speed: f64,
+}
+
+impl Shown<'_> {
+    /// All places, programmed and driven.
+    fn all(&self) -> impl Iterator<Item = [f64; 3]> {
+        let programmed = self.programmed.iter().flat_map(|stretch| stretch.line.iter().copied());
+        programmed.chain(self.moved.iter().map(|place| place.at))
+    }
+
+    fn has_rapid(&self) -> bool {
+        self.moved.iter().any(|place| place.rapid)
     }
 }
 
 /// Draws the path into `area`.
 pub fn draw(canvas: &mut dyn Canvas, area: &Rect, scene: &Scene<'_>) {
-    let moved: Vec<([f64; 3], f64)> = scene.picture.path().map(|place| (place.at, place.speed)).collect();
-    let programmed = scene.program.polyline(&scene.picture.axes);
-    let top_speed = round_up(moved.iter().map(|(_, speed)| *speed).fold(0.0, f64::max));
-    let deep = {
-        let heights = moved.iter().map(|(at, _)| at[2]);
-        let (low, high) = heights.fold((f64::MAX, f64::MIN), |(low, high), z| (low.min(z), high.max(z)));
-        high - low > 1e-6
-    };
+    let moved: Vec<Place> = scene.picture.path().collect();
+    let programmed = scene.program.polylines(&scene.picture.axes);
+    // Rapid motion would leave one colour to all that cuts.
+    let top =
+        |rapid| moved.iter().filter(|place| place.rapid == rapid).map(|place| place.speed).reduce(f64::max);
+    let top_speed = round_up(top(false).filter(|speed| *speed > 0.0).or(top(true)).unwrap_or(0.0));
+    let shown = Shown { scene, programmed, moved, top_speed };
+    let mut low = [f64::INFINITY; 3];
+    let mut high = [f64::NEG_INFINITY; 3];
+    for at in shown.all() {
+        low = std::array::from_fn(|k| low[k].min(at[k]));
+        high = std::array::from_fn(|k| high[k].max(at[k]));
+    }
+    let views = View::all(std::array::from_fn(|k| (high[k] - low[k]).max(0.0)));
     let legend = 44.0;
-    let frames = if deep {
+    let frames: Vec<Rect> = if views.len() > 1 {
         let plan = (area.height - legend) * 0.56;
         let below = Rect { y: area.y + plan + 30.0, height: area.height - legend - plan - 30.0, ..*area };
-        vec![(View::Plan, Rect { height: plan, ..*area }), (View::Isometric, below)]
+        vec![Rect { height: plan, ..*area }, below]
     } else {
-        vec![(View::Plan, Rect { height: area.height - legend, ..*area })]
+        vec![Rect { height: area.height - legend, ..*area }]
     };
-    for (view, frame) in &frames {
-        one(canvas, frame, *view, scene, &programmed, &moved, top_speed);
+    for (view, frame) in views.into_iter().zip(&frames) {
+        one(canvas, frame, view, &shown);
     }
-    speed_scale(canvas, area, top_speed, scene.picture.unit);
+    speed_scale(canvas, area, &shown);
 }
 
-fn one(
-    canvas: &mut dyn Canvas,
-    frame: &Rect,
-    view: View,
-    scene: &Scene<'_>,
-    programmed: &[[f64; 3]],
-    moved: &[([f64; 3], f64)],
-    top_speed: f64,
-) {
+fn one(canvas: &mut dyn Canvas, frame: &Rect, view: View, shown: &Shown<'_>) {
     let title = TextStyle { size: 13.0, bold: true, ..TextStyle::new(INK) };
+    let scene = shown.scene;
     let names: Vec<&str> =
         scene.picture.axes.iter().map(|&index| scene.machine.axes[index].name.as_str()).collect();
     let mm = scene.picture.unit;
     let (heading, unit) = match view {
-        View::Plan => ("Path".to_owned(), format!("{}  {mm}", names.get(..2).unwrap_or(&names).join(" "))),
+        View::Plan(right, up) => {
+            let names = [right, up].into_iter().filter_map(|axis| names.get(axis).copied());
+            ("Path".to_owned(), format!("{}  {mm}", names.collect::<Vec<&str>>().join(" ")))
+        }
         View::Isometric => ("Path in space".to_owned(), mm.to_owned()),
     };
     canvas.text(Point(frame.x, frame.y), &heading, &title);
     let beside = Point(frame.x + Font::new(title.size, true).width(&heading) + 8.0, frame.y);
     canvas.text(beside, &unit, &TextStyle { size: 12.0, ..TextStyle::new(SOFT) });
     let inner = match view {
-        View::Plan => Rect {
+        View::Plan(..) => Rect {
             x: frame.x + 46.0,
             y: frame.y + 12.0,
             width: frame.width - 46.0,
@@ -88,10 +134,9 @@ fn one(
         View::Isometric => Rect { y: frame.y + 12.0, height: frame.height - 16.0, ..*frame },
     };
 
-    let all = programmed.iter().copied().chain(moved.iter().map(|(at, _)| *at));
     let mut low = [f64::INFINITY; 2];
     let mut high = [f64::NEG_INFINITY; 2];
-    for at in all {
+    for at in shown.all() {
         for (i, value) in view.project(at).into_iter().enumerate() {
             low[i] = low[i].min(value);
             high[i] = high[i].max(value);
@@ -117,53 +162,78 @@ fn one(
     };
 
     match view {
-        View::Plan => grid(canvas, &inner, scale, centre),
+        View::Plan(..) => grid(canvas, &inner, scale, centre),
         View::Isometric => tripod(canvas, &inner, &names),
     }
     canvas.clip(Some(&inner));
-    let whole: Vec<Point> = programmed.iter().map(|&at| place(at)).collect();
-    canvas.polyline(&thinned(&whole), &Stroke::new(PROGRAMMED, 1.0));
-    let mut shades = vec![Vec::new(); SHADES];
-    // One line for each stretch of one shade.
-    let mut points: Vec<Point> = Vec::new();
-    let mut current = None;
-    for &(at, speed) in moved {
-        let shade = ((speed / top_speed * SHADES as f64) as usize).min(SHADES - 1);
-        let point = place(at);
-        if points.last().is_some_and(|&last| !apart(last, point, FINEST)) && points.len() > 1 {
-            continue;
-        }
-        points.push(point);
-        if current != Some(shade) {
-            if let Some(shade) = current {
-                let next = points.split_off(points.len() - 1);
-                points.extend(next.first());
-                shades[shade].push(std::mem::replace(&mut points, next));
-            }
-            current = Some(shade);
-        }
-    }
-    points.extend(moved.last().map(|&(at, _)| place(at)));
-    if let Some(shade) = current {
-        shades[shade].push(points);
-    }
-    // Slow stretches last: they are what is looked for.
-    for (shade, lines) in shades.iter().enumerate().rev() {
-        canvas.polylines(lines, &Stroke::new(colour(shade), 2.4));
-    }
-    if let (Some((first, _)), Some((last, _))) = (moved.first(), moved.last()) {
-        // Where both are one place, the end is seen around the start.
-        let (first, last) = (place(*first), place(*last));
-        let near = (first.0 - last.0).hypot(first.1 - last.1) < DOT;
-        canvas.dot(last, if near { RING } else { DOT }, INK);
-        canvas.dot(first, DOT, Colour(0x3a, 0x9d, 0x5d));
-    }
+    lines(canvas, shown, span[0] * span[1] * scale * scale, &place);
     canvas.clip(None);
 }
 
-/// Whether two points are further from one another than that.
-fn apart(a: Point, b: Point, distance: f64) -> bool {
-    (a.0 - b.0).hypot(a.1 - b.1) > distance
+/// The path on a picture that is so large, in square pixels.
+fn lines(canvas: &mut dyn Canvas, shown: &Shown<'_>, area: f64, place: &dyn Fn([f64; 3]) -> Point) {
+    // Rapid motion is seen as it was moved.
+    for stretch in shown.programmed.iter().filter(|stretch| !stretch.rapid) {
+        let line: Vec<Point> = stretch.line.iter().map(|&at| place(at)).collect();
+        canvas.polyline(&thinned(&line), &Stroke::new(PROGRAMMED, 0.8));
+    }
+    let (shades, rapid) = by_speed(shown, place);
+    canvas.polylines(&rapid, &RAPID);
+    let length = |line: &Vec<Point>| line.windows(2).map(|pair| apart(pair[0], pair[1])).sum::<f64>();
+    let all: f64 = shades.iter().flatten().map(length).sum();
+    // Half of the mean distance of lines that fill the picture evenly.
+    let width = if all > 0.0 { (0.5 * area / all).clamp(WIDTHS[0], WIDTHS[1]) } else { WIDTHS[1] };
+    // A straight line has no area, and room on both sides.
+    let width = if area < 1.0 { WIDTHS[1] } else { width };
+    // Slow stretches last: they are what is looked for.
+    for (shade, lines) in shades.iter().enumerate().rev() {
+        canvas.polylines(lines, &Stroke::new(colour(shade), width));
+    }
+    if let (Some(first), Some(last)) = (shown.moved.first(), shown.moved.last()) {
+        // Where both are one place, the end is seen around the start.
+        let (first, last) = (place(first.at), place(last.at));
+        canvas.ring(last, if apart(first, last) < DOT { RING } else { DOT }, INK);
+        canvas.ring(first, DOT, START);
+    }
+}
+
+/// The driven path: lines of each shade, one for each stretch of one shade, and those of rapid motion.
+fn by_speed(shown: &Shown<'_>, place: &dyn Fn([f64; 3]) -> Point) -> (Vec<Vec<Vec<Point>>>, Vec<Vec<Point>>) {
+    // Rapid motion behind the shades.
+    let mut kinds = vec![Vec::new(); SHADES + 1];
+    let mut points: Vec<Point> = Vec::new();
+    let mut current = None;
+    for &Place { at, speed, rapid } in &shown.moved {
+        let shade = ((speed / shown.top_speed * SHADES as f64) as usize).min(SHADES - 1);
+        let kind = if rapid { SHADES } else { shade };
+        let point = place(at);
+        if points.last().is_some_and(|&last| apart(last, point) <= FINEST)
+            && points.len() > 1
+            && rapid == (current == Some(SHADES))
+        {
+            continue;
+        }
+        // What leads to a place is of its kind.
+        if current != Some(kind) {
+            if let Some(current) = current {
+                let next = points.last().copied().into_iter().collect();
+                kinds[current].push(std::mem::replace(&mut points, next));
+            }
+            current = Some(kind);
+        }
+        points.push(point);
+    }
+    points.extend(shown.moved.last().map(|last| place(last.at)));
+    if let Some(kind) = current {
+        kinds[kind].push(points);
+    }
+    let rapid = kinds.pop().unwrap_or_default();
+    (kinds, rapid)
+}
+
+/// How far two points are from one another.
+fn apart(a: Point, b: Point) -> f64 {
+    (a.0 - b.0).hypot(a.1 - b.1)
 }
 
 /// Points that can be told apart, and no more than a picture needs.
@@ -172,7 +242,7 @@ fn thinned(points: &[Point]) -> Vec<Point> {
     loop {
         let mut kept: Vec<Point> = Vec::new();
         for (index, &point) in points.iter().enumerate() {
-            if index + 1 == points.len() || kept.last().is_none_or(|&last| apart(last, point, finest)) {
+            if index + 1 == points.len() || kept.last().is_none_or(|&last| apart(last, point) > finest) {
                 kept.push(point);
             }
         }
@@ -211,8 +281,8 @@ fn tripod(canvas: &mut dyn Canvas, inner: &Rect, names: &[&str]) {
     }
 }
 
-fn speed_scale(canvas: &mut dyn Canvas, area: &Rect, top_speed: f64, unit: &str) {
-    let bar = Rect { x: area.x + 46.0, y: area.bottom() - 22.0, width: 220.0, height: 8.0 };
+fn speed_scale(canvas: &mut dyn Canvas, area: &Rect, shown: &Shown<'_>) {
+    let bar = Rect { x: area.x + 46.0, y: area.bottom() - 22.0, width: 180.0, height: 8.0 };
     let step = bar.width / SHADES as f64;
     for shade in 0..SHADES {
         let part = Rect { x: bar.x + shade as f64 * step, width: step + 0.4, ..bar };
@@ -220,15 +290,20 @@ fn speed_scale(canvas: &mut dyn Canvas, area: &Rect, top_speed: f64, unit: &str)
     }
     let small = |anchor| TextStyle { size: 11.0, anchor, ..TextStyle::new(SOFT) };
     canvas.text(Point(bar.x, bar.bottom() + 14.0), "0", &small(Anchor::Middle));
-    let end = format!("{} {unit}/s", label(top_speed));
+    let end = format!("{} {}/s", label(shown.top_speed), shown.scene.picture.unit);
     canvas.text(Point(bar.right(), bar.bottom() + 14.0), &end, &small(Anchor::Middle));
-    let right = bar.right() + 70.0;
-    let line = [Point(right, bar.y + 4.0), Point(right + 22.0, bar.y + 4.0)];
-    canvas.polyline(&line, &Stroke::new(PROGRAMMED, 1.2));
-    canvas.text(Point(right + 28.0, bar.y + 8.0), "programmed", &small(Anchor::Start));
-    for (shift, name, colour) in [(120.0, "start", Colour(0x3a, 0x9d, 0x5d)), (180.0, "end", INK)] {
-        canvas.dot(Point(right + shift, bar.y + 4.0), 5.0, colour);
-        canvas.text(Point(right + shift + 10.0, bar.y + 8.0), name, &small(Anchor::Start));
+    let middle = bar.y + 4.0;
+    let mut left = bar.right() + 54.0;
+    let rapid = shown.has_rapid().then_some(("rapid", RAPID));
+    for (name, stroke) in [("programmed", Stroke::new(PROGRAMMED, 1.2))].into_iter().chain(rapid) {
+        canvas.polyline(&[Point(left, middle), Point(left + 22.0, middle)], &stroke);
+        canvas.text(Point(left + 28.0, bar.y + 8.0), name, &small(Anchor::Start));
+        left += 28.0 + Font::new(11.0, false).width(name) + 16.0;
+    }
+    for (name, colour) in [("start", START), ("end", INK)] {
+        canvas.ring(Point(left + DOT, middle), DOT, colour);
+        canvas.text(Point(left + 2.0 * DOT + 5.0, bar.y + 8.0), name, &small(Anchor::Start));
+        left += 2.0 * DOT + 5.0 + Font::new(11.0, false).width(name) + 16.0;
     }
 }
 
@@ -247,4 +322,28 @@ fn colour(shade: usize) -> Colour {
     let share = at - index as f64;
     let mix = |i: usize| (STOPS[index][i] * (1.0 - share) + STOPS[index + 1][i] * share).round() as u8;
     Colour(mix(0), mix(1), mix(2))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_plane_is_the_one_in_which_the_path_lies() {
+        let seen = |extent| {
+            let planes = View::all(extent).into_iter().map(|view| match view {
+                View::Plan(right, up) => Some((right, up)),
+                View::Isometric => None,
+            });
+            planes.collect::<Vec<_>>()
+        };
+        assert_eq!(seen([50.0, 30.0, 0.0]), [Some((0, 1))]);
+        assert_eq!(seen([50.0, 0.0, 30.0]), [Some((0, 2))]);
+        assert_eq!(seen([0.0, 20.0, 30.0]), [Some((1, 2))]);
+        assert_eq!(seen([50.0, 0.0, 0.0]), [Some((0, 1))]);
+        assert_eq!(seen([0.0, 0.0, 30.0]), [Some((0, 2))]);
+        assert_eq!(seen([50.0, 30.0, 5.0]), [Some((0, 1)), None]);
+        assert_eq!(seen([50.0, 0.1, 30.0]), [Some((0, 2)), None]);
+        assert_eq!(seen([0.0; 3]), [Some((0, 1))]);
+    }
 }

@@ -1,5 +1,5 @@
 //! PNG: drawn by tiny-skia at twice the size, letters from the outlines of a font that is compiled in.
-use super::canvas::{Anchor, Canvas, Colour, Point, Rect, Stroke, TextStyle};
+use super::canvas::{Anchor, Canvas, Colour, Point, RING_WIDTH, Rect, Stroke, TextStyle};
 use super::font::Font;
 use tiny_skia::{FillRule, LineCap, LineJoin, Mask, Paint, Path, PathBuilder, Pixmap, StrokeDash, Transform};
 use ttf_parser::OutlineBuilder;
@@ -101,6 +101,13 @@ impl Canvas for Png {
                 self.fill_path(&path, colour, 1.0);
             }
         }
+    }
+
+    fn ring(&mut self, Point(x, y): Point, radius: f64, colour: Colour) {
+        let Some(path) = PathBuilder::from_circle(x as f32, y as f32, radius as f32) else { return };
+        let line = tiny_skia::Stroke { width: RING_WIDTH as f32, ..tiny_skia::Stroke::default() };
+        let (transform, paint) = (Transform::from_scale(SCALE, SCALE), paint(colour, 1.0));
+        self.pixels.stroke_path(&path, &paint, &line, transform, self.mask.as_ref());
     }
 
     fn text(&mut self, Point(x, y): Point, text: &str, style: &TextStyle) {

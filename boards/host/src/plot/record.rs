@@ -17,6 +17,8 @@ pub struct Place {
     pub at: [f64; 3],
     /// Path speed per second.
     pub speed: f64,
+    /// In rapid motion.
+    pub rapid: bool,
 }
 
 /// A recorded run.
@@ -40,14 +42,22 @@ pub struct Picture {
     /// How many axes have filters: all or none; and those that move beside the path.
     filtered: usize,
     alone: Vec<usize>,
+    /// By motion block: rapid motion.
+    rapid: Vec<bool>,
     /// Ticks that enter another block, and that block; several may begin within a tick.
     pub entries: Vec<(u64, u32)>,
     ticks: u64,
 }
 
 impl Picture {
-    /// Nothing recorded yet.
-    pub fn new(machine: &Machine, axes: Vec<usize>, moving: Vec<usize>, alone: Vec<usize>) -> Self {
+    /// Nothing recorded yet. Axes that are shown, that move on the path, that move beside it; which blocks are rapid
+    /// motion.
+    pub fn new(
+        machine: &Machine,
+        axes: Vec<usize>,
+        moving: Vec<usize>,
+        (alone, rapid): (Vec<usize>, Vec<bool>),
+    ) -> Self {
         let filtered = if Filtered::has(machine) { machine.axes.len() } else { 0 };
         let envelope = Envelope::new(1 + 2 * moving.len() + filtered + alone.len());
         let linear = axes.iter().all(|&index| machine.axes[index].kind == AxisKind::Linear);
@@ -63,6 +73,7 @@ impl Picture {
             envelope,
             filtered,
             alone,
+            rapid,
             entries: Vec::new(),
             ticks: 0,
         }
@@ -97,7 +108,8 @@ impl Picture {
         for (value, &index) in at.iter_mut().zip(&self.axes) {
             *value = set_points.get(index).map_or(0.0, |position| position.to_num());
         }
-        self.place(Place { at, speed });
+        let rapid = self.rapid.get(telemetry.block as usize).copied().unwrap_or(false);
+        self.place(Place { at, speed, rapid });
     }
 
     /// Axes with filters, and their series.
@@ -159,8 +171,8 @@ pub struct Envelope {
     stride: u64,
     /// Ticks already in the last one.
     filled: u64,
-    /// Per stretch, `series` pairs of lowest and highest.
-    spans: Vec<[f32; 2]>,
+    /// Per stretch and series: lowest, highest, mean magnitude.
+    spans: Vec<[f32; 3]>,
 }
 
 impl Envelope {
@@ -174,16 +186,18 @@ impl Envelope {
                 self.halve();
             }
             if self.filled == self.stride || self.spans.is_empty() {
-                self.spans.extend(values.iter().map(|&value| [value; 2]));
+                self.spans.extend(values.iter().map(|&value| [value, value, value.abs()]));
                 self.filled = 1;
                 return;
             }
         }
         let last = self.spans.len() - self.series;
-        for (span, &value) in self.spans[last..].iter_mut().zip(values) {
-            *span = [span[0].min(value), span[1].max(value)];
-        }
         self.filled += 1;
+        let part = 1.0 / self.filled as f32;
+        for (span, &value) in self.spans[last..].iter_mut().zip(values) {
+            let [low, high, mean] = *span;
+            *span = [low.min(value), high.max(value), mean + (value.abs() - mean) * part];
+        }
     }
 
     /// Joins stretches two by two.
@@ -191,7 +205,9 @@ impl Envelope {
         let mut joined = Vec::with_capacity(self.spans.len());
         for pair in self.spans.chunks(2 * self.series) {
             let (first, second) = pair.split_at(self.series);
-            joined.extend(first.iter().zip(second).map(|(a, b)| [a[0].min(b[0]), a[1].max(b[1])]));
+            joined.extend(
+                first.iter().zip(second).map(|(a, b)| [a[0].min(b[0]), a[1].max(b[1]), (a[2] + b[2]) / 2.0]),
+            );
         }
         self.spans = joined;
         self.stride *= 2;
@@ -210,11 +226,11 @@ impl Envelope {
 
     /// The largest magnitude of one series.
     pub fn peak(&self, index: usize) -> f64 {
-        self.series(index).map(|[low, high]| high.abs().max(low.abs())).fold(0.0, f64::max)
+        self.series(index).map(|[low, high, _]| high.abs().max(low.abs())).fold(0.0, f64::max)
     }
 
-    /// Lowest and highest values of one series.
-    pub fn series(&self, index: usize) -> impl Iterator<Item = [f64; 2]> {
+    /// Lowest and highest values of one series, and the mean of their magnitudes.
+    pub fn series(&self, index: usize) -> impl Iterator<Item = [f64; 3]> {
         self.spans.chunks(self.series).map(move |spans| spans[index].map(f64::from))
     }
 }
@@ -235,5 +251,10 @@ mod tests {
         let at = envelope.series(0).position(|span| span[1] == 5.0).unwrap_or(0);
         assert_eq!(at as u64, 777_777 / envelope.stride());
         assert_eq!(envelope.series(1).last().map(|span| span[0]), Some(-999_999.0));
+        // The mean of a stretch that is full: that of its magnitudes.
+        let (index, stride) = (3, envelope.stride() as f64);
+        let mean = envelope.series(1).nth(index).map_or(0.0, |span| span[2]);
+        let expected = (index as f64 + 0.5) * stride - 0.5;
+        assert!((mean - expected).abs() < 1e-3 * expected, "{mean} {expected}");
     }
 }

@@ -1,5 +1,5 @@
 //! SVG: text, written as it comes.
-use super::canvas::{Anchor, Canvas, Colour, Point, Rect, Stroke, TextStyle};
+use super::canvas::{Anchor, Canvas, Colour, Point, RING_WIDTH, Rect, Stroke, TextStyle};
 use std::fmt::Write;
 
 /// An SVG file in the making.
@@ -122,6 +122,17 @@ impl Canvas for Svg {
             short(y),
             short(radius),
             hex(colour)
+        ));
+    }
+
+    fn ring(&mut self, Point(x, y): Point, radius: f64, colour: Colour) {
+        self.add(format_args!(
+            "<circle cx=\"{}\" cy=\"{}\" r=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"{}\"/>\n",
+            short(x),
+            short(y),
+            short(radius),
+            hex(colour),
+            short(RING_WIDTH)
         ));
     }
 

@@ -1,5 +1,6 @@
 //! What bound the speed, as a part of the summary: for people and for programs.
 use super::count::{Bound, Why};
+use crate::clock::clock;
 use crate::knee::{SHARP, knees};
 use crate::machine::Machine;
 use crate::program::{Program, Segment, plural};
@@ -72,14 +73,20 @@ impl Told {
         if let Some(rest @ [_, ..]) = self.bound.get(REASONS..) {
             let sum = |of: fn(&Reason) -> usize| rest.iter().map(of).sum::<usize>();
             let [joints, blocks] = [sum(|reason| reason.joints), sum(|reason| reason.blocks)];
-            writeln!(out, "    {:<54}{joints:>8}{blocks:>10}", format!("{} others", rest.len()))?;
+            let others = format!("{} other{}", rest.len(), plural(rest.len()));
+            writeln!(out, "    {others:<54}{joints:>8}{blocks:>10}")?;
         }
         if !self.helps.is_empty() || !self.advice.is_empty() {
-            writeln!(out, "  what would make {:.3} s shorter", self.program_time_s)?;
+            let clock = clock(self.program_time_s);
+            writeln!(out, "  what would make {:.3} s{clock} shorter", self.program_time_s)?;
         }
         for Helps { limit, change, program_time_s } in self.helps.iter().take(HELPS) {
             let part = (1.0 - program_time_s / self.program_time_s) * 100.0;
-            writeln!(out, "    {bold}{program_time_s:>8.3} s{bold:#}  −{part:.1} %  {limit} {change}")?;
+            writeln!(
+                out,
+                "    {bold}{program_time_s:>8.3} s{bold:#}{}  −{part:.1} %  {limit} {change}",
+                clock(*program_time_s)
+            )?;
         }
         for advice in &self.advice {
             writeln!(out, "    {advice}")?;

@@ -1,6 +1,6 @@
 //! Acceleration and jerk of all axes that move, beside the limit that they have in all: of slope and contour
 //! together. Axes with one limit have its unit; axes that differ are shown in percent of their own.
-use super::trace::envelope;
+use super::trace::{envelope, legend};
 use super::{Canvas, LIMIT, Line, Name, Rect, Row, Scale, Scene, label};
 use crate::plot::canvas::axis_colour;
 use glidepath::machine::AxisKind;
@@ -100,10 +100,14 @@ impl Row for Rates<'_> {
         vec![line(self.limit), line(-self.limit)]
     }
 
-    fn draw(&self, canvas: &mut dyn Canvas, _: &Rect, x: &Scale, y: &Scale) {
+    fn draw(&self, canvas: &mut dyn Canvas, frame: &Rect, x: &Scale, y: &Scale) {
+        let mut faint = false;
         for shown in &self.axes {
             let colour = axis_colour(shown.axis);
-            envelope(canvas, self.scene, shown.series, (x, y), shown.factor, colour, WIDTH);
+            faint |= envelope(canvas, self.scene, shown.series, (x, y), shown.factor, colour, WIDTH);
+        }
+        if faint {
+            legend(canvas, frame);
         }
     }
 

@@ -1,5 +1,5 @@
 //! The speed of the path, with the programmed one and what the axes allow in its direction.
-use super::trace::envelope;
+use super::trace::{envelope, legend};
 use super::{Canvas, Line, Name, Rect, Row, Scale, Scene, dashed};
 use crate::plot::canvas::{FEED, INK, LIMIT, Point, Stroke};
 
@@ -66,7 +66,9 @@ impl Row for PathSpeed<'_> {
         let out = WIDTH / 2.0;
         staircase(canvas, &limit, x, y, out + super::LIMIT_WIDTH / 2.0, &dashed(LIMIT));
         staircase(canvas, &self.programmed, x, y, out + FEED_WIDTH / 2.0, &Stroke::new(FEED, FEED_WIDTH));
-        envelope(canvas, self.scene, 0, (x, y), 1.0, INK, WIDTH);
+        if envelope(canvas, self.scene, 0, (x, y), 1.0, INK, WIDTH) {
+            legend(canvas, frame);
+        }
     }
 
     fn stroke(&self) -> f64 {
@@ -144,6 +146,7 @@ mod tests {
         fn polygon(&mut self, _: &[Point], _: Colour, _: f64) {}
         fn fill(&mut self, _: &Rect, _: Colour, _: f64) {}
         fn dot(&mut self, _: Point, _: f64, _: Colour) {}
+        fn ring(&mut self, _: Point, _: f64, _: Colour) {}
         fn text(&mut self, _: Point, _: &str, _: &TextStyle) {}
         fn clip(&mut self, _: Option<&Rect>) {}
     }
