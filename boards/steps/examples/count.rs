@@ -17,8 +17,7 @@ fn main() {
         a_max: 4000,
         ..AxisData::new(AxisName::new(name).unwrap_or_default(), AxisKind::Linear)
     };
-    let machine =
-        MachineData { axes: [axis("X"), axis("Y"), axis("Z")], channel: ChannelData::new() };
+    let machine = MachineData { axes: [axis("X"), axis("Y"), axis("Z")], channel: ChannelData::new() };
     let motors = [0, 2, 4].map(|bit| AxisSteps::new(100, 1, Motor::new(bit, bit + 1)));
     let data = StepData { slot_ns: 5000, axes: motors };
     let mut at = [Position::ZERO; 3];

@@ -30,7 +30,8 @@ impl Spread {
     /// Of a move that passes a boundary at least; `slots` up to [`MAX_SLOTS`].
     pub fn new(crossings: &Crossings, slots: u32) -> Self {
         let cut = (u64::BITS - crossings.size.leading_zeros()).saturating_sub(BITS);
-        let size = ((crossings.size >> cut) as u32).max(1);
+        // Rounded up: what lies inside the move stays in the tick.
+        let size = ((crossings.size >> cut) as u32).max(1) + u32::from(cut > 0);
         let [first, interval] = [crossings.first, crossings.unit].map(|grains| {
             // With one boundary alone the unit may be longer than the move: then the interval is not used.
             ((grains >> cut).min(u64::from(size)) as u32).wrapping_mul(slots)

@@ -203,3 +203,49 @@ fn a_second_motor_goes_along() {
     // Where the axis was in the middle of the tick: a tenth of a millimetre in 10 steps.
     assert_eq!((steps.steps_in(0, &words), steps.steps_in(0, &words[..100])), (10, 5));
 }
+
+/// Half a count is rounded up, from both sides; one LSB below it is rounded down.
+#[test]
+fn half_a_count_is_rounded_up_from_both_sides() {
+    let (machine, mut data) = good();
+    (data.axes[0].counts, data.axes[0].length) = (1, 1);
+    let half = 1_i64 << 31;
+    let edges = [-3 * half, -half, half, 3 * half, 5 * half];
+    let near: Vec<i64> = edges.into_iter().flat_map(|edge| [edge - 1, edge, edge + 1]).collect();
+    for &from in &near {
+        for &to in &near {
+            let start = [Position::from_bits(from)];
+            let mut steps =
+                Steps::<1, SLOTS>::new(&data, &machine, &start).unwrap_or_else(|unfit| panic!("{unfit}"));
+            let mut words = [0; SLOTS];
+            assert_eq!(i128::from(steps.count(0)), rounded(from, 1, 1));
+            // There in two ticks, and back.
+            for at in [to.midpoint(from), to, from, to] {
+                let state = steps.fill(&[Position::from_bits(at)], &mut words);
+                assert_eq!(state, State::InTime, "{from} to {to} at {at}");
+                assert_eq!(i128::from(steps.count(0)), rounded(at, 1, 1), "{from} to {to} at {at}");
+            }
+        }
+    }
+}
+
+/// The play is taken up once the set point has come back by a count, not before.
+#[test]
+fn a_reversal_of_less_than_a_count_takes_up_nothing() {
+    let (machine, mut data) = good();
+    (data.axes[0].counts, data.axes[0].length) = (4, 1);
+    data.axes[0].backlash = Backlash { width: 10_000, speed: 1000, accel: 100, starts_positive: false };
+    let mut steps =
+        Steps::<1, SLOTS>::new(&data, &machine, &[Position::ZERO]).unwrap_or_else(|unfit| panic!("{unfit}"));
+    let mut words = [0; SLOTS];
+    let mut go = |bits: i64| {
+        // A millimetre at 1 mm/s, and the ramps.
+        for _ in 0..1100 {
+            steps.fill(&[Position::from_bits(bits)], &mut words);
+        }
+        steps.count(0)
+    };
+    let count = 1_i64 << 30;
+    assert_eq!([go(count - 1), go(-5), go(count - 6), go(-6 + count), go(-5 + count)], [1, 0, 1, 1, 1 + 4]);
+    assert_eq!([go(-4), go(-5), go(-5 + count), go(-5)], [4, 4 - 4, 1 + 4, 0]);
+}

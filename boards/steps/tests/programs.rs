@@ -48,7 +48,12 @@ fn steps_follow_the_set_points_of_programs() {
     // Up to 396, 388 and 200 kHz · 2.5 µs: nearly all that fits.
     let machine = MachineData {
         axes: [axis("X", 500_000), axis("Y", 300_000), axis("Z", 100_000)],
-        channel: ChannelData { slope_profile: 1, corr_v_trans_jerk: true, look_ahead: 60, ..ChannelData::new() },
+        channel: ChannelData {
+            slope_profile: 1,
+            corr_v_trans_jerk: true,
+            look_ahead: 60,
+            ..ChannelData::new()
+        },
     };
     let data = StepData {
         slot_ns: 2500,
