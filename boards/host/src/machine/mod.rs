@@ -6,10 +6,12 @@
 
 mod later;
 mod load;
+mod steps;
 
 use crate::diagnose::Diagnostic;
 use glidepath::machine::{AxisData, AxisKind, AxisName, ChannelData, MachineData};
 use glidepath::nc::SlopeType;
+use glidepath_steps::AxisSteps;
 pub use load::{Overrides, load};
 
 /// A machine whose number of axes is known at run time only.
@@ -18,6 +20,8 @@ pub struct Machine {
     pub axes: Vec<AxisData>,
     /// The channel.
     pub channel: ChannelData,
+    /// The step output of each axis, for `--vcd`.
+    pub steps: Vec<AxisSteps>,
     /// What to call it: the file name.
     pub name: String,
     /// What was remarked about its data.
@@ -47,12 +51,13 @@ impl Machine {
             tr_grenz: 150_000,
             ..AxisData::new(name, AxisKind::Linear)
         };
-        let axes = ["X", "Y", "Z"].into_iter().filter_map(AxisName::new).map(axis).collect();
+        let axes: Vec<_> = ["X", "Y", "Z"].into_iter().filter_map(AxisName::new).map(axis).collect();
+        let steps = (0..axes.len()).map(steps::preset).collect();
         // Jerk is limited at tangential joints of lines and arcs too: by default (P-CHAN-00009 = 0) it is
         // not.
         let channel =
             ChannelData { slope_profile: 1, corr_v_trans_jerk: true, surface: true, ..ChannelData::new() };
-        Self { axes, channel, name: "built-in three-axis machine".into(), warnings: Vec::new() }
+        Self { axes, channel, steps, name: "built-in three-axis machine".into(), warnings: Vec::new() }
     }
 
     /// The same for a known number of axes; `None` where it is another.

@@ -125,7 +125,8 @@ impl Limit {
             _ => {}
         }
         let same = axes == machine.axes && channel == machine.channel;
-        let machine = Machine { axes, channel, name: machine.name.clone(), warnings: Vec::new() };
+        let (name, steps) = (machine.name.clone(), machine.steps.clone());
+        let machine = Machine { axes, channel, steps, name, warnings: Vec::new() };
         (!same).then_some(Loosened { machine, limit: self, axis })
     }
 
