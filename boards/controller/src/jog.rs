@@ -60,8 +60,10 @@ pub fn read<const AXES: usize>(
     let inch = words.inch.unwrap_or(modal.inch);
     // Words have up to 15 digits: of a product with 127 nothing is lost.
     let length = |nano: i64| {
-        let nano = i128::from(nano) * if inch { 254 } else { 10 };
-        let bits = (nano << 32).checked_div(10_000_000).unwrap_or(0);
+        let nano = (i128::from(nano) * if inch { 254 } else { 10 }) << 32;
+        // To the nearest, ties away from zero.
+        let half = if nano < 0 { -5_000_000 } else { 5_000_000 };
+        let bits = (nano + half).checked_div(10_000_000).unwrap_or(0);
         i64::try_from(bits).map(Position::from_bits).map_err(|_| NUMBER)
     };
     let mut axes = [None; AXES];

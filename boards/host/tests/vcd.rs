@@ -61,7 +61,8 @@ fn the_machine_file_says_what_steps_an_axis_has() {
     let directory = directory("machine");
     fs::write(directory.join("p.nc"), "G01 X10 F600\nM30\n").expect("written");
     let run = |lines: &str, options: &[&str]| {
-        let text = format!("[axis.X]\ndynamik.vb_max = 100_000\n[axis.X.steps]\n{lines}\n");
+        let text =
+            format!("[axis.X]\nvb_eilgang = 100_000\ndynamik.vb_max = 100_000\n[axis.X.steps]\n{lines}\n");
         fs::write(directory.join("m.toml"), text).expect("written");
         let options: Vec<&str> =
             ["--machine", "m.toml", "--vcd", "p.vcd"].into_iter().chain(options.iter().copied()).collect();
@@ -83,7 +84,7 @@ fn the_machine_file_says_what_steps_an_axis_has() {
         ("counts = 0", "axis.X.steps.counts = 0: out of range"),
         ("counts = 0.5", "axis.X.steps.counts = 0.5: a wrong type of value"),
         ("counts = 10_000", "step output: axis X: 100000 µm/s need more steps per tick than fit"),
-        ("step_2 = 1", "axis X: the port has no bit 255"),
+        ("step_2 = 5", "axis X: the port has no bit 255"),
         ("step = 1", "axis X: bit 1 is used already"),
     ] {
         let (done, error) = run(lines, &[]);
