@@ -255,7 +255,6 @@ impl<'a, const AXES: usize, const N: usize> Controller<'a, AXES, N> {
         self.set_overrides(around.motion, Overrides::FULL);
         self.spindle_stopped = false;
         self.due = Due::NOW;
-        self.line.clear();
         self.waiting = None;
         around.out.line(format_args!("\r\nGrbl 1.1h ['$' for help]"));
         if is_locked {

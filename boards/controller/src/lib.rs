@@ -44,4 +44,7 @@ mod controller;
 
 mod system;
 
+/// The traits of the output, of the version that this crate uses.
+pub use embedded_io as io;
+
 pub mod pins;

@@ -524,6 +524,18 @@ fn lines_end_with_cr_lf_or_both() {
     assert_eq!(talk.mock.lines.last().map(String::as_str), Some("G1X2"));
 }
 
+/// Commands that restart the controller end with CR LF like all lines.
+#[test]
+fn a_restart_does_not_split_a_line_end() {
+    let mut talk = Talk::new();
+    talk.send("$C\r\n$C\r\n$RST=$\r\nG21\r\n");
+    talk.settle();
+    let banner = "\r\nGrbl 1.1h ['$' for help]\r\n";
+    talk.said(&format!(
+        "[MSG:Enabled]\r\nok\r\n[MSG:Disabled]\r\nok\r\n{banner}[MSG:Restoring defaults]\r\nok\r\n{banner}ok\r\n"
+    ));
+}
+
 #[test]
 fn text_as_received_keeps_its_blanks() {
     let mut config = Config::new(names());
