@@ -28,6 +28,7 @@ mod statistics;
 mod summary;
 mod tolerance;
 mod trace;
+mod vcd;
 mod why;
 
 use clap::{Parser, Subcommand};
@@ -115,6 +116,12 @@ struct Run {
     /// The programmed contour, before smoothing.
     #[arg(long, value_name = "FILE.json")]
     contour: Option<PathBuf>,
+    /// The pins of the step output over time, for a wave viewer; `[axis.X.steps]` of the machine data.
+    #[arg(long, value_name = "FILE.vcd")]
+    vcd: Option<PathBuf>,
+    /// Slots of a tick in --vcd.
+    #[arg(long, value_name = "100|200|400", default_value = "200", value_parser = parse_slots)]
+    slots: usize,
     /// A picture: path, speed, acceleration and jerk.
     #[arg(long, value_name = "FILE.svg|.png", value_parser = plot::parse_target)]
     plot: Option<plot::Target>,
@@ -143,6 +150,11 @@ fn main() -> ExitCode {
 /// What stops a run, at least one.
 type Refusal = Vec<Diagnostic>;
 
+fn parse_slots(text: &str) -> Result<usize, String> {
+    let slots = text.parse().ok().filter(|slots| vcd::SLOTS.contains(slots));
+    slots.ok_or_else(|| "expected 100, 200 or 400".into())
+}
+
 fn load(input: &Input, files: &Files) -> Result<Machine, Refusal> {
     let overrides = Overrides { slope: input.slope.map(|slope| slope as u8), look_ahead: input.look_ahead };
     let mut machine = match &input.machine {
@@ -164,7 +176,7 @@ fn run(arguments: &Run) -> Result<(), Refusal> {
     let mut machine = load(input, &files)?;
     let script = arguments.events.as_deref().map(Script::read).transpose()?;
     let mut program = decode(&files, &machine, input.max_commands)?;
-    let outputs = [&arguments.trace, &arguments.summary, &arguments.contour];
+    let outputs = [&arguments.trace, &arguments.summary, &arguments.contour, &arguments.vcd];
     if outputs.into_iter().flatten().filter(|path| path.as_os_str() == "-").count() > 1 {
         return Err(output::refused(Path::new("-"), "the standard output takes one of the outputs"));
     }
@@ -176,8 +188,13 @@ fn run(arguments: &Run) -> Result<(), Refusal> {
         Some(path) => Some((path, outputs.create(path)?)),
         None => None,
     };
+    let vcd = match arguments.vcd.as_deref() {
+        Some(path) => Some((path, outputs.create(path)?, arguments.slots)),
+        None => None,
+    };
     let wanted = Wanted {
         trace,
+        vcd,
         picture: arguments.plot.is_some(),
         script: script.as_ref(),
         acknowledge: arguments.ack,

@@ -15,6 +15,7 @@ use crate::plot::Picture;
 use crate::program::{self, Program};
 use crate::statistics::{Pause, Statistics};
 use crate::trace::Trace;
+use crate::vcd::Vcd;
 use glidepath::channel::{Channel, FilteredHandles, Planner, Progress};
 use glidepath::fir::{Bank, Filters};
 use glidepath::operator::Operator;
@@ -41,6 +42,8 @@ pub const OVERLAYS: usize = 6;
 pub struct Wanted<'a> {
     /// Receives a row per tick.
     pub trace: Option<(&'a Path, Box<dyn Write>)>,
+    /// Receives the words of the step output, in so many slots per tick.
+    pub vcd: Option<(&'a Path, Box<dyn Write>, usize)>,
     /// A [`Picture`] is recorded.
     pub picture: bool,
     /// Events from outside.
@@ -83,6 +86,14 @@ fn simulate_axes<const AXES: usize>(
     let trace_path = wanted.trace.as_ref().map_or(Path::new(""), |(path, _)| path).to_path_buf();
     let unwritable = |error: io::Error| output::refused(&trace_path, error);
     let trace = wanted.trace.map(|(_, file)| Trace::new(file, machine)).transpose().map_err(unwritable)?;
+    let vcd_path = wanted.vcd.as_ref().map_or(Path::new(""), |(path, ..)| path).to_path_buf();
+    let vcd = match wanted.vcd {
+        Some((path, file, slots)) => {
+            let vcd = Vcd::new((file, slots), machine, &start).map_err(|error| vec![error])?;
+            Some(vcd.map_err(|error| output::refused(path, error))?)
+        }
+        None => None,
+    };
     let events = wanted.script.map_or(&[][..], |script| &script.events);
     let mut statistics = Statistics::new(&start, events.len());
     statistics.monitor = Monitor::new(machine, program);
@@ -93,6 +104,7 @@ fn simulate_axes<const AXES: usize>(
         statistics,
         driven: Driven::new(machine, &start),
         trace,
+        vcd,
         picture: wanted.picture.then(|| {
             let (shown, moving) = (program.shown_axes(machine), program.moving_axes(machine));
             let rapid = program.motions().map(|segment| segment.feed.is_none()).collect();
@@ -110,6 +122,7 @@ fn simulate_axes<const AXES: usize>(
     drive(handles, recorder, rules, bar).map_err(|stop| match stop {
         Stop::Refused(error) => vec![program::refusal(files, &error)],
         Stop::Unwritable(error) => unwritable(error),
+        Stop::UnwritableSteps(error) => output::refused(&vcd_path, error),
         Stop::Starved => vec![Diagnostic::error(
             "internal error: the planner waits for the interpolator, which has nothing to do; please report it",
         )],
@@ -150,6 +163,8 @@ const PATIENCE: u64 = 1000;
 enum Stop {
     Refused(Box<glidepath::channel::Error>),
     Unwritable(io::Error),
+    /// The dump of the step output.
+    UnwritableSteps(io::Error),
     Starved,
     /// From that tick on, by that event.
     Held {
@@ -278,7 +293,7 @@ fn drive<const AXES: usize>(
         recorder.statistics.monitor.beside(row, beside);
         let slope = interpolator.path_slope();
         let telemetry = recorder.driven.tick(&telemetry, path, slope.as_ref().map(|slope| &slope[..]));
-        recorder.tick(&telemetry, [path, drives], slope.is_some(), pause).map_err(Stop::Unwritable)?;
+        recorder.tick(&telemetry, [path, drives], slope.is_some(), pause)?;
         put_out(&operator, &mut recorder, &mut automatic, &schedule);
         if waiting
             && state == State::Idle
@@ -321,6 +336,7 @@ struct Recorder {
     statistics: Statistics,
     driven: Driven,
     trace: Option<Trace>,
+    vcd: Option<Vcd>,
     picture: Option<Picture>,
     cycle_s: f64,
     /// Speeds are not always those planned.
@@ -359,7 +375,7 @@ impl Recorder {
         [set_points, drives]: [&[Position]; 2],
         curve: bool,
         pause: Pause,
-    ) -> io::Result<()> {
+    ) -> Result<(), Stop> {
         self.statistics.digest.add(drives);
         self.statistics.add(telemetry, set_points, curve, pause);
         let statistics = &self.statistics;
@@ -367,19 +383,22 @@ impl Recorder {
             let off = statistics.filtered.off();
             picture.add(telemetry, set_points, (&statistics.axes, &off), self.cycle_s);
         }
-        match &mut self.trace {
-            Some(trace) => {
-                trace.row(statistics.ticks - 1, telemetry, statistics.distance, [set_points, drives])
-            }
-            None => Ok(()),
+        if let Some(vcd) = &mut self.vcd {
+            vcd.tick(drives).map_err(Stop::UnwritableSteps)?;
         }
+        if let Some(trace) = &mut self.trace {
+            let points = [set_points, drives];
+            trace
+                .row(statistics.ticks - 1, telemetry, statistics.distance, points)
+                .map_err(Stop::Unwritable)?;
+        }
+        Ok(())
     }
 
     fn finish(mut self, set_points: &[Position]) -> Result<(Statistics, Option<Picture>), Stop> {
         if self.statistics.ticks == 0 {
             // Nothing moved: the rest is worth a row.
-            self.tick(&Telemetry::default(), [set_points; 2], false, Pause::None)
-                .map_err(Stop::Unwritable)?;
+            self.tick(&Telemetry::default(), [set_points; 2], false, Pause::None)?;
         }
         self.statistics.finish(set_points);
         self.statistics.over_time = self.driven.differs;
@@ -392,6 +411,9 @@ impl Recorder {
         }
         if let Some(trace) = self.trace {
             trace.finish().map_err(Stop::Unwritable)?;
+        }
+        if let Some(vcd) = self.vcd {
+            vcd.finish().map_err(Stop::UnwritableSteps)?;
         }
         Ok((self.statistics, self.picture))
     }

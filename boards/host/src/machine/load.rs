@@ -1,5 +1,5 @@
 //! The loader: walks the tables of the file along the parameter tables of the crate.
-use super::{MAX_AXES, Machine, later};
+use super::{MAX_AXES, Machine, later, steps};
 use crate::diagnose::{Diagnostic, Source, nearest};
 use crate::dialect::Choice;
 use crate::run::BLOCKS;
@@ -8,6 +8,7 @@ use glidepath::machine::parameter::{
     AXIS, AXIS_FOREIGN, CHANNEL, CHANNEL_FOREIGN, Parameter, check_axis, check_given_stages,
 };
 use glidepath::machine::{Adjusted, AxisData, AxisKind, AxisName, ChannelData, SYNCHRONISED, Synch, TOOLS};
+use glidepath_steps::AxisSteps;
 use std::ops::Range;
 use std::path::Path;
 use toml::Spanned;
@@ -162,6 +163,7 @@ impl Loader<'_> {
         let mut machine = Machine {
             axes: Vec::new(),
             channel: ChannelData::new(),
+            steps: Vec::new(),
             name: String::new(),
             warnings: Vec::new(),
             dialect: Choice::Auto,
@@ -214,8 +216,10 @@ impl Loader<'_> {
         for (key, value) in document.get_ref() {
             if let ("axis", DeValue::Table(axes)) = (key.get_ref().as_ref(), value.get_ref()) {
                 for (name, table) in axes {
-                    if let Some(axis) = self.axis(name, table, &machine) {
+                    let mut output = steps::preset(machine.axes.len());
+                    if let Some(axis) = self.axis(name, table, &machine, &mut output) {
                         machine.axes.push(axis);
+                        machine.steps.push(output);
                     }
                 }
                 if axes.len() > MAX_AXES {
@@ -237,6 +241,7 @@ impl Loader<'_> {
         key: &Spanned<toml::de::DeString<'_>>,
         value: &Spanned<DeValue<'_>>,
         machine: &Machine,
+        output: &mut AxisSteps,
     ) -> Option<AxisData> {
         let letters = key.get_ref().as_ref();
         let Some(name) = AxisName::new(letters) else {
@@ -263,6 +268,8 @@ impl Loader<'_> {
         for entry in &entries {
             if entry.name == "type" {
                 self.kind(entry, &mut axis);
+            } else if entry.name.starts_with("steps.") {
+                self.steps(&table_name, entry, output);
             } else {
                 let known = table_of(&entry.name, AXIS, AXIS_FOREIGN);
                 self.set(&table_name, entry, known, later::AXIS, &mut axis);
@@ -278,6 +285,32 @@ impl Loader<'_> {
             self.remark(&table_name, key, &entries, &axis, &machine.channel);
         }
         Some(axis)
+    }
+
+    /// A key of the step output.
+    fn steps(&mut self, table: &str, entry: &Entry<'_>, output: &mut AxisSteps) {
+        let name = entry.name.as_str();
+        let Some(key) = steps::KEYS.iter().find(|key| key.name == name) else {
+            let meant = nearest(name, steps::KEYS.iter().map(|key| key.name));
+            self.refuse(&entry.key, format!("unknown parameter {table}.{name}"), &suggestion(meant));
+            return;
+        };
+        let span = entry.value.span();
+        let text = self.text(&span).to_owned();
+        let (least, most) = key.range;
+        match milli(entry.value.get_ref(), false).map(|milli| milli / 1000) {
+            Ok(value) if (i128::from(least)..=i128::from(most)).contains(&value) => {
+                (key.set)(output, value as i64);
+            }
+            Ok(_) => {
+                let message = format!("{table}.{name} = {text}: out of range");
+                self.refuse(&span, message, &format!("{least}…{most} {}", key.unit));
+            }
+            Err(_) => {
+                let message = format!("{table}.{name} = {text}: a wrong type of value");
+                self.refuse(&span, message, &format!("an integer, {least}…{most} {}", key.unit));
+            }
+        }
     }
 
     fn kind(&mut self, entry: &Entry<'_>, axis: &mut AxisData) {

@@ -6,11 +6,13 @@
 
 mod later;
 mod load;
+mod steps;
 
 use crate::diagnose::Diagnostic;
 use crate::dialect::Choice;
 use glidepath::machine::{AxisData, AxisKind, AxisName, ChannelData, MachineData};
 use glidepath::nc::SlopeType;
+use glidepath_steps::AxisSteps;
 pub use load::{Overrides, load};
 
 /// A machine whose number of axes is known at run time only.
@@ -19,6 +21,8 @@ pub struct Machine {
     pub axes: Vec<AxisData>,
     /// The channel.
     pub channel: ChannelData,
+    /// The step output of each axis, for `--vcd`.
+    pub steps: Vec<AxisSteps>,
     /// What to call it: the file name.
     pub name: String,
     /// What was remarked about its data.
@@ -50,7 +54,8 @@ impl Machine {
             tr_grenz: 150_000,
             ..AxisData::new(name, AxisKind::Linear)
         };
-        let axes = ["X", "Y", "Z"].into_iter().filter_map(AxisName::new).map(axis).collect();
+        let axes: Vec<_> = ["X", "Y", "Z"].into_iter().filter_map(AxisName::new).map(axis).collect();
+        let steps = (0..axes.len()).map(steps::preset).collect();
         // Jerk is limited at tangential joints of lines and arcs too: by default (P-CHAN-00009 = 0) it is
         // not.
         let channel =
@@ -58,6 +63,7 @@ impl Machine {
         Self {
             axes,
             channel,
+            steps,
             name: "built-in three-axis machine".into(),
             warnings: Vec::new(),
             dialect: Choice::Auto,

@@ -128,6 +128,7 @@ impl Limit {
         let machine = Machine {
             axes,
             channel,
+            steps: machine.steps.clone(),
             name: machine.name.clone(),
             warnings: Vec::new(),
             dialect: machine.dialect,

@@ -1,0 +1,50 @@
+//! The Grbl 1.1 protocol as a state machine.
+//!
+//! ```text
+//!  serial interrupt → Serial ─bytes→ line ─lines→ controller ─answers→ out (embedded-io)
+//!                        └─real time────────────────↗  ↓ ↑
+//!                                             Motion: planner, interpolator, decoder
+//! ```
+//!
+//! The controller knows no serial port, no clock and no planner. Bytes come from an interrupt, time and inputs are
+//! arguments, and what moves stands behind the trait [`Motion`].
+//!
+#![doc = include_str!("../README.md")]
+#![no_std]
+#![forbid(unsafe_code)]
+
+pub use controller::{Config, Controller, Look, Outputs, STORED_BYTES, Stored};
+pub use inbox::{Inbox, Receiver, Serial};
+pub use line::{LINE_BYTES, LineText};
+pub use motion::{Homing, Jog, Message, Modal, Motion, Offsets, Overrides, Refusal, Spindle, Status, Taken};
+pub use number::Fixed;
+pub use settings::{AxisSettings, Settings};
+pub use state::{Signals, State};
+pub use store::Store;
+
+mod number;
+
+mod state;
+
+mod settings;
+
+mod store;
+
+mod motion;
+
+mod inbox;
+
+mod line;
+
+mod jog;
+
+mod report;
+
+mod controller;
+
+mod system;
+
+/// The traits of the output, of the version that this crate uses.
+pub use embedded_io as io;
+
+pub mod pins;

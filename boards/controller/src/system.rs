@@ -1,0 +1,253 @@
+//! Lines that begin with `$`.
+use crate::controller::{Around, Controller, Mode, Reply, Stored, Waiting};
+use crate::jog;
+use crate::motion::Motion;
+use crate::report::{self, RECEIVE_BYTES};
+use crate::settings::Settings;
+use crate::state::{Signals, State};
+use crate::store::Store;
+
+const UNKNOWN: u8 = 3;
+const HOMING_OFF: u8 = 5;
+const STORE: u8 = 7;
+const NOT_IDLE: u8 = 8;
+const DOOR_OPEN: u8 = 13;
+const STORED_TOO_LONG: u8 = 14;
+
+/// Planner blocks that `$I` tells.
+const BLOCKS: usize = 15;
+
+impl<const AXES: usize, const N: usize> Controller<'_, AXES, N> {
+    /// Carries out what stands behind `$`.
+    pub(crate) fn system<M: Motion<AXES>, S: Store<AXES>, W: embedded_io::Write>(
+        &mut self,
+        around: &mut Around<'_, '_, M, S, W>,
+        command: &[u8],
+    ) -> Reply {
+        let state = self.state(&around.motion.status());
+        let is_idle = matches!(state, State::Idle | State::Alarm);
+        match command {
+            [] => {
+                let text = "[HLP:$$ $# $G $I $N $x=val $Nx=line $J=line $SLP $C $X $H ~ ! ? ctrl-x]";
+                around.out.line(format_args!("{text}"));
+                Reply::OK
+            }
+            b"$" if matches!(state, State::Run | State::Hold(_)) => Reply::error(NOT_IDLE),
+            b"$" => {
+                report::settings(&mut around.out, &self.config.settings);
+                Reply::OK
+            }
+            b"G" => {
+                report::modal(&mut around.out, around.motion, self.config.settings.inch);
+                Reply::OK
+            }
+            b"C" => self.check_mode(around, state),
+            b"X" => self.unlock(around),
+            [b'J', b'=', words @ ..] => self.jog(around, state, words),
+            b"#" | b"I" | b"N" | b"H" | b"SLP" if !is_idle => Reply::error(NOT_IDLE),
+            b"#" => {
+                let offsets = around.motion.offsets();
+                report::offsets(&mut around.out, &offsets, self.config.settings.inch);
+                Reply::OK
+            }
+            b"I" => {
+                around.out.part(format_args!("[VER:1.1h.20190825:"));
+                around.out.bytes(&self.config.info);
+                around.out.line(format_args!("]"));
+                around.out.line(format_args!("[OPT:V,{BLOCKS},{RECEIVE_BYTES}]"));
+                Reply::OK
+            }
+            b"N" => {
+                for (line, number) in self.config.startup.iter().zip(0..) {
+                    around.out.part(format_args!("$N{number}="));
+                    around.out.bytes(line);
+                    around.out.line(format_args!(""));
+                }
+                Reply::OK
+            }
+            b"H" => self.home(around),
+            b"SLP" => {
+                self.mode = Mode::Sleep;
+                around.motion.reset();
+                around.out.line(format_args!("ok"));
+                around.out.line(format_args!("[MSG:Sleeping]"));
+                // The answer stands before the message.
+                Reply::Silent
+            }
+            [b'N', number @ b'0'..=b'1', b'=', line @ ..] => self.startup_line(around, state, *number, line),
+            [b'I', b'=', text @ ..] if is_idle => self.set_info(around, text),
+            [b'R', b'S', b'T', b'=', what] if is_idle => self.restore(around, *what),
+            [b'0'..=b'9', ..] if is_idle => self.set(around, command),
+            [b'I', b'=', ..] | [b'R', b'S', b'T', b'=', _] | [b'0'..=b'9', ..] => Reply::error(NOT_IDLE),
+            _ => Reply::error(UNKNOWN),
+        }
+    }
+
+    fn check_mode<M: Motion<AXES>, S, W: embedded_io::Write>(
+        &mut self,
+        around: &mut Around<'_, '_, M, S, W>,
+        state: State,
+    ) -> Reply {
+        match state {
+            State::Check => {
+                around.out.line(format_args!("[MSG:Disabled]"));
+                Reply::Restart
+            }
+            State::Idle => {
+                self.mode = Mode::Check;
+                around.out.line(format_args!("[MSG:Enabled]"));
+                Reply::OK
+            }
+            _ => Reply::error(NOT_IDLE),
+        }
+    }
+
+    fn unlock<M: Motion<AXES>, S, W: embedded_io::Write>(
+        &mut self,
+        around: &mut Around<'_, '_, M, S, W>,
+    ) -> Reply {
+        if matches!(self.mode, Mode::Alarm(_)) {
+            if around.signals.has(Signals::DOOR) {
+                return Reply::error(DOOR_OPEN);
+            }
+            around.out.line(format_args!("[MSG:Caution: Unlocked]"));
+            self.mode = Mode::Ready;
+        }
+        Reply::OK
+    }
+
+    fn jog<M: Motion<AXES>, S, W: embedded_io::Write>(
+        &mut self,
+        around: &mut Around<'_, '_, M, S, W>,
+        state: State,
+        words: &[u8],
+    ) -> Reply {
+        if !matches!(state, State::Idle | State::Jog) {
+            return Reply::error(NOT_IDLE);
+        }
+        match jog::read(words, &self.config.names, &around.motion.modal()) {
+            Ok(jog) => {
+                let reply = Reply::of(around.motion.jog(&jog));
+                if matches!(reply, Reply::Now(Ok(()))) {
+                    self.mode = Mode::Jog;
+                }
+                reply
+            }
+            Err(code) => Reply::error(code),
+        }
+    }
+
+    fn home<M: Motion<AXES>, S, W: embedded_io::Write>(
+        &mut self,
+        around: &mut Around<'_, '_, M, S, W>,
+    ) -> Reply {
+        if !self.config.settings.homing {
+            return Reply::error(HOMING_OFF);
+        }
+        if around.signals.has(Signals::DOOR) {
+            return Reply::error(DOOR_OPEN);
+        }
+        around.motion.home();
+        self.mode = Mode::Home;
+        Reply::Later(Waiting::Homing)
+    }
+
+    fn startup_line<M: Motion<AXES>, S: Store<AXES>, W: embedded_io::Write>(
+        &mut self,
+        around: &mut Around<'_, '_, M, S, W>,
+        state: State,
+        number: u8,
+        line: &[u8],
+    ) -> Reply {
+        if state != State::Idle {
+            return Reply::error(NOT_IDLE);
+        }
+        let Ok(stored) = Stored::from_slice(line) else { return Reply::error(STORED_TOO_LONG) };
+        // Read for its errors before it is kept.
+        if !line.is_empty()
+            && let Err(refusal) = around.motion.check(line)
+        {
+            return Reply::Now(Err(refusal));
+        }
+        let number = number & 1;
+        if !around.store.startup(number, line) {
+            return Reply::error(STORE);
+        }
+        if let Some(place) = self.config.startup.get_mut(usize::from(number)) {
+            *place = stored;
+        }
+        Reply::OK
+    }
+
+    fn set_info<M, S: Store<AXES>, W: embedded_io::Write>(
+        &mut self,
+        around: &mut Around<'_, '_, M, S, W>,
+        text: &[u8],
+    ) -> Reply {
+        let Ok(stored) = Stored::from_slice(text) else { return Reply::error(STORED_TOO_LONG) };
+        if !around.store.info(text) {
+            return Reply::error(STORE);
+        }
+        self.config.info = stored;
+        Reply::OK
+    }
+
+    fn set<M: Motion<AXES>, S: Store<AXES>, W: embedded_io::Write>(
+        &mut self,
+        around: &mut Around<'_, '_, M, S, W>,
+        command: &[u8],
+    ) -> Reply {
+        let mut settings = self.config.settings;
+        if let Err(code) = settings.set(command, self.config.has_pwm) {
+            return Reply::error(code);
+        }
+        self.take_settings(around, settings)
+    }
+
+    /// Settings are in force when the machine can have them and the store has them.
+    fn take_settings<M: Motion<AXES>, S: Store<AXES>, W: embedded_io::Write>(
+        &mut self,
+        around: &mut Around<'_, '_, M, S, W>,
+        settings: Settings<AXES>,
+    ) -> Reply {
+        if let Err(refusal) = around.motion.configure(&settings) {
+            return Reply::Now(Err(refusal));
+        }
+        if !around.store.settings(&settings) {
+            // What was in force is in force again: the machine had it before.
+            let _ = around.motion.configure(&self.config.settings);
+            return Reply::error(STORE);
+        }
+        self.config.settings = settings;
+        Reply::OK
+    }
+
+    fn restore<M: Motion<AXES>, S: Store<AXES>, W: embedded_io::Write>(
+        &mut self,
+        around: &mut Around<'_, '_, M, S, W>,
+        what: u8,
+    ) -> Reply {
+        let (settings, offsets) = match what {
+            b'$' => (true, false),
+            b'#' => (false, true),
+            b'*' => (true, true),
+            _ => return Reply::error(UNKNOWN),
+        };
+        if settings && let failed @ Reply::Now(Err(_)) = self.take_settings(around, Settings::new()) {
+            return failed;
+        }
+        if offsets {
+            around.motion.clear_offsets();
+        }
+        if what == b'*' {
+            let [first, second] = [0, 1].map(|number| around.store.startup(number, b""));
+            if !(first && second && around.store.info(b"")) {
+                return Reply::error(STORE);
+            }
+            self.config.startup = [Stored::new(), Stored::new()];
+            self.config.info = Stored::new();
+        }
+        around.out.line(format_args!("[MSG:Restoring defaults]"));
+        Reply::Restart
+    }
+}
