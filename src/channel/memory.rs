@@ -72,6 +72,15 @@ impl<const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Channel<AXES
         }
     }
 
+    /// Whether a channel can work with these machine data, for a loader that tells what is wrong before anything starts.
+    /// Filters are checked where their memory is known: by [`Self::split`] and [`Self::split_filtered`].
+    ///
+    /// # Errors
+    /// Machine data out of range, or that this version cannot work with.
+    pub fn check(machine: &MachineData<AXES>) -> Result<(), MachineError> {
+        check::<AXES, BLOCKS>(machine)
+    }
+
     /// The three handles: `text` will be decoded and planned for `machine`, which stands at `start`. The data of the
     /// machine stay where they are, in flash if they are constant.
     ///

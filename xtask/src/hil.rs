@@ -2,6 +2,7 @@
 use crate::figures::{self, Beside, Figures, MemoryFigures};
 use crate::firmware::{CORES, Firmware, Place, artifact, small};
 use crate::host::{self, HostRun};
+use crate::rtos;
 use crate::shell::step;
 use crate::stack::Calls;
 use crate::target::{self, TargetRun};
@@ -93,6 +94,7 @@ pub fn all(place: Place) -> Result<(), String> {
     cores(&firmware, &host)?;
     step("the board's firmware");
     board(&firmware, &host)?;
+    rtos::run(&firmware)?;
     step("no panicking path");
     no_panic(&firmware)?;
     step("figures");

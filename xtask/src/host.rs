@@ -93,6 +93,15 @@ fn run_session(name: &'static str) -> Result<HostRun, String> {
     Ok(HostRun { name, axes: 3, blocks: BLOCKS, set_points, outcome })
 }
 
+/// What the programs of [`crate::rtos`] do.
+pub fn tasks() -> Result<HostRun, String> {
+    let mut set_points = Vec::new();
+    let mut channel = Box::new(Channel::<3, BLOCKS>::new());
+    let outcome = hil_cases::tasks(&mut channel, &mut Window::new(), &mut Collector(&mut set_points))
+        .map_err(|failure| format!("boards/tasks.nc on the host: {failure:?}"))?;
+    Ok(HostRun { name: "tasks", axes: 3, blocks: BLOCKS, set_points, outcome })
+}
+
 /// The cases with three axes, and commands all the time.
 pub fn commanded_all() -> Result<Vec<HostRun>, String> {
     let run_one = |case: &Case| {

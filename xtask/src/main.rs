@@ -8,6 +8,7 @@ mod hil;
 mod host;
 mod lint;
 mod mutants;
+mod rtos;
 mod shell;
 mod stack;
 mod target;
@@ -31,6 +32,8 @@ cargo xtask COMMAND
   hil --interrupt  only the interpolator in the timer interrupt, with a planner that keeps up and one that is late
   hil --commands  only programs with commands all the time: digests, and the largest call of each
   hil --panic   only the proof that no panicking path is left; names the places if there are any
+  rtos          only the programs in an operating system and in C: RTIC, Embassy, C, FreeRTOS; digests
+  header        writes the header of boards/c anew
   bench         instruction counts and memory, against the accepted ones
   bench --accept  makes the measured figures the accepted ones and writes docs/figures.md
   depth FILE FUNCTION…  the deepest way down the stack from functions of a firmware; parts of their mangled names
@@ -52,6 +55,8 @@ fn main() -> ExitCode {
         ["hil", "--interrupt"] => hil::only_interrupt(),
         ["hil", "--commands"] => hil::only_commands(),
         ["hil", "--panic"] => hil::panic_proof(),
+        ["rtos"] => rtos::all(),
+        ["header"] => rtos::header(),
         ["bench"] => hil::bench(false),
         ["bench", "--accept"] => hil::bench(true),
         ["mutants", "--seed", seed, "--first", first, "--count", count] => {

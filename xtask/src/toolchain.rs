@@ -14,6 +14,9 @@ pub const TARGET: &str = "thumbv7em-none-eabihf";
 
 const COMPILER_PACKAGES: &[&str] = &["rustc-web", "rust-web-src"];
 const EMULATOR: &str = "qemu-system-arm";
+const C_COMPILER: &str = "arm-none-eabi-gcc";
+/// FreeRTOS includes headers of a C library.
+const C_COMPILER_PACKAGES: &[&str] = &["gcc-arm-none-eabi", "libnewlib-arm-none-eabi"];
 const CLIPPY_PACKAGE: &str = "rust-web-clippy";
 
 /// How firmware is compiled here.
@@ -126,6 +129,18 @@ pub fn emulator() -> Result<PathBuf, String> {
         format!("no {EMULATOR} ({why}). On Debian, as root: `apt-get install {EMULATOR}`; elsewhere the package qemu.")
     })?;
     shell::on_path(EMULATOR).ok_or_else(|| format!("{EMULATOR} is installed but not on PATH"))
+}
+
+/// The C compiler for the target, installed if need be.
+pub fn c_compiler() -> Result<PathBuf, String> {
+    if let Some(found) = shell::on_path(C_COMPILER) {
+        return Ok(found);
+    }
+    install(C_COMPILER_PACKAGES).map_err(|why| {
+        let packages = C_COMPILER_PACKAGES.join(" ");
+        format!("no {C_COMPILER} ({why}). On Debian, as root: `apt-get install {packages}`.")
+    })?;
+    shell::on_path(C_COMPILER).ok_or_else(|| format!("{C_COMPILER} is installed but not on PATH"))
 }
 
 /// The clippy that goes with a compiler built from a distribution's source, installed if need be.

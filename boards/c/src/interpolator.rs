@@ -1,0 +1,66 @@
+//! The handle of the timer interrupt.
+use crate::AXES;
+use crate::part::{Part, answer};
+use crate::result::Outcome;
+use glidepath::quantity::Position;
+use glidepath::tick;
+
+/// The handle of the timer interrupt.
+pub type InterpolatorHandle = Part<tick::Interpolator<'static, AXES>, 0x7469_636b>;
+
+/// What a tick did.
+#[repr(u32)]
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum State {
+    /// The axes rest: nothing is planned, or the motion stands in a feed hold or waits for an acknowledgement.
+    Idle = 0,
+    /// The path rests and axes may still move.
+    Settling = 1,
+    /// A set point of the planned motion; dwell time counts.
+    Active = 2,
+}
+
+impl From<tick::State> for State {
+    fn from(state: tick::State) -> Self {
+        match state {
+            tick::State::Idle => Self::Idle,
+            tick::State::Settling => Self::Settling,
+            tick::State::Active => Self::Active,
+        }
+    }
+}
+
+/// Copies the set points of the last tick, GP_AXES of them, LSB 2^-32 mm or degrees.
+///
+/// Context: the timer interrupt. Write them to the drives first, then call `gp_tick`: the moment of output does not depend on how
+/// long the computation takes. Answers GP_RESULT_NULL, CLOSED, IN_USE.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn gp_set_points(
+    interpolator: *mut InterpolatorHandle,
+    set_points: *mut i64,
+) -> Outcome {
+    // SAFETY: the pointers are null or point to what they say.
+    unsafe {
+        Part::with(interpolator, |tick| {
+            answer(set_points.cast::<[i64; AXES]>(), tick.set_points().map(Position::to_bits))
+        })
+    }
+    .into()
+}
+
+/// Computes the next set points. `state` says what the tick did; it may be NULL.
+///
+/// Context: the timer interrupt, once per cycle. Its priority is above that of the planner's task, or it is on another core.
+/// Bounded time. Answers GP_RESULT_NULL, CLOSED, IN_USE: then the set points stay as they are.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn gp_tick(interpolator: *mut InterpolatorHandle, state: *mut State) -> Outcome {
+    // SAFETY: the pointers are null or point to what they say.
+    unsafe {
+        Part::with(interpolator, |interpolator| {
+            let did = interpolator.tick().into();
+            let _ = answer(state, did);
+            Ok(())
+        })
+    }
+    .into()
+}

@@ -1,0 +1,31 @@
+//! Glidepath for C. The header `include/glidepath.h` is made of this crate: `cargo xtask header`.
+//!
+//! A C program has one [`storage::Storage`] in static memory. [`storage::gp_open`] makes four handles in it, one for each
+//! context: planner, interpolator, operator and feeder. Every call checks its handle and returns a [`result::Outcome`].
+//! Nothing in it allocates, waits or unwinds.
+#![cfg_attr(target_os = "none", no_std)]
+// The contract of all pointers stands once, at the top of the header.
+#![allow(clippy::missing_safety_doc)]
+
+pub mod feeder;
+pub mod interpolator;
+pub mod machine;
+mod message;
+pub mod operator;
+mod part;
+pub mod planner;
+pub mod result;
+pub mod storage;
+mod text;
+
+#[cfg(target_os = "none")]
+use panic_never as _;
+
+/// Number of axes. To change it, or one of the next two: edit it here, then run `cargo xtask header`.
+pub const AXES: usize = 3;
+
+/// Blocks of look-ahead that memory is spent on: 10 at least.
+pub const BLOCKS: usize = 120;
+
+/// Bytes of the text window: a power of two, 64 at least. A line of the program has at most half of them.
+pub const WINDOW: usize = 1024;

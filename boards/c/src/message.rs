@@ -1,0 +1,45 @@
+//! Messages in memory of the C program.
+use core::ffi::c_char;
+use core::fmt::{self, Display, Write};
+
+/// Text of a fixed size that ends with a NUL; what does not fit is left out.
+struct Message {
+    to: *mut c_char,
+    /// Bytes with the NUL.
+    size: usize,
+    used: usize,
+}
+
+impl Write for Message {
+    fn write_str(&mut self, text: &str) -> fmt::Result {
+        for letter in text.chars() {
+            let mut bytes = [0; 4];
+            let bytes = letter.encode_utf8(&mut bytes).as_bytes();
+            // A letter fits whole or not at all, and nothing behind one that does not.
+            if bytes.len() >= self.size.saturating_sub(self.used) {
+                self.size = self.used.min(self.size);
+                return Ok(());
+            }
+            for byte in bytes {
+                // SAFETY: inside the memory of the caller, says the comparison above.
+                unsafe { self.to.add(self.used).write(*byte as c_char) };
+                self.used += 1;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Writes `what` and a NUL.
+///
+/// # Safety
+/// `to` is null or points to `size` bytes.
+pub unsafe fn write(to: *mut c_char, size: usize, what: &dyn Display) {
+    if to.is_null() || size == 0 {
+        return;
+    }
+    let mut message = Message { to, size, used: 0 };
+    let _ = write!(message, "{what}");
+    // SAFETY: a letter always leaves room for the NUL.
+    unsafe { to.add(message.used).write(0) };
+}

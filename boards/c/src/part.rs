@@ -1,0 +1,87 @@
+//! A handle in the storage: its value, whether it is open, and whether somebody is inside a call.
+use crate::result::Outcome;
+use core::cell::UnsafeCell;
+use core::mem::MaybeUninit;
+use core::sync::atomic::{AtomicU32, Ordering};
+
+/// What a C program has as a handle. `MARK` tells the kinds apart.
+pub struct Part<T, const MARK: u32> {
+    mark: AtomicU32,
+    is_in_use: AtomicU32,
+    value: UnsafeCell<MaybeUninit<T>>,
+}
+
+impl<T, const MARK: u32> Part<T, MARK> {
+    /// Opens it.
+    ///
+    /// # Safety
+    /// `part` is memory for one, which nobody uses.
+    pub unsafe fn open(part: *mut Self, value: T) {
+        // SAFETY: the caller says so.
+        unsafe {
+            (&raw mut (*part).value).cast::<T>().write(value);
+            (&raw mut (*part).is_in_use).write(AtomicU32::new(0));
+        }
+        // SAFETY: the same; all other fields are written.
+        unsafe { (*part).mark.store(MARK, Ordering::Release) };
+    }
+
+    /// Closes it: calls with it are refused from now on.
+    ///
+    /// # Safety
+    /// `part` was opened.
+    pub unsafe fn close(part: *mut Self) {
+        // SAFETY: the caller says so.
+        unsafe { (*part).mark.store(0, Ordering::Release) };
+    }
+
+    /// Does something with the value.
+    ///
+    /// A context that interrupts another one inside such a call is refused. Two cores that come at the same time may not be
+    /// seen: a handle belongs to one of them.
+    ///
+    /// # Errors
+    /// A null pointer, a handle that is not open, one that is in use, or what `act` says.
+    ///
+    /// # Safety
+    /// `part` is null or points to memory of a storage.
+    pub unsafe fn with(
+        part: *mut Self,
+        act: impl FnOnce(&mut T) -> Result<(), Outcome>,
+    ) -> Result<(), Outcome> {
+        if part.is_null() {
+            return Err(Outcome::Null);
+        }
+        // SAFETY: the caller says so.
+        let this = unsafe { &*part };
+        if this.mark.load(Ordering::Acquire) != MARK {
+            return Err(Outcome::Closed);
+        }
+        // No compare-and-swap, which small cores do not have. Who interrupts between these two lines is done before they go on.
+        if this.is_in_use.load(Ordering::Acquire) != 0 {
+            return Err(Outcome::InUse);
+        }
+        this.is_in_use.store(1, Ordering::Relaxed);
+        core::sync::atomic::compiler_fence(Ordering::SeqCst);
+        // SAFETY: it is open, so it has a value, and nobody else is in here.
+        let result = act(unsafe { &mut *this.value.get().cast::<T>() });
+        this.is_in_use.store(0, Ordering::Release);
+        result
+    }
+}
+
+/// Writes an answer.
+///
+/// # Errors
+/// A null pointer.
+///
+/// # Safety
+/// `to` is null or points to memory for one.
+pub unsafe fn answer<T>(to: *mut T, value: T) -> Result<(), Outcome> {
+    if to.is_null() {
+        return Err(Outcome::Null);
+    }
+    // SAFETY: the caller says so.
+    unsafe { to.write(value) };
+    Ok(())
+}

@@ -1,0 +1,304 @@
+//! The handle of the task that plans.
+use crate::message;
+use crate::part::{Part, answer};
+use crate::result::Outcome;
+use crate::text::Program;
+use crate::{AXES, BLOCKS, WINDOW};
+use core::ffi::c_char;
+use core::slice;
+use glidepath::channel::{self, Error, GoOnError, PositionError, ZeroOffsetError};
+use glidepath::nc::{NcWarning, Stream};
+use glidepath::quantity::Position;
+
+/// The handle of the task that plans.
+pub type PlannerHandle = Part<Work, 0x706c_616e>;
+
+type Channel = channel::Planner<'static, Program, AXES, BLOCKS>;
+
+/// What the planner's task has.
+pub struct Work {
+    planner: Channel,
+    /// The window, while the planner does not read it.
+    stream: Option<Stream<'static, WINDOW>>,
+    remark: Remark,
+}
+
+/// What `gp_message` tells.
+enum Remark {
+    None,
+    Error(Error),
+    Warning(NcWarning),
+}
+
+impl Work {
+    /// Nothing is loaded.
+    pub fn new(planner: Channel, stream: Stream<'static, WINDOW>) -> Self {
+        Self { planner, stream: Some(stream), remark: Remark::None }
+    }
+
+    /// Another text; the window comes back.
+    fn replace(
+        &mut self,
+        text: Program,
+        load: impl FnOnce(&mut Channel, Program) -> Result<Program, channel::Busy<Program>>,
+    ) -> Result<(), Outcome> {
+        let (before, result) = match load(&mut self.planner, text) {
+            Ok(before) => (before, Ok(())),
+            Err(busy) => (busy.text, Err(Outcome::NotAtRest)),
+        };
+        if let Program::Window(stream) = before {
+            self.stream = Some(stream);
+        }
+        result
+    }
+}
+
+/// What one call of `gp_poll` achieved.
+#[repr(u32)]
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Progress {
+    /// A bounded piece of work is done and there is more: call again.
+    Working = 0,
+    /// The queue is full, the text has nothing yet, or the motion stands in a hold: call again after some ticks.
+    Waiting = 1,
+    /// A motion block was planned for good.
+    Planned = 2,
+    /// The same block has another law: an acknowledgement lets it end faster.
+    Replanned = 3,
+    /// The program holds something doubtful; it goes on. `gp_message` says what.
+    Warning = 4,
+    /// Program text comes late: the motion comes to a standstill at the end of what there is.
+    Starved = 5,
+    /// The planner got no time for so long that the motion came to a standstill.
+    Late = 6,
+    /// The motion is slower than programmed, so that a standstill has room.
+    Slower = 7,
+    /// The program has ended and everything is handed to the interpolator. Go on calling as long as it moves.
+    Done = 8,
+}
+
+/// The word of the program that a message is about.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct Place {
+    /// Line, counted from 1; 0 where there is none.
+    pub line: u32,
+    /// Column in bytes, counted from 1.
+    pub column: u32,
+    /// Offset of the word in the text, bytes.
+    pub offset: u32,
+    /// Bytes of the word.
+    pub length: u32,
+    /// ISG's number of the message; 0 where none is known.
+    pub id: u32,
+}
+
+/// Program text of a C program.
+unsafe fn text(text: *const c_char, length: usize) -> Result<Program, Outcome> {
+    if text.is_null() {
+        return Err(Outcome::Null);
+    }
+    if length > i32::MAX as usize {
+        return Err(Outcome::Range);
+    }
+    // SAFETY: it points to so many bytes, which stay as they are as long as the text is loaded.
+    Ok(Program::Memory(unsafe { slice::from_raw_parts(text.cast(), length) }))
+}
+
+/// Loads a program of `length` bytes. It begins where the axes stand, with everything as at program start. The text has to stay
+/// where it is until another one is loaded.
+///
+/// Context: the planner's task. Answers GP_RESULT_NULL, CLOSED, IN_USE, RANGE (more than 2^31 bytes), NOT_AT_REST.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn gp_load(
+    planner: *mut PlannerHandle,
+    program: *const c_char,
+    length: usize,
+) -> Outcome {
+    // SAFETY: the pointers are null or point to what they say.
+    unsafe {
+        let program = match text(program, length) {
+            Ok(program) => program,
+            Err(outcome) => return outcome,
+        };
+        Part::with(planner, |work| work.replace(program, Channel::load)).into()
+    }
+}
+
+/// Takes single lines (MDI): as `gp_load`, but everything in force stays as the last text left it. After an abort it begins as
+/// `gp_load` does.
+///
+/// Context: the planner's task. Answers as `gp_load`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn gp_continue_with(
+    planner: *mut PlannerHandle,
+    lines: *const c_char,
+    length: usize,
+) -> Outcome {
+    // SAFETY: the pointers are null or point to what they say.
+    unsafe {
+        let lines = match text(lines, length) {
+            Ok(lines) => lines,
+            Err(outcome) => return outcome,
+        };
+        Part::with(planner, |work| work.replace(lines, Channel::continue_with)).into()
+    }
+}
+
+/// Loads the program that arrives by `gp_feed`. It begins where `gp_feed_restart` was called last.
+///
+/// Context: the planner's task. Answers GP_RESULT_NULL, CLOSED, IN_USE, NOT_AT_REST, WINDOW_IS_LOADED.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn gp_load_window(planner: *mut PlannerHandle) -> Outcome {
+    let load = |work: &mut Work| {
+        let stream = work.stream.take().ok_or(Outcome::WindowIsLoaded)?;
+        work.replace(Program::Window(stream), Channel::load)
+    };
+    // SAFETY: the pointer is null or one of the handles.
+    unsafe { Part::with(planner, load).into() }
+}
+
+/// Takes the next program of the same text, behind the one that has ended, or that a refused line or an abort has ended.
+///
+/// Context: the planner's task. Answers GP_RESULT_NULL, CLOSED, IN_USE, NOT_AT_REST.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn gp_load_next(planner: *mut PlannerHandle) -> Outcome {
+    let next = |work: &mut Work| work.planner.load_next().map_err(|_| Outcome::NotAtRest);
+    // SAFETY: the pointer is null or one of the handles.
+    unsafe { Part::with(planner, next).into() }
+}
+
+/// Goes on behind a refused line, from where the axes stand.
+///
+/// Context: the planner's task. Answers GP_RESULT_NULL, CLOSED, IN_USE, NOT_AT_REST, NOTHING_REFUSED.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn gp_go_on(planner: *mut PlannerHandle) -> Outcome {
+    let go_on = |work: &mut Work| {
+        work.planner.go_on().map_err(|error| match error {
+            GoOnError::NotAtRest => Outcome::NotAtRest,
+            GoOnError::NothingRefused => Outcome::NothingRefused,
+        })
+    };
+    // SAFETY: the pointer is null or one of the handles.
+    unsafe { Part::with(planner, go_on).into() }
+}
+
+/// Does a bounded piece of work and says in `progress` what. Call it in a loop until it says GP_PROGRESS_WAITING or
+/// GP_PROGRESS_DONE, then again after a tick.
+///
+/// Context: the planner's task, which the tick interrupts, never the other way round. Answers GP_RESULT_NULL, CLOSED, IN_USE,
+/// REFUSED: a line is left out, `gp_message` says why. Go on calling: what was planned before comes to a standstill.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn gp_poll(planner: *mut PlannerHandle, progress: *mut Progress) -> Outcome {
+    if progress.is_null() {
+        return Outcome::Null;
+    }
+    let poll = |work: &mut Work| {
+        use channel::Progress as P;
+        let achieved = match work.planner.poll() {
+            Ok(P::Working | P::Deviated(_)) => Progress::Working,
+            Ok(P::Waiting) => Progress::Waiting,
+            Ok(P::Planned) => Progress::Planned,
+            Ok(P::Replanned) => Progress::Replanned,
+            Ok(P::Starved) => Progress::Starved,
+            Ok(P::Late) => Progress::Late,
+            Ok(P::Slower) => Progress::Slower,
+            Ok(P::Done) => Progress::Done,
+            Ok(P::Warning(warning)) => {
+                work.remark = Remark::Warning(warning);
+                Progress::Warning
+            }
+            Err(error) => {
+                work.remark = Remark::Error(error);
+                return Err(Outcome::Refused);
+            }
+        };
+        // SAFETY: not null, and points to memory for one.
+        unsafe { answer(progress, achieved) }
+    };
+    // SAFETY: the pointer is null or one of the handles.
+    unsafe { Part::with(planner, poll).into() }
+}
+
+/// Tells the last refusal or warning of `gp_poll`: the word it is about, and a text of at most `size` bytes with its NUL. Both
+/// pointers may be NULL.
+///
+/// Context: the planner's task; about 1 KB of stack. Answers GP_RESULT_NOTHING, NULL, CLOSED, IN_USE.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn gp_message(
+    planner: *mut PlannerHandle,
+    place: *mut Place,
+    message: *mut c_char,
+    size: usize,
+) -> Outcome {
+    let tell = |work: &mut Work| {
+        let (word, id) = match &work.remark {
+            Remark::None => return Err(Outcome::Nothing),
+            Remark::Error(error) => {
+                // SAFETY: the caller says how much there is.
+                unsafe { message::write(message, size, error) };
+                (error.place(), error.id())
+            }
+            Remark::Warning(warning) => {
+                // SAFETY: the caller says how much there is.
+                unsafe { message::write(message, size, warning) };
+                (warning.place, 0)
+            }
+        };
+        if !place.is_null() {
+            let (line, column, offset, length) = (word.line, word.column, word.offset, word.length.into());
+            // SAFETY: not null, and points to memory for one.
+            unsafe { place.write(Place { line, column, offset, length, id }) };
+        }
+        Ok(())
+    };
+    // SAFETY: the pointer is null or one of the handles.
+    unsafe { Part::with(planner, tell).into() }
+}
+
+/// Whether the axes stand with everything executed that was read: 1, else 0. Then programs, positions and offsets are taken.
+///
+/// Context: the planner's task. Answers GP_RESULT_NULL, CLOSED, IN_USE.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn gp_is_at_rest(planner: *mut PlannerHandle, is_at_rest: *mut u32) -> Outcome {
+    // SAFETY: the pointers are null or point to what they say.
+    unsafe { Part::with(planner, |work| answer(is_at_rest, work.planner.is_at_rest().into())).into() }
+}
+
+/// Says that an axis stands at `position`, LSB 2^-32 mm or degrees, machine coordinates: nothing moves. The set point jumps to it
+/// with the next tick.
+///
+/// Context: the planner's task. Answers GP_RESULT_NULL, CLOSED, IN_USE, NOT_AT_REST, RANGE.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn gp_set_position(planner: *mut PlannerHandle, axis: u32, position: i64) -> Outcome {
+    let set = |work: &mut Work| {
+        let set = work.planner.set_position(axis as usize, Position::from_bits(position));
+        set.map_err(|error| match error {
+            PositionError::NotAtRest => Outcome::NotAtRest,
+            PositionError::Range => Outcome::Range,
+        })
+    };
+    // SAFETY: the pointer is null or one of the handles.
+    unsafe { Part::with(planner, set).into() }
+}
+
+/// Sets the offset of an axis in zero offset `set`, 0…5 for G54…G59, LSB 2^-32 mm or degrees. It counts from the next line on.
+///
+/// Context: the planner's task. Answers GP_RESULT_NULL, CLOSED, IN_USE, NOT_AT_REST, RANGE.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn gp_set_zero_offset(
+    planner: *mut PlannerHandle,
+    set: u32,
+    axis: u32,
+    offset: i64,
+) -> Outcome {
+    let put = |work: &mut Work| {
+        let offset = Position::from_bits(offset);
+        work.planner.set_zero_offset(set as usize, axis as usize, offset).map_err(|error| match error {
+            ZeroOffsetError::NotAtRest => Outcome::NotAtRest,
+            ZeroOffsetError::Range => Outcome::Range,
+        })
+    };
+    // SAFETY: the pointer is null or one of the handles.
+    unsafe { Part::with(planner, put).into() }
+}

@@ -1,0 +1,68 @@
+//! What every call answers.
+
+/// What a call answers. Everything but `GP_RESULT_OK` and `GP_RESULT_NOTHING` means that nothing was done.
+#[repr(u32)]
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Outcome {
+    /// Done.
+    Ok = 0,
+    /// There is nothing to hand over.
+    Nothing = 1,
+    /// A pointer is NULL.
+    Null = 2,
+    /// The size of the storage is not `GP_STORAGE_BYTES`: header and library do not belong together.
+    Size = 3,
+    /// The storage is not aligned to `GP_STORAGE_ALIGNMENT`.
+    Alignment = 4,
+    /// The storage is open already: `gp_close` comes first.
+    Twice = 5,
+    /// The storage is not open, or not open any more, or the pointer is that of another handle.
+    Closed = 6,
+    /// Another context is inside a call with the same handle.
+    InUse = 7,
+    /// A parameter of the machine data is out of its range: `gp_check` says which.
+    MachineData = 8,
+    /// A line of the program is refused: `gp_message` says why.
+    Refused = 9,
+    /// That is taken at rest alone, when all blocks read are executed.
+    NotAtRest = 10,
+    /// No line was refused, so there is none to go on behind.
+    NothingRefused = 11,
+    /// An argument is out of its range: an axis, a position, a length, the kind of a function.
+    Range = 12,
+    /// No function waits for this acknowledgement.
+    Unexpected = 13,
+    /// The planner reads the window already: `gp_load_next` takes the program behind.
+    WindowIsLoaded = 14,
+}
+
+impl From<Result<(), Outcome>> for Outcome {
+    fn from(result: Result<(), Outcome>) -> Self {
+        result.err().unwrap_or(Self::Ok)
+    }
+}
+
+/// The name of an outcome, for messages: a text of the library that ends with a NUL.
+///
+/// Context: any.
+#[unsafe(no_mangle)]
+pub extern "C" fn gp_result_name(result: u32) -> *const core::ffi::c_char {
+    const NAMES: [&core::ffi::CStr; 15] = [
+        c"ok",
+        c"nothing",
+        c"a pointer is NULL",
+        c"the size of the storage does not belong to this library",
+        c"the storage is not aligned",
+        c"the storage is open already",
+        c"the handle is not open",
+        c"another context uses the handle",
+        c"machine data out of range",
+        c"a line of the program is refused",
+        c"taken at rest alone",
+        c"no line was refused",
+        c"an argument is out of range",
+        c"nothing waits for this acknowledgement",
+        c"the window is loaded already",
+    ];
+    NAMES.get(result as usize).copied().unwrap_or(c"no such result").as_ptr()
+}

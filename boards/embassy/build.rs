@@ -1,0 +1,11 @@
+//! Puts the memory map where the linker script of cortex-m-rt looks for it.
+use std::{env, fs, path::Path};
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let map = Path::new(&env::var("CARGO_MANIFEST_DIR")?).join("../../memory.x");
+    let out = env::var("OUT_DIR")?;
+    fs::copy(&map, Path::new(&out).join("memory.x"))?;
+    println!("cargo:rustc-link-search={out}");
+    println!("cargo:rerun-if-changed={}", map.display());
+    Ok(())
+}

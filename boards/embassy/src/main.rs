@@ -1,0 +1,244 @@
+//! Glidepath beside Embassy, on an STM32F405 and in QEMU's `netduinoplus2`.
+//!
+//! | what | priority | what it has | what it does |
+//! |---|---|---|---|
+//! | `TIM2` | the interrupt of the timer, above Embassy | the interpolator | one set point per axis and cycle |
+//! | `receive` | an executor in an interrupt | the feeder of the text window | hands program text on as it arrives |
+//! | `functions` | the same | the operator, shared | carries M functions out and acknowledges them |
+//! | `panel` | the same | the operator, shared | feed hold and override |
+//! | `plan` | an executor in an interrupt of the lowest priority | the planner | plans ahead |
+//!
+//! The main loop sleeps. Embassy's executor for it would do as well in place of the second one; but it sleeps by WFE, which
+//! QEMU does not do: it would run on, a million instructions in each cycle.
+#![no_std]
+#![no_main]
+
+#[path = "../../rtic/src/machine.rs"]
+mod machine;
+
+use core::cell::RefCell;
+use core::sync::atomic::{AtomicBool, Ordering::Relaxed};
+use cortex_m::peripheral::NVIC;
+use cortex_m_rt::entry;
+use cortex_m_semihosting::{debug, hprintln};
+
+use embassy_executor::InterruptExecutor;
+use embassy_sync::blocking_mutex::{CriticalSectionMutex, raw::CriticalSectionRawMutex};
+use embassy_sync::signal::Signal;
+use glidepath::channel::{Channel, Handles, Planner, Progress};
+use glidepath::digest::Digest;
+use glidepath::nc::{Feeder, Stream, Window};
+use glidepath::operator;
+use glidepath::quantity::Position;
+use glidepath::tick::{self, State};
+use glidepath_copy as _;
+use machine::{AXES, BLOCKS, MACHINE};
+use panic_semihosting as _;
+use static_cell::{ConstStaticCell, StaticCell};
+use stm32f4::stm32f405::{Interrupt, Peripherals, TIM2, interrupt};
+
+type Interpolator = tick::Interpolator<'static, AXES>;
+type Operator = CriticalSectionMutex<operator::Operator<'static, AXES>>;
+type Cycle = Signal<CriticalSectionRawMutex, ()>;
+
+/// The program. A serial line would bring it as well: see `receive`.
+static PROGRAM: &[u8] = include_bytes!("../../tasks.nc");
+
+/// Bytes of program text on their way, and those that arrive in a cycle: a line of 115,200 baud.
+const WINDOW: usize = 256;
+const BYTES: usize = 11;
+
+/// Clock of TIM2, MHz: QEMU's has 1 GHz. A board has 16 after reset.
+const TIMER_MHZ: u32 = 1000;
+
+/// Cycles that M26 takes, and that somebody holds the motion.
+const CARRIED_OUT: u32 = 50;
+const HELD: u32 = 100;
+
+static CHANNEL: ConstStaticCell<Channel<AXES, BLOCKS>> = ConstStaticCell::new(Channel::new());
+static TEXT: ConstStaticCell<Window<WINDOW>> = ConstStaticCell::new(Window::new());
+static OPERATOR: StaticCell<Operator> = StaticCell::new();
+
+/// Each wakes a task in each cycle.
+static PLAN: Cycle = Signal::new();
+static RECEIVE: Cycle = Signal::new();
+static FUNCTIONS: Cycle = Signal::new();
+static PANEL: Cycle = Signal::new();
+
+/// The program has ended, and all of it is with the interpolator.
+static IS_PLANNED: AtomicBool = AtomicBool::new(false);
+
+/// What the interrupt takes over.
+static MAILBOX: CriticalSectionMutex<RefCell<Option<(Interpolator, TIM2)>>> =
+    CriticalSectionMutex::new(RefCell::new(None));
+
+/// Ticks and digest at the end.
+static END: Signal<CriticalSectionRawMutex, (u32, u64)> = Signal::new();
+
+/// Tasks that go before the planner, and the planner.
+static URGENT: InterruptExecutor = InterruptExecutor::new();
+static PATIENT: InterruptExecutor = InterruptExecutor::new();
+
+#[interrupt]
+fn SPI1() {
+    // SAFETY: the interrupt of this executor alone.
+    unsafe { URGENT.on_interrupt() }
+}
+
+#[interrupt]
+fn SPI2() {
+    // SAFETY: the interrupt of this executor alone.
+    unsafe { PATIENT.on_interrupt() }
+}
+
+/// The timer interrupt: puts the set points of the cycle before out, then computes the next ones.
+#[interrupt]
+fn TIM2() {
+    static mut MOTION: Option<(Interpolator, TIM2)> = None;
+    static mut TICKS: u32 = 0;
+    static mut DIGEST: Digest = Digest::new();
+    if MOTION.is_none() {
+        *MOTION = MAILBOX.lock(RefCell::take);
+    }
+    let Some((interpolator, timer)) = MOTION else { return };
+    timer.sr().modify(|_, w| w.uif().clear_bit());
+    to_the_drives(interpolator.set_points());
+    let state = interpolator.tick();
+    if state == State::Active {
+        *TICKS += 1;
+        DIGEST.add(interpolator.set_points());
+    } else if IS_PLANNED.load(Relaxed) {
+        END.signal((*TICKS, DIGEST.value()));
+    }
+    for cycle in [&RECEIVE, &FUNCTIONS, &PANEL, &PLAN] {
+        cycle.signal(());
+    }
+}
+
+#[entry]
+fn main() -> ! {
+    let (feeder, text) = TEXT.take().split();
+    let handles = match CHANNEL.take().split(&MACHINE, [Position::ZERO; AXES], text) {
+        Ok(handles) => handles,
+        Err(error) => panic!("machine data: {error}"),
+    };
+    let Handles { planner, interpolator, operator } = handles;
+    let operator = OPERATOR.init(Operator::new(operator));
+    let Some(board) = Peripherals::take() else { panic!("taken before") };
+    start_timer(board, interpolator);
+    let urgent = URGENT.start(Interrupt::SPI1);
+    urgent.spawn(receive(feeder).unwrap());
+    urgent.spawn(functions(operator).unwrap());
+    urgent.spawn(panel(operator).unwrap());
+    let patient = PATIENT.start(Interrupt::SPI2);
+    patient.spawn(plan(planner).unwrap());
+    patient.spawn(end().unwrap());
+    loop {
+        cortex_m::asm::wfi();
+    }
+}
+
+/// Starts the timer, and says which interrupt goes before which.
+fn start_timer(board: Peripherals, interpolator: Interpolator) {
+    // Counter and prescaler are zero after reset, so no update event is forced.
+    board.RCC.apb1enr().modify(|_, w| w.tim2en().set_bit());
+    let timer = board.TIM2;
+    timer.arr().write(|w| w.arr().set(MACHINE.channel.cycle_us * TIMER_MHZ - 1));
+    timer.dier().write(|w| w.uie().set_bit());
+    timer.cr1().write(|w| w.cen().set_bit());
+    MAILBOX.lock(|mailbox| mailbox.replace(Some((interpolator, timer))));
+    // SAFETY: nothing depends on these priorities or on the mask yet. The tick goes before Embassy's tasks.
+    unsafe {
+        let mut nvic = cortex_m::Peripherals::steal().NVIC;
+        nvic.set_priority(Interrupt::TIM2, 0x40);
+        nvic.set_priority(Interrupt::SPI1, 0x80);
+        nvic.set_priority(Interrupt::SPI2, 0xc0);
+        NVIC::unmask(Interrupt::TIM2);
+    }
+}
+
+/// Plans until the queue is full. The next cycle wakes it again.
+#[embassy_executor::task]
+async fn plan(mut planner: Planner<'static, Stream<'static, WINDOW>, AXES, BLOCKS>) {
+    loop {
+        match planner.poll() {
+            Ok(Progress::Waiting) => PLAN.wait().await,
+            Ok(Progress::Done) => {
+                IS_PLANNED.store(true, Relaxed);
+                PLAN.wait().await;
+            }
+            Ok(_) => {}
+            // The line is left out, what was planned before it stays valid.
+            Err(error) => hprintln!("line {}: {}", error.place().line, error),
+        }
+    }
+}
+
+/// Program text arrives. With a serial line it waits for that, and `rest` is what was received.
+#[embassy_executor::task]
+async fn receive(mut feeder: Feeder<'static, WINDOW>) {
+    let mut rest = PROGRAM;
+    loop {
+        RECEIVE.wait().await;
+        let taken = feeder.push(rest.get(..BYTES).unwrap_or(rest));
+        rest = rest.get(taken..).unwrap_or_default();
+    }
+}
+
+/// Carries functions out. The motion stands at M26 until that is acknowledged.
+#[embassy_executor::task]
+async fn functions(operator: &'static Operator) {
+    loop {
+        FUNCTIONS.wait().await;
+        let Some(output) = operator.lock(operator::Operator::output) else { continue };
+        hprintln!("N{} {:?}", output.n, output.function);
+        if output.waits {
+            for _ in 0..CARRIED_OUT {
+                FUNCTIONS.wait().await;
+            }
+            if operator.lock(|operator| operator.acknowledge(output.function)).is_err() {
+                hprintln!("{:?} was not waited for", output.function);
+            }
+        }
+    }
+}
+
+/// Somebody presses buttons: half the speed at N40, a feed hold at N60, and on again.
+#[embassy_executor::task]
+async fn panel(operator: &'static Operator) {
+    let status = || operator.lock(operator::Operator::status);
+    wait_until(|| status().n == 40).await;
+    operator.lock(|operator| operator.set_override(500));
+    wait_until(|| status().n == 60).await;
+    operator.lock(operator::Operator::feed_hold);
+    for _ in 0..HELD {
+        wait_until(|| status().state == State::Idle).await;
+    }
+    operator.lock(|operator| {
+        operator.set_override(1000);
+        operator.resume();
+    });
+}
+
+/// Looks once per cycle.
+async fn wait_until(is_so: impl Fn() -> bool) {
+    loop {
+        PANEL.wait().await;
+        if is_so() {
+            return;
+        }
+    }
+}
+
+/// The program is executed and the axes stand.
+#[embassy_executor::task]
+async fn end() {
+    let (ticks, digest) = END.wait().await;
+    hprintln!("ticks {ticks} digest {digest:016x}");
+    debug::exit(debug::EXIT_SUCCESS);
+}
+
+/// Where a board writes to its drives.
+fn to_the_drives(set_points: &[Position; AXES]) {
+    core::hint::black_box(set_points);
+}

@@ -1,0 +1,176 @@
+//! Glidepath in an RTIC application, on an STM32F405 and in QEMU's `netduinoplus2`.
+//!
+//! | task | priority | what it has | what it does |
+//! |---|---|---|---|
+//! | `tick` | 4, the interrupt of TIM2 | the interpolator | one set point per axis and cycle |
+//! | `receive` | 3 | the feeder of the text window | hands program text on as it arrives |
+//! | `functions` | 3 | the operator, shared | carries M functions out and acknowledges them |
+//! | `panel` | 2 | the operator, shared | feed hold and override |
+//! | `plan` | 1 | the planner | plans ahead |
+#![no_std]
+#![no_main]
+
+mod machine;
+
+use glidepath_copy as _;
+use panic_semihosting as _;
+
+/// The tasks.
+#[rtic::app(device = stm32f4::stm32f405, dispatchers = [SPI1, SPI2, SPI3])]
+mod app {
+    use crate::machine::{AXES, BLOCKS, MACHINE};
+    use core::sync::atomic::{AtomicBool, Ordering::Relaxed};
+    use cortex_m_semihosting::{debug, hprintln};
+    use glidepath::channel::{Channel, Handles, Planner, Progress};
+    use glidepath::digest::Digest;
+    use glidepath::nc::{Feeder, Stream, Window};
+    use glidepath::operator::Operator;
+    use glidepath::quantity::Position;
+    use glidepath::technology::Function;
+    use glidepath::tick::{Interpolator, State};
+    use stm32f4::stm32f405::TIM2;
+
+    /// The program. A serial line would bring it as well: see `receive`.
+    static PROGRAM: &[u8] = include_bytes!("../../tasks.nc");
+
+    /// Bytes of program text on their way, and those that arrive in a cycle: a line of 115,200 baud.
+    const WINDOW: usize = 256;
+    const BYTES: usize = 11;
+
+    /// Clock of TIM2, MHz: QEMU's has 1 GHz. A board has 16 after reset.
+    const TIMER_MHZ: u32 = 1000;
+
+    /// Cycles that M26 takes, and that somebody holds the motion.
+    const CARRIED_OUT: u32 = 50;
+    const HELD: u32 = 100;
+
+    /// The program has ended, and all of it is with the interpolator.
+    static IS_PLANNED: AtomicBool = AtomicBool::new(false);
+
+    #[shared]
+    struct Shared {
+        operator: Operator<'static, AXES>,
+    }
+
+    #[local]
+    struct Local {
+        planner: Planner<'static, Stream<'static, WINDOW>, AXES, BLOCKS>,
+        interpolator: Interpolator<'static, AXES>,
+        feeder: Feeder<'static, WINDOW>,
+        timer: TIM2,
+    }
+
+    #[init(local = [channel: Channel<AXES, BLOCKS> = Channel::new(), window: Window<WINDOW> = Window::new()])]
+    fn init(cx: init::Context) -> (Shared, Local) {
+        let (feeder, text) = cx.local.window.split();
+        let handles = match cx.local.channel.split(&MACHINE, [Position::ZERO; AXES], text) {
+            Ok(handles) => handles,
+            Err(error) => panic!("machine data: {error}"),
+        };
+        let Handles { planner, interpolator, operator } = handles;
+        // Counter and prescaler are zero after reset, so no update event is forced.
+        cx.device.RCC.apb1enr().modify(|_, w| w.tim2en().set_bit());
+        let timer = cx.device.TIM2;
+        timer.arr().write(|w| w.arr().set(MACHINE.channel.cycle_us * TIMER_MHZ - 1));
+        timer.dier().write(|w| w.uie().set_bit());
+        timer.cr1().write(|w| w.cen().set_bit());
+        (Shared { operator }, Local { planner, interpolator, feeder, timer })
+    }
+
+    /// The timer interrupt: puts the set points of the cycle before out, then computes the next ones.
+    #[task(binds = TIM2, priority = 4, local = [interpolator, timer, ticks: u32 = 0, digest: Digest = Digest::new()])]
+    fn tick(cx: tick::Context) {
+        let tick::LocalResources { interpolator, timer, ticks, digest, .. } = cx.local;
+        timer.sr().modify(|_, w| w.uif().clear_bit());
+        to_the_drives(interpolator.set_points());
+        let state = interpolator.tick();
+        if state == State::Active {
+            *ticks += 1;
+            digest.add(interpolator.set_points());
+        } else if IS_PLANNED.load(Relaxed) {
+            let _ = end::spawn(*ticks, digest.value());
+        }
+        // A task that is still at work from the last cycle goes on: it is not started a second time.
+        let _ = receive::spawn();
+        let _ = functions::spawn();
+        let _ = panel::spawn();
+        let _ = plan::spawn();
+    }
+
+    /// Plans until the queue is full. The next cycle wakes it again.
+    #[task(priority = 1, local = [planner])]
+    async fn plan(cx: plan::Context) {
+        loop {
+            match cx.local.planner.poll() {
+                Ok(Progress::Waiting) => return,
+                Ok(Progress::Done) => return IS_PLANNED.store(true, Relaxed),
+                Ok(_) => {}
+                // The line is left out, what was planned before it stays valid.
+                Err(error) => hprintln!("line {}: {}", error.place().line, error),
+            }
+        }
+    }
+
+    /// Program text arrives. With a serial line this is the interrupt of its UART, and `rest` what it received.
+    #[task(priority = 3, local = [feeder, sent: usize = 0])]
+    async fn receive(cx: receive::Context) {
+        let receive::LocalResources { feeder, sent, .. } = cx.local;
+        let rest = PROGRAM.get(*sent..).unwrap_or_default();
+        *sent += feeder.push(rest.get(..BYTES).unwrap_or(rest));
+    }
+
+    /// Carries functions out. The motion stands at M26 until that is acknowledged.
+    #[task(priority = 3, shared = [operator], local = [at_hand: Option<(Function, u32)> = None])]
+    async fn functions(mut cx: functions::Context) {
+        let at_hand = cx.local.at_hand;
+        cx.shared.operator.lock(|operator| {
+            while let Some(output) = operator.output() {
+                hprintln!("N{} {:?}", output.n, output.function);
+                if output.waits {
+                    *at_hand = Some((output.function, CARRIED_OUT));
+                }
+            }
+            if let Some((function, left)) = *at_hand {
+                *at_hand = (left > 0).then_some((function, left.saturating_sub(1)));
+                if left == 0 && operator.acknowledge(function).is_err() {
+                    hprintln!("{function:?} was not waited for");
+                }
+            }
+        });
+    }
+
+    /// Somebody presses buttons: half the speed at N40, a feed hold at N60, and on again.
+    #[task(priority = 2, shared = [operator], local = [step: u8 = 0, rested: u32 = 0])]
+    async fn panel(mut cx: panel::Context) {
+        let panel::LocalResources { step, rested, .. } = cx.local;
+        cx.shared.operator.lock(|operator| {
+            let status = operator.status();
+            match *step {
+                0 if status.n == 40 => operator.set_override(500),
+                1 if status.n == 60 => operator.feed_hold(),
+                2 if status.state == State::Idle => {
+                    *rested += 1;
+                    if *rested < HELD {
+                        return;
+                    }
+                    operator.set_override(1000);
+                    operator.resume();
+                }
+                _ => return,
+            }
+            *step += 1;
+        });
+    }
+
+    /// The program is executed and the axes stand.
+    #[task(priority = 1)]
+    async fn end(_: end::Context, ticks: u32, digest: u64) {
+        hprintln!("ticks {ticks} digest {digest:016x}");
+        debug::exit(debug::EXIT_SUCCESS);
+    }
+
+    /// Where a board writes to its drives.
+    fn to_the_drives(set_points: &[Position; AXES]) {
+        core::hint::black_box(set_points);
+    }
+}

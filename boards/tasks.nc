@@ -1,0 +1,15 @@
+( What the examples of RTIC, Embassy, FreeRTOS and C run. The dwell is the time in which text arrives. )
+%tasks
+N10 G04 0.5
+N20 G01 X30 Y10 F12000
+N30 G261 X60
+N40 Y40
+N50 X20 Y55 M3
+N60 G02 X0 Y75 J20 F9000
+N70 G260 G01 Z5
+N80 M26
+N90 X-40 Y60 F15000
+N100 G02 X-40 Y0 J-30
+N110 G01 X0 Y0 Z0
+N120 M5
+N130 M30
