@@ -216,13 +216,12 @@ fn lengths(
     Ok([len0, len1])
 }
 
-/// Whether LinuxCNC and Grbl take radii that differ so much: 5 µm, and 0.1 % of the radius up to 0.5 mm. Where 5 µm
-/// are more than a quarter of the radius, the path would be no arc.
+/// Whether LinuxCNC and Grbl take radii that differ so much: 5 µm, and 0.1 % of the radius. They go up to 0.5 mm; the
+/// interrupt has room for 50 µm. Where 5 µm are more than a quarter of the radius, the path would be no arc.
 #[cfg(feature = "dialects")]
 fn is_tolerable(difference: i64, radius: i64) -> bool {
     const ALWAYS: i64 = 21_474_836 << FINER;
-    const NEVER: i64 = (1 << 31) << FINER;
-    difference <= ALWAYS.min(radius >> 2) || difference <= NEVER.min(radius / 1000)
+    difference <= ALWAYS.min(radius >> 2) || difference <= LARGEST_DIFFERENCE.min(radius / 1000)
 }
 
 impl Ends {

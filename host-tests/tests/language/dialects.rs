@@ -8,12 +8,14 @@ mod random;
 
 use crate::nc_decode::decode_text;
 use corpus::{CORPUS, REFUSED};
+use glidepath::channel::{Channel, Handles, Progress};
 use glidepath::machine::{AxisData, AxisKind, AxisName, ChannelData, Dialect, MachineData, ToolLengths};
 use glidepath::nc::{
     ArcBy, Command, ContourSwitch, Decoder, DecoderMemory, DwellTime, ExactStop, Motion, MotionKind, NcErrorKind,
     NcWarningKind, Setup, Step, WORDS, Window,
 };
 use glidepath::quantity::Position;
+use glidepath::queue::Function;
 use host_tests::cases::machines;
 use host_tests::trace::run_text;
 use interpreter::{Event, Machine, Shape};
@@ -296,16 +298,16 @@ fn radii_may_differ_as_much_as_the_peers_permit() {
             assert_eq!(run(dialect, &arc(more)).is_ok(), others, "{more}");
         }
     }
-    // At a radius of 0.5 and of 400 mm.
+    // At radii of 0.5, 20 and 400 mm.
     for (text, isg) in [
         ("G0 X0.5\nF600\nG3 X0 Y0.504 I-0.5\n", false),
-        ("G0 X400\nF600\nG3 X0 Y400.3 I-400\n", false),
+        ("G0 X20\nF600\nG3 X0 Y20.0198 I-20\n", false),
         ("G0 X400\nF600\nG3 X0 Y400.04 I-400\n", true),
     ] {
         assert_eq!(run(Dialect::Isg, text).is_ok(), isg, "{text}");
         assert!(run(Dialect::LinuxCnc, text).is_ok(), "{text}");
     }
-    assert!(run(Dialect::Grbl, "G0 X800\nF600\nG3 X0 Y800.6 I-800\n").is_err(), "0.5 mm at most");
+    assert!(run(Dialect::Grbl, "G0 X400\nF600\nG3 X0 Y400.06 I-400\n").is_err(), "0.05 mm at most");
 }
 
 #[test]
@@ -461,4 +463,82 @@ fn inches_do_not_concern_degrees() {
         .collect();
     // F beside G20 and G21: LinuxCNC takes it in the unit before. Degrees have no inches.
     assert_eq!(found, [(90.0, 10.0), (90.0, 10.0), (180.0, 10.0), (0.0, 100.0), (5.0, 100.0), (5.0, 2540.0)]);
+}
+
+/// The tick at which `wanted` of a program is acknowledged; what the axes did.
+fn paused(text: &str, wanted: Function, wait: usize) -> (usize, usize, Vec<[f64; 3]>) {
+    let mut machine = machines::even::<3>(1000);
+    machine.channel.foreign.dialect = Dialect::Grbl;
+    let mut channel: Box<Channel<3, 120>> = Box::new(Channel::new());
+    let Handles { mut planner, mut interpolator, operator } =
+        channel.split(&machine, [Position::ZERO; 3], text.as_bytes()).expect("machine data");
+    let (mut rows, mut out, mut acknowledged) = (Vec::new(), None, None);
+    for tick in 0..20_000 {
+        for _ in 0..200 {
+            match planner.poll().expect("a program") {
+                Progress::Waiting | Progress::Done => break,
+                _ => {}
+            }
+        }
+        interpolator.tick();
+        rows.push(interpolator.set_points().map(mm));
+        while let Some(output) = operator.output() {
+            if output.function == wanted {
+                assert!(output.waits, "{text}");
+                out = Some(tick);
+            }
+        }
+        if out.is_some_and(|out| tick == out + wait) {
+            operator.acknowledge(wanted).expect("it waits");
+            acknowledged = Some(tick);
+        }
+    }
+    (out.expect("it comes out"), acknowledged.expect("it is acknowledged"), rows)
+}
+
+#[test]
+fn a_pause_waits_for_whoever_acknowledges_it() {
+    for (word, code) in [("M0", 0), ("M60", 60), ("M6", 6)] {
+        // M6 stands before the motion of its block, the others behind it.
+        let text = format!("G21 F1200\nG1 X5\nX10 {word}\nX20\nM2\n");
+        let (out, acknowledged, rows) = paused(&text, Function::M(code), 700);
+        assert_eq!(acknowledged, out + 700);
+        let rest = if code == 6 { 5.0 } else { 10.0 };
+        for row in &rows[out + 1..acknowledged] {
+            assert!((row[0] - rest).abs() < 1e-9, "{text}: {row:?}");
+        }
+        assert_eq!(rows.last().map(|row| row[0]), Some(20.0));
+    }
+}
+
+#[test]
+fn arcs_of_unequal_radii_keep_the_limits_of_the_axes() {
+    let mut machine = machines::with_slope(machines::even::<3>(1000), 1);
+    machine.channel.foreign.dialect = Dialect::LinuxCnc;
+    machine.channel.corr_v_trans_jerk = true;
+    let mut random = crate::nc_decode::Random(4711);
+    let mut driven = 0;
+    for _ in 0..150 {
+        let part = |random: &mut crate::nc_decode::Random, most: f64| random.below(1 << 30) as f64 / (1 << 30) as f64 * most;
+        let radius = 10.0_f64.powf(part(&mut random, 4.0) - 1.7);
+        let differs = if radius > 5.0 { radius / 1001.0 } else { 0.004_99_f64.min(radius / 4.1) }.min(0.0499);
+        let end = radius + (part(&mut random, 2.0) - 1.0) * differs;
+        let [from, turn] = [part(&mut random, 6.28), part(&mut random, 6.2) + 0.05];
+        let clockwise = random.below(2) == 0;
+        let to = if clockwise { from - turn } else { from + turn };
+        let [x, y] = [radius * from.cos(), radius * from.sin()];
+        let text = format!(
+            "F12000\nG0 X{x:.7} Y{y:.7}\nG{} X{:.7} Y{:.7} I{:.7} J{:.7}\nM2\n",
+            if clockwise { 2 } else { 3 },
+            end * to.cos(),
+            end * to.sin(),
+            -x,
+            -y
+        );
+        let run = run_text::<3, 120>(&text, [Position::ZERO; 3], &machine, 1).expect(&text);
+        let limits: Vec<_> = machine.axes.iter().map(|axis| host_tests::properties::permitted(axis, 1, true, true, true)).collect();
+        host_tests::check::limits(&run.trace, &limits).unwrap_or_else(|e| panic!("{e}\n{text}"));
+        driven += 1;
+    }
+    assert_eq!(driven, 150);
 }
