@@ -10,8 +10,8 @@ use glidepath::nc::{Decoder, NcError, Step, Window};
 use glidepath::quantity::Position;
 use glidepath::tick::Interpolator;
 use hil_cases::{
-    CASES_BESIDE, Case, Failure, FilterMemory, OVERLAYS, Outcome, TAPS, WINDOW, Watch, beside, commanded,
-    run, session,
+    CASES_BESIDE, Case, Failure, FilterMemory, OVERLAYS, Outcome, SEEDS, TAPS, WINDOW, Watch, beside,
+    commanded, run, session,
 };
 
 /// Number, sum and largest of something counted.
@@ -166,10 +166,10 @@ pub fn record_commanded<const AXES: usize, const BLOCKS: usize>(
     let _ = writeln!(report, "unit {UNIT}");
     let mut good = true;
     let mut stacks = Stacks::default();
-    for case in cases {
+    for (case, seed) in cases.iter().flat_map(|case| (0..=SEEDS).map(move |seed| (case, seed))) {
         let _ = writeln!(report, "case {} axes {AXES} blocks {BLOCKS}", case.name);
         let mut recorder = Recorder::new(&counter, &mut report, &mut stacks);
-        let result = commanded(channel, machine, case, &mut recorder);
+        let result = commanded(channel, machine, case, seed, &mut recorder);
         good &= recorder.close(&result, Cost::default());
     }
     report.flush();

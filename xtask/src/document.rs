@@ -74,8 +74,10 @@ fn instructions(figures: &Figures, text: &mut String) {
         text,
         "\nThe means of all are over all blocks of all programs of so many axes. In contour mode are {}; the planner's mean of plain programs \
          leaves out\nthose, {}, {} and {}, the worst tick of plain programs only those in contour mode, {}.\n\
-         `command.poll_max` is the largest call in programs with three axes where the operator gives a command every 37 ticks: override, feed \
-         hold,\nreduced speed.\n",
+         `command.poll_max` is the largest call in programs with three and six axes where the operator gives commands all the time: override, \
+         feed hold,\nreduced speed. Each program runs with a command every 37 ticks and with random ones 1 to 50 ticks apart. \
+         `command.wait_max` is the largest of\nthose calls that wait. `command.<program>.schedule` in the accepted figures names the schedule \
+         of the largest call.\n",
         CONTOUR.join(", "),
         SMOOTHED.join(", "),
         SHORT_ARCS.join(", "),

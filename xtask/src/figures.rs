@@ -9,7 +9,7 @@ use std::fmt::Write;
 use std::path::PathBuf;
 
 /// Hard limits of the project, whatever is accepted: key, largest value.
-pub(crate) const LIMITS: [(&str, u64); 44] = [
+pub(crate) const LIMITS: [(&str, u64); 45] = [
     ("total.block_mean_plain_3_axes", 7850),
     ("total.block_mean_3_axes", 12_000),
     ("case.surface.block_mean", 20_000),
@@ -29,6 +29,7 @@ pub(crate) const LIMITS: [(&str, u64); 44] = [
     ("total.poll_max_4_axes", 40_000),
     ("total.poll_max_6_axes", 34_000),
     ("command.poll_max", 90_000),
+    ("command.wait_max", 3000),
     ("case.hsc.block_mean", 8000),
     ("case.micro.block_mean", 8000),
     ("case.short_arcs.block_mean", 10_200),
@@ -102,6 +103,16 @@ const GAPS: u64 = 64;
 /// With the compiler of the accepted table counts repeat exactly; another one may differ by this, in percent.
 const OTHER_COMPILER_PERCENT: u64 = 10;
 
+/// The costliest calls of the planner in a program, with commands of the operator all the time; instructions.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Commanded {
+    /// Of all calls, and the schedule of commands in which that one was.
+    pub poll: u64,
+    pub seed: u64,
+    /// Of calls that waited.
+    pub wait: u64,
+}
+
 /// What memory the target needs.
 #[derive(Debug, Default)]
 pub struct MemoryFigures {
@@ -121,8 +132,8 @@ pub struct MemoryFigures {
     pub beside: Beside,
     /// The build with lines, arcs and contour mode alone: `slim.` and the name of a figure.
     pub slim: BTreeMap<String, u64>,
-    /// Largest call of the planner by program, with commands of the operator all the time.
-    pub commands: Vec<(String, u64)>,
+    /// Largest calls of the planner by program, with commands of the operator all the time.
+    pub commands: BTreeMap<String, Commanded>,
 }
 
 /// What filters behind the path and axes beside it cost: instructions per tick and axis beyond those of the
@@ -295,11 +306,13 @@ fn add_memory(values: &mut BTreeMap<String, u64>, memory: &MemoryFigures) -> Res
         values.insert(key.into(), value);
     });
     values.extend(memory.slim.iter().map(|(key, value)| (key.clone(), *value)));
-    for (name, most) in &memory.commands {
-        values.insert(format!("command.{name}.poll_max"), *most);
+    for (name, worst) in &memory.commands {
+        values.insert(format!("command.{name}.poll_max"), worst.poll);
+        values.insert(format!("command.{name}.schedule"), worst.seed);
     }
-    let most = memory.commands.iter().map(|(_, most)| *most).max().ok_or("no commands were given")?;
-    values.insert("command.poll_max".into(), most);
+    let most = |part: fn(&Commanded) -> u64| memory.commands.values().map(part).max();
+    values.insert("command.poll_max".into(), most(|worst| worst.poll).ok_or("no commands were given")?);
+    values.insert("command.wait_max".into(), most(|worst| worst.wait).ok_or("no commands were given")?);
     let deepest = memory.interrupted.iter().map(|row| row.depth).max().ok_or("no stack was measured")?;
     values.insert("ram.interrupted.stack".into(), deepest);
     values.insert("flash.reference".into(), memory.flash);

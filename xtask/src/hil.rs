@@ -1,5 +1,5 @@
 //! The target's tests: same bits, real interrupt, no panicking path, and the figures.
-use crate::figures::{self, Beside, Figures, MemoryFigures};
+use crate::figures::{self, Beside, Commanded, Figures, MemoryFigures};
 use crate::firmware::{CORES, Firmware, Place, artifact, small};
 use crate::host::{self, HostRun};
 use crate::rtos;
@@ -17,7 +17,8 @@ const BOARD_BINARY: &str = "glidepath-stm32f405";
 pub const SAME: [&str; 6] = ["same", "same_four", "same_six", "short_three", "deep_three", "short_six"];
 
 /// What counts instructions and bytes, besides.
-const COUNTED: [&str; 4] = ["counts", "nopanic", "beside", "commands"];
+const COMMANDS: [&str; 2] = ["commands", "commands_six"];
+const COUNTED: [&str; 5] = ["counts", "nopanic", "beside", "commands", "commands_six"];
 
 /// Calls of `nopanic` whose stack is bounded, also in the build for few bytes.
 const NOPANIC_CALLS: [(&str, &str); 3] =
@@ -73,7 +74,7 @@ pub fn all(place: Place) -> Result<(), String> {
     step("filters behind the path, axes beside it");
     memory.beside = beside(&firmware.report("beside")?)?;
     step("commands all the time");
-    memory.commands = commands(&firmware.report("commands")?)?;
+    memory.commands = commands(&firmware)?;
     if place == Place::Emulator {
         step("lines, arcs and contour mode alone");
         memory.slim = slim(&firmware)?;
@@ -111,7 +112,7 @@ pub fn bench(accept: bool) -> Result<(), String> {
     let (runs, mut memory) = measure(&firmware, &host::run_all()?)?;
     counter(&firmware.report("counts")?)?;
     memory.beside = beside(&firmware.report("beside")?)?;
-    memory.commands = commands(&firmware.report("commands")?)?;
+    memory.commands = commands(&firmware)?;
     memory.slim = slim(&firmware)?;
     memory.interrupted = target::read_memory(&firmware.report("interrupt")?)?;
     let measured = Figures::measured(firmware.compiler(), &runs, &memory)?;
@@ -140,10 +141,11 @@ pub fn only_interrupt() -> Result<(), String> {
 pub fn only_commands() -> Result<(), String> {
     step("firmware");
     let firmware = Firmware::prepare(Place::Emulator)?;
-    firmware.build(TESTS, &binaries(&["commands"]), &[])?;
+    firmware.build(TESTS, &binaries(&COMMANDS), &[])?;
     step("commands all the time");
-    for (name, most) in commands(&firmware.report("commands")?)? {
-        eprintln!("   {name:<16} {most:>9}");
+    for (name, worst) in commands(&firmware)? {
+        let Commanded { poll, seed, wait } = worst;
+        eprintln!("   {name:<16} {poll:>9} with schedule {seed:<3} {wait:>9} where it waits");
     }
     Ok(())
 }
@@ -238,11 +240,26 @@ fn beside(report: &str) -> Result<Beside, String> {
     Beside::of(&runs, target::read_beside(report)?)
 }
 
-/// The cases with commands are the host's; the largest call of the planner in each.
-fn commands(report: &str) -> Result<Vec<(String, u64)>, String> {
-    let runs = target::read_runs(report)?;
+/// The cases with commands are the host's, with every schedule; the largest calls of the planner in each.
+fn commands(firmware: &Firmware) -> Result<BTreeMap<String, Commanded>, String> {
+    let mut runs = Vec::new();
+    for name in COMMANDS {
+        runs.extend(target::read_runs(&firmware.report(name)?)?);
+    }
     alike(&host::commanded_all()?, &runs)?;
-    Ok(runs.into_iter().map(|run| (run.name, run.plan.max.max(run.wait.max))).collect())
+    let mut worst = BTreeMap::<String, Commanded>::new();
+    let mut seeds = BTreeMap::<String, u64>::new();
+    for run in runs {
+        let seed = seeds.entry(run.name.clone()).or_default();
+        let worst = worst.entry(run.name).or_default();
+        let poll = run.plan.max.max(run.wait.max);
+        if poll > worst.poll {
+            (worst.poll, worst.seed) = (poll, *seed);
+        }
+        worst.wait = worst.wait.max(run.wait.max);
+        *seed += 1;
+    }
+    Ok(worst)
 }
 
 /// Built without the other functions and for few bytes, programs have the set points of the host built alike, those

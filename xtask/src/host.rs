@@ -7,7 +7,7 @@ use glidepath::quantity::Position;
 use hil_cases::{
     AXES_3, AXES_3_DEEP, AXES_3_SHORT, AXES_4, AXES_6, AXES_6_SHORT, BLOCKS, BesideCase, CASES_3,
     CASES_3_OTHER, CASES_4, CASES_6, CASES_6_OTHER, CASES_BESIDE, CASES_SLIM, Case, DEEP, FilterMemory,
-    Outcome, SHORT, Watch, beside, commanded, run, session,
+    Outcome, SEEDS, SHORT, Watch, beside, commanded, run, session,
 };
 use std::time::Duration;
 
@@ -102,16 +102,25 @@ pub fn tasks() -> Result<HostRun, String> {
     Ok(HostRun { name: "tasks", axes: 3, blocks: BLOCKS, set_points, outcome })
 }
 
-/// The cases with three axes, and commands all the time.
+/// The cases with three and with six axes, and commands all the time: all schedules of each.
 pub fn commanded_all() -> Result<Vec<HostRun>, String> {
-    let run_one = |case: &Case| {
+    let mut runs = commanded_on::<3>(&AXES_3, CASES_3)?;
+    runs.extend(commanded_on::<6>(&AXES_6, CASES_6)?);
+    Ok(runs)
+}
+
+fn commanded_on<const AXES: usize>(
+    machine: &MachineData<AXES>,
+    cases: &[Case],
+) -> Result<Vec<HostRun>, String> {
+    let run_one = |(case, seed): (&Case, u32)| {
         let mut set_points = Vec::new();
-        let mut channel = Box::new(Channel::<3, BLOCKS>::new());
-        let outcome = commanded(&mut channel, &AXES_3, case, &mut Collector(&mut set_points))
-            .map_err(|failure| format!("{} with commands on the host: {failure:?}", case.name))?;
-        Ok(HostRun { name: case.name, axes: 3, blocks: BLOCKS, set_points, outcome })
+        let mut channel = Box::new(Channel::<AXES, BLOCKS>::new());
+        let outcome = commanded(&mut channel, machine, case, seed, &mut Collector(&mut set_points))
+            .map_err(|failure| format!("{} with commands {seed} on the host: {failure:?}", case.name))?;
+        Ok(HostRun { name: case.name, axes: AXES, blocks: BLOCKS, set_points, outcome })
     };
-    CASES_3.iter().map(run_one).collect()
+    cases.iter().flat_map(|case| (0..=SEEDS).map(move |seed| (case, seed))).map(run_one).collect()
 }
 
 /// The cases with filters and overlays.

@@ -10,7 +10,7 @@ mod session;
 mod tasks;
 
 pub use beside::{BesideCase, CASES_BESIDE, FilterMemory, OVERLAYS, TAPS, beside};
-pub use commands::commanded;
+pub use commands::{SEEDS, commanded};
 pub use machines::{AXES_3, AXES_3_DEEP, AXES_3_SHORT, AXES_4, AXES_6, AXES_6_SHORT};
 pub use run::{Failure, Outcome, Unwatched, Watch, run};
 pub use session::{WINDOW, session};
