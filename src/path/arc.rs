@@ -67,11 +67,7 @@ pub(crate) fn arc_to<const AXES: usize>(
     }
     let mut travel = [0; AXES];
     let points = points(start, target, centre, axes, &mut travel)?;
-    let lengths = lengths(
-        points,
-        #[cfg(feature = "dialects")]
-        measure,
-    )?;
+    let lengths = lengths(points, measure.is_tolerant())?;
     let ends = Ends::new(points, lengths);
     let swept = ends.swept(clockwise);
     let angle = mul_shift(swept, TWO_PI, 60);
@@ -195,19 +191,15 @@ fn points<const AXES: usize>(
     Ok([[p0 << FINER, q0 << FINER], [p1 << FINER, q1 << FINER]])
 }
 
-/// How far both are from the centre, LSB 2^-44 mm.
+/// How far both are from the centre, LSB 2^-44 mm. `tolerant`: as far apart as LinuxCNC and Grbl permit.
 #[cfg_attr(feature = "fast", inline(always))]
-fn lengths(
-    points: [[i64; 2]; 2],
-    #[cfg(feature = "dialects")] measure: &Measure,
-) -> Result<[i64; 2], PathError> {
+fn lengths(points: [[i64; 2]; 2], tolerant: bool) -> Result<[i64; 2], PathError> {
     let [len0, len1] = points.map(plane_hypot);
     if len0 == 0 || len1 == 0 {
         return Err(PathError::NoRadius);
     }
     let difference = (len1 - len0).abs();
-    #[cfg(feature = "dialects")]
-    if measure.is_tolerant() && is_tolerable(difference, len0.min(len1)) {
+    if tolerant && is_tolerable(difference, len0.min(len1)) {
         return Ok([len0, len1]);
     }
     if difference > DIFFERENCE && difference > LARGEST_DIFFERENCE.min(len0 >> 10) {
@@ -218,7 +210,6 @@ fn lengths(
 
 /// Whether LinuxCNC and Grbl take radii that differ so much: 5 µm, and 0.1 % of the radius. They go up to 0.5 mm; the
 /// interrupt has room for 50 µm. Where 5 µm are more than a quarter of the radius, the path would be no arc.
-#[cfg(feature = "dialects")]
 fn is_tolerable(difference: i64, radius: i64) -> bool {
     const ALWAYS: i64 = 21_474_836 << FINER;
     difference <= ALWAYS.min(radius >> 2) || difference <= LARGEST_DIFFERENCE.min(radius / 1000)

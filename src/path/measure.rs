@@ -129,8 +129,15 @@ impl Measure {
 
     /// Whether the radii of an arc may differ as much as LinuxCNC and Grbl permit.
     #[cfg(feature = "dialects")]
-    pub fn is_tolerant(&self) -> bool {
+    pub const fn is_tolerant(&self) -> bool {
         self.tolerant
+    }
+
+    /// The same where no other dialect is built: they may not.
+    #[cfg(not(feature = "dialects"))]
+    #[inline(always)]
+    pub const fn is_tolerant(&self) -> bool {
+        false
     }
 
     /// Whether the main axes are the feed axes.

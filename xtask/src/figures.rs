@@ -92,7 +92,7 @@ const LOOK_AHEAD: usize = hil_cases::BLOCKS;
 pub(crate) const HSC: [&str; 4] = ["hsc", "hsc_opt", "micro", "short_arcs"];
 
 /// Figures that say what was measured, not how good it is.
-const DESCRIPTIVE: [&str; 3] = ["ticks", "blocks", "stack_size"];
+const DESCRIPTIVE: [&str; 4] = ["ticks", "blocks", "schedule", "stack_size"];
 
 /// Bytes of flash of a module: what the sum consists of. A change may move code from one to another.
 pub(crate) const FLASH_OF: &str = "flash_of.";

@@ -32,13 +32,14 @@ const MATCHES: [&str; 3] = ["nc/block.rs g_word", "nc/block.rs word", "nc/error.
 const FUNCTION_LINES: usize = 80;
 
 /// Structs above [`STRUCT_FIELDS`]: they mirror machine data or the words of a command.
-const MIRRORS: [&str; 6] = [
+const MIRRORS: [&str; 7] = [
     "machine/mod.rs AxisData",
     "machine/mod.rs ChannelData",
     "nc/function.rs Contour",
     "nc/function.rs Hsc",
     "nc/interpreter.rs Interpreter",
     "smooth/contour/parameters.rs Parameters",
+    "smooth/surface/parameters.rs Parameters",
 ];
 const STRUCT_FIELDS: usize = 15;
 
