@@ -67,11 +67,7 @@ pub(crate) fn arc_to<const AXES: usize>(
     }
     let mut travel = [0; AXES];
     let points = points(start, target, centre, axes, &mut travel)?;
-    let lengths = lengths(
-        points,
-        #[cfg(feature = "dialects")]
-        measure,
-    )?;
+    let lengths = lengths(points, measure)?;
     let ends = Ends::new(points, lengths);
     let swept = ends.swept(clockwise);
     let angle = mul_shift(swept, TWO_PI, 60);
@@ -197,10 +193,8 @@ fn points<const AXES: usize>(
 
 /// How far both are from the centre, LSB 2^-44 mm.
 #[cfg_attr(feature = "fast", inline(always))]
-fn lengths(
-    points: [[i64; 2]; 2],
-    #[cfg(feature = "dialects")] measure: &Measure,
-) -> Result<[i64; 2], PathError> {
+#[cfg_attr(not(feature = "dialects"), expect(unused_variables, reason = "ISG has one tolerance"))]
+fn lengths(points: [[i64; 2]; 2], measure: &Measure) -> Result<[i64; 2], PathError> {
     let [len0, len1] = points.map(plane_hypot);
     if len0 == 0 || len1 == 0 {
         return Err(PathError::NoRadius);
