@@ -13,7 +13,7 @@
 //! | `expressions` | `P` parameters, operators and functions, `$` statements | words have numbers, subroutines stay |
 //! | `filters` | `#FILTER`, P-AXIS-00586 | |
 //! | `beside` | `[OSC …]`, `[INDP …]`, `#WAIT INDP` | |
-//! | `dialects` (off by default) | the words of Grbl and LinuxCNC: [`crate::nc::Dialect`] | programs are ISG's |
+//! | `dialects` (off by default) | the words of LinuxCNC and Grbl | programs are ISG's |
 //!
 //! The feature `fast` is none of them: without it what the planner calls is called and not copied, and the sine has
 //! a smaller table. Programs are accepted and refused as with it, and have the same bits.

@@ -399,7 +399,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
                 lead: REACTION,
                 trying: false,
                 yields: false,
-                search: Search::NONE,
+                search: Search::none(),
             },
             functions,
             reserve,

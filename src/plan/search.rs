@@ -93,20 +93,22 @@ impl Search {
     const NO_MOTION: Instant = Instant { distance: 0, speed: 0, accel: 0 };
 
     /// None.
-    pub const NONE: Self = Self {
-        k: 0,
-        motion: Self::NO_MOTION,
-        is_reserve: false,
-        stays: false,
-        stage: Stage::Along,
-        short: Short::NONE,
-        again: false,
-        spans: 1,
-        paused: None,
-        skips: false,
-        spent: Cell::new(0),
-        goes_on: false,
-    };
+    pub const fn none() -> Self {
+        Self {
+            k: 0,
+            motion: Self::NO_MOTION,
+            is_reserve: false,
+            stays: false,
+            stage: Stage::Along,
+            short: Short::NONE,
+            again: false,
+            spans: 1,
+            paused: None,
+            skips: false,
+            spent: Cell::new(0),
+            goes_on: false,
+        }
+    }
 
     /// A step costs so much.
     pub fn spend(&self, costs: u32) {

@@ -237,7 +237,7 @@ fn motions(dialect: Dialect, text: &str) -> Vec<Motion<3>> {
 
 /// A decimal times 25.4 in units of 2^-32, to nearest.
 fn inches(mantissa: i128, scale: u32) -> i64 {
-    let (dividend, divisor) = (mantissa * 254 << 32, 10_i128.pow(scale + 1));
+    let (dividend, divisor) = ((mantissa * 254) << 32, 10_i128.pow(scale + 1));
     ((2 * dividend + divisor).div_euclid(2 * divisor)) as i64
 }
 
@@ -523,7 +523,7 @@ fn arcs_of_unequal_radii_keep_the_limits_of_the_axes() {
         let radius = 10.0_f64.powf(part(&mut random, 4.0) - 1.7);
         let differs = if radius > 5.0 { radius / 1001.0 } else { 0.004_99_f64.min(radius / 4.1) }.min(0.0499);
         let end = radius + (part(&mut random, 2.0) - 1.0) * differs;
-        let [from, turn] = [part(&mut random, 6.28), part(&mut random, 6.2) + 0.05];
+        let [from, turn] = [part(&mut random, std::f64::consts::TAU), part(&mut random, 6.2) + 0.05];
         let clockwise = random.below(2) == 0;
         let to = if clockwise { from - turn } else { from + turn };
         let [x, y] = [radius * from.cos(), radius * from.sin()];

@@ -22,7 +22,7 @@ use super::interpreter::{Gathered, Interpreter, Next, Phase};
 use super::line::Line;
 use super::modal::{Before, Modal, Mode};
 use super::{DwellTime, Motion, MotionKind, NcWarningKind, Place, Span};
-use crate::machine::{Dialect, MORE_OFFSETS, MachineData, ToolLengths, of_tenths};
+use crate::machine::{AxisKind, Dialect, MORE_OFFSETS, MachineData, ToolLengths, of_tenths};
 use crate::quantity::{Feed, Position};
 use core::cell::Cell;
 use course::{Course, CycleKind, Part};
@@ -224,7 +224,6 @@ impl<const AXES: usize> Interpreter<AXES> {
 
     /// Whether plain lines may be read as such: no cycle, no G80, and no axis whose F counts in another unit.
     fn settle_plain(&mut self) {
-        use crate::machine::AxisKind;
         let State { cycle, no_motion, by_time, degrees, .. } = &self.foreign.now;
         let turns = self.setup.kinds.contains(&AxisKind::Rotary) && (self.modal.inch || degrees.is_some());
         self.foreign.plain = cycle.is_none() && !no_motion && !by_time && !turns;

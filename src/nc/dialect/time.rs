@@ -78,6 +78,6 @@ impl<const AXES: usize> Interpreter<AXES> {
             }
         };
         // Below 2^51 times at most 2^64, then below 2^51 times below 2^63.
-        ((radius * angle >> 64) * TWO_PI) >> 60
+        (((radius * angle) >> 64) * TWO_PI) >> 60
     }
 }

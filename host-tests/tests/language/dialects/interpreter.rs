@@ -194,8 +194,8 @@ impl Machine {
         }
         let named = ['X', 'Y', 'Z'].map(|letter| v(letter).map(|value| value * unit));
         if g(43.1) {
-            for axis in 0..3 {
-                self.tool_length[axis] = named[axis].unwrap_or(self.tool_length[axis]);
+            for (length, value) in self.tool_length.iter_mut().zip(named) {
+                *length = value.unwrap_or(*length);
             }
         }
         for (system, code) in [54.0, 55.0, 56.0, 57.0, 58.0, 59.0, 59.1, 59.2, 59.3].into_iter().enumerate() {
@@ -284,8 +284,8 @@ impl Machine {
         if g(10.0) {
             let p = v('P').unwrap() as usize;
             let set = if p == 0 { self.system } else { p - 1 };
-            for axis in 0..3 {
-                let Some(value) = named[axis] else { continue };
+            for (axis, value) in named.iter().enumerate() {
+                let Some(value) = *value else { continue };
                 let others = self.offset(axis) - self.systems[self.system][axis];
                 let wanted = if v('L') == Some(20.0) { self.at[axis] - others - value } else { value };
                 self.systems[set][axis] = wanted;
@@ -296,8 +296,8 @@ impl Machine {
             if !self.here_on {
                 (self.here, self.here_on) = ([0.0; 3], true);
             }
-            for axis in 0..3 {
-                let Some(value) = named[axis] else { continue };
+            for (axis, value) in named.iter().enumerate() {
+                let Some(value) = *value else { continue };
                 let stands = self.at[axis] - self.systems[self.system][axis] - self.tool_length[axis] - value;
                 self.here[axis] = if g(92.0) { stands } else { value };
             }
@@ -317,8 +317,8 @@ impl Machine {
 
     fn go_home(&mut self, place: usize, named: [Option<f64>; 3]) {
         let mut way = self.at;
-        for axis in 0..3 {
-            if let Some(value) = named[axis] {
+        for (axis, value) in named.iter().enumerate() {
+            if let Some(value) = *value {
                 way[axis] = value + if self.incremental { self.at[axis] } else { self.offset(axis) };
             }
         }
@@ -327,8 +327,8 @@ impl Machine {
             self.go(Shape::Rapid, way, false);
         }
         let mut to = self.at;
-        for axis in 0..3 {
-            if none || named[axis].is_some() {
+        for (axis, value) in named.iter().enumerate() {
+            if none || value.is_some() {
                 to[axis] = self.stored[place][axis];
             }
         }
@@ -398,8 +398,8 @@ impl Machine {
         }
         let machine = g(530);
         let mut to = self.at;
-        for axis in 0..3 {
-            let Some(value) = named[axis] else { continue };
+        for (axis, value) in named.iter().enumerate() {
+            let Some(value) = *value else { continue };
             to[axis] = match (machine, self.incremental) {
                 (true, _) => value,
                 (false, true) => self.at[axis] + value,
