@@ -88,10 +88,13 @@ impl Toolchain {
         }
     }
 
-    /// Checks the crate for another target: it compiles there.
+    /// Checks the library, and what stands between it and a board, for another target: they compile there.
     pub fn check(&self, target: &str) -> Result<(), String> {
         let mut command = shell::cargo(&shell::root());
-        command.args(["check", "--package", "glidepath", "--lib", "--release", "--target", target]);
+        command.args(["check", "--lib", "--release", "--target", target]);
+        for package in ["glidepath", "glidepath-steps", "glidepath-controller"] {
+            command.args(["--package", package]);
+        }
         command.env("CARGO_TARGET_DIR", folder_of_artifacts());
         if let Self::FromSource { rustc, .. } = self {
             command.arg("-Zbuild-std=core").env("RUSTC", rustc).env("RUSTC_BOOTSTRAP", "1");

@@ -11,7 +11,7 @@ fn main() {
         let damaged = bench::corruption::damage(seed, 1_000_000);
         (done, lines, resets) = (done + damaged.bytes, lines + damaged.lines, resets + damaged.resets);
         seed += 1;
-        if (seed - first) % 10 == 0 {
+        if (seed - first).is_multiple_of(10) {
             println!("{done} bytes, {lines} lines, {resets} resets");
         }
     }

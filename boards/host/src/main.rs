@@ -24,6 +24,7 @@ mod plot;
 mod program;
 mod resolution;
 mod run;
+mod serve;
 mod statistics;
 mod summary;
 mod tolerance;
@@ -63,6 +64,8 @@ enum Command {
         #[arg(value_enum)]
         dialect: Option<dialect::Choice>,
     },
+    /// Be a controller that a sender talks to (Grbl 1.1), over TCP on this machine or a pseudo terminal.
+    Serve(Serve),
 }
 
 #[derive(clap::Args)]
@@ -93,6 +96,25 @@ enum Slope {
     Trapez,
     Sin2,
     Hsc,
+}
+
+#[derive(clap::Args)]
+struct Serve {
+    /// Machine data (TOML) of three axes; without it the built-in machine.
+    #[arg(long, value_name = "FILE.toml")]
+    machine: Option<PathBuf>,
+    /// Port on 127.0.0.1; 0: any free one.
+    #[arg(long, value_name = "PORT", conflicts_with = "pty", required_unless_present = "pty")]
+    tcp: Option<u16>,
+    /// A pseudo terminal; its name is printed.
+    #[arg(long)]
+    pty: bool,
+    /// Times as fast as real time.
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    speed: u32,
+    /// End when the sender has gone (TCP).
+    #[arg(long)]
+    once: bool,
 }
 
 #[derive(clap::Args)]
@@ -135,6 +157,7 @@ fn main() -> ExitCode {
         Command::Run(arguments) => run(&arguments),
         Command::Check(input) => check(&input),
         Command::Words { dialect } => say(&dialect::list(dialect)),
+        Command::Serve(arguments) => serve(&arguments),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,
@@ -241,6 +264,37 @@ fn run(arguments: &Run) -> Result<(), Refusal> {
     outputs.commit()?;
     let excess = result.monitor.errors(&machine);
     if excess.is_empty() { Ok(()) } else { Err(excess) }
+}
+
+/// Until it is ended.
+fn serve(arguments: &Serve) -> Result<(), Refusal> {
+    let machine = match &arguments.machine {
+        Some(path) => machine::load(path, &Overrides::default())?,
+        None => Machine::built_in(),
+    };
+    for warning in &machine.warnings {
+        warning.print();
+    }
+    let failed = |error: std::io::Error| vec![Diagnostic::error(format!("serve: {error}"))];
+    let data = machine.data::<{ serve::AXES }>().ok_or_else(|| {
+        let message = format!("serve: {} has {} axes", machine.name, machine.axes.len());
+        vec![Diagnostic::error(message).expected("three: `serve` is built for them")]
+    })?;
+    let mut wire = open(arguments).map_err(failed)?;
+    say(&format!("{}\n", wire.name().map_err(failed)?))?;
+    let options = serve::Options { speed: arguments.speed, once: arguments.once };
+    serve::run(&data, &mut wire, &options).map_err(failed)
+}
+
+/// The connection that is asked for.
+fn open(arguments: &Serve) -> std::io::Result<serve::Wire> {
+    match arguments.tcp {
+        Some(port) => serve::Wire::tcp(port),
+        #[cfg(unix)]
+        None => serve::Wire::pty(),
+        #[cfg(not(unix))]
+        None => Err(std::io::Error::new(ErrorKind::Unsupported, "no pseudo terminals on this system")),
+    }
 }
 
 /// The program, if it is one.

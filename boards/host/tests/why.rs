@@ -170,7 +170,8 @@ fn waves(on: &str) -> String {
 #[test]
 fn a_corner_that_smoothing_leaves_is_not_said_to_have_a_curve() {
     let corners = "corner without a curve";
-    let kept = run("why-kept", &written("kept.nc", &waves("#HSC ON [SURFACE PATH_DEV=0.05 CIR_MODE=0]")), None);
+    let kept =
+        run("why-kept", &written("kept.nc", &waves("#HSC ON [SURFACE PATH_DEV=0.05 CIR_MODE=0]")), None);
     assert!(bound(&kept.summary, corners)[0] >= 20, "{}", kept.stdout);
     assert!(kept.stdout.contains("have no curve where smoothing is on"), "{}", kept.stdout);
     assert!(!kept.stdout.contains("have a curve"), "{}", kept.stdout);

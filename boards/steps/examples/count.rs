@@ -27,7 +27,7 @@ fn main() {
     };
     let mut words = [0; SLOTS];
     for tick in 0..=TICKS {
-        let bits = (tick * counts << 32) / 100;
+        let bits = ((tick * counts) << 32) / 100;
         at = at.map(|_| Position::from_bits(bits));
         if measured(&mut steps, &at, &mut words) != State::InTime {
             println!("tick {tick} is late");

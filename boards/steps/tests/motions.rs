@@ -15,7 +15,7 @@ fn machine<const SLOTS: usize>(random: &mut Random) -> (MachineData<3>, StepData
     for i in (1..16).rev() {
         bits.swap(i, random.below(i as u64 + 1) as usize);
     }
-    let mut pin = || Pin { bit: bits.pop().expect("a free bit"), is_inverted: bits.len() % 3 == 0 };
+    let mut pin = || Pin { bit: bits.pop().expect("a free bit"), is_inverted: bits.len().is_multiple_of(3) };
     let mut axes = [AxisData::new(AxisName::new("X").expect("a name"), AxisKind::Linear); 3];
     let steps = std::array::from_fn(|i| {
         let two = random.below(2) == 0;
@@ -162,7 +162,7 @@ fn constant_speed_jitters_by_a_slot_at_most() {
         let mut data = AxisData::new(AxisName::new("X").expect("a name"), AxisKind::Linear);
         // Up to the 100 counts per tick that fit.
         let most = 100 * (i128::from(length) << 32) / i128::from(counts);
-        data.vb_max = (most * 1_000_000 >> 32).min(4_000_000_000) as u32;
+        data.vb_max = ((most * 1_000_000) >> 32).min(4_000_000_000) as u32;
         data.a_max = 0;
         let machine = MachineData { axes: [data], channel: ChannelData::new() };
         let start = random.signed(1 << 45);

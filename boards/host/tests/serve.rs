@@ -1,0 +1,152 @@
+//! `glidepath serve`: a conversation over TCP.
+use std::io::{BufRead, BufReader, Read, Write};
+use std::net::TcpStream;
+use std::process::{Child, Command, Stdio};
+
+/// The command and a sender; both end with the test.
+struct Talk {
+    child: Child,
+    stream: TcpStream,
+    lines: BufReader<TcpStream>,
+    address: String,
+}
+
+impl Talk {
+    fn new() -> Self {
+        let mut child = Command::new(env!("CARGO_BIN_EXE_glidepath"))
+            .args(["serve", "--tcp", "0", "--speed", "20", "--once"])
+            .stdout(Stdio::piped())
+            .spawn()
+            .expect("the command starts");
+        let mut name = String::new();
+        let out = child.stdout.take().expect("its output");
+        BufReader::new(out).read_line(&mut name).expect("a line");
+        let address = name.trim().strip_prefix("tcp ").expect("an address").to_owned();
+        let stream = TcpStream::connect(&address).expect("it listens");
+        let lines = BufReader::new(stream.try_clone().expect("a second handle"));
+        let mut talk = Self { child, stream, lines, address };
+        // The first banner may have gone to nobody: a sender asks for another one.
+        talk.send(b"\x18");
+        let said = talk.ask("$X");
+        assert!(said.ends_with(&["", "Grbl 1.1h ['$' for help]", "ok"].map(String::from)), "{said:?}");
+        talk
+    }
+
+    fn send(&mut self, bytes: &[u8]) {
+        self.stream.write_all(bytes).expect("it reads");
+    }
+
+    fn line(&mut self) -> String {
+        let mut line = String::new();
+        self.lines.read_line(&mut line).expect("it answers");
+        line.trim_end().to_owned()
+    }
+
+    /// Lines up to the answer, and that.
+    fn ask(&mut self, line: &str) -> Vec<String> {
+        self.send(format!("{line}\n").as_bytes());
+        let mut said = Vec::new();
+        loop {
+            let line = self.line();
+            let is_answer = line == "ok" || line.starts_with("error:");
+            said.push(line);
+            if is_answer {
+                return said;
+            }
+        }
+    }
+
+    fn report(&mut self) -> String {
+        self.send(b"?");
+        self.line()
+    }
+
+    /// Asks again until the report begins so.
+    fn until(&mut self, begin: &str) -> String {
+        loop {
+            let report = self.report();
+            if report.starts_with(begin) {
+                return report;
+            }
+        }
+    }
+}
+
+impl Drop for Talk {
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+#[test]
+fn a_program_runs_and_its_end_is_exact() {
+    let mut talk = Talk::new();
+    assert_eq!(talk.ask("G21 G90 G94 G17"), ["ok"]);
+    for i in 1..=100 {
+        assert_eq!(talk.ask(&format!("G1 X{} Y{}.5 F6000", i % 7, i % 5)), ["ok"]);
+    }
+    assert_eq!(talk.ask("G4 P0.01"), ["ok"]);
+    // `G4` is answered at rest.
+    assert!(talk.report().starts_with("<Idle|MPos:2.000,0.500,0.000|"));
+    assert_eq!(talk.ask("M3 S1200"), ["ok"]);
+    assert_eq!(talk.ask("$G"), ["[GC:G1 G54 G17 G21 G90 G94 M3 M9 T0 F6000 S1200]", "ok"]);
+    // Inch.
+    assert_eq!(talk.ask("G20"), ["ok"]);
+    assert_eq!(talk.ask("G0 X1"), ["ok"]);
+    assert_eq!(talk.ask("G4 P0.01"), ["ok"]);
+    assert!(talk.report().starts_with("<Idle|MPos:25.400,"));
+    let error = talk.ask("G77");
+    assert_eq!(error.last().map(String::as_str), Some("error:20"));
+    assert!(error[0].starts_with("[MSG:column 1: ") && error[0].contains("G77"), "{error:?}");
+    // What was in force is in force behind the refused line.
+    assert_eq!(talk.ask("X2"), ["ok"]);
+    assert_eq!(talk.ask("G4 P0.01"), ["ok"]);
+    assert!(talk.report().starts_with("<Idle|MPos:50.800,"));
+    assert_eq!(talk.ask("M30"), ["ok"]);
+    assert_eq!(talk.ask("$G"), ["[GC:G0 G54 G17 G21 G90 G94 M5 M9 T0 F0 S0]", "ok"]);
+}
+
+#[test]
+fn hold_resume_reset_and_jog() {
+    let mut talk = Talk::new();
+    assert_eq!(talk.ask("G1 X300 F600"), ["ok"]);
+    talk.until("<Run|");
+    talk.send(b"!");
+    let held = talk.until("<Hold:0|");
+    let place = |report: &str| report.split(['|', ',']).nth(1).map(str::to_owned);
+    assert_eq!(place(&talk.report()), place(&held));
+    assert_eq!(talk.ask("$$"), ["error:8"]);
+    talk.send(b"~");
+    talk.until("<Run|");
+    // The rest is dropped where the axes come to rest.
+    talk.send(b"\x18");
+    assert_eq!([talk.line(), talk.line()], ["", "Grbl 1.1h ['$' for help]"]);
+    let stands = talk.report();
+    assert!(stands.starts_with("<Idle|") && place(&stands) != place(&held), "{stands}");
+    assert_eq!(talk.ask("G1 X0 Y0 F60000"), ["ok"]);
+    assert_eq!(talk.ask("G4 P0"), ["ok"]);
+    // A jog is cancelled, and leaves the modal words alone.
+    assert_eq!(talk.ask("G91"), ["ok"]);
+    assert_eq!(talk.ask("$J=G90X-500F600"), ["ok"]);
+    talk.until("<Jog|");
+    assert_eq!(talk.ask("X1"), ["error:9"]);
+    talk.send(b"\x85");
+    talk.until("<Idle|");
+    assert_eq!(talk.ask("$G").first().map(|words| words.contains("G91")), Some(true));
+    assert_eq!(talk.ask("$J=G90 G21 X1 Y1 Z1 F60000"), ["ok"]);
+    let end = talk.until("<Idle|");
+    assert!(end.starts_with("<Idle|MPos:1.000,1.000,1.000|"), "{end}");
+    assert_eq!(talk.ask("G0 X1"), ["ok"]);
+    assert_eq!(talk.ask("G4 P0"), ["ok"]);
+    assert!(talk.report().starts_with("<Idle|MPos:2.000,1.000,1.000|"));
+}
+
+#[test]
+fn a_second_sender_is_sent_away() {
+    let talk = Talk::new();
+    let mut second = TcpStream::connect(&talk.address).expect("it listens");
+    let mut told = String::new();
+    second.read_to_string(&mut told).expect("it is told");
+    assert_eq!(told, "[MSG:another sender is connected]\r\n");
+}
