@@ -18,7 +18,16 @@ fn read(file: &Path) -> String {
 /// Papers with commands, relative to the root.
 fn papers() -> Vec<String> {
     let mut papers = vec!["README.md".to_owned(), "CONTRIBUTING.md".to_owned()];
-    for folder in ["docs", "boards", "boards/host", "boards/stm32f405", "boards/c", "boards/embassy", "boards/freertos", "boards/rtic"] {
+    for folder in [
+        "docs",
+        "boards",
+        "boards/host",
+        "boards/stm32f405",
+        "boards/c",
+        "boards/embassy",
+        "boards/freertos",
+        "boards/rtic",
+    ] {
         let files = fs::read_dir(root().join(folder)).expect("a folder").flatten();
         let names = files.filter_map(|file| file.file_name().into_string().ok());
         papers.extend(names.filter(|name| name.ends_with(".md")).map(|name| format!("{folder}/{name}")));

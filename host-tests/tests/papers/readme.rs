@@ -245,7 +245,16 @@ fn the_front_page_has_the_accepted_figures() {
 fn files_that_papers_link_to_exist() {
     let mut papers: Vec<String> =
         ["README.md", "CONTRIBUTING.md", "CHANGELOG.md", "hil-tests/README.md"].map(String::from).into();
-    for folder in ["docs", "boards", "boards/host", "boards/stm32f405", "boards/c", "boards/embassy", "boards/freertos", "boards/rtic"] {
+    for folder in [
+        "docs",
+        "boards",
+        "boards/host",
+        "boards/stm32f405",
+        "boards/c",
+        "boards/embassy",
+        "boards/freertos",
+        "boards/rtic",
+    ] {
         let files = std::fs::read_dir(root().join(folder)).expect("a folder").flatten();
         let names = files.filter_map(|file| file.file_name().into_string().ok());
         papers.extend(names.filter(|name| name.ends_with(".md")).map(|name| format!("{folder}/{name}")));
