@@ -98,7 +98,7 @@ pub fn tasks() -> Result<HostRun, String> {
     let mut set_points = Vec::new();
     let mut channel = Box::new(Channel::<3, BLOCKS>::new());
     let outcome = hil_cases::tasks(&mut channel, &mut Window::new(), &mut Collector(&mut set_points))
-        .map_err(|failure| format!("boards/tasks.nc on the host: {failure:?}"))?;
+        .map_err(|failure| format!("boards/tasks/tasks.nc on the host: {failure:?}"))?;
     Ok(HostRun { name: "tasks", axes: 3, blocks: BLOCKS, set_points, outcome })
 }
 

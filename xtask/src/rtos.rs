@@ -7,9 +7,9 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Duration;
 
-/// Folder and binary of each program.
-const PROGRAMS: [(&str, &str); 2] =
-    [("boards/rtic", "glidepath-rtic"), ("boards/embassy", "glidepath-embassy")];
+/// Their workspace, and the binaries of those in Rust.
+const TASKS: &str = "boards/tasks";
+const PROGRAMS: [&str; 2] = ["glidepath-rtic", "glidepath-embassy"];
 
 /// The static library for C, and the program made with it.
 const C: &str = "boards/c";
@@ -27,7 +27,7 @@ const KERNEL_SOURCES: [&str; 4] = ["tasks.c", "queue.c", "list.c", "portable/GCC
 /// Longest time to fetch the kernel.
 const LONGEST: Duration = Duration::from_secs(600);
 
-/// The core, and what the compiler has to say no word to.
+/// The core, how to compile, and warnings that are errors.
 const C_FLAGS: [&str; 13] = [
     "-mcpu=cortex-m4",
     "-mthumb",
@@ -57,8 +57,8 @@ pub fn all() -> Result<(), String> {
 pub fn run(firmware: &Firmware) -> Result<(), String> {
     step("in an operating system");
     let host = host::tasks()?;
-    for (folder, binary) in PROGRAMS {
-        firmware.build(folder, &[], &[])?;
+    firmware.build(TASKS, &[], &[])?;
+    for binary in PROGRAMS {
         alike(&host, binary, &firmware.report(binary)?)?;
     }
     step("in C programs");
@@ -79,7 +79,6 @@ fn c_programs(firmware: &Firmware, host: &HostRun) -> Result<(), String> {
             return Ok(());
         }
     };
-    firmware.build(C, &[], &[])?;
     let example = root().join(C).join("example");
     let common = C_SOURCES.map(|name| example.join(name));
     let bare = [&common[..], &[example.join("main.c")]].concat();
@@ -91,7 +90,7 @@ fn c_programs(firmware: &Firmware, host: &HostRun) -> Result<(), String> {
         let mut gcc = Command::new(&compiler);
         gcc.args(C_FLAGS).arg("-I").arg(root().join(C).join("include")).arg("-I").arg(&example);
         gcc.args(folders.iter().flat_map(|folder| ["-I".into(), folder.clone()]));
-        gcc.arg(format!("-Wa,-I,{}", root().join("boards").display()));
+        gcc.arg(format!("-Wa,-I,{}", root().join(TASKS).display()));
         gcc.arg("-L").arg(root()).arg("-T").arg(example.join("link.ld"));
         gcc.args(sources).arg(artifact(C_LIBRARY)).arg("-lgcc");
         shell::run(gcc.arg("-o").arg(artifact(name)))?;

@@ -1,4 +1,4 @@
-// The program: boards/tasks.nc.
+// The program: boards/tasks/tasks.nc.
     .section .rodata
     .global program, program_end
 program:

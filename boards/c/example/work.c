@@ -5,7 +5,7 @@
 
 #include <stdbool.h>
 
-// The program, boards/tasks.nc: program.S has it.
+// The program, boards/tasks/tasks.nc: program.S has it.
 extern const char program[], program_end[];
 
 // Bytes that arrive in a cycle: a line of 115,200 baud.

@@ -38,7 +38,7 @@ pub unsafe extern "C" fn gp_feed(
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn gp_feed_end(feeder: *mut FeederHandle) -> Outcome {
     // SAFETY: the pointer is null or one of the handles.
-    unsafe { Part::with(feeder, |feeder| Ok(feeder.end())).into() }
+    unsafe { Part::tell(feeder, |feeder| feeder.end()) }
 }
 
 /// Another program follows: text that was put in and is not read yet is dropped. It counts from `gp_load_next` or
@@ -48,5 +48,5 @@ pub unsafe extern "C" fn gp_feed_end(feeder: *mut FeederHandle) -> Outcome {
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn gp_feed_restart(feeder: *mut FeederHandle) -> Outcome {
     // SAFETY: the pointer is null or one of the handles.
-    unsafe { Part::with(feeder, |feeder| Ok(feeder.restart())).into() }
+    unsafe { Part::tell(feeder, |feeder| feeder.restart()) }
 }

@@ -71,7 +71,7 @@ pub struct Status {
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn gp_set_override(op: *mut OperatorHandle, feed: u16) -> Outcome {
     // SAFETY: the pointer is null or one of the handles.
-    unsafe { Part::with(op, |operator| Ok(operator.set_override(feed))).into() }
+    unsafe { Part::tell(op, |operator| operator.set_override(feed)) }
 }
 
 /// Reduced speed (P-AXIS-00214): 0 off, everything else on.
@@ -80,7 +80,7 @@ pub unsafe extern "C" fn gp_set_override(op: *mut OperatorHandle, feed: u16) -> 
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn gp_set_reduced(op: *mut OperatorHandle, reduced: u32) -> Outcome {
     // SAFETY: the pointer is null or one of the handles.
-    unsafe { Part::with(op, |operator| Ok(operator.set_reduced(reduced != 0))).into() }
+    unsafe { Part::tell(op, |operator| operator.set_reduced(reduced != 0)) }
 }
 
 /// Feed hold: stand still on the path as soon as the limits allow.
@@ -89,7 +89,7 @@ pub unsafe extern "C" fn gp_set_reduced(op: *mut OperatorHandle, reduced: u32) -
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn gp_feed_hold(op: *mut OperatorHandle) -> Outcome {
     // SAFETY: the pointer is null or one of the handles.
-    unsafe { Part::with(op, |operator| Ok(operator.feed_hold())).into() }
+    unsafe { Part::tell(op, |operator| operator.feed_hold()) }
 }
 
 /// End of the feed hold.
@@ -98,7 +98,7 @@ pub unsafe extern "C" fn gp_feed_hold(op: *mut OperatorHandle) -> Outcome {
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn gp_resume(op: *mut OperatorHandle) -> Outcome {
     // SAFETY: the pointer is null or one of the handles.
-    unsafe { Part::with(op, |operator| Ok(operator.resume())).into() }
+    unsafe { Part::tell(op, |operator| operator.resume()) }
 }
 
 /// Stand still and forget the rest of the program.
@@ -107,7 +107,7 @@ pub unsafe extern "C" fn gp_resume(op: *mut OperatorHandle) -> Outcome {
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn gp_abort(op: *mut OperatorHandle) -> Outcome {
     // SAFETY: the pointer is null or one of the handles.
-    unsafe { Part::with(op, |operator| Ok(operator.abort())).into() }
+    unsafe { Part::tell(op, |operator| operator.abort()) }
 }
 
 /// The next function whose point of the motion a tick has reached. Call it until it answers GP_RESULT_NOTHING: without room

@@ -68,6 +68,21 @@ impl<T, const MARK: u32> Part<T, MARK> {
         this.is_in_use.store(0, Ordering::Release);
         result
     }
+
+    /// The same with something that always goes.
+    ///
+    /// # Safety
+    /// As [`Self::with`].
+    pub unsafe fn tell(part: *mut Self, act: impl FnOnce(&mut T)) -> Outcome {
+        // SAFETY: the caller says so.
+        unsafe {
+            Self::with(part, |value| {
+                act(value);
+                Ok(())
+            })
+        }
+        .into()
+    }
 }
 
 /// Writes an answer.

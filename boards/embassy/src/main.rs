@@ -13,7 +13,7 @@
 #![no_std]
 #![no_main]
 
-#[path = "../../rtic/src/machine.rs"]
+#[path = "../../tasks/machine.rs"]
 mod machine;
 
 use core::cell::RefCell;
@@ -42,7 +42,7 @@ type Operator = CriticalSectionMutex<operator::Operator<'static, AXES>>;
 type Cycle = Signal<CriticalSectionRawMutex, ()>;
 
 /// The program. A serial line would bring it as well: see `receive`.
-static PROGRAM: &[u8] = include_bytes!("../../tasks.nc");
+static PROGRAM: &[u8] = include_bytes!("../../tasks/tasks.nc");
 
 /// Bytes of program text on their way, and those that arrive in a cycle: a line of 115,200 baud.
 const WINDOW: usize = 256;

@@ -10,6 +10,7 @@
 #![no_std]
 #![no_main]
 
+#[path = "../../tasks/machine.rs"]
 mod machine;
 
 use glidepath_copy as _;
@@ -31,7 +32,7 @@ mod app {
     use stm32f4::stm32f405::TIM2;
 
     /// The program. A serial line would bring it as well: see `receive`.
-    static PROGRAM: &[u8] = include_bytes!("../../tasks.nc");
+    static PROGRAM: &[u8] = include_bytes!("../../tasks/tasks.nc");
 
     /// Bytes of program text on their way, and those that arrive in a cycle: a line of 115,200 baud.
     const WINDOW: usize = 256;

@@ -12,7 +12,7 @@ use glidepath::technology::Function;
 use glidepath::tick::State;
 
 /// The program.
-pub const TASKS: &[u8] = include_bytes!("../../../boards/tasks.nc");
+pub const TASKS: &[u8] = include_bytes!("../../../boards/tasks/tasks.nc");
 
 /// Bytes of the window, and those that arrive in a tick: 115,200 baud at 1 ms.
 const WINDOW: usize = 256;

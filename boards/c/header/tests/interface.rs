@@ -43,7 +43,7 @@ fn run(name: &str, sources: &[PathBuf]) -> String {
     let program = library().with_file_name(name);
     let mut gcc = Command::new("gcc");
     gcc.args(["-std=gnu11", "-g", "-O1", "-Wall", "-Wextra", "-Werror", "-pedantic"]);
-    for place in [folder().join("include"), folder().join("example"), root().join("boards")] {
+    for place in [folder().join("include"), folder().join("example"), root().join("boards/tasks")] {
         gcc.arg("-I").arg(&place).arg(format!("-Wa,-I,{}", place.display()));
     }
     gcc.args(sources).arg(library()).args(["-lpthread", "-ldl", "-lm", "-o"]).arg(&program);
