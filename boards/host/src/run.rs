@@ -89,7 +89,7 @@ fn simulate_axes<const AXES: usize>(
     let vcd_path = wanted.vcd.as_ref().map_or(Path::new(""), |(path, ..)| path).to_path_buf();
     let vcd = match wanted.vcd {
         Some((path, file, slots)) => {
-            let vcd = Vcd::new((file, slots), machine, &start).map_err(|error| vec![error])?;
+            let vcd = Vcd::new((file, slots), machine, &start).map_err(|error| vec![*error])?;
             Some(vcd.map_err(|error| output::refused(path, error))?)
         }
         None => None,

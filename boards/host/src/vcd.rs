@@ -33,7 +33,7 @@ impl Vcd {
         (file, slots): (Box<dyn Write>, usize),
         machine: &Machine,
         start: &[Position; AXES],
-    ) -> Result<Result<Self, io::Error>, Diagnostic> {
+    ) -> Result<Result<Self, io::Error>, Box<Diagnostic>> {
         let (fill, rest) = match slots {
             100 => output::<AXES, 100>(machine, start)?,
             400 => output::<AXES, 400>(machine, start)?,
@@ -102,16 +102,16 @@ impl Vcd {
 fn output<const AXES: usize, const SLOTS: usize>(
     machine: &Machine,
     start: &[Position; AXES],
-) -> Result<(Fill, u32), Diagnostic> {
+) -> Result<(Fill, u32), Box<Diagnostic>> {
     let refused = |reason: &str| Diagnostic::error(format!("{}: step output: {reason}", machine.name));
     let (Some(data), Ok(axes)) = (machine.data::<AXES>(), machine.steps.as_slice().try_into()) else {
-        return Err(refused("wrong number of axes"));
+        return Err(Box::new(refused("wrong number of axes")));
     };
     let steps = StepData { slot_ns: machine.channel.cycle_us * 1000 / SLOTS as u32, axes };
     let mut steps = Steps::<AXES, SLOTS>::new(&steps, &data, start).map_err(|unfit| {
         let told = unfit.to_string();
         let (message, expected) = told.split_once("; expected ").unwrap_or((&told, ""));
-        refused(message).expected(expected)
+        Box::new(refused(message).expected(expected))
     })?;
     let rest = steps.rest_word();
     let fill = move |set_points: &[Position], words: &mut Vec<u32>| {

@@ -58,7 +58,7 @@ impl Schedule {
     fn act<const AXES: usize>(&mut self, operator: &Operator<'_, AXES>, tick: u32) {
         let is_over = tick >= UNTIL;
         if self.seed == 0 || is_over {
-            if tick % EVERY == 0 {
+            if tick.is_multiple_of(EVERY) {
                 give(operator, if is_over { 8 } else { tick / EVERY % 8 });
             }
         } else if tick >= self.next {

@@ -155,7 +155,7 @@ impl WordEntry {
 pub(super) fn find(dialect: Dialect, letter: u8, tenths: u16) -> Option<&'static WordEntry> {
     let same = |word: &&WordEntry| word.letter == char::from(letter) && word.tenths == tenths;
     let word = WORDS.iter().find(|word| same(word) && word.is_in(dialect));
-    let user = letter == b'M' && (1000..=1990).contains(&tenths) && tenths % 10 == 0;
+    let user = letter == b'M' && (1000..=1990).contains(&tenths) && tenths.is_multiple_of(10);
     word.or(if user && dialect == Dialect::LinuxCnc { Some(&USER) } else { None })
 }
 
