@@ -4,7 +4,6 @@ use crate::machine::parameter::RangeError;
 use crate::machine::{AxisName, Beyond, SYNCHRONISED, Synch};
 use crate::nc::{NcError, Place};
 use crate::plan::{MotionError, SplineError};
-use crate::quantity::Position;
 
 /// Machine data that cannot be worked with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -178,15 +177,40 @@ const SIXTH_DECIMAL: u64 = 4295;
 
 /// Where an axis would come to, and its limit.
 fn software_limit(f: &mut core::fmt::Formatter<'_>, axis: &str, beyond: &Beyond) -> core::fmt::Result {
-    let at = Position::from_bits;
     let (sign, id) = if beyond.is_positive() { ("positive", 178) } else { ("negative", 177) };
-    let (position, limit) = (at(beyond.position), at(beyond.limit));
     // As many decimals as tell them apart.
     let decimals = if beyond.position.abs_diff(beyond.limit) <= SIXTH_DECIMAL { 10 } else { 6 };
+    let [position, limit] = [beyond.position, beyond.limit].map(|bits| Decimal { bits, decimals });
     write!(
         f,
-        "{axis} would come to {position:.decimals$}, its {sign} software limit is {limit:.decimals$} (P-AXIS-00{id}, machine coordinates)"
+        "{axis} would come to {position}, its {sign} software limit is {limit} (P-AXIS-00{id}, machine coordinates)"
     )
+}
+
+/// A position with so many decimals, 18 at most, rounded to nearest, ties to even: the text that its `Display` makes with an
+/// index that could panic.
+#[doc(hidden)]
+pub struct Decimal {
+    /// LSB 2^-32.
+    pub bits: i64,
+    /// Digits behind the point.
+    pub decimals: usize,
+}
+
+impl core::fmt::Display for Decimal {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        const ONE: u64 = 1 << 32;
+        let one = (0..self.decimals.min(18)).fold(1_u64, |power, _| power * 10);
+        let size = self.bits.unsigned_abs();
+        let scaled = u128::from(size % ONE) * u128::from(one);
+        let (mut digits, rest) = ((scaled >> 32) as u64, scaled as u64 % ONE);
+        let half = ONE / 2;
+        digits += u64::from(rest > half || rest == half && digits % 2 == 1);
+        let whole = size / ONE + u64::from(digits == one);
+        let digits = if digits == one { 0 } else { digits };
+        let sign = if self.bits < 0 { "-" } else { "" };
+        write!(f, "{sign}{whole}.{digits:0width$}", width = self.decimals.min(18))
+    }
 }
 
 impl core::error::Error for Error {}

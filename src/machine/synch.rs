@@ -109,7 +109,7 @@ impl SynchTable {
     pub const fn with(mut self, code: u16, synch: Synch) -> Self {
         let len = self.len as usize;
         let mut k = 0;
-        while k < len && self.codes[k] != code {
+        while k < len && k < SYNCHRONISED && self.codes[k] != code {
             k += 1;
         }
         if k < SYNCHRONISED {

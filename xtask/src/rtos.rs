@@ -28,7 +28,7 @@ const KERNEL_SOURCES: [&str; 4] = ["tasks.c", "queue.c", "list.c", "portable/GCC
 const LONGEST: Duration = Duration::from_secs(600);
 
 /// The core, how to compile, and warnings that are errors.
-const C_FLAGS: [&str; 13] = [
+const C_FLAGS: [&str; 14] = [
     "-mcpu=cortex-m4",
     "-mthumb",
     "-mfpu=fpv4-sp-d16",
@@ -42,6 +42,7 @@ const C_FLAGS: [&str; 13] = [
     "-ffreestanding",
     "-nostdlib",
     "-Wl,--gc-sections",
+    "-Wl,-z,noexecstack",
 ];
 
 /// Lines of functions that the program puts out.

@@ -78,6 +78,14 @@ mod app {
         (Shared { operator }, Local { planner, interpolator, feeder, timer })
     }
 
+    /// Sleeps until the next interrupt.
+    #[idle]
+    fn idle(_: idle::Context) -> ! {
+        loop {
+            cortex_m::asm::wfi();
+        }
+    }
+
     /// The timer interrupt: puts the set points of the cycle before out, then computes the next ones.
     #[task(binds = TIM2, priority = 4, local = [interpolator, timer, ticks: u32 = 0, digest: Digest = Digest::new()])]
     fn tick(cx: tick::Context) {

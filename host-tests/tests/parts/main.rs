@@ -1,5 +1,6 @@
 //! Numbers, rings, and what judges the other tests.
 mod accept;
+mod decimal;
 mod judge;
 mod math_angle;
 mod math_exact;
