@@ -10,8 +10,6 @@ mod rest;
 
 use beside::Beside;
 pub use beside::MoveError;
-#[doc(hidden)]
-pub use error::Decimal;
 pub use error::{Error, MachineError};
 pub use memory::{Channel, FilteredHandles, Handles};
 pub use rest::{Busy, GoOnError, PositionError, ZeroOffsetError};

@@ -4,6 +4,7 @@ use crate::machine::parameter::RangeError;
 use crate::machine::{AxisName, Beyond, SYNCHRONISED, Synch};
 use crate::nc::{NcError, Place};
 use crate::plan::{MotionError, SplineError};
+use crate::quantity::Decimal;
 
 /// Machine data that cannot be worked with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -185,32 +186,6 @@ fn software_limit(f: &mut core::fmt::Formatter<'_>, axis: &str, beyond: &Beyond)
         f,
         "{axis} would come to {position}, its {sign} software limit is {limit} (P-AXIS-00{id}, machine coordinates)"
     )
-}
-
-/// A position with so many decimals, 18 at most, rounded to nearest, ties to even: the text that its `Display` makes with an
-/// index that could panic.
-#[doc(hidden)]
-pub struct Decimal {
-    /// LSB 2^-32.
-    pub bits: i64,
-    /// Digits behind the point.
-    pub decimals: usize,
-}
-
-impl core::fmt::Display for Decimal {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        const ONE: u64 = 1 << 32;
-        let one = (0..self.decimals.min(18)).fold(1_u64, |power, _| power * 10);
-        let size = self.bits.unsigned_abs();
-        let scaled = u128::from(size % ONE) * u128::from(one);
-        let (mut digits, rest) = ((scaled >> 32) as u64, scaled as u64 % ONE);
-        let half = ONE / 2;
-        digits += u64::from(rest > half || rest == half && digits % 2 == 1);
-        let whole = size / ONE + u64::from(digits == one);
-        let digits = if digits == one { 0 } else { digits };
-        let sign = if self.bits < 0 { "-" } else { "" };
-        write!(f, "{sign}{whole}.{digits:0width$}", width = self.decimals.min(18))
-    }
 }
 
 impl core::error::Error for Error {}

@@ -36,7 +36,7 @@ use crate::math::root::sqrt_wide;
 use crate::math::trig::sin_cos;
 use crate::math::wide::{Halves, mul_near, square_wide};
 use crate::nc::Plane;
-use crate::quantity::{Distance, Position};
+use crate::quantity::{Decimal, Distance, Position};
 use core::hint::black_box;
 
 /// Direction and curvature of every axis over the path length, at one end of an element.
@@ -162,7 +162,7 @@ impl PathError {
 
 impl core::fmt::Display for PathError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        let mm = Position::from_bits;
+        let mm = |bits| Decimal { bits, decimals: 6 };
         match *self {
             Self::TooLong => f.write_str("block longer than 262 144 mm; split it"),
             Self::NoPlane(plane) => write!(f, "the machine lacks a main axis of the plane {plane:?}"),
@@ -172,7 +172,7 @@ impl core::fmt::Display for PathError {
             ),
             Self::RadiusTooShort { radius, half } => write!(
                 f,
-                "radius {:.6} mm is shorter than half the distance from start to end, {:.6} mm",
+                "radius {} mm is shorter than half the distance from start to end, {} mm",
                 mm(radius),
                 mm(half)
             ),
@@ -184,7 +184,7 @@ impl core::fmt::Display for PathError {
             }
             Self::RadiusDiffers { start, end } => write!(
                 f,
-                "the end is {:.6} mm from the centre, the start {:.6} mm; expected the same radius",
+                "the end is {} mm from the centre, the start {} mm; expected the same radius",
                 mm(end),
                 mm(start)
             ),

@@ -1,6 +1,5 @@
 //! Positions in messages: the text is that of the library of fixed-point numbers, which rounds to nearest, ties to even.
-use glidepath::Position;
-use glidepath::channel::Decimal;
+use glidepath::quantity::{Decimal, Position};
 
 /// splitmix64 (Steele, Lea, Flood 2014).
 fn next(state: &mut u64) -> u64 {
