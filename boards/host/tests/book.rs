@@ -178,7 +178,11 @@ fn missing(command: &str) -> Option<String> {
         return is_there(file);
     }
     if let Some(example) = behind("--example") {
-        let folder = if behind("-p") == Some(&"host-tests") { "host-tests/examples" } else { "examples" };
+        let folder = match behind("-p").and_then(|package| package.strip_prefix("glidepath-")) {
+            Some(board) => format!("boards/{board}/examples"),
+            None if behind("-p") == Some(&"host-tests") => "host-tests/examples".to_owned(),
+            None => "examples".to_owned(),
+        };
         return is_there(format!("{folder}/{example}.rs"));
     }
     behind("--path").and_then(|path| is_there((*path).to_owned()))
