@@ -123,9 +123,9 @@ unsafe fn open(
     unsafe {
         memory.write_bytes(0, 1);
         (&raw mut (*memory).machine).write(data);
-        let (window, channel) = (&mut *(&raw mut (*memory).window), &mut *(&raw mut (*memory).channel));
+        let (window, channel) = (&mut (*memory).window, &mut (*memory).channel);
         let (feeder, stream) = window.split();
-        let split = channel.split(&*(&raw const (*memory).machine), start, Program::Memory(&[]));
+        let split = channel.split(&(*memory).machine, start, Program::Memory(&[]));
         let Handles { planner, interpolator, operator } = split.map_err(|_| Outcome::MachineData)?;
         let set = HandleSet {
             planner: &raw mut (*memory).planner,
