@@ -294,8 +294,7 @@ impl Axis {
     };
 
     fn read(&self, k: usize) -> Result<AxisData, Fault> {
-        #[allow(clippy::unnecessary_cast, reason = "c_char is signed on some cores")]
-        let bytes = self.name.map(|letter| letter as u8);
+        let bytes = self.name.map(|letter| u8::from_ne_bytes(letter.to_ne_bytes()));
         let length = bytes.iter().position(|byte| *byte == 0).unwrap_or(bytes.len());
         let name = bytes.get(..length).and_then(|name| core::str::from_utf8(name).ok());
         let name = name.and_then(AxisName::new).ok_or(Fault::Name(k))?;

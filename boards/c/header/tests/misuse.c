@@ -263,8 +263,9 @@ static void two_contexts(void) {
     const struct itimerval each = {{0, 100}, {0, 100}}, never = {{0, 0}, {0, 0}};
     signal(SIGALRM, interrupt);
     setitimer(ITIMER_REAL, &each, NULL);
-    while (!was_in_use || !was_free) {
+    for (uint32_t tries = 0; !was_in_use || !was_free; tries++) {
         gp_progress progress;
+        WANT(tries < 10000000);
         IS(GP_RESULT_OK, gp_poll(gp.planner, &progress));
         for (volatile int k = 0; k < 1000; k++) {
         }
