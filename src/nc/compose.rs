@@ -220,17 +220,25 @@ impl<const AXES: usize> Interpreter<AXES> {
                 }
             }
         }
+        let still = !arc && target == self.position;
+        let needs_feed = self.modal.feed.is_none() && !still;
         let kind = match mode {
             Mode::Rapid => MotionKind::Rapid,
-            Mode::Line => MotionKind::Line,
+            Mode::Unprogrammed { told } if needs_feed => {
+                if !told {
+                    self.warn(line, span, NcWarningKind::RapidWithoutFeed);
+                }
+                self.modal.mode = Mode::Unprogrammed { told: true };
+                MotionKind::Rapid
+            }
+            Mode::Line | Mode::Unprogrammed { .. } => MotionKind::Line,
             Mode::Clockwise | Mode::Counterclockwise => MotionKind::Arc {
                 plane: self.modal.plane,
                 clockwise: mode == Mode::Clockwise,
                 by: self.arc(w, &target, span)?,
             },
         };
-        let still = !arc && target == self.position;
-        if mode != Mode::Rapid && self.modal.feed.is_none() && !still {
+        if kind != MotionKind::Rapid && needs_feed {
             return span.fault(NcErrorKind::NoFeed);
         }
         let place = line.place(span);

@@ -368,6 +368,8 @@ pub enum NcWarningKind {
     SoftArc,
     /// DIST_MASTER where the master axis does not go on in its direction: a curve by its distance alone.
     MasterRests,
+    /// DIST_SOFT, DIST_MASTER or PTP with the slope STEP, which has no ramp time: curves by tolerance alone.
+    StepIsNotOptimised,
     /// A dwell between two blocks of which the first has a rounded end: it is at the corner, which stays.
     DwellAtCorner,
     /// 120542: parameters of #HSC while it is on; they are not taken.
@@ -396,6 +398,8 @@ pub enum NcWarningKind {
     HeadEnds,
     /// SHORT of a linear axis is of no effect.
     ShortLinear,
+    /// The first motion before F, G00 and G01: such motions are rapid.
+    RapidWithoutFeed,
     /// G64 without P: how far the motion may leave the path, µm.
     #[cfg(feature = "dialects")]
     BlendTolerance(u32),
@@ -430,6 +434,7 @@ impl NcWarningKind {
             Self::PtpArc
                 | Self::SoftArc
                 | Self::MasterRests
+                | Self::StepIsNotOptimised
                 | Self::DwellAtCorner
                 | Self::HscIsOn
                 | Self::FilterWithoutOrder
@@ -474,6 +479,7 @@ impl fmt::Display for NcWarning {
             NcWarningKind::HeadEnds => {
                 "a program head ends the program of the words before it; expected % before the first word"
             }
+            NcWarningKind::RapidWithoutFeed => "motion before F, G00 and G01 is rapid motion; expected one of them",
             NcWarningKind::ShortLinear => "SHORT of a linear axis does nothing; expected a modulo axis",
             NcWarningKind::DwellExtraAxis => "G04 takes one time: the other axis is ignored",
             NcWarningKind::EndlessFor => "$FOR with step 0 never ends",
@@ -484,6 +490,9 @@ impl fmt::Display for NcWarning {
             }
             NcWarningKind::MasterRests => {
                 "DIST_MASTER where the master axis rests or turns back: the curve keeps the corner distance, axes are not optimised"
+            }
+            NcWarningKind::StepIsNotOptimised => {
+                "DIST_SOFT, DIST_MASTER and PTP need ramp times: with the slope STEP the curves keep their tolerance, axes are not optimised"
             }
             NcWarningKind::DwellAtCorner => {
                 "G04 between rounded blocks: the motion stands still in the programmed corner, which gets no curve"

@@ -108,6 +108,13 @@ pub enum ContourMethod {
     Ptp,
 }
 
+impl ContourMethod {
+    /// DIST_SOFT, DIST_MASTER and PTP: curves by what the axes can do, which need ramp times.
+    pub const fn is_optimised(self) -> bool {
+        matches!(self, Self::DistSoft | Self::DistMaster | Self::Ptp)
+    }
+}
+
 /// When M and H of a corner are carried out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]

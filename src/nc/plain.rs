@@ -138,7 +138,9 @@ impl<const AXES: usize> Interpreter<AXES> {
         let first = first?;
         let kind = match mode {
             Mode::Rapid => MotionKind::Rapid,
-            Mode::Line if feed.is_some() || target == self.position => MotionKind::Line,
+            Mode::Line | Mode::Unprogrammed { .. } if feed.is_some() || target == self.position => {
+                MotionKind::Line
+            }
             _ => return None,
         };
         let place = line.place(g.filter(|g| g.at < first.at).unwrap_or(first));

@@ -7,7 +7,7 @@ use glidepath::quantity::Position;
 const TABLE: &[(&str, u32, u32, u16, &str)] = &[
     ("X1 Q5", 1, 4, 1, "axis Q is known, not available on this machine (axes X, Y, Z, A, C)"),
     ("B10", 1, 1, 1, "axis B is known, not available on this machine (axes X, Y, Z, A, C)"),
-    ("X1\nY2 C5 V3", 1, 1, 2, "motion without feed: expected F before G01, G02 or G03"),
+    ("G01\nX1\nY2 C5 V3", 2, 1, 2, "motion without feed: expected F before G01, G02 or G03"),
     ("G01 X10", 1, 1, 3, "motion without feed: expected F before G01, G02 or G03"),
     ("G02 X10 F100", 1, 1, 3, "arc without centre or radius: expected I, J, K or R"),
     (

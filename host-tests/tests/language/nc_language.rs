@@ -1,5 +1,5 @@
 //! Rows NC-001…NC-008 and gaps §11: program structure, words, modal state, parameters, control blocks.
-use crate::nc_decode::{commands, decode, decode_with, ends, motions, setup, value};
+use crate::nc_decode::{commands, decode, decode_with, ends, error, motions, setup, value};
 use glidepath::machine::{Synch, SynchTable};
 use glidepath::nc::{ArcBy, Command, DwellTime, MotionKind, NcWarningKind, Plane};
 use glidepath::quantity::Position;
@@ -236,6 +236,43 @@ fn nc_006_feed_words() {
         [200.0, 200.0, 500.0, 1000.0, 60.0]
     );
     assert_eq!(feeds("F10000\nX1\nG94 X2"), [10_000.0, 10_000.0]);
+}
+
+/// NC-015: path motion before any F, G00 and G01 is rapid motion, with one warning; any other motion without a feed is
+/// an error, and with a feed it is a line.
+#[test]
+fn nc_015_motion_before_any_feed_is_rapid() {
+    let kinds = |text: &str| {
+        let decoded = decode(text);
+        let kind = |command: &Command<5>| match command {
+            Command::Motion(motion) => Some(motion.kind),
+            _ => None,
+        };
+        let told: Vec<_> = decoded.warnings.iter().map(|w| (w.kind, w.place.line, w.place.column)).collect();
+        (decoded.commands.iter().filter_map(kind).collect::<Vec<_>>(), told)
+    };
+    let (rapid, line) = (MotionKind::Rapid, MotionKind::Line);
+    let told = |line, column| vec![(NcWarningKind::RapidWithoutFeed, line, column)];
+    assert_eq!(kinds("G90 A90 C-90\nM30"), (vec![rapid], told(1, 5)));
+    assert_eq!(kinds("M5\nX1\nY2\nF100 X3\nX4"), (vec![rapid, rapid, line, line], told(2, 1)));
+    assert_eq!(kinds("X1 F100\nX2"), (vec![line, line], vec![]));
+    assert_eq!(kinds("F100\nX2"), (vec![line], vec![]));
+    // What stands still has no need of a feed.
+    assert_eq!(kinds("X0\nX1"), (vec![line, rapid], told(2, 1)));
+    for text in ["G01 X1", "G01\nX1", "X1\nG01 X2", "G00 X1\nG01 X2"] {
+        assert!(error(text).to_string().contains("motion without feed"), "{text}");
+    }
+}
+
+/// CF-40: weights are no part of #SLOPE, and the keyword is refused by name.
+#[test]
+fn weights_are_no_part_of_slope_cf_40() {
+    for word in ["ACC_WEIGHT=50", "RAMP_WEIGHT=50", "G130=50"] {
+        let text = format!("G0 X1\n#SLOPE [TYPE=HSC {word}]\n");
+        let (error, name) = (error(&text), word.split('=').next().unwrap());
+        assert_eq!((error.place.line, error.place.column), (2, 18), "{error}");
+        assert!(error.to_string().contains(&format!("{name:?}")), "{error}");
+    }
 }
 
 /// G-11.

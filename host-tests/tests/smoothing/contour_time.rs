@@ -82,6 +82,72 @@ fn ptp_has_an_axis_at_its_limit_and_acceleration_at_the_ends_of_the_corner() {
     }
 }
 
+/// D3-139, D3-287: where the feed is reached, a PTP corner is driven at the feed with the least acceleration that its
+/// tolerance permits. Where the feed is not reached, an axis uses what it has: the test below.
+#[test]
+fn ptp_at_the_feed_takes_the_least_acceleration_d3_287() {
+    let drive = |mode: &str, feed: u32| {
+        let text = format!("#CONTOUR MODE ON [{mode}]\nN10 G01 X100 F{feed}\nN20 Y100\nM30\n");
+        run_from(&text, [Position::ZERO; 3], &quick(1000))
+    };
+    // Least speed in the corner, and largest acceleration of an axis there.
+    let corner = |run: &Run| {
+        let row = |i: usize| run.trace.mm(i);
+        let inside = (1..run.trace.len() - 1).filter(|&i| row(i)[1] > 0.0 && row(i)[0] < 100.0);
+        inside.fold((f64::MAX, 0.0), |(v, a): (f64, f64), i| {
+            let step = |k: usize| [row(i)[k] - row(i - 1)[k], row(i + 1)[k] - row(i)[k]];
+            let (x, y) = (step(0), step(1));
+            let most = f64::max((x[1] - x[0]).abs(), (y[1] - y[0]).abs()) * 1e6;
+            (v.min(x[0].hypot(y[0]) * 1e3), a.max(most))
+        })
+    };
+    for (feed, dev) in [(6000, 5.0), (6000, 2.0), (3000, 1.0), (9000, 10.0)] {
+        let run = drive(&format!("PTP PATH_DEV={dev}"), feed);
+        let (off, v) = (run.distance([100.0, 0.0]), f64::from(feed) / 60.0);
+        assert!((0.995 * dev..1.001 * dev).contains(&off), "F{feed}, PATH_DEV={dev}: {off}");
+        let (least, most) = corner(&run);
+        // At constant speed a circle as far from the corner, R·(√2 − 1). Where both lines overlap, which takes the
+        // time of one line as long as both, even acceleration, √2·v²/(8·a), but for its ramps.
+        let bound = if least > 0.99 * v {
+            v * v * (2.0_f64.sqrt() - 1.0) / dev
+        } else {
+            1.4 * 2.0_f64.sqrt() * v * v / (8.0 * dev)
+        };
+        println!("F{feed}, PATH_DEV={dev}: {off} mm, {least} mm/s, {most} of {bound} mm/s²");
+        assert!(
+            most < bound && least > 0.7 * v,
+            "F{feed}, PATH_DEV={dev}: {least} mm/s, {most} of {bound} mm/s²"
+        );
+        let line = run_from(&format!("G01 X200 F{feed}\nM30\n"), [Position::ZERO; 3], &quick(1000));
+        assert!(run.time() <= line.time() + 0.002, "{} of {}", run.time(), line.time());
+    }
+}
+
+/// D3-286: the slope STEP has no ramp times, so DIST_SOFT, DIST_MASTER and PTP optimise nothing. One warning for each
+/// command tells.
+#[test]
+fn with_step_nothing_is_optimised_and_a_warning_tells_d3_286() {
+    let warnings = |slope: &str, mode: &str| {
+        let text = format!(
+            "#SLOPE [TYPE={slope}]\n#CONTOUR MODE ON [{mode}]\nN10 G01 X80 F6000\nN20 Y80\nN30 X0\n#CONTOUR MODE OFF\n#CONTOUR MODE ON [{mode}]\nX80\nY0\nM30\n"
+        );
+        run_from(&text, [Position::ZERO; 3], &quick(1000)).warnings
+    };
+    for mode in ["DIST_SOFT PATH_DIST=2", "PTP PATH_DEV=0.5"] {
+        let told = warnings("STEP", mode);
+        assert_eq!(
+            told.iter().map(|(_, kind)| *kind).collect::<Vec<_>>(),
+            [NcWarningKind::StepIsNotOptimised; 2]
+        );
+        for slope in ["TRAPEZ", "SIN2", "HSC"] {
+            assert_eq!(warnings(slope, mode), [], "{slope}, {mode}");
+        }
+    }
+    for mode in ["DEV PATH_DEV=0.1", "DIST PRE_DIST=1", "POS"] {
+        assert_eq!(warnings("STEP", mode), [], "{mode}");
+    }
+}
+
 #[test]
 fn ptp_makes_one_of_blocks_that_go_straight_on() {
     let text = |merge: &str, between: &str| {

@@ -332,6 +332,7 @@ fn zigzag(keywords: &str, words: &str) -> f64 {
     run(&text).distance([10.0, 10.0])
 }
 
+/// D3-187, D3-189 to D3-192, CF-39.
 #[test]
 fn d3_187_to_d3_192_deselection() {
     let split = zigzag("", "");

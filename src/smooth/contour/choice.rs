@@ -226,9 +226,8 @@ impl Candidate {
         let half_way = whole.half_way();
         let way = if half_way <= off && whole.distance() <= reach {
             let distance = whole.distance();
-            // DEV uses all of its tolerance; PTP all of its axes, which takes the same time.
-            let is_stretched = rule.method != ContourMethod::Ptp && half_way < off;
-            let most = if is_stretched { min(off / half_way, most / distance) } else { 1.0 };
+            // At the feed: the least acceleration that the tolerance permits takes the same time.
+            let most = min(off / half_way, min(most, reach) / distance);
             let by = if most < 1.0 { 1.0 } else { most };
             Overlap::whole(whole.stretched(by))
         } else {

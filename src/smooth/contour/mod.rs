@@ -57,7 +57,7 @@ use self::held_blocks::{HeldBlocks, Slot};
 use self::joining::{Joining, Search, Setting};
 use self::timed::Timed;
 use crate::dynamics::{Curving, Dynamics};
-use crate::nc::{Contour, ContourMethod, ContourSwitch, NcWarningKind, Place};
+use crate::nc::{Contour, ContourMethod, ContourSwitch, NcWarningKind, Place, SlopeType};
 use crate::path::poly::Draft;
 use crate::path::{Element, Measure, Passage, line_to, straight_line};
 use crate::quantity::{Distance, Position};
@@ -679,6 +679,11 @@ impl<const AXES: usize> Smoother<AXES> for Contouring<AXES> {
             self.on = false;
             rounds = false;
             self.remark = Some(NcWarningKind::PtpArc);
+        }
+        let optimised = rounds && self.parameters.method.is_optimised();
+        if optimised && !self.parameters.told && dynamics.slope() == SlopeType::Step {
+            self.parameters.told = true;
+            self.remark = Some(NcWarningKind::StepIsNotOptimised);
         }
         let rule = if rounds { Some(self.parameters.by(self.parameters.method)) } else { None };
         if parting == Parting::None && self.gathers(block, rule.as_ref(), dynamics) {
