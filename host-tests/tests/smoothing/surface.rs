@@ -908,3 +908,31 @@ fn random_transitions_with_arcs_keep_path_dev_cf_38() {
     }
     assert!(2 * faster > programs, "{faster} of {programs}");
 }
+
+/// D3-172, D3-186: what lines that were made one use of PATH_DEV is not there for the curve at their end. Nearly a 32nd of
+/// it is used by a point in the middle of the first line, and the corner behind it gets the rest.
+#[test]
+fn merged_lines_leave_the_curve_the_rest_d3_172_d3_186() {
+    let off = |kind: &str, merge: u32, (length, turn, dev): (f64, f64, f64)| {
+        let (x, y) = (length * (1.0 + turn.cos()), length * turn.sin());
+        let text = format!(
+            "G01 F3000\n#HSC ON [{kind} PATH_DEV={dev} MERGE={merge}]\nX{:.6} Y{:.6}\nX{length} Y0\nX{x:.6} Y{y:.6}\n#HSC OFF\nM30\n",
+            0.5 * length,
+            -0.95 * dev / 32.0
+        );
+        rows_of(&text, &machine(50_000, 3))
+            .iter()
+            .map(|row| (row[0] - length).hypot(row[1]))
+            .fold(f64::MAX, f64::min)
+    };
+    for (kind, case) in [
+        ("SURFACE", (60.0, 1.0, 0.4)),
+        ("BSPLINE", (60.0, 1.0, 0.4)),
+        ("BSPLINE", (20.0, 0.4, 0.4)),
+        ("SURFACE", (60.0, 1.5, 1.0)),
+    ] {
+        let [alone, merged] = [0, 1].map(|merge| off(kind, merge, case));
+        println!("{kind} {case:?}: {alone} and {merged} mm, {}", merged / alone);
+        assert!((0.96..0.98).contains(&(merged / alone)), "{kind} {case:?}: {merged} of {alone} mm");
+    }
+}
