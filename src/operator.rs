@@ -3,6 +3,7 @@
 //! It belongs to whoever watches the motion from outside: a PLC task, a serial task, another core. Nothing in
 //! it waits for the planner or the interrupt, and neither waits for it.
 use crate::control::{Commands, Control, Unexpected};
+use crate::path::Measure;
 use crate::quantity::{Distance, Position, Speed};
 use crate::queue::{Outlet, Panel};
 use crate::technology::{Action, Function, Output, Technology};
@@ -19,9 +20,10 @@ pub struct Status<const AXES: usize> {
     pub n: u32,
     /// Motion blocks since the split, from 0.
     pub block: u32,
-    /// Path distance; wraps at ±2^19 mm.
+    /// Path distance as planned; wraps at ±2^19 mm. A curve over time counts the time that it takes at the feed.
     pub distance: Distance,
-    /// Path speed: the mean over the last tick, 0 at rest.
+    /// Speed of the set points along the feed axes, the mean over the last tick; 0 at rest. Where no feed axis moves it
+    /// is that along the main axes, and where none of these moves that of all axes. To 2^-44 mm per tick.
     pub speed: Speed,
     /// What the last tick said.
     pub state: State,
@@ -41,13 +43,15 @@ pub struct Status<const AXES: usize> {
 /// [`Self::deliver`] behind every tick.
 pub struct Operator<'a, const AXES: usize> {
     panel: Panel<'a, AXES>,
+    measure: Measure,
     sole: PhantomData<Cell<()>>,
 }
 
 impl<'a, const AXES: usize> Operator<'a, AXES> {
-    /// Of the queue between planner and interrupt. [`crate::channel::Channel::split`] makes one.
-    pub const fn new(panel: Panel<'a, AXES>) -> Self {
-        Self { panel, sole: PhantomData }
+    /// Of the queue between planner and interrupt; `measure`: the axes along which the speed counts.
+    /// [`crate::channel::Channel::split`] makes one.
+    pub const fn new(panel: Panel<'a, AXES>, measure: Measure) -> Self {
+        Self { panel, measure, sole: PhantomData }
     }
 
     const fn control(&self) -> &'a Control {
@@ -121,18 +125,22 @@ impl<'a, const AXES: usize> Operator<'a, AXES> {
     /// or twice, on another one while a tick is at hand.
     pub fn status(&self) -> Status<AXES> {
         let seen = self.panel.status.read();
-        let (state, step) = match (seen.moved, seen.settles) {
-            (true, _) => (State::Active, seen.step.to_bits()),
-            (false, true) => (State::Settling, 0),
-            (false, false) => (State::Idle, 0),
+        let state = match (seen.moved, seen.settles) {
+            (true, _) => State::Active,
+            (false, true) => State::Settling,
+            (false, false) => State::Idle,
         };
+        let mut travel = [0; AXES];
+        for (travel, (to, from)) in travel.iter_mut().zip(seen.set_points.iter().zip(&seen.before)) {
+            *travel = to.to_bits().wrapping_sub(from.to_bits());
+        }
         Status {
             set_points: seen.set_points,
             n: seen.n,
             block: seen.block,
             distance: seen.distance,
             // 2^-44 to 2^-58 mm per tick
-            speed: Speed::from_bits(step << 14),
+            speed: Speed::from_bits(self.measure.path(&travel).to_bits().saturating_mul(1 << 14)),
             state,
             queued: seen.queued,
             ticks: seen.ticks,

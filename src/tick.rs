@@ -78,7 +78,7 @@ impl<'a, const AXES: usize, F: FilterTick<AXES>, const OVERLAYS: usize> Interpol
         filters: F,
         overlays: [OverlayReceiver<'a>; OVERLAYS],
     ) -> Self {
-        queue.show(&start);
+        queue.show_start(&start);
         Self { queue, set_points: start, filters, overlays }
     }
 
@@ -113,9 +113,7 @@ impl<'a, const AXES: usize, F: FilterTick<AXES>, const OVERLAYS: usize> Interpol
         } else {
             self.filters.rest(&self.set_points)
         };
-        if moves {
-            self.queue.show(self.filters.set_points(&self.set_points));
-        }
+        self.queue.show(self.filters.set_points(&self.set_points));
         match self.filters.lag() {
             Some((lag, settled)) => self.queue.rest_later(lag, settled, moves),
             None => self.queue.rest(moves),

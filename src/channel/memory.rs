@@ -6,6 +6,7 @@ use crate::fir::{Bank, FilterError, FilterPlan, FilterTick, Filtered, Filters, U
 use crate::machine::{MachineData, functions};
 use crate::nc::{Decoder, DecoderMemory, Text};
 use crate::operator::Operator;
+use crate::path::Measure;
 use crate::plan::{Planning, PlanningMemory};
 use crate::quantity::Position;
 use crate::queue::{Overlay, Rings, overlay_ends};
@@ -132,7 +133,7 @@ impl<const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Channel<AXES
         let (sender, receiver, panel) = rings.split();
         let (to_overlays, overlays) = overlay_ends(overlays);
         let interpolator = Interpolator::with_overlays(receiver, start, filtered, overlays);
-        let operator = Operator::new(panel);
+        let operator = Operator::new(panel, Measure::of(machine));
         // Last, so that it is made where it stays: it is large.
         Handles {
             planner: Planner {

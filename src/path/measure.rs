@@ -17,11 +17,12 @@
 //! - **Tolerances and deviations are distances in space**, between points of the main axes, whatever the feed
 //!   counts along: PATH_DEV, RELEVANT_PATH, points left out of straight lines. **Corner distances are path**:
 //!   PRE_DIST, POST_DIST, PATH_DIST ("on the feed axes' path"), SYM_DIST, shares of blocks.
-use super::{FINER, travelled};
+use super::{FINER, path_length, travelled};
 #[cfg(feature = "dialects")]
 use crate::machine::Dialect;
 use crate::machine::{AxisData, MODE_MASTER, MachineData};
 use crate::math::root::sqrt_f32;
+use crate::quantity::Distance;
 
 /// Places of up to three axes in a vector over all axes: the main axes, in the order of their names.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -176,6 +177,12 @@ impl Measure {
             }
         }
         travelled(self.main.of::<AXES>().filter_map(|k| travel.get(k)).copied())
+    }
+
+    /// The path of axes that travel so far (LSB of a position): along the feed axes, where none of them moves along the
+    /// main axes, and else of all axes together. Exact to an LSB; where it is beyond the range of a distance, its end.
+    pub fn path<const AXES: usize>(&self, travel: &[i64; AXES]) -> Distance {
+        path_length(self.travelled(travel), travel).unwrap_or(Distance::from_bits(i64::MAX))
     }
 
     #[inline(never)]

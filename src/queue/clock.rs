@@ -258,15 +258,14 @@ impl<M: Memory> Clock<M> {
 
 /// For the operator.
 impl<M: Memory> Clock<M> {
-    /// Ticks ended, in units of [`TICK`], the instant of the last one that took time of a piece, and whether
-    /// that was the last one of all, or else whether set points moved in that. For a snapshot: see
-    /// [`Self::is_at`].
-    pub fn ended(&self) -> (u32, u32, [bool; 2]) {
+    /// Ticks ended, in units of [`TICK`], and of the last one whether it took time of a piece, or else whether set
+    /// points moved in it. For a snapshot: see [`Self::is_at`].
+    pub fn ended(&self) -> (u32, [bool; 2]) {
         let now = self.now.load(Ordering::Acquire);
         let ended = now.wrapping_add(self.idle.load(Ordering::Acquire));
         let rested = self.rested.load(Ordering::Relaxed);
         let moved = rested & !1 != ended;
-        (ended, now.wrapping_sub(TICK), [moved, !moved && rested & 1 == 1])
+        (ended, [moved, !moved && rested & 1 == 1])
     }
 
     /// Whether no tick has begun since so many had ended: then all that was read in between belongs together.

@@ -161,8 +161,8 @@ impl<const AXES: usize> Receiver<'_, AXES> {
     #[inline(always)]
     pub fn begin(&mut self) -> Option<i64> {
         let Shared { clock, status, .. } = self.shared;
-        let (instant, distance) = self.time.begin(clock)?;
-        status.show_distance(instant, distance);
+        let distance = self.time.begin(clock)?;
+        status.show_distance(distance);
         Some(distance)
     }
 
@@ -174,10 +174,16 @@ impl<const AXES: usize> Receiver<'_, AXES> {
         Some((track, along))
     }
 
-    /// Shows set points.
+    /// Shows the set points of a tick.
     #[inline(always)]
     pub fn show(&self, set_points: &[Position; AXES]) {
-        self.shared.status.show_points(set_points);
+        let Shared { clock, status, .. } = self.shared;
+        status.show_points(clock.tick(), set_points);
+    }
+
+    /// Shows the set points before the first tick.
+    pub fn show_start(&self, set_points: &[Position; AXES]) {
+        [0, 1].iter().for_each(|tick| self.shared.status.show_points(*tick, set_points));
     }
 
     /// A tick ends that had a piece: actions reached by it become due.
@@ -185,7 +191,7 @@ impl<const AXES: usize> Receiver<'_, AXES> {
     pub fn pass(&mut self) {
         let Shared { clock, status, actions } = self.shared;
         if actions.is_armed() {
-            actions.reach(status.distance(clock.own()), clock.tick());
+            actions.reach(status.distance(), clock.tick());
         }
         clock.pass();
     }
@@ -203,7 +209,7 @@ impl<const AXES: usize> Receiver<'_, AXES> {
     pub fn pass_later(&mut self, lag: &mut Lag, settled: bool) {
         let Shared { clock, status, actions } = self.shared;
         if actions.is_armed() {
-            actions.reach_later(status.distance(clock.own()), clock.tick(), lag, settled);
+            actions.reach_later(status.distance(), clock.tick(), lag, settled);
         }
         clock.pass();
     }
@@ -217,8 +223,7 @@ impl<const AXES: usize> Receiver<'_, AXES> {
 
     /// Path distance of the last tick that had a piece, LSB 2^-44 mm.
     pub fn distance(&self) -> i64 {
-        let Shared { clock, status, .. } = self.shared;
-        status.distance(clock.own().wrapping_sub(clock::TICK))
+        self.shared.status.distance()
     }
 }
 

@@ -4,8 +4,8 @@
 //! tick has begun while they were read. The clock tells that ([`Clock::ended`], [`Clock::is_at`]), and the reader
 //! reads again until it is so. It never holds up the interrupt.
 //!
-//! The interrupt writes what it has at hand, and the reader derives the rest: the speed, for one, is the difference
-//! of two path distances, of this tick and the one before.
+//! The interrupt writes what it has at hand, and the reader derives the rest: the speed, for one, comes from the
+//! difference of the set points of two ticks. Those of even and of odd ticks have a place each.
 use super::cells::whole;
 use super::clock::TICK;
 use super::word::{Memory, Ram, Word};
@@ -24,10 +24,10 @@ pub struct Snapshot<const AXES: usize> {
     pub settles: bool,
     /// Set points after it.
     pub set_points: [Position; AXES],
+    /// Set points after the tick before it.
+    pub before: [Position; AXES],
     /// Path distance.
     pub distance: Distance,
-    /// How far the path came in the last tick that took time of a piece.
-    pub step: Distance,
     /// Programmed N number.
     pub n: u32,
     /// Motion blocks since the split, from 0.
@@ -42,8 +42,8 @@ impl<const AXES: usize> Snapshot<AXES> {
         moved: false,
         settles: false,
         set_points: [Position::ZERO; AXES],
+        before: [Position::ZERO; AXES],
         distance: Distance::ZERO,
-        step: Distance::ZERO,
         n: 0,
         block: 0,
         queued: 0,
@@ -75,12 +75,12 @@ impl<W: Word> Long<W> {
 
 /// The words of the snapshot. Written by the interrupt.
 pub struct Words<const AXES: usize, M: Memory = Ram> {
-    /// Of the last two ticks that took time of a piece, in turn.
-    distances: [Long<M::Word>; 2],
+    distance: Long<M::Word>,
     n: M::Word,
     /// The lower half of its number.
     block: M::Word,
-    set_points: [Long<M::Word>; AXES],
+    /// Of the last two ticks, in turn.
+    set_points: [[Long<M::Word>; AXES]; 2],
 }
 
 /// The reader's end.
@@ -96,28 +96,23 @@ impl<const AXES: usize, M: Memory> Words<AXES, M> {
     /// All bits zero.
     pub const fn blank() -> Self {
         Self {
-            distances: [const { Long::zero() }; 2],
+            distance: Long::zero(),
             n: M::Word::ZERO,
             block: M::Word::ZERO,
-            set_points: [const { Long::zero() }; AXES],
+            set_points: [const { [const { Long::zero() }; AXES] }; 2],
         }
     }
 
-    /// For the interrupt: path distance at `instant`.
+    /// For the interrupt: path distance of a tick that takes time of a piece.
     #[inline(always)]
-    pub fn show_distance(&self, instant: u32, distance: i64) {
-        self.of(instant).set(distance);
+    pub fn show_distance(&self, distance: i64) {
+        self.distance.set(distance);
     }
 
     /// For the interrupt: what it has shown last.
-    pub fn distance(&self, instant: u32) -> i64 {
-        self.of(instant).get()
-    }
-
     #[inline(always)]
-    fn of(&self, instant: u32) -> &Long<M::Word> {
-        // One bit, two places: the optimiser removes the check.
-        &self.distances[((instant / TICK) & 1) as usize]
+    pub fn distance(&self) -> i64 {
+        self.distance.get()
     }
 
     /// For the interrupt: the curve, of its motion block the lower half.
@@ -127,10 +122,11 @@ impl<const AXES: usize, M: Memory> Words<AXES, M> {
         self.block.store(block.into(), Ordering::Relaxed);
     }
 
-    /// For the interrupt: set points.
+    /// For the interrupt: set points of a tick. Every tick shows its own, those that rest too.
     #[inline(always)]
-    pub fn show_points(&self, set_points: &[Position; AXES]) {
-        for (words, point) in self.set_points.iter().zip(set_points) {
+    pub fn show_points(&self, tick: u32, set_points: &[Position; AXES]) {
+        // One bit, two places: the optimiser removes the check.
+        for (words, point) in self.set_points[(tick & 1) as usize].iter().zip(set_points) {
             words.set(point.to_bits());
         }
     }
@@ -159,17 +155,22 @@ impl<'a, const AXES: usize, M: Memory> Display<'a, AXES, M> {
 
     /// One look at all words; ticks ended before.
     fn look(&self, snapshot: &mut Snapshot<AXES>) -> u32 {
-        let (ended, last, moved) = self.clock.ended();
-        let Words { distances: [even, odd], n, block, set_points } = self.words;
-        let [even, odd] = [even, odd].map(Long::get);
-        let (distance, before) = if last & TICK == 0 { (even, odd) } else { (odd, even) };
+        let (ended, moved) = self.clock.ended();
+        let Words { distance, n, block, set_points } = self.words;
         snapshot.ticks = ended / TICK;
         [snapshot.moved, snapshot.settles] = moved;
-        for (point, words) in snapshot.set_points.iter_mut().zip(set_points) {
+        // The tick ended last has the number before that of those ended.
+        let [even_points, odd_points] = set_points;
+        let is_odd = snapshot.ticks & 1 == 0;
+        let (points, points_before) =
+            if is_odd { (odd_points, even_points) } else { (even_points, odd_points) };
+        for (point, words) in snapshot.set_points.iter_mut().zip(points) {
             *point = Position::from_bits(words.get());
         }
-        snapshot.distance = Distance::from_bits(distance);
-        snapshot.step = Distance::from_bits(distance.wrapping_sub(before));
+        for (point, words) in snapshot.before.iter_mut().zip(points_before) {
+            *point = Position::from_bits(words.get());
+        }
+        snapshot.distance = Distance::from_bits(distance.get());
         let lower = block.load(Ordering::Relaxed) as u16;
         let latest = self.latest.load(Ordering::Relaxed);
         (snapshot.n, snapshot.block) = (n.load(Ordering::Relaxed), whole(latest, lower));

@@ -194,10 +194,10 @@ impl<'a, M: Memory> Timeline<'a, M> {
         Self { phase: Phase::BLANK, pieces, reserve, done: 0, stops: false, cut: 0 }
     }
 
-    /// A tick begins: its instant and path distance, LSB 2^-44 mm, or `None` if there is no piece.
+    /// A tick begins: its path distance, LSB 2^-44 mm, or `None` if there is no piece.
     /// [`Clock::pass`] or [`Clock::rest`] ends it.
     #[inline(always)]
-    pub fn begin(&mut self, clock: &Clock<M>) -> Option<(u32, i64)> {
+    pub fn begin(&mut self, clock: &Clock<M>) -> Option<i64> {
         let instant = clock.begin();
         if let Some(number) = clock.cut(instant) {
             self.change_over(number);
@@ -217,7 +217,7 @@ impl<'a, M: Memory> Timeline<'a, M> {
         }
         let distance = self.phase.at(self.done);
         self.done += 1;
-        Some((instant, distance))
+        Some(distance)
     }
 
     #[inline(always)]

@@ -66,7 +66,7 @@ fn run(mut each: impl FnMut(&Interpolator<'_, 3>, &Operator<'_, 3>, State)) {
 #[test]
 fn the_status_is_what_the_last_tick_did() {
     let mut ticks = 0;
-    let mut before = 0;
+    let mut before = [0.0; 3];
     run(|interpolator, operator, state| {
         ticks += 1;
         let (status, telemetry) = (operator.status(), interpolator.telemetry());
@@ -74,18 +74,54 @@ fn the_status_is_what_the_last_tick_did() {
         assert_eq!(&status.set_points, interpolator.set_points());
         assert_eq!((status.n, status.block), (telemetry.n, telemetry.block));
         assert_eq!(status.distance, telemetry.distance);
-        let step = telemetry.distance.to_bits().wrapping_sub(before);
-        let mean = if state == State::Active { step << 14 } else { 0 };
-        assert_eq!(status.speed.to_bits(), mean);
+        // C1: the speed is that of the set points, to 2^-44 mm per tick.
+        let points = status.set_points.map(|point| point.to_num::<f64>());
+        let step = points.iter().zip(&before).map(|(to, from)| (to - from).powi(2)).sum::<f64>().sqrt();
+        let speed = status.speed.0.to_num::<f64>();
+        assert!((speed - step).abs() < 1e-9, "{speed} and {step} mm per tick");
         // The mean over a tick is near the speed at its end: 2000 mm/s² at 1 ms.
         if state == State::Active {
-            let off = status.speed.0.to_num::<f64>() - telemetry.speed.0.to_num::<f64>();
+            let off = speed - telemetry.speed.0.to_num::<f64>();
             assert!(off.abs() < 0.003, "{off}");
         }
         assert!(status.queued <= 256);
-        before = telemetry.distance.to_bits();
+        before = points;
     });
     assert!(ticks > 10_000, "{ticks}");
+}
+
+/// The speed is that of the set points also where the path is a curve over time, and behind filters and rest.
+#[test]
+fn speed_is_that_of_the_set_points_in_curves_over_time() {
+    for mode in ["[DEV PATH_DEV=0.1]", "[DIST_SOFT PATH_DIST=3]", "[PTP PATH_DEV=0.5]", "[POS]"] {
+        let text = format!(
+            "#CONTOUR MODE ON {mode}\nG01 X50 F6000\nY50\nG04 X0.05\nX0\nG02 X0 Y0 J-25\nG01 Z5\nM30\n"
+        );
+        let mut machine = machines::even(1000);
+        (machine.channel.slope_profile, machine.channel.ptp) = (3, true);
+        let mut channel: Box<Channel<3, 120>> = Box::new(Channel::new());
+        let handles = channel.split(&machine, [Position::ZERO; 3], text.as_bytes()).expect("machine data");
+        let Handles { mut planner, mut interpolator, operator } = handles;
+        let (mut before, mut slowest) = ([0.0; 3], f64::MAX);
+        loop {
+            let done = call(&mut planner, usize::MAX, |_| {}).expect("a program");
+            let state = interpolator.tick();
+            let status = operator.status();
+            let points = interpolator.set_points().map(|point| point.to_num::<f64>());
+            let step = points.iter().zip(&before).map(|(to, from)| (to - from).powi(2)).sum::<f64>().sqrt();
+            let speed = status.speed.0.to_num::<f64>();
+            assert!((speed - step).abs() < 1e-9, "{mode}: {speed} and {step} mm per tick");
+            if (45.0..50.0).contains(&points[0]) && (0.0..5.0).contains(&points[1]) {
+                slowest = slowest.min(speed);
+            }
+            before = points;
+            if done && state == State::Idle {
+                break;
+            }
+        }
+        // As planned it is 0.1 mm per tick in curves over time; the axes are slower.
+        assert!(slowest < 0.09, "{mode}: {slowest} mm per tick");
+    }
 }
 
 #[test]

@@ -187,12 +187,13 @@ fn turn(
             planner.next += 1;
         } else {
             let begun = timeline.begin(shared.clock);
-            shown = begun.map(|(_, distance)| (distance >> 44) as u32);
-            if let (Some((instant, distance)), true) = (begun, matches!(steps.first(), Some(Step::Look))) {
-                shared.words.show_distance(instant, distance);
+            shown = begun.map(|distance| (distance >> 44) as u32);
+            if let (Some(distance), true) = (begun, matches!(steps.first(), Some(Step::Look))) {
+                shared.words.show_distance(distance);
                 let distance = (distance >> 44) as u32;
                 shared.words.show_curve(distance, (distance + 7) as u16);
-                shared.words.show_points(&[Position::from_bits(i64::from(distance) << 44)]);
+                let tick = shared.clock.tick();
+                shared.words.show_points(tick, &[Position::from_bits(i64::from(distance) << 44)]);
             }
             if shown.is_some() { shared.clock.pass() } else { shared.clock.rest() }
         }

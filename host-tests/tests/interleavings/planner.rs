@@ -108,14 +108,15 @@ impl Planner {
                 }
             }
             Step::Look => {
-                let Snapshot { ticks, moved, set_points: [point], distance, step, n, block, .. } =
-                    display.read();
+                let Snapshot {
+                    ticks, moved, set_points: [point], before: [before], distance, n, block, ..
+                } = display.read();
                 let at = |tick: u32| i64::from(tick) << 44;
                 let expected = ticks.saturating_sub(1);
                 let shown = (point.to_bits(), distance.to_bits(), n, block);
                 let is_one = shown
                     == (at(expected), at(expected), expected, expected + 7 * u32::from(ticks > 0))
-                    && (moved, step.to_bits()) == (ticks > 0, at(expected.min(1)));
+                    && (moved, before.to_bits()) == (ticks > 0, at(expected.saturating_sub(1)));
                 if !is_one {
                     WORLD.with_borrow_mut(|world| world.fault = Some("a mixture of two ticks"));
                 }
