@@ -619,3 +619,81 @@ fn a_mean_is_that_of_its_window() {
         assert!(drives.len() > 10_000);
     }
 }
+
+/// D3-224, D3-226: what a command does not name stays as an earlier one gave it.
+#[test]
+fn share_and_order_stay_until_they_are_given_again_d3_224_d3_226() {
+    let mut machine = even(FilterType::Gauss, 20);
+    machine.axes.iter_mut().for_each(|axis| axis.filter.enable = false);
+    // From where the first axis moves: a command takes ticks of rest.
+    let drives = |commands: &str| {
+        let run = run(&format!("{commands}\n{SQUARE}"), &machine, &[], 1000).unwrap();
+        let begins = run.drives.columns[0].iter().position(|x| *x != 0).expect("X moves");
+        run.drives.columns.iter().map(|column| column[begins..].to_vec()).collect::<Vec<_>>()
+    };
+    let both = drives("#FILTER ON [ORDER=40 SHARE=60]");
+    assert!(drives("#FILTER [SHARE=60]\n#FILTER ON [ORDER=40]") == both);
+    assert!(drives("#FILTER [ORDER=40]\n#FILTER ON [SHARE=60]") == both);
+    assert!(drives("#FILTER [ORDER=40 SHARE=60]\n#FILTER ON") == both);
+    assert!(drives("#FILTER ON [ORDER=40]") != both && drives("#FILTER ON [SHARE=60]") != both);
+}
+
+/// P-AXIS-00591: the order as a time, in whole cycles, rounded down; below a cycle nothing is filtered.
+#[test]
+fn an_order_as_a_time_is_whole_cycles() {
+    let with = |order: u8, order_time_us: u32| {
+        let mut machine = even(FilterType::Average, order);
+        machine.axes.iter_mut().for_each(|axis| axis.filter.order_time_us = order_time_us);
+        run(SQUARE, &machine, &[], 1000).unwrap().drives.columns
+    };
+    for (time, order) in [(20_000, 20), (20_999, 20), (1000, 1), (999, 0), (0, 0)] {
+        assert!(with(0, time) == with(order, 0), "{time} us");
+    }
+    assert!(with(10, 20_000) == with(10, 0), "the order counts before the time");
+}
+
+/// D3-232: an axis whose order has the other parity than the longest delay lies half a cycle between its set points: its
+/// taps are averaged with themselves a cycle later.
+#[test]
+fn half_a_cycle_is_the_mean_of_two_d3_232() {
+    let mut machine = machines::even::<3>(1000);
+    machine.channel.slope_profile = 1;
+    let own = [(FilterType::Gauss, 41), (FilterType::Gauss, 20), (FilterType::Average, 30)];
+    for (axis, (kind, order)) in machine.axes.iter_mut().zip(own) {
+        axis.filter = FilterData { enable: true, kind, order, ..FilterData::NONE };
+    }
+    let run = run("N10 G01 X10 Y7 Z-4 F6000\nN20 X0 Y0 Z0\nM30\n", &machine, &[], 1000).unwrap();
+    for (axis, (kind, order)) in own.into_iter().enumerate().skip(1) {
+        let taps = taps(kind, order.into(), 1.0, 0.03, 1.0);
+        let later = (41 - usize::from(order)) / 2;
+        let mean = [later, later + 1].map(|first| {
+            let shifted: Vec<f64> = std::iter::repeat_n(0.0, first).chain(taps.iter().copied()).collect();
+            weighed(&run.path.columns[axis], &shifted)
+        });
+        let [one, other] = &mean;
+        let mut most: f64 = 0.0;
+        for (y, (a, b)) in run.drives.columns[axis].iter().zip(one.iter().zip(other)) {
+            most = most.max((*y as f64 / ONE - 0.5 * (a + b)).abs());
+        }
+        // Half a cycle beside it would be half a cycle's way: 0.05 mm at 100 mm/s.
+        assert!(most < 6e-3 * run.largest(axis, 41) / ONE + 1e-5, "axis {axis}: {most}");
+    }
+}
+
+/// D3-004: a function on the way comes when the filtered axes are there, as much later as the filters delay.
+#[test]
+fn functions_on_the_way_come_as_late_as_the_filters_delay_d3_004() {
+    for (kind, order, delay) in
+        [(FilterType::Average, 100, 50), (FilterType::Gauss, 200, 100), (FilterType::Delay, 60, 60)]
+    {
+        let mut machine = even(kind, order);
+        machine.channel.m_synch =
+            glidepath::machine::SynchTable::NONE.with(25, glidepath::machine::Synch::Mos);
+        let run = run("N10 G01 X20 F6000\nM25\nN20 X60\nM30\n", &machine, &[], 1000).unwrap();
+        let at = |trace: &host_tests::trace::Trace, tick: usize| trace.columns[0][tick] as f64 / ONE;
+        let passes = (0..run.path.ticks()).find(|tick| at(&run.path, *tick) >= 20.0).expect("on the way");
+        let [(tick, _)] = run.outputs[..] else { panic!("{:?}", run.outputs) };
+        assert_eq!(tick, passes + delay, "{kind:?} {order}");
+        assert!((at(&run.drives, tick) - 20.0).abs() < 0.11, "{}", at(&run.drives, tick));
+    }
+}

@@ -346,6 +346,28 @@ fn nc_008_for_with_step_zero_is_endless_with_a_warning() {
 }
 
 /// G-11.
+/// G-11: a condition is true from 0.5 on, in every word that asks one.
+#[test]
+fn conditions_are_true_from_one_half_on() {
+    for (value, holds) in [("0.5", true), ("0.4999999", false), ("0", false), ("-1", false), ("0.75", true)] {
+        let x = if holds { vec![1.0, 3.0] } else { vec![2.0, 3.0] };
+        assert_eq!(xs(&format!("G0\n$IF {value}\nX1\n$ELSE\nX2\n$ENDIF\nX3")), x, "$IF {value}");
+        assert_eq!(
+            xs(&format!("G0\n$IF 0\n$ELSEIF {value}\nX1\n$ELSE\nX2\n$ENDIF\nX3")),
+            x,
+            "$ELSEIF {value}"
+        );
+        let once = if holds { vec![1.0, 3.0] } else { vec![3.0] };
+        assert_eq!(
+            xs(&format!("G0\nP1={value}\n$WHILE P1\nX1\nP1=0\n$ENDWHILE\nX3")),
+            once,
+            "$WHILE {value}"
+        );
+    }
+    assert_eq!(xs("G0 P1=0\n$REPEAT\nP1=P1+0.25 XP1\n$UNTIL P1"), [0.25, 0.5], "$UNTIL");
+    assert_eq!(value("[0.5 AND 0.5]"), 1.0);
+}
+
 #[test]
 fn control_blocks() {
     let x = |text: &str| xs(&format!("G0\n{text}"));
