@@ -5,6 +5,8 @@ use glidepath::quantity::Position;
 use host_tests::cases::random::{Mix, program};
 use host_tests::cases::{Program, machines, set_point};
 use host_tests::check::{self, allowance, peaks};
+use host_tests::filtered;
+use host_tests::operate::Act;
 use host_tests::properties::axis_limits;
 use host_tests::tolerance;
 use host_tests::trace::{Run, run_text};
@@ -210,4 +212,36 @@ fn zero_of_the_channel_is_refused_where_it_is_switched_on() {
     }
     let text = Error::PathAcceleration(glidepath::nc::Place::NONE).to_string();
     assert!(text.contains("VEL above 0"), "{text}");
+}
+
+/// D3-215, D3-216: with both stages of STEP too, at every speed, on lines and arcs, and in a feed hold.
+#[test]
+fn limits_act_in_both_stages_of_step_and_in_holds() {
+    let mut machine = machines::with_slope(machines::uneven::<3>(1000), 0);
+    machine.channel.vector_unit = AccelerationUnit::MmS2;
+    let texts = ["G01 F24000 X200\nM30", "G01 F12000 X100\nG02 X160 Y-60 J-60\nG01 Y-120\nM30"];
+    for text in texts {
+        for (words, up, down) in [
+            ("#VECTOR LIMIT ON [DEC=400]", f64::MAX, 400.0),
+            ("#VECTOR LIMIT ON [ACC=500 DEC=700]", 500.0, 700.0),
+        ] {
+            let text = format!("%m\n{words}\n{text}");
+            for hold in [None, Some(350), Some(600), Some(900), Some(1200)] {
+                let acts: Vec<(usize, Act)> =
+                    hold.iter().flat_map(|at| [(*at, Act::Hold), (at + 700, Act::Resume)]).collect();
+                let run = filtered::run::<3>(&text, &machine, &acts, 1000).expect("runs");
+                let rows: Vec<_> = (0..run.path.len()).map(|row| run.path.mm(row)).collect();
+                let apart = |w: &[Vec<f64>]| (0..3).map(|k| (w[1][k] - w[0][k]).powi(2)).sum::<f64>().sqrt();
+                let steps: Vec<f64> = rows.windows(2).map(|w| apart(w) / CYCLE).collect();
+                for (tick, pair) in steps.windows(2).enumerate() {
+                    let a = (pair[1] - pair[0]) / CYCLE;
+                    // Chords of curves are shorter than the curve.
+                    let most = [up, down].map(|limit| 1.02 * limit + 1.0);
+                    // Arcs do not take ACC (P-CHAN-00350).
+                    let is_fast = a > most[0] && !text.contains("G02") || a < -most[1];
+                    assert!(!is_fast, "{text}, hold {hold:?}: {a} mm/s² at {tick}");
+                }
+            }
+        }
+    }
 }

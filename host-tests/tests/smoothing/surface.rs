@@ -5,6 +5,7 @@ use glidepath::nc::NcWarningKind;
 use glidepath::quantity::Position;
 use host_tests::cam;
 use host_tests::cases::random::Random;
+use host_tests::deviation::follows;
 use host_tests::trace::{Run, run_text};
 use host_tests::walk::{judge, machine, walk};
 use std::ops::Range;
@@ -935,4 +936,101 @@ fn merged_lines_leave_the_curve_the_rest_d3_172_d3_186() {
         println!("{kind} {case:?}: {alone} and {merged} mm, {}", merged / alone);
         assert!((0.96..0.98).contains(&(merged / alone)), "{kind} {case:?}: {merged} of {alone} mm");
     }
+}
+
+/// D3-163, D3-168: between rapid blocks PATH_DEV_G00 counts, beside a block with a feed PATH_DEV does. With AUTO_OFF_G00=1
+/// rapid blocks stay as they are. Short blocks, and long ones whose corners are edges.
+#[test]
+fn rapid_blocks_beside_others_keep_path_dev_d3_163_d3_168() {
+    for length in [5.0, 100.0] {
+        // Distances of the motion from the corners of a zigzag, of which blocks 3 to 5 are rapid.
+        let corners: Vec<[f64; 2]> =
+            (1..8).map(|k| [length * f64::from(k), [0.0, 0.3 * length][k as usize % 2]]).collect();
+        let off = |words: &str| -> Vec<f64> {
+            let mut text = format!("#HSC ON [SURFACE PATH_DEV=0.05 {words}]\nF6000\n");
+            for (k, [x, y]) in corners.iter().enumerate() {
+                text += &format!("{} X{x:.6} Y{y:.6}\n", if (3..6).contains(&k) { "G00" } else { "G01" });
+            }
+            let rows = rows_of(&(text + "#HSC OFF\nM30\n"), &machine(50_000, 3));
+            corners.iter().map(|corner| self::off(&rows, *corner)).collect()
+        };
+        // Corner k is between block k and block k + 1: 3 and 4 are between rapid blocks, and between rapid blocks and
+        // others a standstill may be faster.
+        for (k, off) in off("PATH_DEV_G00=0.5").into_iter().enumerate().take(6) {
+            let (least, most) = [(0.02, 0.05), (0.06, 0.5), (-1.0, 0.05)][[0, 0, 2, 1, 1, 2][k]];
+            assert!(off > least && off <= most + 1e-4, "length {length}, corner {k}: {off}");
+        }
+        for (k, off) in off("PATH_DEV_G00=0.5 AUTO_OFF_G00=1").into_iter().enumerate().take(6) {
+            assert!(
+                if (2..6).contains(&k) { off < 1e-6 } else { off > 0.02 },
+                "length {length}, corner {k}: {off}"
+            );
+        }
+    }
+}
+
+/// D3-159: another feed begins an element: no motion in a block is faster than its feed.
+#[test]
+fn another_feed_begins_an_element_d3_159() {
+    for (slope, dev) in [(3, 0.1), (1, 0.02), (2, 0.5), (0, 0.1)] {
+        let mut text = format!("#HSC ON [SURFACE PATH_DEV={dev}]\nG01 F6000\n");
+        let feeds = [6000.0, 600.0, 3000.0, 1200.0];
+        let y = |x: f64| 3.0 * (1.0 - (x / 12.0).cos());
+        for k in 0..200_u32 {
+            if k % 25 == 0 {
+                text += &format!("F{}\n", feeds[k as usize / 25 % 4]);
+            }
+            let x = 0.5 * f64::from(k + 1);
+            text += &format!("X{x:.6} Y{:.6}\n", y(x));
+        }
+        let rows = rows_of(&(text + "#HSC OFF\nM30\n"), &machine(50_000, slope));
+        let mut reached = [0.0_f64; 4];
+        for pair in rows.windows(2) {
+            let v = (pair[1][0] - pair[0][0]).hypot(pair[1][1] - pair[0][1]) * 1000.0;
+            // The element begins within the tolerance of the point.
+            let beside = |x: f64| (x / 12.5).fract() * 12.5;
+            let inside = [pair[0][0], pair[1][0]].map(|x| beside(x) > dev && beside(x) < 12.5 - dev);
+            let feed = (pair[0][0] / 12.5) as usize % 4;
+            if inside == [true; 2] {
+                assert!(v * 60.0 <= feeds[feed] * (1.0 + 1e-4), "slope {slope}: {v} mm/s at {}", pair[0][0]);
+                reached[feed] = reached[feed].max(v * 60.0);
+            }
+        }
+        assert!(reached[1] > 595.0 && reached[3] > 1190.0, "{reached:?}");
+    }
+}
+
+/// D3-164: where TRACK_DEV is the tolerance that binds, no axis beside the path leaves it: random courses of A over short
+/// and long lines, gentle and sharp.
+#[test]
+fn track_dev_is_kept_where_it_binds_d3_164() {
+    let mut largest = [0.0_f64; 2];
+    for seed in 1..=120 {
+        let mut random = Random::new(seed);
+        let track = random.magnitude(0.02, 1.0);
+        let mut text = format!("#HSC ON [SURFACE PATH_DEV=2 TRACK_DEV={track:.6}]\nG01 F6000\n");
+        let (mut at, mut contour) = ([0.0; 4], vec![vec![0.0; 4]]);
+        let (length, jump) = (random.magnitude(0.2, 20.0), track * random.magnitude(0.5, 50.0));
+        for _ in 0..40 {
+            let step = length * random.between(0.3, 1.7);
+            at = [
+                at[0] + step,
+                at[1] + 0.1 * step * random.between(-1.0, 1.0),
+                0.0,
+                at[3] + jump * random.between(-1.0, 1.0),
+            ];
+            at = at.map(|x| (x * 1e6).round() * 1e-6);
+            text += &format!("X{:.6} Y{:.6} A{:.6}\n", at[0], at[1], at[3]);
+            contour.push(at.to_vec());
+        }
+        let machine = machine::<4>(50_000, [3, 1, 2][seed as usize % 3]);
+        let run =
+            run_text::<4, 120>(&(text + "#HSC OFF\nM30\n"), [Position::ZERO; 4], &machine, 1).expect("runs");
+        let rows: Vec<_> = (0..run.trace.len()).map(|row| run.trace.mm(row)).collect();
+        let inside = |part: f64| follows(&rows, &contour, [2.0 + 5e-4, part * track + 5e-4]);
+        assert!(inside(1.0), "seed {seed}: TRACK_DEV={track}");
+        largest[usize::from(!inside(0.7))] += 1.0;
+    }
+    // It is used, too.
+    assert!(largest[1] > 40.0, "{largest:?}");
 }
