@@ -472,6 +472,60 @@ fn d3_235_opmode() {
     assert!(off < 3e-3, "{off}");
 }
 
+/// D3-235: a part is prismatic where the path turns by more than 20 degrees, or where one block is more than 4 times as
+/// long as the other. Its corners are rounded inside the tolerance; elsewhere the curve goes through the points.
+#[test]
+fn prismatic_parts_begin_at_20_degrees_and_4_lengths_d3_235() {
+    // The distance from the third point, where the path turns; all turn the same way.
+    let off = |turn: f64, lengths: [f64; 2]| {
+        let mut text = "N10 G01 X0 Y0 F120\n#HSC ON [OPMODE=2 CONTERROR=0.05]\n".to_owned();
+        let (mut at, mut heading, mut corner) = ([0.0_f64; 2], 0.0_f64, [0.0; 2]);
+        let legs = [lengths[0], lengths[0], lengths[0], lengths[1], lengths[1], lengths[1]];
+        for (k, length) in legs.into_iter().enumerate() {
+            heading += if k == 3 { turn } else { 2.0 };
+            at = [at[0] + length * heading.to_radians().cos(), at[1] + length * heading.to_radians().sin()];
+            text += &format!("X{:.6} Y{:.6}\n", at[0], at[1]);
+            if k == 2 {
+                corner = at;
+            }
+        }
+        run(&(text + "#HSC OFF\nM30\n")).distance(corner)
+    };
+    for lengths in [[10.0, 10.0], [4.0, 12.0]] {
+        for (turn, is_prismatic) in [(19.0, false), (19.9, false), (20.1, true), (25.0, true)] {
+            assert_eq!(
+                off(turn, lengths) > 0.005,
+                is_prismatic,
+                "{turn} degrees, {lengths:?}: {}",
+                off(turn, lengths)
+            );
+        }
+    }
+    for (ratio, is_prismatic) in [(3.9, false), (4.1, true)] {
+        for lengths in [[5.0, 5.0 * ratio], [5.0 * ratio, 5.0]] {
+            assert_eq!(off(15.0, lengths) > 0.003, is_prismatic, "ratio {ratio}: {}", off(15.0, lengths));
+        }
+    }
+}
+
+/// D3-186: what the points that MERGE leaves out are beside the line adds up: along a row of points on a large circle, each
+/// hardly beside the line, the motion stays inside PATH_DEV.
+#[test]
+fn what_merge_leaves_out_adds_up_d3_186() {
+    for (radius, step, dev) in [(1000.0, 0.1, 1.28), (200.0, 0.05, 0.2), (5000.0, 0.5, 0.6)] {
+        let mut text =
+            format!("N10 G01 X0 Y0 F3000\n#HSC ON [BSPLINE PATH_DEV={dev} MERGE=1 AUTO_OFF_PATH=1]\n");
+        for k in 1..=1500 {
+            let angle = f64::from(k) * step / radius;
+            text += &format!("X{:.6} Y{:.6}\n", radius * angle.sin(), radius * (1.0 - angle.cos()));
+        }
+        let run = run(&(text + "#HSC OFF\nM30\n"));
+        let rows = (0..run.trace.len()).map(|row| run.trace.mm(row));
+        let off = rows.map(|q| (q[0].hypot(q[1] - radius) - radius).abs()).fold(0.0, f64::max);
+        assert!(off <= dev * (1.0 + 1.0 / 128.0), "radius {radius}: {off} of {dev}");
+    }
+}
+
 /// The curve leaves the block before it and enters the one behind it tangentially: the speed goes on.
 #[test]
 fn g_03_tangential_ends_and_arcs_between() {
