@@ -240,6 +240,26 @@ fn the_operator_acts() {
     assert!(length(&[(200, Act::Reduced(true))]) > plain + 1000);
 }
 
+/// D3-271: the override that rises or falls at any tick of an independent motion, while the axis speeds up, runs and slows
+/// down, keeps velocity, acceleration and jerk.
+#[test]
+fn an_override_at_any_tick_keeps_the_limits() {
+    let text = "X[INDP_SYN G01 G90 POS=12 FEED=9000]\nM30\n";
+    for slope in [1, 2, 3] {
+        let mut machine = even::<3>(1000);
+        machine.channel.slope_profile = slope;
+        for at in 1..260 {
+            for [first, second] in [[400, 1000], [1000, 2000], [2000, 300]] {
+                let acts = [(0, Act::Override(first)), (at, Act::Override(second))];
+                let run = run(text, &machine, &acts, 40).expect("it runs");
+                let kept = run.keeps_limits(&machine, slope, false);
+                kept.unwrap_or_else(|error| panic!("slope {slope}, {acts:?}: {error}"));
+                assert_eq!(run.ends()[0], 12.0);
+            }
+        }
+    }
+}
+
 /// A program of path motions, oscillations and independent axes, and where its axes end: unknown behind an
 /// OFF INSTANT.
 fn program(random: &mut Random) -> (String, [Option<f64>; 3], u32) {

@@ -47,10 +47,11 @@ fn path_dev_is_200_um_by_default_d3_162() {
     assert!(default != path("PATH_DEV=0.19") && default != path("PATH_DEV=0.21"));
 }
 
-/// D3-162: where the control polygon itself leaves the tolerance and nothing turns, a line is refused.
+/// D3-162: where the control polygon itself leaves the tolerance and nothing turns, a line is refused. D3-164: in the last
+/// two a curve that keeps PATH_DEV leaves TRACK_DEV.
 #[test]
 fn lines_between_kernels_are_proven_too() {
-    paths_are_inside([5908, 1830, 11_295, 15_789]);
+    paths_are_inside([5908, 1830, 11_295, 15_789, 1083, 1269]);
 }
 
 fn paths_are_inside(seeds: impl IntoIterator<Item = u64>) {
