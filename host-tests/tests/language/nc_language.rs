@@ -345,7 +345,6 @@ fn nc_008_for_with_step_zero_is_endless_with_a_warning() {
     assert!(out.is_empty() && error.is_none() && steps == 5000, "still Working");
 }
 
-/// G-11.
 /// G-11: a condition is true from 0.5 on, in every word that asks one.
 #[test]
 fn conditions_are_true_from_one_half_on() {
@@ -368,6 +367,7 @@ fn conditions_are_true_from_one_half_on() {
     assert_eq!(value("[0.5 AND 0.5]"), 1.0);
 }
 
+/// G-11.
 #[test]
 fn control_blocks() {
     let x = |text: &str| xs(&format!("G0\n{text}"));
