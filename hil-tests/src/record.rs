@@ -45,6 +45,8 @@ struct Recorder<'a> {
     counter: &'a Counter,
     report: &'a mut Report,
     stacks: &'a mut Stacks,
+    begun: u32,
+    start: Cost,
     tick: Cost,
     plan: Cost,
     wait: Cost,
@@ -52,14 +54,15 @@ struct Recorder<'a> {
 
 impl<'a> Recorder<'a> {
     fn new(counter: &'a Counter, report: &'a mut Report, stacks: &'a mut Stacks) -> Self {
-        let (tick, plan, wait) = Default::default();
-        Self { counter, report, stacks, tick, plan, wait }
+        let (start, tick, plan, wait) = Default::default();
+        Self { counter, report, stacks, begun: 0, start, tick, plan, wait }
     }
 
     /// Reports the costs and the end of a case; whether it ended as it should.
     fn close(self, result: &Result<Outcome, Failure>, decode: Cost) -> bool {
-        let Self { report, tick, plan, wait, .. } = self;
-        for (name, cost) in [("tick", tick), ("plan", plan), ("wait", wait), ("decode", decode)] {
+        let Self { report, start, tick, plan, wait, .. } = self;
+        let costs = [("start", start), ("tick", tick), ("plan", plan), ("wait", wait), ("decode", decode)];
+        for (name, cost) in costs {
             let _ = writeln!(report, "cost {name} calls {} sum {} max {}", cost.calls, cost.sum, cost.max);
         }
         report_end(report, result);
@@ -76,10 +79,13 @@ impl<const AXES: usize> Watch<AXES> for Recorder<'_> {
     #[inline(always)]
     fn starting(&mut self) {
         self.stacks.start.paint(usize::MAX);
+        self.begun = self.counter.now();
     }
 
     #[inline(always)]
     fn started(&mut self) {
+        let cost = self.counter.now().wrapping_sub(self.begun);
+        self.start.add(self.counter.net(cost));
         self.stacks.start.look(usize::MAX);
         self.stacks.poll.paint(usize::MAX);
     }

@@ -224,14 +224,14 @@ impl<const AXES: usize> Interpreter<AXES> {
         let needs_feed = self.modal.feed.is_none() && !still;
         let kind = match mode {
             Mode::Rapid => MotionKind::Rapid,
-            Mode::Unprogrammed { told } if needs_feed => {
-                if !told {
+            Mode::Unprogrammed | Mode::UnprogrammedTold if needs_feed => {
+                if mode == Mode::Unprogrammed {
                     self.warn(line, span, NcWarningKind::RapidWithoutFeed);
+                    self.modal.mode = Mode::UnprogrammedTold;
                 }
-                self.modal.mode = Mode::Unprogrammed { told: true };
                 MotionKind::Rapid
             }
-            Mode::Line | Mode::Unprogrammed { .. } => MotionKind::Line,
+            Mode::Line | Mode::Unprogrammed | Mode::UnprogrammedTold => MotionKind::Line,
             Mode::Clockwise | Mode::Counterclockwise => MotionKind::Arc {
                 plane: self.modal.plane,
                 clockwise: mode == Mode::Clockwise,

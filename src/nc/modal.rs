@@ -12,11 +12,10 @@ pub(super) enum Mode {
     Line,
     Clockwise,
     Counterclockwise,
-    /// Neither is programmed yet: G01 with a feed, rapid motion without one.
-    Unprogrammed {
-        /// A warning has told of rapid motion.
-        told: bool,
-    },
+    /// Neither is programmed yet: G01 with a feed, rapid motion without one, of which a warning tells.
+    Unprogrammed,
+    /// The same, and the warning has told.
+    UnprogrammedTold,
 }
 
 /// What was in force before the line at hand. With a tag of its own, so that the first one is all bits zero.
@@ -65,10 +64,6 @@ impl<const AXES: usize> Modal<AXES> {
 
     /// At program start: G01 (rapid motion until there is a feed), G17, G71, G90, G94, G162, G260, G150, G359, and G53 or what P-ZERO-00002 says.
     pub fn new(default_index: u8) -> Self {
-        Self {
-            mode: Mode::Unprogrammed { told: false },
-            zero_set: usize::from(default_index).checked_sub(1),
-            ..Self::BLANK
-        }
+        Self { mode: Mode::Unprogrammed, zero_set: usize::from(default_index).checked_sub(1), ..Self::BLANK }
     }
 }

@@ -138,7 +138,9 @@ impl<const AXES: usize> Interpreter<AXES> {
         let first = first?;
         let kind = match mode {
             Mode::Rapid => MotionKind::Rapid,
-            Mode::Line | Mode::Unprogrammed { .. } if feed.is_some() || target == self.position => {
+            Mode::Line | Mode::Unprogrammed | Mode::UnprogrammedTold
+                if feed.is_some() || target == self.position =>
+            {
                 MotionKind::Line
             }
             _ => return None,

@@ -77,12 +77,20 @@ fn instructions(figures: &Figures, text: &mut String) {
          `command.poll_max` is the largest call in programs with three and six axes where the operator gives commands all the time: override, \
          feed hold,\nreduced speed. Each program runs with a command every 37 ticks and with random ones 1 to 50 ticks apart. \
          `command.wait_max` is the largest of\nthose calls that wait. `command.<program>.schedule` in the accepted figures names the schedule \
-         of the largest call.\n",
+         of the largest call.\n\n\
+         `Channel::split` takes {} instructions with 3 axes, {} with 4 and {} with 6 (`total.start_max`), with filters and axes beside the \
+         path {} (`beside.start_max`).\nThe largest call of a planner with those, filters that are switched included, takes {} \
+         (`beside.poll_max`).\n",
         CONTOUR.join(", "),
         SMOOTHED.join(", "),
         SHORT_ARCS.join(", "),
         SLOPES.join(", "),
-        SMOOTHED.join(", ")
+        SMOOTHED.join(", "),
+        get("total.start_max_3_axes"),
+        get("total.start_max_4_axes"),
+        get("total.start_max_6_axes"),
+        get("beside.start_max"),
+        get("beside.poll_max"),
     );
 }
 

@@ -83,7 +83,7 @@ pub(crate) const SHORT_ARCS: [&str; 1] = ["short_arcs"];
 pub(crate) const SLOPES: [&str; 5] = ["step", "sin2", "hsc", "hsc_opt", "micro"];
 
 /// Programs with curves over many blocks.
-pub(crate) const SMOOTHED: [&str; 2] = ["surface", "splines"];
+pub(crate) const SMOOTHED: [&str; 4] = ["surface", "rows", "splines", "six_surface"];
 
 /// Blocks of look-ahead with which instructions are counted.
 const LOOK_AHEAD: usize = hil_cases::BLOCKS;
@@ -144,6 +144,8 @@ pub struct Beside {
     taps: u64,
     average: u64,
     oscillation: u64,
+    /// The largest call of the planner, filters switched and axes started included, and of the split.
+    largest: [u64; 2],
     bytes: [u64; 2],
 }
 
@@ -156,16 +158,20 @@ impl Beside {
         let mean = |run: &TargetRun| run.tick.sum as f64 / run.tick.calls.max(1) as f64;
         let more = |run: &TargetRun, axes: f64| ((mean(run) - mean(nothing)) / axes).ceil().max(0.0) as u64;
         let (taps, average, oscillation) = (more(taps, 3.0), more(average, 3.0), more(oscillation, 1.0));
-        Ok(Self { taps, average, oscillation, bytes })
+        let largest = |of: fn(&TargetRun) -> u64| runs.iter().map(of).max().unwrap_or(0);
+        let largest = [largest(|run| run.plan.max), largest(|run| run.start.max)];
+        Ok(Self { taps, average, oscillation, largest, bytes })
     }
 
     /// Every figure.
     pub fn each(&self, mut show: impl FnMut(&str, u64)) {
-        let [tap, overlay] = self.bytes;
+        let ([tap, overlay], [poll, start]) = (self.bytes, self.largest);
         for (key, value) in [
             ("beside.tick_32_taps", self.taps),
             ("beside.tick_moving_average", self.average),
             ("beside.tick_oscillating_axis", self.oscillation),
+            ("beside.poll_max", poll),
+            ("beside.start_max", start),
             ("beside.bytes_per_tap", tap),
             ("beside.bytes_per_overlay", overlay),
         ] {
@@ -212,6 +218,7 @@ impl Figures {
             set("block_mean_contour", per_block(contour(), planning));
             set("decode_mean", per_block(all(), |run| run.decode.sum));
             set("poll_max", all().map(|run| run.plan.max).max().unwrap_or(0));
+            set("start_max", all().map(|run| run.start.max).max().unwrap_or(0));
         }
         let hsc = counted().filter(|run| HSC.contains(&run.name.as_str()));
         values.insert("total.block_mean_hsc".into(), per_block(hsc, planning));

@@ -23,6 +23,8 @@ pub struct TargetRun {
     pub look_ahead: usize,
     /// Bits of the set points, as on the host.
     pub set_points: Vec<i64>,
+    /// The call that splits the channel.
+    pub start: Cost,
     /// The interpolator's calls.
     pub tick: Cost,
     /// The planner's calls that did something.
@@ -73,6 +75,7 @@ pub fn read_runs(report: &str) -> Result<Vec<TargetRun>, String> {
                 let value = |key| number(&values, key, line);
                 let cost = Cost { calls: value("calls")?, sum: value("sum")?, max: value("max")? };
                 match name {
+                    "start" => run.start = cost,
                     "tick" => run.tick = cost,
                     "plan" => run.plan = cost,
                     "wait" => run.wait = cost,

@@ -61,6 +61,7 @@ pub const CASES_3: &[Case] = cases!(
     "contour",
     "corners",
     "surface",
+    "rows",
     "splines"
 );
 
@@ -68,7 +69,7 @@ pub const CASES_3: &[Case] = cases!(
 pub const CASES_4: &[Case] = cases!("rotary", "rotary_corners");
 
 /// Programs for [`AXES_6`].
-pub const CASES_6: &[Case] = cases!("six", "six_corners");
+pub const CASES_6: &[Case] = cases!("six", "six_corners", "six_surface");
 
 /// Programs for three axes with another look-ahead.
 pub const CASES_3_OTHER: &[Case] = cases!("short_blocks", "hsc_opt", "contour", "corners", "cam_dev");

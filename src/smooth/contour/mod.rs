@@ -247,6 +247,8 @@ pub struct Contouring<const AXES: usize> {
     half: bool,
     /// What is to be said about the curve that the last block led to.
     remark: Option<NcWarningKind>,
+    /// Since the last command a warning has told that the slope STEP optimises nothing.
+    told: bool,
 }
 
 /// What is being made, one at a time.
@@ -368,6 +370,7 @@ impl<const AXES: usize> Contouring<AXES> {
             skipped: None,
             half: false,
             remark: None,
+            told: false,
         }
     }
 
@@ -401,6 +404,7 @@ impl<const AXES: usize> Contouring<AXES> {
     /// Takes in a command. `in_motion`: it stands in a block with a motion.
     pub fn command(&mut self, contour: &Contour, in_motion: bool) {
         let before = self.parameters;
+        self.told = false;
         self.parameters.update(contour);
         if self.parameters != before && self.left_behind().is_some() && !in_motion {
             // Blocks left out: contouring goes on up to here.
@@ -681,8 +685,8 @@ impl<const AXES: usize> Smoother<AXES> for Contouring<AXES> {
             self.remark = Some(NcWarningKind::PtpArc);
         }
         let optimised = rounds && self.parameters.method.is_optimised();
-        if optimised && !self.parameters.told && dynamics.slope() == SlopeType::Step {
-            self.parameters.told = true;
+        if optimised && !self.told && dynamics.slope() == SlopeType::Step {
+            self.told = true;
             self.remark = Some(NcWarningKind::StepIsNotOptimised);
         }
         let rule = if rounds { Some(self.parameters.by(self.parameters.method)) } else { None };

@@ -67,8 +67,6 @@ pub struct Parameters {
     pointed: [bool; 3],
     /// Where functions between the blocks come out.
     pub action: ContourAction,
-    /// A warning has told that the slope STEP optimises nothing.
-    pub told: bool,
 }
 
 /// Sine of half an angle in degrees.
@@ -116,7 +114,6 @@ impl Parameters {
             point: [Position::ZERO; 3],
             pointed: [false; 3],
             action: ContourAction::Inter,
-            told: false,
         }
     }
 
@@ -127,7 +124,6 @@ impl Parameters {
                 *own = to_f32(value.to_bits()) * LSB_32;
             }
         };
-        self.told = false;
         if let Some(method) = contour.method {
             if method != self.method {
                 self.given = [false; 2];

@@ -1,0 +1,18 @@
+( Rows over a wavy surface, there and back: chords of 0.3 mm, a short step from row to row, HSC and Surface. )
+%rows
+N10 G90 G17 G00 X0 Y0 Z0
+N20 #SLOPE [TYPE=HSC]
+N30 #HSC ON [SURFACE PATH_DEV=0.02]
+N40 G01 F12000
+N50 $FOR P1=0, 3, 1
+N60 $FOR P2=1, 80, 1
+N70 X=P2*0.3 Z=1.5*SIN[P2*6]+0.4*SIN[P2*19+P1*40]
+N80 $ENDFOR
+N90 Y=P1*0.8+0.4
+N100 $FOR P2=79, 0, -1
+N110 X=P2*0.3 Z=1.5*SIN[P2*6]+0.4*SIN[P2*19+P1*40]
+N120 $ENDFOR
+N130 Y=P1*0.8+0.8
+N140 $ENDFOR
+N150 #HSC OFF
+N160 M30
