@@ -3,7 +3,7 @@
 use glidepath::channel::Channel;
 use glidepath::nc::Window;
 use glidepath_c_header::folder;
-use hil_cases::{BLOCKS, Unwatched, tasks};
+use hil_cases::{BLOCKS, Line, Unwatched, tasks};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::OnceLock;
@@ -39,41 +39,58 @@ fn library() -> &'static Path {
 }
 
 /// Compiles a C program with the library and runs it; what it wrote.
-fn run(name: &str, sources: &[PathBuf]) -> String {
+fn run(name: &str, sources: &[PathBuf], arguments: &[PathBuf]) -> String {
     let program = library().with_file_name(name);
     let mut gcc = Command::new("gcc");
     gcc.args(["-std=gnu11", "-g", "-O1", "-Wall", "-Wextra", "-Werror", "-pedantic"]);
-    for place in [folder().join("include"), folder().join("example"), root().join("boards/tasks")] {
-        gcc.arg("-I").arg(&place).arg(format!("-Wa,-I,{}", place.display()));
+    for place in ["include", "example"] {
+        gcc.arg("-I").arg(folder().join(place));
     }
     gcc.args(sources).arg(library()).args(["-lpthread", "-ldl", "-lm", "-o"]).arg(&program);
     output(&mut gcc);
     let has_valgrind = Command::new("valgrind").arg("--version").output().is_ok();
     if !has_valgrind {
         eprintln!("off: no valgrind");
-        return output(&mut Command::new(program));
+        return output(Command::new(program).args(arguments));
     }
     let mut valgrind = Command::new("valgrind");
     valgrind.args(["--quiet", "--error-exitcode=9", "--leak-check=full", "--track-origins=yes"]);
-    output(valgrind.arg(program))
+    output(valgrind.arg(program).args(arguments))
 }
 
 #[test]
 fn misuse_has_its_answers() {
-    let text = run("misuse", &[folder().join("header/tests/misuse.c")]);
+    let text = run("misuse", &[folder().join("header/tests/misuse.c")], &[]);
     assert!(text.ends_with(" checks\n"), "{text}");
 }
 
 #[test]
 fn the_example_has_the_set_points_of_rust() {
     let example = |name: &str| folder().join("example").join(name);
-    let sources = [folder().join("header/tests/desktop.c"), example("work.c"), example("program.S")];
-    let text = run("desktop", &sources);
+    let sources = [folder().join("header/tests/desktop.c"), example("work.c")];
+    let text = run("desktop", &sources, &[root().join("boards/tasks/tasks.nc")]);
     let mut channel = Box::new(Channel::<3, BLOCKS>::new());
-    let ours = tasks(&mut channel, &mut Window::new(), &mut Unwatched).expect("it runs");
+    let ours = tasks(&mut channel, &mut Window::new(), Line::SERIAL, &mut Unwatched).expect("it runs");
     let line = format!("ticks {} digest {:016x}\n", ours.ticks, ours.digest.value());
     assert!(text.ends_with(&line), "{text}expected {line}");
-    assert_eq!(text.lines().filter(|line| line.starts_with('N')).count(), 3, "{text}");
+    assert_eq!(text.lines().filter(|line| line.starts_with('N')).count(), 4, "{text}");
+}
+
+/// However slow the line is, and however late the second part: each part is taken when it is whole.
+#[test]
+fn late_text_makes_no_difference() {
+    let mut channel = Box::new(Channel::<3, BLOCKS>::new());
+    let mut run = |line| {
+        let outcome = tasks(&mut channel, &mut Window::new(), line, &mut Unwatched).expect("it runs");
+        (outcome.ticks, outcome.digest.value())
+    };
+    let usual = run(Line::SERIAL);
+    for bytes in [1, 2, 3, 7, 50, 1000] {
+        for late in [0, 1, 2, 17, 5000] {
+            let line = Line { bytes, late };
+            assert_eq!(run(line), usual, "{line:?}");
+        }
+    }
 }
 
 #[test]
