@@ -245,7 +245,8 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
     /// A command of the operator, an acknowledgement or new program text acts when the planner is called: whoever gives it
     /// wakes the task. `None`: the motion stands, and goes on only with one of them.
     pub fn wakes_after(&self) -> Option<u32> {
-        let stands = self.is_waiting() || self.is_holding() || (self.is_at_rest() && self.filters.is_settled());
+        let stands =
+            self.is_waiting() || self.is_holding() || (self.is_at_rest() && self.filters.is_settled());
         (!stands).then(|| if self.beside.is_free() { self.planning.ticks_of_reserve() } else { 1 })
     }
 

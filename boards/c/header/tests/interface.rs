@@ -2,60 +2,25 @@
 //! under valgrind where that is installed.
 use glidepath::channel::Channel;
 use glidepath::nc::Window;
-use glidepath_c_header::folder;
+use glidepath_c_header::{c, folder};
 use hil_cases::{BLOCKS, Line, Unwatched, tasks};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::Command;
-use std::sync::OnceLock;
 
-fn root() -> PathBuf {
-    folder().join("../..")
-}
-
-/// Runs a command; what it wrote.
-fn output(command: &mut Command) -> String {
-    let output = command.output().unwrap_or_else(|e| panic!("{command:?}: {e}"));
-    let text = String::from_utf8_lossy(&output.stdout).into_owned();
-    let said = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{command:?}: {}\n{text}{said}", output.status);
-    text
-}
-
-/// The library for the host, built once. With checks of overflows and debug assertions, and quickly.
-fn library() -> &'static Path {
-    static LIBRARY: OnceLock<PathBuf> = OnceLock::new();
-    LIBRARY.get_or_init(|| {
-        let target = root().join("target/c");
-        let mut cargo = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
-        cargo.current_dir(folder()).args(["build", "--release", "--quiet"]).env("CARGO_TARGET_DIR", &target);
-        for (key, value) in
-            [("LTO", "off"), ("OPT_LEVEL", "1"), ("CODEGEN_UNITS", "16"), ("DEBUG_ASSERTIONS", "true")]
-        {
-            cargo.env(format!("CARGO_PROFILE_RELEASE_{key}"), value);
-        }
-        output(&mut cargo);
-        target.join("release/libglidepath_c.a")
-    })
-}
-
-/// Compiles a C program with the library and runs it; what it wrote.
-fn run(name: &str, sources: &[PathBuf], arguments: &[PathBuf]) -> String {
-    let program = library().with_file_name(name);
-    let mut gcc = Command::new("gcc");
-    gcc.args(["-std=gnu11", "-g", "-O1", "-Wall", "-Wextra", "-Werror", "-pedantic"]);
-    for place in ["include", "example"] {
-        gcc.arg("-I").arg(folder().join(place));
-    }
-    gcc.args(sources).arg(library()).args(["-lpthread", "-ldl", "-lm", "-o"]).arg(&program);
-    output(&mut gcc);
+/// Compiles a C program with the library and runs it, under valgrind where that is installed; what it wrote.
+fn run(name: &str, sources: &[PathBuf], arguments: &[&str]) -> String {
+    let program = c::compile(name, sources).unwrap_or_else(|e| panic!("{e}"));
     let has_valgrind = Command::new("valgrind").arg("--version").output().is_ok();
-    if !has_valgrind {
+    let mut command = if has_valgrind {
+        let mut valgrind = Command::new("valgrind");
+        valgrind.args(["--quiet", "--error-exitcode=9", "--leak-check=full", "--track-origins=yes"]);
+        valgrind.arg(program);
+        valgrind
+    } else {
         eprintln!("off: no valgrind");
-        return output(Command::new(program).args(arguments));
-    }
-    let mut valgrind = Command::new("valgrind");
-    valgrind.args(["--quiet", "--error-exitcode=9", "--leak-check=full", "--track-origins=yes"]);
-    output(valgrind.arg(program).args(arguments))
+        Command::new(program)
+    };
+    c::output(command.args(arguments)).unwrap_or_else(|e| panic!("{e}"))
 }
 
 #[test]
@@ -68,7 +33,8 @@ fn misuse_has_its_answers() {
 fn the_example_has_the_set_points_of_rust() {
     let example = |name: &str| folder().join("example").join(name);
     let sources = [folder().join("header/tests/desktop.c"), example("work.c")];
-    let text = run("desktop", &sources, &[root().join("boards/tasks/tasks.nc")]);
+    let program = c::root().join("boards/tasks/tasks.nc");
+    let text = run("desktop", &sources, &[&program.to_string_lossy()]);
     let mut channel = Box::new(Channel::<3, BLOCKS>::new());
     let ours = tasks(&mut channel, &mut Window::new(), Line::SERIAL, &mut Unwatched).expect("it runs");
     let line = format!("ticks {} digest {:016x}\n", ours.ticks, ours.digest.value());
@@ -96,9 +62,14 @@ fn late_text_makes_no_difference() {
 #[test]
 fn the_header_goes_with_cpp() {
     let header = folder().join("include/glidepath.h");
-    output(
-        Command::new("g++")
-            .args(["-std=c++17", "-fsyntax-only", "-Wall", "-Werror", "-x", "c++"])
-            .arg(header),
-    );
+    let mut compiler = Command::new("g++");
+    compiler.args(["-std=c++17", "-fsyntax-only", "-Wall", "-Werror", "-x", "c++"]).arg(header);
+    c::output(&mut compiler).unwrap_or_else(|e| panic!("{e}"));
+}
+
+/// The short form, under valgrind; the long one is `cargo run --release -p glidepath-c-header --example fuzz -- 10000000`.
+#[test]
+fn calls_at_random_have_their_answers() {
+    let text = run("fuzz", &[folder().join("header/tests/fuzz.c")], &["20000"]);
+    assert!(text.ends_with(" calls\n"), "{text}");
 }
