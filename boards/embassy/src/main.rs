@@ -135,10 +135,12 @@ fn USART1() {
     if LINE.is_none() {
         *LINE = LINE_BOX.lock(RefCell::take);
     }
-    if let Some(line) = LINE
-        && BYTES.try_send(line.dr().read().dr().bits() as u8).is_err()
-    {
-        hprintln!("a byte is lost");
+    let Some(line) = LINE else { return };
+    if BYTES.is_full() {
+        // The task goes on first: the byte stays where it is. With RTS the UART stops the sender meanwhile.
+        NVIC::mask(Interrupt::USART1);
+    } else {
+        let _ = BYTES.try_send(line.dr().read().dr().bits() as u8);
     }
 }
 
@@ -215,6 +217,8 @@ async fn receive(mut feeder: Feeder<'static, WINDOW>) {
     let (mut part, mut length) = ([0; PART], 0);
     loop {
         let byte = BYTES.receive().await;
+        // SAFETY: the interrupt has what it needs.
+        unsafe { NVIC::unmask(Interrupt::USART1) };
         if byte == END_OF_PART {
             if feeder.push(part.get(..length).unwrap_or_default()) != length {
                 hprintln!("the sender was too early");
