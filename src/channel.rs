@@ -239,6 +239,17 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         self.planning.is_waiting() && self.filters.is_settled()
     }
 
+    /// After how many ticks [`Self::poll`] should be called again once it has said [`Progress::Waiting`], for a task that
+    /// sleeps in between: 1 at least. The motion is the same as with a call after each tick, and is not slowed down.
+    ///
+    /// A command of the operator, an acknowledgement or new program text acts when the planner is called: whoever gives it
+    /// wakes the task. `None`: the motion stands, and goes on only with one of them.
+    pub fn wakes_after(&self) -> Option<u32> {
+        let stands =
+            self.is_waiting() || self.is_holding() || (self.is_at_rest() && self.filters.is_settled());
+        (!stands).then(|| if self.beside.is_free() { self.planning.ticks_of_reserve() } else { 1 })
+    }
+
     /// The span of motion blocks planned last. Only after [`Progress::Planned`] or [`Progress::Replanned`],
     /// before the next call of [`Self::poll`].
     pub fn planned(&self) -> PlannedBlock {

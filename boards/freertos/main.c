@@ -3,7 +3,7 @@
 // | who       | priority                | what it has               |
 // |-----------|-------------------------|---------------------------|
 // | TIM2      | interrupt, above tasks  | the interpolator          |
-// | receive   | 3                       | the feeder                |
+// | USART1    | interrupt               | the feeder                |
 // | functions | 3                       | the operator, by a mutex  |
 // | panel     | 2                       | the operator, by a mutex  |
 // | plan      | 1                       | the planner               |
@@ -20,9 +20,9 @@
 #define PLAN_WORDS 2048
 #define WORDS 512
 
-static StackType_t plan_stack[PLAN_WORDS], stacks[3][WORDS];
-static StaticTask_t plan_task, tasks[3];
-static TaskHandle_t woken[4];
+static StackType_t plan_stack[PLAN_WORDS], stacks[2][WORDS];
+static StaticTask_t plan_task, tasks[2];
+static TaskHandle_t woken[3];
 static StaticSemaphore_t operator_mutex;
 static SemaphoreHandle_t operator_lock;
 
@@ -33,7 +33,7 @@ void TIM2_Handler(void) {
     BaseType_t is_higher = pdFALSE;
     TIM2[SR] = 0;
     tick();
-    for (int k = 0; k < 4; k++) {
+    for (int k = 0; k < 3; k++) {
         vTaskNotifyGiveFromISR(woken[k], &is_higher);
     }
     portYIELD_FROM_ISR(is_higher);
@@ -42,14 +42,6 @@ void TIM2_Handler(void) {
 // Waits for the next cycle, or for none if one has passed meanwhile.
 static void cycle(void) {
     ulTaskNotifyTake(pdTRUE, portMAX_DELAY);
-}
-
-static void receive_task(void *unused) {
-    (void)unused;
-    for (;;) {
-        cycle();
-        receive();
-    }
 }
 
 static void functions_task(void *unused) {
@@ -96,12 +88,12 @@ void vApplicationIdleHook(void) {
 int main(void) {
     begin();
     operator_lock = xSemaphoreCreateMutexStatic(&operator_mutex);
-    woken[0] = xTaskCreateStatic(receive_task, "receive", WORDS, NULL, 3, stacks[0], &tasks[0]);
-    woken[1] = xTaskCreateStatic(functions_task, "functions", WORDS, NULL, 3, stacks[1], &tasks[1]);
-    woken[2] = xTaskCreateStatic(panel_task, "panel", WORDS, NULL, 2, stacks[2], &tasks[2]);
-    woken[3] = xTaskCreateStatic(plan_task_loop, "plan", PLAN_WORDS, NULL, 1, plan_stack, &plan_task);
+    woken[0] = xTaskCreateStatic(functions_task, "functions", WORDS, NULL, 3, stacks[0], &tasks[0]);
+    woken[1] = xTaskCreateStatic(panel_task, "panel", WORDS, NULL, 2, stacks[1], &tasks[1]);
+    woken[2] = xTaskCreateStatic(plan_task_loop, "plan", PLAN_WORDS, NULL, 1, plan_stack, &plan_task);
     portDISABLE_INTERRUPTS(); // until the first task runs
     start_timer();
+    start_line();
     vTaskStartScheduler();
     return 1;
 }

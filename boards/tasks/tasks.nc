@@ -1,6 +1,6 @@
-( What the examples of RTIC, Embassy, FreeRTOS and C run. The dwell is the time in which text arrives. )
+( The examples of RTIC, Embassy, FreeRTOS and C. M26 waits for text; the text behind N80 comes late. )
 %tasks
-N10 G04 0.5
+N10 M26
 N20 G01 X30 Y10 F12000
 N30 G261 X60
 N40 Y40

@@ -20,8 +20,8 @@ use crate::machine::{AxisKind, ChannelData};
 use crate::math::divide::div_wide;
 use crate::math::wide::mul_wide;
 use crate::nc::{
-    Command, Head, Independent, Motion, NcWarning, NcWarningKind, Oscillation, OscillationAction,
-    OscillationSpeed, Place, Text,
+    COORDINATE_MAX, Command, Head, Independent, Motion, NcWarning, NcWarningKind, Oscillation,
+    OscillationAction, OscillationSpeed, Place, Text,
 };
 use crate::plan::MotionError;
 use crate::quantity::{Feed, Position};
@@ -60,7 +60,7 @@ impl core::fmt::Display for MoveError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         f.write_str(match self {
             Self::NotAtRest => "a single axis is moved at rest, when all blocks read are executed",
-            Self::Range => "no such motion; expected an axis of the machine and a feed above 0",
+            Self::Range => "no such motion; expected an axis of the machine, a position up to 100 000 mm or degrees and a feed above 0",
             Self::Motion(MotionError::Beyond(_)) => "the axis would come beyond its software limit",
             Self::Motion(_) => "the motion takes more than 134 217 728 ticks; raise the feed",
             Self::Full => "no overlay is free; expected fewer axes at once, or more OVERLAYS of the channel",
@@ -483,7 +483,9 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         if busy || self.source != Source::Ended || !self.planning.is_at_rest() {
             return Err(MoveError::NotAtRest);
         }
-        if axis >= AXES || feed.is_some_and(|feed| feed <= 0) {
+        const MAX: Position = Position::const_from_int(COORDINATE_MAX as i64);
+        let is_far = target > MAX || target < -MAX;
+        if axis >= AXES || is_far || feed.is_some_and(|feed| feed <= 0) {
             return Err(MoveError::Range);
         }
         let from = self.from(axis, Place::NONE).map_err(|_| MoveError::Range)?;

@@ -61,6 +61,39 @@ impl<const AXES: usize> Settings<AXES> {
             Design::NONE
         }
     }
+
+    /// The delay of the channel, in half cycles.
+    fn delay(&self, given: &nc::Filter) -> u32 {
+        (0..AXES).map(|axis| self.design(axis, given).delay()).fold(0, u32::max)
+    }
+
+    /// Whether memory of so many taps is enough for it, and every axis may have it.
+    pub fn check<const TAPS: usize>(&self, given: &nc::Filter) -> Result<(), FilterError> {
+        // Samples that can have taps.
+        let room = TAPS / 2 * 2;
+        let delay = self.delay(given);
+        for axis in 0..AXES {
+            let design = self.design(axis, given);
+            if design.order > design.highest() {
+                return Err(FilterError::Order(axis, design.order, design.highest(), false));
+            }
+            // The oldest sample is that of the channel's delay and half the own window.
+            if design.order > 0 && (delay + design.delay()).div_ceil(2) as usize >= room {
+                let most = if design.kind == FilterType::Delay { room / 2 } else { room };
+                return Err(FilterError::Order(axis, design.order, most.saturating_sub(1) as u32, true));
+            }
+            let [reach, step] = [&self.reach, &self.step].map(|of| of.get(axis).copied());
+            let kind = kernel::layout(&design, delay, reach.unwrap_or(0.0)).kind;
+            if kind == Kind::Taps && step.unwrap_or(0.0) > taps::REACH {
+                return Err(FilterError::Acceleration(axis));
+            }
+            let weighted = self.weighted.get(axis).copied().unwrap_or(true);
+            if design.order > 0 && design::acc_fact(given) > 1.0 && !weighted {
+                return Err(FilterError::NoTransitionWeight(axis));
+            }
+        }
+        design::tolerance(given).map(|_| ())
+    }
 }
 
 /// How far the change to other kernels is.
@@ -87,9 +120,6 @@ pub struct Bank<'a, const AXES: usize, const TAPS: usize> {
 }
 
 impl<'a, const AXES: usize, const TAPS: usize> Bank<'a, AXES, TAPS> {
-    /// Samples that can have taps.
-    const ROOM: usize = TAPS / 2 * 2;
-
     /// With the filters of the machine data in force, before both sides run.
     pub(super) fn new(words: &'a Words<AXES, TAPS>, settings: Settings<AXES>) -> Result<Self, FilterError> {
         let given = [nc::Filter::default(); 2];
@@ -109,35 +139,14 @@ impl<'a, const AXES: usize, const TAPS: usize> Bank<'a, AXES, TAPS> {
         wanted
     }
 
-    /// The delay of the channel, in half cycles.
-    fn delay(&self, given: &nc::Filter) -> u32 {
-        (0..AXES).map(|axis| self.settings.design(axis, given).delay()).fold(0, u32::max)
-    }
-
     /// Whether there is memory for it, and every axis may have it.
     fn check(&self, given: &nc::Filter) -> Result<(), FilterError> {
-        let delay = self.delay(given);
-        for axis in 0..AXES {
-            let design = self.settings.design(axis, given);
-            if design.order > design.highest() {
-                return Err(FilterError::Order(axis, design.order, design.highest(), false));
-            }
-            // The oldest sample is that of the channel's delay and half the own window.
-            if design.order > 0 && (delay + design.delay()).div_ceil(2) as usize >= Self::ROOM {
-                let most = if design.kind == FilterType::Delay { Self::ROOM / 2 } else { Self::ROOM };
-                return Err(FilterError::Order(axis, design.order, most.saturating_sub(1) as u32, true));
-            }
-            let [reach, step] = [&self.settings.reach, &self.settings.step].map(|of| of.get(axis).copied());
-            let kind = kernel::layout(&design, delay, reach.unwrap_or(0.0)).kind;
-            if kind == Kind::Taps && step.unwrap_or(0.0) > taps::REACH {
-                return Err(FilterError::Acceleration(axis));
-            }
-            let weighted = self.settings.weighted.get(axis).copied().unwrap_or(true);
-            if design.order > 0 && design::acc_fact(given) > 1.0 && !weighted {
-                return Err(FilterError::NoTransitionWeight(axis));
-            }
-        }
-        design::tolerance(given).map(|_| ())
+        self.settings.check::<TAPS>(given)
+    }
+
+    /// The delay of the channel, in half cycles.
+    fn delay(&self, given: &nc::Filter) -> u32 {
+        self.settings.delay(given)
     }
 
     /// Writes the kernel of an axis.

@@ -208,6 +208,15 @@ impl<const AXES: usize, const TAPS: usize> Filters<AXES, TAPS> {
         Self { words: Words::new(), state: State::new() }
     }
 
+    /// Whether such memory is enough for the filters that machine data switch on, for a loader that tells what is wrong
+    /// before anything starts.
+    ///
+    /// # Errors
+    /// As [`Self::split`].
+    pub fn check(machine: &MachineData<AXES>) -> Result<(), FilterError> {
+        Settings::new(machine).check::<TAPS>(&nc::Filter::default())
+    }
+
     /// The ends of planner and interrupt, with the filters that machine data switch on. The axes stand at
     /// `start`.
     ///

@@ -24,6 +24,14 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         !clock::is_before(self.queue.clock.now(), self.frontier.end)
     }
 
+    /// Half of the ticks to the way in reserve, or to the end of what is in the queue: time for a planner that does
+    /// something else. 1 at least.
+    pub fn ticks_of_reserve(&self) -> u32 {
+        let ahead = self.reserve.kept.map_or(self.frontier.end, |way| way.at);
+        let ticks = (ahead.wrapping_sub(self.queue.clock.now()) as i32).max(0).unsigned_abs() / clock::TICK;
+        (ticks / 2).max(1)
+    }
+
     /// End of the last block taken in. At rest it is the set point of every axis, to the last bit.
     pub fn position(&self) -> &[Position; AXES] {
         &self.intake.programmed

@@ -9,6 +9,9 @@ use std::time::Duration;
 /// itself.
 const LIMIT: Duration = Duration::from_secs(1800);
 
+/// The same of a program that is talked to, and waits for ever where a byte is lost.
+const TALK_LIMIT: Duration = Duration::from_secs(240);
+
 /// Chip of the reference board.
 const CHIP: &str = "STM32F405RGTx";
 
@@ -151,6 +154,20 @@ impl Firmware {
             return Err(format!("{name} did not end within {} s", LIMIT.as_secs()));
         }
         Ok(output)
+    }
+
+    /// The text a binary wrote that gets bytes over its first serial line: what `sender` says, each time something was
+    /// written.
+    pub fn talk(&self, name: &str, sender: impl FnMut(&[u8]) -> Option<Vec<u8>>) -> Result<String, String> {
+        let mut command = Command::new(&self.runner);
+        command.args(["-M", "netduinoplus2", "-nographic", "-monitor", "none", "-serial", "stdio"]);
+        command.args(["-semihosting-config", "enable=on,target=native", "-icount", "shift=0,sleep=off"]);
+        let output = shell::talk(command.arg("-kernel").arg(artifact(name)), TALK_LIMIT, sender)?;
+        let text = String::from_utf8_lossy(&output.out).into_owned();
+        if output.success {
+            return Ok(text);
+        }
+        Err(format!("{name} failed on the target:\n{text}\n{}", output.err))
     }
 
     /// The text a binary wrote; an error if it failed.

@@ -6,7 +6,7 @@ use glidepath::nc::Window;
 use glidepath::quantity::Position;
 use hil_cases::{
     AXES_3, AXES_3_DEEP, AXES_3_SHORT, AXES_4, AXES_6, AXES_6_SHORT, BLOCKS, BesideCase, CASES_3,
-    CASES_3_OTHER, CASES_4, CASES_6, CASES_6_OTHER, CASES_BESIDE, CASES_SLIM, Case, DEEP, FilterMemory,
+    CASES_3_OTHER, CASES_4, CASES_6, CASES_6_OTHER, CASES_BESIDE, CASES_SLIM, Case, DEEP, FilterMemory, Line,
     Outcome, SEEDS, SHORT, Watch, beside, commanded, run, session,
 };
 use std::time::Duration;
@@ -97,7 +97,8 @@ fn run_session(name: &'static str) -> Result<HostRun, String> {
 pub fn tasks() -> Result<HostRun, String> {
     let mut set_points = Vec::new();
     let mut channel = Box::new(Channel::<3, BLOCKS>::new());
-    let outcome = hil_cases::tasks(&mut channel, &mut Window::new(), &mut Collector(&mut set_points))
+    let watch = &mut Collector(&mut set_points);
+    let outcome = hil_cases::tasks(&mut channel, &mut Window::new(), Line::SERIAL, watch)
         .map_err(|failure| format!("boards/tasks/tasks.nc on the host: {failure:?}"))?;
     Ok(HostRun { name: "tasks", axes: 3, blocks: BLOCKS, set_points, outcome })
 }

@@ -33,6 +33,7 @@ cargo xtask COMMAND
   hil --commands  only programs with commands all the time: digests, and the largest call of each
   hil --panic   only the proof that no panicking path is left; names the places if there are any
   rtos          only the programs in an operating system and in C: RTIC, Embassy, C, FreeRTOS; digests
+  rtos NAME     only that of one of them: rtic, embassy, c, freertos
   header        writes the header of boards/c anew
   bench         instruction counts and memory, against the accepted ones
   bench --accept  makes the measured figures the accepted ones and writes docs/figures.md
@@ -55,7 +56,8 @@ fn main() -> ExitCode {
         ["hil", "--interrupt"] => hil::only_interrupt(),
         ["hil", "--commands"] => hil::only_commands(),
         ["hil", "--panic"] => hil::panic_proof(),
-        ["rtos"] => rtos::all(),
+        ["rtos"] => rtos::all(None),
+        ["rtos", name] => rtos::all(Some(name)),
         ["header"] => rtos::header(),
         ["bench"] => hil::bench(false),
         ["bench", "--accept"] => hil::bench(true),

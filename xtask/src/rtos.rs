@@ -3,23 +3,22 @@ use crate::firmware::{Firmware, Place, artifact};
 use crate::host::{self, HostRun};
 use crate::shell::{root, step};
 use crate::{shell, target, toolchain};
+use hil_cases::{END_OF_PART, SECOND_PART, TASKS as TASKS_NC};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Duration;
 
-/// Their workspace, and the binaries of those in Rust.
+/// Their workspace.
 const TASKS: &str = "boards/tasks";
-const PROGRAMS: [&str; 2] = ["glidepath-rtic", "glidepath-embassy"];
 
-/// The static library for C, and the program made with it.
+/// The static library for C, and what all programs made with it have.
 const C: &str = "boards/c";
+const C_PACKAGE: &str = "glidepath-c";
 const C_LIBRARY: &str = "libglidepath_c.a";
-const C_PROGRAM: &str = "glidepath-c";
-const C_SOURCES: [&str; 4] = ["start.c", "work.c", "print.c", "program.S"];
+const C_SOURCES: [&str; 4] = ["start.c", "work.c", "line.c", "print.c"];
 
 /// FreeRTOS: the example, the crate that holds the kernel, and what of it is compiled.
 const FREERTOS: &str = "boards/freertos";
-const FREERTOS_PROGRAM: &str = "glidepath-freertos";
 const KERNEL_CRATE: &str = "/freertos-next-";
 const KERNEL_PORT: &str = "portable/GCC/ARM_CM4F";
 const KERNEL_SOURCES: [&str; 4] = ["tasks.c", "queue.c", "list.c", "portable/GCC/ARM_CM4F/port.c"];
@@ -46,24 +45,80 @@ const C_FLAGS: [&str; 14] = [
 ];
 
 /// Lines of functions that the program puts out.
-const FUNCTIONS: usize = 3;
+const FUNCTIONS: usize = 4;
 
-/// Only these: `cargo xtask rtos`.
-pub fn all() -> Result<(), String> {
+/// The byte that a program sends when its line is ready.
+const READY: char = '\u{11}';
+
+/// What a program has written when the sender sends the first part, and the second.
+const SIGNALS: [&[u8]; 2] = [b"\x11", b"N80"];
+
+/// Each program: its name in `cargo xtask rtos NAME`, its binary, and the files of its folder that a user writes.
+struct Program {
+    name: &'static str,
+    binary: &'static str,
+    sources: &'static [&'static str],
+}
+
+const RUST: [Program; 2] = [
+    Program { name: "rtic", binary: "glidepath-rtic", sources: &["src/main.rs"] },
+    Program { name: "embassy", binary: "glidepath-embassy", sources: &["src/main.rs"] },
+];
+const C_PROGRAMS: [Program; 2] = [
+    Program {
+        name: "c",
+        binary: "glidepath-c",
+        sources: &["example/main.c", "example/work.c", "example/line.c", "example/machine.h"],
+    },
+    Program {
+        name: "freertos",
+        binary: "glidepath-freertos",
+        sources: &["main.c", "../c/example/work.c", "../c/example/line.c", "../c/example/machine.h"],
+    },
+];
+
+/// Only these: `cargo xtask rtos`, or the one called `name`.
+pub fn all(name: Option<&str>) -> Result<(), String> {
+    let known = RUST.iter().chain(&C_PROGRAMS).map(|program| program.name);
+    if let Some(name) = name
+        && !known.clone().any(|other| other == name)
+    {
+        let known: Vec<&str> = known.collect();
+        return Err(format!("no program is called {name}; expected one of {}", known.join(", ")));
+    }
     step("firmware");
-    run(&Firmware::prepare(Place::Emulator)?)
+    chosen(&Firmware::prepare(Place::Emulator)?, name)
 }
 
 /// Builds all of them and runs them.
 pub fn run(firmware: &Firmware) -> Result<(), String> {
-    step("in an operating system");
+    chosen(firmware, None)
+}
+
+fn chosen(firmware: &Firmware, name: Option<&str>) -> Result<(), String> {
+    let is_chosen = |program: &&Program| name.is_none_or(|name| name == program.name);
+    let rust: Vec<&Program> = RUST.iter().filter(is_chosen).collect();
+    let c: Vec<&Program> = C_PROGRAMS.iter().filter(is_chosen).collect();
+    let compiler = if c.is_empty() { Err("not asked for".into()) } else { toolchain::c_compiler() };
     let host = host::tasks()?;
-    firmware.build(TASKS, &[], &[])?;
-    for binary in PROGRAMS {
-        alike(&host, binary, &firmware.report(binary)?)?;
+    let mut packages: Vec<&str> = rust.iter().map(|program| program.binary).collect();
+    if compiler.is_ok() {
+        packages.push(C_PACKAGE);
     }
-    step("in C programs");
-    c_programs(firmware, &host)
+    // One build: what they have in common is compiled once.
+    let packages: Vec<&str> = packages.iter().flat_map(|name| ["--package", name]).collect();
+    firmware.build(TASKS, &packages, &[])?;
+    step("in an operating system, and in C");
+    for program in rust {
+        alike(&host, program, firmware)?;
+    }
+    match compiler {
+        Ok(compiler) => c.iter().try_for_each(|program| c_program(firmware, &host, &compiler, program)),
+        Err(why) => {
+            c.iter().for_each(|program| eprintln!("   {}: off: {why}", program.name));
+            Ok(())
+        }
+    }
 }
 
 /// Writes the header for C: `cargo xtask header`.
@@ -71,33 +126,28 @@ pub fn header() -> Result<(), String> {
     shell::run(shell::cargo(&root()).args(["run", "--release", "--package", "glidepath-c-header"]))
 }
 
-/// The static library, linked to C programs: one without an operating system, and one with FreeRTOS.
-fn c_programs(firmware: &Firmware, host: &HostRun) -> Result<(), String> {
-    let compiler = match toolchain::c_compiler() {
-        Ok(compiler) => compiler,
-        Err(why) => {
-            eprintln!("   off: {why}");
-            return Ok(());
-        }
-    };
+/// The static library, linked to a C program: one without an operating system, or one with FreeRTOS.
+fn c_program(firmware: &Firmware, host: &HostRun, compiler: &Path, program: &Program) -> Result<(), String> {
     let example = root().join(C).join("example");
-    let common = C_SOURCES.map(|name| example.join(name));
-    let bare = [&common[..], &[example.join("main.c")]].concat();
-    let (kernel, freertos) = (kernel()?, root().join(FREERTOS));
-    let mut with_kernel = [&common[..], &[freertos.join("main.c")]].concat();
-    with_kernel.extend(KERNEL_SOURCES.map(|name| kernel.join(name)));
-    let folders = [freertos, kernel.join("include"), kernel.join(KERNEL_PORT)];
-    for (name, sources, folders) in [(C_PROGRAM, bare, &[][..]), (FREERTOS_PROGRAM, with_kernel, &folders)] {
-        let mut gcc = Command::new(&compiler);
-        gcc.args(C_FLAGS).arg("-I").arg(root().join(C).join("include")).arg("-I").arg(&example);
-        gcc.args(folders.iter().flat_map(|folder| ["-I".into(), folder.clone()]));
-        gcc.arg(format!("-Wa,-I,{}", root().join(TASKS).display()));
-        gcc.arg("-L").arg(root()).arg("-T").arg(example.join("link.ld"));
-        gcc.args(sources).arg(artifact(C_LIBRARY)).arg("-lgcc");
-        shell::run(gcc.arg("-o").arg(artifact(name)))?;
-        alike(host, name, &firmware.report(name)?)?;
+    let mut sources: Vec<PathBuf> = C_SOURCES.iter().map(|name| example.join(name)).collect();
+    let mut folders = vec![root().join(C).join("include"), example.clone()];
+    if program.name == "freertos" {
+        let (kernel, freertos) = (kernel()?, root().join(FREERTOS));
+        sources.push(freertos.join("main.c"));
+        sources.extend(KERNEL_SOURCES.map(|name| kernel.join(name)));
+        folders.extend([freertos, kernel.join("include"), kernel.join(KERNEL_PORT)]);
+    } else {
+        sources.push(example.join("main.c"));
     }
-    Ok(())
+    let mut gcc = Command::new(compiler);
+    gcc.args(C_FLAGS);
+    for folder in folders {
+        gcc.arg("-I").arg(folder);
+    }
+    gcc.arg("-L").arg(root()).arg("-T").arg(example.join("link.ld"));
+    gcc.args(sources).arg(artifact(C_LIBRARY)).arg("-lgcc");
+    shell::run(gcc.arg("-o").arg(artifact(program.binary)))?;
+    alike(host, program, firmware)
 }
 
 /// The folder of the FreeRTOS kernel, which a crate of the registry holds.
@@ -111,22 +161,57 @@ fn kernel() -> Result<PathBuf, String> {
     Ok(Path::new(manifest).with_file_name("FreeRTOS-Kernel"))
 }
 
-/// The set points are the host's, and the functions came.
-fn alike(host: &HostRun, name: &str, report: &str) -> Result<(), String> {
+/// The parts of the program: the second one is sent when the motion stands.
+fn parts() -> [Vec<u8>; 2] {
+    let at = TASKS_NC.windows(SECOND_PART.len()).position(|word| word == SECOND_PART);
+    let (first, second) = TASKS_NC.split_at_checked(at.unwrap_or(0)).unwrap_or_default();
+    [first, second].map(|part| [part, &[END_OF_PART]].concat())
+}
+
+/// Runs it with its text over the serial line. The set points are the host's, the functions came, and its folder's README
+/// says how many lines a user writes.
+fn alike(host: &HostRun, program: &Program, firmware: &Firmware) -> Result<(), String> {
+    let (name, mut parts, mut next) = (program.name, parts(), 0);
+    let report = firmware.talk(program.binary, |said| {
+        let signal = SIGNALS.get(next)?;
+        let is_time = said.windows(signal.len()).any(|word| word == *signal);
+        let part = parts.get_mut(next).filter(|_| is_time)?;
+        next += 1;
+        Some(std::mem::take(part))
+    })?;
     let last = report.lines().last().unwrap_or_default();
     let values = target::fields(last);
-    let theirs = (target::number(&values, "ticks", report)?, target::digest(&values, report)?);
+    let theirs = (target::number(&values, "ticks", &report)?, target::digest(&values, &report)?);
     let ours = (u64::from(host.outcome.ticks), host.outcome.digest.value());
-    let functions = report.lines().filter(|line| line.starts_with('N')).count();
+    let functions = report.lines().filter(|line| line.trim_start_matches(READY).starts_with('N')).count();
     if theirs != ours || functions != FUNCTIONS {
         return Err(format!(
             "{name}: host {} ticks, digest {:016x}, {FUNCTIONS} functions; target:\n{report}",
             ours.0, ours.1
         ));
     }
+    let lines = told_lines(program)?;
     eprintln!(
-        "   {name:<16} {:>7} ticks  {:016x}  as on the host, {functions} functions",
+        "   {name:<10} {:>7} ticks  {:016x}  as on the host; {functions} functions, {lines} lines of user code",
         theirs.0, theirs.1
     );
     Ok(())
+}
+
+/// Lines of code that a user writes, without comments and empty ones; the README says so.
+fn told_lines(program: &Program) -> Result<usize, String> {
+    let folder = root().join("boards").join(program.name);
+    let read = |file: &str| {
+        std::fs::read_to_string(folder.join(file)).map_err(|e| format!("{}/{file}: {e}", program.name))
+    };
+    let mut lines = 0;
+    for file in program.sources {
+        let is_code = |line: &&str| !line.trim().is_empty() && !line.trim().starts_with("//");
+        lines += read(file)?.lines().filter(is_code).count();
+    }
+    let said = format!("{lines} lines of code");
+    if read("README.md")?.contains(&said) {
+        return Ok(lines);
+    }
+    Err(format!("boards/{}/README.md does not say \"{said}\"", program.name))
 }

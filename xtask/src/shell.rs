@@ -1,7 +1,8 @@
 //! Child processes, told to the user.
-use std::io::Read;
+use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
+use std::sync::mpsc;
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
@@ -56,6 +57,51 @@ pub fn capture(command: &mut Command, limit: Duration) -> Result<Output, String>
     let (success, timed_out) = wait(&mut child, limit).map_err(|e| format!("{name}: {e}"))?;
     let text = |bytes: Vec<u8>| String::from_utf8_lossy(&bytes).into_owned();
     Ok(Output { success, timed_out, out: join(out), err: text(join(err)) })
+}
+
+/// The same with a child that is talked to: `answer` sees all it has written, whenever that is more, and says what it gets.
+pub fn talk(
+    command: &mut Command,
+    limit: Duration,
+    mut answer: impl FnMut(&[u8]) -> Option<Vec<u8>>,
+) -> Result<Output, String> {
+    let name = line(command);
+    let command = command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    let mut child = command.spawn().map_err(|e| format!("{name}: {e}"))?;
+    let (mut to, err) = (child.stdin.take(), collect(child.stderr.take()));
+    let (said, heard) = mpsc::channel();
+    if let Some(mut from) = child.stdout.take() {
+        thread::spawn(move || {
+            let mut buffer = [0; 4096];
+            while let Ok(count @ 1..) = from.read(&mut buffer) {
+                if said.send(buffer.get(..count).unwrap_or_default().to_vec()).is_err() {
+                    return;
+                }
+            }
+        });
+    }
+    let (start, mut out) = (Instant::now(), Vec::new());
+    loop {
+        match heard.recv_timeout(limit.saturating_sub(start.elapsed())) {
+            Ok(bytes) => out.extend(bytes),
+            Err(mpsc::RecvTimeoutError::Disconnected) => break,
+            Err(mpsc::RecvTimeoutError::Timeout) => {
+                child.kill().map_err(|e| format!("{name}: {e}"))?;
+                break;
+            }
+        }
+        if let (Some(bytes), Some(to)) = (answer(&out), &mut to) {
+            // A child that has ended needs nothing any more.
+            let _ = to.write_all(&bytes).and_then(|()| to.flush());
+        }
+    }
+    let (success, late) = wait(&mut child, limit).map_err(|e| format!("{name}: {e}"))?;
+    Ok(Output {
+        success,
+        timed_out: late || start.elapsed() >= limit,
+        out,
+        err: String::from_utf8_lossy(&join(err)).into_owned(),
+    })
 }
 
 fn wait(child: &mut Child, limit: Duration) -> std::io::Result<(bool, bool)> {

@@ -1,6 +1,6 @@
 // Glidepath in a C program without an operating system, on an STM32F405 and in QEMU's netduinoplus2.
 //
-// SysTick is the timer interrupt. The main loop does the rest once per cycle, and sleeps.
+// SysTick is the timer interrupt, USART1 brings the program. The main loop does the rest once per cycle, and sleeps.
 #include "work.h"
 
 // The clock of the core in QEMU, cycles per ms.
@@ -19,13 +19,13 @@ int main(void) {
     systick[1] = CYCLES_PER_MS - 1; // reload
     systick[2] = 0;                 // count
     systick[0] = 7;                 // on, with interrupt, from the core's clock
+    start_line();
     for (uint32_t done = 0;;) {
         plan();
         while (done == cycles) {
             __asm volatile("wfi");
         }
         done = cycles;
-        receive();
         functions();
         panel();
     }

@@ -8,6 +8,7 @@ void SysTick_Handler(void);
 void SVC_Handler(void);
 void PendSV_Handler(void);
 void TIM2_Handler(void);
+void USART1_Handler(void);
 void Reset_Handler(void);
 void failed(void);
 
@@ -20,7 +21,7 @@ static void Default_Handler(void) {
 #pragma weak SysTick_Handler = Default_Handler
 #pragma weak TIM2_Handler = Default_Handler
 
-__attribute__((section(".vectors"), used)) static void (*const vectors[16 + 29])(void) = {
+__attribute__((section(".vectors"), used)) static void (*const vectors[16 + 38])(void) = {
     (void (*)(void))_stack_start,
     Reset_Handler,
     Default_Handler, // NMI
@@ -31,6 +32,7 @@ __attribute__((section(".vectors"), used)) static void (*const vectors[16 + 29])
     PendSV_Handler,
     SysTick_Handler,
     [16 + 28] = TIM2_Handler,
+    [16 + 37] = USART1_Handler,
 };
 
 void Reset_Handler(void) {

@@ -5,11 +5,9 @@
 
 #include <stdbool.h>
 
-// The program, boards/tasks/tasks.nc: program.S has it.
-extern const char program[], program_end[];
-
-// Bytes that arrive in a cycle: a line of 115,200 baud.
-#define BYTES 11
+// The sender puts END_OF_PART behind each part of the program, and sends the next one when it has seen how far that is.
+#define PART (GP_WINDOW / 2)
+#define END_OF_PART 3
 
 // Cycles that M26 takes, and that somebody holds the motion.
 #define CARRIED_OUT 50
@@ -17,6 +15,9 @@ extern const char program[], program_end[];
 
 static gp_storage storage;
 static gp_handles gp;
+
+// Parts that arrived whole: M26 waits for one.
+static volatile uint32_t parts;
 
 // The program has ended, and all of it is with the interpolator.
 static volatile bool is_planned;
@@ -84,21 +85,33 @@ void tick(void) {
     }
 }
 
-// With a serial line this is the interrupt of its UART.
-void receive(void) {
-    static size_t sent;
-    const size_t left = (size_t)(program_end - program) - sent;
+// A byte arrives. The window gets a part of the program when that is whole.
+void receive(uint8_t byte) {
+    static uint8_t part[PART];
+    static size_t length;
     size_t taken;
-    want(gp_feed(gp.feeder, (const uint8_t *)program + sent, left < BYTES ? left : BYTES, &taken), "gp_feed");
-    sent += taken;
+    if (byte == END_OF_PART) {
+        want(gp_feed(gp.feeder, part, length, &taken), "gp_feed");
+        if (taken != length) {
+            print("the sender was too early\n");
+            failed();
+        }
+        length = 0;
+        parts++;
+    } else if (length < PART) {
+        part[length++] = byte;
+    }
 }
 
-// Carries functions out. The motion stands at M26 until that is acknowledged.
+// Carries functions out. The motion stands at M26 until a part of the program has arrived, and 50 cycles more.
 void functions(void) {
     static gp_due at_hand;
-    static uint32_t left;
+    static uint32_t left, seen;
     gp_due due;
-    if (left > 0 && --left == 0) {
+    if (left == CARRIED_OUT + 1 && parts != seen) {
+        seen++;
+        left--;
+    } else if (left > 0 && left <= CARRIED_OUT && --left == 0) {
         want(gp_acknowledge(gp.op, &at_hand.function), "gp_acknowledge");
     }
     while (gp_output(gp.op, &due) == GP_RESULT_OK) {
@@ -109,7 +122,7 @@ void functions(void) {
         print("\n");
         if (due.waits) {
             at_hand = due;
-            left = CARRIED_OUT;
+            left = CARRIED_OUT + 1;
         }
     }
 }

@@ -7,8 +7,11 @@ void begin(void);
 // In the timer interrupt.
 void tick(void);
 
+// In the interrupt of the serial line, and what starts that.
+void receive(uint8_t byte);
+void start_line(void);
+
 // Once per cycle, between two ticks.
-void receive(void);
 void functions(void);
 void panel(void);
 void plan(void);

@@ -39,6 +39,12 @@ typedef struct gp_feeder gp_feeder;
 // Bytes of the text window: a power of two, 64 at least. A line of the program has at most half of them.
 #define GP_WINDOW 1024
 
+// Order of the largest filter, and 1: an even number (P-AXIS-00587).
+#define GP_TAPS 48
+
+// Axes that may move beside the path at the same time: `gp_move_axis`, and those of the program.
+#define GP_OVERLAYS 2
+
 // Functions that a table of synchronisations holds.
 #define GP_SYNCHRONISED 32
 
@@ -67,7 +73,7 @@ typedef struct gp_feeder gp_feeder;
 #define GP_TOOL 3
 
 // Size of the storage, in words of eight bytes: enough with pointers of 64 bits too.
-#define GP_STORAGE_WORDS 9856
+#define GP_STORAGE_WORDS 10880
 
 // Size of the storage in bytes.
 #define GP_STORAGE_BYTES (GP_STORAGE_WORDS * 8)
@@ -111,6 +117,10 @@ enum gp_result
     GP_RESULT_UNEXPECTED = 13,
     // The planner reads the window already: `gp_load_next` takes the program behind.
     GP_RESULT_WINDOW_IS_LOADED = 14,
+    // The axis would come beyond its software limit, or its motion takes too long.
+    GP_RESULT_LIMIT = 15,
+    // All overlays are at work, or the build has none: GP_OVERLAYS.
+    GP_RESULT_FULL = 16,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -173,6 +183,24 @@ typedef enum gp_progress gp_progress;
 typedef uint32_t gp_progress;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
+
+// The filter of the set points of an axis; `#FILTER` of a program overrides all of it but the type.
+typedef struct {
+    // P-AXIS-00573: 1, the filter is on at program start.
+    uint32_t enable;
+    // P-AXIS-00586: 0 none, 1 moving average, 2 Gauss, 3 windowed sinc, 4 time delay.
+    uint32_t kind;
+    // P-AXIS-00587: 0…200, below GP_TAPS; 0: by order_time_us.
+    uint32_t order;
+    // P-AXIS-00590: effectiveness, percent.
+    uint32_t share;
+    // P-AXIS-00593: width of a Gauss kernel, in thousandths, 1…1000.
+    uint32_t quality_milli;
+    // P-AXIS-00591: the order as a time, µs; below a cycle: not filtered.
+    uint32_t order_time_us;
+    // P-AXIS-00585: cut-off frequency of a windowed sinc, in thousandths of Hz.
+    uint32_t fcut_milli;
+} gp_filter;
 
 // One axis. Speeds in µm/s (rotary: 0.001°/s), accelerations in mm/s² (°/s²), ramp times in µs. Start with
 // `gp_machine_defaults`, which sets the ISG defaults.
@@ -237,6 +265,8 @@ typedef struct {
     int32_t swe_neg;
     // P-AXIS-00178: positive software limit; 1000000000: none.
     int32_t swe_pos;
+    // The filter of its set points.
+    gp_filter filter;
 } gp_axis;
 
 // The synchronisation of one M or H function.
@@ -309,6 +339,20 @@ typedef struct {
     gp_channel channel;
 } gp_machine;
 
+// The word of the program that a message is about.
+typedef struct {
+    // Line, counted from 1; 0 where there is none.
+    uint32_t line;
+    // Column in bytes, counted from 1.
+    uint32_t column;
+    // Offset of the word in the text, bytes.
+    uint32_t offset;
+    // Bytes of the word.
+    uint32_t length;
+    // ISG's number of the message; 0 where none is known.
+    uint32_t id;
+} gp_place;
+
 // A function of the program.
 typedef struct {
     // GP_M_FUNCTION, GP_H_FUNCTION, GP_SPINDLE_SPEED or GP_TOOL.
@@ -349,20 +393,6 @@ typedef struct {
     gp_state state;
 } gp_status_data;
 
-// The word of the program that a message is about.
-typedef struct {
-    // Line, counted from 1; 0 where there is none.
-    uint32_t line;
-    // Column in bytes, counted from 1.
-    uint32_t column;
-    // Offset of the word in the text, bytes.
-    uint32_t offset;
-    // Bytes of the word.
-    uint32_t length;
-    // ISG's number of the message; 0 where none is known.
-    uint32_t id;
-} gp_place;
-
 // All memory: `static gp_storage storage;`, zero at the start as static memory is. It must not move while it is open.
 typedef struct {
     // Nothing to look at.
@@ -385,191 +415,6 @@ typedef struct {
 extern "C" {
 #endif // __cplusplus
 
-// Puts `length` bytes of program text into the window, as many as there is room for. `taken` says how many: the others are to
-// be given again.
-//
-// Context: any, one at a time: a task, or the interrupt of a serial line. Time in proportion to `length`. Answers
-// GP_RESULT_NULL, CLOSED, IN_USE, RANGE (more than 2^31 bytes).
-gp_result gp_feed(gp_feeder *feeder,
-                  const uint8_t *bytes,
-                  size_t length,
-                  size_t *taken);
-
-// The text is complete: behind the last byte the program ends.
-//
-// Context: as `gp_feed`. Answers GP_RESULT_NULL, CLOSED, IN_USE.
-gp_result gp_feed_end(gp_feeder *feeder);
-
-// Another program follows: text that was put in and is not read yet is dropped. It counts from `gp_load_next` or
-// `gp_load_window` on.
-//
-// Context: as `gp_feed`. Answers GP_RESULT_NULL, CLOSED, IN_USE.
-gp_result gp_feed_restart(gp_feeder *feeder);
-
-// Copies the set points of the last tick, GP_AXES of them, LSB 2^-32 mm or degrees.
-//
-// Context: the timer interrupt. Write them to the drives first, then call `gp_tick`: the moment of output does not depend on how
-// long the computation takes. Answers GP_RESULT_NULL, CLOSED, IN_USE.
-gp_result gp_set_points(gp_interpolator *interpolator,
-                        int64_t *set_points);
-
-// Computes the next set points. `state` says what the tick did; it may be NULL.
-//
-// Context: the timer interrupt, once per cycle. Its priority is above that of the planner's task, or it is on another core.
-// Bounded time. Answers GP_RESULT_NULL, CLOSED, IN_USE: then the set points stay as they are.
-gp_result gp_tick(gp_interpolator *interpolator,
-                  gp_state *state);
-
-// Sets all machine data to the ISG defaults: linear axes X, Y, Z, A, B, C, …, a cycle of 1 ms.
-//
-// Context: any. Answers GP_RESULT_NULL.
-gp_result gp_machine_defaults(gp_machine *machine);
-
-// Checks machine data. `axis` becomes the index of the axis that is wrong, -1 where it is not an axis; `message` of `size`
-// bytes says which parameter, its value and its range. Both may be NULL.
-//
-// Context: any task; about 1 KB of stack. Answers GP_RESULT_NULL, GP_RESULT_MACHINE_DATA.
-gp_result gp_check(const gp_machine *machine,
-                   int32_t *axis,
-                   char *message,
-                   size_t size);
-
-// Feed override, LSB 0.1 %, 0…2000; more counts as 2000. 0 makes the motion stand on the path.
-//
-// Context: any, one at a time; never waits. Answers GP_RESULT_NULL, CLOSED, IN_USE.
-gp_result gp_set_override(gp_operator *op, uint16_t feed);
-
-// Reduced speed (P-AXIS-00214): 0 off, everything else on.
-//
-// Context: any, one at a time; never waits. Answers GP_RESULT_NULL, CLOSED, IN_USE.
-gp_result gp_set_reduced(gp_operator *op, uint32_t reduced);
-
-// Feed hold: stand still on the path as soon as the limits allow.
-//
-// Context: any, one at a time; never waits. Answers GP_RESULT_NULL, CLOSED, IN_USE.
-gp_result gp_feed_hold(gp_operator *op);
-
-// End of the feed hold.
-//
-// Context: any, one at a time; never waits. Answers GP_RESULT_NULL, CLOSED, IN_USE.
-gp_result gp_resume(gp_operator *op);
-
-// Stand still and forget the rest of the program.
-//
-// Context: any, one at a time; never waits. Answers GP_RESULT_NULL, CLOSED, IN_USE.
-gp_result gp_abort(gp_operator *op);
-
-// The next function whose point of the motion a tick has reached. Call it until it answers GP_RESULT_NOTHING: without room
-// for more functions the motion comes to a standstill.
-//
-// Context: any, one at a time; never waits. Answers GP_RESULT_NOTHING, NULL, CLOSED, IN_USE.
-gp_result gp_output(gp_operator *op,
-                    gp_due *output);
-
-// Acknowledges a function that `gp_output` gave with `waits`. If it was put out more than once, that put out first.
-//
-// Context: any, one at a time; never waits. Answers GP_RESULT_NULL, CLOSED, IN_USE, RANGE (no such kind, or number of an M or H
-// function above 65535), UNEXPECTED (nothing waits for it: it is ignored).
-gp_result gp_acknowledge(gp_operator *op,
-                         const gp_function *function);
-
-// What the last tick did.
-//
-// Context: any, one at a time; reads again if a tick comes in between. Answers GP_RESULT_NULL, CLOSED, IN_USE.
-gp_result gp_status(gp_operator *op, gp_status_data *status);
-
-// Loads a program of `length` bytes. It begins where the axes stand, with everything as at program start. The text has to stay
-// where it is until another one is loaded.
-//
-// Context: the planner's task. Answers GP_RESULT_NULL, CLOSED, IN_USE, RANGE (more than 2^31 bytes), NOT_AT_REST.
-gp_result gp_load(gp_planner *planner,
-                  const char *program,
-                  size_t length);
-
-// Takes single lines (MDI): as `gp_load`, but everything in force stays as the last text left it. After an abort it begins as
-// `gp_load` does.
-//
-// Context: the planner's task. Answers as `gp_load`.
-gp_result gp_continue_with(gp_planner *planner,
-                           const char *lines,
-                           size_t length);
-
-// Loads the program that arrives by `gp_feed`. It begins where `gp_feed_restart` was called last.
-//
-// Context: the planner's task. Answers GP_RESULT_NULL, CLOSED, IN_USE, NOT_AT_REST, WINDOW_IS_LOADED.
-gp_result gp_load_window(gp_planner *planner);
-
-// Takes the next program of the same text, behind the one that has ended, or that a refused line or an abort has ended.
-//
-// Context: the planner's task. Answers GP_RESULT_NULL, CLOSED, IN_USE, NOT_AT_REST.
-gp_result gp_load_next(gp_planner *planner);
-
-// Goes on behind a refused line, from where the axes stand.
-//
-// Context: the planner's task. Answers GP_RESULT_NULL, CLOSED, IN_USE, NOT_AT_REST, NOTHING_REFUSED.
-gp_result gp_go_on(gp_planner *planner);
-
-// Does a bounded piece of work and says in `progress` what. Call it in a loop until it says GP_PROGRESS_WAITING or
-// GP_PROGRESS_DONE, then again after a tick.
-//
-// Context: the planner's task, which the tick interrupts, never the other way round. Answers GP_RESULT_NULL, CLOSED, IN_USE,
-// REFUSED: a line is left out, `gp_message` says why. Go on calling: what was planned before comes to a standstill.
-gp_result gp_poll(gp_planner *planner,
-                  gp_progress *progress);
-
-// Tells the last refusal or warning of `gp_poll`: the word it is about, and a text of at most `size` bytes with its NUL. Both
-// pointers may be NULL.
-//
-// Context: the planner's task; about 1 KB of stack. Answers GP_RESULT_NOTHING, NULL, CLOSED, IN_USE.
-gp_result gp_message(gp_planner *planner,
-                     gp_place *place,
-                     char *message,
-                     size_t size);
-
-// Whether the axes stand with everything executed that was read: 1, else 0. Then programs, positions and offsets are taken.
-//
-// Context: the planner's task. Answers GP_RESULT_NULL, CLOSED, IN_USE.
-gp_result gp_is_at_rest(gp_planner *planner,
-                        uint32_t *is_at_rest);
-
-// Says that an axis stands at `position`, LSB 2^-32 mm or degrees, machine coordinates: nothing moves. The set point jumps to it
-// with the next tick.
-//
-// Context: the planner's task. Answers GP_RESULT_NULL, CLOSED, IN_USE, NOT_AT_REST, RANGE.
-gp_result gp_set_position(gp_planner *planner,
-                          uint32_t axis,
-                          int64_t position);
-
-// Sets the offset of an axis in zero offset `set`, 0…5 for G54…G59, LSB 2^-32 mm or degrees. It counts from the next line on.
-//
-// Context: the planner's task. Answers GP_RESULT_NULL, CLOSED, IN_USE, NOT_AT_REST, RANGE.
-gp_result gp_set_zero_offset(gp_planner *planner,
-                             uint32_t set,
-                             uint32_t axis,
-                             int64_t offset);
-
-// The name of an outcome, for messages: a text of the library that ends with a NUL.
-//
-// Context: any.
-const char *gp_result_name(uint32_t result);
-
-// Opens the storage: checks and copies the machine data, says where the axes stand and gives the handles. `size` is
-// `sizeof storage`; `start` has GP_AXES positions, LSB 2^-32 mm or degrees. No program is loaded yet.
-//
-// Context: any task, before the timer interrupt is on. Answers GP_RESULT_NULL, SIZE, ALIGNMENT, TWICE, MACHINE_DATA (`gp_check`
-// says which), RANGE (a position beyond ±100 000 mm or degrees).
-gp_result gp_open(gp_storage *storage,
-                  size_t size,
-                  const gp_machine *machine,
-                  const int64_t *start,
-                  gp_handles *handles);
-
-// Closes the storage: its handles are refused from now on. It may be opened again, for another machine.
-//
-// Context: any task, when no other context uses a handle any more: first switch the timer interrupt off. Answers
-// GP_RESULT_NULL, SIZE, ALIGNMENT, CLOSED.
-gp_result gp_close(gp_storage *storage, size_t size);
-
 // The name of an outcome, for messages: a text of the library that ends with a NUL.
 //
 // Context: any.
@@ -673,6 +518,30 @@ gp_result gp_set_zero_offset(gp_planner *planner,
                              uint32_t axis,
                              int64_t offset);
 
+// Moves an axis alone, at rest of the path: jog, homing. `target` is a machine coordinate, LSB 2^-32 mm or degrees; `feed` has
+// LSB 2^-32 mm/min or degrees/min, 0: as rapid motion. The program has to have ended: GP_PROGRESS_DONE. `gp_poll` carries
+// the motion out, and says GP_PROGRESS_WAITING until the axis stands; hold, override and abort act on it.
+//
+// Context: the planner's task. Answers GP_RESULT_NULL, CLOSED, IN_USE, NOT_AT_REST (also: this axis moves), RANGE, LIMIT, FULL.
+gp_result gp_move_axis(gp_planner *planner,
+                       uint32_t axis,
+                       int64_t target,
+                       int64_t feed);
+
+// The axis that `gp_move_axis` moves brakes, and stays where it comes to a standstill. Nothing happens if it does not move.
+//
+// Context: the planner's task. Answers GP_RESULT_NULL, CLOSED, IN_USE, RANGE.
+gp_result gp_stop_axis(gp_planner *planner,
+                       uint32_t axis);
+
+// After how many ticks `gp_poll` should be called again once it has said GP_PROGRESS_WAITING, for a task that sleeps in
+// between; 0: the motion stands, and goes on only with a command, an acknowledgement or text. Whoever gives one of these
+// wakes the task.
+//
+// Context: the planner's task. Answers GP_RESULT_NULL, CLOSED, IN_USE.
+gp_result gp_wakes_after(gp_planner *planner,
+                         uint32_t *ticks);
+
 // Feed override, LSB 0.1 %, 0…2000; more counts as 2000. 0 makes the motion stand on the path.
 //
 // Context: any, one at a time; never waits. Answers GP_RESULT_NULL, CLOSED, IN_USE.
@@ -752,7 +621,7 @@ gp_result gp_open(gp_storage *storage,
 // Closes the storage: its handles are refused from now on. It may be opened again, for another machine.
 //
 // Context: any task, when no other context uses a handle any more: first switch the timer interrupt off. Answers
-// GP_RESULT_NULL, SIZE, ALIGNMENT, CLOSED.
+// GP_RESULT_NULL, SIZE, ALIGNMENT, CLOSED, IN_USE (this context interrupts a call).
 gp_result gp_close(gp_storage *storage, size_t size);
 
 #ifdef __cplusplus

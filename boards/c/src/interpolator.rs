@@ -1,12 +1,13 @@
 //! The handle of the timer interrupt.
 use crate::AXES;
+use crate::built::Interpolator;
 use crate::part::{Part, answer};
 use crate::result::Outcome;
 use glidepath::quantity::Position;
 use glidepath::tick;
 
 /// The handle of the timer interrupt.
-pub type InterpolatorHandle = Part<tick::Interpolator<'static, AXES>, 0x7469_636b>;
+pub type InterpolatorHandle = Part<Interpolator, 0x7469_636b>;
 
 /// What a tick did.
 #[repr(u32)]

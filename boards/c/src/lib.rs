@@ -7,15 +7,24 @@
 // The contract of all pointers stands once, at the top of the header.
 #![allow(clippy::missing_safety_doc)]
 
-pub mod feeder;
-pub mod interpolator;
-pub mod machine;
-mod message;
-pub mod operator;
-mod part;
-pub mod planner;
 pub mod result;
+
+pub mod machine;
+
+pub mod interpolator;
+
+pub mod planner;
+
+pub mod operator;
+
+pub mod feeder;
+
 pub mod storage;
+
+/// cbindgen:ignore
+mod built;
+mod message;
+mod part;
 mod text;
 
 #[cfg(target_os = "none")]
@@ -29,3 +38,9 @@ pub const BLOCKS: usize = 120;
 
 /// Bytes of the text window: a power of two, 64 at least. A line of the program has at most half of them.
 pub const WINDOW: usize = 1024;
+
+/// Order of the largest filter, and 1: an even number (P-AXIS-00587).
+pub const TAPS: usize = 48;
+
+/// Axes that may move beside the path at the same time: `gp_move_axis`, and those of the program.
+pub const OVERLAYS: usize = 2;

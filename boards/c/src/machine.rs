@@ -1,12 +1,13 @@
 //! Machine data as C structs, their defaults, and the check.
+use crate::built;
 use crate::message;
 use crate::result::Outcome;
 use crate::{AXES, BLOCKS};
 use core::ffi::c_char;
 use core::fmt::{self, Display, Formatter};
-use glidepath::channel::{Channel, MachineError};
+use glidepath::channel::MachineError;
 use glidepath::machine::{AccelerationUnit, AxisData, AxisKind, AxisName, ChannelData, FilterData};
-use glidepath::machine::{MachineData, Synch, SynchTable};
+use glidepath::machine::{FilterType, MachineData, Synch, SynchTable};
 
 /// Functions that a table of synchronisations holds.
 pub const SYNCHRONISED: usize = 32;
@@ -20,6 +21,26 @@ pub const LINEAR: u32 = 0;
 pub const ROTARY: u32 = 1;
 /// A spindle: takes no part in the path.
 pub const SPINDLE: u32 = 2;
+
+/// The filter of the set points of an axis; `#FILTER` of a program overrides all of it but the type.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct Filter {
+    /// P-AXIS-00573: 1, the filter is on at program start.
+    pub enable: u32,
+    /// P-AXIS-00586: 0 none, 1 moving average, 2 Gauss, 3 windowed sinc, 4 time delay.
+    pub kind: u32,
+    /// P-AXIS-00587: 0…200, below GP_TAPS; 0: by order_time_us.
+    pub order: u32,
+    /// P-AXIS-00590: effectiveness, percent.
+    pub share: u32,
+    /// P-AXIS-00593: width of a Gauss kernel, in thousandths, 1…1000.
+    pub quality_milli: u32,
+    /// P-AXIS-00591: the order as a time, µs; below a cycle: not filtered.
+    pub order_time_us: u32,
+    /// P-AXIS-00585: cut-off frequency of a windowed sinc, in thousandths of Hz.
+    pub fcut_milli: u32,
+}
 
 /// One axis. Speeds in µm/s (rotary: 0.001°/s), accelerations in mm/s² (°/s²), ramp times in µs. Start with
 /// `gp_machine_defaults`, which sets the ISG defaults.
@@ -86,6 +107,8 @@ pub struct Axis {
     pub swe_neg: i32,
     /// P-AXIS-00178: positive software limit; 1000000000: none.
     pub swe_pos: i32,
+    /// The filter of its set points.
+    pub filter: Filter,
 }
 
 /// The synchronisation of one M or H function.
@@ -197,7 +220,7 @@ pub unsafe extern "C" fn gp_check(
     // SAFETY: the pointer is null or points to a machine.
     let Some(machine) = (unsafe { machine.as_ref() }) else { return Outcome::Null };
     let fault = match machine.read() {
-        Ok(data) => match Channel::<AXES, BLOCKS>::check(&data) {
+        Ok(data) => match built::check(&data) {
             Ok(()) => return Outcome::Ok,
             Err(error) => Fault::Data(error),
         },
@@ -256,9 +279,39 @@ fn small(value: u32) -> u8 {
     value.min(255) as u8
 }
 
+impl Filter {
+    const DEFAULT: Self = {
+        let FilterData { share, quality_milli, order_time_us, fcut_milli, .. } = FilterData::NONE;
+        Self {
+            enable: 0,
+            kind: 0,
+            order: 0,
+            share: share as u32,
+            quality_milli: quality_milli as u32,
+            order_time_us,
+            fcut_milli,
+        }
+    };
+
+    fn read(&self, k: usize) -> Result<FilterData, Fault> {
+        if self.kind > 4 {
+            let name = "filter_fir.type (P-AXIS-00586)";
+            return Err(Fault::Number(Some(k), name, self.kind, "0…4"));
+        }
+        Ok(FilterData {
+            enable: switch(Some(k), "filter_fir.enable (P-AXIS-00573)", self.enable)?,
+            kind: FilterType::of_number(small(self.kind)),
+            order: small(self.order),
+            share: small(self.share),
+            quality_milli: self.quality_milli.min(u16::MAX.into()) as u16,
+            order_time_us: self.order_time_us,
+            fcut_milli: self.fcut_milli,
+        })
+    }
+}
+
 impl Axis {
     const DEFAULT: Self = {
-        let AxisData { name: _, kind: _, filter: _, .. } = DATA;
         Self {
             name: [0; 4],
             kind: LINEAR,
@@ -290,6 +343,7 @@ impl Axis {
             versch: DATA.versch,
             swe_neg: DATA.swe_neg,
             swe_pos: DATA.swe_pos,
+            filter: Filter::DEFAULT,
         }
     };
 
@@ -335,7 +389,7 @@ impl Axis {
             versch: self.versch,
             swe_neg: self.swe_neg,
             swe_pos: self.swe_pos,
-            filter: FilterData::NONE,
+            filter: self.filter.read(k)?,
         })
     }
 }

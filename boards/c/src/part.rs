@@ -4,7 +4,9 @@ use core::cell::UnsafeCell;
 use core::mem::MaybeUninit;
 use core::sync::atomic::{AtomicU32, Ordering};
 
-/// What a C program has as a handle. `MARK` tells the kinds apart.
+/// What a C program has as a handle. `MARK` tells the kinds apart. It comes first in each kind: one in place of another is read
+/// no further than that.
+#[repr(C)]
 pub struct Part<T, const MARK: u32> {
     mark: AtomicU32,
     is_in_use: AtomicU32,
@@ -33,6 +35,11 @@ impl<T, const MARK: u32> Part<T, MARK> {
     pub unsafe fn close(part: *mut Self) {
         // SAFETY: the caller says so.
         unsafe { (*part).mark.store(0, Ordering::Release) };
+    }
+
+    /// Whether somebody is inside a call.
+    pub fn is_in_use(&self) -> bool {
+        self.is_in_use.load(Ordering::Acquire) != 0
     }
 
     /// Does something with the value.

@@ -1,23 +1,22 @@
 //! The handle of the task that plans.
+use crate::built::Planner;
 use crate::message;
 use crate::part::{Part, answer};
 use crate::result::Outcome;
 use crate::text::Program;
-use crate::{AXES, BLOCKS, WINDOW};
+use crate::{AXES, WINDOW};
 use core::ffi::c_char;
 use core::slice;
-use glidepath::channel::{self, Error, GoOnError, PositionError, ZeroOffsetError};
+use glidepath::channel::{self, Error, GoOnError, MoveError, PositionError, ZeroOffsetError};
 use glidepath::nc::{NcWarning, Stream};
-use glidepath::quantity::Position;
+use glidepath::quantity::{Feed, Position};
 
 /// The handle of the task that plans.
 pub type PlannerHandle = Part<Work, 0x706c_616e>;
 
-type Channel = channel::Planner<'static, Program, AXES, BLOCKS>;
-
 /// What the planner's task has.
 pub struct Work {
-    planner: Channel,
+    planner: Planner,
     /// The window, while the planner does not read it.
     stream: Option<Stream<'static, WINDOW>>,
     remark: Remark,
@@ -32,7 +31,7 @@ enum Remark {
 
 impl Work {
     /// Nothing is loaded.
-    pub fn new(planner: Channel, stream: Stream<'static, WINDOW>) -> Self {
+    pub fn new(planner: Planner, stream: Stream<'static, WINDOW>) -> Self {
         Self { planner, stream: Some(stream), remark: Remark::None }
     }
 
@@ -40,7 +39,7 @@ impl Work {
     fn replace(
         &mut self,
         text: Program,
-        load: impl FnOnce(&mut Channel, Program) -> Result<Program, channel::Busy<Program>>,
+        load: impl FnOnce(&mut Planner, Program) -> Result<Program, channel::Busy<Program>>,
     ) -> Result<(), Outcome> {
         let (before, result) = match load(&mut self.planner, text) {
             Ok(before) => (before, Ok(())),
@@ -121,7 +120,7 @@ pub unsafe extern "C" fn gp_load(
             Ok(program) => program,
             Err(outcome) => return outcome,
         };
-        Part::with(planner, |work| work.replace(program, Channel::load)).into()
+        Part::with(planner, |work| work.replace(program, Planner::load)).into()
     }
 }
 
@@ -141,7 +140,7 @@ pub unsafe extern "C" fn gp_continue_with(
             Ok(lines) => lines,
             Err(outcome) => return outcome,
         };
-        Part::with(planner, |work| work.replace(lines, Channel::continue_with)).into()
+        Part::with(planner, |work| work.replace(lines, Planner::continue_with)).into()
     }
 }
 
@@ -152,7 +151,7 @@ pub unsafe extern "C" fn gp_continue_with(
 pub unsafe extern "C" fn gp_load_window(planner: *mut PlannerHandle) -> Outcome {
     let load = |work: &mut Work| {
         let stream = work.stream.take().ok_or(Outcome::WindowIsLoaded)?;
-        work.replace(Program::Window(stream), Channel::load)
+        work.replace(Program::Window(stream), Planner::load)
     };
     // SAFETY: the pointer is null or one of the handles.
     unsafe { Part::with(planner, load).into() }
@@ -301,4 +300,53 @@ pub unsafe extern "C" fn gp_set_zero_offset(
     };
     // SAFETY: the pointer is null or one of the handles.
     unsafe { Part::with(planner, put).into() }
+}
+
+/// Moves an axis alone, at rest of the path: jog, homing. `target` is a machine coordinate, LSB 2^-32 mm or degrees; `feed` has
+/// LSB 2^-32 mm/min or degrees/min, 0: as rapid motion. The program has to have ended: GP_PROGRESS_DONE. `gp_poll` carries
+/// the motion out, and says GP_PROGRESS_WAITING until the axis stands; hold, override and abort act on it.
+///
+/// Context: the planner's task. Answers GP_RESULT_NULL, CLOSED, IN_USE, NOT_AT_REST (also: this axis moves), RANGE, LIMIT, FULL.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn gp_move_axis(
+    planner: *mut PlannerHandle,
+    axis: u32,
+    target: i64,
+    feed: i64,
+) -> Outcome {
+    let go = |work: &mut Work| {
+        let feed = (feed != 0).then_some(Feed::from_bits(feed));
+        let go = work.planner.move_axis(axis as usize, Position::from_bits(target), feed);
+        go.map_err(|error| match error {
+            MoveError::NotAtRest => Outcome::NotAtRest,
+            MoveError::Range => Outcome::Range,
+            MoveError::Motion(_) => Outcome::Limit,
+            MoveError::Full => Outcome::Full,
+        })
+    };
+    // SAFETY: the pointer is null or one of the handles.
+    unsafe { Part::with(planner, go).into() }
+}
+
+/// The axis that `gp_move_axis` moves brakes, and stays where it comes to a standstill. Nothing happens if it does not move.
+///
+/// Context: the planner's task. Answers GP_RESULT_NULL, CLOSED, IN_USE, RANGE.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn gp_stop_axis(planner: *mut PlannerHandle, axis: u32) -> Outcome {
+    if axis as usize >= AXES {
+        return Outcome::Range;
+    }
+    // SAFETY: the pointer is null or one of the handles.
+    unsafe { Part::tell(planner, |work| work.planner.stop_axis(axis as usize)) }
+}
+
+/// After how many ticks `gp_poll` should be called again once it has said GP_PROGRESS_WAITING, for a task that sleeps in
+/// between; 0: the motion stands, and goes on only with a command, an acknowledgement or text. Whoever gives one of these
+/// wakes the task.
+///
+/// Context: the planner's task. Answers GP_RESULT_NULL, CLOSED, IN_USE.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn gp_wakes_after(planner: *mut PlannerHandle, ticks: *mut u32) -> Outcome {
+    // SAFETY: the pointers are null or point to what they say.
+    unsafe { Part::with(planner, |work| answer(ticks, work.planner.wakes_after().unwrap_or(0))).into() }
 }

@@ -34,6 +34,10 @@ pub enum Outcome {
     Unexpected = 13,
     /// The planner reads the window already: `gp_load_next` takes the program behind.
     WindowIsLoaded = 14,
+    /// The axis would come beyond its software limit, or its motion takes too long.
+    Limit = 15,
+    /// All overlays are at work, or the build has none: GP_OVERLAYS.
+    Full = 16,
 }
 
 impl From<Result<(), Outcome>> for Outcome {
@@ -47,7 +51,7 @@ impl From<Result<(), Outcome>> for Outcome {
 /// Context: any.
 #[unsafe(no_mangle)]
 pub extern "C" fn gp_result_name(result: u32) -> *const core::ffi::c_char {
-    const NAMES: [&core::ffi::CStr; 15] = [
+    const NAMES: [&core::ffi::CStr; 17] = [
         c"ok",
         c"nothing",
         c"a pointer is NULL",
@@ -63,6 +67,8 @@ pub extern "C" fn gp_result_name(result: u32) -> *const core::ffi::c_char {
         c"an argument is out of range",
         c"nothing waits for this acknowledgement",
         c"the window is loaded already",
+        c"beyond a software limit, or takes too long",
+        c"no overlay is free",
     ];
     NAMES.get(result as usize).copied().unwrap_or(c"no such result").as_ptr()
 }

@@ -1,4 +1,5 @@
 //! The memory of everything, and how it is opened and closed.
+use crate::built::{self, Channel, FilterMemory};
 use crate::feeder::FeederHandle;
 use crate::interpolator::InterpolatorHandle;
 use crate::machine::Machine;
@@ -6,17 +7,16 @@ use crate::operator::OperatorHandle;
 use crate::part::{Part, answer};
 use crate::planner::{PlannerHandle, Work};
 use crate::result::Outcome;
-use crate::text::Program;
-use crate::{AXES, BLOCKS, WINDOW};
+use crate::{AXES, WINDOW};
 use core::mem::{align_of, size_of};
 use core::sync::atomic::{AtomicU32, Ordering};
-use glidepath::channel::{Channel, Handles};
+use glidepath::channel::Handles;
 use glidepath::machine::MachineData;
 use glidepath::nc::Window;
 use glidepath::quantity::Position;
 
 /// Size of the storage, in words of eight bytes: enough with pointers of 64 bits too.
-pub const STORAGE_WORDS: usize = 9_856;
+pub const STORAGE_WORDS: usize = 10_880;
 
 /// Size of the storage in bytes.
 pub const STORAGE_BYTES: usize = STORAGE_WORDS * 8;
@@ -48,7 +48,8 @@ pub struct HandleSet {
 struct Memory {
     state: AtomicU32,
     machine: MachineData<AXES>,
-    channel: Channel<AXES, BLOCKS>,
+    channel: Channel,
+    filters: FilterMemory,
     window: Window<WINDOW>,
     planner: PlannerHandle,
     interpolator: InterpolatorHandle,
@@ -60,7 +61,11 @@ const OPEN: u32 = 0x6769_6c64;
 
 // If one of them fails: the storage has another size now. Change STORAGE_WORDS and run `cargo xtask header`.
 const _: () = assert!(size_of::<Memory>() <= STORAGE_BYTES, "the storage is too small: raise STORAGE_WORDS");
-const _: () = assert!(STORAGE_BYTES <= size_of::<Memory>() + 4096, "the storage is larger than needed");
+// A build that leaves functions out may have less.
+const _: () = assert!(
+    STORAGE_BYTES <= size_of::<Memory>() + 4096 || !cfg!(feature = "full"),
+    "the storage is larger than needed"
+);
 const _: () =
     assert!(align_of::<Memory>() <= STORAGE_ALIGNMENT && align_of::<Storage>() <= STORAGE_ALIGNMENT);
 
@@ -117,7 +122,7 @@ unsafe fn open(
         return Err(Outcome::Range);
     }
     let data = machine.read().map_err(|_| Outcome::MachineData)?;
-    Channel::<AXES, BLOCKS>::check(&data).map_err(|_| Outcome::MachineData)?;
+    built::check(&data).map_err(|_| Outcome::MachineData)?;
     // SAFETY: nobody uses the memory, for it is not open; a channel and a window that are new are zero; the memory is said to
     // stay where it is, so that references into it live until it is closed, and no handle works behind that.
     unsafe {
@@ -125,7 +130,7 @@ unsafe fn open(
         (&raw mut (*memory).machine).write(data);
         let (window, channel) = (&mut (*memory).window, &mut (*memory).channel);
         let (feeder, stream) = window.split();
-        let split = channel.split(&(*memory).machine, start, Program::Memory(&[]));
+        let split = built::split(channel, &mut (*memory).filters, &(*memory).machine, start);
         let Handles { planner, interpolator, operator } = split.map_err(|_| Outcome::MachineData)?;
         let set = HandleSet {
             planner: &raw mut (*memory).planner,
@@ -148,7 +153,7 @@ const FARTHEST: Position = Position::const_from_int(100_000);
 /// Closes the storage: its handles are refused from now on. It may be opened again, for another machine.
 ///
 /// Context: any task, when no other context uses a handle any more: first switch the timer interrupt off. Answers
-/// GP_RESULT_NULL, SIZE, ALIGNMENT, CLOSED.
+/// GP_RESULT_NULL, SIZE, ALIGNMENT, CLOSED, IN_USE (this context interrupts a call).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn gp_close(storage: *mut Storage, size: usize) -> Outcome {
     // SAFETY: the pointer is null or points to a storage.
@@ -160,6 +165,13 @@ pub unsafe extern "C" fn gp_close(storage: *mut Storage, size: usize) -> Outcome
     unsafe {
         if (*memory).state.load(Ordering::Acquire) != OPEN {
             return Outcome::Closed;
+        }
+        let is_in_use = (*memory).planner.is_in_use()
+            || (*memory).interpolator.is_in_use()
+            || (*memory).operator.is_in_use()
+            || (*memory).feeder.is_in_use();
+        if is_in_use {
+            return Outcome::InUse;
         }
         (*memory).state.store(0, Ordering::Release);
         Part::close(&raw mut (*memory).planner);

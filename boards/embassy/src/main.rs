@@ -3,7 +3,8 @@
 //! | what | priority | what it has | what it does |
 //! |---|---|---|---|
 //! | `TIM2` | the interrupt of the timer, above Embassy | the interpolator | one set point per axis and cycle |
-//! | `receive` | an executor in an interrupt | the feeder of the text window | hands program text on as it arrives |
+//! | `USART1` | the interrupt of the serial line | its registers | hands a byte on |
+//! | `receive` | an executor in an interrupt | the feeder of the text window | hands a part of the program on when it is whole |
 //! | `functions` | the same | the operator, shared | carries M functions out and acknowledges them |
 //! | `panel` | the same | the operator, shared | feed hold and override |
 //! | `plan` | an executor in an interrupt of the lowest priority | the planner | plans ahead |
@@ -17,15 +18,16 @@
 mod machine;
 
 use core::cell::RefCell;
-use core::sync::atomic::{AtomicBool, Ordering::Relaxed};
+use core::sync::atomic::{AtomicBool, AtomicU32, Ordering::Relaxed};
 use cortex_m::peripheral::NVIC;
 use cortex_m_rt::entry;
 use cortex_m_semihosting::{debug, hprintln};
 
 use embassy_executor::InterruptExecutor;
 use embassy_sync::blocking_mutex::{CriticalSectionMutex, raw::CriticalSectionRawMutex};
+use embassy_sync::channel::Channel;
 use embassy_sync::signal::Signal;
-use glidepath::channel::{Channel, Handles, Planner, Progress};
+use glidepath::channel::{self, Handles, Planner, Progress};
 use glidepath::digest::Digest;
 use glidepath::nc::{Feeder, Stream, Window};
 use glidepath::operator;
@@ -35,18 +37,21 @@ use glidepath_copy as _;
 use machine::{AXES, BLOCKS, MACHINE};
 use panic_semihosting as _;
 use static_cell::{ConstStaticCell, StaticCell};
-use stm32f4::stm32f405::{Interrupt, Peripherals, TIM2, interrupt};
+use stm32f4::stm32f405::{Interrupt, Peripherals, TIM2, USART1, interrupt};
 
 type Interpolator = tick::Interpolator<'static, AXES>;
 type Operator = CriticalSectionMutex<operator::Operator<'static, AXES>>;
 type Cycle = Signal<CriticalSectionRawMutex, ()>;
 
-/// The program. A serial line would bring it as well: see `receive`.
-static PROGRAM: &[u8] = include_bytes!("../../tasks/tasks.nc");
+/// Bytes of program text on their way. The sender puts END_OF_PART behind each part of at most half of them, and sends the
+/// next one when it has seen how far the program is.
+const WINDOW: usize = 512;
+const PART: usize = WINDOW / 2;
+const END_OF_PART: u8 = 3;
 
-/// Bytes of program text on their way, and those that arrive in a cycle: a line of 115,200 baud.
-const WINDOW: usize = 256;
-const BYTES: usize = 11;
+/// 16 MHz by 115,200 baud, and the byte that asks the sender to begin.
+const BAUD: u32 = 139;
+const READY: u16 = 0x11;
 
 /// Clock of TIM2, MHz: QEMU's has 1 GHz. A board has 16 after reset.
 const TIMER_MHZ: u32 = 1000;
@@ -55,21 +60,29 @@ const TIMER_MHZ: u32 = 1000;
 const CARRIED_OUT: u32 = 50;
 const HELD: u32 = 100;
 
-static CHANNEL: ConstStaticCell<Channel<AXES, BLOCKS>> = ConstStaticCell::new(Channel::new());
+static CHANNEL: ConstStaticCell<channel::Channel<AXES, BLOCKS>> =
+    ConstStaticCell::new(channel::Channel::new());
 static TEXT: ConstStaticCell<Window<WINDOW>> = ConstStaticCell::new(Window::new());
 static OPERATOR: StaticCell<Operator> = StaticCell::new();
 
 /// Each wakes a task in each cycle.
 static PLAN: Cycle = Signal::new();
-static RECEIVE: Cycle = Signal::new();
 static FUNCTIONS: Cycle = Signal::new();
 static PANEL: Cycle = Signal::new();
+
+/// Bytes that the interrupt of the serial line has taken, and parts of the program that arrived whole: M26 waits for one.
+static BYTES: Channel<CriticalSectionRawMutex, u8, 64> = Channel::new();
+static PARTS: AtomicU32 = AtomicU32::new(0);
 
 /// The program has ended, and all of it is with the interpolator.
 static IS_PLANNED: AtomicBool = AtomicBool::new(false);
 
 /// What the interrupt takes over.
 static MAILBOX: CriticalSectionMutex<RefCell<Option<(Interpolator, TIM2)>>> =
+    CriticalSectionMutex::new(RefCell::new(None));
+
+/// The same for the interrupt of the serial line.
+static LINE_BOX: CriticalSectionMutex<RefCell<Option<USART1>>> =
     CriticalSectionMutex::new(RefCell::new(None));
 
 /// Ticks and digest at the end.
@@ -110,8 +123,24 @@ fn TIM2() {
     } else if IS_PLANNED.load(Relaxed) {
         END.signal((*TICKS, DIGEST.value()));
     }
-    for cycle in [&RECEIVE, &FUNCTIONS, &PANEL, &PLAN] {
+    for cycle in [&FUNCTIONS, &PANEL, &PLAN] {
         cycle.signal(());
+    }
+}
+
+/// A byte arrives.
+#[interrupt]
+fn USART1() {
+    static mut LINE: Option<USART1> = None;
+    if LINE.is_none() {
+        *LINE = LINE_BOX.lock(RefCell::take);
+    }
+    let Some(line) = LINE else { return };
+    if BYTES.is_full() {
+        // The task goes on first: the byte stays where it is. With RTS the UART stops the sender meanwhile.
+        NVIC::mask(Interrupt::USART1);
+    } else {
+        let _ = BYTES.try_send(line.dr().read().dr().bits() as u8);
     }
 }
 
@@ -125,7 +154,7 @@ fn main() -> ! {
     let Handles { planner, interpolator, operator } = handles;
     let operator = OPERATOR.init(Operator::new(operator));
     let Some(board) = Peripherals::take() else { panic!("taken before") };
-    start_timer(board, interpolator);
+    start(board, interpolator);
     let urgent = URGENT.start(Interrupt::SPI1);
     urgent.spawn(receive(feeder).unwrap());
     urgent.spawn(functions(operator).unwrap());
@@ -138,22 +167,30 @@ fn main() -> ! {
     }
 }
 
-/// Starts the timer, and says which interrupt goes before which.
-fn start_timer(board: Peripherals, interpolator: Interpolator) {
+/// Starts timer and serial line, and says which interrupt goes before which.
+fn start(board: Peripherals, interpolator: Interpolator) {
     // Counter and prescaler are zero after reset, so no update event is forced.
     board.RCC.apb1enr().modify(|_, w| w.tim2en().set_bit());
-    let timer = board.TIM2;
+    board.RCC.apb2enr().modify(|_, w| w.usart1en().set_bit());
+    let (timer, line) = (board.TIM2, board.USART1);
     timer.arr().write(|w| w.arr().set(MACHINE.channel.cycle_us * TIMER_MHZ - 1));
     timer.dier().write(|w| w.uie().set_bit());
     timer.cr1().write(|w| w.cen().set_bit());
     MAILBOX.lock(|mailbox| mailbox.replace(Some((interpolator, timer))));
+    // The line: on, receive, transmit, an interrupt for each byte. Its pins are a matter of the board.
+    line.brr().write(|w| w.div_mantissa().set((BAUD / 16) as u16).div_fraction().set((BAUD % 16) as u8));
+    line.cr1().write(|w| w.ue().set_bit().re().set_bit().te().set_bit().rxneie().set_bit());
+    line.dr().write(|w| w.dr().set(READY));
+    LINE_BOX.lock(|mailbox| mailbox.replace(Some(line)));
     // SAFETY: nothing depends on these priorities or on the mask yet. The tick goes before Embassy's tasks.
     unsafe {
         let mut nvic = cortex_m::Peripherals::steal().NVIC;
         nvic.set_priority(Interrupt::TIM2, 0x40);
+        nvic.set_priority(Interrupt::USART1, 0x60);
         nvic.set_priority(Interrupt::SPI1, 0x80);
         nvic.set_priority(Interrupt::SPI2, 0xc0);
         NVIC::unmask(Interrupt::TIM2);
+        NVIC::unmask(Interrupt::USART1);
     }
 }
 
@@ -174,25 +211,40 @@ async fn plan(mut planner: Planner<'static, Stream<'static, WINDOW>, AXES, BLOCK
     }
 }
 
-/// Program text arrives. With a serial line it waits for that, and `rest` is what was received.
+/// Program text arrives. The window gets a part of the program when that is whole.
 #[embassy_executor::task]
 async fn receive(mut feeder: Feeder<'static, WINDOW>) {
-    let mut rest = PROGRAM;
+    let (mut part, mut length) = ([0; PART], 0);
     loop {
-        RECEIVE.wait().await;
-        let taken = feeder.push(rest.get(..BYTES).unwrap_or(rest));
-        rest = rest.get(taken..).unwrap_or_default();
+        let byte = BYTES.receive().await;
+        // SAFETY: the interrupt has what it needs.
+        unsafe { NVIC::unmask(Interrupt::USART1) };
+        if byte == END_OF_PART {
+            if feeder.push(part.get(..length).unwrap_or_default()) != length {
+                hprintln!("the sender was too early");
+            }
+            length = 0;
+            PARTS.fetch_add(1, Relaxed);
+        } else if let Some(place) = part.get_mut(length) {
+            *place = byte;
+            length += 1;
+        }
     }
 }
 
-/// Carries functions out. The motion stands at M26 until that is acknowledged.
+/// Carries functions out. The motion stands at M26 until a part of the program has arrived, and 50 cycles more.
 #[embassy_executor::task]
 async fn functions(operator: &'static Operator) {
+    let mut parts = 0;
     loop {
         FUNCTIONS.wait().await;
         let Some(output) = operator.lock(operator::Operator::output) else { continue };
         hprintln!("N{} {:?}", output.n, output.function);
         if output.waits {
+            while PARTS.load(Relaxed) == parts {
+                FUNCTIONS.wait().await;
+            }
+            parts += 1;
             for _ in 0..CARRIED_OUT {
                 FUNCTIONS.wait().await;
             }

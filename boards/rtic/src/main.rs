@@ -3,7 +3,7 @@
 //! | task | priority | what it has | what it does |
 //! |---|---|---|---|
 //! | `tick` | 4, the interrupt of TIM2 | the interpolator | one set point per axis and cycle |
-//! | `receive` | 3 | the feeder of the text window | hands program text on as it arrives |
+//! | `receive` | 3, the interrupt of USART1 | the feeder of the text window | hands a part of the program on when it is whole |
 //! | `functions` | 3 | the operator, shared | carries M functions out and acknowledges them |
 //! | `panel` | 2 | the operator, shared | feed hold and override |
 //! | `plan` | 1 | the planner | plans ahead |
@@ -20,7 +20,7 @@ use panic_semihosting as _;
 #[rtic::app(device = stm32f4::stm32f405, dispatchers = [SPI1, SPI2, SPI3])]
 mod app {
     use crate::machine::{AXES, BLOCKS, MACHINE};
-    use core::sync::atomic::{AtomicBool, Ordering::Relaxed};
+    use core::sync::atomic::{AtomicBool, AtomicU32, Ordering::Relaxed};
     use cortex_m_semihosting::{debug, hprintln};
     use glidepath::channel::{Channel, Handles, Planner, Progress};
     use glidepath::digest::Digest;
@@ -29,14 +29,17 @@ mod app {
     use glidepath::quantity::Position;
     use glidepath::technology::Function;
     use glidepath::tick::{Interpolator, State};
-    use stm32f4::stm32f405::TIM2;
+    use stm32f4::stm32f405::{TIM2, USART1};
 
-    /// The program. A serial line would bring it as well: see `receive`.
-    static PROGRAM: &[u8] = include_bytes!("../../tasks/tasks.nc");
+    /// Bytes of program text on their way. The sender puts END_OF_PART behind each part of at most half of them, and sends
+    /// the next one when it has seen how far the program is.
+    const WINDOW: usize = 512;
+    const PART: usize = WINDOW / 2;
+    const END_OF_PART: u8 = 3;
 
-    /// Bytes of program text on their way, and those that arrive in a cycle: a line of 115,200 baud.
-    const WINDOW: usize = 256;
-    const BYTES: usize = 11;
+    /// 16 MHz by 115,200 baud, and the byte that asks the sender to begin.
+    const BAUD: u32 = 139;
+    const READY: u16 = 0x11;
 
     /// Clock of TIM2, MHz: QEMU's has 1 GHz. A board has 16 after reset.
     const TIMER_MHZ: u32 = 1000;
@@ -44,6 +47,9 @@ mod app {
     /// Cycles that M26 takes, and that somebody holds the motion.
     const CARRIED_OUT: u32 = 50;
     const HELD: u32 = 100;
+
+    /// Parts that arrived whole: M26 waits for one.
+    static PARTS: AtomicU32 = AtomicU32::new(0);
 
     /// The program has ended, and all of it is with the interpolator.
     static IS_PLANNED: AtomicBool = AtomicBool::new(false);
@@ -59,6 +65,7 @@ mod app {
         interpolator: Interpolator<'static, AXES>,
         feeder: Feeder<'static, WINDOW>,
         timer: TIM2,
+        line: USART1,
     }
 
     #[init(local = [channel: Channel<AXES, BLOCKS> = Channel::new(), window: Window<WINDOW> = Window::new()])]
@@ -75,7 +82,13 @@ mod app {
         timer.arr().write(|w| w.arr().set(MACHINE.channel.cycle_us * TIMER_MHZ - 1));
         timer.dier().write(|w| w.uie().set_bit());
         timer.cr1().write(|w| w.cen().set_bit());
-        (Shared { operator }, Local { planner, interpolator, feeder, timer })
+        // The line: on, receive, transmit, an interrupt for each byte. Its pins are a matter of the board.
+        cx.device.RCC.apb2enr().modify(|_, w| w.usart1en().set_bit());
+        let line = cx.device.USART1;
+        line.brr().write(|w| w.div_mantissa().set((BAUD / 16) as u16).div_fraction().set((BAUD % 16) as u8));
+        line.cr1().write(|w| w.ue().set_bit().re().set_bit().te().set_bit().rxneie().set_bit());
+        line.dr().write(|w| w.dr().set(READY));
+        (Shared { operator }, Local { planner, interpolator, feeder, timer, line })
     }
 
     /// Sleeps until the next interrupt.
@@ -100,7 +113,6 @@ mod app {
             let _ = end::spawn(*ticks, digest.value());
         }
         // A task that is still at work from the last cycle goes on: it is not started a second time.
-        let _ = receive::spawn();
         let _ = functions::spawn();
         let _ = panel::spawn();
         let _ = plan::spawn();
@@ -120,18 +132,28 @@ mod app {
         }
     }
 
-    /// Program text arrives. With a serial line this is the interrupt of its UART, and `rest` what it received.
-    #[task(priority = 3, local = [feeder, sent: usize = 0])]
-    async fn receive(cx: receive::Context) {
-        let receive::LocalResources { feeder, sent, .. } = cx.local;
-        let rest = PROGRAM.get(*sent..).unwrap_or_default();
-        *sent += feeder.push(rest.get(..BYTES).unwrap_or(rest));
+    /// A byte arrives. The window gets a part of the program when that is whole.
+    #[task(binds = USART1, priority = 3, local = [feeder, line, part: [u8; PART] = [0; PART], length: usize = 0])]
+    fn receive(cx: receive::Context) {
+        let receive::LocalResources { feeder, line, part, length, .. } = cx.local;
+        let byte = line.dr().read().dr().bits() as u8;
+        if byte == END_OF_PART {
+            let taken = feeder.push(part.get(..*length).unwrap_or_default());
+            if taken != *length {
+                hprintln!("the sender was too early");
+            }
+            *length = 0;
+            PARTS.fetch_add(1, Relaxed);
+        } else if let Some(place) = part.get_mut(*length) {
+            *place = byte;
+            *length += 1;
+        }
     }
 
-    /// Carries functions out. The motion stands at M26 until that is acknowledged.
-    #[task(priority = 3, shared = [operator], local = [at_hand: Option<(Function, u32)> = None])]
+    /// Carries functions out. The motion stands at M26 until a part of the program has arrived, and 50 cycles more.
+    #[task(priority = 3, shared = [operator], local = [at_hand: Option<(Function, u32)> = None, parts: u32 = 0])]
     async fn functions(mut cx: functions::Context) {
-        let at_hand = cx.local.at_hand;
+        let functions::LocalResources { at_hand, parts, .. } = cx.local;
         cx.shared.operator.lock(|operator| {
             while let Some(output) = operator.output() {
                 hprintln!("N{} {:?}", output.n, output.function);
@@ -140,6 +162,12 @@ mod app {
                 }
             }
             if let Some((function, left)) = *at_hand {
+                if left == CARRIED_OUT {
+                    if PARTS.load(Relaxed) == *parts {
+                        return;
+                    }
+                    *parts += 1;
+                }
                 *at_hand = (left > 0).then_some((function, left.saturating_sub(1)));
                 if left == 0 && operator.acknowledge(function).is_err() {
                     hprintln!("{function:?} was not waited for");

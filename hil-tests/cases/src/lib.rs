@@ -14,7 +14,7 @@ pub use commands::{SEEDS, commanded};
 pub use machines::{AXES_3, AXES_3_DEEP, AXES_3_SHORT, AXES_4, AXES_6, AXES_6_SHORT};
 pub use run::{Failure, Outcome, Unwatched, Watch, run};
 pub use session::{WINDOW, session};
-pub use tasks::{TASKS, TASKS_MACHINE, tasks};
+pub use tasks::{END_OF_PART, Line, SECOND_PART, TASKS, TASKS_MACHINE, tasks};
 
 /// Blocks of look-ahead, the default of the language.
 pub const BLOCKS: usize = 120;

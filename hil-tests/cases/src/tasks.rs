@@ -1,11 +1,11 @@
 //! What the examples of RTIC, Embassy, FreeRTOS and C do, in one loop: text over a line, an operator's panel, functions
-//! that are carried out by a task. The commands come at points of the motion, so that the set points do not depend
-//! on who runs when.
+//! that are carried out by a task. The commands come at points of the motion, and motion begins when the text for it is
+//! there, so that the set points do not depend on who runs when.
 use super::run::{Failure, Outcome, Watch};
 use glidepath::channel::{Channel, Error, Handles, Planner, Progress};
 use glidepath::digest::Digest;
 use glidepath::machine::{ChannelData, MachineData, Synch, SynchTable};
-use glidepath::nc::{Stream, Window};
+use glidepath::nc::{Feeder, Stream, Window};
 use glidepath::operator::Operator;
 use glidepath::quantity::Position;
 use glidepath::technology::Function;
@@ -14,12 +14,32 @@ use glidepath::tick::State;
 /// The program.
 pub const TASKS: &[u8] = include_bytes!("../../../boards/tasks/tasks.nc");
 
-/// Bytes of the window, and those that arrive in a tick: 115,200 baud at 1 ms.
-const WINDOW: usize = 256;
-const BYTES: usize = 11;
+/// Behind each part of the program: ASCII's end of text. The window takes a part when it is whole.
+pub const END_OF_PART: u8 = 3;
+
+/// Where the second part begins, and the line at which the motion stands when it is sent.
+pub const SECOND_PART: &[u8] = b"N90";
+const SENT_AT: u32 = 80;
+
+/// Bytes of the window; a part has at most half of them.
+const WINDOW: usize = 512;
 
 /// Functions of the program.
-const FUNCTIONS: u32 = 3;
+const FUNCTIONS: u32 = 4;
+
+/// How the program arrives.
+#[derive(Clone, Copy, Debug)]
+pub struct Line {
+    /// Bytes per tick.
+    pub bytes: usize,
+    /// Ticks from N80 to the first byte of the second part.
+    pub late: u32,
+}
+
+impl Line {
+    /// 115,200 baud at 1 ms.
+    pub const SERIAL: Self = Self { bytes: 11, late: 300 };
+}
 
 /// Ticks that M26 takes, and that the motion stands in the hold.
 const CARRIED_OUT: u32 = 50;
@@ -69,19 +89,68 @@ struct Functions {
 }
 
 impl Functions {
-    fn look(&mut self, operator: &Operator<'_, 3>) -> Result<(), Failure> {
+    fn look(&mut self, operator: &Operator<'_, 3>, sender: &mut Sender) -> Result<(), Failure> {
         while let Some(output) = operator.output() {
             self.seen += 1;
+            sender.hears_of(output.n);
             if output.waits {
                 self.at_hand = Some((output.function, CARRIED_OUT));
             }
         }
         let Some((function, left)) = self.at_hand else { return Ok(()) };
+        if left == CARRIED_OUT && !sender.take_part() {
+            return Ok(());
+        }
         self.at_hand = (left > 0).then_some((function, left.saturating_sub(1)));
         if left == 0 && operator.acknowledge(function).is_err() {
             return Err(Failure::Session("the motion waits for M26"));
         }
         Ok(())
+    }
+}
+
+/// Who sends the program, in two parts.
+struct Sender {
+    line: Line,
+    parts: [&'static [u8]; 2],
+    /// Bytes of the part at hand that have arrived.
+    arrived: usize,
+    /// Parts asked for, arrived, and taken by M26.
+    wanted: usize,
+    whole: usize,
+    taken: usize,
+}
+
+impl Sender {
+    fn new(line: Line) -> Self {
+        let second = TASKS.windows(SECOND_PART.len()).position(|word| word == SECOND_PART);
+        let (first, second) = TASKS.split_at_checked(second.unwrap_or(0)).unwrap_or_default();
+        Self { line, parts: [first, second], arrived: 0, wanted: 1, whole: 0, taken: 0 }
+    }
+
+    fn hears_of(&mut self, n: u32) {
+        if n == SENT_AT {
+            self.wanted = 2;
+        }
+    }
+
+    fn take_part(&mut self) -> bool {
+        let is_there = self.whole > self.taken;
+        self.taken += usize::from(is_there);
+        is_there
+    }
+
+    fn send(&mut self, feeder: &mut Feeder<'_, WINDOW>) {
+        let Some(part) = self.parts.get(self.whole).filter(|_| self.whole < self.wanted) else { return };
+        if self.whole == 1 && self.line.late > 0 {
+            self.line.late -= 1;
+            return;
+        }
+        self.arrived += self.line.bytes;
+        if self.arrived >= part.len() && feeder.push(part) == part.len() {
+            self.arrived = 0;
+            self.whole += 1;
+        }
     }
 }
 
@@ -92,17 +161,17 @@ impl Functions {
 pub fn tasks<const BLOCKS: usize>(
     channel: &mut Channel<3, BLOCKS>,
     window: &mut Window<WINDOW>,
+    line: Line,
     watch: &mut impl Watch<3>,
 ) -> Result<Outcome, Failure> {
     let (mut feeder, stream) = window.split();
     let handles = channel.split(&TASKS_MACHINE, [Position::ZERO; 3], stream).map_err(Failure::Machine)?;
     let Handles { mut planner, mut interpolator, operator } = handles;
     let mut outcome = Outcome { ticks: 0, starved: 0, blocks: 0, digest: Digest::new() };
-    let (mut panel, mut functions, mut rest) = (Panel::default(), Functions::default(), TASKS);
+    let (mut panel, mut functions, mut sender) = (Panel::default(), Functions::default(), Sender::new(line));
     for _ in 0..LIMIT {
-        let sent = feeder.push(rest.get(..BYTES).unwrap_or(rest));
-        rest = rest.get(sent..).unwrap_or_default();
-        functions.look(&operator)?;
+        sender.send(&mut feeder);
+        functions.look(&operator, &mut sender)?;
         panel.look(&operator);
         let done = plan(&mut planner, &mut outcome).map_err(Failure::Program)?;
         let state = interpolator.tick();

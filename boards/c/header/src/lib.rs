@@ -1,9 +1,7 @@
-//! The header of the C interface, made of its sources.
-use std::path::{Path, PathBuf};
+//! The header of the C interface, made of its sources, and C programs with the library.
+pub mod c;
 
-/// Sources in the order in which the header shows them.
-const SOURCES: [&str; 8] =
-    ["lib", "result", "machine", "interpolator", "planner", "operator", "feeder", "storage"];
+use std::path::{Path, PathBuf};
 
 /// `boards/c`.
 pub fn folder() -> PathBuf {
@@ -22,10 +20,8 @@ pub fn file() -> PathBuf {
 /// A source that cbindgen cannot read.
 pub fn header() -> Result<String, String> {
     let config = cbindgen::Config::from_file(folder().join("cbindgen.toml"))?;
-    let mut builder = cbindgen::Builder::new().with_config(config);
-    for name in SOURCES {
-        builder = builder.with_src(folder().join("src").join(name).with_extension("rs"));
-    }
+    // The modules that it names are read along, in that order.
+    let builder = cbindgen::Builder::new().with_config(config).with_src(folder().join("src/lib.rs"));
     let mut text = Vec::new();
     builder.generate().map_err(|e| e.to_string())?.write(&mut text);
     String::from_utf8(text).map_err(|e| e.to_string())

@@ -105,6 +105,20 @@ static void machine_data(void) {
     machine.channel.m_synch.count = 1;
     machine.channel.m_synch.functions[0].code = 65536;
     refused("m_synch (P-CHAN-00041) = 65536; expected a function up to 65535", -1);
+    machine.axes[1].filter.enable = 3;
+    refused("axes[1]: filter_fir.enable (P-AXIS-00573) = 3; expected 0 or 1", 1);
+    machine.axes[2].filter.kind = 5;
+    refused("axes[2]: filter_fir.type (P-AXIS-00586) = 5; expected 0…4", 2);
+    machine.axes[0].filter.order = 201;
+    refused("filter_fir.order (P-AXIS-00587)", 0);
+    machine.axes[0].filter.share = 300;
+    refused("filter_fir.share (P-AXIS-00590)", 0);
+    machine.axes[0].filter.quality_milli = 70000;
+    refused("filter_fir.quality (P-AXIS-00593)", 0);
+    machine.axes[1].filter.enable = 1;
+    machine.axes[1].filter.kind = 1;
+    machine.axes[1].filter.order = GP_TAPS;
+    refused("axes[1]: ", 1);
     machine.channel.m_synch.count = 1;
     machine.channel.m_synch.functions[0].kind = 0x4000;
     refused("MVS_SLM is known, not available", -1);
@@ -168,6 +182,10 @@ static void nulls_and_handles(void) {
     IS(GP_RESULT_NULL, gp_is_at_rest(gp.planner, NULL));
     IS(GP_RESULT_NULL, gp_set_position(NULL, 0, 0));
     IS(GP_RESULT_NULL, gp_set_zero_offset(NULL, 0, 0, 0));
+    IS(GP_RESULT_NULL, gp_move_axis(NULL, 0, 0, 0));
+    IS(GP_RESULT_NULL, gp_stop_axis(NULL, 0));
+    IS(GP_RESULT_NULL, gp_wakes_after(NULL, &number));
+    IS(GP_RESULT_NULL, gp_wakes_after(gp.planner, NULL));
     IS(GP_RESULT_NULL, gp_tick(NULL, &state));
     IS(GP_RESULT_NULL, gp_set_points(NULL, set_points));
     IS(GP_RESULT_NULL, gp_set_points(gp.interpolator, NULL));
@@ -213,6 +231,7 @@ static void wrong_order(void) {
     IS(GP_RESULT_RANGE, gp_set_position(gp.planner, GP_AXES, 0));
     IS(GP_RESULT_RANGE, gp_set_position(gp.planner, 0, INT64_MIN));
     IS(GP_RESULT_RANGE, gp_set_zero_offset(gp.planner, 6, 0, 0));
+    IS(GP_RESULT_RANGE, gp_stop_axis(gp.planner, GP_AXES));
     static const char program[] = "N10 G01 X10 F1000\nN20 Y10 Q7\nN30 Y5\nM30\n";
     IS(GP_RESULT_OK, gp_load(gp.planner, program, sizeof program - 1));
     for (int k = 0; k < 20; k++) {
@@ -225,6 +244,7 @@ static void wrong_order(void) {
     IS(GP_RESULT_NOT_AT_REST, gp_load_next(gp.planner));
     IS(GP_RESULT_NOT_AT_REST, gp_set_position(gp.planner, 0, 0));
     IS(GP_RESULT_NOT_AT_REST, gp_set_zero_offset(gp.planner, 0, 0, 0));
+    IS(GP_RESULT_NOT_AT_REST, gp_move_axis(gp.planner, 0, GP_POSITION(1.0), 0));
     // The second line has been refused above, or is refused here; the first one is finished.
     const gp_result result = run();
     if (result != GP_RESULT_OK) {
@@ -246,6 +266,80 @@ static void wrong_order(void) {
     IS(GP_RESULT_OK, gp_load_window(gp.planner));
     IS(GP_RESULT_OK, gp_feed_end(gp.feeder));
     IS(GP_RESULT_OK, run());
+}
+
+// Ticks until an axis stands that moves alone.
+static void drive(void) {
+    gp_progress progress;
+    uint32_t at_rest = 0;
+    for (int k = 0; k < 100000 && !at_rest; k++) {
+        do {
+            IS(GP_RESULT_OK, gp_poll(gp.planner, &progress));
+        } while (progress != GP_PROGRESS_WAITING && progress != GP_PROGRESS_DONE);
+        IS(GP_RESULT_OK, gp_tick(gp.interpolator, NULL));
+        IS(GP_RESULT_OK, gp_is_at_rest(gp.planner, &at_rest));
+        at_rest &= progress == GP_PROGRESS_DONE;
+    }
+    WANT(at_rest);
+}
+
+// An axis beside the path, and the filters of the machine data.
+static void axes(void) {
+    int64_t set_points[GP_AXES];
+    uint32_t ticks;
+    IS(GP_RESULT_OK, gp_load(gp.planner, "M30", 3));
+    IS(GP_RESULT_OK, run());
+    IS(GP_RESULT_OK, gp_wakes_after(gp.planner, &ticks));
+    WANT(ticks == 0);
+    IS(GP_RESULT_RANGE, gp_move_axis(gp.planner, GP_AXES, 0, 0));
+    IS(GP_RESULT_RANGE, gp_move_axis(gp.planner, 0, 0, -1));
+    IS(GP_RESULT_RANGE, gp_move_axis(gp.planner, 1 << 31, 0, 0));
+    IS(GP_RESULT_RANGE, gp_move_axis(gp.planner, 0, GP_POSITION(100001.0), 0));
+    IS(GP_RESULT_RANGE, gp_move_axis(gp.planner, 0, INT64_MIN, 0));
+    IS(GP_RESULT_LIMIT, gp_move_axis(gp.planner, 0, GP_POSITION(-90000.0), 1));
+    IS(GP_RESULT_OK, gp_move_axis(gp.planner, 2, GP_POSITION(3.5), GP_POSITION(600.0)));
+    IS(GP_RESULT_NOT_AT_REST, gp_move_axis(gp.planner, 2, GP_POSITION(4.0), 0));
+    drive();
+    IS(GP_RESULT_OK, gp_set_points(gp.interpolator, set_points));
+    WANT(set_points[2] == GP_POSITION(3.5));
+    IS(GP_RESULT_OK, gp_move_axis(gp.planner, 2, GP_POSITION(50.0), 0));
+    gp_progress progress;
+    for (int k = 0; k < 50; k++) {
+        IS(GP_RESULT_OK, gp_poll(gp.planner, &progress));
+        IS(GP_RESULT_OK, gp_tick(gp.interpolator, NULL));
+    }
+    IS(GP_RESULT_OK, gp_stop_axis(gp.planner, 2));
+    drive();
+    IS(GP_RESULT_OK, gp_set_points(gp.interpolator, set_points));
+    WANT(set_points[2] > GP_POSITION(3.5) && set_points[2] < GP_POSITION(49.0));
+}
+
+// A moving average delays its axis: while the motion begins, it is behind the others.
+static void filters(void) {
+    int64_t set_points[GP_AXES];
+    gp_machine_defaults(&machine);
+    machine.axes[0].filter.enable = 1;
+    machine.axes[0].filter.kind = 1;
+    machine.axes[0].filter.order = 20;
+    IS(GP_RESULT_OK, gp_close(&storage, sizeof storage));
+    IS(GP_RESULT_OK, gp_open(&storage, sizeof storage, &machine, start, &gp));
+    IS(GP_RESULT_OK, gp_load(gp.planner, "G01 X10 Y10 F6000\nM30", 21));
+    int first[2] = {0, 0};
+    for (int k = 1; k < 100; k++) {
+        gp_progress progress;
+        do {
+            IS(GP_RESULT_OK, gp_poll(gp.planner, &progress));
+        } while (progress != GP_PROGRESS_WAITING && progress != GP_PROGRESS_DONE);
+        IS(GP_RESULT_OK, gp_tick(gp.interpolator, NULL));
+        IS(GP_RESULT_OK, gp_set_points(gp.interpolator, set_points));
+        for (int axis = 0; axis < 2; axis++) {
+            first[axis] = first[axis] == 0 && set_points[axis] > 0 ? k : first[axis];
+        }
+    }
+    // The others wait for half of the order.
+    WANT(first[0] > 0 && first[1] >= first[0] + 5 && first[1] <= first[0] + 12);
+    IS(GP_RESULT_OK, run());
+    gp_machine_defaults(&machine);
 }
 
 static volatile sig_atomic_t was_in_use, was_free;
@@ -299,6 +393,8 @@ int main(void) {
     opening();
     nulls_and_handles();
     wrong_order();
+    axes();
+    filters();
     two_contexts();
     closing();
     WANT(strcmp(gp_result_name(GP_RESULT_TWICE), "the storage is open already") == 0);
