@@ -351,6 +351,10 @@ fn functions_that_the_overview_names_exist() {
     let mut source = String::new();
     sources(&root().join("src"), &mut source);
     let overview = read("docs/overview.md");
+    let files = overview.split('`').skip(1).step_by(2);
+    for file in files.filter(|word| word.starts_with("src/") || word.starts_with("host-tests/")) {
+        assert!(root().join(file).exists(), "{file}");
+    }
     let named: Vec<&str> =
         overview.split('`').skip(1).step_by(2).filter(|word| word.contains("::")).collect();
     assert!(named.len() > 20, "{named:?}");
