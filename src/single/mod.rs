@@ -1,19 +1,40 @@
-//! Motion of a single axis beside the path: oscillation, independent axes, jog and homing of a board.
+//! Motion of a single axis, independent of the path: oscillation, independent axes, jog and homing of a board.
 //!
-//! Takes a goal (a position, or an oscillation) and what the axis permits, and gives pieces of time into the
-//! overlay of the axis ([`crate::queue::Overlay`]). A motion is made of *strokes*, from rest to rest. A
-//! stroke goes in as a whole, and the next one when that runs out: so the axis always has its way to a
-//! standstill, and stands at the end of a stroke if the planner gets no time.
+//! An application moves an axis by [`Planner::move_axis`](crate::channel::Planner::move_axis) while the path stands:
 //!
-//! An oscillation runs with the slope of P-CHAN-00071, an independent axis with that or another one.
+//! ```
+//! use glidepath::{AxisData, AxisKind, AxisName, Channel, ChannelData, Handles};
+//! use glidepath::{MachineData, Position, Progress, State};
 //!
-//! A stroke begins a tick behind the one before and includes the tick that shows its end: reversals are hit
-//! to the last bit, and last whole ticks. Where a period is no whole number of ticks, the rest of one stroke
-//! goes to the next, so that it does not drift.
+//! let axis = |name| AxisData::new(AxisName::new(name).unwrap(), AxisKind::Linear);
+//! let machine = MachineData { axes: [axis("X"), axis("Y")], channel: ChannelData::new() };
+//! let mut memory = Channel::<2, 120, 1>::new(); // one axis at a time may move alone
+//! let program: &[u8] = b"M30\n";
+//! let handles = memory.split(&machine, [Position::ZERO; 2], program).unwrap();
+//! let Handles { mut planner, mut interpolator, .. } = handles;
+//! while planner.poll().unwrap() != Progress::Done || !planner.is_at_rest() {
+//!     interpolator.tick();
+//! }
 //!
-//! Feed hold, abort and OFF change what is handed over by a cut a few ticks ahead, as for the path
-//! ([`crate::queue::Change`]): the axis brakes inside its limits ([`crate::slope::brake::Brake`]), or ends the stroke at hand where
-//! that slows down already.
+//! planner.move_axis(1, Position::from_num(-3), Some(Position::from_num(600))).unwrap(); // Y to -3 mm at 600 mm/min
+//! while planner.poll().unwrap() != Progress::Done {
+//!     interpolator.tick();
+//! }
+//! while interpolator.tick() != State::Idle {}
+//! assert_eq!(interpolator.set_points()[1], Position::from_num(-3));
+//! ```
+//!
+//! A [`Single`] takes a goal (a position, or an oscillation) and the limits of the axis, and gives pieces of a speed profile
+//! into the queue of that axis ([`crate::queue::Overlay`]). A motion consists of *strokes*, from stop to stop. A stroke is
+//! queued as a whole, and the next stroke when it runs out. If the planner gets no time, the axis stops at the end of its
+//! stroke.
+//!
+//! An oscillation has the slope of P-CHAN-00071; an independent axis has that slope or one of its own. A stroke ends with
+//! the tick that shows its end, so reversals are exact and strokes last whole ticks. The remainder of a period goes to the
+//! next stroke, so an oscillation does not drift.
+//!
+//! Feed hold, abort and OFF act a few ticks ahead, as for the path ([`crate::queue::Change`]): the axis brakes inside its
+//! limits ([`crate::slope::brake::Brake`]), or ends the current stroke if it is braking already.
 mod change;
 mod stroke;
 
