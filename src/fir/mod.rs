@@ -71,7 +71,7 @@ pub const ONE: i32 = 1 << 15;
 
 /// Highest order (P-AXIS-00587), and that of a time delay.
 pub const MAX_ORDER: u32 = 200;
-/// The same of type 4.
+/// Highest order of a time delay (type 4).
 pub const MAX_DELAY: u32 = 100;
 
 /// The interrupt's end of the filters.
@@ -93,48 +93,48 @@ pub trait FilterTick<const AXES: usize> {
 
 /// The planner's end of the filters. All of it does nothing without filters.
 pub trait FilterPlan<const AXES: usize> {
-    /// There are filters.
+    /// Whether the channel has filters.
     const EXIST: bool;
 
-    /// Takes a #FILTER command. It counts after [`Self::work`].
+    /// Takes a #FILTER command, which acts after [`Self::work`].
     ///
     /// # Errors
-    /// It cannot be carried out: nothing has changed.
+    /// The command cannot be carried out; nothing changes.
     fn command(&mut self, command: &nc::Filter) -> Result<Fate, FilterError>;
 
-    /// The machine data count again, as at program start.
+    /// Returns to the filters of the machine data, as at program start.
     fn restart(&mut self);
 
-    /// What was asked for last is not wanted: an abort.
+    /// Drops the last command that has not acted, after an abort.
     fn cancel(&mut self);
 
-    /// The position of an axis changes without motion: until [`Self::work`] is done nothing is filtered. Only
-    /// while settled.
+    /// Prepares for a position that changes without motion: nothing is filtered until [`Self::work`] is done. Call it only
+    /// while the filters are settled.
     fn suspend(&mut self);
 
-    /// Other kernels are to be put in force.
+    /// Whether new kernels wait to be put in force.
     fn is_pending(&self) -> bool;
 
-    /// The axes stand where the path stands. Only where the path rests.
+    /// Whether the axes stand at the end of the path. Ask only while the path stands.
     fn is_settled(&self) -> bool;
 
-    /// A bounded piece of the change to other kernels, only while settled; `false`: a tick has to pass.
+    /// Does a bounded piece of the change to new kernels. Call it only while settled. Returns `false` if a tick must pass
+    /// first.
     fn work(&mut self) -> bool;
 
     /// Cycles after the last motion of the path until the axes stand.
     fn window(&self) -> u32;
 
-    /// What the kernel of an axis needs of the plan; `None`: the axis is planned as without it.
+    /// Limits that the filter of an axis imposes on the plan; `None` if there are none.
     fn watch(&self, axis: usize) -> Option<Watch>;
 
-    /// Part of AX_DEV for a step of speed where acceleration begins and ends with the jerk `jerk`
-    /// (mm/tick³).
+    /// Share of AX_DEV for a step of speed where acceleration begins and ends with the jerk `jerk` (mm/tick³).
     fn corner(&self, axis: usize, jerk: f32) -> f32;
 
-    /// Half cycles by which all axes are delayed, and AX_DEV, as they are in force; 0: none.
+    /// Delay of all axes in half cycles, and AX_DEV, as they are in force; 0 means none.
     fn in_force(&self) -> (u32, Position);
 
-    /// The first axis found beyond AX_DEV since the filters were changed, once.
+    /// The first axis that exceeded AX_DEV since the filters were changed; each change reports one axis once.
     fn beyond(&mut self) -> Option<usize>;
 
     /// Largest deviation of an axis from its delayed set point since the filters were changed, while AX_DEV
@@ -142,7 +142,7 @@ pub trait FilterPlan<const AXES: usize> {
     fn deviation(&self, axis: usize) -> Position;
 }
 
-/// No filters.
+/// A channel without filters.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Unfiltered;
 
@@ -271,7 +271,7 @@ pub(crate) struct Layout {
     pub kind: Kind,
     /// Age of the newest one.
     pub newest: u32,
-    /// How many.
+    /// Number of samples.
     pub length: u32,
 }
 

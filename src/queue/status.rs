@@ -13,7 +13,7 @@ use super::{Clock, Gauge, PHASES, Phase};
 use crate::quantity::{Distance, Position};
 use core::sync::atomic::Ordering;
 
-/// What the last tick did, for the reader.
+/// The result of the last tick, for the reader.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Snapshot<const AXES: usize> {
     /// Ticks ended, modulo 2^31.
@@ -26,7 +26,7 @@ pub struct Snapshot<const AXES: usize> {
     pub set_points: [Position; AXES],
     /// Path distance.
     pub distance: Distance,
-    /// How far the path came in the last tick that took time of a piece.
+    /// Path length of the last tick that used time of a piece.
     pub step: Distance,
     /// Programmed N number.
     pub n: u32,
@@ -103,13 +103,13 @@ impl<const AXES: usize, M: Memory> Words<AXES, M> {
         }
     }
 
-    /// For the interrupt: path distance at `instant`.
+    /// Writes the path distance at `instant`. The interrupt calls it.
     #[inline(always)]
     pub fn show_distance(&self, instant: u32, distance: i64) {
         self.of(instant).set(distance);
     }
 
-    /// For the interrupt: what it has shown last.
+    /// The path distance written last. The interrupt calls it.
     pub fn distance(&self, instant: u32) -> i64 {
         self.of(instant).get()
     }
@@ -120,14 +120,14 @@ impl<const AXES: usize, M: Memory> Words<AXES, M> {
         &self.distances[((instant / TICK) & 1) as usize]
     }
 
-    /// For the interrupt: the curve, of its motion block the lower half.
+    /// Writes the curve: its N number and the lower half of its motion block. The interrupt calls it.
     #[inline(always)]
     pub fn show_curve(&self, n: u32, block: u16) {
         self.n.store(n, Ordering::Relaxed);
         self.block.store(block.into(), Ordering::Relaxed);
     }
 
-    /// For the interrupt: set points.
+    /// Writes set points. The interrupt calls it.
     #[inline(always)]
     pub fn show_points(&self, set_points: &[Position; AXES]) {
         for (words, point) in self.set_points.iter().zip(set_points) {
@@ -137,7 +137,7 @@ impl<const AXES: usize, M: Memory> Words<AXES, M> {
 }
 
 impl<'a, const AXES: usize, M: Memory> Display<'a, AXES, M> {
-    /// Of what the interrupt shows.
+    /// A status that is read from these words.
     pub const fn new(
         words: &'a Words<AXES, M>,
         clock: &'a Clock<M>,
@@ -147,7 +147,7 @@ impl<'a, const AXES: usize, M: Memory> Display<'a, AXES, M> {
         Self { words, clock, pieces, latest }
     }
 
-    /// What the last tick did. Looks again while a tick comes in between.
+    /// The result of the last tick. The call reads again if a tick comes in between.
     pub fn read(&self) -> Snapshot<AXES> {
         let mut snapshot = Snapshot::BLANK;
         M::wait(|| {

@@ -93,24 +93,24 @@ struct Swing {
 pub struct Oscillating {
     /// First and second reversal position.
     pub ends: [Position; 2],
-    /// Ticks of rest there, LSB 2^-32.
+    /// Dwell at both positions, in ticks, LSB 2^-32.
     pub waits: [u64; 2],
-    /// Speed, mm/tick, or ticks of a period with both waits, LSB 2^-32.
+    /// Speed in mm/tick, or the period with both dwells in ticks, LSB 2^-32.
     pub pace: Pace,
-    /// Oscillations; without end if `None`.
+    /// Number of oscillations; endless if `None`.
     pub count: Option<u32>,
 }
 
-/// How fast a motion is to be.
+/// The wanted speed or duration of a motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Pace {
     /// Speed of the axis, mm/tick or degrees/tick.
     Speed(f32),
-    /// Ticks that it takes, LSB 2^-32.
+    /// Duration in ticks, LSB 2^-32.
     Time(u64),
 }
 
-/// What an axis permits.
+/// Limits of one axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AxisLimits {
     /// Speed, accelerations, jerks.
@@ -119,12 +119,12 @@ pub struct AxisLimits {
     pub v_reduced: f32,
 }
 
-/// What the operator wants of the axes beside the path.
+/// Commands of the operator that act on single axes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Wishes {
-    /// They are to stand.
+    /// The axes are to stop.
     pub hold: bool,
-    /// The reduced speed is in force.
+    /// Reduced speed is on.
     pub reduced: bool,
     /// Override, LSB 0.1 %.
     pub feed: u16,
@@ -216,7 +216,7 @@ struct Handed {
 }
 
 impl Single {
-    /// It has no axis.
+    /// A single without an axis.
     pub const NONE: Self = Self {
         axis: None,
         shown: false,
@@ -332,7 +332,7 @@ impl Single {
         *self = Self { handed, limits: *limits, at: fine(from), axis: Some(axis), ..Self::NONE };
     }
 
-    /// The oscillation ends on its second position, with the cycle at hand.
+    /// Ends the oscillation on its second position, after the current cycle.
     pub fn finish(&mut self) {
         if core::mem::replace(&mut self.finishes, true) {
             return;
@@ -346,7 +346,7 @@ impl Single {
         self.goal.end_cycle();
     }
 
-    /// The axis comes to a standstill, and stays there. One that stands already has nothing to do.
+    /// Stops the axis, which stays there. An axis that stands already has nothing to do.
     pub fn stop(&mut self) {
         let handed = self.handed.strokes.iter().any(Option::is_some);
         if handed || self.laying.is_some() || self.goal != Goal::Rest {
@@ -361,7 +361,7 @@ impl Single {
         }
     }
 
-    /// Whether it oscillates.
+    /// Whether the axis oscillates.
     pub fn is_swinging(&self) -> bool {
         let of = |goal: &Goal| matches!(goal, Goal::Swing(_));
         of(&self.goal)
@@ -369,8 +369,7 @@ impl Single {
             || self.handed.strokes.iter().flatten().any(|stroke| of(&stroke.before))
     }
 
-    /// Where the axis stands, when its motion has been over for `settling` ticks: so long filters behind it
-    /// take to settle.
+    /// Position of the axis, when its motion has been over for `settling` ticks: the time in which its filter settles.
     pub fn stands(&mut self, overlay: &OverlaySender<'_>, settling: u32) -> Option<Position> {
         let over = self.goal == Goal::Rest && self.laying.is_none() && self.ending == Ending::None;
         if !over || overlay.clock.now() != self.handed.end {
@@ -389,7 +388,7 @@ impl Single {
         self.axis = None;
     }
 
-    /// Whether it is at a standstill and stays there as long as the wishes are what they are.
+    /// Whether the axis stands, and stays there as long as the commands do not change.
     pub fn rests(&self, overlay: &OverlaySender<'_>) -> bool {
         overlay.clock.now() == self.handed.end
     }
