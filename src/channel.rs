@@ -1,6 +1,30 @@
-//! Planner, interpolator and operator: wiring only, all that an application holds.
+//! The channel: all memory of one path, and the three handles that an application holds.
 //!
-//! The front page of the crate shows how they are used.
+//! The front page of the crate runs one program. This example runs a program and then single lines:
+//!
+//! ```
+//! use glidepath::{AxisData, AxisKind, AxisName, Channel, ChannelData, Handles};
+//! use glidepath::{Interpolator, MachineData, Planner, Position, Progress, State};
+//!
+//! fn finish(planner: &mut Planner<'_, &'static [u8], 1, 120>, interpolator: &mut Interpolator<'_, 1>) {
+//!     while !matches!(planner.poll(), Ok(Progress::Done)) {
+//!         interpolator.tick();
+//!     }
+//!     while interpolator.tick() != State::Idle {}
+//! }
+//!
+//! let axis = AxisData::new(AxisName::new("X").unwrap(), AxisKind::Linear);
+//! let machine = MachineData { axes: [axis], channel: ChannelData::new() };
+//! let mut memory = Channel::<1, 120>::new(); // in firmware: a static
+//! let program: &'static [u8] = b"G01 X10 F1000\nM30\n";
+//! let Handles { mut planner, mut interpolator, .. } =
+//!     memory.split(&machine, [Position::ZERO], program).unwrap();
+//! finish(&mut planner, &mut interpolator);
+//!
+//! planner.continue_with(b"G91 X5").unwrap(); // feed and G01 stay in force
+//! finish(&mut planner, &mut interpolator);
+//! assert_eq!(interpolator.set_points()[0], Position::from_num(15));
+//! ```
 mod beside;
 mod check;
 mod error;
@@ -27,37 +51,36 @@ use crate::plan::{MotionError, Planning, Work};
 use crate::slope::profile::Unplannable;
 use crate::technology::Function;
 
-/// What one call of [`Planner::poll`] achieved.
+/// The result of one call of [`Planner::poll`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Progress {
-    /// A bounded piece of work is done and there is more: call again.
+    /// A bounded piece of work is done and there is more. Call again at once.
     Working,
-    /// The queue is full, the program text has nothing yet, or the motion stands still for a feed hold or an
-    /// acknowledgement: call again after some ticks.
+    /// There is nothing to do now: the queue is full, program text is missing, or the axes stand for a feed hold or an
+    /// acknowledgement. Call again after some ticks.
     Waiting,
-    /// A motion block was planned for good: [`Planner::planned`].
+    /// A span of motion blocks has its speed profile: [`Planner::planned`]. Call again at once.
     Planned,
-    /// The same block has another law: an acknowledgement lets it end faster.
+    /// The same span has a faster profile, because an acknowledgement came in time.
     Replanned,
-    /// The program holds something doubtful; it goes on.
+    /// The program has something doubtful, and goes on.
     Warning(NcWarning),
-    /// The program text comes late: the motion comes to a standstill at the end of what there is, and goes on
-    /// when there is more. Said once for each standstill.
+    /// Program text is late: the axes stop at the end of the known path, and go on when text arrives. Each such stop is
+    /// reported once.
     Starved,
-    /// The planner got no time for so long that the motion came to a standstill on its way; it goes on. Said
-    /// once for each standstill.
+    /// The planner got too little time: the axes stopped on the path, and go on now. Each such stop is reported once.
     Late,
-    /// The motion is slower than programmed: from a higher speed the way to a standstill, which is kept ready
-    /// for a planner without time, would have more than 126 pieces of time (62 in a build without Surface and splines), or lead beyond what the
-    /// interpolator knows. Said when that begins, and again once the programmed speed has been possible in between.
+    /// The motion is slower than programmed, because a stop from the programmed speed would need more than 126 pieces (30
+    /// in a small build) or lead further than the interpolator knows the path. This is reported once, and again after the
+    /// programmed speed has been possible in between.
     Slower,
-    /// The axis with this index was beyond AX_DEV of #FILTER, or had more than 0.25 mm per cycle² and passed its
-    /// filter: a defect of the planner. Said once until #FILTER changes the filters;
-    /// [`Planner::filter_deviation`] says by how much.
+    /// A defect of the planner: the filter of the axis with this index exceeded AX_DEV of #FILTER, or the axis exceeded
+    /// 0.25 mm per cycle² and was not filtered. This is reported once until #FILTER changes the filters.
+    /// [`Planner::filter_deviation`] gives the deviation.
     Deviated(usize),
-    /// The program has ended and everything is handed to the interpolator. Commands of the operator still act
-    /// on that: go on calling as long as it moves.
+    /// The program has ended and everything is planned. Keep calling as long as the axes move: commands of the operator
+    /// still act.
     Done,
 }
 
@@ -93,30 +116,26 @@ impl Held {
     }
 }
 
-/// The half of a channel that works ahead: text to time law, a bounded piece per call. What is large of it
-/// lies in the [`Channel`].
+/// Reads the program and plans the motion; the handle for a task or the main loop.
 ///
-/// One channel lives from power-up to power-off. It is *at rest* ([`Self::is_at_rest`]) when the axes stand
-/// and everything that was read is executed: before the first program, at the end of one, behind a refused
-/// line, after an abort, and where a stream has no text. What follows begins where the axes stand, to the
-/// last bit.
+/// One channel lives from power-up to power-off. It is *at rest* ([`Self::is_at_rest`]) when the axes stand and everything
+/// that was read is executed: before the first program, at the end of a program, after a refused line, after an abort,
+/// and where a stream has no text. At rest the planner takes the next text. The new motion begins where the axes stand, to
+/// the last bit.
 ///
 /// | call | text | modal functions, F, G92, P parameters, contour mode, slope, weights |
 /// |---|---|---|
-/// | [`Self::load`] | another one, from its start | as at program start |
-/// | [`Self::load_next`] | the same, behind the program that has ended | as at program start |
-/// | [`Self::continue_with`] | another one, from its start | as they are: single lines (MDI) |
-/// | [`Self::go_on`] | the same, behind the refused line | as before the refused line |
+/// | [`Self::load`] | a new one, from its start | as at program start |
+/// | [`Self::load_next`] | the same one, after the program that has ended | as at program start |
+/// | [`Self::continue_with`] | a new one, from its start | stay in force: single lines (MDI) |
+/// | [`Self::go_on`] | the same one, after the refused line | as before the refused line |
 ///
-/// Program start is what ISG calls the initial state: G01, G17, G71, G90, G359, G260 and no F; G53 or what
-/// P-ZERO-00002 says; the slope of P-CHAN-00071; no weights and no limits along the path; all axes with the
-/// channel. RS274/NGC resets much the same at M02 and M30, and nothing from one line of MDI to the next. Zero
-/// offsets, positions, override and reduced speed belong to the machine: no program resets them.
+/// Program start is ISG's initial state: G01, G17, G71, G90, G359, G260 and no F; G53 or the offset of P-ZERO-00002; the
+/// slope of P-CHAN-00071; no weights, no limits along the path; all axes belong to the channel. Zero offsets, positions,
+/// override and reduced speed belong to the machine: no program resets them.
 ///
-/// An abort, or a plan that failed, stops the axes behind lines that are read already. What these lines put
-/// in force does not belong to where the axes stand: then [`Self::continue_with`] begins as a program does.
-/// An abort at rest does the same, whether the planner was called since or not: it ends what was before it, and
-/// nothing that is handed over behind it.
+/// An abort, or a plan that failed, stops the axes before lines that are read already. The modal state of these lines is
+/// void, so [`Self::continue_with`] then begins as at program start. An abort at rest does the same.
 pub struct Planner<
     'a,
     T: Text,
@@ -147,13 +166,12 @@ pub struct Planner<
 impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, const OVERLAYS: usize>
     Planner<'a, T, AXES, BLOCKS, F, OVERLAYS>
 {
-    /// Does a bounded piece of work. Call it in a loop while it says [`Progress::Working`] or
-    /// [`Progress::Planned`].
+    /// Does a bounded piece of work. Call it until it returns [`Progress::Waiting`] or [`Progress::Done`]. `docs/figures.md`
+    /// has the instructions of the longest call.
     ///
     /// # Errors
-    /// A line is refused; what was planned before stays valid and comes to a standstill. Further calls go on
-    /// with planning that rest and end in [`Progress::Done`]. At rest the channel goes on: [`Self::go_on`]
-    /// behind the line, [`Self::load`] with another program.
+    /// A line is refused. The motion before it stays valid and ends in a stop: further calls plan that motion and end in
+    /// [`Progress::Done`]. At rest [`Self::go_on`] continues after the line, and [`Self::load`] takes another program.
     pub fn poll(&mut self) -> Result<Progress, Error> {
         if OVERLAYS > 0 { self.poll_both() } else { self.poll_path() }
     }
@@ -228,12 +246,12 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         }
     }
 
-    /// Whether the motion stands still in a feed hold.
+    /// Whether the axes stand in a feed hold.
     pub fn is_holding(&self) -> bool {
         self.planning.is_holding() && self.filters.is_settled()
     }
 
-    /// Whether the motion stands still because a function is not acknowledged:
+    /// Whether the axes stand because a function is not acknowledged:
     /// [`Operator::awaited`](crate::operator::Operator::awaited).
     pub fn is_waiting(&self) -> bool {
         self.planning.is_waiting() && self.filters.is_settled()
@@ -250,8 +268,8 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         (!stands).then(|| if self.beside.is_free() { self.planning.ticks_of_reserve() } else { 1 })
     }
 
-    /// The span of motion blocks planned last. Only after [`Progress::Planned`] or [`Progress::Replanned`],
-    /// before the next call of [`Self::poll`].
+    /// The span of motion blocks that was planned last. The value is valid after [`Progress::Planned`] or
+    /// [`Progress::Replanned`], until the next call of [`Self::poll`].
     pub fn planned(&self) -> PlannedBlock {
         self.planning.planned()
     }

@@ -1,10 +1,8 @@
-//! What may come from outside while the motion runs: override, feed hold, resume, abort, reduced speed of an
-//! operator, acknowledgements of functions.
+//! The words in which the operator's commands and acknowledgements lie: override, feed hold, resume, abort, reduced speed.
 //!
-//! The words behind [`crate::operator::Operator`], which gives the commands. Each word has one writer, the
-//! operator or the planner: commands can be given at any time, without a lock, without waiting and without
-//! compare-and-swap, which small cores do not have. The planner follows them from a few ticks behind its next
-//! call on, see [`crate::plan`].
+//! [`crate::operator::Operator`] writes them. Each word has one writer, the operator or the planner. So commands can be given
+//! at any time, without a lock, without waiting, and without compare-and-swap, which small cores do not have. The planner
+//! reads the words in each call and acts a few ticks later ([`crate::plan`]).
 mod acknowledge;
 
 pub(crate) use acknowledge::OPEN;
@@ -31,8 +29,7 @@ const ANSWERED: u32 = 8 << 16;
 const ABORTS: u32 = 0xff << 24;
 const ONE_ABORT: u32 = 1 << 24;
 
-/// What is shared of commands and acknowledgements by the operator who gives them and the planner that
-/// follows them.
+/// The commands and acknowledgements that operator and planner share.
 pub struct Control {
     /// The commands. This and the next two are written by the operator.
     given: AtomicU32,

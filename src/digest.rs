@@ -1,4 +1,4 @@
-//! One number over all set points of all ticks: what makes host and target comparable.
+//! A checksum over the set points of all ticks, to compare host and target.
 use crate::quantity::Position;
 
 /// FNV-1a, 64 bits, over the 32-bit halves of every set point, low half first.

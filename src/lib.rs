@@ -1,7 +1,7 @@
-//! Glidepath turns an NC program into axis set points, with the same bits on every machine.
+//! Glidepath reads an NC program and computes one set point per axis and timer tick, with the same bits on every machine.
 //!
-//! The tick calculates in integers. The planner uses IEEE + − × ÷ beside them; what it finds is verified in
-//! integers before it is used.
+//! The library has no heap and no `std`. The timer interrupt calculates in integers. The planner also uses IEEE
+//! + − × ÷ √, and checks its results in integers.
 //!
 //! ```text
 //!         planner: a task or the main loop, bounded work per call                   |  interrupt: bounded work per tick
@@ -11,9 +11,13 @@
 //!                                                                            operator: PLC, serial line, other core
 //! ```
 //!
-//! An application holds three handles of one [`Channel`]. The [`Planner`] runs where time is not critical and
-//! is called again and again. The [`Interpolator`] is moved into the timer interrupt. The [`Operator`] gives
-//! commands, takes the functions that are due and sees the status, in any task or on another core.
+//! An application holds the three handles of one [`Channel`]:
+//!
+//! | handle | runs in | does |
+//! |---|---|---|
+//! | [`Planner`] | a task or the main loop | reads text and plans; each call does a bounded piece of work |
+//! | [`Interpolator`] | the timer interrupt | computes the set points of one tick |
+//! | [`Operator`] | any task, or another core | gives commands, takes functions that are due, shows the status |
 //!
 //! ```
 //! use glidepath::{AxisData, AxisKind, AxisName, Channel, ChannelData, Handles};
@@ -50,77 +54,95 @@
 //! assert_eq!(interpolator.set_points().map(|axis| axis.to_num::<f64>()), [10.0, 5.0, 0.0]);
 //! ```
 //!
-//! # Where it is decided
+//! # Cargo features
+//!
+//! All features but `dialects` and `defmt` are on by default. Without a feature its commands are refused by name.
+//!
+//! | feature | adds |
+//! |---|---|
+//! | `contour` | rounding of corners: G61, G261, `#CONTOUR MODE` |
+//! | `surface` | `#HSC [SURFACE]`: one smooth curve through many short blocks |
+//! | `splines` | Akima, B-spline, HSC B-spline |
+//! | `hsc` | the slope HSC |
+//! | `expressions` | P parameters, functions, `$` statements |
+//! | `beside` | single axes: oscillation, independent axes |
+//! | `filters` | FIR filters of the axes |
+//! | `fast` | fewer instructions for more flash, with `opt-level = 3` |
+//! | `dialects` | programs of LinuxCNC and Grbl |
+//! | `defmt` | `defmt::Format` for errors and events |
+//!
+//! # Where to look in the sources
 //!
 //! | question | file |
 //! |---|---|
 //! | how fast a corner may be taken | `dynamics/transition.rs`; as a curve: `dynamics/polynomial.rs` |
-//! | whether a corner without a curve is passed or a standstill | `lookahead/worth.rs` |
+//! | whether the motion passes a corner without a curve or stops there | `lookahead/worth.rs` |
 //! | which curve a corner gets | `smooth/contour/choice.rs` |
-//! | which curve a row of short blocks gets | `smooth/surface/mod.rs` |
-//! | which curve points of a spline get | `smooth/spline/mod.rs` |
+//! | which curve a run of short blocks gets | `smooth/surface/mod.rs` |
+//! | which curve the points of a spline get | `smooth/spline/mod.rs` |
 //! | how fast an arc may be taken | `dynamics/permitted.rs` |
 //! | which speeds the look-ahead plans | `lookahead/plan.rs`, `lookahead/span.rs` |
 //! | what a feed hold does | `plan/hold.rs`, `plan/descent.rs`, `plan/short_stop.rs` |
 //! | at which point an M function comes out, and where the motion waits for it | `plan/functions.rs`, `plan/acknowledge.rs` |
-//! | in which tick it comes out | `queue/actions.rs` |
-//! | how an axis moves beside the path | `single/mod.rs`, `channel/beside.rs` |
+//! | in which tick an M function comes out | `queue/actions.rs` |
+//! | how an axis moves independently of the path | `single/mod.rs`, `channel/beside.rs` |
 //! | what a tick does, and so costs | `tick.rs`, `queue/curves.rs`, `queue/cells.rs`; the counts: `docs/figures.md` |
 //! | what happens when the planner gets no time | `plan/reserve.rs` |
 //! | how planner and interrupt agree on a change | `queue/time.rs`, `queue/clock.rs` |
-//! | units, LSB, range and rounding of a number | `quantity.rs` |
+//! | unit, LSB, range and rounding of a number | `quantity.rs` |
 //!
-//! # Words
+//! # Words of the sources
 //!
 //! | word | meaning |
 //! |---|---|
-//! | acknowledgement | The word of the operator that a function is carried out. |
-//! | action | What is due at a point of the path: a function that is put out. |
-//! | anchor | A transition where acceleration is zero. |
-//! | barrier | A piece of no ticks: the interrupt passes it by a cut alone. |
-//! | block | A motion as it was programmed, or a part of one, in the look-ahead. |
+//! | acknowledgement | The operator's message that a function is carried out. |
+//! | action | An output at a point of the path: a function. |
+//! | anchor | An end of a span: acceleration is zero there. |
+//! | barrier | The end marker in the queue; only a change of plan leads past it. |
+//! | block | A motion of the program, or a part of one, in the look-ahead. |
 //! | brief block | A block that the motion passes within a tick. |
-//! | channel | All memory of one path: a planner, an interpolator, an operator. |
-//! | committed span | A span that left the look-ahead; the interrupt has not left it yet. |
+//! | channel | All memory of one path, for planner, interpolator and operator. |
+//! | committed span | A span that has left the look-ahead and is not yet passed; its profile may still change. |
 //! | contour mode | Rounding of corners inside a tolerance (#CONTOUR MODE, G61, G261). |
 //! | corner | A transition where the direction changes. |
-//! | curve | The geometry of an element in the queue: a line, an arc or a polynomial; in the code a `Segment`. |
-//! | cut | A change of the interrupt from one row of pieces to another, at an agreed tick. |
-//! | dwell | Ticks of rest (G04). |
-//! | ease | How much less than permitted a span uses so that an anchor inside it is not needed. |
+//! | curve | Geometry in the queue: a line, an arc or a polynomial; a `Segment` in the code. |
+//! | cut | The tick at which the interrupt changes from one plan to another. |
+//! | dwell | A programmed pause (G04). |
+//! | ease | How much a span stays below its limits so that acceleration may pass its end. |
 //! | element | A curve over its own path length, with direction and curvature at both ends. |
-//! | feed hold | A standstill on the path, wanted by the operator. |
-//! | frontier | Where laws end; nothing behind it is in the queue. |
-//! | gate | A point of the path that the motion passes only after acknowledgements. |
-//! | instant | A tick of path motion, counted twice so that an odd number is never one. |
-//! | joint | Both ends of two curves that meet. |
-//! | knee | A step of direction at a transition without a curve, and the step of speed it causes. |
-//! | law | The speed of a span over time. |
-//! | level | The override that the look-ahead is planned for. |
+//! | feed hold | A stop on the path that the operator asks for. |
+//! | frontier | The end of the planned pieces in the queue. |
+//! | gate | A synchronisation point: the motion passes it only after acknowledgements. |
+//! | instant | A tick of path motion, counted twice, so that odd numbers are free for marks. |
+//! | joint | The point where two curves meet. |
+//! | knee | A corner without a curve, and the step of speed that it causes in an axis. |
+//! | law | A speed profile: the speed of a span over time. |
+//! | level | The slowly following copy of the override that the look-ahead is planned for. |
 //! | limits | Speed, acceleration and jerk permitted along the path. |
 //! | look-ahead | The ring of blocks whose speeds may still change. |
-//! | overlay | The motion of an axis beside the path, as the interrupt has it. |
+//! | overlay | The motion of a single axis, as the interrupt takes it. |
 //! | path distance | Length along the path since the start. |
-//! | piece | A cubic of path distance over whole ticks; in the code a `Phase`. |
+//! | piece | A cubic of path distance over whole ticks; a `Phase` in the code. |
 //! | profile | A law as ramps, with times and lengths. |
-//! | programmed block | A motion block as it came from the program. |
-//! | ramp | A part of a law in which acceleration rises or falls. |
-//! | reserve | A way to a standstill that lies ready for a planner that gets no time. |
-//! | set point | The position of an axis that a tick gives. |
-//! | slope | The kind of law: STEP, TRAPEZ, SIN2 or HSC. |
-//! | slope share | What is left to the slope beside a transition. |
-//! | small build | A build without Surface and splines: it has less room for all that is under way. |
-//! | smoother | A stage that makes elements of programmed blocks. |
-//! | span | Blocks from one anchor to the next; they have one law. |
-//! | stage | A step of the pipeline: it takes one type and returns the next. |
-//! | stroke | A motion of one axis from rest to rest. |
-//! | tick | One cycle of the interrupt. |
+//! | programmed block | A motion block as the program has it. |
+//! | ramp | A part of a profile in which acceleration rises or falls. |
+//! | reserve | The stop that lies ready for a planner that gets no time. |
+//! | row | Consecutive short blocks that Surface or a spline turns into one curve. |
+//! | set point | The position of an axis for one tick. |
+//! | slope | The kind of speed profile: STEP, TRAPEZ, SIN2 or HSC. |
+//! | slope share | The part of a jerk limit that a transition leaves to the slope. |
+//! | small build | A build without Surface and splines, with less room in the queue. |
+//! | smoother | A stage that turns programmed blocks into elements. |
+//! | span | Consecutive blocks with one speed profile; acceleration is zero at both ends. |
+//! | stage | A step of the pipeline, which takes one type and returns the next. |
+//! | stroke | A motion of a single axis from stop to stop. |
+//! | tick | One cycle of the timer interrupt. |
 //! | transition | The point where two blocks meet. |
-//! | valley | Where a law is slowest inside, with acceleration on both sides of a slow block. |
-//! | way | A motion that leads to a standstill. |
+//! | valley | A slow block that is entered braking and left accelerating. |
+//! | way | The motion to a stop. |
 #![no_std]
-// Only six files of `queue` may have unsafe code, and each says why: `ring`, `curves`, `reserve` and `actions`, and the
-// memory that they are made of, `cells` and `word`.
+// Six files of `queue` have unsafe code, and each says why: `ring`, `curves`, `reserve`, `actions`, and their memory,
+// `cells` and `word`.
 #![deny(unsafe_code)]
 
 pub use axis::Axes;
@@ -132,8 +154,8 @@ pub use quantity::Position;
 pub use technology::{Function, Output, Technology};
 pub use tick::{Interpolator, State};
 
-// The tower: each module uses those above it alone (`host-tests/tests/papers/tower.rs`). Hidden are those that an
-// application does not name.
+// Each module uses only modules above it (`host-tests/tests/papers/tower.rs`). Modules that an application does not name
+// are hidden.
 
 #[doc(hidden)]
 pub mod math;

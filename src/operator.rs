@@ -1,7 +1,37 @@
-//! The third handle of a channel: commands, functions that are due, acknowledgements, and the status.
+//! The operator: commands, functions that are due, acknowledgements, and the status.
 //!
-//! It belongs to whoever watches the motion from outside: a PLC task, a serial task, another core. Nothing in
-//! it waits for the planner or the interrupt, and neither waits for it.
+//! The operator is the third handle of a channel. It belongs to a PLC task, a serial task or another core. Its calls
+//! do not wait for the planner or the interrupt, and neither waits for the operator.
+//!
+//! ```
+//! use glidepath::{AxisData, AxisKind, AxisName, Channel, ChannelData, Function, Handles};
+//! use glidepath::{MachineData, Position, Progress, State};
+//!
+//! let axis = AxisData::new(AxisName::new("X").unwrap(), AxisKind::Linear);
+//! let machine = MachineData { axes: [axis], channel: ChannelData::new() };
+//! let program: &[u8] = b"N10 G01 X10 F1000\nN20 M8\nN30 X20\nM30\n";
+//! let mut memory = Channel::<1, 120>::new();
+//! let Handles { mut planner, mut interpolator, operator } =
+//!     memory.split(&machine, [Position::ZERO], program).unwrap();
+//!
+//! operator.set_override(500); // 50.0 %
+//! let mut functions = Vec::new();
+//! let mut is_planned = false;
+//! while !(is_planned && interpolator.tick() == State::Idle) {
+//!     match planner.poll().unwrap() {
+//!         Progress::Done => is_planned = true,
+//!         Progress::Waiting => _ = interpolator.tick(),
+//!         _ => {}
+//!     }
+//!     // In the task of the operator, as often as it can:
+//!     while let Some(output) = operator.output() {
+//!         functions.push((output.n, output.function));
+//!     }
+//! }
+//! assert!(functions.contains(&(20, Function::M(8))));
+//! let status = operator.status();
+//! assert_eq!((status.n, status.state, status.set_points), (30, State::Idle, [Position::from_num(20)]));
+//! ```
 use crate::control::{Commands, Control, Unexpected};
 use crate::path::Measure;
 use crate::quantity::{Distance, Position, Speed};
@@ -11,7 +41,7 @@ use crate::tick::State;
 use core::cell::Cell;
 use core::marker::PhantomData;
 
-/// What the interrupt did last. All of it belongs to one tick.
+/// What the last tick did. All fields belong to the same tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Status<const AXES: usize> {
     /// The set point of every axis.
@@ -25,22 +55,21 @@ pub struct Status<const AXES: usize> {
     /// Speed of the set points along the feed axes, the mean over the last tick; 0 at rest. Where no feed axis moves it
     /// is that along the main axes, and where none of these moves that of all axes. To 2^-44 mm per tick.
     pub speed: Speed,
-    /// What the last tick said.
+    /// The state that the last tick returned.
     pub state: State,
-    /// Pieces of time in the queue, 0…256: those the planner is ahead by. Two pieces that the planner puts in
-    /// meanwhile may count or not.
+    /// Pieces of the speed profile that are planned and not yet used, 0…128 (0…32 in a small build). While the planner
+    /// adds pieces, the count may be two too low.
     pub queued: u16,
     /// Ticks since the split, whether the path moved in them or not; modulo 2^31. The last one has the number
     /// `ticks` − 1, as in [`Output::tick`].
     pub ticks: u32,
 }
 
-/// Gives commands to a channel and sees what it does. `Send`, not `Sync`: one context at a time holds it, so
-/// that every word has one writer.
+/// Gives commands to a channel and shows what the channel does. It is `Send`, not `Sync`: one context at a time holds
+/// it.
 ///
-/// The usual way: a task takes functions by [`Self::output`] as often as it can and acknowledges those that
-/// wait. An application without such a task moves it into the interrupt, beside the interpolator, and calls
-/// [`Self::deliver`] behind every tick.
+/// A task calls [`Self::output`] as often as it can and acknowledges the functions that wait. An application without
+/// such a task moves the operator into the timer interrupt and calls [`Self::deliver`] after every tick.
 pub struct Operator<'a, const AXES: usize> {
     panel: Panel<'a, AXES>,
     measure: Measure,
@@ -48,8 +77,8 @@ pub struct Operator<'a, const AXES: usize> {
 }
 
 impl<'a, const AXES: usize> Operator<'a, AXES> {
-    /// Of the queue between planner and interrupt; `measure`: the axes along which the speed counts.
-    /// [`crate::channel::Channel::split`] makes one.
+    /// An operator for the queue between planner and interrupt. `measure`: the axes along which the speed counts.
+    /// Applications get theirs from [`crate::channel::Channel::split`].
     pub const fn new(panel: Panel<'a, AXES>, measure: Measure) -> Self {
         Self { panel, measure, sole: PhantomData }
     }
@@ -58,41 +87,42 @@ impl<'a, const AXES: usize> Operator<'a, AXES> {
         self.panel.control
     }
 
-    /// Feed override, LSB 0.1 %; more than 200 % is 200 %. It acts on feed and rapid motion; P-CHAN-00066
-    /// says how. With 0 the motion stands still on the path, as in a feed hold.
+    /// Sets the feed override, in steps of 0.1 %: 500 is 50 %. Values above 2000 count as 2000. The override acts on feed
+    /// and rapid motion; P-CHAN-00066 says how. With 0 the axes stop on the path, as in a feed hold.
     pub fn set_override(&self, feed: u16) {
         self.control().set_override(feed);
     }
 
-    /// Stand still on the path as soon as the limits allow.
+    /// Stops the axes on the path, as soon as their limits permit.
     pub fn feed_hold(&self) {
         self.control().set_hold(true);
     }
 
-    /// End of [`Self::feed_hold`].
+    /// Ends a [`Self::feed_hold`]: the motion goes on.
     pub fn resume(&self) {
         self.control().set_hold(false);
     }
 
-    /// Stand still and forget the rest of the program. It ends a hold; a hold that is given behind it counts
-    /// for what comes then.
+    /// Stops the axes and drops the rest of the program. An abort ends a feed hold. A feed hold that is given after the
+    /// abort holds the next program.
     pub fn abort(&self) {
         self.control().abort();
     }
 
-    /// Reduced speed (P-AXIS-00214) on or off.
+    /// Switches reduced speed (P-AXIS-00214) on or off.
     pub fn set_reduced(&self, reduced: bool) {
         self.control().set_reduced(reduced);
     }
 
-    /// The commands as they stand.
+    /// The commands that are in force.
     pub fn commands(&self) -> Commands {
         self.control().commands()
     }
 
-    /// The next function whose point of the motion a tick has reached or passed. Call it until it says
-    /// `None`: there is room for 32 in all, in a small build for 16. The fewer are free the less far the planner
-    /// looks ahead, and with none the motion comes to a standstill.
+    /// Takes the next function whose point of the path has been reached. Call it until it returns `None`.
+    ///
+    /// At most 32 functions can be pending, 16 in a small build. When that room runs out, the look-ahead gets shorter;
+    /// without any room the axes stop.
     pub fn output(&self) -> Option<Output> {
         let outlet: &Outlet<'a> = &self.panel.actions;
         let (placed, tick) = outlet.take()?;
@@ -101,28 +131,28 @@ impl<'a, const AXES: usize> Operator<'a, AXES> {
         Some(Output { tick, n: placed.n, function, waits: ticket.waits() })
     }
 
-    /// Hands over all functions that [`Self::output`] has.
+    /// Hands all functions that are due to `technology`.
     pub fn deliver(&self, technology: &mut impl Technology) {
         while let Some(output) = self.output() {
             technology.output(&output);
         }
     }
 
-    /// Acknowledges a function. If it was put out more than once, that put out first.
+    /// Acknowledges a function. If the same function was put out several times, the first output is acknowledged.
     ///
     /// # Errors
-    /// Nothing waits for it: it was not put out yet, or it is acknowledged already. It is ignored.
+    /// [`Unexpected`] if no output of the function waits; the call changes nothing.
     pub fn acknowledge(&self, function: Function) -> Result<(), Unexpected> {
         self.control().acknowledge(function)
     }
 
-    /// The function put out first of those that are not acknowledged.
+    /// The oldest function that was put out and is not acknowledged.
     pub fn awaited(&self) -> Option<Function> {
         self.control().acknowledgements().awaited()
     }
 
-    /// What the last tick did. Reads again if a tick comes in between: on the interrupt's core at most once
-    /// or twice, on another one while a tick is at hand.
+    /// What the last tick did. The call reads again if a tick comes in between: once or twice on the interrupt's core, as
+    /// long as a tick runs on another core.
     pub fn status(&self) -> Status<AXES> {
         let seen = self.panel.status.read();
         let state = match (seen.moved, seen.settles) {

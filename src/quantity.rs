@@ -1,4 +1,13 @@
-//! Every number that travels between stages, with its unit, LSB, range and rounding.
+//! The fixed-point numbers of set points, feeds and path values, with unit, LSB, range and rounding.
+//!
+//! ```
+//! use glidepath::quantity::{Position, Speed};
+//!
+//! let half = Position::from_num(0.5); // mm or degrees
+//! assert_eq!(half.to_bits(), 1 << 31); // LSB 2^-32
+//! let speed = Speed::from_bits(1 << 57); // 0.5 mm per tick: 500 mm/s at a cycle of 1 ms
+//! assert_eq!(speed.0.to_num::<f64>() * 1000.0, 500.0);
+//! ```
 //!
 //! | type | unit | bits | LSB | range | made by, rounded |
 //! |---|---|---|---|---|---|

@@ -1,7 +1,32 @@
-//! What may be due at a point of the path, and what an application implements: where M, H, S and T go.
+//! Technology functions M, H, S and T, put out at their point of the path.
+//!
+//! An application takes them by [`Operator::output`](crate::operator::Operator::output), or implements [`Technology`]:
+//!
+//! ```
+//! use glidepath::{Function, Output, Technology};
+//!
+//! #[derive(Default)]
+//! struct Plc {
+//!     has_coolant: bool,
+//! }
+//!
+//! impl Technology for Plc {
+//!     fn output(&mut self, output: &Output) {
+//!         match output.function {
+//!             Function::M(8) => self.has_coolant = true,
+//!             Function::M(9) => self.has_coolant = false,
+//!             _ => {}
+//!         }
+//!     }
+//! }
+//!
+//! let mut plc = Plc::default();
+//! plc.output(&Output { tick: 0, n: 10, function: Function::M(8), waits: false });
+//! assert!(plc.has_coolant);
+//! ```
 use crate::quantity::Position;
 
-/// Technology functions.
+/// A technology function of the program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Function {
@@ -15,7 +40,7 @@ pub enum Function {
     Tool(u32),
 }
 
-/// A planned acknowledgement, or none.
+/// The number of an acknowledgement that the motion waits for, or none.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Ticket(pub(crate) u32);
@@ -24,38 +49,37 @@ impl Ticket {
     /// Nothing waits.
     pub(crate) const NONE: Self = Self(0);
 
-    /// Whether the motion waits for it.
+    /// Whether the motion waits for an acknowledgement.
     pub const fn waits(self) -> bool {
         self.0 != 0
     }
 }
 
-/// What is due when the path reaches a point. Each kind is carried out in one place.
+/// An action at a point of the path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Action {
-    /// The operator puts a function out; the ticket is its acknowledgement, if the motion waits for one.
+    /// The operator puts out a function. The ticket names its acknowledgement, if the motion waits for one.
     Out(Function, Ticket),
 }
 
-/// A technology function at its point of the motion.
+/// A technology function whose point of the path has been reached.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Output {
-    /// The number of the tick that reached the point: ticks since the split, from 0, whether the path moved
-    /// in them or not; modulo 2^31.
+    /// The number of the tick that reached the point. All ticks since `Channel::split` count, from 0, modulo 2^31.
     pub tick: u32,
     /// Programmed N number.
     pub n: u32,
-    /// What to do.
+    /// The function.
     pub function: Function,
-    /// The motion goes on, at its synchronisation point, only after
-    /// [`acknowledge`](crate::operator::Operator::acknowledge).
+    /// Whether the axes stand at the synchronisation point until
+    /// [`acknowledge`](crate::operator::Operator::acknowledge) is called.
     pub waits: bool,
 }
 
-/// Carries out technology functions. A machine hands them to its PLC, a simulator writes them down.
+/// A receiver of technology functions: a PLC, or a simulator that records them.
 pub trait Technology {
-    /// Takes over a function whose point the motion has reached.
+    /// Carries out a function whose point of the path has been reached.
     fn output(&mut self, output: &Output);
 }

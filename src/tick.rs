@@ -1,37 +1,57 @@
-//! Set points of one tick: time to path distance to axis positions.
+//! The interpolator: one set point per axis and tick, for the timer interrupt.
 //!
-//! A tick counts inside the piece of time at hand or takes the next one, and evaluates its cubic: that is the path
-//! distance. It passes the curves that this distance has left ([`crate::queue::CurveConsumer::follow`]) and
-//! evaluates the one it is on ([`crate::queue::Track::at`]). Integers only; no division, no square root, and no loop
-//! without a fixed bound.
+//! ```
+//! use glidepath::{AxisData, AxisKind, AxisName, Channel, ChannelData, Handles};
+//! use glidepath::{MachineData, Position, Progress, State};
 //!
-//! Which piece of time comes next, also where the planner has asked for a change or has come late:
-//! [`crate::queue::Timeline`]. At its end the tick marks the actions that are due and shows its result to the
-//! operator ([`crate::operator::Operator`]).
+//! let axis = AxisData::new(AxisName::new("X").unwrap(), AxisKind::Linear);
+//! let machine = MachineData { axes: [axis], channel: ChannelData::new() };
+//! let mut memory = Channel::<1, 120>::new();
+//! let program: &[u8] = b"G01 X1 F600\nM30\n";
+//! let handles = memory.split(&machine, [Position::ZERO], program).unwrap();
+//! let Handles { mut planner, mut interpolator, .. } = handles;
+//! while !matches!(planner.poll().unwrap(), Progress::Waiting | Progress::Done) {}
 //!
-//! Behind the path come the overlays: an axis that moves on its own goes where its own motion has it
-//! ([`crate::queue::Overlay`]).
+//! // In the timer interrupt: write first, so that the moment of output does not vary; then compute.
+//! let mut to_the_drives = Vec::new();
+//! loop {
+//!     to_the_drives.push(interpolator.set_points()[0]);
+//!     if interpolator.tick() == State::Idle {
+//!         break;
+//!     }
+//! }
+//! assert_eq!(to_the_drives.last(), Some(&Position::from_num(1)));
+//! ```
 //!
-//! All that could go wrong is ruled out by the planner: a piece lasts at least one tick, its curve is in
-//! the ring, and at most [`crate::queue::MAX_CURVES_PER_TICK`] curves begin within a tick. Without a piece
-//! the set points rest.
+//! A tick works in integers: no division, no square root, no loop without a fixed bound.
+//!
+//! 1. It takes the next piece of the speed profile when the current one is used up ([`crate::queue::Timeline`]), also
+//!    where the planner has asked for a change or is late. Without a piece the set points stay.
+//! 2. It evaluates the cubic of the piece: that is the path distance.
+//! 3. It drops the curves that the distance has passed ([`crate::queue::CurveConsumer::follow`]) and evaluates the
+//!    current one ([`crate::queue::Track::at`]).
+//! 4. Axes that move on their own get their set points from their own motion ([`crate::queue::Overlay`]).
+//! 5. It marks the functions that are due and shows its result to the operator ([`crate::operator::Operator`]).
+//!
+//! The planner guarantees what the tick relies on: a piece lasts at least one tick, its curve is in the ring, and at
+//! most [`crate::queue::MAX_CURVES_PER_TICK`] curves begin within a tick.
 use crate::fir::{FilterTick, Unfiltered};
 use crate::quantity::{Accel, Distance, Position, Speed};
 use crate::queue::{OverlayReceiver, Receiver};
 
-/// What the tick just did.
+/// The result of a tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum State {
-    /// The set points rest: nothing is planned, or the motion stands in a feed hold or waits for an acknowledgement.
+    /// The axes stand still: nothing is planned, or the motion is in a feed hold or waits for an acknowledgement.
     Idle,
-    /// The path rests and set points may still move: filters that settle, motions of single axes.
+    /// The path stands still, and axes may still move: filters settle, or single axes move.
     Settling,
-    /// A set point of the planned motion; dwell time counts.
+    /// The tick gave a set point of the planned motion. Dwell time counts as motion.
     Active,
 }
 
-/// Path values of the last set point, for traces. Computed on demand, not in the tick.
+/// Path values at the last set point, for traces. They are computed on demand, not in the tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Telemetry {
     /// Programmed N number.
@@ -40,13 +60,14 @@ pub struct Telemetry {
     pub block: u32,
     /// Path distance; wraps at ±2^19 mm.
     pub distance: Distance,
-    /// Path speed. On a curve over time path is time, and the axes are slower: [`Interpolator::path_slope`].
+    /// Path speed. In a curve that is planned over time the axes are slower than this speed says:
+    /// [`Interpolator::path_slope`].
     pub speed: Speed,
     /// Path acceleration.
     pub accel: Accel,
 }
 
-/// The handle of a channel that lives in the timer interrupt.
+/// Computes set points; the handle for the timer interrupt.
 pub struct Interpolator<'a, const AXES: usize, F = Unfiltered, const OVERLAYS: usize = 0> {
     queue: Receiver<'a, AXES>,
     /// Of the path.
@@ -56,22 +77,23 @@ pub struct Interpolator<'a, const AXES: usize, F = Unfiltered, const OVERLAYS: u
 }
 
 impl<'a, const AXES: usize> Interpolator<'a, AXES> {
-    /// At rest at `start`, fed through `queue`. [`crate::channel::Channel::split`] makes one; on its own it
-    /// goes with a [`crate::plan::Planning`] that takes motions from another source than an NC program.
+    /// An interpolator that stands at `start` and reads from `queue`. Applications get theirs from
+    /// [`crate::channel::Channel::split`]. Alone it serves a [`crate::plan::Planning`] whose motions do not come from an NC
+    /// program.
     pub fn new(queue: Receiver<'a, AXES>, start: [Position; AXES]) -> Self {
         Self::filtered(queue, start, Unfiltered)
     }
 }
 
 impl<'a, const AXES: usize, F: FilterTick<AXES>> Interpolator<'a, AXES, F> {
-    /// The same with filters.
+    /// As [`Self::new`], with filters of the axes.
     pub fn filtered(queue: Receiver<'a, AXES>, start: [Position; AXES], filters: F) -> Self {
         Self::with_overlays(queue, start, filters, [])
     }
 }
 
 impl<'a, const AXES: usize, F: FilterTick<AXES>, const OVERLAYS: usize> Interpolator<'a, AXES, F, OVERLAYS> {
-    /// The same with motions of single axes beside the path.
+    /// As [`Self::filtered`], with axes that may move independently of the path.
     pub fn with_overlays(
         queue: Receiver<'a, AXES>,
         start: [Position; AXES],
@@ -82,11 +104,13 @@ impl<'a, const AXES: usize, F: FilterTick<AXES>, const OVERLAYS: usize> Interpol
         Self { queue, set_points: start, filters, overlays }
     }
 
-    /// Computes the next set point, marks the actions that are due, shows both to the operator. Instructions
-    /// on a Cortex-M4F: see `docs/figures.md`; each action that becomes due takes about a dozen more.
+    /// Computes the next set points, marks the functions that are due, and shows both to the operator.
     ///
-    /// The planner must not interrupt it: an interrupt of higher priority than the planner's on the same
-    /// core, or any on another one.
+    /// Cost: `docs/figures.md` counts the instructions on a Cortex-M4F. Each function that becomes due takes about a dozen
+    /// more.
+    ///
+    /// The planner must not interrupt this call. Call it from an interrupt of higher priority than the planner, or on
+    /// another core.
     pub fn tick(&mut self) -> State {
         let Some(distance) = self.queue.begin() else {
             return self.rest();
@@ -128,19 +152,21 @@ impl<'a, const AXES: usize, F: FilterTick<AXES>, const OVERLAYS: usize> Interpol
         self.overlays.iter_mut().fold(false, |moves, overlay| overlay.step(&mut self.set_points) | moves)
     }
 
-    /// The set point of every axis after the last tick, for the drives.
+    /// The set points of the last tick, for the drives: mm or degrees, one per axis.
     pub fn set_points(&self) -> &[Position; AXES] {
         self.filters.set_points(&self.set_points)
     }
 
-    /// The same before filters: where the path is.
+    /// The set points of the last tick before the filters of the axes.
     pub fn path_points(&self) -> &[Position; AXES] {
         &self.set_points
     }
 
-    /// What every axis travels per path distance at the last set point, LSB 2^-40; `None` on a line or an arc, where
-    /// the path distance is what the feed axes travel. On a curve over time it is not ([`Telemetry::speed`]): the
-    /// driven speed is the path speed times what the feed axes travel together. Computed on demand, not in the tick.
+    /// The travel of each axis per path distance at the last set point, LSB 2^-40. It is `None` on a line or an arc, where
+    /// path distance is the travel of the feed axes.
+    ///
+    /// In a curve that is planned over time the driven speed is [`Telemetry::speed`] times the length of this vector over the
+    /// feed axes. The value is computed on demand, not in the tick.
     pub fn path_slope(&self) -> Option<[i64; AXES]> {
         let (track, along) = self.queue.segments.at_hand(self.queue.distance())?;
         track.slope(along)

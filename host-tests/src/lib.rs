@@ -82,3 +82,7 @@ pub mod unlike;
 #[cfg(doctest)]
 #[doc = include_str!("../../docs/linking.md")]
 pub mod linking {}
+
+#[cfg(doctest)]
+#[doc = include_str!("../../docs/machine-data.md")]
+pub mod machine_data {}

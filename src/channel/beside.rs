@@ -1,19 +1,18 @@
-//! Motions of single axes beside the path: oscillations, independent axes, jog.
+//! Motions of single axes, independent of the path: oscillations, independent axes, jog.
 //!
-//! A command of the program for a single axis waits until the path stands where it was programmed. Then the
-//! axis gets an overlay, and the path has it at once where its motion will end: from there on path and axis go
-//! their own ways. What the program says of that axis next waits for the end of its motion.
+//! A command for a single axis waits until the path stands at the programmed point. Then the axis gets a motion of its own
+//! (an overlay), and the path planner counts with the axis at its target at once. The next command of the program for that
+//! axis waits for the end of its motion.
 //!
-//! | what the program says | what becomes of an oscillation |
+//! | the program has | the oscillation |
 //! |---|---|
 //! | a motion that moves the axis (P-CHAN-00451), another command for it, `#PUT AX`, `#CALL AX`, `#FLUSH&WAIT`, `#FILTER`, the program end, a refused line | ends on the second position, with its cycle |
 //! | `OFF` | the same, but the program goes on |
 //! | `OFF FEED` | brakes, then goes to the second position |
 //! | `OFF INSTANT`, an abort | brakes, and stands there |
 //!
-//! A feed hold makes all of them stand; resumed, each goes on to where it was going. The override acts on
-//! independent axes, as on the path, and not on oscillations, whose time is programmed. The reduced speed
-//! (P-AXIS-00214) acts on all.
+//! A feed hold stops all single axes; after it each goes on to its target. The override acts on independent axes, and not
+//! on oscillations, whose time is programmed. Reduced speed (P-AXIS-00214) acts on all.
 use super::{Error, Held, Planner, Progress, Source};
 use crate::fir::FilterPlan;
 use crate::machine::{AxisKind, ChannelData};
@@ -42,17 +41,17 @@ pub(super) enum Pending {
     Join(u32),
 }
 
-/// Why an axis does not move.
+/// Why [`Planner::move_axis`] did nothing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum MoveError {
-    /// The path moves, or will move by blocks that are read already, or the axis moves already.
+    /// The path or the axis moves, or blocks that are read are not executed.
     NotAtRest,
-    /// No such axis, or no such position or feed.
+    /// The machine has no such axis, or position or feed are out of range.
     Range,
-    /// It leads beyond a software limit, or takes too long.
+    /// The motion leads beyond a software limit, or takes too long.
     Motion(MotionError),
-    /// All overlays of the channel are at work.
+    /// As many axes move alone as the channel has `OVERLAYS`.
     Full,
 }
 
@@ -470,13 +469,14 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         div_wide(hi, lo, self.cycle_us.into())
     }
 
-    /// Moves an axis alone, at rest of the path: jog, homing. `target`: machine coordinates. `feed`: mm/min
-    /// or degrees/min, as rapid motion without one. [`Self::poll`] carries it out and says
-    /// [`Progress::Waiting`] until it stands; feed hold, override, reduced speed and abort act on it. Other
-    /// axes may be moved meanwhile.
+    /// Moves one axis while the path stands: jog, homing. `target` is in machine coordinates, `feed` in mm/min or
+    /// degrees/min; without a feed the axis moves at rapid speed.
+    ///
+    /// [`Self::poll`] carries the motion out and returns [`Progress::Waiting`] until the axis stands. Feed hold, override,
+    /// reduced speed and abort act on it. Other axes may be moved at the same time.
     ///
     /// # Errors
-    /// Nothing has changed.
+    /// [`MoveError`] says why; nothing changes.
     pub fn move_axis(&mut self, axis: usize, target: Position, feed: Option<Feed>) -> Result<(), MoveError> {
         self.end_by_abort();
         let busy = self.beside.pending.is_some() || self.beside.axes() & bit(axis) != 0;
@@ -511,7 +511,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         }
     }
 
-    /// The axis that [`Self::move_axis`] moves brakes, and stays where it comes to a standstill.
+    /// Stops an axis that [`Self::move_axis`] moves. The axis brakes inside its limits and stays there.
     pub fn stop_axis(&mut self, axis: usize) {
         if self.source == Source::Ended
             && let Some(single) = self.beside.of(axis)

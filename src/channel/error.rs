@@ -1,4 +1,4 @@
-//! Why machine data, or a program, are refused: what a user reads.
+//! Errors of machine data and of programs, with the messages that a user reads.
 use crate::fir::FilterError;
 use crate::machine::parameter::RangeError;
 use crate::machine::{AxisName, Beyond, SYNCHRONISED, Synch};
@@ -6,7 +6,7 @@ use crate::nc::{NcError, Place};
 use crate::plan::{MotionError, SplineError};
 use crate::quantity::Decimal;
 
-/// Machine data that cannot be worked with.
+/// Why machine data are refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum MachineError {
@@ -14,17 +14,17 @@ pub enum MachineError {
     Axis(usize, RangeError),
     /// A parameter of the channel is out of range.
     Channel(RangeError),
-    /// They ask for a function that this build leaves out: its name and what to do.
+    /// The machine data need a function that this build leaves out: its name and what to do.
     NotBuilt(&'static str),
     /// Two axes have this name.
     Name(AxisName),
-    /// The name begins like another address of the language.
+    /// The axis name begins with another address of the language.
     Reserved(AxisName),
-    /// This parameter gives the function with this number a synchronisation that this version does not have.
+    /// This parameter gives the function of this number a synchronisation that Glidepath does not have.
     Synch(&'static str, u16, Synch),
     /// This parameter names too many functions.
     TooManySynch(&'static str),
-    /// The filter of the axis with this index.
+    /// The filter of the axis with this index is refused.
     Filter(usize, FilterError),
 }
 
@@ -61,29 +61,28 @@ impl core::error::Error for MachineError {}
 pub enum Error {
     /// The text is not a program.
     Nc(NcError),
-    /// A command that the language knows and this version does not do: its place and name.
+    /// The language has this command, and Glidepath does not: place and name.
     NotAvailable(Place, &'static str),
-    /// A function that the machine data do not enable: its place, and what it needs.
+    /// The machine data do not enable this function: place, and what it needs.
     NotEnabled(Place, &'static str),
-    /// A motion block without path or speed.
+    /// A motion block has no path or no speed.
     Motion(Place, MotionError),
-    /// A motion block, or the curve of the corner before it, that leads an axis of this name beyond its
-    /// software limit.
+    /// A motion block, or the curve of the corner before it, leads the axis of this name beyond its software limit.
     SoftwareLimit(Place, AxisName, Beyond),
-    /// #FILTER cannot be carried out; the name of the axis it fails for.
+    /// #FILTER fails for the axis of this name.
     Filter(Place, AxisName, FilterError),
-    /// A command about splines that does not go here.
+    /// A spline command is not permitted here.
     Spline(Place, SplineError),
     /// ACC or DEC of #VECTOR LIMIT is below 1 mm/s², or VEL is 0.
     PathAcceleration(Place),
-    /// While the speed is reduced (P-AXIS-00214), a block takes more than 2^27 ticks.
+    /// A block takes more than 2^27 ticks at reduced speed (P-AXIS-00214).
     ReducedTooSlow,
-    /// The plan of a block failed its verification: a defect of the planner.
+    /// A defect of the planner: the plan of a block failed its check.
     Unplannable,
 }
 
 impl Error {
-    /// The word it is about.
+    /// Line and column of the refused word; line 0 if the error belongs to no word.
     pub fn place(&self) -> Place {
         match self {
             Self::Nc(e) => e.place,

@@ -1,4 +1,4 @@
-//! The memory of a channel, and what is made in it.
+//! The memory of a channel, and the handles that are made in it.
 use super::beside::Beside;
 use super::check::check;
 use super::{MachineError, Planner, Source};
@@ -14,13 +14,16 @@ use crate::single::Single;
 use crate::tick::Interpolator;
 use core::mem::MaybeUninit;
 
-/// All memory of planner, interrupt and operator, for `AXES` axes. `BLOCKS` is the look-ahead of its planner.
+/// All memory of planner, interpolator and operator.
 ///
-/// `OVERLAYS` is how many axes may move beside the path at the same time: oscillations, independent axes, jog.
-/// Each takes about 3.5 KB.
+/// | parameter | meaning |
+/// |---|---|
+/// | `AXES` | number of axes |
+/// | `BLOCKS` | largest look-ahead, in blocks; at least [`look_ahead`](crate::ChannelData::look_ahead); bytes per block: `docs/memory.md` |
+/// | `OVERLAYS` | axes that may move independently of the path at the same time (oscillation, jog); about 3.5 KB each |
 ///
-/// All bits are zero when new, so that a static one lies in `.bss`. [`Self::split`] makes the handles in it:
-/// what they are beside that are some hundred bytes.
+/// A new channel is all zero, so in a `static` it lies in `.bss`: it takes RAM and no flash. [`Self::split`] makes the
+/// handles. The planner's handle has less than two kilobytes, the others have less than 200 bytes.
 pub struct Channel<const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize = 0> {
     rings: Rings<AXES, BLOCKS>,
     decoder: DecoderMemory<AXES>,
@@ -29,7 +32,7 @@ pub struct Channel<const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize
     singles: MaybeUninit<[Single; OVERLAYS]>,
 }
 
-/// The handles of a channel. Each belongs to one context; all are `Send`.
+/// The three handles of a channel. Each belongs to one context; all are `Send`.
 pub struct Handles<
     'a,
     T: Text,
@@ -39,15 +42,15 @@ pub struct Handles<
     I = Unfiltered,
     const OVERLAYS: usize = 0,
 > {
-    /// Where time is not critical: a main loop, a task, a low-priority interrupt.
+    /// For the main loop, a task or a low-priority interrupt.
     pub planner: Planner<'a, T, AXES, BLOCKS, P, OVERLAYS>,
-    /// The timer interrupt: of higher priority than the planner, or on another core.
+    /// For the timer interrupt, which has a higher priority than the planner or runs on another core.
     pub interpolator: Interpolator<'a, AXES, I, OVERLAYS>,
-    /// Whoever gives commands and carries out functions: a PLC task, a serial task, another core.
+    /// For the context that gives commands and carries out functions: a PLC task, a serial task, another core.
     pub operator: Operator<'a, AXES>,
 }
 
-/// Those of a channel with filters of the order `TAPS` − 1 at most.
+/// The handles of a channel with filters of order `TAPS` − 1 at most.
 pub type FilteredHandles<
     'a,
     T,
@@ -57,7 +60,7 @@ pub type FilteredHandles<
     const OVERLAYS: usize = 0,
 > = Handles<'a, T, AXES, BLOCKS, Bank<'a, AXES, TAPS>, Filtered<'a, AXES, TAPS>, OVERLAYS>;
 
-/// Those of a channel without filters.
+/// The handles of a channel without filters.
 pub type PlainHandles<'a, T, const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> =
     Handles<'a, T, AXES, BLOCKS, Unfiltered, Unfiltered, OVERLAYS>;
 
@@ -73,20 +76,20 @@ impl<const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Channel<AXES
         }
     }
 
-    /// Whether a channel can work with these machine data, for a loader that tells what is wrong before anything starts.
-    /// Filters are checked where their memory is known: by [`Self::split`] and [`Self::split_filtered`].
+    /// Checks machine data before anything starts. Filters are checked by [`Self::split`] and [`Self::split_filtered`],
+    /// which know their memory.
     ///
     /// # Errors
-    /// Machine data out of range, or that this version cannot work with.
+    /// Machine data are out of range, or this build cannot work with them.
     pub fn check(machine: &MachineData<AXES>) -> Result<(), MachineError> {
         check::<AXES, BLOCKS>(machine)
     }
 
-    /// The three handles: `text` will be decoded and planned for `machine`, which stands at `start`. The data of the
-    /// machine stay where they are, in flash if they are constant.
+    /// Makes the three handles, to run the program `text` on `machine`, whose axes stand at `start` (mm or degrees). The
+    /// machine data are not copied: constant data stay in flash.
     ///
     /// # Errors
-    /// Machine data out of range, or that this version cannot work with.
+    /// Machine data are out of range, or this build cannot work with them.
     pub fn split<'a, T: Text>(
         &'a mut self,
         machine: &'a MachineData<AXES>,
@@ -100,10 +103,10 @@ impl<const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Channel<AXES
         Ok(self.handles(machine, start, text, (Unfiltered, Unfiltered)))
     }
 
-    /// The same with filters of the axes ([`crate::fir`]), whose memory is `filters`.
+    /// As [`Self::split`], with filters of the axes ([`crate::fir`]) in the memory `filters`.
     ///
     /// # Errors
-    /// As [`Self::split`], or the memory of the filters is too small for those that are on.
+    /// As [`Self::split`], or a filter of the machine data needs more memory than `filters` has.
     pub fn split_filtered<'a, T: Text, const TAPS: usize>(
         &'a mut self,
         filters: &'a mut Filters<AXES, TAPS>,
@@ -154,7 +157,7 @@ impl<const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Channel<AXES
         }
     }
 
-    /// A decoder alone, in the memory of this channel: to look through `text` before it is run.
+    /// Makes a decoder alone, in the memory of this channel, to check `text` before it runs.
     pub fn decode<'a, T: Text>(
         &'a mut self,
         machine: &MachineData<AXES>,

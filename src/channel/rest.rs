@@ -1,15 +1,15 @@
-//! At rest: the next program, single lines, another position for the same place, zero offsets.
+//! Calls that are taken at rest: the next program, single lines, positions, zero offsets.
 //!
-//! What is kept and what begins anew stands with [`Planner`].
+//! The documentation of [`Planner`] says what each call keeps.
 use super::{Planner, Source};
 use crate::fir::FilterPlan;
 use crate::nc::{COORDINATE_MAX, Text};
 use crate::quantity::Position;
 
-/// A text was not taken: the axes do not stand with everything executed that was read.
+/// The planner did not take a text, because the channel is not at rest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Busy<T> {
-    /// The text, back.
+    /// The text that was not taken.
     pub text: T,
 }
 
@@ -21,13 +21,13 @@ impl<T> core::fmt::Display for Busy<T> {
 
 impl<T: core::fmt::Debug> core::error::Error for Busy<T> {}
 
-/// Why the program did not go on.
+/// Why [`Planner::go_on`] did nothing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum GoOnError {
-    /// Axes move or will move by blocks that are read already.
+    /// Axes move, or blocks that are read are not executed.
     NotAtRest,
-    /// No line was refused, or the rest of the program was aborted since.
+    /// No line was refused, or the program was aborted afterwards.
     NothingRefused,
 }
 
@@ -46,9 +46,9 @@ impl core::error::Error for GoOnError {}
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum PositionError {
-    /// Axes move or will move by blocks that are read already.
+    /// Axes move, or blocks that are read are not executed.
     NotAtRest,
-    /// The machine has no such axis, or the position is beyond ±100 000 mm or degrees.
+    /// The machine has no such axis, or the position is outside of ±100 000 mm or degrees.
     Range,
 }
 
@@ -67,9 +67,9 @@ impl core::error::Error for PositionError {}
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum ZeroOffsetError {
-    /// Axes move or will move by blocks that are read already.
+    /// Axes move, or blocks that are read are not executed.
     NotAtRest,
-    /// There are the sets 0…5 and the axes of the machine, and offsets to ±100 000 mm or degrees.
+    /// The set is not 0…5, the machine has no such axis, or the offset is outside of ±100 000 mm or degrees.
     Range,
 }
 
@@ -89,37 +89,36 @@ impl core::error::Error for ZeroOffsetError {}
 impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, const OVERLAYS: usize>
     Planner<'a, T, AXES, BLOCKS, F, OVERLAYS>
 {
-    /// Whether the axes stand with everything executed that was read: the calls of this page are taken.
+    /// Whether the axes stand and everything that was read is executed. Then [`Self::load`] and the calls beside it work.
     pub fn is_at_rest(&self) -> bool {
         let reads = self.held.is_some() || !self.decoder.is_between_lines();
         !reads && self.planning.is_at_rest() && self.beside.is_free() && self.filters.is_settled()
     }
 
-    /// Takes the next program. It begins where the axes stand, with everything as at program start. The text
-    /// before comes back. Nothing runs before the next call of [`Self::poll`].
+    /// Takes the next program and returns the previous text. The program begins where the axes stand, with modal state as at
+    /// program start. The axes move only after the next call of [`Self::poll`].
     ///
     /// # Errors
-    /// Not at rest: the text comes back, and nothing has changed.
+    /// The channel is not at rest: the error returns the new text, and nothing changes.
     pub fn load(&mut self, text: T) -> Result<T, Busy<T>> {
         self.replace(text, false)
     }
 
-    /// Takes single lines (MDI): another text, with everything in force as the last one left it. After an
-    /// abort it begins as [`Self::load`] does. The text before comes back.
+    /// Takes single lines (MDI) and returns the previous text. Modal state stays in force; after an abort it is as at program
+    /// start.
     ///
     /// # Errors
-    /// Not at rest: the text comes back, and nothing has changed.
+    /// The channel is not at rest: the error returns the new text, and nothing changes.
     pub fn continue_with(&mut self, text: T) -> Result<T, Busy<T>> {
         let keeps = !self.is_lost();
         self.replace(text, keeps)
     }
 
-    /// Takes the next program of the same text, behind the one that has ended, or that a refused line or an
-    /// abort has ended. It begins as with [`Self::load`]. For a stream that holds one program behind the
-    /// other.
+    /// Takes the next program of the same text, after the program that ended by itself, by a refused line or by an abort.
+    /// Modal state is as at program start. Use it for a stream that holds several programs.
     ///
     /// # Errors
-    /// Not at rest: nothing has changed.
+    /// The channel is not at rest; nothing changes.
     pub fn load_next(&mut self) -> Result<(), Busy<()>> {
         if !self.is_at_rest() {
             return Err(Busy { text: () });
@@ -129,14 +128,14 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         Ok(())
     }
 
-    /// Goes on behind a refused line, from where the axes stand and with everything in force that was in
-    /// force before that line. What the line would have done before the word refused, in the order of
-    /// execution (an M00 behind a motion), stays done. Where the curve of a corner was refused for a software
-    /// limit, the axes stand inside the limits, before its part that leads beyond; of what was read ahead of
-    /// there nothing is executed. With Surface that is up to 64 points, and the place of the error is that of the last.
+    /// Continues after a refused line, from where the axes stand, with the modal state before that line.
+    ///
+    /// What the line did before the refused word, in the order of execution, stays done: a motion before a refused M00, for
+    /// example. If the curve of a corner was refused for a software limit, the axes stand inside the limits, and the blocks
+    /// that were read ahead are skipped. With Surface these are up to 64 points, and the error names the place of the last.
     ///
     /// # Errors
-    /// Not at rest, or there is no such line: nothing has changed.
+    /// The channel is not at rest, or no line was refused; nothing changes.
     pub fn go_on(&mut self) -> Result<(), GoOnError> {
         if self.is_lost() || !self.decoder.is_refused() {
             return Err(GoOnError::NothingRefused);
@@ -150,13 +149,14 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         Ok(())
     }
 
-    /// Says that an axis stands at `position`, machine coordinates, where it is: nothing moves. The set point
-    /// of the interrupt is the new one from its next tick on, a [`crate::tick::State::Active`] one at path
-    /// speed 0; a board that counts increments takes the difference as a shift of its origin, not as motion.
-    /// Offsets and software limits stay as they are, and count for the new position.
+    /// Redefines the position of an axis that stands: machine coordinates, mm or degrees. Nothing moves.
+    ///
+    /// The interpolator has the new set point from its next tick on; that tick is [`crate::tick::State::Active`] with path
+    /// speed 0. A board that counts increments must take the difference as a shift of its origin, not as motion. Offsets and
+    /// software limits stay as they are and apply to the new position.
     ///
     /// # Errors
-    /// Not at rest, or no such position: nothing has changed.
+    /// The channel is not at rest, or the position is out of range; nothing changes.
     pub fn set_position(&mut self, axis: usize, position: Position) -> Result<(), PositionError> {
         const MAX: Position = Position::const_from_int(COORDINATE_MAX as i64);
         if axis >= AXES || position > MAX || position < -MAX {
@@ -174,12 +174,11 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         Ok(())
     }
 
-    /// Sets the offset of an axis in one of the zero offsets, 0…5 for G54…G59 (P-ZERO-00003, here mm or
-    /// degrees). It counts from the next line on, also where that zero offset is in force, and for all
-    /// programs that follow; nothing moves.
+    /// Sets the offset of one axis in a zero offset: `set` 0…5 for G54…G59 (P-ZERO-00003), `offset` in mm or degrees. The
+    /// offset applies from the next line on, also if its set is active, and to all following programs. Nothing moves.
     ///
     /// # Errors
-    /// Not at rest, or there is no such zero offset: nothing has changed.
+    /// The channel is not at rest, or an argument is out of range; nothing changes.
     pub fn set_zero_offset(
         &mut self,
         set: usize,
@@ -192,8 +191,8 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         if self.decoder.set_zero_offset(set, axis, offset) { Ok(()) } else { Err(ZeroOffsetError::Range) }
     }
 
-    /// The position of every axis, machine coordinates, where the blocks read so far end. At rest it is the
-    /// set point, to the last bit.
+    /// The position of every axis at the end of the blocks that are read: machine coordinates. At rest it equals the set
+    /// point, to the last bit.
     pub fn position(&self) -> &[Position; AXES] {
         self.planning.position()
     }

@@ -30,7 +30,7 @@ const FUNCTION: u32 = 0xffff << CODE | OF_H;
 const INDEX: u32 = 19;
 const SEQUENCE: u32 = 24;
 
-/// Nothing waits for this acknowledgement.
+/// No output of the function waits for this acknowledgement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Unexpected;
@@ -107,8 +107,7 @@ impl Acknowledgements {
         Self { places: [const { Place::free() }; OPEN], next: AtomicU32::new(0) }
     }
 
-    /// Plans one that comes behind all others with a lower `sequence`; `None` if there is no room. For the
-    /// planner.
+    /// Plans an acknowledgement after all others of lower `sequence`; `None` if there is no room. The planner calls it.
     pub fn plan(&self, function: Function, sequence: u8) -> Option<Ticket> {
         let planned = word(function)? | PLANNED | u32::from(sequence) << SEQUENCE;
         let first = self.next.load(Ordering::Relaxed);
@@ -123,7 +122,7 @@ impl Acknowledgements {
         Some(Ticket(ticket))
     }
 
-    /// Its function is put out now; nothing comes of it if an abort has forgotten it.
+    /// Marks the function as put out. After an abort that dropped the function the call has no effect.
     pub fn put_out(&self, ticket: Ticket) {
         if let Some(place) = self.place(ticket) {
             place.put_out.store(ticket.0, Ordering::Release);
@@ -175,7 +174,7 @@ impl Acknowledgements {
         answers
     }
 
-    /// Its function will not be put out. For the planner.
+    /// Frees the ticket of a function that will not be put out. The planner calls it.
     pub fn give_back(&self, ticket: Ticket) {
         if let Some(place) = self.place(ticket) {
             place.planned.store(FREE, Ordering::Release);

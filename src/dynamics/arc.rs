@@ -65,7 +65,7 @@ const NEARLY: f32 = 1.001;
 
 /// A circle in the plane of two axes, and what they permit.
 pub(super) struct Bend {
-    /// Of the path, 1/mm: of a helix share²/r.
+    /// Curvature of the path, 1/mm; for a helix share²/r.
     pub curvature: f32,
     /// Part of the path that lies in the plane.
     pub share: f32,

@@ -29,25 +29,25 @@ pub struct Set {
     pub ramp_budget: f32,
     /// The least a / geometric ramp time: `B`, or less where that is longer than the ramp times.
     pub geometric_budget: f32,
-    /// Acceleration left to the slope beside a knee.
+    /// Acceleration that a knee leaves to the slope.
     pub a_shared: f32,
-    /// Acceleration left to the slope beside a knee where acceleration is zero.
+    /// Acceleration that a knee leaves to the slope where acceleration is zero.
     pub a_resting: f32,
 }
 
-/// What an axis permits at a transition.
+/// Limits of one axis at a transition.
 #[derive(Clone, Copy, Debug)]
 pub struct TransitionLimits {
     /// `B`.
     pub budget: f32,
-    /// Speed step permitted at a knee (P-AXIS-00013).
+    /// Step of speed permitted at a knee (P-AXIS-00013).
     pub knee: f32,
     /// P-AXIS-00013 is given: the jerk of such a step is not limited.
     pub is_weighted: bool,
     /// Jerk permitted to a step of acceleration (P-CHAN-00009, P-AXIS-00154); `f32::MAX` where it is not
     /// limited.
     pub bend: f32,
-    /// Acceleration for knee and curvature together: the slope has the rest within a tick of the transition.
+    /// Acceleration for knee and curvature together. The slope has the rest, within a tick of the transition.
     pub left: f32,
     /// Speed that the slope gains within a tick of the transition.
     pub gained: f32,

@@ -1,26 +1,22 @@
-//! Permitted path speed, acceleration and jerk of one element and of one transition, from those of the axes.
+//! Limits along the path, from the limits of the axes: speed, acceleration and jerk in an element, speed at a transition.
 //!
-//! Everything here is per tick and in `f32`; three margins make up for its rounding and for that of the
-//! integers behind it, so that the limits of the axes hold exactly:
+//! All values are per tick and in `f32`. Three margins cover the rounding of `f32` and of the integers of later stages, so
+//! that the limits of the axes hold exactly:
 //!
-//! | of | factor | covers |
+//! | limit | margin | covers |
 //! |---|---|---|
 //! | speed, acceleration | 1 − 2^-19 | ten roundings of 2^-24; as much as sixteen for the plan, and six for its check |
 //! | jerk | 1 − 2^-13 | the same, and third differences of path distances rounded to 2^-44 mm |
-//! | small accelerations | 4 · 2^-37 mm/tick² | rounding of path distances, which an axis shows that moves further |
+//! | small accelerations | 4 · 2^-37 mm/tick² | rounding of path distances, amplified in axes that move further than the path |
 //!
-//! The jerk an axis may show is `B = a / min(ramp time, geometric ramp time)`. Slope and contour share it:
-//! where a contour effect acts (an arc, a transition that is not smooth), slope and contour get parts that
-//! add up to at most `B`. Ramps of SIN2 count with the peak of their jerk, π/2 times the mean: the axis shows
-//! at most the larger one of `B` and π/2 · a / ramp time.
+//! **Jerk.** An axis may show the jerk `B = a / min(ramp time, geometric ramp time)`. On arcs and at transitions that are
+//! not smooth, slope and contour both cause jerk; they get parts whose sum is at most `B`. Ramps of SIN2 count with their
+//! peak jerk, π/2 times the mean, so the axis shows at most the larger one of `B` and π/2 · a / ramp time. The curvature of a
+//! curve with CHECK_JERK=1 may cause the jerk `a / geometric ramp time`, which may be less than `B`.
 //!
-//! The curvature of a curve with CHECK_JERK=1 has `a / geometric ramp time`, which is less than `B` where
-//! that time is the longer one.
-//!
-//! STEP knows no jerk. What it needs is acceleration: a knee is a step of speed, which shows as an
-//! acceleration beside that of the slope, which does not vanish there. A quarter of `a_max` is left to knees:
-//! beside them and beside blocks that may pass within a tick on lines, always on arcs. A knee takes no more
-//! than what the acceleration of a stage changes in a cycle.
+//! **STEP** has no jerk limit. A knee is a step of speed, which adds an acceleration to that of the slope. So a quarter of
+//! `a_max` is kept for knees: on lines beside knees and beside blocks that may pass within a tick, on arcs always. A knee
+//! takes at most the speed that the acceleration of a stage changes in one cycle.
 
 mod arc;
 mod axis;
@@ -102,10 +98,10 @@ pub struct Dynamics<const AXES: usize> {
     watched: Watched,
 }
 
-/// What an element permits: along the path, beside a transition, with an override.
+/// Limits of an element: along the path, at its transitions, and with an override.
 pub type Permitted = (Limits, Share, OverrideRange);
 
-/// What an element permits, kept for a while.
+/// Limits of the last element, kept for reuse.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Known {
     /// Of the dynamics before it.
@@ -167,7 +163,7 @@ impl<const AXES: usize> Dynamics<AXES> {
         (slope, Joins::of(slope, !default && no_opt == Some(false)))
     }
 
-    /// As at program start: no weights, no limits along the path, the slope of P-CHAN-00071.
+    /// Returns to program start: no weights, no limits along the path, the slope of P-CHAN-00071.
     pub fn restart(&mut self, machine: &MachineData<AXES>) {
         self.weights = Weights::new();
         self.path = PathLimits::new(&machine.channel);

@@ -3,7 +3,7 @@ use crate::math::float::{max, min};
 use crate::math::root::sqrt_f32;
 use crate::slope::limits::ROUNDED;
 
-/// How the speed of a block follows the override, in two numbers of 16 bits.
+/// How the speed of a block follows the override, in two 16-bit numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct OverrideRange {
     /// [`EVEN`] where feed and machine permit the same. Below, what the machine permits beyond the
@@ -26,8 +26,7 @@ impl OverrideRange {
     /// Of no block; all bits zero.
     pub(crate) const BLANK: Self = Self { over: 0, reduced: 0 };
 
-    /// Of a block with a feed on which the machine permits `v_max`, and `v_reduced` while the speed is
-    /// reduced.
+    /// The range for a block with this feed. The machine permits `v_max`, and `v_reduced` while reduced speed is on.
     pub fn new(v_max: f32, feed: f32, v_reduced: f32) -> Self {
         let mut override_range = Self::NONE;
         if v_max > feed {

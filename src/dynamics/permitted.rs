@@ -19,7 +19,7 @@ pub(crate) const SURELY: f32 = 0.999;
 /// Two change-over speeds that differ by less are one.
 const SAME: f32 = 1.0 + 1.0 / 1_048_576.0;
 
-/// What is left to the slope beside a transition.
+/// Limits that a transition leaves to the slope.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Share {
     /// Jerk, mm/tick³.
@@ -30,12 +30,12 @@ pub struct Share {
     pub a_resting: f32,
     /// Speed of an arc that leaves the transition its part, mm/tick; of other elements none.
     pub v: f32,
-    /// Acceleration that may pass the ends of an arc where another law begins, mm/tick².
+    /// Acceleration that may pass the ends of an arc where another profile begins, mm/tick².
     pub passing: f32,
 }
 
 impl Share {
-    /// All of it.
+    /// The transition leaves all limits to the slope.
     pub const WHOLE: Self =
         Self { j: f32::MAX, a: f32::MAX, a_resting: f32::MAX, v: f32::MAX, passing: f32::MAX };
 

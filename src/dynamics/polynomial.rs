@@ -49,7 +49,7 @@ const GAINS: f32 = 0.8;
 const CONSTANT_PART: f32 = 0.95;
 const CONSTANT_SLOPE_PART: f32 = 0.02;
 
-/// What limits a curve that replaces a corner, beside the axes.
+/// Limits of a curve that replaces a corner, in addition to those of the axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Curving {
     /// CHECK_JERK: the jerk its curvature may cause. 0: any, 1: by the geometric ramp time, 2: by the ramp
@@ -61,17 +61,17 @@ pub struct Curving {
     pub near: Near,
 }
 
-/// A sharp turn of a curve of many elements, beside one of them or in it.
+/// A sharp turn of a curve of many elements, in an element or next to it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Near {
     /// Highest speed in the turn, mm/tick.
     pub v: f32,
-    /// From the turn to the farther end of the element, mm; 0 in the turn.
+    /// Distance from the turn to the farther end of the element, mm; 0 in the turn.
     pub way: f32,
 }
 
 impl Near {
-    /// There is none.
+    /// No sharp turn.
     pub const NONE: Self = Self { v: f32::MAX, way: f32::MAX };
 
     /// Highest speed of an element with a law of that jerk. It comes from rest of acceleration, or goes there, at
@@ -81,7 +81,7 @@ impl Near {
     }
 }
 
-/// One speed for all of a curve.
+/// One speed for a whole curve.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Steady {
     /// The largest that every element permits, mm/tick.

@@ -11,7 +11,7 @@ use crate::nc::SlopeType;
 use crate::path::Bounds;
 use crate::slope::ramp_shape::RampShape;
 
-/// Acceleration and jerk of a way to a standstill.
+/// Acceleration and jerk of a stop.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Braking {
     /// Deceleration, mm/tick². The second one is that of STEP from a lower speed on.
@@ -23,7 +23,7 @@ pub struct Braking {
 }
 
 impl Braking {
-    /// All of it.
+    /// No limits.
     pub const WIDEST: Self = Self { a: [f32::MAX; 2], j: [f32::MAX; 2], ends: f32::MAX };
 
     /// Less than `left`, where that is less than `self`: where both meet if they go on as from `before`, what was
@@ -121,13 +121,13 @@ impl Braking {
 pub struct Passed {
     /// Highest speed, mm/tick.
     pub v: f32,
-    /// Whether it is rapid motion; `None`: some of it.
+    /// Whether this part is rapid motion; `None` if only some of it is.
     pub rapid: Option<bool>,
     /// CHECK_JERK=2: the jerk of a curve is that of the ramp times.
     pub by_ramps: bool,
-    /// Speed and deceleration with which the way begins.
+    /// Speed and deceleration at the start of the stop.
     pub begun: [f32; 2],
-    /// How far its speed is below the highest one, and above that of the end, at most.
+    /// Largest distance of its speed below the highest one, and above the end speed.
     pub change: [f32; 2],
     /// Whether the deceleration rises in it, and whether it falls.
     pub ramps: [bool; 2],

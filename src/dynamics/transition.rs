@@ -109,7 +109,7 @@ impl<const AXES: usize> Dynamics<AXES> {
         if v == f32::MAX { None } else { Some(v * MARGIN) }
     }
 
-    /// Step of speed that a knee of one axis may take, mm/tick.
+    /// Step of speed that one axis may take at a knee, mm/tick.
     pub fn knee(&self, axis: usize, rapid: bool) -> f32 {
         let Some(of) = self.axes.get(axis) else { return 0.0 };
         let mut joint = of.set(rapid).joint;
@@ -225,14 +225,14 @@ fn max_size(a: i64, b: i64) -> u64 {
     a.unsigned_abs().max(b.unsigned_abs())
 }
 
-/// What part of a deceleration may pass the transition from one element to the next: one of four, or none.
+/// The part of a deceleration that may pass a transition: one of four parts, or none.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Passing(u8);
 
 impl Passing {
-    /// All of it.
+    /// All of the deceleration passes.
     pub const ALL: Self = Self(0);
-    /// None: it ends before.
+    /// No deceleration passes: it ends before the transition.
     pub const NONE: Self = Self(4);
     /// The parts, and that of none.
     const PARTS: [f32; 4] = [1.0, 15.0 / 16.0, 3.0 / 4.0, 1.0 / 2.0];
@@ -252,7 +252,7 @@ impl Passing {
         Self(self.0.max(other.0))
     }
 
-    /// That of a number that [`Self::number`] has given.
+    /// The part with a number of [`Self::number`].
     pub const fn numbered(number: u8) -> Self {
         Self(number)
     }

@@ -48,7 +48,7 @@ pub struct PathLimits {
 }
 
 impl PathLimits {
-    /// None in force.
+    /// No limits along the path are in force.
     pub fn new(channel: &ChannelData) -> Self {
         let cycle_s = channel.cycle_us as f32 * 1e-6;
         let least = cycle_s * cycle_s;

@@ -18,7 +18,7 @@ use core::sync::atomic::Ordering;
 /// From LSB 2^-32 mm to that of the words of deviations, 2^-22 mm.
 pub(super) const COARSE: u32 = 10;
 
-/// What a command leads to.
+/// The effect of a #FILTER command.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Fate {
     /// Nothing changes.

@@ -75,7 +75,7 @@ pub(super) struct Design {
 impl Design {
     pub const NONE: Self = Self { kind: FilterType::None, order: 0, share: 1.0, cut_off: 0.5, quality: 1.0 };
 
-    /// Of an axis with the filters on, and what the program has given.
+    /// The design for an axis from its machine data and the #FILTER command.
     pub fn of(data: &FilterData, given: &nc::Filter, cycle_us: u32) -> Self {
         let cycles = |us: u32| us.checked_div(cycle_us).unwrap_or(0);
         let order = match (given.order, given.order_time_us) {

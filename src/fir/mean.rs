@@ -19,10 +19,10 @@ pub(super) struct Mean {
 }
 
 impl Mean {
-    /// Of no axis.
+    /// A mean of no samples.
     pub const ZERO: Self = Self { upper: 0, rest: 0, lower: 0 };
 
-    /// Of so many samples. Divides: once per change, not in a tick of motion.
+    /// A mean of `length` samples. It divides: call it when kernels change, not in a tick.
     pub fn of(length: u32) -> Self {
         let length = length.max(1);
         let factor = (u32::MAX / length).wrapping_add(1);

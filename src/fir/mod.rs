@@ -1,26 +1,47 @@
-//! FIR filters of the axes, behind the tick: what the path gives goes in, what the drives get comes out.
+//! FIR filters of the axes, between the path and the drives.
+//!
+//! A channel with filters is made by [`Channel::split_filtered`](crate::channel::Channel::split_filtered), with memory for
+//! the samples:
+//!
+//! ```
+//! use glidepath::fir::Filters;
+//! use glidepath::machine::{AxisData, AxisKind, AxisName, ChannelData, FilterData, FilterType, MachineData};
+//! use glidepath::{Channel, Handles, Position, Progress, State};
+//!
+//! let filter = FilterData { enable: true, kind: FilterType::Average, order: 8, ..FilterData::NONE };
+//! let x = AxisData { filter, ..AxisData::new(AxisName::new("X").unwrap(), AxisKind::Linear) };
+//! let machine = MachineData { axes: [x], channel: ChannelData { slope_profile: 1, ..ChannelData::new() } };
+//! let program: &[u8] = b"G01 X5 F600\nM30\n";
+//! let (mut memory, mut filters) = (Channel::<1, 120>::new(), Filters::<1, 32>::new());
+//! let handles = memory.split_filtered(&mut filters, &machine, [Position::ZERO], program).unwrap();
+//! let Handles { mut planner, mut interpolator, .. } = handles;
+//! while planner.poll().unwrap() != Progress::Done {
+//!     interpolator.tick();
+//! }
+//! while interpolator.tick() != State::Idle {} // Settling: the filter empties
+//! assert_eq!(interpolator.set_points()[0], Position::from_num(5));
+//! ```
 //!
 //! | file | what it holds |
 //! |---|---|
-//! | `design` | from machine data and #FILTER to kind, order and shape of each axis |
-//! | `kernel` | taps: integers, symmetric, with the sum one |
-//! | `shape` | what a kernel does to a motion: how far it deviates, what it makes of the limits |
-//! | `bank` | the planner's end: commands, and the change from one set of kernels to another at a standstill |
-//! | `step` | the interrupt's end: one set point per axis and tick |
+//! | `design` | type, order and shape of each axis's filter, from machine data and #FILTER |
+//! | `kernel` | taps: symmetric integers whose sum is one |
+//! | `shape` | the deviation and the limits that a kernel causes |
+//! | `bank` | the planner's side: commands, and the change of kernels at a stop |
+//! | `step` | the interrupt's side: one set point per axis and tick |
 //! | `samples` | memory of the last ticks of an axis |
-//! | `mean`, `taps` | what comes out in a tick |
+//! | `mean`, `taps` | the output of one tick |
 //!
-//! A filter of the order N has N + 1 symmetric taps and delays by N/2 cycles, a time delay by N. Every axis is
-//! delayed as long as the slowest one, so that the contour stays together. Its window are the cycles that one
-//! set point acts in: so long after the last motion the axes stand where the path stands, to the last bit.
+//! **Delay.** A filter of order N has N + 1 symmetric taps and delays by N/2 cycles; a time delay of order N delays by N.
+//! All axes are delayed as much as the slowest one, so that the contour stays together. After the last motion the axes
+//! reach the end of the path within the length of the filter, to the last bit.
 //!
-//! A channel without filters has [`Unfiltered`] in their place: it has no memory, and takes no instruction.
-//! Filters need [`Filters`], static memory of `TAPS` samples per axis: the highest order is `TAPS` − 1, `TAPS`
-//! even. Each sample takes 8 bytes, a tap 1 on either side, as both of a symmetric pair are one: 10 bytes.
+//! **Memory.** [`Filters`] is static memory of `TAPS` samples per axis. `TAPS` is even, and the highest order is `TAPS` − 1.
+//! Each tap takes 10 bytes per axis: 8 for the sample and 2 for the kernel. A channel without filters uses [`Unfiltered`],
+//! which takes neither memory nor instructions.
 //!
-//! A set point is rounded with what rounding left of the one before: sums are kept, and it is off by less than
-//! an LSB (2^-32 mm). Its third difference is off by less than 8, besides what the filter makes of that of the
-//! path: the planner leaves that much of the jerk.
+//! **Rounding.** The remainder of each rounding goes into the next set point. So a set point is off by less than one LSB
+//! (2^-32 mm), and its third difference by less than 8 LSB. The planner keeps that much of the jerk limit free.
 mod bank;
 mod design;
 mod kernel;
@@ -50,7 +71,7 @@ pub const ONE: i32 = 1 << 15;
 
 /// Highest order (P-AXIS-00587), and that of a time delay.
 pub const MAX_ORDER: u32 = 200;
-/// The same of type 4.
+/// Highest order of a time delay (type 4).
 pub const MAX_DELAY: u32 = 100;
 
 /// The interrupt's end of the filters.
@@ -72,48 +93,48 @@ pub trait FilterTick<const AXES: usize> {
 
 /// The planner's end of the filters. All of it does nothing without filters.
 pub trait FilterPlan<const AXES: usize> {
-    /// There are filters.
+    /// Whether the channel has filters.
     const EXIST: bool;
 
-    /// Takes a #FILTER command. It counts after [`Self::work`].
+    /// Takes a #FILTER command, which acts after [`Self::work`].
     ///
     /// # Errors
-    /// It cannot be carried out: nothing has changed.
+    /// The command cannot be carried out; nothing changes.
     fn command(&mut self, command: &nc::Filter) -> Result<Fate, FilterError>;
 
-    /// The machine data count again, as at program start.
+    /// Returns to the filters of the machine data, as at program start.
     fn restart(&mut self);
 
-    /// What was asked for last is not wanted: an abort.
+    /// Drops the last command that has not acted, after an abort.
     fn cancel(&mut self);
 
-    /// The position of an axis changes without motion: until [`Self::work`] is done nothing is filtered. Only
-    /// while settled.
+    /// Prepares for a position that changes without motion: nothing is filtered until [`Self::work`] is done. Call it only
+    /// while the filters are settled.
     fn suspend(&mut self);
 
-    /// Other kernels are to be put in force.
+    /// Whether new kernels wait to be put in force.
     fn is_pending(&self) -> bool;
 
-    /// The axes stand where the path stands. Only where the path rests.
+    /// Whether the axes stand at the end of the path. Ask only while the path stands.
     fn is_settled(&self) -> bool;
 
-    /// A bounded piece of the change to other kernels, only while settled; `false`: a tick has to pass.
+    /// Does a bounded piece of the change to new kernels. Call it only while settled. Returns `false` if a tick must pass
+    /// first.
     fn work(&mut self) -> bool;
 
     /// Cycles after the last motion of the path until the axes stand.
     fn window(&self) -> u32;
 
-    /// What the kernel of an axis needs of the plan; `None`: the axis is planned as without it.
+    /// Limits that the filter of an axis imposes on the plan; `None` if there are none.
     fn watch(&self, axis: usize) -> Option<Watch>;
 
-    /// Part of AX_DEV for a step of speed where acceleration begins and ends with the jerk `jerk`
-    /// (mm/tick³).
+    /// Share of AX_DEV for a step of speed where acceleration begins and ends with the jerk `jerk` (mm/tick³).
     fn corner(&self, axis: usize, jerk: f32) -> f32;
 
-    /// Half cycles by which all axes are delayed, and AX_DEV, as they are in force; 0: none.
+    /// Delay of all axes in half cycles, and AX_DEV, as they are in force; 0 means none.
     fn in_force(&self) -> (u32, Position);
 
-    /// The first axis found beyond AX_DEV since the filters were changed, once.
+    /// The first axis that exceeded AX_DEV since the filters were changed; each change reports one axis once.
     fn beyond(&mut self) -> Option<usize>;
 
     /// Largest deviation of an axis from its delayed set point since the filters were changed, while AX_DEV
@@ -121,7 +142,7 @@ pub trait FilterPlan<const AXES: usize> {
     fn deviation(&self, axis: usize) -> Position;
 }
 
-/// No filters.
+/// A channel without filters.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Unfiltered;
 
@@ -259,7 +280,7 @@ pub(crate) struct Layout {
     pub kind: Kind,
     /// Age of the newest one.
     pub newest: u32,
-    /// How many.
+    /// Number of samples.
     pub length: u32,
 }
 

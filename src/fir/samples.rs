@@ -17,7 +17,7 @@ pub(super) struct Ring {
 }
 
 impl Ring {
-    /// Of so many positions, at least one.
+    /// A buffer of `length` positions, at least one.
     pub const fn of(length: u32) -> Self {
         let last = (length as usize).saturating_sub(1);
         Self { place: last, last }
@@ -35,7 +35,7 @@ impl Ring {
         self.place = self.place.wrapping_sub(1);
     }
 
-    /// From the first place to the last one.
+    /// Goes back to the first place.
     pub const fn rewind(&mut self) {
         self.place = self.last;
     }

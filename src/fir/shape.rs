@@ -82,7 +82,7 @@ const MARGIN: f32 = 1.0 - 1.0 / 65_536.0;
 /// Distances from the centre, 0…100 cycles.
 const SIDE: usize = super::MAX_ORDER as usize / 2 + 2;
 
-/// What a kernel, AX_DEV and ACC_FACT need of the plan of an axis. Per tick.
+/// Limits that a kernel, AX_DEV and ACC_FACT impose on the plan of an axis, per tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Watch {
     /// Σ|h|: the filter makes at most so much of speed, acceleration and jerk. 1 without negative taps.
@@ -122,11 +122,11 @@ pub(super) struct Shape {
 }
 
 impl Shape {
-    /// It changes nothing.
+    /// No limits.
     pub const NONE: Self =
         Self { gain: 1.0, area: 0.0, peak: 0.0, window: 0.0, tap: 1.0, smooth: [[0.0; 2]; 2] };
 
-    /// Of the taps in force.
+    /// The limits of the taps in force.
     pub fn of<const TAPS: usize>(layout: &Layout, words: &AxisWords<TAPS>) -> Self {
         let total = one(layout);
         let window = layout.length.saturating_sub(1) as f32;

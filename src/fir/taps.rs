@@ -32,10 +32,10 @@ pub(super) struct Taps {
 }
 
 impl Taps {
-    /// At rest at 0.
+    /// An axis that stands at 0.
     pub const ZERO: Self = Self { x: 0, dx: 0, moved: 0, rest: [0; 2], late: [0; 2], is_passed: false };
 
-    /// At rest at `x`.
+    /// An axis that stands at `x`.
     pub const fn at(x: i64) -> Self {
         Self { x, late: [x, 0], ..Self::ZERO }
     }
@@ -81,7 +81,7 @@ impl Taps {
         whole >> ONE.trailing_zeros()
     }
 
-    /// Where the path was, from its second difference then; and a tick before.
+    /// Positions of the path in the delayed tick and in the tick before, from its second difference there.
     pub fn late(&mut self, second: i32) -> [i64; 2] {
         let [before, dx] = self.late;
         let dx = dx.wrapping_add(second.into());
@@ -102,10 +102,10 @@ pub(super) struct Window {
 }
 
 impl Window {
-    /// Of no axis.
+    /// A layout of no axis.
     pub const ZERO: Self = Self { oldest: 0, behind: 0, pairs: 0 };
 
-    /// In a memory that holds `TAPS` samples twice.
+    /// The layout in a memory that holds `TAPS` samples twice.
     pub fn of<const TAPS: usize>(layout: &Layout) -> Self {
         let (behind, length) = ((TAPS + 1).wrapping_sub(layout.newest as usize), layout.length as usize);
         Self { oldest: behind.wrapping_sub(length), behind, pairs: length.div_ceil(2) }

@@ -21,20 +21,20 @@ pub(super) struct Last<const AXES: usize> {
     pub length: f32,
     pub share: Share,
     pub rapid: bool,
-    /// Its limits have left a transition its part.
+    /// Whether its limits have left a transition its part.
     pub shared: bool,
     pub slope: SlopeType,
-    /// Its path is time.
+    /// Whether its path is time, not length.
     pub timed: bool,
-    /// It is a part of a curve over arc length.
+    /// Whether it is a part of a curve over arc length.
     pub bent: bool,
     /// Acceleration passes both its ends.
     pub through: bool,
     /// Acceleration inside it is bought with speed.
     pub trades: bool,
-    /// It is a part of a curve of many elements.
+    /// Whether it is a part of a curve of many elements.
     pub flows: bool,
-    /// Where the last one ends that is not brief.
+    /// End of the last block that is not brief.
     pub behind: End<AXES>,
 }
 

@@ -261,7 +261,7 @@ impl Block {
         self.kind.law().varies()
     }
 
-    /// Whether it waits for acknowledgements.
+    /// Whether the motion waits for acknowledgements at the end of the block.
     pub fn is_gate(&self) -> bool {
         self.is(Marks::GATE)
     }

@@ -10,7 +10,7 @@ pub(super) struct Blocks<const BLOCKS: usize> {
 }
 
 impl<const BLOCKS: usize> Blocks<BLOCKS> {
-    /// Nothing is in it.
+    /// An empty ring.
     pub const fn new() -> Self {
         Self { places: [Block::BLANK; BLOCKS], front: 0, len: 0 }
     }
@@ -20,12 +20,12 @@ impl<const BLOCKS: usize> Blocks<BLOCKS> {
         (self.front, self.len) = (0, 0);
     }
 
-    /// How many blocks there are.
+    /// Number of blocks.
     pub fn len(&self) -> usize {
         self.len
     }
 
-    /// How many blocks it has room for.
+    /// Number of blocks that fit.
     pub const fn capacity(&self) -> usize {
         BLOCKS
     }
@@ -42,7 +42,7 @@ impl<const BLOCKS: usize> Blocks<BLOCKS> {
         if at < BLOCKS { at } else { at - BLOCKS }
     }
 
-    /// The block so many behind the first one.
+    /// The block `at` places after the first one.
     #[inline]
     pub fn get(&self, at: usize) -> Option<&Block> {
         if at < self.len { self.places.get(self.place(at)) } else { None }
@@ -73,7 +73,7 @@ impl<const BLOCKS: usize> Blocks<BLOCKS> {
         self.get_mut(self.len.wrapping_sub(1))
     }
 
-    /// Puts a block in behind the last one; `false` if there is no room.
+    /// Appends a block; `false` if there is no room.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn push_back(&mut self, block: Block) -> bool {
         if self.len >= BLOCKS {

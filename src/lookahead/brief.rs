@@ -35,7 +35,7 @@ pub(super) struct Row {
 }
 
 impl Row {
-    /// None.
+    /// No brief blocks.
     pub const NONE: Self = Self { brief: 0, quick: 0, length: f32::MAX };
 
     /// Whether the last block is brief.

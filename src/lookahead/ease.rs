@@ -43,10 +43,10 @@ pub(super) struct Ease {
 }
 
 impl Ease {
-    /// All of it is used.
+    /// The span uses all of its limits.
     pub const NONE: Self = Self { less: [0; 2], v: f32::MAX };
 
-    /// What was kept.
+    /// The ease that was kept as these two numbers.
     pub fn of([v, less]: [u32; 2]) -> Self {
         let [up, down, ..] = less.to_le_bytes();
         Self { less: [up, down], v: f32::from_bits(v) }
@@ -58,7 +58,7 @@ impl Ease {
         [self.v.to_bits(), u32::from_le_bytes([up, down, 0, 1])]
     }
 
-    /// With a part of its highest speed, or with more of it.
+    /// The same ease for a higher or lower top speed.
     pub fn scaled(self, part: f32) -> Self {
         Self { v: if self.v < f32::MAX { self.v * part } else { self.v }, ..self }
     }
@@ -123,14 +123,14 @@ pub(super) enum Step {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Trial {
     pub step: Step,
-    /// First block of the first span, the anchor behind it, and the one behind the second span.
+    /// First block of the first span, the anchor after it, and the end of the second span.
     pub from: usize,
     pub at: usize,
     pub to: usize,
     pub cursor: Place,
     /// The last anchor with a final speed.
     pub last: usize,
-    /// Both spans, then in the first one all of it.
+    /// Both spans; later the first of them is the joined one.
     pub spans: [Span; 2],
     /// Speeds at their ends.
     pub speeds: [Speed; 3],
@@ -151,7 +151,7 @@ pub(super) struct Trial {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Place {
     pub next: usize,
-    /// Its distance from the start, LSB 2^-44 mm.
+    /// Distance from the start, LSB 2^-44 mm.
     pub way: i64,
 }
 
@@ -169,9 +169,9 @@ pub(super) struct Search {
 /// A law that is fitted to the blocks of one span.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Fit {
-    /// What the law begins with before its first block, LSB 2^-44 mm.
+    /// Length of the profile before its first block, LSB 2^-44 mm.
     pub head: i64,
-    /// It is one of a valley.
+    /// Whether the span belongs to a valley.
     pub fitting: bool,
 }
 
@@ -194,7 +194,7 @@ impl Trial {
         first: true,
     };
 
-    /// Up to the anchor `last`.
+    /// A pass up to the anchor `last`.
     pub fn new(last: usize) -> Self {
         Self { last, ..Self::NONE }
     }

@@ -46,7 +46,7 @@ pub(super) struct Steps<const AXES: usize> {
 pub(super) struct Between<'a, const AXES: usize> {
     pub last: &'a Last<AXES>,
     pub block: &'a mut Block,
-    /// Its speed at 100 %, or at the level if that is higher, mm/tick.
+    /// Speed at 100 %, or at the planned override if that is higher, mm/tick.
     pub full: f32,
     /// Level of all speeds.
     pub level: f32,
@@ -58,22 +58,22 @@ pub(super) struct Knee<'a, const AXES: usize> {
     pub rapid: bool,
     /// Length of that block, mm.
     pub room: f32,
-    /// Its speed at 100 %, or at the level if that is higher, mm/tick.
+    /// Speed at 100 %, or at the planned override if that is higher, mm/tick.
     pub full: f32,
 }
 
 impl<const AXES: usize> Steps<AXES> {
-    /// None.
+    /// No steps.
     pub const NONE: Self = Self { up: [0.0; AXES], down: [0.0; AXES], any: false };
 
-    /// The next knee shows together with none before it.
+    /// Starts anew: the next knee falls into one tick with none before it.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn clear(&mut self) {
         self.any = false;
     }
 
-    /// The speed at which a knee may be passed beside those before it; alone it may be passed with `v` mm/tick,
-    /// whatever the override.
+    /// Speed at which a knee may be passed together with the knees before it. Alone it may be passed with `v` mm/tick,
+    /// at any override.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn beside(
         &mut self,

@@ -13,7 +13,7 @@ use crate::slope::ramp::Ramp;
 pub(super) struct Span {
     /// Path length, LSB 2^-44 mm.
     pub length: i64,
-    /// What all of them permit; of the speeds the highest.
+    /// Limits that all blocks permit, with the highest of their speeds.
     pub limits: Limits,
     /// The speed at its start may have been planned for another end speed.
     pub kept: bool,
@@ -70,7 +70,7 @@ impl Span {
         }
     }
 
-    /// Takes in a piece of a block beside it.
+    /// Adds a part of a neighbouring block.
     pub fn add_piece(&mut self, limits: &Limits, length: i64) {
         let v = self.limits.v;
         self.limits.join(limits);
@@ -85,7 +85,7 @@ impl Span {
         self.length -= length;
     }
 
-    /// Takes in the span behind it.
+    /// Adds the next span.
     pub fn append(&mut self, other: &Self) {
         self.limits.join(&other.limits);
         self.kept = true;
@@ -113,7 +113,7 @@ impl Span {
         leave(&self.limits, self.length, self.kept, v_in, next)
     }
 
-    /// Whether it permits the higher one of both speeds, and is long enough from one to the other.
+    /// Whether the limits permit both speeds, and the length suffices to change from one to the other.
     pub fn joins(&self, v_in: Speed, v_out: Speed) -> bool {
         let (low, high) = (v_in.min(v_out), v_in.max(v_out));
         let mut room = None;
@@ -125,7 +125,7 @@ impl Span {
 }
 
 impl Law {
-    /// Of nothing.
+    /// An empty span.
     pub const NONE: Self = Self {
         up: Ramp::NONE,
         down: Ramp::NONE,
@@ -170,12 +170,12 @@ impl Law {
         self.up.time(gained) + self.down.time(lost) + max(self.length - way, 0.0) / self.peak
     }
 
-    /// Where the speeding up ends.
+    /// Distance at which acceleration ends.
     pub fn reaches_at(&self) -> f32 {
         self.up.distance(self.v_in, self.peak - self.v_in)[0]
     }
 
-    /// Where the slowing down begins.
+    /// Distance at which braking begins.
     pub fn brakes_at(&self) -> f32 {
         self.length - self.down.distance(self.v_out, self.peak - self.v_out)[0]
     }
@@ -196,8 +196,8 @@ impl Law {
         to + near <= reached || (self.firm && from - near >= left)
     }
 
-    /// So far before it reaches the speed `v`, or behind where it leaves it, is the distance `at` from its
-    /// start; negative where it is faster.
+    /// Distance from `at` to the point where the profile reaches the speed `v`, or from where it leaves that speed to
+    /// `at`; negative where the profile is faster.
     pub fn margin(&mut self, v: f32, at: f32) -> f32 {
         if v >= self.peak {
             return f32::MAX;
@@ -208,7 +208,7 @@ impl Law {
         if self.firm { max(before, (at - near) - left) } else { before }
     }
 
-    /// Where it reaches a speed below its peak, and where it leaves it.
+    /// Distances at which the profile reaches a speed below its peak, and leaves it.
     pub fn passes(&mut self, v: f32) -> [f32; 2] {
         if self.asked[0] != v {
             let reached = self.up.passes(self.v_in, self.peak - self.v_in, v - self.v_in);

@@ -1,30 +1,32 @@
-//! Limits over distance: a ring of blocks and, for each transition, the speed at which it may be taken.
+//! The look-ahead: a ring of blocks, and the speed at each transition between two blocks.
 //!
-//! Two rules fix the speeds. Backward, from a standstill at the end of the ring: a block may be entered at
-//! the speed from which its end speed can be reached within its length. Forward, when a block is handed on:
-//! its end speed is at most what its start speed can grow to. Both use the slope with zero acceleration at
-//! the ends of the block. The plan therefore always stops inside the ring. A higher end speed may lower what
-//! the first rule allows at the start; then the speed planned before stays, and the end speed gives way when
-//! the block is handed on.
+//! Two rules give the speeds, both for the slope with zero acceleration at the ends of a block:
 //!
-//! Where acceleration may pass a transition (with HSC; with TRAPEZ and SIN2 if it is tangential and both
-//! sides have the same limits, as it is in a circle of several arcs), the blocks on both sides belong to one
-//! *span*: one change of speed after the other runs across them. Transitions between spans are *anchors*:
-//! acceleration is zero there. `span` decides which transitions are anchors, `ease` does without some of
-//! them.
+//! - Backward, from a stop at the end of the ring: a block may be entered at the speed from which it can brake to its end
+//!   speed within its length. So the plan always stops inside the ring.
+//! - Forward, when a block leaves the ring: its end speed is at most the speed to which it can accelerate from its start
+//!   speed.
 //!
-//! The backward pass runs when the ring is full, a few blocks per call; then a quarter of the ring is handed
-//! on. It ends early at the first transition whose speed did not change.
+//! A higher end speed may lower the start speed that the first rule permits. The start speed planned before then stays, and
+//! the end speed is lowered when the block leaves the ring.
+//!
+//! Acceleration may pass a transition with HSC. With TRAPEZ and SIN2 it may pass if the transition is tangential and both
+//! blocks have the same limits, as in a circle of several arcs. The blocks on both sides then belong to one *span*: one
+//! speed profile runs across them. Transitions between spans are *anchors*: acceleration is zero there. `span` decides
+//! which transitions are anchors, and `ease` removes some of them.
+//!
+//! The backward pass runs when the ring is full, a few blocks per call, and ends early at the first transition whose speed
+//! did not change. Then a quarter of the ring leaves.
 //!
 //! | file | what it decides |
 //! |---|---|
-//! | `append` | what the next block of the ring permits, and the transition before it |
-//! | `knees`, `brief`, `worth` | knees within one tick; blocks within one tick; whether a corner is a standstill |
+//! | `append` | the limits of a new block and of the transition before it |
+//! | `knees`, `brief`, `worth` | speeds where several knees, or whole blocks, fall into one tick; whether the motion stops at a corner |
 //! | `plan` | which pass runs, and how much of it in a call |
-//! | `span`, `ease`, `valley` | which transitions are anchors; which of them go; which move into a slow block |
-//! | `law` | the law of a span |
-//! | `pace` | what override and reduced speed make of the speed of a block |
-//! | `release` | what leaves the ring |
+//! | `span`, `ease`, `valley` | which transitions are anchors; which anchors are removed; which move into a slow block |
+//! | `law` | the speed profile of a span |
+//! | `pace` | the speed of a block under override and reduced speed |
+//! | `release` | which blocks leave the ring |
 //! | `ring`, `blocks`, `block`, `planned` | the ring, its places, a block, a planned speed |
 mod append;
 mod block;
@@ -60,7 +62,7 @@ pub struct LookaheadMemory<const BLOCKS: usize> {
 }
 
 impl<const BLOCKS: usize> LookaheadMemory<BLOCKS> {
-    /// Nothing is in it.
+    /// An empty memory.
     pub const fn new() -> Self {
         Self { blocks: Blocks::new(), plan: MaybeUninit::uninit() }
     }

@@ -43,7 +43,7 @@ use crate::quantity::{Speed, speed_f32};
 /// most.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Slowest {
-    /// All of it.
+    /// Lowest reduced speed of all these blocks.
     pub least: f32,
     /// Of so many blocks, and of as many as the ring has before them.
     blocks: usize,
@@ -89,7 +89,7 @@ const LEAST_LEVEL: f32 = 0.25;
 /// Path distance (LSB 2^-44 mm) per speed (mm/tick) of a block of 2^26 ticks.
 pub(crate) const SLOWEST: f32 = (1u64 << 44) as f32 * (1u64 << 26) as f32;
 
-/// Override and reduced speed of now, and the highest speed from which there is a way to a standstill.
+/// Current override and reduced speed, and the highest speed from which a stop is possible.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pace {
     /// 0…2.
@@ -111,8 +111,8 @@ impl Pace {
         Self { over: 1.0, mode, reduced: false, free: true, cap, key: Self::word(1.0, false, cap) }
     }
 
-    /// It in a word, but for P-CHAN-00066, which is one for the channel. Without a cap each pace has its own
-    /// word. With one, two of 2^32 may share it: then a law stays as it was made, inside all limits.
+    /// The pace as one word, without P-CHAN-00066, which is the same for the whole channel. With a cap two of 2^32
+    /// paces may share a word; then a profile stays as it is, inside all limits.
     pub const fn key(&self) -> u32 {
         self.key
     }
@@ -143,7 +143,7 @@ impl Pace {
         self.cap < span.limits.v
     }
 
-    /// As an operator wants it; an override of 0 leaves it as it is.
+    /// Follows the operator's commands; an override of 0 changes nothing.
     pub fn follow(&mut self, commands: &Commands) {
         if commands.feed > 0 {
             self.over = f32::from(commands.feed) / f32::from(FULL_OVERRIDE);
@@ -240,7 +240,7 @@ impl Pace {
         if self.over >= level { 1.0 } else { self.over / level * LESS }
     }
 
-    /// Highest speed of the block behind a span now.
+    /// Current highest speed of the block after a span.
     pub fn next(&self, span: &ReleasedSpan) -> f32 {
         self.reduce(span, span.next.v * self.factor(span.next.override_range, span.level), 0.0)
     }

@@ -39,14 +39,14 @@ pub(super) struct Plan {
     pub backward: Backward,
     pub forward: Forward,
     pub inside: Inside,
-    /// There is nothing to try without HSC.
+    /// What the passes try with HSC; empty without HSC.
     pub tries: [Tries; functions::HSC.room(1)],
 }
 
 /// What is tried with two spans.
 pub(super) struct Tries {
     pub trial: Trial,
-    /// What is tried to be cut.
+    /// The cut of a valley that is being tried.
     pub valley: Valley,
 }
 
@@ -62,7 +62,7 @@ pub(super) fn spend(work: &mut usize, part: usize) {
 }
 
 impl Plan {
-    /// None.
+    /// No pass.
     pub const NONE: Self = Self {
         pass: Pass::Done,
         backward: Backward::NONE,
@@ -71,7 +71,7 @@ impl Plan {
         tries: [const { Tries { trial: Trial::NONE, valley: Valley::NONE } }; functions::HSC.room(1)],
     };
 
-    /// Whether it is complete.
+    /// Whether the pass is complete.
     pub fn is_done(&self) -> bool {
         matches!(self.pass, Pass::Done)
     }

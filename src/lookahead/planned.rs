@@ -27,9 +27,9 @@ pub(super) const fn settled(v: Speed) -> Speed {
 }
 
 impl Planned {
-    /// None. All bits zero.
+    /// No speed; all bits zero.
     pub const NONE: Self = Self(0);
-    /// A standstill.
+    /// A stop.
     pub const ZERO: Self = Self::below(Speed::ZERO);
 
     /// The highest one that is at most `v`; none below zero.
@@ -64,7 +64,7 @@ impl Planned {
         self.speed()
     }
 
-    /// There is one.
+    /// Whether there is a speed.
     pub const fn is_some(self) -> bool {
         self.0 != 0
     }

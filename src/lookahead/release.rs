@@ -12,15 +12,15 @@ use crate::slope::limits::{Limits, ROUNDED};
 /// The span at the front of the ring.
 #[derive(Clone, Copy, Debug)]
 pub struct ReleasedSpan {
-    /// Its blocks.
+    /// Number of blocks.
     pub blocks: u16,
     /// Path length.
     pub length: Distance,
-    /// What all of its blocks permit; of the speeds the highest.
+    /// Limits that all blocks permit, with the highest of their speeds.
     pub limits: Limits,
-    /// Deceleration that all of its blocks permit, in a curve with CONST_VEL too: a law may be gentler, see `limits`.
+    /// Deceleration that all blocks permit, in a curve with CONST_VEL too. A profile may brake more gently: `limits`.
     pub a_down: f32,
-    /// What is known of it below its highest speed.
+    /// Limits of its blocks below their highest speed.
     pub slow: Slow,
     /// Speed at its start.
     pub v_in: Speed,
@@ -28,11 +28,11 @@ pub struct ReleasedSpan {
     pub v_out: Speed,
     /// Whether all blocks keep their limits with these speeds.
     pub checked: Checked,
-    /// How the path turns, and what its blocks have in common.
+    /// Turns of the path in the span, and common properties of its blocks.
     pub marks: SpanMarks,
-    /// How its speed follows the override: of its blocks the fastest.
+    /// How the fastest of its blocks follows the override.
     pub override_range: OverrideRange,
-    /// The block behind it.
+    /// The block after the span.
     pub next: Behind,
     /// Highest speed while the speed is reduced.
     pub v_reduced: f32,
@@ -49,12 +49,12 @@ impl Checked {
     const NOW: u8 = 1;
     const RELEASED: u8 = 2;
 
-    /// As it is.
+    /// Whether all blocks keep their limits with the current speeds at the ends.
     pub const fn now(self) -> bool {
         self.0 & Self::NOW != 0
     }
 
-    /// As it was released.
+    /// Whether all blocks keep their limits with the speeds at release.
     pub const fn released(self) -> bool {
         self.0 & Self::RELEASED != 0
     }
@@ -64,18 +64,18 @@ impl Checked {
         Self(if now { Self::NOW | Self::RELEASED } else { 0 })
     }
 
-    /// It is not known to be so as it is.
+    /// Says that this is not known for the current speeds.
     pub const fn lose(&mut self) {
         self.0 &= Self::RELEASED;
     }
 
-    /// It is as it was released again.
+    /// Returns to the speeds at release.
     pub const fn restore(&mut self) {
         *self = Self::at_release(self.released());
     }
 }
 
-/// How the path turns at transitions of a span, and what its blocks have in common. In one byte: there are many spans.
+/// Turns of the path at transitions of a span, and common properties of its blocks, in one byte.
 #[derive(Clone, Copy, Debug)]
 pub struct SpanMarks(u8);
 
@@ -122,12 +122,12 @@ impl SpanMarks {
         self.0 & Self::TRADES != 0
     }
 
-    /// The same in some of its blocks; or little more than that.
+    /// Whether the property holds in some of its blocks, or in little more than that.
     pub const fn trades_somewhere(self) -> bool {
         self.0 & Self::BOUGHT != 0
     }
 
-    /// Whether it is rapid motion; `None` where some of it is.
+    /// Whether the span is rapid motion; `None` if a part of it is.
     pub const fn rapid(self) -> Option<bool> {
         match self.0 & (Self::RAPID | Self::FEED) {
             Self::RAPID => Some(true),
@@ -145,23 +145,23 @@ pub struct Slow {
     /// The lowest speed of its blocks and of slow blocks that are in part in the span. Set for several blocks
     /// only.
     pub shared: f32,
-    /// What is left of the span may be as fast as that: see [`ReleasedSpan::cruises`]. 0: not known.
+    /// Highest speed of the rest of the span ([`ReleasedSpan::cruises`]); 0 if it is not known.
     pub cruise: f32,
     /// Highest speed that is known to keep the limits of all its blocks once it begins or goes on at another
     /// speed.
     pub ceiling: f32,
 }
 
-/// What a law has to keep that goes on below the one planned for a span.
+/// Conditions for a new profile that stays below the planned one.
 #[derive(Clone, Copy, Debug)]
 pub struct GoingOn {
     /// Highest speed.
     pub v: f32,
-    /// Up to that.
+    /// How the profile may accelerate up to there.
     pub gain: Gain,
 }
 
-/// How a law that goes on below the one planned for a span may gain speed.
+/// How a new profile below the planned one may accelerate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Gain {
     /// As it likes: the planned law does not gain any more.
@@ -172,12 +172,12 @@ pub enum Gain {
     Gentle,
 }
 
-/// The block behind a span.
+/// The block after a span.
 #[derive(Clone, Copy, Debug)]
 pub struct Behind {
-    /// Its speed; 0 where the motion stands.
+    /// Speed of that block; 0 at a stop.
     pub v: f32,
-    /// How that follows the override.
+    /// How that speed follows the override.
     pub override_range: OverrideRange,
 }
 
@@ -190,7 +190,7 @@ enum Ends {
 }
 
 impl ReleasedSpan {
-    /// Nothing; all bits zero.
+    /// An empty span; all bits zero.
     pub const BLANK: Self = Self {
         blocks: 0,
         length: Distance::ZERO,
@@ -260,12 +260,12 @@ impl ReleasedSpan {
         below.then(|| GoingOn { v: law.peak(), gain })
     }
 
-    /// Its limits, and the deceleration of a slowing down that takes the place of its law.
+    /// Limits of the span, and the deceleration of a braking that replaces its profile.
     pub const fn braking(&self) -> (&Limits, f32) {
         (&self.limits, self.a_down)
     }
 
-    /// Whether it is long enough to slow down from `v_in` to `v_out`.
+    /// Whether the length suffices to brake from `v_in` to `v_out`.
     pub fn can_leave(&self, v_in: Speed, v_out: Speed) -> bool {
         law::can_leave(&self.limits, self.length.to_bits(), v_in, v_out)
     }
@@ -315,8 +315,8 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         self.blocks.front()
     }
 
-    /// The span that begins `at` blocks behind the front, as the last complete plan has it; `false` if there
-    /// is none. Not while the plan is at work.
+    /// The span that begins `at` blocks after the first one, from the last complete plan; `false` if there is none. Do
+    /// not call it while a pass runs.
     pub fn planned(&self, at: usize, release: &mut ReleasedSpan) -> bool {
         release.level = self.level;
         release.v_reduced = self.tail.slowest.least;

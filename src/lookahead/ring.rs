@@ -31,10 +31,10 @@ pub struct Ring<'a, const AXES: usize, const BLOCKS: usize> {
 
 /// What the next block needs to know of those before it.
 pub(super) struct Tail<const AXES: usize> {
-    /// What is known of the last block, and what is known: one place for both.
+    /// Kept limits of the last block.
     pub known: Known,
     pub last: Last<AXES>,
-    /// The next transition is a standstill.
+    /// Whether the motion stops at the next transition.
     pub stop: bool,
     /// The next block is a gate.
     pub gate: bool,
@@ -42,9 +42,9 @@ pub(super) struct Tail<const AXES: usize> {
     pub span: i64,
     /// Since there, mm/min: the lowest feed with which acceleration is bought with speed, and the highest of all.
     pub feeds: [f32; 2],
-    /// What the last blocks leave to a tick.
+    /// The last blocks that fall into one tick.
     pub row: Row,
-    /// What the last knees may show together with the next one.
+    /// The last knees that may fall into one tick with the next one.
     pub steps: Steps<AXES>,
     /// The lowest reduced speed of the last blocks.
     pub slowest: Slowest,
@@ -70,7 +70,7 @@ pub(super) struct Scope {
     pub open: bool,
     /// The last plan was one of single blocks.
     pub blockwise: bool,
-    /// Where the last plan ended: so many blocks from the front.
+    /// Number of blocks from the first one to the end of the last plan.
     pub end: usize,
     /// The first block's start was lowered while the plan was at work.
     pub stale: bool,
@@ -110,7 +110,7 @@ impl<const AXES: usize> Tail<AXES> {
         }
     }
 
-    /// What the last block leaves to a transition behind it, if one may come.
+    /// Limits that the last block leaves to a transition after it, if one may come.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn share(&self, may_come: bool) -> Option<&Share> {
         (may_come && self.known == Known::Block).then_some(&self.last.share)
@@ -189,12 +189,12 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
         Self { blocks, depth, level: 1.0, lowering: None, start: Speed::ZERO, tail, scope, counts }
     }
 
-    /// Where the block taken in last ends, if its direction is known.
+    /// End of the last block, if its direction is known.
     pub fn exit(&self) -> Option<&End<AXES>> {
         (self.tail.known != Known::Nothing).then_some(&self.tail.last.exit)
     }
 
-    /// What follows is another program: it does not know how the one before ended.
+    /// Forgets the end of the last block: another program follows.
     pub fn forget_exit(&mut self) {
         self.tail.known = Known::Nothing;
     }
@@ -327,7 +327,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
         (self.blocks.len() / 4).max(1)
     }
 
-    /// Demands a standstill before the next block.
+    /// Demands a stop before the next block.
     pub fn stop_here(&mut self) {
         self.tail.stop = true;
     }
@@ -353,7 +353,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
         self.scope.until = 0;
     }
 
-    /// Speed at which the first block may be entered, whatever comes before and behind.
+    /// Speed at which the first block may be entered, whatever its neighbours are.
     pub fn entry(&self) -> Speed {
         self.blocks.front().map_or(Speed::ZERO, |block| Speed::from_bits(speed_bits(block.cap())))
     }

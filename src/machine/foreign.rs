@@ -1,8 +1,8 @@
-//! Machine data that programs of other dialects than ISG's need: parameters of the project's own, without ISG ids.
+//! Machine data for programs of LinuxCNC and Grbl: parameters of Glidepath, without ISG ids.
 
-/// The language that programs are written in.
+/// The language of programs.
 ///
-/// Words that two dialects share need not mean the same: `G20` mirrors in ISG's language and is the inch elsewhere.
+/// The same word may mean different things: `G20` mirrors in ISG's language and switches to inches in the others.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Dialect {
@@ -16,10 +16,10 @@ pub enum Dialect {
 }
 
 impl Dialect {
-    /// All of them.
+    /// All dialects.
     pub const ALL: [Self; 3] = [Self::Isg, Self::LinuxCnc, Self::Grbl];
 
-    /// Its name in machine data and on command lines: `isg`, `linuxcnc`, `grbl`.
+    /// The name in machine data and on command lines: `isg`, `linuxcnc`, `grbl`.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Isg => "isg",
@@ -29,10 +29,10 @@ impl Dialect {
     }
 }
 
-/// Zero offsets beside G54…G59: G59.1, G59.2, G59.3.
+/// Number of zero offsets in addition to G54…G59: G59.1, G59.2, G59.3.
 pub const MORE_OFFSETS: usize = 3;
 
-/// Tools that a table of lengths holds.
+/// Number of tools that a table of lengths holds.
 pub const TOOLS: usize = 32;
 
 /// Tool lengths by tool number, for G43 H.
@@ -43,11 +43,10 @@ pub struct ToolLengths {
 }
 
 impl ToolLengths {
-    /// No tool.
+    /// An empty table.
     pub const NONE: Self = Self { tools: [(0, 0); TOOLS], len: 0 };
 
-    /// The same with the length of tool `number`, 0.1 µm. A tool that is in the table gets the new length; more than
-    /// [`TOOLS`] tools are left out.
+    /// Adds or changes the length of tool `number`, in 0.1 µm. Tools beyond [`TOOLS`] are left out.
     #[must_use]
     pub fn with(mut self, number: u32, length: i32) -> Self {
         let len = usize::from(self.len);
@@ -72,16 +71,16 @@ impl ToolLengths {
     }
 }
 
-/// The dialect of a channel, and what others than ISG's need.
+/// The dialect of a channel, and the data that LinuxCNC's and Grbl's programs need.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct ForeignChannel {
     /// `dialect`: the language of its programs.
     pub dialect: Dialect,
-    /// `blend_tolerance`: how far G64 without P may leave the programmed path, µm.
+    /// `blend_tolerance`: largest distance from the programmed path with G64 without P, µm.
     pub blend_tolerance_um: u32,
-    /// `block_delete`: lines that begin with `/` are left out.
+    /// `block_delete`: whether lines that begin with `/` are skipped.
     pub block_delete: bool,
-    /// `optional_stop`: M1 pauses.
+    /// `optional_stop`: whether M1 pauses the program.
     pub optional_stop: bool,
     /// `tool_length[n]`: lengths for G43, along the third main axis.
     pub tools: ToolLengths,
@@ -98,16 +97,16 @@ impl ForeignChannel {
     };
 }
 
-/// What an axis has beside for other dialects, 0.1 µm (rotary: 0.0001°), machine coordinates.
+/// Data of an axis that LinuxCNC's and Grbl's programs need, in 0.1 µm (rotary: 0.0001°), machine coordinates.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct ForeignAxis {
     /// `np_grp.7.versch`…`np_grp.9.versch`: zero offsets of G59.1…G59.3.
     pub versch: [i32; MORE_OFFSETS],
-    /// `g28` and `g30`: the places that these words lead to.
+    /// `g28` and `g30`: the stored positions of these words.
     pub stored: [i32; 2],
 }
 
 impl ForeignAxis {
-    /// All of them 0.
+    /// All values 0.
     pub const NONE: Self = Self { versch: [0; MORE_OFFSETS], stored: [0; 2] };
 }

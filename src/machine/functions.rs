@@ -1,22 +1,21 @@
-//! Which functions are compiled in: each is a feature of the crate, and all of them are on by default.
+//! Functions that a build may leave out. Each one is a Cargo feature; all but `dialects` are on by default.
 //!
-//! A function that is left out is one that is not enabled at start-up: a program or machine data that ask for it
-//! are refused by its name; what switches it off is accepted. Where it would begin is a question to one of these
-//! constants, so that nothing of it is linked.
+//! Programs and machine data that need a missing function are refused with its name. Words that switch the function off are
+//! accepted. The code tests one of these constants where a function starts, so that the linker drops the rest.
 //!
 //! | feature | commands | without it |
 //! |---|---|---|
-//! | `contour` | G61, G261, `#CONTOUR MODE`, `#HSC` | blocks end where they were programmed to |
+//! | `contour` | G61, G261, `#CONTOUR MODE`, `#HSC` | blocks end at their programmed points |
 //! | `surface` | `#HSC [SURFACE]` | needs `contour` |
 //! | `splines` | G151, `#SPLINE`, `#AKIMA`, `#HSC [BSPLINE]`, `#HSC [OPMODE=2]` | needs `contour` |
 //! | `hsc` | the slope HSC: `#SLOPE [TYPE=HSC]`, P-CHAN-00071 = 3 | |
-//! | `expressions` | `P` parameters, operators and functions, `$` statements | words have numbers, subroutines stay |
+//! | `expressions` | `P` parameters, operators and functions, `$` statements | words have plain numbers; subroutines stay |
 //! | `filters` | `#FILTER`, P-AXIS-00586 | |
 //! | `beside` | `[OSC …]`, `[INDP …]`, `#WAIT INDP` | |
 //! | `dialects` (off by default) | the words of LinuxCNC and Grbl | programs are ISG's |
 //!
-//! The feature `fast` is none of them: without it what the planner calls is called and not copied, and the sine has
-//! a smaller table. Programs are accepted and refused as with it, and have the same bits.
+//! The feature `fast` is no function: with it the compiler copies more functions into their callers, and the table of sines
+//! is larger. Set points are the same bits with and without `fast`.
 
 /// A function that may be left out of a build.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -26,29 +25,28 @@ pub struct Function {
 }
 
 impl Function {
-    /// Whether it is compiled in.
+    /// Whether the function is compiled in.
     #[inline(always)]
     pub const fn is_built(self) -> bool {
         self.built
     }
 
-    /// Room for `count` of what only it needs.
+    /// `count` if the function is compiled in, else 0: the size of memory that only this function needs.
     pub const fn room(self, count: usize) -> usize {
         if self.built { count } else { 0 }
     }
 
-    /// That it is compiled in.
+    /// Checks that the function is compiled in.
     ///
     /// # Errors
-    /// Its name and what to do: it is not.
+    /// The function is missing: its name and what to do.
     #[inline(always)]
     pub const fn check(self) -> Result<(), &'static str> {
         if self.built { Ok(()) } else { Err(self.needs) }
     }
 }
 
-/// A build without Surface and splines is one for little memory: where what is seldom needed takes much of it, it
-/// has less.
+/// Whether this is a small build: one without Surface and splines. It has less room in the queue.
 pub const IS_SMALL: bool = !SURFACE.is_built() && !SPLINES.is_built();
 
 /// A constant for a feature, and what is said where it is off.
@@ -75,6 +73,6 @@ functions! {
     EXPRESSIONS = "expressions": "an expression (P parameters, operators, functions, $ statements)";
     /// Filters of the axes.
     FILTERS = "filters": "#FILTER";
-    /// Axes that move beside the path.
+    /// Axes that move independently of the path.
     BESIDE = "beside": "an axis beside the path ([OSC], [INDP], #WAIT INDP)";
 }

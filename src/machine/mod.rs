@@ -1,5 +1,28 @@
-//! Machine data: what the ISG parameter lists call axis and channel parameters, in their units and under
-//! their names.
+//! Machine data: limits of the axes and settings of the channel, with the names, ids and units of ISG's parameter lists.
+//!
+//! Start with the ISG defaults and set what your machine has:
+//!
+//! ```
+//! use glidepath::machine::{AxisData, AxisKind, AxisName, ChannelData, MachineData};
+//! use glidepath::Channel;
+//!
+//! let x = AxisData {
+//!     vb_max: 250_000, // P-AXIS-00212: 250 mm/s
+//!     a_beschl: 2000,  // P-AXIS-00001: 2000 mm/s²
+//!     a_brems: 2000,   // P-AXIS-00002
+//!     a_max: 3000,     // P-AXIS-00008: in curves
+//!     ..AxisData::new(AxisName::new("X").unwrap(), AxisKind::Linear)
+//! };
+//! let channel = ChannelData { slope_profile: 1, ..ChannelData::new() }; // P-CHAN-00071: TRAPEZ
+//! let machine = MachineData { axes: [x], channel };
+//! assert_eq!(Channel::<1, 120>::check(&machine), Ok(()));
+//!
+//! let wrong = MachineData { axes: [AxisData { a_max: 0, ..x }], channel };
+//! let error = Channel::<1, 120>::check(&wrong).unwrap_err();
+//! assert!(error.to_string().starts_with("dynamik.a_max (P-AXIS-00008) = 0 is outside 1"));
+//! ```
+//!
+//! [`parameter`] lists all parameters with unit, range and default. [`functions`] lists what a build may leave out.
 
 #[cfg(feature = "dialects")]
 mod foreign;
@@ -16,13 +39,13 @@ pub use synch::{SYNCHRONISED, Synch, SynchTable};
 pub(crate) use travel::of_tenths;
 pub use travel::{Beyond, Travel};
 
-/// Letters (and digits) of an axis: `X`, `C`, `X1`; padded with zeros.
+/// The name of an axis: a letter, then letters or digits, for example `X`, `C`, `X1`. Unused bytes are zero.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct AxisName(pub [u8; 4]);
 
 impl AxisName {
-    /// A name of one to four letters or digits, the first a letter; `None` otherwise.
+    /// Makes a name of one to four letters or digits that begins with a letter, or returns `None`.
     pub const fn new(name: &str) -> Option<Self> {
         let bytes = name.as_bytes();
         if bytes.is_empty() || bytes.len() > 4 || !bytes[0].is_ascii_alphabetic() {
@@ -40,7 +63,7 @@ impl AxisName {
         Some(Self(out))
     }
 
-    /// Whether it begins like another address of the language, so that no axis of a path can have it.
+    /// Whether the name begins with another address of the language. A path axis cannot have such a name.
     pub fn is_reserved(&self) -> bool {
         b"DEFGHIJKLMNPRST".contains(&self.0[0])
     }
@@ -55,20 +78,23 @@ impl AxisName {
     }
 }
 
-/// Axis type (ACHSTYP_TRANSLATOR, ACHSTYP_ROTATOR, ACHSTYP_SPINDEL).
+/// The type of an axis (ISG: ACHSTYP_TRANSLATOR, ACHSTYP_ROTATOR, ACHSTYP_SPINDEL).
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum AxisKind {
-    /// T: millimetres.
+    /// A linear axis, in millimetres.
     #[default]
     Linear,
-    /// R: degrees.
+    /// A rotary axis, in degrees.
     Rotary,
-    /// S: degrees, takes no part in the path.
+    /// A spindle, in degrees; it takes no part in the path.
     Spindle,
 }
 
-/// One axis. Speeds in µm/s (rotary: 0.001°/s), accelerations in mm/s² (°/s²), ramp times in µs.
+/// Machine data of one axis.
+///
+/// Units: speeds in µm/s (rotary: 0.001°/s), accelerations in mm/s² (rotary: °/s²), ramp times in µs. A ramp time is the
+/// time in which acceleration rises from zero to its limit: jerk = acceleration / ramp time.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct AxisData {
     /// Name in programs and traces.
@@ -81,14 +107,13 @@ pub struct AxisData {
     pub vb_max: u32,
     /// P-AXIS-00008 `dynamik.a_max`: largest acceleration, tangential and normal together.
     pub a_max: u32,
-    /// P-AXIS-00199 `dynamik.tr_geom`: geometric ramp time, limits the jerk caused by the contour; 0:
-    /// `tr_min`.
+    /// P-AXIS-00199 `dynamik.tr_geom`: geometric ramp time, which limits the jerk in curves; 0: as `tr_min`.
     pub tr_geom: u32,
     /// P-AXIS-00201 `dynamik.tr_min`: smallest ramp time.
     pub tr_min: u32,
-    /// P-AXIS-00013 `dynamik.a_trans_weight`: acceleration permitted at a knee, 0.1 %. The step of speed
-    /// there is at most that acceleration times the cycle; its jerk may exceed all limits. 0: cycle time /
-    /// ramp time, and limits of jerk hold.
+    /// P-AXIS-00013 `dynamik.a_trans_weight`: acceleration permitted at a corner without a curve, in 0.1 %. The axis may
+    /// step its speed there by that acceleration times the cycle; jerk is not limited then. 0: the step is so small that the
+    /// jerk limit holds.
     pub a_trans_weight: u32,
     /// P-AXIS-00001 `slope_profil.a_beschl`: acceleration at feed.
     pub a_beschl: u32,
@@ -104,49 +129,49 @@ pub struct AxisData {
     pub tr_brems_ab: u32,
     /// P-AXIS-00198 `slope_profil.tr_brems_zu`: ramp time, deceleration increases.
     pub tr_brems_zu: u32,
-    /// P-AXIS-00200 `slope_profil.tr_grenz`: the one ramp time of rapid motion.
+    /// P-AXIS-00200 `slope_profil.tr_grenz`: ramp time of rapid motion.
     pub tr_grenz: u32,
-    /// P-AXIS-00154 `dynamik.r_trans_weight`: part of the permitted jerk that a tangential transition may
-    /// cause, 0.1 %; 0: all of it. Only with P-CHAN-00009.
+    /// P-AXIS-00154 `dynamik.r_trans_weight`: share of the jerk limit that a tangential joint may use, in 0.1 %; 0: all.
+    /// It acts only with P-CHAN-00009.
     pub r_trans_weight: u32,
-    /// P-AXIS-00293 `dynamik.tr_w_min`: smallest ramp time at feed that a weight (G132, G133) may lead to; 0:
-    /// `tr_min`.
+    /// P-AXIS-00293 `dynamik.tr_w_min`: smallest ramp time that a weight (G132, G133) may give; 0: as `tr_min`.
     pub tr_w_min: u32,
-    /// P-AXIS-00214 `vb_max_red`: largest speed while the reduced speed is asked for; 0: none.
+    /// P-AXIS-00214 `vb_max_red`: largest speed while reduced speed is on; 0: no reduction.
     pub vb_max_red: u32,
-    /// P-AXIS-00011 and 00012 `lslope_profil.a_stufe_1`, `a_stufe_2`: accelerations of the slope STEP at
-    /// feed.
+    /// P-AXIS-00011 and 00012 `lslope_profil.a_stufe_1`, `a_stufe_2`: accelerations of the slope STEP at feed, below and
+    /// above `vb_stufe_1_2`.
     pub a_stufe: [u32; 2],
-    /// P-AXIS-00282 and 00283 `lslope_profil.d_stufe_1`, `d_stufe_2`: its decelerations; 0: as `a_stufe`.
+    /// P-AXIS-00282 and 00283 `lslope_profil.d_stufe_1`, `d_stufe_2`: decelerations of STEP at feed; 0: as `a_stufe`.
     pub d_stufe: [u32; 2],
-    /// P-AXIS-00221 `lslope_profil.vb_stufe_1_2`: speed at which it changes from stage 1 to stage 2.
+    /// P-AXIS-00221 `lslope_profil.vb_stufe_1_2`: speed between stage 1 and stage 2 of STEP.
     pub vb_stufe_1_2: u32,
-    /// P-AXIS-00005 and 00006 `lslope_profil.a_grenz_stufe_1`, `a_grenz_stufe_2`: the same in rapid motion.
+    /// P-AXIS-00005 and 00006 `lslope_profil.a_grenz_stufe_1`, `a_grenz_stufe_2`: accelerations of STEP in rapid motion.
     pub a_grenz_stufe: [u32; 2],
-    /// P-AXIS-00280 and 00281 `lslope_profil.d_grenz_stufe_1`, `d_grenz_stufe_2`: 0: as `a_grenz_stufe`.
+    /// P-AXIS-00280 and 00281 `lslope_profil.d_grenz_stufe_1`, `d_grenz_stufe_2`: decelerations of STEP in rapid motion; 0: as
+    /// `a_grenz_stufe`.
     pub d_grenz_stufe: [u32; 2],
-    /// P-AXIS-00211 `lslope_profil.vb_grenz_stufe_1_2`.
+    /// P-AXIS-00211 `lslope_profil.vb_grenz_stufe_1_2`: speed between both stages of STEP in rapid motion.
     pub vb_grenz_stufe_1_2: u32,
     /// P-AXIS-00015 `kenngr.achs_mode`: bit mask, [`MODE_LINEAR`] and [`MODE_MASTER`].
     pub achs_mode: u32,
-    /// P-CHAN-00011 `default_feed_axis`: the feed counts along this axis. Where no axis is one, along the
-    /// main axes.
+    /// P-CHAN-00011 `default_feed_axis`: the feed counts along this axis. Without any feed axis it counts along the main
+    /// axes.
     pub default_feed_axis: bool,
     /// P-ZERO-00003 `np_grp[i].achse[j].versch`: zero offsets of G54…G59 (i = 1…6), 0.1 µm (rotary: 0.0001°).
     pub versch: [i32; ZERO_OFFSETS],
     /// P-AXIS-00177 `kenngr.swe_neg`: negative software limit, 0.1 µm (rotary: 0.0001°), machine coordinates;
-    /// [`NO_LIMIT`] below 0: none.
+    /// −[`NO_LIMIT`]: none.
     pub swe_neg: i32,
     /// P-AXIS-00178 `kenngr.swe_pos`: positive software limit, above the negative one; [`NO_LIMIT`]: none.
     pub swe_pos: i32,
-    /// The filter of its set points.
+    /// The filter of the axis's set points.
     pub filter: FilterData,
-    /// What programs of other dialects need beside it.
+    /// What programs of LinuxCNC and Grbl need in addition.
     #[cfg(feature = "dialects")]
     pub foreign: ForeignAxis,
 }
 
-/// Types of filters (P-AXIS-00586).
+/// The type of a filter (P-AXIS-00586).
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum FilterType {
@@ -164,7 +189,7 @@ pub enum FilterType {
 }
 
 impl FilterType {
-    /// Of its number, 0…4.
+    /// The type with this number, 0…4; other numbers give [`Self::None`].
     pub const fn of_number(number: u8) -> Self {
         match number {
             1 => Self::Average,
@@ -176,8 +201,7 @@ impl FilterType {
     }
 }
 
-/// The filter of the set points of an axis, `filter_fir`. The program overrides all of it but the type
-/// (#FILTER).
+/// The filter of an axis's set points (`filter_fir`). A program may override all of it but the type (#FILTER).
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct FilterData {
     /// P-AXIS-00573 `filter_fir.enable`: the filter is on at program start.
@@ -209,28 +233,28 @@ impl FilterData {
     };
 }
 
-/// A software limit that is none: ±100 000 mm or degrees, the end of all coordinates. ISG's default is ±10 m,
-/// here it is none.
+/// The value of a software limit that is off: ±100 000 mm or degrees, in 0.1 µm. It is the default here; ISG's default
+/// is ±10 m.
 pub const NO_LIMIT: i32 = 1_000_000_000;
 
-/// Zero offsets that programs select: G54…G59.
+/// Number of zero offsets: G54…G59.
 pub const ZERO_OFFSETS: usize = 6;
 
-/// P-AXIS-00015: positions are not reduced to a turn. Every axis is like that in this version.
+/// P-AXIS-00015: positions are not reduced to one turn. Glidepath treats every axis like that.
 pub const MODE_LINEAR: u32 = 0x1;
 
-/// P-AXIS-00015: master axis of `#CONTOUR MODE [DIST_MASTER]`, if it is the only feed axis. ISG says that
-/// there is such a mark, but not where: here it is the highest bit of ISG's range.
+/// P-AXIS-00015: master axis of `#CONTOUR MODE [DIST_MASTER]`, if it is the only feed axis. ISG's documents name such a
+/// mark without its bit; here it is the highest bit of ISG's range.
 pub const MODE_MASTER: u32 = 0x1000_0000;
 
-/// The slope STEP of one axis in one kind of motion, as it is to be applied.
+/// Limits of the slope STEP for one axis, at feed or in rapid motion.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Stages {
     /// Accelerations below and above `change_over`.
     pub a: [u32; 2],
-    /// Decelerations below and above it.
+    /// Decelerations below and above `change_over`.
     pub d: [u32; 2],
-    /// Speed between the two.
+    /// Speed between the two stages.
     pub change_over: u32,
 }
 
@@ -274,7 +298,7 @@ impl AxisData {
         }
     }
 
-    /// The geometric ramp time in force: P-AXIS-00199, preset with P-AXIS-00201.
+    /// The geometric ramp time in µs: P-AXIS-00199, or P-AXIS-00201 if that is 0.
     pub const fn geometric_ramp(&self) -> u32 {
         if self.tr_geom == 0 { self.tr_min } else { self.tr_geom }
     }
@@ -295,8 +319,8 @@ impl AxisData {
         }
     }
 
-    /// Stages of the slope STEP: decelerations of 0 taken over from the accelerations, all of them at most
-    /// P-AXIS-00008, the change-over at most P-AXIS-00212.
+    /// The stages of the slope STEP. A deceleration of 0 becomes the acceleration; all are at most P-AXIS-00008, and the
+    /// change-over is at most P-AXIS-00212.
     pub const fn stages(&self, rapid: bool) -> Stages {
         let (a, d, change_over) = if rapid {
             (self.a_grenz_stufe, self.d_grenz_stufe, self.vb_grenz_stufe_1_2)
@@ -316,7 +340,7 @@ const fn least(a: u32, b: u32) -> u32 {
     if a < b { a } else { b }
 }
 
-/// Unit of path accelerations in machine data and in #VECTOR LIMIT.
+/// The unit of path accelerations in machine data and in #VECTOR LIMIT.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum AccelerationUnit {
@@ -327,12 +351,12 @@ pub enum AccelerationUnit {
     MmS2,
 }
 
-/// The channel's own parameters.
+/// Machine data of the channel.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct ChannelData {
     /// Interpolation cycle, µs, 100…10 000.
     pub cycle_us: u32,
-    /// Blocks of look-ahead (P-STUP-00071, P-CHAN-00650/00653): 10… the capacity compiled in.
+    /// Blocks of look-ahead (P-STUP-00071, P-CHAN-00650/00653): 10 to the `BLOCKS` of the channel.
     pub look_ahead: u32,
     /// P-CHAN-00108 `prog_start.feedrate_factor`: 100 = F in mm/min, 0.1 = F in m/min; here in thousandths.
     pub feedrate_factor_milli: u32,
@@ -344,12 +368,11 @@ pub struct ChannelData {
     /// P-CHAN-00073 `prog_start.slope.ramp_time`: G132 and G133 weight 0 all ramps, 1 P-AXIS-00196, 2 00195,
     /// 3 00198, 4 00197.
     pub ramp_weight: u8,
-    /// P-CHAN-00009 `corr_v_trans_jerk`: the jerk of tangential transitions between lines and arcs is limited
-    /// (P-AXIS-00154). Without it such a transition is passed as fast as acceleration permits, and its jerk
-    /// may exceed all limits.
+    /// P-CHAN-00009 `corr_v_trans_jerk`: jerk is limited at tangential joints of lines and arcs (P-AXIS-00154). If it is
+    /// false, such a joint is passed as fast as acceleration permits, and jerk is not limited there.
     pub corr_v_trans_jerk: bool,
-    /// P-CHAN-00066 `override_weight_prog_feed`: 0 the override acts on what the axes permit, 1 on the
-    /// programmed feed, 2 as 1 while the speed is reduced, else as 0.
+    /// P-CHAN-00066 `override_weight_prog_feed`: the override acts on the speed that the axes permit (0) or on the
+    /// programmed feed (1); 2: as 1 while reduced speed is on, else as 0.
     pub override_weight_prog_feed: u8,
     /// P-CHAN-00002 `vector.acceleration`, in thousandths of [`Self::vector_unit`].
     pub vector_acceleration_milli: u64,
@@ -359,36 +382,35 @@ pub struct ChannelData {
     pub vector_velocity_milli: u64,
     /// P-CHAN-00351 `vector.acc_dec_unit`.
     pub vector_unit: AccelerationUnit,
-    /// P-CHAN-00350 `vector.cir_radial_acc_limit`: the limit of path acceleration acts on arcs too.
+    /// P-CHAN-00350 `vector.cir_radial_acc_limit`: the limit of path acceleration also acts across the path, on arcs.
     pub cir_radial_acc_limit: bool,
-    /// P-CHAN-00110 `check_jerk_on_poly_path`: jerk that curves in corners may cause: 0 any, 1 by the
-    /// geometric ramp time, 2 by the ramp times.
+    /// P-CHAN-00110 `check_jerk_on_poly_path`: jerk limit in curves of corners: 0 none, 1 by the geometric ramp
+    /// time, 2 by the ramp times.
     pub check_jerk_on_poly_path: u8,
-    /// `merge_chords`, a parameter of its own, percent of PATH_DEV and TRACK_DEV, up to 75: so far a straight
-    /// line may be from nearly straight chords that it stands for with `#CONTOUR MODE [DEV]`; curves at its
-    /// ends have the rest. 0: chords stay as they are.
+    /// `merge_chords`, not an ISG parameter: with `#CONTOUR MODE [DEV]` nearly straight chords become one line, which uses at
+    /// most this percentage of PATH_DEV and TRACK_DEV, 0…75. Curves at its ends use the rest. 0: chords stay.
     pub merge_chords: u8,
-    /// P-CHAN-00239 `hsc.bspline.auto_contour_mode`: where the HSC B-spline deselects itself, 0 the motion
-    /// keeps the corner, 1 it is rounded, 2 it is rounded where an arc takes part.
+    /// P-CHAN-00239 `hsc.bspline.auto_contour_mode`: corners at which the HSC B-spline is interrupted: 0 stay sharp,
+    /// 1 are rounded, 2 are rounded beside arcs.
     pub auto_contour_mode: u8,
     /// P-CHAN-00041 `m_synch[n]`: synchronisation of M functions.
     pub m_synch: SynchTable,
-    /// P-CHAN-00027 `h_synch[n]`: the same of H functions.
+    /// P-CHAN-00027 `h_synch[n]`: synchronisation of H functions.
     pub h_synch: SynchTable,
     /// P-CHAN-00600 `configuration.path_preparation.function` holds FCT_PTP: `#CONTOUR MODE [PTP]` is
     /// allowed.
     pub ptp: bool,
     /// P-CHAN-00600 holds FCT_SURFACE: `#HSC \[SURFACE\]` is allowed.
     pub surface: bool,
-    /// P-CHAN-00451 `mode_implicite_sync_indp_asyn_axis`: a motion that names an axis with a motion of its own
-    /// waits for the end of that, 0 if it moves the axis, 1 always.
+    /// P-CHAN-00451 `mode_implicite_sync_indp_asyn_axis`: a block that names an axis which moves on its own waits for the end
+    /// of that motion: always (true), or only if the block moves the axis (false).
     pub joins_named: bool,
-    /// P-CHAN-00297 `mode_exact_stop_indp_axis`: which exact stop independent axes have. 0 `#WAIT INDP` waits
-    /// for the axes that it names, 1 so does exact stop (G60, G360) for all of them, 2 `#WAIT INDP` for all.
+    /// P-CHAN-00297 `mode_exact_stop_indp_axis`: what waits for independent axes. 0: `#WAIT INDP`, for the axes that it names;
+    /// 1: exact stop (G60, G360) too, for all of them; 2: `#WAIT INDP`, for all of them.
     pub exact_stop_indp: u8,
     /// P-ZERO-00002 `default_index`: zero offset in force at program start: 0 G53 (none), 1…6 G54…G59.
     pub default_index: u8,
-    /// The dialect of programs, and what others than ISG's need.
+    /// The dialect of programs, and data that dialects other than ISG's need.
     #[cfg(feature = "dialects")]
     pub foreign: ForeignChannel,
 }
@@ -432,8 +454,8 @@ impl Default for ChannelData {
     }
 }
 
-/// A machine of `AXES` axes, in the order of the machine file; the first three linear ones are the main axes.
-/// The path is measured along the feed axes (P-CHAN-00011).
+/// Machine data of a channel and its `AXES` axes. The first three linear axes are the main axes. Path length is measured
+/// along the feed axes (P-CHAN-00011).
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct MachineData<const AXES: usize> {
     /// The axes.

@@ -1,7 +1,7 @@
-//! The parameter table: name in a machine file, ISG id, unit, range, default, and the field it sets.
+//! The table of parameters: name in a machine file, ISG id, unit, range, default, and the field that it sets.
 use super::{AccelerationUnit, AxisData, ChannelData, FilterType, MODE_LINEAR, MODE_MASTER, NO_LIMIT};
 
-/// What a loader needs to know of one parameter of `Target` ([`AxisData`] or [`ChannelData`]).
+/// One parameter of `Target` ([`AxisData`] or [`ChannelData`]), for a loader of machine files.
 pub struct Parameter<Target> {
     /// ISG id, `P-AXIS-…` or `P-CHAN-…`; empty where ISG has none.
     pub id: &'static str,
@@ -15,10 +15,9 @@ pub struct Parameter<Target> {
     pub max_milli: i64,
     /// Whether decimals are accepted (three at most).
     pub decimals: bool,
-    /// Words that stand for 0, 1, … in the file; none: a number.
+    /// Words for the values 0, 1, … in the file; an empty list means a number.
     pub words: &'static [&'static str],
-    /// Several of the words may be joined by a bar: they stand for 1, 2, 4, … and the sum of them. The first has to be
-    /// among them.
+    /// Whether words may be joined by a bar. They then mean 1, 2, 4, … and their sum, and the first word must be among them.
     pub joined: bool,
     /// Stores a value given in thousandths of the unit and inside the range.
     pub set: fn(&mut Target, i64),
@@ -382,13 +381,13 @@ const fn plain<Target>(
     }
 }
 
-/// A value outside a range that depends on another parameter.
+/// A value out of its range.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct RangeError {
-    /// ISG id of the parameter refused.
+    /// ISG id of the parameter.
     pub id: &'static str,
-    /// Its name.
+    /// Name of the parameter.
     pub name: &'static str,
     /// The value given.
     pub value: i64,
@@ -396,7 +395,7 @@ pub struct RangeError {
     pub min: i64,
     /// The largest value allowed.
     pub max: i64,
-    /// Name of the parameter, or the reason, that sets the bound.
+    /// The parameter or the reason that sets the bound.
     pub because: &'static str,
 }
 

@@ -1,6 +1,6 @@
-//! Legal machine data that are not planned with as they are, and what is planned with instead.
+//! Values that machine data may have and a tick cannot use, and the values that the planner uses instead.
 //!
-//! | parameter | planned with | why |
+//! | parameter | value used | why |
 //! |---|---|---|
 //! | ramp times: P-AXIS-00195 to P-AXIS-00201 | at least [`SHORTEST_RAMP`] cycles | set points show nothing shorter |
 //! | P-AXIS-00199 = 0 | P-AXIS-00201 | its preset |
@@ -9,13 +9,13 @@
 use super::parameter::AXIS;
 use super::{AxisData, ChannelData};
 
-/// Cycles that every ramp takes at least.
+/// Shortest ramp, in cycles.
 pub const SHORTEST_RAMP: u32 = 1;
 
 /// Speeds and accelerations per tick have six integer bits with sign; half of that is left to sums.
 const LARGEST: u64 = 16;
 
-/// A value of machine data that is planned with as another one.
+/// A value of machine data that the planner replaces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Adjusted {
     /// ISG id.
@@ -28,12 +28,12 @@ pub struct Adjusted {
     pub value: i64,
     /// The value used.
     pub used: i64,
-    /// What sets the bound.
+    /// The reason for the bound.
     pub because: &'static str,
 }
 
 impl AxisData {
-    /// The data that are planned with.
+    /// The machine data that the planner uses.
     pub fn planned(&self, channel: &ChannelData) -> Self {
         let cycle = u64::from(channel.cycle_us);
         let by_cycle = |micro: u64| micro.checked_div(cycle).unwrap_or(u64::MAX);
@@ -59,7 +59,7 @@ impl AxisData {
         }
     }
 
-    /// Every value that is planned with as another one. A warning for whoever wrote the machine data.
+    /// All values that the planner replaces, for warnings to the author of the machine data.
     pub fn adjusted(&self, channel: &ChannelData) -> impl Iterator<Item = Adjusted> {
         let given = Self { tr_geom: self.geometric_ramp(), ..*self };
         let planned = self.planned(channel);

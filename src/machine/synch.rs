@@ -1,11 +1,12 @@
 //! Synchronisation of M and H functions with the motion: P-CHAN-00041 `m_synch[n]`, P-CHAN-00027
 //! `h_synch[n]`.
 
-/// When a function is put out, and up to where it has to be acknowledged.
+/// The point at which a function is put out, and the point at which it must be acknowledged. The motion waits at the second
+/// point.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Synch {
-    /// NO_SYNCH: it is not put out.
+    /// NO_SYNCH: not put out.
     NoSynch,
     /// MOS: put out, no acknowledgement.
     Mos,
@@ -13,7 +14,7 @@ pub enum Synch {
     MvsSvs,
     /// MVS_SNS: put out before the motion of its block, acknowledged before the next motion.
     MvsSns,
-    /// MNS_SNS: put out behind the motion of its block, acknowledged before the next motion.
+    /// MNS_SNS: put out after the motion of its block, acknowledged before the next motion.
     MnsSns,
     /// MNE_SNS: put out at a measuring event.
     MneSns,
@@ -21,7 +22,7 @@ pub enum Synch {
     MvsSlm,
     /// MVS_SLP: acknowledged at #EXPL SYN.
     MvsSlp,
-    /// MOS_TS: put out a time before or behind the motion.
+    /// MOS_TS: put out a time before or after the motion.
     MosTs,
     /// BWD_SYNCH: acknowledged in backward motion too.
     BwdSynch,
@@ -36,7 +37,7 @@ pub enum Synch {
 }
 
 impl Synch {
-    /// All of them: name, and value in an ISG parameter list.
+    /// All kinds, with name and value in an ISG parameter list.
     pub const ALL: [(Self, &'static str, u32); 14] = [
         (Self::NoSynch, "NO_SYNCH", 0),
         (Self::Mos, "MOS", 0x1),
@@ -54,31 +55,31 @@ impl Synch {
         (Self::FawSynch, "FAW_SYNCH", 0x1000_0000),
     ];
 
-    /// As ISG calls it.
+    /// The name that ISG uses.
     pub fn name(self) -> &'static str {
         Self::ALL.iter().find(|(synch, ..)| *synch == self).map_or("", |(_, name, _)| name)
     }
 
-    /// Whether this version does it.
+    /// Whether Glidepath has this kind.
     pub const fn is_available(self) -> bool {
         matches!(self, Self::NoSynch | Self::Mos | Self::MvsSvs | Self::MvsSns | Self::MnsSns)
     }
 
-    /// Put out before the motion of its block.
+    /// Whether the function is put out before the motion of its block.
     pub const fn is_before(self) -> bool {
         matches!(self, Self::MvsSvs | Self::MvsSns)
     }
 
-    /// The motion waits for an acknowledgement.
+    /// Whether the motion waits for an acknowledgement.
     pub const fn waits(self) -> bool {
         matches!(self, Self::MvsSvs | Self::MvsSns | Self::MnsSns)
     }
 }
 
-/// Functions that a table can hold.
+/// Number of functions that a table can hold.
 pub const SYNCHRONISED: usize = 32;
 
-/// Functions by their number; one that is not in the table is [`Synch::Mos`].
+/// The synchronisation of functions by their number. A function that is not in the table is [`Synch::Mos`].
 ///
 /// ```
 /// use glidepath::machine::{Synch, SynchTable};
@@ -100,11 +101,11 @@ impl SynchTable {
     pub(crate) const BLANK: Self =
         Self { codes: [0; SYNCHRONISED], kinds: [Synch::NoSynch; SYNCHRONISED], len: 0, full: false };
 
-    /// No function in it.
+    /// An empty table.
     pub const NONE: Self =
         Self { codes: [0; SYNCHRONISED], kinds: [Synch::Mos; SYNCHRONISED], len: 0, full: false };
 
-    /// The same with function number `code`. More than [`SYNCHRONISED`] are refused with the machine data.
+    /// Adds function number `code`. Machine data with more than [`SYNCHRONISED`] functions are refused.
     #[must_use]
     pub const fn with(mut self, code: u16, synch: Synch) -> Self {
         let len = self.len as usize;
@@ -123,18 +124,18 @@ impl SynchTable {
         self
     }
 
-    /// Of the function number `code`.
+    /// The synchronisation of function number `code`.
     pub fn of(&self, code: u16) -> Synch {
         self.entries().find(|entry| entry.0 == code).map_or(Synch::Mos, |entry| entry.1)
     }
 
-    /// What is in it: number and type.
+    /// Number and synchronisation of each function in the table.
     pub fn entries(&self) -> impl Iterator<Item = (u16, Synch)> {
         let kinds = self.kinds.iter().copied();
         self.codes.iter().copied().zip(kinds).take(self.len.into())
     }
 
-    /// Whether more was put in than it holds.
+    /// Whether more than [`SYNCHRONISED`] functions were added.
     pub const fn overflows(&self) -> bool {
         self.full
     }

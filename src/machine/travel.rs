@@ -1,26 +1,25 @@
-//! Where the axes may go: software limits, P-AXIS-00177 and P-AXIS-00178.
+//! Software limits of the axes: P-AXIS-00177 and P-AXIS-00178.
 //!
-//! As ISG has it, they are positions of the machine, without offsets, and an axis may go up to them. They are
-//! checked before a block is planned, along all of its path. An axis that stands beyond a limit may come
-//! back, and go no further.
+//! The limits are machine positions without offsets, and an axis may go up to them. They are checked along the whole path of
+//! a block before the block is planned. An axis that stands outside of a limit may only move back.
 use super::{MachineData, NO_LIMIT};
 use crate::math::divide::div_wide;
 use crate::quantity::Position;
 
-/// A path that an axis may not take.
+/// A path that would lead an axis beyond its software limit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Beyond {
     /// Index of the axis.
     pub axis: usize,
-    /// Where it would come to, machine coordinates, LSB 2^-32 mm or degrees.
+    /// The position that the axis would reach: machine coordinates, LSB 2^-32 mm or degrees.
     pub position: i64,
-    /// Its limit.
+    /// The software limit, LSB 2^-32 mm or degrees.
     pub limit: i64,
 }
 
 impl Beyond {
-    /// Whether it is the positive limit.
+    /// Whether the limit is the positive one.
     pub const fn is_positive(&self) -> bool {
         self.position > self.limit
     }
@@ -47,7 +46,7 @@ pub(crate) fn of_tenths(tenths: i32) -> Position {
 const ROUNDING: i64 = 1 << 12;
 
 impl<const AXES: usize> Travel<AXES> {
-    /// Those of the machine data.
+    /// The software limits of these machine data.
     pub fn new(machine: &MachineData<AXES>) -> Self {
         let limit = |tenths: i32, none| if tenths.abs() >= NO_LIMIT { none } else { of_tenths(tenths) };
         let limits =
@@ -56,13 +55,13 @@ impl<const AXES: usize> Travel<AXES> {
         Self { limits, is_limited }
     }
 
-    /// Whether there is a limit at all.
+    /// Whether any axis has a software limit.
     #[cfg_attr(feature = "fast", inline(always))]
     pub const fn is_limited(&self) -> bool {
         self.is_limited
     }
 
-    /// A straight way.
+    /// Checks a straight path.
     ///
     /// # Errors
     /// The first axis that would leave its limits.
@@ -76,7 +75,7 @@ impl<const AXES: usize> Travel<AXES> {
         (0..AXES).try_for_each(|axis| self.axis(axis, from, [to.get(axis); 2].map(|x| x.copied()), 0))
     }
 
-    /// A curve from `from`: `range` gives the least and the greatest coordinate of an axis on it.
+    /// Checks a curve that begins at `from`. `range` gives the least and the greatest coordinate of an axis on the curve.
     ///
     /// # Errors
     /// The first axis that would leave its limits by a nanometre.
@@ -88,7 +87,7 @@ impl<const AXES: usize> Travel<AXES> {
         (0..AXES).try_for_each(|axis| self.axis(axis, from, range(axis), ROUNDING))
     }
 
-    /// The limits of an axis on a way from there.
+    /// The lowest and the highest coordinate that an axis may reach on a path from `from`.
     pub fn of(&self, axis: usize, from: &[Position; AXES]) -> [Position; 2] {
         let ([least, most], from) = match (self.limits.get(axis), from.get(axis)) {
             (Some(limits), Some(from)) => (*limits, *from),

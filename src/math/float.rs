@@ -54,7 +54,7 @@ pub fn max(a: f32, b: f32) -> f32 {
     if a > b { a } else { b }
 }
 
-/// Without its sign.
+/// The absolute value.
 #[cfg_attr(feature = "fast", inline(always))]
 pub fn magnitude(x: f32) -> f32 {
     x.abs()

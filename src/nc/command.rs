@@ -1,11 +1,11 @@
-//! What the decoder hands to the next stage: one typed command at a time.
+//! Commands: the output of the decoder, one at a time.
 #[cfg(feature = "dialects")]
 use super::dialect::ForeignSetup;
 use super::function::*;
 use crate::machine::{AxisKind, AxisName, MachineData, SynchTable, ZERO_OFFSETS, of_tenths};
 use crate::quantity::{Feed, Position};
 
-/// A place in the program text: where a command or an error comes from.
+/// A place in the program text: the origin of a command or an error.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Place {
@@ -15,18 +15,18 @@ pub struct Place {
     pub column: u32,
     /// Offset of the word in its file, bytes.
     pub offset: u32,
-    /// Bytes of the word meant.
+    /// Length of the word, bytes.
     pub length: u16,
-    /// File: 0 is the main program, others are what [`super::Text::open`] answered.
+    /// File: 0 is the main program, others are numbers from [`super::Text::open`].
     pub file: u16,
 }
 
 impl Place {
-    /// No place at all: line 0.
+    /// No place: line 0.
     pub const NONE: Self = Self { line: 0, column: 0, offset: 0, length: 0, file: 0 };
 }
 
-/// What the decoder knows of the machine: names, kinds, main axes. Nothing of its dynamics.
+/// The data of the machine that the decoder uses: names, kinds, main axes, offsets.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Setup<const AXES: usize> {
     /// Axis names in the order of the coordinates.
@@ -41,13 +41,13 @@ pub struct Setup<const AXES: usize> {
     pub start: [Position; AXES],
     /// P-ZERO-00003: zero offsets of G54…G59.
     pub zero_offsets: [[Position; AXES]; ZERO_OFFSETS],
-    /// P-ZERO-00002: the one in force at program start: 0 none (G53), 1…6 G54…G59.
+    /// P-ZERO-00002: zero offset that is active at program start: 0 none (G53), 1…6 G54…G59.
     pub default_index: u8,
-    /// P-CHAN-00041: which M functions stand before the motion of their block; all others behind it.
+    /// P-CHAN-00041: M functions that are put out before the motion of their block; all others come after it.
     pub m_synch: SynchTable,
-    /// P-CHAN-00027: the same of H functions.
+    /// P-CHAN-00027: H functions that are put out before the motion of their block.
     pub h_synch: SynchTable,
-    /// What programs of other dialects need.
+    /// Data for programs of LinuxCNC and Grbl.
     #[cfg(feature = "dialects")]
     pub foreign: ForeignSetup<AXES>,
 }
@@ -68,7 +68,7 @@ impl<const AXES: usize> Setup<AXES> {
         foreign: ForeignSetup::ISG,
     };
 
-    /// The set-up of a machine standing at `start`.
+    /// The data of a machine whose axes stand at `start`.
     pub fn new(machine: &MachineData<AXES>, start: [Position; AXES]) -> Self {
         let mut zero_offsets = [[Position::ZERO; AXES]; ZERO_OFFSETS];
         for (set, offsets) in zero_offsets.iter_mut().enumerate() {
@@ -106,7 +106,7 @@ pub enum Plane {
 }
 
 impl Plane {
-    /// Places of the plane's first and second axis in the list of main axes.
+    /// Indices of the plane's first and second axis in the list of main axes.
     pub const fn main_axes(self) -> [usize; 2] {
         match self {
             Self::G17 => [0, 1],
@@ -156,17 +156,19 @@ pub struct Motion<const AXES: usize> {
     pub kind: MotionKind,
     /// End point of every axis, offsets applied.
     pub target: [Position; AXES],
-    /// Feed, mm/min; of no meaning for [`MotionKind::Rapid`].
+    /// Feed, mm/min; unused for [`MotionKind::Rapid`].
     pub feed: Feed,
-    /// G60 or G360: standstill at the end of this block.
+    /// G60 or G360: the axes stop at the end of this block.
     pub exact_stop: bool,
     /// Axes that the block names: bit i for axis i.
     pub named: u32,
 }
 
-/// A command with everything that belongs to it. Inside a block: switches, weights, S, T, D in the order of
-/// the text, with the functions that [`Setup::m_synch`] and [`Setup::h_synch`] put before the motion, then
-/// motion or dwell, then the other M and H, then the program end.
+/// A command with its parameters.
+///
+/// A block gives its commands in this order: switches, weights, S, T, D in the order of the text, with the functions that
+/// [`Setup::m_synch`] and [`Setup::h_synch`] put before the motion; then the motion or dwell; then the other M and H; then
+/// the program end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Command<const AXES: usize> {
     /// G00…G03.
@@ -227,8 +229,7 @@ pub enum Command<const AXES: usize> {
     WaitIndependent(Head, u32),
     /// M02, M30.
     ProgramEnd(Head, u16),
-    /// M0, M1, M6 and M60 of other dialects: the motion stands still, and goes on when this M function is
-    /// acknowledged.
+    /// M0, M1, M6 and M60 of LinuxCNC and Grbl: the axes stop until this M function is acknowledged.
     #[cfg(feature = "dialects")]
     Pause(Head, u16),
     /// A comment for the operator, `(MSG, text)`: the place is that of the text.
@@ -237,7 +238,7 @@ pub enum Command<const AXES: usize> {
 }
 
 impl<const AXES: usize> Command<AXES> {
-    /// Where it stands, for all but motions.
+    /// Block number and place of a command; `None` for motions.
     pub const fn head(&self) -> Option<&Head> {
         match self {
             Self::Motion(_) => None,
@@ -274,7 +275,7 @@ impl<const AXES: usize> Command<AXES> {
         }
     }
 
-    /// Whether it switches a function off, with no other effect: nothing to do where the function is not on.
+    /// Whether the command only switches a function off, so that it has no effect while the function is off.
     pub const fn switches_off(&self) -> bool {
         match self {
             Self::ExactStop(_, switch) => matches!(switch, ExactStop::Off),
@@ -288,7 +289,7 @@ impl<const AXES: usize> Command<AXES> {
         }
     }
 
-    /// Where it stands in the text.
+    /// Place of the command in the text.
     pub const fn place(&self) -> Place {
         match (self, self.head()) {
             (Self::Motion(motion), _) => motion.place,
@@ -306,7 +307,7 @@ impl<const AXES: usize> Command<AXES> {
         }
     }
 
-    /// Its name in the language, for messages.
+    /// Name of the command in the language, for messages.
     pub const fn name(&self) -> &'static str {
         match self {
             Self::Motion(motion) => match motion.kind {

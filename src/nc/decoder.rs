@@ -17,7 +17,7 @@ pub(crate) enum Restriction<const AXES: usize> {
     VectorLimit(VectorLimit),
 }
 
-/// What one call of [`Decoder::step`] achieved.
+/// The result of one call of [`Decoder::step`].
 #[expect(clippy::large_enum_variant, reason = "no allocation here: a command travels by value")]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Step<const AXES: usize> {
@@ -25,11 +25,11 @@ pub enum Step<const AXES: usize> {
     Working,
     /// A command, in program order.
     Command(Command<AXES>),
-    /// A remark; the program goes on.
+    /// A warning; the program goes on.
     Warning(NcWarning),
-    /// The text has nothing yet: call again later.
+    /// Program text has not arrived yet: call again later.
     Late,
-    /// The program has ended (M02, M30 or end of text), or was refused before.
+    /// The program has ended by M02, M30 or the end of its text, or a line was refused before.
     End,
 }
 
@@ -51,15 +51,14 @@ const BYTES: u32 = 2;
 const LITTLE: u32 = 30;
 const LITTLE_LINE: u32 = 120;
 
-/// Memory of a [`Decoder`], which makes in it what is large. All bits zero when new, so that it takes no room
-/// in flash.
+/// The buffers of a [`Decoder`]. They are all zero when new, so in a `static` they take no flash.
 pub struct DecoderMemory<const AXES: usize> {
     line: Line,
     interpreter: Interpreter<AXES>,
 }
 
 impl<const AXES: usize> DecoderMemory<AXES> {
-    /// Nothing is in it.
+    /// Empty buffers.
     pub const fn new() -> Self {
         Self { line: Line::new(), interpreter: Interpreter::blank() }
     }
@@ -71,7 +70,7 @@ impl<const AXES: usize> Default for DecoderMemory<AXES> {
     }
 }
 
-/// Turns program text into commands. What is large of it lies in a [`DecoderMemory`].
+/// Turns program text into commands, a bounded piece per call.
 pub struct Decoder<'a, T: Text, const AXES: usize> {
     reader: LineReader<T>,
     line: &'a mut Line,
@@ -81,7 +80,7 @@ pub struct Decoder<'a, T: Text, const AXES: usize> {
 }
 
 impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
-    /// A decoder at the start of `text`, in `memory`: nothing that was in it counts.
+    /// Makes a decoder at the start of `text`. Earlier contents of `memory` do not matter.
     #[inline(never)]
     pub fn new(memory: &'a mut DecoderMemory<AXES>, setup: Setup<AXES>, text: T) -> Self {
         let DecoderMemory { line, interpreter } = memory;
@@ -203,12 +202,12 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
         calculator.has_done_no_more_than(if waits { LITTLE_LINE } else { LITTLE })
     }
 
-    /// What it knows of the machine.
+    /// The data of the machine that the decoder uses.
     pub fn setup(&self) -> &Setup<AXES> {
         &self.interpreter.setup
     }
 
-    /// Where the axes stand after the last command, machine coordinates.
+    /// Position of the axes after the last command: machine coordinates.
     pub fn position(&self) -> [Position; AXES] {
         self.interpreter.position
     }
@@ -221,30 +220,28 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
         self.refused = true;
     }
 
-    /// Whether a line was refused, and [`Self::go_on`] goes on behind it.
+    /// Whether a line was refused, so that [`Self::go_on`] may continue after it.
     pub fn is_refused(&self) -> bool {
         self.refused
     }
 
-    /// Behind a refusal: goes on with the next line, from `position` (machine coordinates). A loop, a branch
-    /// or a call that a refused line would have begun has not begun. What was refused as missing at the end
-    /// of a program (a closing word) is done without.
+    /// Continues after a refused line, from `position` (machine coordinates). A loop, branch or call of the refused line has
+    /// not begun. A closing word that was missing at the end of a program is no longer asked for.
     pub fn go_on(&mut self, position: [Position; AXES]) {
         self.interpreter.stand_at(position);
         self.reader.go_on();
         self.refused = false;
     }
 
-    /// Begins with another text, from its start and from `position` (machine coordinates); the text before
-    /// comes back. A line of the one before is forgotten. All modal functions, F, G92 and P parameters are as
-    /// at program start, unless `keeps` says that they stay as they are. Zero offsets stay as they were set.
+    /// Begins another text at its start, from `position` (machine coordinates), and returns the previous text. If `keeps` is
+    /// true, modal functions, F, G92 and P parameters stay in force, else they are as at program start. Zero offsets always
+    /// stay.
     pub fn load(&mut self, text: T, position: [Position; AXES], keeps: bool) -> T {
         self.restart(position, keeps);
         self.reader.replace(text)
     }
 
-    /// Goes on in the same text, with the program that follows behind the end of the one before, from
-    /// `position`.
+    /// Begins the next program of the same text, from `position` (machine coordinates).
     pub fn load_next(&mut self, position: [Position; AXES]) {
         let here = self.reader.next_start();
         let mark = self.interpreter.flow.frames.first().map_or(here, |frame| frame.back);
@@ -258,15 +255,13 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
         self.refused = false;
     }
 
-    /// Corrects the position of an axis that was moved otherwise (an oscillation broken off, an axis fetched
-    /// back).
+    /// Sets the position of an axis that moved without the decoder: after an oscillation or a jog, for example.
     pub fn set_position(&mut self, axis: usize, position: Position) {
         self.interpreter.stand_there(axis, position);
     }
 
-    /// Sets the offset of an axis in one of the zero offsets, 0…5 for G54…G59. It counts from the next line
-    /// on that is understood, also where that zero offset is in force. `false` if there is no such set or
-    /// axis, or the offset is beyond ±[`COORDINATE_MAX`].
+    /// Sets the offset of an axis in a zero offset, 0…5 for G54…G59. It applies from the next line on, also if that zero
+    /// offset is active. Returns `false` if there is no such set or axis, or the offset is outside of ±[`COORDINATE_MAX`].
     #[must_use]
     pub fn set_zero_offset(&mut self, set: usize, axis: usize, offset: Position) -> bool {
         let slot = self.interpreter.setup.zero_offsets.get_mut(set).and_then(|offsets| offsets.get_mut(axis));

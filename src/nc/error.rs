@@ -1,25 +1,25 @@
-//! Why a program was refused, or accepted with a remark.
+//! Errors and warnings of the decoder.
 use super::Place;
 use crate::machine::functions::Function;
 use core::fmt;
 use heapless::String;
 
-/// A refusal: what was found where, and what was expected. The decoder stops at it, until it is told to go on
-/// behind the line.
+/// A refused line: the word, its place and what was expected. The decoder stops there until
+/// [`super::Decoder::go_on`] continues after the line.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct NcError {
-    /// The word meant.
+    /// Place of the refused word.
     pub place: Place,
-    /// What is wrong with it.
+    /// Why the word is refused.
     pub kind: NcErrorKind,
     /// The word itself, cut to 24 bytes.
     pub found: String<24, u8>,
-    /// Axes of this machine where that explains the refusal, `X, Y, Z`.
+    /// Names of the machine's axes, `X, Y, Z`, where they explain the error.
     pub axes: String<24, u8>,
 }
 
-/// Kinds of refusal.
+/// Why a word is refused. Numbers in the descriptions are those of ISG's messages.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum NcErrorKind {
@@ -340,21 +340,21 @@ impl fmt::Display for NcError {
 
 impl core::error::Error for NcError {}
 
-/// A remark; the program goes on.
+/// A warning; the program goes on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct NcWarning {
-    /// The word meant.
+    /// Place of the word.
     pub place: Place,
-    /// What it is about.
+    /// The reason.
     pub kind: NcWarningKind,
 }
 
-/// Kinds of remark.
+/// Reasons of warnings. Numbers in the descriptions are those of ISG's messages.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum NcWarningKind {
-    /// 20685: another axis beside the time of G04; it is ignored.
+    /// 20685: a G04 block has an axis in addition to the time; the axis is ignored.
     DwellExtraAxis,
     /// $FOR with step 0 never ends.
     EndlessFor,
@@ -364,15 +364,15 @@ pub enum NcWarningKind {
     UnclosedComment,
     /// An arc deselects contour mode by PTP.
     PtpArc,
-    /// DIST_SOFT beside an arc: a curve by its distance alone.
+    /// DIST_SOFT at a corner with an arc: the curve is chosen by its distance alone.
     SoftArc,
-    /// DIST_MASTER where the master axis does not go on in its direction: a curve by its distance alone.
+    /// DIST_MASTER at a corner where the master axis changes direction: the curve is chosen by its distance alone.
     MasterRests,
     /// DIST_SOFT, DIST_MASTER or PTP with the slope STEP, which has no ramp time: curves by tolerance alone.
     StepIsNotOptimised,
-    /// A dwell between two blocks of which the first has a rounded end: it is at the corner, which stays.
+    /// A dwell at a corner that is to be rounded: the corner stays sharp, and the axes dwell there.
     DwellAtCorner,
-    /// 120542: parameters of #HSC while it is on; they are not taken.
+    /// 120542: parameters of #HSC while #HSC is on; they have no effect.
     HscIsOn,
     /// #FILTER ON, and no axis has an order (ORDER, ORDER_TIME, P-AXIS-00587, P-AXIS-00591): nothing is
     /// filtered.
@@ -386,15 +386,15 @@ pub enum NcWarningKind {
     SurfaceLost,
     /// The dynamics of an axis limit its oscillation.
     OscillationLimited,
-    /// The dynamics of an axis do not allow the time that its motion is given.
+    /// The programmed time of an axis motion is too short for the limits of the axis.
     MotionLimited,
-    /// Arithmetic between plain numbers behind an address, without brackets: its result in thousandths.
+    /// Arithmetic after an address, without brackets; the value is the result in thousandths.
     Computed(i32),
     /// R in a block without an arc: it stays in force for arcs that follow.
     RadiusAlone,
     /// M17 or M29 in the main program ends it.
     MainEnds,
-    /// A program head behind words that stand without one: it ends their program.
+    /// A program head after words without a head: the head ends the program of those words.
     HeadEnds,
     /// SHORT of a linear axis is of no effect.
     ShortLinear,
@@ -412,7 +412,7 @@ pub enum NcWarningKind {
     /// G4 of more than a minute.
     #[cfg(feature = "dialects")]
     LongDwell,
-    /// F beside G20 or G21 that changes the unit.
+    /// F in the block of a G20 or G21 that changes the unit.
     #[cfg(feature = "dialects")]
     FeedBeforeUnit,
     /// A program of LinuxCNC without M2, M30 or %.

@@ -1,4 +1,19 @@
-//! Program text to typed commands. Knows text and modal state, nothing of a machine's dynamics.
+//! The decoder: program text to typed commands. It knows text and modal state, and nothing of the dynamics of a machine.
+//!
+//! Applications need three things of this module. [`Text`] is where program text comes from; a `&[u8]` implements it.
+//! [`Window`] is a buffer for text that arrives over a serial line. [`Library`] holds a program with its subroutines:
+//!
+//! ```
+//! use glidepath::nc::{Library, Text};
+//!
+//! let mut library = Library { main: b"L hole\nM30\n", files: &[("hole.nc", b"G01 Z-1 F600\nG00 Z1\nM17\n")] };
+//! assert_eq!(library.open("hole"), Ok(Some(1))); // what the decoder asks for at `L hole`
+//! let mut first = [0; 7];
+//! assert_eq!(library.read(1, 0, &mut first), Ok(7));
+//! assert_eq!(&first, b"G01 Z-1");
+//! ```
+//!
+//! The files of the module:
 //!
 //! ```text
 //!  Text → line ─logical lines→ interpreter ┬ flow, control   $ statements, calls, jumps

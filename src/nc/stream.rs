@@ -2,17 +2,16 @@
 //!
 //! ```text
 //!  serial task, any context                                             planner
-//!  Feeder::push → [ kept: up to N/2 bytes | line at hand, text ahead ] → Stream (a Text)
+//!  Feeder::push → [ kept: up to N/2 bytes | current line, text ahead ] → Stream (a Text)
 //! ```
 //!
-//! The window is a ring of bytes with one writer for each word, so that both ends may run in different
-//! contexts or on different cores, without a lock and without compare-and-swap.
+//! Both ends may run in different contexts or on different cores. Each word of the window has one writer, so the window
+//! needs no lock and no compare-and-swap.
 //!
-//! What lies more than `N`/2 bytes before the furthest line that the decoder has come to is forgotten, and
-//! makes room for text that follows. The rule depends on the text alone: whether a loop, a jump back or a
-//! call of a subprogram in the same stream finds its text does not depend on when bytes arrive. Where it does
-//! not, the line is refused ([`super::NcErrorKind::BehindWindow`]), and so is a line of more than `N`/2 bytes
-//! with its comments.
+//! The window drops text that lies more than `N`/2 bytes before the furthest line that the decoder has reached. So whether
+//! a loop, a jump back or a subroutine call finds its text depends on the text alone, not on the times at which bytes
+//! arrive. A line whose target is dropped is refused ([`super::NcErrorKind::BehindWindow`]), and so is a line of more than
+//! `N`/2 bytes with its comments.
 use super::{Text, TextError};
 use core::sync::atomic::{AtomicBool, AtomicU8, AtomicU32, Ordering};
 
@@ -42,14 +41,13 @@ pub struct Window<const N: usize> {
     kept: AtomicU32,
 }
 
-/// The end of a [`Window`] where text comes in. It may be moved to another task, an interrupt, or another
-/// core.
+/// The writing end of a [`Window`]. It may move to another task, an interrupt, or another core.
 pub struct Feeder<'a, const N: usize> {
     window: &'a Window<N>,
 }
 
-/// The end of a [`Window`] that the decoder reads. Loaded again, behind another text, it begins where
-/// [`Feeder::restart`] was called last; without that, with its first byte, which the window may have forgotten.
+/// The reading end of a [`Window`], for the decoder. A stream that is loaded again begins at the last
+/// [`Feeder::restart`], or else at its first byte, which the window may have dropped.
 pub struct Stream<'a, const N: usize> {
     window: &'a Window<N>,
     /// Where the program at hand was said to begin.
@@ -76,7 +74,7 @@ impl<const N: usize> Window<N> {
         Self { bytes: [const { AtomicU8::new(0) }; N], put, start, ended: AtomicBool::new(false), kept }
     }
 
-    /// Both ends, emptied: nothing that was in it counts.
+    /// Empties the window and gives its two ends.
     pub fn split(&mut self) -> (Feeder<'_, N>, Stream<'_, N>) {
         for word in [&mut self.put, &mut self.start, &mut self.kept] {
             *word.get_mut() = 0;
@@ -98,15 +96,15 @@ impl<const N: usize> Default for Window<N> {
 }
 
 impl<const N: usize> Feeder<'_, N> {
-    /// How many bytes the window takes now.
+    /// Number of bytes that [`Self::push`] takes now.
     pub fn room(&self) -> usize {
         let kept = self.window.kept.load(Ordering::Acquire);
         let used = self.window.put.load(Ordering::Relaxed).wrapping_sub(kept);
         Window::<N>::BYTES.saturating_sub(used) as usize
     }
 
-    /// Puts bytes in, as many as there is room for, and says how many: the others are to be given again.
-    /// Bounded by the length of `bytes`.
+    /// Puts in as many bytes as there is room for, and returns their number. Give the other bytes again later. Cost: bounded by
+    /// the length of `bytes`.
     pub fn push(&mut self, bytes: &[u8]) -> usize {
         let put = self.window.put.load(Ordering::Relaxed);
         let count = bytes.len().min(self.room());
@@ -119,14 +117,14 @@ impl<const N: usize> Feeder<'_, N> {
         count
     }
 
-    /// The text is complete: behind the last byte the program ends.
+    /// Says that the text is complete: the program ends after the last byte.
     pub fn end(&mut self) {
         self.window.ended.store(true, Ordering::Release);
     }
 
-    /// Another program follows: what was put in before and is not read yet does not belong to it. For the
-    /// rest of a program that was aborted, and before the stream is loaded again. It counts from
-    /// [`crate::channel::Planner::load_next`] on, and from [`crate::channel::Planner::load`] of the stream.
+    /// Says that another program follows: bytes that were put in and not read are dropped. Call it after an abort, and before
+    /// the stream is loaded again. It acts at the next [`crate::channel::Planner::load_next`], or when the stream is loaded by
+    /// [`crate::channel::Planner::load`].
     pub fn restart(&mut self) {
         self.window.ended.store(false, Ordering::Relaxed);
         self.window.start.store(self.window.put.load(Ordering::Relaxed), Ordering::Release);

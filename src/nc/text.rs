@@ -1,60 +1,60 @@
 //! Where program text comes from: slices in flash, files on a desktop, a block device.
 
-/// Random access to the bytes of an NC program and of the files it calls with `L`. Loops and subroutines read
-/// parts of them again.
+/// Random access to the bytes of an NC program and of the files that it calls with `L`. Loops and subroutines read parts
+/// of the text again. A `&[u8]` implements this trait for one file.
 pub trait Text {
-    /// Copies bytes of a file from `offset` on into `buffer` and says how many; 0 at the end of the file.
-    /// `file` is 0 for the main program, or what [`Text::open`] answered.
+    /// Copies bytes of a file from `offset` on into `buffer`. Returns their number, 0 at the end of the file. `file` is 0 for
+    /// the main program, or a number from [`Text::open`].
     ///
     /// # Errors
-    /// The device failed, or there is nothing at `offset` yet.
+    /// The device failed, or the text at `offset` has not arrived yet.
     fn read(&mut self, file: u16, offset: u32, buffer: &mut [u8]) -> Result<usize, TextError>;
 
-    /// The number of the file a program calls by `name` (ASCII, at most 83 bytes), the same for every call;
-    /// `None` if there is no such file. A text without this is one file alone.
+    /// Returns the number of the file that a program calls by `name` (ASCII, at most 83 bytes), or `None` if there is no such
+    /// file. The same name always has the same number. The default knows no files. A file can be opened before its text has
+    /// arrived.
     ///
     /// # Errors
-    /// The device failed. A file whose text is still on its way can be opened.
+    /// The device failed.
     fn open(&mut self, name: &str) -> Result<Option<u16>, TextError> {
         let _ = name;
         Ok(None)
     }
 
-    /// The decoder has come to the line that begins at `offset` of a file. A text that forgets may forget
-    /// what lies far enough before it: see [`super::Window`].
+    /// Tells the text that the decoder has reached the line at `offset` of a file. A [`super::Window`] then drops text that
+    /// lies far enough before that line.
     fn pass(&mut self, file: u16, offset: u32) {
         let _ = (file, offset);
     }
 
-    /// Whether the line that begins at `offset` of a file can be read again. Asked before the decoder jumps
-    /// there.
+    /// Whether the line at `offset` of a file can be read again. The decoder asks before it jumps there.
     fn holds(&self, file: u16, offset: u32) -> bool {
         let _ = (file, offset);
         true
     }
 
-    /// Where the main file begins when it is loaded: its first byte, but for a stream, which has other programs
-    /// behind it. A text that passes its calls on to a stream passes this one on, too.
+    /// Offset of the main program's first byte when it is loaded: 0, except in a stream that held other programs before. A
+    /// wrapper around a stream must forward this call.
     fn start(&mut self) -> u32 {
         0
     }
 
-    /// Where the next program begins in the main file, if that is not behind the last line read.
+    /// Offset of the next program in the main file, if it is not right after the last line read.
     fn next_program(&mut self) -> Option<u32> {
         None
     }
 }
 
-/// Why there is no text.
+/// Why [`Text::read`] or [`Text::open`] gave no text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum TextError {
     /// The device failed: the program is refused.
     Failed,
-    /// It has not arrived yet (a serial line, a slow card): the decoder asks again. What has arrived moves
-    /// on; where it ends, the motion comes to a standstill.
+    /// The text has not arrived yet, from a serial line or a slow card. The decoder asks again. The motion goes on with the
+    /// text that has arrived, and stops at its end.
     NotYet,
-    /// It is behind the window of a stream, or a line is longer than the window: the line is refused.
+    /// The window of a stream no longer holds the text, or a line is longer than the window: the line is refused.
     Forgotten,
 }
 
@@ -69,12 +69,12 @@ impl Text for &[u8] {
     }
 }
 
-/// A main program with the files it may call, all in memory (flash).
+/// A main program and the files that it may call, all in memory (flash).
 #[derive(Clone, Copy, Debug)]
 pub struct Library<'a> {
     /// The program that runs.
     pub main: &'a [u8],
-    /// Name and text of the others. `L name` calls `name`, or `name.nc` if that is all there is.
+    /// Name and text of the other files. `L name` calls the file `name`, or `name.nc` if there is no `name`.
     pub files: &'a [(&'a str, &'a [u8])],
 }
 

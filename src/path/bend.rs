@@ -13,7 +13,7 @@ const LSB_62: f32 = 1.0 / (1u64 << 62) as f32;
 const ROUNDED: f32 = 1.0 + 1.0 / 1_048_576.0;
 
 impl<const AXES: usize> Bounds<AXES> {
-    /// Nothing bends.
+    /// A straight element.
     pub const NONE: Self = Self {
         first: [0.0; AXES],
         second: [0.0; AXES],

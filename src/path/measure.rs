@@ -32,7 +32,7 @@ impl Main {
     /// No axis has that place.
     const NONE: u8 = u8::MAX;
 
-    /// Of the axes that there are.
+    /// The axes that exist.
     pub fn new(places: [Option<usize>; 3]) -> Self {
         Self(places.map(|place| place.and_then(|k| u8::try_from(k).ok()).unwrap_or(Self::NONE)))
     }
@@ -43,12 +43,12 @@ impl Main {
         self.0.get(i).filter(|k| **k != Self::NONE).map(|k| usize::from(*k))
     }
 
-    /// One after the other, with a gap where there is none.
+    /// Indices of the axes, `None` where there is none.
     pub fn places(&self) -> [Option<usize>; 3] {
         [self.get(0), self.get(1), self.get(2)]
     }
 
-    /// Those that there are in vectors of so many axes.
+    /// Indices of the axes that a vector of `AXES` axes has.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn of<const AXES: usize>(&self) -> impl Iterator<Item = usize> {
         self.0.into_iter().map(usize::from).filter(|k| *k < AXES)
@@ -60,7 +60,7 @@ impl Main {
         self.0.iter().any(|k| usize::from(*k) == axis)
     }
 
-    /// Whether they are the first three axes in their order.
+    /// Whether these are the first three axes in their order.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn lead(&self) -> bool {
         self.0 == [0, 1, 2]
@@ -91,7 +91,7 @@ fn bits(axes: impl Iterator<Item = usize>) -> u32 {
 }
 
 impl Measure {
-    /// From the main axes, those with P-CHAN-00011, and those marked as master axis in P-AXIS-00015.
+    /// The measure of these main axes, of the feed axes (P-CHAN-00011) and of the master axes (P-AXIS-00015).
     pub fn new(
         main: [Option<usize>; 3],
         feed: impl Iterator<Item = usize>,
@@ -113,7 +113,7 @@ impl Measure {
         }
     }
 
-    /// By what the paths of a machine are measured.
+    /// The measure of a machine.
     pub fn of<const AXES: usize>(machine: &MachineData<AXES>) -> Self {
         let named = |wanted: fn(&AxisData) -> bool| {
             machine.axes.iter().enumerate().filter(move |(_, axis)| wanted(axis)).map(|(k, _)| k)
@@ -134,7 +134,7 @@ impl Measure {
         self.tolerant
     }
 
-    /// The same where no other dialect is built: they may not.
+    /// Whether radii may differ: never in a build without other dialects.
     #[cfg(not(feature = "dialects"))]
     #[inline(always)]
     pub const fn is_tolerant(&self) -> bool {

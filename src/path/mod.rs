@@ -1,7 +1,6 @@
-//! Geometry over distance: every block becomes an [`Element`], a curve over its own path length, and knows
-//! nothing of time.
+//! Geometry over distance: every block becomes an [`Element`], a curve over its own path length. This module knows no time.
 //!
-//! The curve itself is a [`Shape`]. With `w` in `0..W` for a path distance of `0..length`, axis k stands at
+//! The curve of an element is a [`Shape`]. With `w` in `0..W` for a path distance of `0..length`, axis k stands at
 //!
 //! ```text
 //! x_k = base_k + gain_k·w                                   every axis of a line, of an arc those outside its plane
@@ -9,12 +8,11 @@
 //! x_q = base_q + a_q(w)·cos φ + a_p(w)·sin φ + miss_q·w     with φ = turn·w,  a(w) = a + grow·w
 //! ```
 //!
-//! so that a tick multiplies and adds. `w` is the distance shifted to 62 bits: every factor then uses its
-//! full width, whatever the length of the block, and one micrometre beside 360° is as precise as one metre.
-//! `miss` is what rounding left between the end of the circle and the programmed end, so that the end is met
-//! to the last bit; it and `grow` are so small that the upper half of `w` does.
+//! A tick only multiplies and adds. `w` is the distance shifted to 62 bits, so every factor uses its full width whatever the
+//! length of the block. `miss` is the difference between the rounded end of the circle and the programmed end; with it the
+//! curve ends at the programmed point to the last bit. `miss` and `grow` are so small that the upper half of `w` suffices.
 //!
-//! The third kind of curve is a polynomial of the fifth degree for every axis, see [`mod@poly`].
+//! The third kind of curve is a polynomial of the fifth degree for every axis ([`mod@poly`]).
 mod arc;
 mod bend;
 mod extent;
@@ -77,9 +75,9 @@ pub struct Circle {
 pub struct Element<const AXES: usize> {
     /// The curve.
     pub shape: Shape<AXES>,
-    /// Its first point.
+    /// First point.
     pub entry: End<AXES>,
-    /// Its last point.
+    /// Last point.
     pub exit: End<AXES>,
     /// Set for arcs.
     pub circle: Option<Circle>,
@@ -93,15 +91,15 @@ pub(crate) struct Piece<'a, const AXES: usize> {
     pub shape: &'a Shape<AXES>,
     pub entry: &'a End<AXES>,
     pub exit: &'a End<AXES>,
-    /// Its path is time.
+    /// Whether its path is time, not length.
     pub timed: bool,
-    /// It is a part of a curve over arc length: how much speed may change differs from part to part.
+    /// Whether it is a part of a curve over arc length. How much speed may change differs from part to part.
     pub bent: bool,
-    /// It is a part of a curve that acceleration passes.
+    /// Whether it is a part of a curve that acceleration passes.
     pub through: bool,
     /// Acceleration inside it is bought with speed.
     pub trades: bool,
-    /// It is a part of a curve of many elements.
+    /// Whether it is a part of a curve of many elements.
     pub flows: bool,
 }
 
@@ -303,12 +301,12 @@ impl<const AXES: usize> Shape<AXES> {
         matches!(self.curve, Curve::Line)
     }
 
-    /// Whether it is an arc.
+    /// Whether the shape is an arc.
     pub fn is_arc(&self) -> bool {
         matches!(self.curve, Curve::Arc(_))
     }
 
-    /// What [`Self::at`] adds to, for a block that starts at `start`: an arc turns about its centre.
+    /// The base that [`Self::at`] adds to, for a block from `start`; for an arc, the centre of its circle.
     pub fn base(&self, start: &[Position; AXES]) -> [Position; AXES] {
         let mut base = *start;
         if let Curve::Arc(arc) = self.curve {

@@ -33,12 +33,12 @@
 use super::word::{Memory, Ram, Word};
 use core::sync::atomic::Ordering;
 
-/// From one tick to the next.
+/// One tick, in units of an instant.
 pub const TICK: u32 = 2;
 
 const NEVER: u32 = 1;
 
-/// One of two reserves.
+/// One of the two reserves.
 #[derive(Clone, Copy, Debug, Hash, PartialEq, Eq)]
 pub enum Kept {
     /// The first.
@@ -90,7 +90,7 @@ impl<M: Memory> Clock<M> {
         }
     }
 
-    /// Nothing has happened yet. Before both sides run.
+    /// Starts anew. Call it before both sides run.
     pub fn reset(&mut self) {
         *self = Self::blank();
         self.withdraw();
@@ -120,7 +120,7 @@ impl<M: Memory> Clock<M> {
         self.rest_while(false);
     }
 
-    /// The same; `moves`: set points moved in it, though the path did not.
+    /// As [`Self::rest`]; `moves`: set points moved in this tick although the path stood.
     pub fn rest_while(&self, moves: bool) {
         // Counts of ticks are even.
         self.rested.store(self.begun.load(Ordering::Relaxed) | u32::from(moves), Ordering::Relaxed);
@@ -128,7 +128,7 @@ impl<M: Memory> Clock<M> {
         self.idle.store(idle.wrapping_add(TICK), Ordering::Release);
     }
 
-    /// The number of the tick at hand, from 0.
+    /// The number of the current tick, from 0.
     pub fn tick(&self) -> u32 {
         self.begun.load(Ordering::Relaxed).wrapping_sub(TICK) / TICK
     }
@@ -156,8 +156,8 @@ impl<M: Memory> Clock<M> {
         one.load(Ordering::Relaxed) == instant || other.load(Ordering::Relaxed) == instant
     }
 
-    /// Leaves the queue for the reserve of an instant behind the last cut taken: its first piece. `None`: that
-    /// there is holds behind another cut.
+    /// Changes from the queue to the reserve of an instant after the last change of plan, and gives its first piece;
+    /// `None` if the reserve belongs to another plan.
     pub fn leave(&self, instant: u32, cut: u32) -> Option<u32> {
         for (slot, (end, of)) in (0..).zip(self.ends.iter().zip(&self.cuts)) {
             if end.load(Ordering::Relaxed) != instant {
@@ -174,7 +174,7 @@ impl<M: Memory> Clock<M> {
         None
     }
 
-    /// Whether it may go back to the queue.
+    /// Whether the interrupt may return to the queue.
     pub fn is_let_go(&self) -> bool {
         self.let_go.load(Ordering::Acquire) == self.left.load(Ordering::Relaxed)
     }
@@ -193,8 +193,8 @@ impl<M: Memory> Clock<M> {
         self.idle.load(Ordering::Acquire)
     }
 
-    /// Every tick that ends from here on sees what was written before; none that does not is at hand. On
-    /// another core than the interrupt's it waits for the tick at hand.
+    /// Waits until each tick that ends from now on sees what was written before. On another core than the interrupt's
+    /// it waits for the current tick.
     pub fn settle(&self) {
         M::fence(Ordering::SeqCst);
         let begun = self.begun.load(Ordering::Acquire);
@@ -216,8 +216,8 @@ impl<M: Memory> Clock<M> {
         self.at.store(NEVER, Ordering::Relaxed);
     }
 
-    /// Beside `other` a reserve holds at `instant` that begins with the piece `first`, behind the cut to the piece
-    /// `cut`.
+    /// Adds the reserve that holds at `instant`, begins with the piece `first`, and follows the change to the piece
+    /// `cut`; `other` stays valid.
     pub fn keep(&self, other: Option<Kept>, instant: u32, first: u32, cut: u32) -> Kept {
         let kept = if other == Some(Kept::One) { Kept::Other } else { Kept::One };
         kept.of(&self.firsts).store(first, Ordering::Relaxed);

@@ -232,7 +232,7 @@ impl<const AXES: usize, const BLOCKS: usize> CurveRing<AXES, BLOCKS> {
         }
     }
 
-    /// Both ends, emptied. There is one of each: they borrow it exclusively.
+    /// Empties the ring and gives its two ends.
     pub fn split(&mut self) -> (CurveProducer<'_, AXES>, CurveConsumer<'_, AXES>) {
         const {
             assert!(BLOCKS + SLOTS < MOST_APART as usize / 2, "numbers of motion blocks of 16 bits");
@@ -336,7 +336,7 @@ impl<'a, const AXES: usize> CurveProducer<'a, AXES> {
         number.wrapping_add(u32::from(self.is_part(number)))
     }
 
-    /// The number of the curve behind the one with this number.
+    /// The number of the next curve.
     pub fn after(&self, number: u32) -> u32 {
         self.curve_of(self.curve_of(number).wrapping_add(1))
     }
@@ -394,7 +394,7 @@ impl<'a, const AXES: usize> CurveProducer<'a, AXES> {
         before.fold(self.hidden, i64::wrapping_add)
     }
 
-    /// The number of the first curve that ends behind a path distance, of those that the interrupt has not left.
+    /// The first curve that ends after a path distance, among those that the interrupt has not left.
     pub fn ends_behind(&self, distance: i64) -> Option<u32> {
         let first = self.taken();
         if first == self.count || self.end_of(first).wrapping_sub(distance) > 0 {
@@ -437,8 +437,7 @@ impl<'a, const AXES: usize> CurveProducer<'a, AXES> {
         block.wrapping_sub(whole(self.latest(), oldest)) >= MOST_APART
     }
 
-    /// Puts a curve in behind the others, with the offset of its points, its N number and its motion block;
-    /// `false` if there is no room.
+    /// Appends a curve with the offset of its points, its N number and its motion block; `false` if there is no room.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn push(&mut self, shape: &Shape<AXES>, base: &[Position; AXES], n: u32, block: u32) -> bool {
         let Some(slots) = cells::slots(shape) else { return false };
@@ -479,7 +478,7 @@ impl<'a, const AXES: usize> CurveProducer<'a, AXES> {
         true
     }
 
-    /// That many more curves are handed on.
+    /// Releases that many more curves to the interrupt.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn hand_on(&mut self, curves: u32) {
         self.handed = if IS_WHOLE {
@@ -585,12 +584,12 @@ impl<'a, const AXES: usize> CurveProducer<'a, AXES> {
         Distance::from_bits(self.end)
     }
 
-    /// Path distance up to which the interrupt finds its way.
+    /// Path distance up to which the interrupt knows the path.
     pub fn known(&self) -> Distance {
         Distance::from_bits(if self.long { self.hidden } else { self.end })
     }
 
-    /// Whether it finds its way as far as that, with no further word of the planner.
+    /// Whether the interrupt knows the path up to that distance.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn is_known(&self, distance: Distance) -> bool {
         !self.long || distance.to_bits().wrapping_sub(self.known().to_bits()) <= 0
@@ -610,8 +609,8 @@ impl<'a, const AXES: usize> CurveProducer<'a, AXES> {
         Some(unsafe { Track::new(slot) })
     }
 
-    /// Takes back the curves behind the one that the interrupt is on. It stands there, at the path distance
-    /// `stands`: the next one begins at that, and all that are left are handed on.
+    /// Takes back the curves after the current one. The axes stand at the path distance `stands`, where the next curve
+    /// begins.
     pub fn end_at(&mut self, stands: i64) {
         self.withdraw(self.taken());
         (self.end, self.hidden) = (stands, stands);
@@ -700,7 +699,7 @@ impl<const AXES: usize> CurveConsumer<'_, AXES> {
         self.at_hand(distance).map(|(track, _)| track.segment)
     }
 
-    /// The same with its part, and the distance from its start.
+    /// The current curve with its part, and the distance from its start.
     pub fn at_hand(&self, distance: i64) -> Option<(Track<'_, AXES>, i64)> {
         // SAFETY: it is in its ring.
         let start = unsafe { &*self.start.at }.get();

@@ -1,18 +1,18 @@
-//! The one door between planner, interrupt and operator: static memory with one writer for every word.
+//! The memory that planner, interrupt and operator share: static, with one writer for every word.
 //!
 //! | file | what is in it |
 //! |---|---|
-//! | `curves`, `cells` | the ring of curves: where each begins, and the memory of each |
-//! | `ring` | a ring for one producer and one consumer, here that of the pieces of time |
-//! | `time`, `clock` | how the interrupt goes from piece to piece, and how planner and interrupt agree on a cut |
-//! | `reserve` | the pieces of a way to a standstill, for a planner that gets no time |
-//! | `actions` | what is due at points of the path |
-//! | `status` | what the interrupt shows of each tick |
-//! | `overlay` | the motion of one axis beside the path |
-//! | `word` | the words and places that the others are made of |
+//! | `curves`, `cells` | the ring of curves: the start of each, and the memory of each |
+//! | `ring` | a ring for one producer and one consumer, used for the pieces of the speed profile |
+//! | `time`, `clock` | how the interrupt goes from piece to piece; how planner and interrupt agree on a change of plan |
+//! | `reserve` | the pieces of the stop that lies ready, for a planner that gets no time |
+//! | `actions` | functions at points of the path |
+//! | `status` | the result of each tick, for the operator |
+//! | `overlay` | the motion of a single axis |
+//! | `word` | words and places that the other files are made of |
 //!
-//! The planner puts a curve in when its block goes into the look-ahead, and hands it on before the first
-//! piece of time that moves along it. The operator's commands lie here too: [`crate::control`] says what they are.
+//! The planner adds a curve when its block enters the look-ahead, and releases it before the first piece that moves along
+//! it. The operator's commands lie here too; [`crate::control`] describes them.
 mod actions;
 mod cells;
 pub mod clock;
@@ -48,7 +48,7 @@ pub const SEGMENTS: usize = if functions::IS_SMALL { 34 } else { 48 };
 /// Pieces of time handed over. A block takes seven at most, a short one two or three.
 pub const PHASES: usize = if functions::IS_SMALL { 32 } else { 128 };
 
-/// Actions under way, from the program to the operator.
+/// Actions that may be pending, from the program to the operator.
 pub const ACTIONS: usize = if functions::IS_SMALL { 16 } else { 32 };
 
 /// An action at its point of the path.
@@ -59,7 +59,7 @@ pub struct PlacedAction {
     pub distance: Distance,
     /// Programmed N number.
     pub n: u32,
-    /// What is due.
+    /// The action.
     pub action: Action,
 }
 
@@ -91,7 +91,7 @@ impl Slot for Phase {
 }
 
 impl Phase {
-    /// What is left of it behind its first `n` ticks.
+    /// Moves the piece's start by `n` ticks.
     pub fn advance(&mut self, n: u16) {
         let ticks = i64::from(n);
         let (half, sixth) = (self.half_accel.to_bits(), self.sixth_jerk.to_bits());
@@ -137,7 +137,7 @@ pub struct Sender<'a, const AXES: usize> {
     pub segments: CurveProducer<'a, AXES>,
     /// Pieces of time.
     pub phases: Pieces<'a>,
-    /// Those of the way to a standstill: see [`Timeline`].
+    /// The pieces of the reserve ([`Timeline`]).
     pub reserve: Keeper<'a>,
     /// Actions.
     pub actions: Scheduler<'a>,
@@ -204,7 +204,7 @@ impl<const AXES: usize> Receiver<'_, AXES> {
         clock.rest_while(moves);
     }
 
-    /// As [`Self::pass`], with filters behind the path.
+    /// As [`Self::pass`], with filters after the path.
     #[inline(always)]
     pub fn pass_later(&mut self, lag: &mut Lag, settled: bool) {
         let Shared { clock, status, actions } = self.shared;
@@ -214,7 +214,7 @@ impl<const AXES: usize> Receiver<'_, AXES> {
         clock.pass();
     }
 
-    /// As [`Self::rest`], with filters behind the path; `moves`: set points still do.
+    /// As [`Self::rest`], with filters after the path; `moves`: set points still move.
     pub fn rest_later(&mut self, lag: &mut Lag, settled: bool, moves: bool) {
         let Shared { clock, actions, .. } = self.shared;
         actions.reach_later(self.distance(), clock.tick(), lag, settled);
@@ -233,7 +233,7 @@ pub struct Panel<'a, const AXES: usize> {
     pub control: &'a Control,
     /// Actions that are due.
     pub actions: Outlet<'a>,
-    /// What the interrupt shows.
+    /// The result of the ticks.
     pub status: Display<'a, AXES>,
 }
 

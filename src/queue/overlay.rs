@@ -30,7 +30,7 @@ pub const fn set_point(fine: i64) -> Position {
     Position::from_bits((fine + (1 << (FINER - 1))) >> FINER)
 }
 
-/// What planner and interrupt share of an overlay; all bits zero when new.
+/// Memory of an overlay, shared by planner and interrupt; all bits zero when new.
 pub struct Overlay {
     pieces: Ring<Phase, OVERLAY_PHASES>,
     clock: Clock,
@@ -86,7 +86,7 @@ impl Overlay {
     }
 }
 
-/// Both ends of all overlays, which are empty.
+/// Empties all overlays and gives both ends of each.
 pub fn overlay_ends<const OVERLAYS: usize>(
     memory: &mut [Overlay; OVERLAYS],
 ) -> ([OverlaySender<'_>; OVERLAYS], [OverlayReceiver<'_>; OVERLAYS]) {

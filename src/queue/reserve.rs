@@ -16,10 +16,11 @@ use super::{Clock, Phase, Slot};
 use crate::machine::functions;
 use crate::quantity::{Accel, Distance, Jerk, Speed};
 
-/// Places of both ways together, a power of two: each for a piece, or for four that go on. Usual ways have twenty pieces at
-/// most; those through a whole chain of knees, or of long ramps at short cycles, have more.
+/// Places for the pieces of both stops, a power of two. A place holds one piece, or four that continue each other.
+/// Usual stops have at most twenty pieces; stops through chains of knees, or with long ramps at short cycles, have
+/// more.
 pub const STOP_PIECES: usize = if functions::IS_SMALL { 64 } else { 256 };
-/// Places of a way, with the one that ends it.
+/// Places of one stop, with the place that ends it.
 pub const WAY_PIECES: u32 = STOP_PIECES as u32 / 2;
 const MASK: u32 = STOP_PIECES as u32 - 1;
 
@@ -82,7 +83,7 @@ fn changes(place: &Phase) -> [i64; CHANGES] {
     [distance.to_bits(), speed.to_bits(), half_accel.to_bits(), sixth_jerk.to_bits()]
 }
 
-/// Static memory of the ways.
+/// Static memory of both stops.
 pub struct Reserve<M: Memory = Ram> {
     pieces: [M::Place<Phase>; STOP_PIECES],
 }
@@ -91,7 +92,7 @@ pub struct Reserve<M: Memory = Ram> {
 // with release and acquire.
 unsafe impl<M: Memory> Sync for Reserve<M> {}
 
-/// Writes ways.
+/// Writes the pieces of stops: the planner's end.
 pub struct Keeper<'a, M: Memory = Ram> {
     reserve: &'a Reserve<M>,
     /// The way in force: its first piece and how many there are.
@@ -108,7 +109,7 @@ pub struct Keeper<'a, M: Memory = Ram> {
     cut: u32,
 }
 
-/// Goes along the way in force.
+/// Reads the pieces of the stop in force: the interrupt's end.
 pub struct Taker<'a, M: Memory = Ram> {
     reserve: &'a Reserve<M>,
     next: u32,
@@ -117,7 +118,7 @@ pub struct Taker<'a, M: Memory = Ram> {
 }
 
 impl<M: Memory> Reserve<M> {
-    /// No way; all bits zero.
+    /// No stop; all bits zero.
     pub const fn blank() -> Self {
         const { assert!(STOP_PIECES.is_power_of_two()) };
         Self { pieces: [const { M::Place::BLANK }; STOP_PIECES] }
@@ -159,13 +160,13 @@ impl<M: Replay> Clone for Taker<'_, M> {
 }
 
 impl<M: Memory> Keeper<'_, M> {
-    /// Begins a new way. Not while the interrupt is on the one in force.
+    /// Begins a new stop. Do not call it while the interrupt uses the stop in force.
     pub const fn begin(&mut self) {
         self.start = self.first.wrapping_add(self.count);
         (self.written, self.last, self.changes) = (0, Phase::BLANK, CHANGES);
     }
 
-    /// Its next piece; one of no ticks ends it. `false` if there is no room.
+    /// Appends a piece; a piece of no ticks ends the stop. `false` if there is no room.
     pub fn push(&mut self, piece: Phase) -> bool {
         let goes_on = self.written > 0 && may_go_on(&self.last, &piece);
         let change = if goes_on { change(&self.last, &piece) } else { None };
@@ -216,12 +217,12 @@ impl<M: Memory> Keeper<'_, M> {
         }
     }
 
-    /// Places of the way that is being written.
+    /// Places used by the stop that is being written.
     pub const fn written(&self) -> u32 {
         self.written
     }
 
-    /// Takes the way in force back, and none is; `false`: the interrupt has gone on with it before.
+    /// Withdraws the stop in force; `false` if the interrupt uses it already.
     pub fn drop_kept(&mut self, clock: &Clock<M>) -> bool {
         let is_free = self.release(clock);
         if is_free {
@@ -230,7 +231,7 @@ impl<M: Memory> Keeper<'_, M> {
         is_free
     }
 
-    /// None is in force, and the clock has none.
+    /// Forgets the stop; the clock has none.
     pub const fn clear(&mut self) {
         (self.count, self.kept) = (0, None);
     }
@@ -242,12 +243,12 @@ impl<M: Memory> Taker<'_, M> {
         (self.next, self.change)
     }
 
-    /// At the first piece of the way in force.
+    /// Goes to the first piece of the stop in force.
     pub const fn begin(&mut self, first: u32) {
         (self.next, self.change) = (first, 0);
     }
 
-    /// Its next piece into `piece`, which is the one before it; `false` at its end.
+    /// Reads the next piece into `piece`, which holds the one before; `false` at the end.
     pub fn take_into(&mut self, piece: &mut Phase) -> bool {
         let Self { reserve, next, change } = self;
         // SAFETY: of the way in force, up to the piece that ends it; the planner leaves it alone.

@@ -8,7 +8,7 @@
 use super::word::{Memory, Place, Ram, Replay, Word};
 use core::sync::atomic::Ordering;
 
-/// What a ring can hold.
+/// An item of a ring.
 pub trait Slot: Copy {
     /// What an unused slot holds; all bits zero, so that a ring takes no room in flash.
     const BLANK: Self;
@@ -76,7 +76,7 @@ impl<T: Slot, const N: usize, M: Memory> Ring<T, N, M> {
         Self { taken: M::Word::ZERO, put: M::Word::ZERO, slots: [const { M::Place::BLANK }; N] }
     }
 
-    /// Both ends of the ring, emptied. There is one of each: they borrow it exclusively.
+    /// Empties the ring and gives its two ends.
     pub fn split(&mut self) -> (Producer<'_, T, N, M>, Consumer<'_, T, N, M>) {
         (self.taken, self.put) = (M::Word::ZERO, M::Word::ZERO);
         (Producer { ring: self }, Consumer { ring: self })
@@ -107,7 +107,7 @@ impl<'a, T: Slot, const N: usize, M: Memory> Producer<'a, T, N, M> {
         Gauge { ring: self.ring }
     }
 
-    /// How many items there is room for.
+    /// Number of items that fit.
     #[inline(always)]
     pub fn room(&self) -> u32 {
         let put = self.ring.put.load(Ordering::Relaxed);
@@ -153,8 +153,8 @@ impl<'a, T: Slot, const N: usize, M: Memory> Producer<'a, T, N, M> {
         true
     }
 
-    /// Fills the place `ahead` items behind those that are in, without putting it in; `false` if there is no
-    /// room. [`Self::put_in`] puts in what is filled, all at once.
+    /// Fills the place `ahead` items after the last one without publishing it; `false` if there is no room.
+    /// [`Self::put_in`] publishes all filled places at once.
     pub fn fill_ahead(&mut self, ahead: u32, fill: impl FnOnce(&mut T)) -> bool {
         if ahead >= self.room() {
             return false;

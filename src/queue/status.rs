@@ -13,7 +13,7 @@ use super::{Clock, Gauge, PHASES, Phase};
 use crate::quantity::{Distance, Position};
 use core::sync::atomic::Ordering;
 
-/// What the last tick did, for the reader.
+/// The result of the last tick, for the reader.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Snapshot<const AXES: usize> {
     /// Ticks ended, modulo 2^31.
@@ -103,26 +103,26 @@ impl<const AXES: usize, M: Memory> Words<AXES, M> {
         }
     }
 
-    /// For the interrupt: path distance of a tick that takes time of a piece.
+    /// Writes the path distance of a tick that takes time of a piece. The interrupt calls it.
     #[inline(always)]
     pub fn show_distance(&self, distance: i64) {
         self.distance.set(distance);
     }
 
-    /// For the interrupt: what it has shown last.
+    /// The path distance written last. The interrupt calls it.
     #[inline(always)]
     pub fn distance(&self) -> i64 {
         self.distance.get()
     }
 
-    /// For the interrupt: the curve, of its motion block the lower half.
+    /// Writes the curve: its N number and the lower half of its motion block. The interrupt calls it.
     #[inline(always)]
     pub fn show_curve(&self, n: u32, block: u16) {
         self.n.store(n, Ordering::Relaxed);
         self.block.store(block.into(), Ordering::Relaxed);
     }
 
-    /// For the interrupt: set points of a tick. Every tick shows its own, those that rest too.
+    /// Writes the set points of a tick. The interrupt calls it in every tick, also where the axes rest.
     #[inline(always)]
     pub fn show_points(&self, tick: u32, set_points: &[Position; AXES]) {
         // One bit, two places: the optimiser removes the check.
@@ -133,7 +133,7 @@ impl<const AXES: usize, M: Memory> Words<AXES, M> {
 }
 
 impl<'a, const AXES: usize, M: Memory> Display<'a, AXES, M> {
-    /// Of what the interrupt shows.
+    /// A status that is read from these words.
     pub const fn new(
         words: &'a Words<AXES, M>,
         clock: &'a Clock<M>,
@@ -143,7 +143,7 @@ impl<'a, const AXES: usize, M: Memory> Display<'a, AXES, M> {
         Self { words, clock, pieces, latest }
     }
 
-    /// What the last tick did. Looks again while a tick comes in between.
+    /// The result of the last tick. The call reads again if a tick comes in between.
     pub fn read(&self) -> Snapshot<AXES> {
         let mut snapshot = Snapshot::BLANK;
         M::wait(|| {

@@ -56,8 +56,8 @@ pub enum NotNow {
     Left,
 }
 
-/// The way being written, which holds at the instant `at`, takes the place of the one in force: at each tick there
-/// is one of them. `false`: the interrupt has gone on with that before, and it stays.
+/// Replaces the stop in force by the new one, which holds at the instant `at`, without a tick between. `false`: the
+/// interrupt uses the old stop already, and it stays.
 pub fn renew<M: Memory>(at: u32, keeper: &mut Keeper<'_, M>, clock: &Clock<M>) -> bool {
     let kept = keeper.hold(at, None, clock);
     let is_free = keeper.release(clock);
@@ -77,7 +77,7 @@ impl Change {
         Self { first, has_barrier: true }
     }
 
-    /// The same behind all that was put in: there is nothing to leave out, and no cut.
+    /// A change for pieces that follow all pieces in the queue: nothing is left out, and no end marker is needed.
     pub fn append<M: Memory, const N: usize>(pieces: &Producer<'_, Phase, N, M>) -> Self {
         Self { first: pieces.count(), has_barrier: false }
     }
@@ -160,7 +160,7 @@ impl Change {
     }
 }
 
-/// The interrupt's end: the piece of time at hand, and what comes behind it.
+/// The interrupt's end of the profile: the current piece and the next ones.
 pub struct Timeline<'a, M: Memory = Ram> {
     phase: Phase,
     pieces: Consumer<'a, Phase, PHASES, M>,
@@ -189,7 +189,7 @@ impl<M: Replay> Timeline<'_, M> {
 }
 
 impl<'a, M: Memory> Timeline<'a, M> {
-    /// Nothing is at hand.
+    /// A timeline without a piece.
     pub const fn new(pieces: Consumer<'a, Phase, PHASES, M>, reserve: Taker<'a, M>) -> Self {
         Self { phase: Phase::BLANK, pieces, reserve, done: 0, stops: false, cut: 0 }
     }
@@ -258,7 +258,7 @@ impl<'a, M: Memory> Timeline<'a, M> {
         self.take()
     }
 
-    /// The piece at hand, and the tick of it evaluated last.
+    /// The current piece, and the tick of it that was evaluated last.
     pub fn at_hand(&self) -> (&Phase, u16) {
         (&self.phase, self.done.saturating_sub(1))
     }

@@ -1,19 +1,40 @@
-//! Motion of a single axis beside the path: oscillation, independent axes, jog and homing of a board.
+//! Motion of a single axis, independent of the path: oscillation, independent axes, jog and homing of a board.
 //!
-//! Takes a goal (a position, or an oscillation) and what the axis permits, and gives pieces of time into the
-//! overlay of the axis ([`crate::queue::Overlay`]). A motion is made of *strokes*, from rest to rest. A
-//! stroke goes in as a whole, and the next one when that runs out: so the axis always has its way to a
-//! standstill, and stands at the end of a stroke if the planner gets no time.
+//! An application moves an axis by [`Planner::move_axis`](crate::channel::Planner::move_axis) while the path stands:
 //!
-//! An oscillation runs with the slope of P-CHAN-00071, an independent axis with that or another one.
+//! ```
+//! use glidepath::{AxisData, AxisKind, AxisName, Channel, ChannelData, Handles};
+//! use glidepath::{MachineData, Position, Progress, State};
 //!
-//! A stroke begins a tick behind the one before and includes the tick that shows its end: reversals are hit
-//! to the last bit, and last whole ticks. Where a period is no whole number of ticks, the rest of one stroke
-//! goes to the next, so that it does not drift.
+//! let axis = |name| AxisData::new(AxisName::new(name).unwrap(), AxisKind::Linear);
+//! let machine = MachineData { axes: [axis("X"), axis("Y")], channel: ChannelData::new() };
+//! let mut memory = Channel::<2, 120, 1>::new(); // one axis at a time may move alone
+//! let program: &[u8] = b"M30\n";
+//! let handles = memory.split(&machine, [Position::ZERO; 2], program).unwrap();
+//! let Handles { mut planner, mut interpolator, .. } = handles;
+//! while planner.poll().unwrap() != Progress::Done || !planner.is_at_rest() {
+//!     interpolator.tick();
+//! }
 //!
-//! Feed hold, abort and OFF change what is handed over by a cut a few ticks ahead, as for the path
-//! ([`crate::queue::Change`]): the axis brakes inside its limits ([`crate::slope::brake::Brake`]), or ends the stroke at hand where
-//! that slows down already.
+//! planner.move_axis(1, Position::from_num(-3), Some(Position::from_num(600))).unwrap(); // Y to -3 mm at 600 mm/min
+//! while planner.poll().unwrap() != Progress::Done {
+//!     interpolator.tick();
+//! }
+//! while interpolator.tick() != State::Idle {}
+//! assert_eq!(interpolator.set_points()[1], Position::from_num(-3));
+//! ```
+//!
+//! A [`Single`] takes a goal (a position, or an oscillation) and the limits of the axis, and gives pieces of a speed profile
+//! into the queue of that axis ([`crate::queue::Overlay`]). A motion consists of *strokes*, from stop to stop. A stroke is
+//! queued as a whole, and the next stroke when it runs out. If the planner gets no time, the axis stops at the end of its
+//! stroke.
+//!
+//! An oscillation has the slope of P-CHAN-00071; an independent axis has that slope or one of its own. A stroke ends with
+//! the tick that shows its end, so reversals are exact and strokes last whole ticks. The remainder of a period goes to the
+//! next stroke, so an oscillation does not drift.
+//!
+//! Feed hold, abort and OFF act a few ticks ahead, as for the path ([`crate::queue::Change`]): the axis brakes inside its
+//! limits ([`crate::slope::brake::Brake`]), or ends the current stroke if it is braking already.
 mod change;
 mod stroke;
 
@@ -72,24 +93,24 @@ struct Swing {
 pub struct Oscillating {
     /// First and second reversal position.
     pub ends: [Position; 2],
-    /// Ticks of rest there, LSB 2^-32.
+    /// Dwell at both positions, in ticks, LSB 2^-32.
     pub waits: [u64; 2],
-    /// Speed, mm/tick, or ticks of a period with both waits, LSB 2^-32.
+    /// Speed in mm/tick, or the period with both dwells in ticks, LSB 2^-32.
     pub pace: Pace,
-    /// Oscillations; without end if `None`.
+    /// Number of oscillations; endless if `None`.
     pub count: Option<u32>,
 }
 
-/// How fast a motion is to be.
+/// The wanted speed or duration of a motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Pace {
     /// Speed of the axis, mm/tick or degrees/tick.
     Speed(f32),
-    /// Ticks that it takes, LSB 2^-32.
+    /// Duration in ticks, LSB 2^-32.
     Time(u64),
 }
 
-/// What an axis permits.
+/// Limits of one axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AxisLimits {
     /// Speed, accelerations, jerks.
@@ -98,12 +119,12 @@ pub struct AxisLimits {
     pub v_reduced: f32,
 }
 
-/// What the operator wants of the axes beside the path.
+/// Commands of the operator that act on single axes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Wishes {
-    /// They are to stand.
+    /// The axes are to stop.
     pub hold: bool,
-    /// The reduced speed is in force.
+    /// Reduced speed is on.
     pub reduced: bool,
     /// Override, LSB 0.1 %.
     pub feed: u16,
@@ -195,7 +216,7 @@ struct Handed {
 }
 
 impl Single {
-    /// It has no axis.
+    /// A single without an axis.
     pub const NONE: Self = Self {
         axis: None,
         shown: false,
@@ -311,7 +332,7 @@ impl Single {
         *self = Self { handed, limits: *limits, at: fine(from), axis: Some(axis), ..Self::NONE };
     }
 
-    /// The oscillation ends on its second position, with the cycle at hand.
+    /// Ends the oscillation on its second position, after the current cycle.
     pub fn finish(&mut self) {
         if core::mem::replace(&mut self.finishes, true) {
             return;
@@ -325,7 +346,7 @@ impl Single {
         self.goal.end_cycle();
     }
 
-    /// The axis comes to a standstill, and stays there. One that stands already has nothing to do.
+    /// Stops the axis, which stays there. An axis that stands already has nothing to do.
     pub fn stop(&mut self) {
         let handed = self.handed.strokes.iter().any(Option::is_some);
         if handed || self.laying.is_some() || self.goal != Goal::Rest {
@@ -340,7 +361,7 @@ impl Single {
         }
     }
 
-    /// Whether it oscillates.
+    /// Whether the axis oscillates.
     pub fn is_swinging(&self) -> bool {
         let of = |goal: &Goal| matches!(goal, Goal::Swing(_));
         of(&self.goal)
@@ -348,8 +369,7 @@ impl Single {
             || self.handed.strokes.iter().flatten().any(|stroke| of(&stroke.before))
     }
 
-    /// Where the axis stands, when its motion has been over for `settling` ticks: so long filters behind it
-    /// take to settle.
+    /// Position of the axis, when its motion has been over for `settling` ticks: the time in which its filter settles.
     pub fn stands(&mut self, overlay: &OverlaySender<'_>, settling: u32) -> Option<Position> {
         let over = self.goal == Goal::Rest && self.laying.is_none() && self.ending == Ending::None;
         if !over || overlay.clock.now() != self.handed.end {
@@ -368,7 +388,7 @@ impl Single {
         self.axis = None;
     }
 
-    /// Whether it is at a standstill and stays there as long as the wishes are what they are.
+    /// Whether the axis stands, and stays there as long as the commands do not change.
     pub fn rests(&self, overlay: &OverlaySender<'_>) -> bool {
         overlay.clock.now() == self.handed.end
     }

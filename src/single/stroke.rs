@@ -25,20 +25,20 @@ pub fn plan(profile: &mut Profile, length: i64, limits: &Limits) -> Result<(), U
     profile.plan(Distance::from_bits(length), Speed::ZERO, Speed::ZERO, limits)
 }
 
-/// Whole ticks of a law, up.
+/// Ticks of a profile, rounded up.
 pub fn ticks(profile: &Profile) -> u32 {
     (profile.time().to_bits().div_ceil(TICK)) as u32
 }
 
-/// Ticks of a stroke that is as fast as the axis can, though it was to be faster: those of the law, up,
-/// and one of rest. What rounding of the limits adds does not count.
+/// Ticks of a stroke that is as fast as the axis can: those of the profile, rounded up, and one at the end. Rounding of
+/// the limits does not count.
 pub fn fastest(profile: &Profile) -> u32 {
     let time = profile.time().to_bits();
     let exact = time - time / ROUNDING;
     (exact.div_ceil(TICK) as u32 + 1).max(ticks(profile))
 }
 
-/// Whether a law, with a tick of rest, has few enough pieces to be handed over as a whole.
+/// Whether a profile with its last tick has few enough pieces to be queued as a whole.
 pub fn is_short(profile: &Profile) -> bool {
     let whole = |time: u64| time.div_ceil(TICK);
     let change = |change: &Change| {

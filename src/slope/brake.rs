@@ -44,7 +44,7 @@ impl Motion {
     }
 }
 
-/// What follows the instant: the parts of `profile`, then `tail` at its last speed.
+/// A braking: the parts of `profile`, then `tail` at its last speed.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Brake {
     /// Path distance of its start, at or before the instant.
@@ -67,7 +67,7 @@ struct Aim {
     or_near: bool,
 }
 
-/// Over less than that (2^-44 mm) one LSB more or less shows in the jerk of the fastest law.
+/// Below that length (2^-44 mm) one LSB shows in the jerk of the fastest profile.
 pub const SHORT: i64 = 1 << 20;
 
 /// Accelerations up to 2^-50 mm/tick² are rounding.
@@ -135,7 +135,7 @@ impl Brake {
         (brake.v_out <= v_out && tail >> 4 <= down).then_some(Self { tail, end, ..brake })
     }
 
-    /// From `motion` down to the speed `to` before `end`, if that is possible. No search: a few evaluations.
+    /// Brakes from `motion` to the speed `to` before `end`, if that is possible. Cost: a few evaluations, no search.
     pub fn down_to(
         profile: &mut Profile,
         motion: &Motion,
@@ -151,8 +151,7 @@ impl Brake {
         Self::reach(profile, motion, room, &firm, Aim { v: to, or_near: false })
     }
 
-    /// Whether a standstill from `motion` takes less than `part` of the path up to `end`. In `f32`, a little
-    /// work.
+    /// Whether a stop from `motion` takes less than `part` of the path up to `end`. In `f32`; cheap.
     pub fn fits(motion: &Motion, end: i64, limits: &Limits, part: f32) -> bool {
         let room = mm(end.wrapping_sub(motion.distance)) * part;
         let v = speed_f32(motion.speed);
@@ -163,7 +162,7 @@ impl Brake {
         !(rises && v * v > 2.0 * limits.a_down * room) && Self::needs(motion, limits) <= room
     }
 
-    /// Path length of a standstill from `motion`, mm. In `f32`, a little work.
+    /// Path length of a stop from `motion`, mm. In `f32`; cheap.
     pub fn needs(motion: &Motion, limits: &Limits) -> f32 {
         let v = speed_f32(motion.speed);
         let a = to_f32(motion.accel) * (1.0 / ACCEL_ONE);
@@ -185,13 +184,13 @@ impl Brake {
         }
     }
 
-    /// Whether it loses less than half of the speed, and leaves path before `end` for another law.
+    /// Whether the braking loses less than half of the speed, and leaves path before `end` for another profile.
     pub const fn ends_at_once(&self, motion: &Motion, end: i64) -> bool {
         self.v_out > motion.speed / 2 && end.wrapping_sub(self.end) >= SHORT
     }
 
-    /// Path length from [`Self::from`] to where the law, whose parts are in `profile`, has slowed down to `v`
-    /// for good, mm.
+    /// Path length from [`Self::from`] to the point where the speed is below `v` for good, mm. `profile` holds the
+    /// parts.
     #[inline(never)]
     pub fn passes(&self, profile: &Profile, v: f32) -> f32 {
         let down = &profile.down;

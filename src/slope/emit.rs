@@ -79,12 +79,12 @@ impl Default for Emitter {
 }
 
 impl Emitter {
-    /// At rest, at a tick.
+    /// An emitter at rest, at a tick.
     pub const fn new() -> Self {
         Self { parts: [IDLE; PARTS], part: 0, count: 0, next: 0, per_time: PerTime::NONE }
     }
 
-    /// Takes the law of the next span, which starts at path distance `start`. Only when there is no piece:
+    /// Takes the profile of the next span, which starts at path distance `start`. Call it only without a piece:
     /// [`Self::has_piece`].
     pub fn begin(&mut self, profile: &Profile, start: Distance, length: Distance) {
         let end = start.to_bits().wrapping_add(length.to_bits());
@@ -115,7 +115,7 @@ impl Emitter {
         (self.part, self.count) = (0, slots.used());
     }
 
-    /// Goes on `time` before a tick; what is left of the block at hand is dropped.
+    /// Continues `time` before a tick, and drops the rest of the current block.
     pub fn resume_at(&mut self, time: u64) {
         (self.part, self.count) = (0, 0);
         self.next = time;
@@ -152,8 +152,8 @@ impl Emitter {
         None
     }
 
-    /// Up to `count` pieces into the queue, which has room for them; `ticks` goes up by theirs. `false` when
-    /// the block is handed out.
+    /// Puts up to `count` pieces into the queue, which has room for them, and adds their ticks to `ticks`. `false` when
+    /// the block is done.
     #[inline(never)]
     pub fn hand_out(&mut self, queue: &mut Producer<'_, Phase, PHASES>, count: u32, ticks: &mut u32) -> bool {
         let mut left = count;

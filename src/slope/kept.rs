@@ -20,7 +20,7 @@ pub struct Numbers {
     law: [f32; 4],
 }
 
-/// Which law limits have, and whether a speed is to stay.
+/// The slope of kept limits, and whether their speed is to stay constant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LawKind(u8);
 
@@ -37,7 +37,7 @@ impl LawKind {
     const VALLEYS: u8 = Joins::Valleys as u8;
     const STAYS: u8 = 16;
 
-    /// That of a byte of which other bits may be set.
+    /// The kind in a byte whose other bits may be set.
     #[inline(always)]
     pub const fn of(byte: u8) -> Self {
         Self(byte & !Self::FREE)
@@ -49,13 +49,13 @@ impl LawKind {
         self.0
     }
 
-    /// As [`Limits::may_have_valleys`] says it.
+    /// As [`Limits::may_have_valleys`].
     #[inline(always)]
     pub const fn may_have_valleys(self) -> bool {
         self.0 & Self::JOINS == Self::VALLEYS
     }
 
-    /// As [`Limits::varies`] says it.
+    /// As [`Limits::varies`].
     #[inline(always)]
     pub const fn varies(self) -> bool {
         self.0 & Self::JOINS != 0
@@ -83,7 +83,7 @@ impl Numbers {
     /// All bits zero.
     pub const NOTHING: Self = Self { v: 0.0, a: [0.0; 2], law: [0.0; 4] };
 
-    /// The limits that these numbers and this law are. In place, without calls: what is not asked for is not made.
+    /// The limits of these numbers and this slope.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn limits(&self, kind: LawKind) -> Limits {
         let (v, [a_up, a_down], [w, x, y, z]) = (self.v, self.a, self.law);
@@ -129,7 +129,7 @@ impl Limits {
         self.join(&numbers.limits(kind));
     }
 
-    /// Their numbers and their law.
+    /// The limits as numbers and slope.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn kept(&self) -> (Numbers, LawKind) {
         let stays = self.loose.is_some();

@@ -48,7 +48,7 @@ pub enum Joins {
     Valleys = 8,
 }
 
-/// What a slope permits beside speed and acceleration.
+/// Limits of a slope in addition to speed and acceleration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum SlopeLaw {
     /// TRAPEZ, SIN2, HSC.
@@ -84,15 +84,16 @@ pub struct Limits {
     pub a_up: f32,
     /// Deceleration.
     pub a_down: f32,
-    /// What the slope adds to that.
+    /// Limits of the slope in addition.
     pub law: SlopeLaw,
-    /// What is permitted beside that.
+    /// Accelerations at low speed, where a speed is to stay constant (CONST_VEL).
     pub loose: Loose,
 }
 
-/// Where a speed is to stay (CONST_VEL), accelerations are next to nothing. A law that begins or ends below a part of
-/// that speed, as it comes from a standstill or goes to one, may have more: an acceleration and deceleration, mm/tick²,
-/// that the axes have at any speed of the limits. It is 0 where no speed is to stay.
+/// Acceleration and deceleration at low speed where a speed is to stay constant (CONST_VEL), mm/tick²; 0 elsewhere.
+///
+/// With CONST_VEL accelerations are next to nothing. A profile that begins or ends below a part of that speed, near a stop,
+/// may have this acceleration, which the axes permit at any speed of the limits.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Loose(f32);
 
@@ -100,7 +101,7 @@ impl Loose {
     /// No speed is to stay.
     pub const NONE: Self = Self(0.0);
 
-    /// With that acceleration.
+    /// The same acceleration everywhere.
     pub const fn of(a: f32) -> Self {
         Self(a)
     }
@@ -121,13 +122,13 @@ impl Loose {
         self.0 = min(self.0, a);
     }
 
-    /// That part of it.
+    /// Multiplies the limits by `part`.
     pub fn scale(&mut self, part: f32) {
         self.0 *= part;
     }
 }
 
-/// A way down with STEP in two stages.
+/// A braking with STEP in two stages.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fall {
     /// Speed at its start.
@@ -329,8 +330,8 @@ impl Limits {
         }
     }
 
-    /// Whether one slowing down through both is about as fast as one after the other. With STEP, whose
-    /// deceleration may change at any place; with another law it is.
+    /// Whether one braking suits both limits about as well as one after the other. It matters for STEP, whose
+    /// deceleration may change anywhere; with other slopes the answer is yes.
     pub fn slows_alike(&self, other: &Self) -> bool {
         let near = |a: f32, b: f32| min(a, b) >= NEAR * max(a, b);
         match (&self.law, &other.law) {
@@ -356,7 +357,7 @@ impl Limits {
         }
     }
 
-    /// Of STEP: whether each of its decelerations is above those of the others.
+    /// For STEP: whether each of its decelerations is above those of the others.
     pub fn brakes_above(&self, other: &Self) -> bool {
         match (&self.law, &other.law) {
             (SlopeLaw::Stepped { a_down, .. }, SlopeLaw::Stepped { a_down: above, .. }) => {
@@ -376,8 +377,8 @@ impl Limits {
         matches!(self.law, SlopeLaw::JerkLimited { joins: Joins::Any | Joins::Valleys, .. })
     }
 
-    /// Those of the same law at `part` of its speed, at every point: of the accelerations the square, of the
-    /// jerks the cube. A little more, for rounding: far less than `part` leaves.
+    /// The limits of the same profile at `part` of its speed: accelerations with the square, jerks with the cube, and a
+    /// little more for rounding.
     pub fn at_part(&self, part: f32) -> Self {
         let mut limits = *self;
         if part >= 1.0 {
@@ -402,7 +403,7 @@ impl Limits {
         }
     }
 
-    /// Speed is gained as with the others, which have the same law.
+    /// Takes over how the others accelerate; both have the same slope.
     pub const fn gain_like(&mut self, other: &Self) {
         self.a_up = other.a_up;
         if let (
@@ -414,7 +415,7 @@ impl Limits {
         }
     }
 
-    /// Of a ramp; of STEP none.
+    /// Jerk of a ramp; 0 for STEP.
     pub fn jerk(&self, ramp: usize) -> f32 {
         match self.law {
             SlopeLaw::JerkLimited { j, .. } => j.get(ramp).copied().unwrap_or(0.0),
@@ -458,7 +459,7 @@ impl Limits {
         jerks || self.a_up > STRONGER * other.a_up || self.a_down > STRONGER * other.a_down
     }
 
-    /// Its ramps become linear; the law they had.
+    /// Makes the ramps linear, and returns the slope before.
     pub const fn straighten(&mut self) -> SlopeLaw {
         let before = self.law;
         if let SlopeLaw::JerkLimited { shape, .. } = &mut self.law {
@@ -557,8 +558,8 @@ impl Limits {
         max(low, left * LEAVES)
     }
 
-    /// The way down of STEP from the speed `v`: what a curve leaves grows while it slows down. `None` with
-    /// another law, or above the change-over speed.
+    /// The braking of STEP from the speed `v`, where a curve permits more while speed falls. `None` with another slope,
+    /// or above the change-over speed.
     pub fn fall(&self, v: f32) -> Option<Fall> {
         let SlopeLaw::Stepped { change_over, still, across, .. } = self.law else { return None };
         if v > change_over {
@@ -581,8 +582,8 @@ impl Limits {
         Some(Fall { from: v, change_over: at(STAGE, LEAST[0]), to: at(STAGE * STAGE, LEAST[1]) })
     }
 
-    /// Path length of a way down of STEP from the speed `v` in such stages, mm, about. `None` with another law,
-    /// or above the change-over speed.
+    /// Path length of a braking of STEP from the speed `v`, mm, about. `None` with another slope, or above the
+    /// change-over speed.
     pub fn falls(&self, v: f32) -> Option<f32> {
         let SlopeLaw::Stepped { change_over, still, across, .. } = self.law else { return None };
         let part = |k: u8| 1.0 - f32::from(k) * (1.0 / f32::from(PARTS));
@@ -592,7 +593,7 @@ impl Limits {
         (v <= change_over).then(|| 0.5 * v * v * (0..PARTS).map(lost).sum::<f32>())
     }
 
-    /// Of STEP: becomes what they permit on that way.
+    /// For STEP: takes the limits of that braking.
     pub fn fall_from(&mut self, fall: &Fall) {
         let SlopeLaw::Stepped { change_over, still, across, .. } = self.law else { return };
         if fall.from > change_over {

@@ -1,18 +1,20 @@
-//! Speed over time for a length; knows nothing of geometry.
+//! Speed profiles: path speed over time for a length, two end speeds and limits. This module knows no geometry.
 //!
-//! A slope is the law of a change of speed. STEP: two accelerations. The others are jerk-limited, with four
-//! ramp times and acceleration zero at both ends: TRAPEZ and HSC with linear ramps, SIN2 with ramps of a sine
-//! squared.
+//! | slope | acceleration over time |
+//! |---|---|
+//! | STEP | two constant accelerations; jerk is not limited |
+//! | TRAPEZ, HSC | linear ramps with four ramp times; zero at both ends of a span |
+//! | SIN2 | the same with ramps of a squared sine |
 //!
 //! | file | what is in it |
 //! |---|---|
 //! | [`ramp_shape`] | the shapes of a ramp |
 //! | [`ramp`] | the formulas of a change of speed |
-//! | [`limits`] | what is permitted along the path |
-//! | [`kept`] | limits in few bytes, as blocks of the look-ahead have them |
-//! | [`profile`] | the law of a span: its times and lengths |
-//! | [`brake`] | the way from a motion at hand to a lower speed |
-//! | [`emit`] | the pieces of a law, for the tick |
+//! | [`limits`] | limits along the path |
+//! | [`kept`] | limits in few bytes, for blocks of the look-ahead |
+//! | [`profile`] | the speed profile of a span: its times and lengths |
+//! | [`brake`] | braking from the current motion to a lower speed |
+//! | [`emit`] | the pieces of a profile, for the tick |
 pub mod ramp_shape;
 
 pub mod ramp;

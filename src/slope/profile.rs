@@ -17,7 +17,7 @@ use crate::quantity::{DISTANCE_LSB, Distance, SPEED_LSB, Speed, Time, speed_bits
 use crate::slope::emit::TICK;
 use crate::slope::limits::{Limits, SlopeLaw};
 
-/// What the three parts of a change of speed are.
+/// The form of the three parts of a change of speed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Form {
     /// Acceleration rises, holds, falls.
@@ -35,7 +35,7 @@ impl Default for Form {
 /// Three parts of a change of speed.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct Change {
-    /// What they are.
+    /// The form of the parts.
     pub form: Form,
     /// Their times, LSB 2^-36 tick.
     pub times: [u64; 3],
@@ -48,16 +48,16 @@ pub struct Change {
 /// Speed over time in one span.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct Profile {
-    /// From `v_in` to the peak.
+    /// The change from `v_in` to the peak.
     pub up: Change,
     /// Time at the peak, LSB 2^-36 tick.
     pub cruise: u64,
-    /// From the peak to `v_out`.
+    /// The change from the peak to `v_out`.
     pub down: Change,
 }
 
 impl Profile {
-    /// None, in its place.
+    /// Clears the profile in place.
     #[inline(never)]
     pub fn clear(&mut self) {
         for change in [&mut self.up, &mut self.down] {
@@ -68,7 +68,7 @@ impl Profile {
     }
 }
 
-/// Why a span has no law.
+/// Why a span has no profile.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Unplannable {
@@ -353,8 +353,7 @@ impl Profile {
     }
 }
 
-/// How far the peak lies above `low`, the higher one of both speeds: as far as the limit or the length
-/// allows.
+/// Height of the peak above `low`, the higher one of both speeds, as the limit and the length permit.
 #[cfg_attr(feature = "fast", inline(always))]
 pub fn peak_above(up: &Ramp, down: &Ramp, speeds: [i64; 3], length: i64, v_limit: f32) -> i64 {
     match (up, down) {

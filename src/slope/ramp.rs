@@ -29,10 +29,10 @@ pub enum Ramp {
 }
 
 impl Ramp {
-    /// Of nothing.
+    /// No change of speed.
     pub const NONE: Self = Self::Stepped(Stepped { a: [0.0; 2], change_over: 0.0 });
 
-    /// This change of speed with linear ramps.
+    /// The same change of speed with linear ramps.
     pub fn linear(self) -> Self {
         match self {
             Self::JerkLimited(ramp) => Self::JerkLimited(JerkLimited::new(
@@ -109,8 +109,8 @@ pub struct Stepped {
 }
 
 impl Stepped {
-    /// What of a change by `dv` from `low` on lies below and above the change-over speed. Of a small change
-    /// that is known to 2^-23 of the speed only: distances, and the plan, must take the same.
+    /// The parts of a change by `dv` from `low` that lie below and above the change-over speed. A small change is known
+    /// to 2^-23 of the speed only, so distances and the plan must use the same parts.
     pub fn parts(&self, low: f32, dv: f32) -> [f32; 2] {
         let below = min(max(self.change_over - low, 0.0), dv);
         [below, dv - below]
@@ -163,7 +163,7 @@ pub struct JerkLimited {
     fall: f32,
     /// Change of speed that reaches the plateau: a (rise + fall)/2.
     pub full: f32,
-    /// Distance of that change from standstill: a (q·rise² + rise·fall/2 + (1/2 − q)·fall²).
+    /// Distance of that change from a stop: a (q·rise² + rise·fall/2 + (1/2 − q)·fall²).
     pub cubic: f32,
 }
 
@@ -240,7 +240,7 @@ impl JerkLimited {
         self.distance(low, total)[0] - k * self.fall * ((low + total) * u - fallen * s)
     }
 
-    /// Both ramps in full.
+    /// Time of both ramps together.
     pub fn time(&self) -> f32 {
         self.rise + self.fall
     }

@@ -102,8 +102,7 @@ impl RampShape {
         }
     }
 
-    /// q and 1/2 − q: distance of a ramp from standstill, and of a mirrored one that starts so, per peak
-    /// acceleration and time squared.
+    /// q and 1/2 − q: distance of a ramp from a stop, and of a mirrored one, per peak acceleration and time squared.
     pub const fn distances(self) -> [f32; 2] {
         match self {
             Self::Linear => [1.0 / 6.0, 1.0 / 3.0],
@@ -119,8 +118,7 @@ impl RampShape {
         }
     }
 
-    /// Where a ramp from standstill has gained the part `gained` of its speed: u, and the distance as
-    /// [`Bent`] has it.
+    /// Where a ramp from a stop has gained the part `gained` of its speed: u, and the distance as in [`Bent`].
     pub fn reaches(self, gained: f32) -> [f32; 2] {
         match self {
             Self::Linear => {
@@ -159,7 +157,7 @@ pub fn sine_piece(u: i64, reversed: bool) -> usize {
     ((u.max(0) >> (62 - PIECES_LOG2)) as usize).min(PIECES - 1)
 }
 
-/// Where that piece begins or ends: so many parts of `time`.
+/// Start or end of that piece, as a part of `time`.
 pub fn sine_node(time: u64, node: usize) -> u64 {
     let node = node as u64;
     (time >> PIECES_LOG2) * node + (((time & (PIECES as u64 - 1)) * node) >> PIECES_LOG2)

@@ -18,17 +18,11 @@ fn read(file: &Path) -> String {
 /// Papers with commands, relative to the root.
 fn papers() -> Vec<String> {
     let mut papers = vec!["README.md".to_owned(), "CONTRIBUTING.md".to_owned()];
-    for folder in [
-        "docs",
-        "boards",
-        "boards/host",
-        "boards/stm32f405",
-        "boards/c",
-        "boards/embassy",
-        "boards/freertos",
-        "boards/rtic",
-    ] {
-        let files = fs::read_dir(root().join(folder)).expect("a folder").flatten();
+    let boards = fs::read_dir(root().join("boards")).expect("the boards").flatten();
+    let boards = boards.filter(|entry| entry.path().is_dir());
+    let boards = boards.filter_map(|entry| Some(format!("boards/{}", entry.file_name().to_str()?)));
+    for folder in boards.chain(["docs", "boards"].map(String::from)) {
+        let files = fs::read_dir(root().join(&folder)).expect("a folder").flatten();
         let names = files.filter_map(|file| file.file_name().into_string().ok());
         papers.extend(names.filter(|name| name.ends_with(".md")).map(|name| format!("{folder}/{name}")));
     }

@@ -58,3 +58,24 @@ fn it_is_the_one_shown() {
     let words = |text: &str| text.lines().map(str::trim).collect::<Vec<_>>().join("\n");
     assert_eq!(words(shown).trim(), words(&tested).trim());
 }
+
+/// The examples themselves run with `cargo test -p glidepath --doc`.
+#[test]
+fn every_public_module_begins_with_an_example() {
+    let source = |file: String| {
+        let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../src").join(file);
+        std::fs::read_to_string(file)
+    };
+    let root = source("lib.rs".to_owned()).expect("the crate");
+    let lines: Vec<&str> = root.lines().collect();
+    let public = lines.windows(2).filter(|pair| pair[0] != "#[doc(hidden)]");
+    let names = public.filter_map(|pair| pair[1].strip_prefix("pub mod ")?.strip_suffix(';'));
+    let mut count = 0;
+    for name in names {
+        count += 1;
+        let file =
+            source(format!("{name}.rs")).or_else(|_| source(format!("{name}/mod.rs"))).expect("a module");
+        assert!(file.lines().any(|line| line == "//! ```"), "{name} has no example");
+    }
+    assert!(count >= 10, "{count} modules");
+}

@@ -4,54 +4,49 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-/// The example, word for word.
+/// The example, word for word, and the machine data that it names.
 mod example {
-    // <example>
     use glidepath::{AxisData, AxisKind, AxisName, Channel, ChannelData, Handles};
     use glidepath::{MachineData, Position, Progress, State};
 
+    const START: [Position; 3] = [Position::ZERO; 3];
+
     const fn axis(name: &str) -> AxisData {
         match AxisName::new(name) {
-            Some(name) => AxisData {
-                a_beschl: 2000, // P-AXIS-00001: acceleration at feed, mm/s²
-                a_brems: 2000,  // P-AXIS-00002: deceleration at feed
-                a_grenz: 2000,  // P-AXIS-00004: rapid motion
-                a_max: 3000,    // P-AXIS-00008: largest acceleration, in curves
-                ..AxisData::new(name, AxisKind::Linear)
-            },
+            Some(name) => AxisData { a_max: 3000, ..AxisData::new(name, AxisKind::Linear) },
             None => panic!("not a name"),
         }
     }
 
     const MACHINE: MachineData<3> = MachineData {
         axes: [axis("X"), axis("Y"), axis("Z")],
-        // TRAPEZ, with limited jerk at tangential joints of lines and arcs too, which is not the default (P-CHAN-00009).
         channel: ChannelData { slope_profile: 1, corr_v_trans_jerk: true, ..ChannelData::new() },
     };
 
-    pub fn last_set_point(program: &[u8]) -> Result<[Position; 3], String> {
-        let mut memory = Channel::<3, 120>::new();
-        let start = [Position::ZERO; 3];
-        let handles: Handles<'_, &[u8], 3, 120> =
-            memory.split(&MACHINE, start, program).map_err(|e| e.to_string())?;
-        let Handles { mut planner, mut interpolator, operator } = handles;
+    // <example>
+    fn last_set_point(program: &[u8]) -> Result<[Position; 3], Box<dyn core::error::Error>> {
+        let mut memory = Channel::<3, 120>::new(); // 3 axes, 120 blocks of look-ahead; in firmware a static
+        let Handles { mut planner, mut interpolator, operator } = memory.split(&MACHINE, START, program)?;
         loop {
-            // In a task or the main loop:
-            match planner.poll().map_err(|e| format!("line {}: {e}", e.place().line))? {
+            match planner.poll()? {
                 Progress::Done => break,
-                // In the timer interrupt, here when the queue is full:
-                Progress::Waiting => _ = interpolator.tick(),
+                Progress::Waiting => _ = interpolator.tick(), // the queue is full: in firmware the timer empties it
                 _ => {}
             }
-            // In a PLC or serial task: functions that are due; also commands, acknowledgements and `operator.status()`.
             while let Some(output) = operator.output() {
-                println!("N{}: {:?}", output.n, output.function);
+                println!("N{}: {:?} is due", output.n, output.function); // M, H, S and T at their point of the path
             }
         }
         while interpolator.tick() == State::Active {}
         Ok(*interpolator.set_points())
     }
     // </example>
+
+    /// The last set point in mm, or the message.
+    pub fn ends_at(program: &[u8]) -> Result<[f64; 3], String> {
+        let end = last_set_point(program).map_err(|e| e.to_string())?;
+        Ok(end.map(|axis| axis.to_num::<f64>()))
+    }
 }
 
 fn root() -> PathBuf {
@@ -70,10 +65,9 @@ fn between<'a>(text: &'a str, begin: &str, end: &str) -> &'a str {
 
 #[test]
 fn the_example_runs() {
-    let end = example::last_set_point(b"N10 G01 X10 Y-5 F1000\nN20 G02 X20 I5\nM30\n");
-    assert_eq!(end.map(|end| end.map(|axis| axis.to_num::<f64>())), Ok([20.0, -5.0, 0.0]));
-    let refused = example::last_set_point(b"N10 G01 X10 F1000\nN20 #HSC ON [SURFACE]\n");
-    let needs = "line 2: #HSC [SURFACE] is not enabled; expected FCT_SURFACE in configuration.path_preparation.function (P-CHAN-00600)";
+    assert_eq!(example::ends_at(b"N10 G01 X10 Y-5 F1000\nN20 G02 X20 I5\nM30\n"), Ok([20.0, -5.0, 0.0]));
+    let refused = example::ends_at(b"N10 G01 X10 F1000\nN20 #HSC ON [SURFACE]\n");
+    let needs = "#HSC [SURFACE] is not enabled; expected FCT_SURFACE in configuration.path_preparation.function (P-CHAN-00600)";
     assert_eq!(refused, Err(needs.into()));
 }
 
@@ -241,31 +235,57 @@ fn the_front_page_has_the_accepted_figures() {
     compare_figures("README.md", &figures);
 }
 
-#[test]
-fn files_that_papers_link_to_exist() {
+/// All papers of the project, relative to the root.
+fn papers() -> Vec<String> {
     let mut papers: Vec<String> =
         ["README.md", "CONTRIBUTING.md", "CHANGELOG.md", "hil-tests/README.md"].map(String::from).into();
-    for folder in [
-        "docs",
-        "boards",
-        "boards/host",
-        "boards/stm32f405",
-        "boards/c",
-        "boards/embassy",
-        "boards/freertos",
-        "boards/rtic",
-    ] {
-        let files = std::fs::read_dir(root().join(folder)).expect("a folder").flatten();
+    let boards = std::fs::read_dir(root().join("boards")).expect("the boards").flatten();
+    let boards =
+        boards.filter(|entry| entry.path().is_dir()).filter_map(|entry| entry.file_name().into_string().ok());
+    let folders = boards.map(|board| format!("boards/{board}")).chain(["docs", "boards"].map(String::from));
+    for folder in folders {
+        let files = std::fs::read_dir(root().join(&folder)).expect("a folder").flatten();
         let names = files.filter_map(|file| file.file_name().into_string().ok());
         papers.extend(names.filter(|name| name.ends_with(".md")).map(|name| format!("{folder}/{name}")));
     }
-    assert!(papers.len() > 15, "{papers:?}");
+    papers
+}
+
+/// The headings of a paper, as links name them: small letters, dashes for blanks, nothing but letters and digits.
+fn anchors(text: &str) -> Vec<String> {
+    let mut is_code = false;
+    let headings = text.lines().filter(|line| {
+        is_code ^= line.starts_with("```");
+        !is_code && line.starts_with('#')
+    });
+    let name = |heading: &str| {
+        let kept = heading
+            .trim_start_matches('#')
+            .trim()
+            .chars()
+            .filter(|c| c.is_alphanumeric() || " -_".contains(*c));
+        kept.collect::<String>().to_lowercase().replace(' ', "-")
+    };
+    headings.map(name).collect()
+}
+
+#[test]
+fn files_and_headings_that_papers_link_to_exist() {
+    let papers = papers();
+    assert!(papers.len() > 25, "{papers:?}");
     for paper in papers {
-        let folder = root().join(&paper).parent().expect("a folder").to_owned();
+        let file = root().join(&paper);
+        let folder = file.parent().expect("a folder");
         for link in read(&paper).split("](").skip(1).filter_map(|rest| rest.split(')').next()) {
-            let file = link.split('#').next().unwrap_or(link);
-            if !file.is_empty() && !file.contains("://") {
-                assert!(folder.join(file).exists(), "{paper}: {link}");
+            if link.contains("://") {
+                continue;
+            }
+            let (name, heading) = link.split_once('#').unwrap_or((link, ""));
+            let target = if name.is_empty() { file.clone() } else { folder.join(name) };
+            assert!(target.exists(), "{paper}: {link}");
+            if !heading.is_empty() {
+                let text = std::fs::read_to_string(&target).expect("a paper");
+                assert!(anchors(&text).iter().any(|anchor| anchor == heading), "{paper}: {link}");
             }
         }
     }
@@ -331,6 +351,10 @@ fn functions_that_the_overview_names_exist() {
     let mut source = String::new();
     sources(&root().join("src"), &mut source);
     let overview = read("docs/overview.md");
+    let files = overview.split('`').skip(1).step_by(2);
+    for file in files.filter(|word| word.starts_with("src/") || word.starts_with("host-tests/")) {
+        assert!(root().join(file).exists(), "{file}");
+    }
     let named: Vec<&str> =
         overview.split('`').skip(1).step_by(2).filter(|word| word.contains("::")).collect();
     assert!(named.len() > 20, "{named:?}");
