@@ -181,15 +181,7 @@ pub struct Offsets<const AXES: usize> {
 impl<const AXES: usize> Default for Offsets<AXES> {
     fn default() -> Self {
         let zero = [Position::ZERO; AXES];
-        Self {
-            systems: [zero; 9],
-            g28: zero,
-            g30: zero,
-            g92: zero,
-            tool: zero,
-            probe: zero,
-            probed: false,
-        }
+        Self { systems: [zero; 9], g28: zero, g30: zero, g92: zero, tool: zero, probe: zero, probed: false }
     }
 }
 

@@ -252,7 +252,9 @@ impl<const AXES: usize> Settings<AXES> {
                 new.apply(axis, self.soft_limits);
                 (axis.swe_neg, axis.swe_pos) = (given.swe_neg, given.swe_pos);
             }
-            if self.soft_limits != in_force.soft_limits || self.soft_limits && new.travel_milli != old.travel_milli {
+            if self.soft_limits != in_force.soft_limits
+                || self.soft_limits && new.travel_milli != old.travel_milli
+            {
                 let mut limits = *axis;
                 new.apply(&mut limits, self.soft_limits);
                 (axis.swe_neg, axis.swe_pos) = (limits.swe_neg, limits.swe_pos);

@@ -53,7 +53,8 @@ fn numbers_of_refusals_are_grbls() {
 #[test]
 fn modal_words_outlive_refusals_program_ends_and_jogs() {
     rig(|rig| {
-        let modal = |rig: &mut bench::world::Rig<'_>| rig.ask("$G").lines().next().unwrap_or_default().to_owned();
+        let modal =
+            |rig: &mut bench::world::Rig<'_>| rig.ask("$G").lines().next().unwrap_or_default().to_owned();
         assert_eq!(modal(rig), "[GC:G0 G54 G17 G21 G90 G94 M5 M9 T0 F0 S0]");
         assert_eq!(rig.ask("G20 G91 G55 G18 G1 F10 S500 M3 M8 T3"), "ok\n");
         assert_eq!(modal(rig), "[GC:G1 G55 G18 G20 G91 G94 M3 M8 T3 F254 S500]");
@@ -88,7 +89,9 @@ fn offsets_and_places() {
         rig.ask("G43.1Z0.5");
         let said = rig.ask("$#");
         assert!(said.starts_with("[G54:3.000,4.000,-2.000]\n[G55:0.000,0.000,0.000]\n"), "{said}");
-        assert!(said.contains("[G28:3.000,4.000,-2.000]\n[G30:0.000,0.000,0.000]\n[G92:-1.000,0.000,0.000]\n[TLO:0.500]\n"));
+        assert!(said.contains(
+            "[G28:3.000,4.000,-2.000]\n[G30:0.000,0.000,0.000]\n[G92:-1.000,0.000,0.000]\n[TLO:0.500]\n"
+        ));
         let report = rig.report();
         assert!(report.contains("|WCO:2.000,4.000,-1.500"), "{report}");
         // Jogs count in work coordinates.
@@ -99,7 +102,10 @@ fn offsets_and_places() {
         rig.ticks(20);
         rig.read();
         let said = rig.ask("$#");
-        assert!(said.contains("[G54:3.000,4.000,-2.000]") && said.contains("[G92:0.000,0.000,0.000]\n[TLO:0.000]"));
+        assert!(
+            said.contains("[G54:3.000,4.000,-2.000]")
+                && said.contains("[G92:0.000,0.000,0.000]\n[TLO:0.000]")
+        );
         assert!(rig.ask("$RST=#").contains("[MSG:Restoring defaults]"));
         assert!(rig.ask("$#").starts_with("[G54:0.000,0.000,0.000]"));
     });

@@ -26,7 +26,10 @@ pub(super) const SPINDLE_MS: u32 = 4000;
 pub(super) const COOLANT_MS: u32 = 1000;
 
 impl<const AXES: usize, const N: usize> Controller<'_, AXES, N> {
-    pub(super) fn put_out<M: Motion<AXES>, S, W: embedded_io::Write>(&mut self, around: &Around<'_, '_, M, S, W>) {
+    pub(super) fn put_out<M: Motion<AXES>, S, W: embedded_io::Write>(
+        &mut self,
+        around: &Around<'_, '_, M, S, W>,
+    ) {
         let status = around.motion.status();
         let settings = &self.config.settings;
         let is_off = match self.mode {

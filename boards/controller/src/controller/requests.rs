@@ -102,7 +102,10 @@ impl<const AXES: usize, const N: usize> Controller<'_, AXES, N> {
     }
 
     /// What the motion side has come to.
-    pub(super) fn follow<M: Motion<AXES>, S, W: embedded_io::Write>(&mut self, around: &mut Around<'_, '_, M, S, W>) {
+    pub(super) fn follow<M: Motion<AXES>, S, W: embedded_io::Write>(
+        &mut self,
+        around: &mut Around<'_, '_, M, S, W>,
+    ) {
         if let Some(code) = around.motion.alarm() {
             self.raise(around, code);
         }
@@ -173,7 +176,10 @@ impl<const AXES: usize, const N: usize> Controller<'_, AXES, N> {
         self.inbox.lost()
     }
 
-    pub(super) fn report<M: Motion<AXES>, S, W: embedded_io::Write>(&mut self, around: &mut Around<'_, '_, M, S, W>) {
+    pub(super) fn report<M: Motion<AXES>, S, W: embedded_io::Write>(
+        &mut self,
+        around: &mut Around<'_, '_, M, S, W>,
+    ) {
         let status = around.motion.status();
         self.put_out(around);
         let Outputs { spindle, rpm, mist, flood, .. } = self.outputs;

@@ -5,6 +5,7 @@
 //! position. So braking inside the limits costs no accuracy.
 use super::Machine;
 use crate::motion;
+use glidepath::channel::MoveError;
 use glidepath::quantity::{Feed, Position};
 use glidepath::tick::State;
 
@@ -17,6 +18,8 @@ enum Step {
     Approach(Visit),
     /// Off the switch, to the way `$27` in front of it.
     PullOff(Visit),
+    /// The interrupt takes the new coordinates.
+    Take,
     /// The axes stand for `$26` before they pull off, or before they come again.
     Settle(Visit, bool),
 }
@@ -36,6 +39,8 @@ pub struct Homing<const AXES: usize> {
     pass: u32,
     /// Axes of later passes.
     left: u32,
+    /// Axes of this pass that are yet to start the motion of this step.
+    starts: u32,
     /// Where the switches were seen, machine coordinates before homing.
     seen: [Option<Position>; AXES],
     /// Tick from which a rest is over.
@@ -53,7 +58,7 @@ impl<const AXES: usize> Homing<AXES> {
     pub fn new() -> Self {
         let all = 1_u32.checked_shl(AXES as u32).map_or(u32::MAX, |bit| bit - 1);
         let first = all & 0b100;
-        Self { step: Step::Begin, pass: first, left: all & !first, seen: [None; AXES], until: 0 }
+        Self { step: Step::Begin, pass: first, left: all & !first, starts: 0, seen: [None; AXES], until: 0 }
     }
 
     fn axes(&self) -> impl Iterator<Item = usize> + use<AXES> {
@@ -64,7 +69,7 @@ impl<const AXES: usize> Homing<AXES> {
 
 /// A length of the settings, 0.001 mm.
 fn length(milli: u64) -> Position {
-    Position::from_bits(((i128::from(milli) << 32) / 1000) as i64)
+    Position::from_bits((((i128::from(milli) << 32) + 500) / 1000) as i64)
 }
 
 impl<const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Machine<'_, AXES, BLOCKS, OVERLAYS> {
@@ -75,7 +80,11 @@ impl<const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Machine<'_, 
             self.stop_at_switches(&mut homing);
         }
         let stands = self.planner.is_at_rest() && self.operator.status().state == State::Idle;
-        let done = if stands { self.next_step(&mut homing) } else { Ok(false) };
+        let done = match homing.starts {
+            0 if stands => self.next_step(&mut homing),
+            0 => Ok(false),
+            _ => self.start(&mut homing).map(|()| false),
+        };
         self.cycles.homing = Some(homing);
         match done {
             Ok(false) => return,
@@ -90,7 +99,9 @@ impl<const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Machine<'_, 
     /// Axes whose switch is on brake.
     fn stop_at_switches(&mut self, homing: &mut Homing<AXES>) {
         for axis in homing.axes() {
-            let (Some(edge), Some(seen)) = (self.inputs.limit(axis), homing.seen.get_mut(axis)) else { continue };
+            let (Some(edge), Some(seen)) = (self.inputs.limit(axis), homing.seen.get_mut(axis)) else {
+                continue;
+            };
             if edge.is_on && seen.is_none() {
                 *seen = edge.place.get(axis).copied();
                 self.planner.stop_axis(axis);
@@ -130,11 +141,13 @@ impl<const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Machine<'_, 
                     return Err(STILL_ON);
                 }
                 self.set_places(homing)?;
-                (homing.pass, homing.left, homing.step) = (homing.left, 0, Step::Begin);
-                if homing.pass == 0 {
-                    return Ok(true);
-                }
+                homing.step = Step::Take;
             }
+            Step::Take if self.operator.status().set_points == *self.planner.position() => {
+                (homing.pass, homing.left, homing.step) = (homing.left, 0, Step::Begin);
+                return Ok(homing.pass == 0);
+            }
+            Step::Take => {}
         }
         Ok(false)
     }
@@ -158,51 +171,63 @@ impl<const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Machine<'_, 
     }
 
     fn approach(&mut self, homing: &mut Homing<AXES>, visit: Visit) -> Result<(), u8> {
-        homing.seen = [None; AXES];
-        homing.step = Step::Approach(visit);
+        (homing.seen, homing.step, homing.starts) = ([None; AXES], Step::Approach(visit), homing.pass);
         for axis in homing.axes() {
-            let travel = self.settings.axes.get(axis).map_or(0, |axis| u64::from(axis.travel_milli));
-            let (way, feed) = match visit {
-                Visit::First => (travel * 3 / 2, self.settings.seek_milli),
-                Visit::Second => (u64::from(self.settings.pull_off_milli) * 5, self.settings.locate_milli),
-            };
-            let is_on = self.inputs.limit(axis).is_some_and(|edge| edge.is_on);
-            if is_on {
-                // Its place is where the axis stands.
-                if let (Some(seen), Some(at)) = (homing.seen.get_mut(axis), self.planner.position().get(axis)) {
+            if self.inputs.limit(axis).is_some_and(|edge| edge.is_on) {
+                // The place of its switch is where the axis stands.
+                if let (Some(seen), Some(at)) = (homing.seen.get_mut(axis), self.planner.position().get(axis))
+                {
                     *seen = Some(*at);
+                    homing.starts &= !(1 << axis);
                 }
-                continue;
             }
-            let from = self.planner.position().get(axis).copied().unwrap_or_default();
-            let way = Position::from_bits(length(way).to_bits() * self.direction(axis));
-            self.seek(axis, from.saturating_add(way), feed)?;
+        }
+        self.start(homing)
+    }
+
+    /// To the way `$27` in front of the switch.
+    fn pull_off(&mut self, homing: &mut Homing<AXES>, visit: Visit) -> Result<(), u8> {
+        (homing.step, homing.starts) = (Step::PullOff(visit), homing.pass);
+        self.start(homing)
+    }
+
+    /// Starts the axes that have not started yet, one in a call of the planner.
+    fn start(&mut self, homing: &mut Homing<AXES>) -> Result<(), u8> {
+        let starts = homing.starts;
+        for axis in (0..AXES).filter(|axis| starts >> axis & 1 == 1) {
+            let Some((target, feed_milli)) = self.goal_of(homing, axis) else { continue };
+            let feed = Feed::from_bits(((i128::from(feed_milli) << 32) / 1000) as i64);
+            match self.planner.seek_axis(axis, target, Some(feed)) {
+                Ok(()) => homing.starts &= !(1 << axis),
+                Err(MoveError::NotAtRest) => break,
+                // The machine cannot do that way or that speed.
+                Err(_) => return Err(NOT_FOUND),
+            }
         }
         self.work();
         Ok(())
     }
 
-    /// To the way `$27` in front of the switch.
-    fn pull_off(&mut self, homing: &mut Homing<AXES>, visit: Visit) -> Result<(), u8> {
-        homing.step = Step::PullOff(visit);
-        for axis in homing.axes() {
-            let Some(Some(seen)) = homing.seen.get(axis).copied() else { continue };
-            let target = seen.saturating_sub(self.way_off(axis));
-            self.seek(axis, target, self.settings.seek_milli)?;
-        }
-        self.work();
-        Ok(())
+    /// Where an axis goes in this step, and how fast, 0.001 mm/min.
+    fn goal_of(&self, homing: &Homing<AXES>, axis: usize) -> Option<(Position, u32)> {
+        let settings = &self.settings;
+        let from = self.planner.position().get(axis).copied()?;
+        let travel = settings.axes.get(axis).map_or(0, |axis| u64::from(axis.travel_milli));
+        let (way, feed) = match homing.step {
+            Step::Approach(Visit::First) => (travel * 3 / 2, settings.seek_milli),
+            Step::Approach(Visit::Second) => (u64::from(settings.pull_off_milli) * 5, settings.locate_milli),
+            _ => {
+                let seen = homing.seen.get(axis).copied()??;
+                return Some((seen.saturating_sub(self.way_off(axis)), settings.seek_milli));
+            }
+        };
+        let way = Position::from_bits(length(way).to_bits() * self.direction(axis));
+        Some((from.saturating_add(way), feed))
     }
 
     fn way_off(&self, axis: usize) -> Position {
         let way = length(u64::from(self.settings.pull_off_milli));
         Position::from_bits(way.to_bits() * self.direction(axis))
-    }
-
-    fn seek(&mut self, axis: usize, target: Position, feed_milli: u32) -> Result<(), u8> {
-        let feed = Feed::from_bits(((i128::from(feed_milli) << 32) / 1000) as i64);
-        // The machine cannot do that way or that speed.
-        self.planner.seek_axis(axis, target, Some(feed)).map_err(|_| NOT_FOUND)
     }
 
     /// The axes stand the way `$27` in front of their switches: that is where the machine coordinates begin.

@@ -24,14 +24,8 @@ pub struct Edge<const AXES: usize> {
 }
 
 impl<const AXES: usize> Edge<AXES> {
-    const OFF: Self = Self {
-        is_on: false,
-        changes: 0,
-        place: [Position::ZERO; AXES],
-        candidate: None,
-        other: 0,
-        quiet: 0,
-    };
+    const OFF: Self =
+        Self { is_on: false, changes: 0, place: [Position::ZERO; AXES], candidate: None, other: 0, quiet: 0 };
 
     fn edge(&mut self, is_on: bool, position: &[Position; AXES]) {
         if is_on != self.is_on && self.candidate.is_none() {

@@ -2,6 +2,7 @@
 use super::{Machine, refusal::refusal};
 use crate::motion::Taken;
 use glidepath::channel::Error;
+use glidepath::tick::State;
 
 /// Why the text at hand has come to an end.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -43,6 +44,11 @@ impl<const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Machine<'_, 
             self.line.offered = true;
         }
         self.work();
+        let stands = self.operator.status().state == State::Idle;
+        if self.line.error.is_some() && self.line.end.is_some() && stands {
+            // Answered when the next line can be read, so that a sender finds the machine idle.
+            return Taken::NotYet;
+        }
         if let Some(error) = self.line.error.take() {
             self.line.offered = false;
             return Taken::Refused(refusal(&error, beyond));

@@ -68,11 +68,7 @@ pub struct Scan {
 
 impl Scan {
     /// Reads a line without blanks and comments, in upper case. What is no word ends it: the decoder refuses that.
-    pub fn of<const AXES: usize>(
-        text: &[u8],
-        names: &[AxisName; AXES],
-        (mist, flood): (bool, bool),
-    ) -> Self {
+    pub fn of<const AXES: usize>(text: &[u8], names: &[AxisName; AXES], (mist, flood): (bool, bool)) -> Self {
         let mut scan = Self::default();
         let mut rest = text;
         while let [letter, tail @ ..] = rest {

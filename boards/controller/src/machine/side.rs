@@ -2,7 +2,9 @@
 use super::offered::End;
 use super::refusal::refusal;
 use super::{Kept, Machine, ProbeCycle, Scan};
-use crate::motion::{Homing, Jog, Message, Modal, Motion, Offsets, Overrides, Refusal, Spindle, Status, Taken};
+use crate::motion::{
+    Homing, Jog, Message, Modal, Motion, Offsets, Overrides, Refusal, Spindle, Status, Taken,
+};
 use crate::settings::Settings;
 use core::fmt::Write;
 use glidepath::channel::{Channel, Error};
@@ -16,6 +18,7 @@ const FREE_BLOCKS: u8 = 15;
 /// Numbers of the refusals.
 const TOO_LONG: u8 = 11;
 const BEYOND_JOG: u8 = 15;
+const NO_AXES: u8 = 26;
 const LINE_NUMBER: u8 = 27;
 const TARGET: u8 = 33;
 const OUT_OF_RANGE: u8 = 52;
@@ -87,6 +90,9 @@ impl<const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Motion<AXES>
         let scan = self.scan(line);
         if scan.bad_number {
             return Taken::Refused(Refusal::new(LINE_NUMBER));
+        }
+        if scan.probing.is_some() && !scan.has_axes {
+            return Taken::Refused(Refusal::new(NO_AXES));
         }
         let probing = self.probing_of(&scan);
         if let (Some(probing), false) = (probing, self.line.offered)
@@ -166,16 +172,9 @@ impl<const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Motion<AXES>
     }
 
     fn abort(&mut self) {
-        self.operator.resume();
-        self.operator.abort();
-        self.spool.clear();
-        (self.line.offered, self.line.waits, self.line.error) = (false, false, None);
-        self.line.end = Some(End::Aborted);
-        self.switched.paused = None;
         self.cycles.homing = None;
         self.cycles.homed = Homing::Done;
-        self.cycles.probe = None;
-        self.work();
+        self.drop_all();
     }
 
     fn reset(&mut self) {
@@ -203,9 +202,10 @@ impl<const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Motion<AXES>
     }
 
     fn home(&mut self) {
-        self.abort();
-        self.cycles.homed = Homing::Running;
+        // Before the text ends: axes move alone behind it.
         self.cycles.homing = Some(super::Homing::new());
+        self.cycles.homed = Homing::Running;
+        self.drop_all();
     }
 
     fn clear_offsets(&mut self) {
@@ -294,6 +294,18 @@ impl<const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Motion<AXES>
 }
 
 impl<const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Machine<'_, AXES, BLOCKS, OVERLAYS> {
+    /// Brakes, and forgets what is not executed.
+    fn drop_all(&mut self) {
+        self.operator.resume();
+        self.operator.abort();
+        self.spool.clear();
+        (self.line.offered, self.line.waits, self.line.error) = (false, false, None);
+        self.line.end = Some(End::Aborted);
+        self.switched.paused = None;
+        self.cycles.probe = None;
+        self.work();
+    }
+
     /// A jog leaves modal words as they are.
     fn restore_behind(&mut self, taken: &Taken) {
         if *taken == Taken::Yes {

@@ -5,9 +5,7 @@ use glidepath::channel::Channel;
 use glidepath::machine::{AxisData, AxisKind, ChannelData, MachineData};
 use glidepath::quantity::Position;
 use glidepath::tick::Interpolator;
-use glidepath_controller::machine::{
-    Carried, Latch, Machine, MachineMemory, between, controller_data,
-};
+use glidepath_controller::machine::{Carried, Latch, Machine, MachineMemory, between, controller_data};
 use glidepath_controller::{Config, Controller, Look, Receiver, Settings, Signals};
 
 pub const BLOCKS: usize = 40;
@@ -35,7 +33,10 @@ pub fn settings() -> Settings<AXES> {
 /// Machine data of these settings.
 pub fn data(settings: &Settings<AXES>) -> MachineData<AXES> {
     let axes = names().map(|name| AxisData::new(name, AxisKind::Linear));
-    let mut data = MachineData { axes, channel: ChannelData { slope_profile: 1, look_ahead: BLOCKS as u32, ..ChannelData::new() } };
+    let mut data = MachineData {
+        axes,
+        channel: ChannelData { slope_profile: 1, look_ahead: BLOCKS as u32, ..ChannelData::new() },
+    };
     settings.apply(&mut data);
     controller_data(&data)
 }

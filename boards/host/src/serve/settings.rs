@@ -14,7 +14,8 @@ const COUNTS: u32 = 80_000;
 /// What `$$` shows: the machine data.
 pub fn of_machine(machine: &MachineData<AXES>) -> Settings<AXES> {
     let mut settings = Settings::new();
-    settings.soft_limits = machine.axes.iter().any(|axis| axis.swe_neg > -NO_LIMIT || axis.swe_pos < NO_LIMIT);
+    settings.soft_limits =
+        machine.axes.iter().any(|axis| axis.swe_neg > -NO_LIMIT || axis.swe_pos < NO_LIMIT);
     settings.axes = machine.axes.map(|axis| AxisSettings {
         counts_milli: COUNTS,
         rate_milli: axis.vb_max.saturating_mul(60),
