@@ -29,6 +29,8 @@ mod beside;
 mod check;
 mod error;
 mod filter;
+#[cfg(feature = "dialects")]
+mod force;
 mod memory;
 mod rest;
 

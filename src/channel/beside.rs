@@ -478,6 +478,27 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
     /// # Errors
     /// [`MoveError`] says why; nothing changes.
     pub fn move_axis(&mut self, axis: usize, target: Position, feed: Option<Feed>) -> Result<(), MoveError> {
+        self.start_alone(axis, target, feed, true)
+    }
+
+    /// The same without a look at the software limits: a machine that seeks its switches does not know yet where it
+    /// stands.
+    ///
+    /// # Errors
+    /// Nothing has changed.
+    #[cfg(feature = "dialects")]
+    pub fn seek_axis(&mut self, axis: usize, target: Position, feed: Option<Feed>) -> Result<(), MoveError> {
+        self.start_alone(axis, target, feed, false)
+    }
+
+    #[inline(always)]
+    fn start_alone(
+        &mut self,
+        axis: usize,
+        target: Position,
+        feed: Option<Feed>,
+        inside: bool,
+    ) -> Result<(), MoveError> {
         self.end_by_abort();
         let busy = self.beside.pending.is_some() || self.beside.axes() & bit(axis) != 0;
         if busy || self.source != Source::Ended || !self.planning.is_at_rest() {
@@ -489,7 +510,9 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
             return Err(MoveError::Range);
         }
         let from = self.from(axis, Place::NONE).map_err(|_| MoveError::Range)?;
-        self.planning.may_go(axis, target).map_err(|beyond| MoveError::Motion(beyond.into()))?;
+        if inside {
+            self.planning.may_go(axis, target).map_err(|beyond| MoveError::Motion(beyond.into()))?;
+        }
         let limits = self.limits_of(axis, feed.is_none(), None, 100);
         let pace = Pace::Speed(feed.map_or(limits.limits.v, |feed| self.planning.speed_of(feed)));
         let single = self.beside.free().ok_or(MoveError::Full)?;

@@ -274,6 +274,42 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
         }
     }
 
+    /// What the lines read so far have put in force; `None` inside of a line.
+    #[cfg(feature = "dialects")]
+    pub fn in_force(&self) -> Option<super::InForce<AXES>> {
+        self.is_between_lines().then(|| self.interpreter.in_force())
+    }
+
+    /// Puts in force what was so before, or what a program begins with. It counts from the next line on. `false`:
+    /// a line is at hand, and nothing has changed.
+    #[cfg(feature = "dialects")]
+    #[must_use]
+    pub fn put_in_force(&mut self, force: &super::InForce<AXES>) -> bool {
+        let may = self.is_between_lines();
+        if may {
+            self.interpreter.put_in_force(force);
+        }
+        may
+    }
+
+    /// Zero offsets and places as programs have stored them.
+    #[cfg(feature = "dialects")]
+    pub fn stored(&self) -> super::StoredOffsets<AXES> {
+        self.interpreter.stored()
+    }
+
+    /// Zero offsets and places as they were before. They count from the next line on. `false`: one of them is beyond
+    /// ±100 000 mm, and nothing has changed.
+    #[cfg(feature = "dialects")]
+    #[must_use]
+    pub fn put_stored(&mut self, stored: &super::StoredOffsets<AXES>) -> bool {
+        let may = stored.is_in_range();
+        if may {
+            self.interpreter.put_stored(stored);
+        }
+        may
+    }
+
     /// The motion of the line at hand, if it has one.
     pub(crate) fn motion(&self) -> Option<Motion<AXES>> {
         if self.interpreter.moves { self.interpreter.gathered.motion() } else { None }

@@ -44,6 +44,8 @@ mod controller;
 
 mod system;
 
+pub mod machine;
+
 /// The traits of the output, of the version that this crate uses.
 pub use embedded_io as io;
 

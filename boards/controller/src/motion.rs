@@ -113,7 +113,7 @@ impl<const AXES: usize> Default for Status<AXES> {
 pub struct Modal {
     /// G0, G1, G2, G3, G80; in tenths: G38.2 is 382.
     pub motion: u16,
-    /// G54…G59: 54…59.
+    /// G54…G59: 54…59; G59.1…G59.3: 60…62.
     pub system: u8,
     /// G17, G18, G19.
     pub plane: u8,
@@ -162,16 +162,16 @@ impl Default for Modal {
 /// Offsets and stored positions, for `$#`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Offsets<const AXES: usize> {
-    /// G54…G59.
-    pub systems: [[Position; AXES]; 6],
+    /// G54…G59.3.
+    pub systems: [[Position; AXES]; 9],
     /// G28, machine coordinates.
     pub g28: [Position; AXES],
     /// G30.
     pub g30: [Position; AXES],
     /// G92.
     pub g92: [Position; AXES],
-    /// Tool length, along the third axis.
-    pub tool: Position,
+    /// Tool length of each axis; reports tell that of the third one.
+    pub tool: [Position; AXES],
     /// Where the probe was, machine coordinates.
     pub probe: [Position; AXES],
     /// Whether it had contact.
@@ -181,27 +181,18 @@ pub struct Offsets<const AXES: usize> {
 impl<const AXES: usize> Default for Offsets<AXES> {
     fn default() -> Self {
         let zero = [Position::ZERO; AXES];
-        Self {
-            systems: [zero; 6],
-            g28: zero,
-            g30: zero,
-            g92: zero,
-            tool: Position::ZERO,
-            probe: zero,
-            probed: false,
-        }
+        Self { systems: [zero; 9], g28: zero, g30: zero, g92: zero, tool: zero, probe: zero, probed: false }
     }
 }
 
 impl<const AXES: usize> Offsets<AXES> {
-    /// The sum of what is between machine and work coordinates in the system G54…G59 (54…59).
+    /// The sum of what is between machine and work coordinates in the system G54…G59.3 (54…62).
     pub fn work(&self, system: u8) -> [Position; AXES] {
         let index = usize::from(system.saturating_sub(54));
         let system = self.systems.get(index).copied().unwrap_or([Position::ZERO; AXES]);
         let mut sum = system;
-        for ((axis, (sum, g92)), index) in system.iter().zip(sum.iter_mut().zip(&self.g92)).zip(0..) {
-            let tool = if index == 2 { self.tool } else { Position::ZERO };
-            *sum = axis.saturating_add(*g92).saturating_add(tool);
+        for (sum, (g92, tool)) in sum.iter_mut().zip(self.g92.iter().zip(&self.tool)) {
+            *sum = sum.saturating_add(*g92).saturating_add(*tool);
         }
         sum
     }
@@ -292,4 +283,7 @@ pub trait Motion<const AXES: usize> {
 
     /// An alarm of its own since the last call: 2 soft limit, 4 and 5 probe.
     fn alarm(&mut self) -> Option<u8>;
+
+    /// Whether a probing motion has ended since the last call: its place is told before its line is answered.
+    fn probe_ended(&mut self) -> bool;
 }

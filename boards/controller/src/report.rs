@@ -208,16 +208,26 @@ pub fn offsets<const AXES: usize, W: embedded_io::Write>(
     offsets: &Offsets<AXES>,
     inch: bool,
 ) {
-    for (system, number) in offsets.systems.iter().zip(54..) {
+    for (system, number) in offsets.systems.iter().zip(54..=59) {
         out.line(format_args!("[G{number}:{}]", Point { axes: system, inch }));
     }
     for (name, axes) in [("G28", &offsets.g28), ("G30", &offsets.g30), ("G92", &offsets.g92)] {
         out.line(format_args!("[{name}:{}]", Point { axes, inch }));
     }
-    out.line(format_args!("[TLO:{}]", position(offsets.tool.to_bits(), inch)));
+    let tool = offsets.tool.get(2).copied().unwrap_or(Position::ZERO);
+    out.line(format_args!("[TLO:{}]", position(tool.to_bits(), inch)));
     // The last one: grbl-streamer takes it for the end of the answer.
-    let probe = Point { axes: &offsets.probe, inch };
-    out.line(format_args!("[PRB:{probe}:{}]", u8::from(offsets.probed)));
+    probe(out, offsets, inch);
+}
+
+/// Where the last probing motion ended, in machine coordinates, and whether it was contact.
+pub fn probe<const AXES: usize, W: embedded_io::Write>(
+    out: &mut Text<'_, W>,
+    offsets: &Offsets<AXES>,
+    inch: bool,
+) {
+    let place = Point { axes: &offsets.probe, inch };
+    out.line(format_args!("[PRB:{place}:{}]", u8::from(offsets.probed)));
 }
 
 /// `$G`.
@@ -235,7 +245,11 @@ pub fn modal<const AXES: usize, W: embedded_io::Write>(
     let units = if modal.inch { 20 } else { 21 };
     let distance = if modal.incremental { 91 } else { 90 };
     let mode = if modal.inverse_time { 93 } else { 94 };
-    out.part(format_args!(" G{} G{} G{units} G{distance} G{mode}", modal.system, modal.plane));
+    match modal.system.checked_sub(59) {
+        Some(more @ 1..) => out.part(format_args!(" G59.{more}")),
+        _ => out.part(format_args!(" G{}", modal.system)),
+    }
+    out.part(format_args!(" G{} G{units} G{distance} G{mode}", modal.plane));
     if let Some(program) = modal.program {
         out.part(format_args!(" M{program}"));
     }

@@ -241,6 +241,28 @@ impl<const AXES: usize> Settings<AXES> {
         Ok(())
     }
 
+    /// Machine data with these settings in place of those in force. Software limits that no setting has changed stay as
+    /// the machine data have them.
+    #[must_use]
+    pub fn onto(&self, data: &MachineData<AXES>, in_force: &Self) -> MachineData<AXES> {
+        let mut changed = *data;
+        let axes = self.axes.iter().zip(&in_force.axes).zip(changed.axes.iter_mut().zip(&data.axes));
+        for ((new, old), (axis, given)) in axes {
+            if new.rate_milli != old.rate_milli || new.accel_milli != old.accel_milli {
+                new.apply(axis, self.soft_limits);
+                (axis.swe_neg, axis.swe_pos) = (given.swe_neg, given.swe_pos);
+            }
+            if self.soft_limits != in_force.soft_limits
+                || self.soft_limits && new.travel_milli != old.travel_milli
+            {
+                let mut limits = *axis;
+                new.apply(&mut limits, self.soft_limits);
+                (axis.swe_neg, axis.swe_pos) = (limits.swe_neg, limits.swe_pos);
+            }
+        }
+        changed
+    }
+
     /// Puts them into machine data: speeds, accelerations, travel. Times of ramps stay as they are.
     pub fn apply(&self, machine: &mut MachineData<AXES>) {
         for (settings, axis) in self.axes.iter().zip(&mut machine.axes) {

@@ -128,7 +128,8 @@ impl<const AXES: usize, const N: usize> Controller<'_, AXES, N> {
         match jog::read(words, &self.config.names, &around.motion.modal()) {
             Ok(jog) => {
                 let reply = Reply::of(around.motion.jog(&jog));
-                if matches!(reply, Reply::Now(Ok(()))) {
+                // A jog that waits is one too: it is given again.
+                if matches!(reply, Reply::Now(Ok(())) | Reply::Later(_)) {
                     self.mode = Mode::Jog;
                 }
                 reply

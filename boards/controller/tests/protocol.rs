@@ -253,7 +253,7 @@ fn answers_to_queries() {
     talk.ask("$G", "[GC:G38.2 G55 G17 G21 G91 G94 M30 M3 M7 M8 T2 F1500 S9000]\nok\n");
     talk.mock.offsets.systems[1] = [mm(1.0), mm(-2.5), mm(0.0004)];
     talk.mock.offsets.g28 = [mm(-0.0005), mm(0.0), mm(-100.0)];
-    talk.mock.offsets.tool = mm(12.3456);
+    talk.mock.offsets.tool[2] = mm(12.3456);
     (talk.mock.offsets.probe, talk.mock.offsets.probed) = ([mm(1.5); 3], true);
     talk.send("$#\n");
     talk.poll();

@@ -104,7 +104,7 @@ fn a_program_runs_and_its_end_is_exact() {
     assert_eq!(talk.ask("G4 P0.01"), ["ok"]);
     assert!(talk.report().starts_with("<Idle|MPos:50.800,"));
     assert_eq!(talk.ask("M30"), ["ok"]);
-    assert_eq!(talk.ask("$G"), ["[GC:G0 G54 G17 G21 G90 G94 M5 M9 T0 F0 S0]", "ok"]);
+    assert_eq!(talk.ask("$G"), ["[GC:G1 G54 G17 G20 G90 G94 M5 M9 T0 F6000 S1200]", "ok"]);
 }
 
 #[test]

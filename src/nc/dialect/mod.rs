@@ -10,11 +10,13 @@
 mod block;
 mod course;
 mod cycle;
+mod force;
 mod offset;
 mod order;
 mod time;
 mod words;
 
+pub use force::{InForce, StoredOffsets};
 pub use words::{ADDRESSES, WORDS, WordEntry};
 
 use super::block::{Item, ItemKind};

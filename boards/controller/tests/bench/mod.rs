@@ -1,6 +1,7 @@
 //! A machine to talk to: a motion side that knows a handful of words, and a sender that keeps what it reads.
 #![allow(dead_code)]
 pub mod corruption;
+pub mod world;
 
 use glidepath::machine::AxisName;
 use glidepath::quantity::{Feed, Position};
@@ -33,6 +34,7 @@ pub struct Mock {
     braking: u32,
     aborting: bool,
     pub alarm: Option<u8>,
+    pub probe_ended: bool,
     /// What homing ends with.
     pub home_ends: Homing,
     pub homing_steps: u32,
@@ -258,6 +260,10 @@ impl Motion<AXES> for Mock {
 
     fn alarm(&mut self) -> Option<u8> {
         self.alarm.take()
+    }
+
+    fn probe_ended(&mut self) -> bool {
+        std::mem::take(&mut self.probe_ended)
     }
 }
 

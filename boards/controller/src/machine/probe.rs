@@ -1,0 +1,81 @@
+//! G38.2…G38.5: a line on the path that ends at a change of the probe.
+//!
+//! The line is an ordinary motion. The change of the input aborts it: the axes brake on the path. The position of the
+//! change is the latched one, not that of the standstill.
+use super::{Machine, Probing, Scan, offered::End};
+use crate::motion::Taken;
+use glidepath::quantity::Position;
+
+/// How far a probing motion is.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum ProbeCycle<const AXES: usize> {
+    /// It moves until the probe changes.
+    Moving(Probing),
+    /// The probe has changed there; the axes brake.
+    Braking([Position; AXES]),
+    /// It has ended; the line is answered next.
+    Ended,
+    /// The probe was in the end state before: an alarm answers the line.
+    Failed,
+}
+
+impl<const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Machine<'_, AXES, BLOCKS, OVERLAYS> {
+    /// Whether a line probes: by a word of its own, or by the one in force.
+    pub(super) fn probing_of(&self, scan: &Scan) -> Option<Probing> {
+        let modal = self.kept.probing.filter(|_| scan.moves_by_modal_word());
+        scan.probing.or(modal)
+    }
+
+    /// Before a probing line goes to the decoder: everything before it is executed, and the probe is not in its end
+    /// state. Whether it may go.
+    pub(super) fn may_probe(&mut self, probing: Probing) -> bool {
+        if self.is_under_way() {
+            self.work();
+            return false;
+        }
+        if self.inputs.probe().is_on == probing.toward {
+            self.cycles.alarm = Some(4);
+            self.cycles.probe = Some(ProbeCycle::Failed);
+            return false;
+        }
+        true
+    }
+
+    /// The answer of a probing line.
+    pub(super) fn answer_probe(&mut self) -> Taken {
+        if self.cycles.probe == Some(ProbeCycle::Ended) && !self.cycles.probe_ended {
+            self.cycles.probe = None;
+            return Taken::Yes;
+        }
+        Taken::NotYet
+    }
+
+    pub(super) fn follow_probe(&mut self) {
+        match self.cycles.probe {
+            Some(ProbeCycle::Moving(probing)) => {
+                let probe = *self.inputs.probe();
+                if probe.is_on == probing.toward {
+                    self.operator.resume();
+                    self.operator.abort();
+                    self.line.end = Some(End::Aborted);
+                    self.cycles.probe = Some(ProbeCycle::Braking(probe.place));
+                    self.work();
+                } else if !self.is_under_way() {
+                    let place = *self.planner.position();
+                    self.end_probe(place, false);
+                    if probing.alarms {
+                        self.cycles.alarm = Some(5);
+                    }
+                }
+            }
+            Some(ProbeCycle::Braking(place)) if !self.is_under_way() => self.end_probe(place, true),
+            _ => {}
+        }
+    }
+
+    fn end_probe(&mut self, place: [Position; AXES], contact: bool) {
+        self.kept.probe = (place, contact);
+        self.cycles.probe_ended = true;
+        self.cycles.probe = Some(ProbeCycle::Ended);
+    }
+}

@@ -1,0 +1,162 @@
+//! What the controller itself has to know of a line before the decoder reads it.
+use crate::number::decimal;
+use glidepath::machine::AxisName;
+use heapless::Vec;
+
+/// Bytes of a line with the number that the controller gives it.
+pub const TEXT_BYTES: usize = 280;
+
+/// A line for the decoder.
+pub type LineForDecoder = Vec<u8, TEXT_BYTES>;
+
+/// Bytes of the number.
+pub const NUMBER_BYTES: u32 = 10;
+
+/// Largest line number of a sender.
+const LAST_LINE: i64 = 9_999_999;
+
+/// A probing word.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Probing {
+    /// G38.2 and G38.3: until contact. Else until the contact is lost.
+    pub toward: bool,
+    /// G38.2 and G38.4: no change is an alarm.
+    pub alarms: bool,
+}
+
+impl Probing {
+    /// The word in tenths: 382…385.
+    pub const fn tenths(self) -> u16 {
+        match (self.toward, self.alarms) {
+            (true, true) => 382,
+            (true, false) => 383,
+            (false, true) => 384,
+            (false, false) => 385,
+        }
+    }
+}
+
+/// What a line holds.
+#[derive(Clone, Copy, Default, PartialEq, Eq, Debug)]
+pub struct Scan {
+    /// The line number of the sender; 0: none.
+    pub line: u32,
+    /// The number is not one from 0 to 9,999,999.
+    pub bad_number: bool,
+    /// G38.2…G38.5.
+    pub probing: Option<Probing>,
+    /// A motion word other than G38: whether it is G0.
+    pub motion: Option<bool>,
+    /// G28 or G30.
+    pub is_home: bool,
+    /// A word that uses axis words otherwise: G10, G28, G30, G92, G43.1.
+    pub stores: bool,
+    /// Axis words.
+    pub has_axes: bool,
+    /// Answered at rest: G4, M0, M1, M2, M6, M30, M60.
+    pub synchronises: bool,
+    /// M2, M30 or M0, M1, M60.
+    pub program: Option<u8>,
+    /// S, rpm.
+    pub rpm: Option<u32>,
+    /// M7, M8, M9: mist and flood as they are behind the line.
+    pub coolant: Option<(bool, bool)>,
+    /// Words that are not handed to the decoder: the line number, and the probing word.
+    number_at: Option<(usize, usize)>,
+    probing_at: Option<(usize, usize)>,
+}
+
+impl Scan {
+    /// Reads a line without blanks and comments, in upper case. What is no word ends it: the decoder refuses that.
+    pub fn of<const AXES: usize>(text: &[u8], names: &[AxisName; AXES], (mist, flood): (bool, bool)) -> Self {
+        let mut scan = Self::default();
+        let mut rest = text;
+        while let [letter, tail @ ..] = rest {
+            let Some((milli, behind)) = decimal(tail, 3) else { break };
+            let at = text.len().saturating_sub(rest.len());
+            let span = (at, text.len().saturating_sub(behind.len()));
+            rest = behind;
+            match letter {
+                b'G' => scan.take_g(milli, span),
+                b'M' => scan.take_m(milli, (mist, flood)),
+                b'S' => scan.rpm = u32::try_from(milli / 1000).ok(),
+                b'N' if scan.number_at.is_none() => {
+                    let line = milli / 1000;
+                    scan.bad_number |= milli < 0 || line > LAST_LINE;
+                    scan.line = u32::try_from(line).unwrap_or(0);
+                    scan.number_at = Some(span);
+                }
+                _ => scan.has_axes |= names.iter().any(|name| name.0 == [*letter, 0, 0, 0]),
+            }
+        }
+        scan
+    }
+
+    /// Whether its axis words are moved by the motion word in force.
+    pub const fn moves_by_modal_word(&self) -> bool {
+        self.has_axes && self.motion.is_none() && !self.stores
+    }
+
+    fn take_g(&mut self, milli: i64, span: (usize, usize)) {
+        match milli {
+            0 => self.motion = Some(true),
+            1000 | 2000 | 3000 | 73_000 | 80_000..=89_000 => self.motion = Some(false),
+            4000 => self.synchronises = true,
+            28_000 | 30_000 => (self.is_home, self.stores) = (true, true),
+            10_000 | 28_100 | 30_100 | 43_100 | 92_000 => self.stores = true,
+            38_200 | 38_300 | 38_400 | 38_500 if self.probing.is_none() => {
+                let toward = milli <= 38_300;
+                self.probing = Some(Probing { toward, alarms: milli == 38_200 || milli == 38_400 });
+                self.probing_at = Some(span);
+            }
+            _ => {}
+        }
+    }
+
+    fn take_m(&mut self, milli: i64, before: (bool, bool)) {
+        let (mist, flood) = self.coolant.unwrap_or(before);
+        match milli {
+            0 | 1000 | 2000 | 30_000 | 60_000 => {
+                (self.synchronises, self.program) = (true, Some((milli / 1000) as u8));
+            }
+            6000 => self.synchronises = true,
+            7000 => self.coolant = Some((true, flood)),
+            8000 => self.coolant = Some((mist, true)),
+            9000 => self.coolant = Some((false, false)),
+            _ => {}
+        }
+    }
+
+    /// The line for the decoder. It begins with a number that says which line of the sender it is, and whether it is
+    /// rapid motion; the status of each tick brings that number back.
+    /// [`NUMBER_BYTES`] stand before it, where it begins with a word.
+    pub fn numbered(&self, text: &[u8], is_rapid: bool) -> Option<LineForDecoder> {
+        let mut line = LineForDecoder::new();
+        if !text.first().is_some_and(u8::is_ascii_uppercase) {
+            // No word: its digits would belong to the number.
+            line.extend_from_slice(text).ok()?;
+            return Some(line);
+        }
+        line.push(b'N').ok()?;
+        let number = self.line * 2 + u32::from(is_rapid);
+        let mut unit = 100_000_000;
+        while unit > 0 {
+            let digit = number.checked_div(unit).unwrap_or(0) % 10;
+            line.push(b'0' + digit as u8).ok()?;
+            unit /= 10;
+        }
+        // Blanks do not count: words that are left out keep their columns.
+        let is_in = |span: Option<(usize, usize)>, at| span.is_some_and(|(from, to)| from <= at && at < to);
+        for (byte, at) in text.iter().zip(0..) {
+            let place = self.probing_at.and_then(|(from, _)| usize::checked_sub(at, from));
+            let byte = match (place, is_in(self.probing_at, at), is_in(self.number_at, at)) {
+                (Some(0), true, _) => b'G',
+                (Some(1), true, _) => b'1',
+                (_, false, false) => *byte,
+                _ => b' ',
+            };
+            line.push(byte).ok()?;
+        }
+        Some(line)
+    }
+}

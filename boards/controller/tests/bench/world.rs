@@ -1,0 +1,277 @@
+//! A machine with axes, switches and a probe: planner, interpolator and protocol as a board has them, on simulated time.
+use super::corruption::Random;
+use super::{AXES, BUFFER, Sink, names, serial};
+use glidepath::channel::Channel;
+use glidepath::machine::{AxisData, AxisKind, ChannelData, MachineData};
+use glidepath::quantity::Position;
+use glidepath::tick::Interpolator;
+use glidepath_controller::machine::{Carried, Latch, Machine, MachineMemory, between, controller_data};
+use glidepath_controller::{Config, Controller, Look, Receiver, Settings, Signals};
+
+pub const BLOCKS: usize = 40;
+
+/// Parts of a tick in which inputs are sampled.
+pub const SLOTS: u16 = 20;
+
+pub fn mm(value: f64) -> Position {
+    Position::from_num(value)
+}
+
+/// Settings of a quick small machine.
+pub fn settings() -> Settings<AXES> {
+    let mut settings = Settings::new();
+    for axis in &mut settings.axes {
+        (axis.rate_milli, axis.accel_milli, axis.travel_milli) = (6_000_000, 800_000, 60_000);
+        axis.counts_milli = 400_000;
+    }
+    settings.seek_milli = 1_200_000;
+    settings.locate_milli = 60_000;
+    settings.debounce_ms = 5;
+    settings
+}
+
+/// Machine data of these settings.
+pub fn data(settings: &Settings<AXES>) -> MachineData<AXES> {
+    let axes = names().map(|name| AxisData::new(name, AxisKind::Linear));
+    let mut data = MachineData {
+        axes,
+        channel: ChannelData { slope_profile: 1, look_ahead: BLOCKS as u32, ..ChannelData::new() },
+    };
+    settings.apply(&mut data);
+    controller_data(&data)
+}
+
+/// An input that closes at a place, with hysteresis and bounce.
+#[derive(Clone, Copy)]
+pub struct Switch {
+    /// True place at which it closes.
+    pub at: f64,
+    /// +1: it closes above.
+    pub direction: f64,
+    pub hysteresis: f64,
+    /// Slots for which it bounces.
+    pub bounce: u16,
+    is_closed: bool,
+    left: u16,
+    pub broken: bool,
+}
+
+impl Switch {
+    pub const fn new(at: f64, direction: f64) -> Self {
+        Self { at, direction, hysteresis: 0.020, bounce: 0, is_closed: false, left: 0, broken: false }
+    }
+
+    /// What a sample shows.
+    fn sample(&mut self, position: f64, random: &mut Random) -> bool {
+        let beyond = (position - self.at) * self.direction;
+        let closes = beyond >= 0.0 || self.is_closed && beyond > -self.hysteresis;
+        if closes != self.is_closed {
+            (self.is_closed, self.left) = (closes, self.bounce);
+            return !self.broken && closes;
+        }
+        if self.left > 0 {
+            self.left -= 1;
+            return !self.broken && (random.below(2) == 0) == self.is_closed;
+        }
+        !self.broken && self.is_closed
+    }
+}
+
+/// What is around the controller.
+pub struct World {
+    pub limits: [Option<Switch>; AXES],
+    /// The probe touches a plane across this axis.
+    pub probe: Option<(usize, Switch)>,
+    /// True position minus machine coordinate.
+    pub shift: [f64; AXES],
+    /// Largest way beyond a limit switch that closed, mm.
+    pub beyond: f64,
+    pub random: Random,
+    /// Signals beside them: door, hold.
+    pub signals: Signals,
+    /// Largest and least machine coordinates seen.
+    pub seen: [(f64, f64); AXES],
+    /// Times a set point left what the axis permits, by more than a jump of the coordinates.
+    pub steps: u64,
+}
+
+impl World {
+    pub fn new(seed: u64) -> Self {
+        Self {
+            limits: [None; AXES],
+            probe: None,
+            shift: [0.0; AXES],
+            beyond: 0.0,
+            random: Random(seed),
+            signals: Signals::default(),
+            seen: [(f64::MAX, f64::MIN); AXES],
+            steps: 0,
+        }
+    }
+
+    pub fn place(&self, position: &[Position; AXES], axis: usize) -> f64 {
+        position[axis].to_num::<f64>() + self.shift[axis]
+    }
+
+    fn sample(&mut self, position: &[Position; AXES]) -> Signals {
+        let mut signals = self.signals;
+        for axis in 0..AXES {
+            let place = self.place(position, axis);
+            if let Some(switch) = &mut self.limits[axis] {
+                if switch.sample(place, &mut self.random) {
+                    signals = signals.and(Signals::limit(axis as u8));
+                }
+                self.beyond = self.beyond.max((place - switch.at) * switch.direction);
+            }
+        }
+        if let Some((axis, mut switch)) = self.probe {
+            if switch.sample(self.place(position, axis), &mut self.random) {
+                signals = signals.and(Signals::PROBE);
+            }
+            self.probe = Some((axis, switch));
+        }
+        signals
+    }
+
+    /// A tick from one set point to the next. What the inputs show at its end.
+    fn tick(&mut self, from: &[Position; AXES], to: &[Position; AXES], latch: &mut Latch<AXES>) -> Signals {
+        let mut from = *from;
+        for axis in 0..AXES {
+            let way = to[axis].to_num::<f64>() - from[axis].to_num::<f64>();
+            if way.abs() > 0.5 {
+                // Other coordinates for the same place.
+                self.shift[axis] -= way;
+                from[axis] = to[axis];
+            }
+            let at = to[axis].to_num::<f64>();
+            self.seen[axis] = (self.seen[axis].0.min(at), self.seen[axis].1.max(at));
+        }
+        for slot in 1..SLOTS {
+            let position = between(&from, to, slot, SLOTS);
+            let signals = self.sample(&position);
+            latch.edge(signals, &position);
+        }
+        let signals = self.sample(to);
+        latch.look(signals, to);
+        self.steps += 1;
+        signals
+    }
+}
+
+/// A controller with its machine, and a sender that keeps what it reads.
+pub struct Rig<'a> {
+    pub machine: Machine<'a, AXES, BLOCKS, AXES>,
+    interpolator: Interpolator<'a, AXES, glidepath::fir::Unfiltered, AXES>,
+    pub controller: Controller<'static, AXES, BUFFER>,
+    receiver: Receiver<'static, BUFFER>,
+    pub world: World,
+    latch: Latch<AXES>,
+    sink: Sink,
+    pub now_ms: u32,
+    raw: Signals,
+    pub points: [Position; AXES],
+}
+
+/// A conversation with a machine of these settings, at machine coordinate 0.
+pub fn with_rig<R>(settings: &Settings<AXES>, world: World, talk: impl FnOnce(&mut Rig<'_>) -> R) -> R {
+    let data = data(settings);
+    let mut channel = Box::new(Channel::<AXES, BLOCKS, AXES>::new());
+    let mut memory = Box::new(MachineMemory::new());
+    let stored = glidepath::nc::StoredOffsets::ZERO;
+    let carried = Carried::new([Position::ZERO; AXES], *settings, stored);
+    let parts = memory.split();
+    let handles = channel.split(&data, carried.position, parts.0).expect("machine data");
+    let (machine, interpolator) = Machine::new(handles, parts, &data, &carried);
+    let (receiver, inbox) = serial().split();
+    let mut config = Config::new(names());
+    config.settings = *settings;
+    let mut rig = Rig {
+        machine,
+        interpolator,
+        controller: Controller::new(inbox, config),
+        receiver,
+        world,
+        latch: Latch::new(3),
+        sink: Sink::default(),
+        now_ms: 0,
+        raw: Signals::default(),
+        points: [Position::ZERO; AXES],
+    };
+    rig.tick();
+    rig.read();
+    talk(&mut rig)
+}
+
+impl Rig<'_> {
+    /// A tick of a millisecond, with one look of the controller.
+    pub fn tick(&mut self) {
+        self.interpolator.tick();
+        let points = *self.interpolator.set_points();
+        let before = core::mem::replace(&mut self.points, points);
+        self.raw = self.world.tick(&before, &points, &mut self.latch);
+        self.machine.service(&self.latch);
+        let signals = self.latch.signals().and(self.world.signals);
+        let look = Look { now_ms: self.now_ms, signals, motion: &mut self.machine, store: &mut () };
+        let Ok(()) = self.controller.poll(look, &mut self.sink);
+        self.machine.service(&self.latch);
+        self.now_ms += 1;
+    }
+
+    pub fn ticks(&mut self, count: u32) {
+        for _ in 0..count {
+            self.tick();
+        }
+    }
+
+    pub fn send(&mut self, bytes: impl AsRef<[u8]>) {
+        for byte in bytes.as_ref() {
+            self.receiver.push(*byte);
+        }
+    }
+
+    pub fn read(&mut self) -> String {
+        String::from_utf8(core::mem::take(&mut self.sink.0)).expect("ASCII")
+    }
+
+    /// Sends a line and waits for its answer, at most a simulated minute. Line ends are LF.
+    pub fn ask(&mut self, line: &str) -> String {
+        self.send(line);
+        self.send("\n");
+        let mut said = String::new();
+        for _ in 0..60_000 {
+            self.tick();
+            said += &self.read().replace("\r\n", "\n");
+            if said.lines().any(|line| line == "ok" || line.starts_with("error:")) {
+                return said;
+            }
+        }
+        panic!("no answer to {line}: {said}");
+    }
+
+    /// The status report.
+    pub fn report(&mut self) -> String {
+        self.read();
+        self.send("?");
+        self.tick();
+        self.read()
+    }
+
+    pub fn state(&mut self) -> String {
+        let report = self.report();
+        report.trim_start_matches('<').split('|').next().unwrap_or_default().to_owned()
+    }
+
+    /// Ticks until the state is this one, at most a simulated minute.
+    pub fn until(&mut self, state: &str) {
+        for _ in 0..60_000 {
+            if self.state() == state {
+                return;
+            }
+        }
+        panic!("never {state}: {}", self.report());
+    }
+
+    pub fn at(&self, axis: usize) -> f64 {
+        self.points[axis].to_num()
+    }
+}

@@ -1,0 +1,207 @@
+//! The protocol with the planner, the interpolator and a simulated machine behind it.
+mod bench;
+
+use bench::world::{World, mm, settings, with_rig};
+
+fn rig(talk: impl FnOnce(&mut bench::world::Rig<'_>)) {
+    with_rig(&settings(), World::new(1), talk);
+}
+
+#[test]
+fn numbers_of_refusals_are_grbls() {
+    rig(|rig| {
+        for (line, code) in [
+            ("X", 2),
+            ("G", 2),
+            ("1", 1),
+            ("=", 1),
+            ("G1X1", 22),
+            ("G1F0X1", 22),
+            ("G77", 20),
+            ("M101", 20),
+            ("G0G1X1F10", 21),
+            ("X1X2", 25),
+            ("F1F2", 25),
+            ("G92G0X1", 24),
+            ("G10L2P1.5X0", 23),
+            ("G92", 26),
+            ("N10000000G0X1", 27),
+            ("N-1", 27),
+            ("G4", 28),
+            ("G10L2X0", 28),
+            ("G10L2P10X0", 29),
+            ("G53G2X1Y1I1F10", 30),
+            ("G80X1", 31),
+            ("G2X1Y1F10", 35),
+            ("G2X2Y0R0.5F10", 34),
+            ("G2X1Y1I1J1R3F10", 33),
+            ("G0X1P3", 36),
+            ("G1X1F-5", 4),
+            ("A1", 20),
+            ("$J=X1", 22),
+            ("$J=G2X1F100", 16),
+        ] {
+            let said = rig.ask(line);
+            assert_eq!(said.lines().last(), Some(format!("error:{code}").as_str()), "{line}: {said}");
+        }
+        assert_eq!(rig.ask("G0X1"), "ok\n");
+        assert_eq!(rig.ask("G4P0"), "ok\n");
+        assert_eq!(rig.points[0], mm(1.0));
+    });
+}
+
+#[test]
+fn modal_words_outlive_refusals_program_ends_and_jogs() {
+    rig(|rig| {
+        let modal =
+            |rig: &mut bench::world::Rig<'_>| rig.ask("$G").lines().next().unwrap_or_default().to_owned();
+        assert_eq!(modal(rig), "[GC:G0 G54 G17 G21 G90 G94 M5 M9 T0 F0 S0]");
+        assert_eq!(rig.ask("G20 G91 G55 G18 G1 F10 S500 M3 M8 T3"), "ok\n");
+        assert_eq!(modal(rig), "[GC:G1 G55 G18 G20 G91 G94 M3 M8 T3 F254 S500]");
+        rig.ask("G21 G77");
+        assert_eq!(modal(rig), "[GC:G1 G55 G18 G20 G91 G94 M3 M8 T3 F254 S500]");
+        assert_eq!(rig.ask("$J=G90 G21 X2 F1000"), "ok\n");
+        rig.until("Idle");
+        assert_eq!(rig.points[0], mm(2.0));
+        assert_eq!(modal(rig), "[GC:G1 G55 G18 G20 G91 G94 M3 M8 T3 F254 S500]");
+        rig.ask("$J=G91 X50 F100");
+        rig.ticks(50);
+        rig.send([0x85]);
+        rig.until("Idle");
+        assert_eq!(modal(rig), "[GC:G1 G55 G18 G20 G91 G94 M3 M8 T3 F254 S500]");
+        assert_eq!(rig.ask("M30"), "ok\n");
+        assert_eq!(modal(rig), "[GC:G1 G54 G17 G20 G90 G94 M5 M9 T3 F254 S500]");
+        rig.send([0x18]);
+        rig.ticks(50);
+        rig.read();
+        assert_eq!(modal(rig), "[GC:G0 G54 G17 G21 G90 G94 M5 M9 T0 F0 S0]");
+    });
+}
+
+#[test]
+fn offsets_and_places() {
+    rig(|rig| {
+        rig.ask("G0X3Y4Z-2");
+        rig.ask("G4P0");
+        assert_eq!(rig.ask("G10L20P1X0Y0Z0"), "ok\n");
+        rig.ask("G28.1");
+        rig.ask("G92X1");
+        rig.ask("G43.1Z0.5");
+        let said = rig.ask("$#");
+        assert!(said.starts_with("[G54:3.000,4.000,-2.000]\n[G55:0.000,0.000,0.000]\n"), "{said}");
+        assert!(said.contains(
+            "[G28:3.000,4.000,-2.000]\n[G30:0.000,0.000,0.000]\n[G92:-1.000,0.000,0.000]\n[TLO:0.500]\n"
+        ));
+        let report = rig.report();
+        assert!(report.contains("|WCO:2.000,4.000,-1.500"), "{report}");
+        // Jogs count in work coordinates.
+        rig.ask("$J=X5F3000");
+        rig.until("Idle");
+        assert_eq!(rig.points[0], mm(7.0));
+        rig.send([0x18]);
+        rig.ticks(20);
+        rig.read();
+        let said = rig.ask("$#");
+        assert!(
+            said.contains("[G54:3.000,4.000,-2.000]")
+                && said.contains("[G92:0.000,0.000,0.000]\n[TLO:0.000]")
+        );
+        assert!(rig.ask("$RST=#").contains("[MSG:Restoring defaults]"));
+        assert!(rig.ask("$#").starts_with("[G54:0.000,0.000,0.000]"));
+    });
+}
+
+#[test]
+fn check_mode_reads_line_by_line_and_moves_nothing() {
+    rig(|rig| {
+        assert_eq!(rig.ask("$C"), "[MSG:Enabled]\nok\n");
+        assert_eq!(rig.ask("G1 X10 F100"), "ok\n");
+        assert_eq!(rig.ask("X20"), "ok\n");
+        assert_eq!(rig.ask("G38.2 Z-5"), "ok\n");
+        assert!(rig.ask("G2 X0").ends_with("error:35\n"));
+        assert_eq!(rig.state(), "Check");
+        assert!(rig.ask("$C").starts_with("[MSG:Disabled]\nok\n"));
+        assert_eq!(rig.points, [mm(0.0); 3]);
+        rig.read();
+        assert!(rig.ask("X1").ends_with("ok\n"));
+    });
+}
+
+#[test]
+fn hold_pause_and_reset_keep_the_position() {
+    rig(|rig| {
+        rig.ask("G1X50F3000");
+        rig.ticks(200);
+        rig.send("!");
+        rig.until("Hold:0");
+        let held = rig.points;
+        rig.ticks(100);
+        assert_eq!(rig.points, held);
+        rig.send("~");
+        rig.ticks(100);
+        assert!(rig.points[0] > held[0]);
+        rig.send([0x18]);
+        rig.until("Idle");
+        let stands = rig.points;
+        assert_eq!(rig.ask("G91G0X1"), "error:9\n".replace("error:9\n", "ok\n"));
+        rig.ask("G4P0");
+        assert_eq!(rig.points[0], stands[0] + mm(1.0));
+        // A pause and a tool change wait for `~`, and the line behind them too.
+        for word in ["M0", "M6T2"] {
+            rig.send(format!("{word}\n"));
+            rig.until("Hold:0");
+            assert_eq!(rig.read(), "");
+            rig.send("~");
+            rig.until("Idle");
+            assert_eq!(rig.ask("G21"), "ok\n", "{word}");
+        }
+    });
+}
+
+/// A jog that is cancelled stands within the way that braking needs, and the position is kept to the last bit.
+#[test]
+fn a_cancelled_jog_ends_inside_its_braking_distance() {
+    rig(|rig| {
+        for (feed, wait) in [(6000.0, 400), (3000.0, 150), (6000.0, 37), (100.0, 300)] {
+            rig.ask(&format!("$J=G91X40F{feed}"));
+            rig.ask("$J=G91X40F6000");
+            rig.ticks(wait);
+            let from = rig.at(0);
+            rig.send([0x85]);
+            rig.until("Idle");
+            // v²/2a, a ramp of jerk, and the ticks until the byte is read.
+            let v: f64 = feed / 60.0;
+            let most = v * v / (2.0 * 800.0) + v * 0.12 + 0.01;
+            assert!(rig.at(0) - from <= most, "F{feed}: {} of {most} mm", rig.at(0) - from);
+            let stands = rig.points;
+            rig.ask("$J=G91X-1F6000");
+            rig.until("Idle");
+            assert_eq!(rig.points[0], stands[0] - mm(1.0));
+        }
+    });
+}
+
+/// G0 has an override of its own; feed and jog do not follow it.
+#[test]
+fn rapid_override() {
+    rig(|rig| {
+        let time = |rig: &mut bench::world::Rig<'_>, line: &str| {
+            rig.ask("G0X0");
+            rig.ask("G4P0");
+            let from = rig.now_ms;
+            rig.ask(line);
+            rig.ask("G4P0");
+            rig.now_ms - from
+        };
+        let full = time(rig, "G0X50");
+        let feed = time(rig, "G1X50F1200");
+        rig.send([0x97]);
+        rig.tick();
+        assert!(time(rig, "G0X50") > 3 * full, "25 % of rapid motion");
+        assert!(time(rig, "G1X50F1200").abs_diff(feed) < 20);
+        rig.send([0x95, 0x90, 0x92, 0x92, 0x92, 0x92, 0x92]);
+        rig.tick();
+        assert!(time(rig, "G1X50F1200") > feed * 3 / 2);
+        assert!(time(rig, "G0X50").abs_diff(full) < 20);
+    });
+}
