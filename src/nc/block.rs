@@ -44,6 +44,9 @@ pub(super) enum ItemKind {
     /// M0, M1, M6, M60 of other dialects.
     #[cfg(feature = "dialects")]
     Pause(u16),
+    /// G38.n: the digit behind the point.
+    #[cfg(feature = "dialects")]
+    Probe(u8),
     /// The comment of the line.
     #[cfg(feature = "dialects")]
     Message,

@@ -235,6 +235,23 @@ pub enum Command<const AXES: usize> {
     /// A comment for the operator, `(MSG, text)`: the place is that of the text.
     #[cfg(feature = "dialects")]
     Message(Head),
+    /// G38.2…G38.5 of other dialects. The planner refuses it by name: an application with a probe carries it out.
+    #[cfg(feature = "dialects")]
+    Probe(Head, Probe<AXES>),
+}
+
+/// A probing motion: straight, until the probe switches.
+#[cfg(feature = "dialects")]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Probe<const AXES: usize> {
+    /// The probe closes on the way; `false`: it opens (G38.4, G38.5).
+    pub towards: bool,
+    /// An end without that is an error (G38.2, G38.4).
+    pub must_switch: bool,
+    /// End of the motion if the probe does not switch, machine coordinates.
+    pub target: [Position; AXES],
+    /// Feed, mm/min.
+    pub feed: Feed,
 }
 
 impl<const AXES: usize> Command<AXES> {
@@ -271,7 +288,7 @@ impl<const AXES: usize> Command<AXES> {
             | Self::WaitIndependent(h, _)
             | Self::ProgramEnd(h, _) => Some(h),
             #[cfg(feature = "dialects")]
-            Self::Pause(h, _) | Self::Message(h) => Some(h),
+            Self::Pause(h, _) | Self::Message(h) | Self::Probe(h, _) => Some(h),
         }
     }
 
@@ -353,6 +370,8 @@ impl<const AXES: usize> Command<AXES> {
             Self::Pause(..) => "pause",
             #[cfg(feature = "dialects")]
             Self::Message(_) => "message",
+            #[cfg(feature = "dialects")]
+            Self::Probe(..) => "probing (G38.2 to G38.5)",
         }
     }
 }

@@ -338,7 +338,7 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
             }
             #[cfg(feature = "dialects")]
             Fill::End if !self.interpreter.is_isg() => {
-                Ok(self.interpreter.end_of_foreign_text(self.reader.here()))
+                self.interpreter.end_of_foreign_text(self.reader.here())
             }
             Fill::End => match self.interpreter.phase {
                 Phase::Running => self.interpreter.end_of_program(),
@@ -413,6 +413,8 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
         };
         // The call has not begun.
         self.interpreter.flow.leave_call();
+        #[cfg(feature = "dialects")]
+        self.interpreter.leave_missing_file();
         Err(self.error(Refusal::Here(Fault { span: name, kind })))
     }
 
@@ -461,6 +463,12 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
             ItemKind::Pause(code) => Command::Pause(head, code),
             #[cfg(feature = "dialects")]
             ItemKind::Message => Command::Message(Head { place: i.foreign.message, ..head }),
+            #[cfg(feature = "dialects")]
+            ItemKind::Probe(tenth) => {
+                let Motion { target, feed, .. } = i.gathered.motion()?;
+                let (towards, must_switch) = (tenth < 4, tenth % 2 == 0);
+                Command::Probe(head, Probe { towards, must_switch, target, feed })
+            }
             #[cfg(feature = "dialects")]
             ItemKind::Blend(deviation) => {
                 let (switch, method) = (Some(ContourSwitch::On), Some(ContourMethod::Dev));

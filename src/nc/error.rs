@@ -175,6 +175,9 @@ pub enum NcErrorKind {
     /// A G or M word that this dialect does not have.
     #[cfg(feature = "dialects")]
     UnknownCode(&'static str),
+    /// A parameter with a name that has no value.
+    #[cfg(feature = "dialects")]
+    NameUnset,
     /// A value that no word of the block uses.
     #[cfg(feature = "dialects")]
     Unused,
@@ -325,6 +328,8 @@ impl fmt::Display for NcError {
             K::Known { what, hint } => {
                 write!(f, "{what} \"{found}\" is known, not available in this version; expected {hint}")
             }
+            #[cfg(feature = "dialects")]
+            K::NameUnset => write!(f, "parameter {found} has no value: expected an assignment before"),
             #[cfg(feature = "dialects")]
             K::UnknownCode(dialect) => write!(
                 f,

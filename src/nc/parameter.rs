@@ -29,6 +29,12 @@ impl Parameters {
         self.entries.clear();
     }
 
+    /// Parameters with an index from `first` to `last` have no value any more.
+    #[cfg(feature = "dialects")]
+    pub fn forget(&mut self, first: u32, last: u32) {
+        self.entries.retain(|entry| !(first..=last).contains(&{ entry.index }));
+    }
+
     /// The value of a parameter.
     pub fn get(&self, index: u32) -> Result<f64, NcErrorKind> {
         let found = self.entries.binary_search_by_key(&index, |e| e.index);

@@ -12,6 +12,8 @@ impl<const AXES: usize> Interpreter<AXES> {
     pub fn restart(&mut self, keeps: bool) {
         self.phase = Phase::Start;
         self.flow.clear();
+        #[cfg(feature = "dialects")]
+        self.clear_calls();
         if !keeps {
             self.calculator.parameters.clear();
             #[cfg(feature = "dialects")]

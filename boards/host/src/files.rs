@@ -76,10 +76,14 @@ impl Text for &Files {
         self.with(file, |source| source.text.as_slice().read(0, offset, buffer))
     }
 
-    /// `name` as given, else with `.nc` behind it.
+    /// `name` as given, else with `.nc` or `.ngc` behind it; LinuxCNC's names are in lower case.
     fn open(&mut self, name: &str) -> Result<Option<u16>, TextError> {
-        let candidates = [self.directory.join(name), self.directory.join(format!("{name}.nc"))];
-        let Some(path) = candidates.into_iter().find(|path| path.is_file()) else { return Ok(None) };
+        let small = name.to_lowercase();
+        let names = [name.to_owned(), format!("{name}.nc"), format!("{name}.ngc"), format!("{small}.ngc")];
+        let Some(path) = names.map(|name| self.directory.join(name)).into_iter().find(|path| path.is_file())
+        else {
+            return Ok(None);
+        };
         let mut called = self.called.borrow_mut();
         let index = match called.iter().position(|(known, _)| *known == path) {
             Some(index) => index,

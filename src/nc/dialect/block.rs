@@ -4,7 +4,8 @@ use crate::nc::block::Given;
 use crate::nc::cursor::Cursor;
 use crate::nc::interpreter::Interpreter;
 use crate::nc::number::Number;
-use crate::nc::{Fault, NcErrorKind, Span};
+use crate::nc::{Fault, NcErrorKind, Span, real};
+use heapless::Vec;
 
 /// Letters of the alphabet.
 const LETTERS: usize = 26;
@@ -24,18 +25,29 @@ pub(super) struct Block<const AXES: usize> {
     /// The first axis word.
     pub first: Option<Span>,
     values: [Option<Given>; LETTERS],
+    /// `#n=`: which parameter, and its value. Written once the whole line is read.
+    pub assigned: Vec<(u32, f64), ASSIGNED>,
     said: [Option<Said>; group::COUNT],
 }
 
 /// Work of a word, as [`crate::nc::calculator`] counts it.
 const WORD: u32 = 8;
 
+/// Most values that a line gives to parameters.
+const ASSIGNED: usize = 16;
+
 /// Digits that a number keeps; places behind the point.
 const DIGITS: u8 = 19;
 
 impl<const AXES: usize> Block<AXES> {
     const fn new() -> Self {
-        Self { axes: [None; AXES], first: None, values: [None; LETTERS], said: [None; group::COUNT] }
+        Self {
+            axes: [None; AXES],
+            first: None,
+            values: [None; LETTERS],
+            assigned: Vec::new(),
+            said: [None; group::COUNT],
+        }
     }
 
     /// The word of a modal group.
@@ -65,13 +77,6 @@ impl<const AXES: usize> Block<AXES> {
             None => Ok(()),
         }
     }
-
-    /// Whether nothing stands in the line.
-    pub fn is_empty(&self) -> bool {
-        self.first.is_none()
-            && self.values.iter().all(Option::is_none)
-            && self.said.iter().all(Option::is_none)
-    }
 }
 
 impl<const AXES: usize> Interpreter<AXES> {
@@ -82,6 +87,10 @@ impl<const AXES: usize> Interpreter<AXES> {
         while !c.at_end() {
             let mark = c.mark();
             let letter = c.peek_upper();
+            if letter == b'#' {
+                self.read_assignment(c, &mut block)?;
+                continue;
+            }
             if !letter.is_ascii_alphabetic() {
                 return self.no_address(c, letter);
             }
@@ -89,17 +98,20 @@ impl<const AXES: usize> Interpreter<AXES> {
             match letter {
                 b'G' | b'M' => self.read_code(c, mark, letter, &mut block)?,
                 b'N' => {
-                    let given = read_value(c, mark)?;
+                    let given = self.read_value(c, mark)?;
                     if numbered {
                         return given.span.fault(NcErrorKind::Twice("N"));
                     }
                     numbered = true;
                     self.n = whole_part(given.number);
                 }
-                b'O' => self.read_program_number(c, mark, &block)?,
+                b'O' => {
+                    c.back_to(mark);
+                    return c.here().fault(NcErrorKind::NotAlone("an O word"));
+                }
                 b'A' | b'B' | b'C' | b'U'..=b'Z' => self.read_axis(c, mark, letter, &mut block)?,
                 _ => {
-                    let given = read_value(c, mark)?;
+                    let given = self.read_value(c, mark)?;
                     match block.slot(letter) {
                         Some(slot) if slot.is_none() => *slot = Some(given),
                         _ => return given.span.fault(NcErrorKind::Twice("a letter")),
@@ -114,7 +126,6 @@ impl<const AXES: usize> Interpreter<AXES> {
     /// What does not begin with a letter.
     fn no_address(&self, c: &mut Cursor<'_>, byte: u8) -> Result<Block<AXES>, Fault> {
         match byte {
-            b'#' | b'[' => c.rest_of_word().fault(PARAMETERS),
             b'$' => c.rest_of_word().fault(NcErrorKind::Known {
                 what: "a command to the controller",
                 hint: "a program without it",
@@ -134,7 +145,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         let Some(axis) = self.letters.axis(letter) else {
             return c.since(mark).fault(NcErrorKind::AxisNotHere);
         };
-        let given = read_value(c, mark)?;
+        let given = self.read_value(c, mark)?;
         block.first.get_or_insert(given.span);
         match block.axes.get_mut(axis) {
             Some(slot) if slot.is_none() => *slot = Some(given),
@@ -143,19 +154,34 @@ impl<const AXES: usize> Interpreter<AXES> {
         Ok(())
     }
 
-    /// `O0001`: a program number. What else begins with O is a subroutine, a loop or a branch.
-    fn read_program_number(&self, c: &mut Cursor<'_>, mark: usize, block: &Block<AXES>) -> Result<(), Fault> {
-        if c.peek().is_ascii_digit() {
-            let _ = read_value(c, mark)?;
-            if c.at_end() && block.is_empty() {
-                return Ok(());
-            }
+    /// `#5=…`.
+    fn read_assignment(&self, c: &mut Cursor<'_>, block: &mut Block<AXES>) -> Result<(), Fault> {
+        let mark = c.mark();
+        let target = self.target(c)?;
+        c.require(b'=', "= behind the parameter")?;
+        let value = self.evaluate(c)?;
+        let full = Fault { span: c.since(mark), kind: NcErrorKind::BlockTooFull };
+        block.assigned.push((target, value)).map_err(|_| full)
+    }
+
+    /// A number behind a letter, or what gives one. Blanks inside do not count.
+    fn read_value(&self, c: &mut Cursor<'_>, mark: usize) -> Result<Given, Fault> {
+        let negative = c.peek() == b'-';
+        let at = c.mark();
+        if negative || c.peek() == b'+' {
+            c.bump();
         }
-        c.back_to(mark);
-        c.here().fault(NcErrorKind::Known {
-            what: "O word",
-            hint: "a program without subroutines, loops and branches",
-        })
+        if matches!(c.peek_upper(), b'0'..=b'9' | b'.') {
+            return literal(c, mark, negative);
+        }
+        if matches!(c.peek_upper(), b'#' | b'[')
+            || c.peek().is_ascii_alphabetic() && c.next().is_ascii_alphabetic()
+        {
+            c.back_to(at);
+            let value = self.evaluate(c)?;
+            return Ok(Given { number: Number::Real(value), span: c.since(mark) });
+        }
+        c.expected("a number")
     }
 
     /// G or M and its number.
@@ -166,7 +192,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         letter: u8,
         block: &mut Block<AXES>,
     ) -> Result<(), Fault> {
-        let given = read_value(c, mark)?;
+        let given = self.read_value(c, mark)?;
         let span = given.span;
         let unknown = Fault { span, kind: NcErrorKind::UnknownCode(self.setup.foreign.dialect.name()) };
         let tenths = tenths(given.number).ok_or(unknown)?;
@@ -182,26 +208,8 @@ impl<const AXES: usize> Interpreter<AXES> {
     }
 }
 
-/// What parameters and expressions are refused with.
-const PARAMETERS: NcErrorKind =
-    NcErrorKind::Known { what: "parameters and expressions (#, [ ])", hint: "a plain number" };
-
-/// A number behind a letter. Blanks inside do not count.
-fn read_value(c: &mut Cursor<'_>, mark: usize) -> Result<Given, Fault> {
-    let negative = match c.peek() {
-        b'-' => {
-            c.bump();
-            true
-        }
-        b'+' => {
-            c.bump();
-            false
-        }
-        _ => false,
-    };
-    if matches!(c.peek(), b'#' | b'[') {
-        return c.rest_of_word().fault(PARAMETERS);
-    }
+/// A number without a sign.
+pub(super) fn literal(c: &mut Cursor<'_>, mark: usize, negative: bool) -> Result<Given, Fault> {
     let (mut mantissa, mut scale, mut significant) = (0_u64, 0_u8, 0_u8);
     let (mut point, mut digits, mut full) = (false, false, false);
     loop {
@@ -234,6 +242,11 @@ fn read_value(c: &mut Cursor<'_>, mark: usize) -> Result<Given, Fault> {
 
 /// The number of a G or M word in tenths, if it has one place at most.
 fn tenths(number: Number) -> Option<u16> {
+    if let Number::Real(value) = number {
+        let tenths = real::round(value * 10.0);
+        return (real::abs(value * 10.0 - tenths) < 1e-3 && (0.0..10_000.0).contains(&tenths))
+            .then_some(tenths as u16);
+    }
     let Number::Decimal { negative: false, mantissa, scale } = number else { return None };
     let (mut tenths, mut scale) = (mantissa.checked_mul(10)?, scale);
     while scale > 0 {

@@ -1,7 +1,7 @@
 //! Blocks that make several motions: G28 and G30, arcs of several turns, canned cycles. One part per call.
 use crate::math::angle::atan2_turns;
 use crate::nc::compose::carry;
-use crate::nc::{ArcBy, MotionKind, Plane};
+use crate::nc::{ArcBy, MotionKind, Plane, real};
 use crate::quantity::Position;
 
 /// Canned cycles.
@@ -43,6 +43,7 @@ pub enum Course<const AXES: usize> {
         to: [Position; AXES],
     },
     Turns(Turns<AXES>),
+    Spiral(Spiral<AXES>),
     Holes(Holes<AXES>),
 }
 
@@ -70,6 +71,7 @@ impl<const AXES: usize> Course<AXES> {
                 Some(Part::Motion(MotionKind::Rapid, target))
             }
             Self::Turns(turns) => turns.next(),
+            Self::Spiral(spiral) => spiral.next(),
             Self::Holes(holes) => holes.next(at, rests),
         }
     }
@@ -108,17 +110,26 @@ impl<const AXES: usize> Turns<AXES> {
         Some(Part::Motion(kind, target))
     }
 
+    /// From the centre to a point, along an axis of the plane.
+    fn from_centre(&self, point: &[Position; AXES], k: usize) -> i64 {
+        let (axis, centre) = (self.axes.get(k), self.centre.get(k));
+        let at = axis.and_then(|axis| point.get(*axis)).copied().unwrap_or_default();
+        at.saturating_sub(centre.copied().unwrap_or_default()).to_bits()
+    }
+
+    fn direction(&self, point: &[Position; AXES]) -> u64 {
+        atan2_turns(self.from_centre(point, 1), self.from_centre(point, 0))
+    }
+
+    /// Distance of a point from the centre, mm.
+    pub fn radius(&self, point: &[Position; AXES]) -> f64 {
+        let [x, y] = [0, 1].map(|k| self.from_centre(point, k) as f64 / 4_294_967_296.0);
+        real::sqrt(x * x + y * y)
+    }
+
     /// The angle of the programmed arc, LSB 2^-48 revolutions, above 0.
     fn angle(&self) -> u64 {
-        let direction = |point: &[Position; AXES]| {
-            let of = |k: usize| {
-                let (axis, centre) = (self.axes.get(k), self.centre.get(k));
-                let at = axis.and_then(|axis| point.get(*axis)).copied().unwrap_or_default();
-                at.saturating_sub(centre.copied().unwrap_or_default()).to_bits()
-            };
-            atan2_turns(of(1), of(0))
-        };
-        let turned = direction(&self.end).wrapping_sub(direction(&self.start));
+        let turned = self.direction(&self.end).wrapping_sub(self.direction(&self.start));
         let turned = if self.clockwise { turned.wrapping_neg() } else { turned };
         // To nearest; as little as nothing is a full circle.
         match ((turned >> 15) + 1) >> 1 {
@@ -140,6 +151,54 @@ impl<const AXES: usize> Turns<AXES> {
             let travel = i128::from(end.to_bits()) - i128::from(slot.to_bits());
             let gone = (travel * part * 2 + whole).div_euclid(whole * 2);
             *slot = Position::from_bits(slot.to_bits().saturating_add(gone as i64));
+        }
+        target
+    }
+}
+
+/// An arc whose radius grows or shrinks evenly with its angle, in several arcs.
+#[derive(Clone, Copy)]
+pub struct Spiral<const AXES: usize> {
+    /// The arc as it was programmed.
+    pub turns: Turns<AXES>,
+    /// At the start and at the end, mm.
+    pub radii: [f64; 2],
+    /// A whole number of arcs.
+    pub count: f64,
+}
+
+impl<const AXES: usize> Spiral<AXES> {
+    fn next(&mut self) -> Option<Part<AXES>> {
+        let Turns { plane, clockwise, centre, end, done, .. } = self.turns;
+        let (done, last) = (done + 1, f64::from(done + 1) >= self.count);
+        if f64::from(done) > self.count {
+            return None;
+        }
+        self.turns.done = done;
+        let target = if last { end } else { self.behind(f64::from(done) / self.count) };
+        Some(Part::Motion(MotionKind::Arc { plane, clockwise, by: ArcBy::Centre(centre) }, target))
+    }
+
+    /// Where all axes are behind a part of the angle.
+    fn behind(&self, part: f64) -> [Position; AXES] {
+        let turns = &self.turns;
+        let degrees = |turns: u64, lsb: f64| turns as f64 * 360.0 / lsb;
+        let from = degrees(turns.direction(&turns.start) >> 11, 9_007_199_254_740_992.0);
+        let swept = degrees(turns.angle(), 281_474_976_710_656.0) * part;
+        let angle = if turns.clockwise { from - swept } else { from + swept };
+        let (sin, cos) = real::sin_cos(angle).unwrap_or((0.0, 1.0));
+        let [first, last] = self.radii;
+        let radius = first + (last - first) * part;
+        let bits = |mm: f64| real::round(mm * 4_294_967_296.0) as i64;
+        let mut target = turns.start;
+        for (axis, (slot, end)) in target.iter_mut().zip(&turns.end).enumerate() {
+            let travel = (end.to_bits().saturating_sub(slot.to_bits())) as f64 * part;
+            *slot = Position::from_bits(slot.to_bits().saturating_add(real::round(travel) as i64));
+            for ((own, centre), along) in turns.axes.iter().zip(turns.centre).zip([cos, sin]) {
+                if *own == axis {
+                    *slot = Position::from_bits(centre.to_bits().saturating_add(bits(radius * along)));
+                }
+            }
         }
         target
     }

@@ -10,9 +10,12 @@
 mod block;
 mod course;
 mod cycle;
+mod expression;
 mod force;
 mod offset;
 mod order;
+mod oword;
+mod parameter;
 mod time;
 mod words;
 
@@ -20,7 +23,7 @@ pub use force::{InForce, StoredOffsets};
 pub use words::{ADDRESSES, WORDS, WordEntry};
 
 use super::block::{Item, ItemKind};
-use super::interpreter::{Gathered, Interpreter, Next, Phase};
+use super::interpreter::{Gathered, Interpreter, Next, Phase, Refusal};
 use super::line::Line;
 use super::modal::{Before, Modal, Mode};
 use super::{DwellTime, Motion, MotionKind, NcWarningKind, Place, Span};
@@ -28,6 +31,7 @@ use crate::machine::{AxisKind, Dialect, MORE_OFFSETS, MachineData, ToolLengths, 
 use crate::quantity::{Feed, Position};
 use core::cell::Cell;
 use course::{Course, CycleKind, Part};
+use oword::Calls;
 
 /// What programs of other dialects need of the machine.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -170,6 +174,9 @@ pub(super) struct Foreign<const AXES: usize> {
     tail: Option<(u16, Span)>,
     /// The words that made the course.
     span: Span,
+    calls: Calls,
+    /// Subprogram of M98, and how often.
+    called: (u32, u32),
 }
 
 impl<const AXES: usize> Foreign<AXES> {
@@ -184,6 +191,8 @@ impl<const AXES: usize> Foreign<AXES> {
         course: Course::None,
         tail: None,
         span: Span { at: 0, len: 0 },
+        calls: Calls::BLANK,
+        called: (0, 0),
     };
 
     /// Parts of the block at hand are still to come.
@@ -200,7 +209,7 @@ impl<const AXES: usize> Interpreter<AXES> {
 
     /// Whether a plain line means the same in the dialect at hand.
     pub fn takes_plain(&self) -> bool {
-        self.is_isg() || self.foreign.plain && self.foreign.note.is_none()
+        self.is_isg() || self.foreign.plain && self.foreign.note.is_none() && !self.foreign.calls.skips()
     }
 
     /// A channel begins.
@@ -221,7 +230,13 @@ impl<const AXES: usize> Interpreter<AXES> {
         self.foreign.now = State { here, here_off, length, degrees, tool, ..State::START };
         let Foreign { percent, course, tail, note, .. } = &mut self.foreign;
         (*percent, *course, *tail, *note) = (false, Course::None, None, None);
+        self.foreign.calls.clear();
         self.settle_plain();
+    }
+
+    /// No call, loop or branch is open.
+    pub fn clear_calls(&mut self) {
+        self.foreign.calls.clear();
     }
 
     /// Whether plain lines may be read as such: no cycle, no G80, and no axis whose F counts in another unit.
@@ -315,11 +330,22 @@ impl<const AXES: usize> Interpreter<AXES> {
     }
 
     /// The text has ended, without M2 or M30.
-    pub fn end_of_foreign_text(&mut self, here: Place) -> Next {
+    ///
+    /// # Errors
+    /// A subroutine, a loop or a branch is not closed.
+    pub fn end_of_foreign_text(&mut self, here: Place) -> Result<Next, Refusal> {
+        if self.phase != Phase::Ended
+            && let Some((place, kind)) = self.foreign.calls.unfinished()
+        {
+            return Err(Refusal::At(place, kind));
+        }
+        if let Some(next) = self.end_of_called_file() {
+            return Ok(next);
+        }
         if self.phase == Phase::Running && self.setup.foreign.dialect == Dialect::LinuxCnc {
             self.warn_at(here, NcWarningKind::NoProgramEnd);
         }
         self.phase = Phase::Ended;
-        Next::Line
+        Ok(Next::Line)
     }
 }

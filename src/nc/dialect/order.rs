@@ -1,17 +1,17 @@
 //! What the words of a line do, in the order that LinuxCNC and Grbl share: the order of the text does not count.
 use super::block::{Block, Said};
-use super::course::{Course, Turns};
+use super::course::{Course, Spiral, Turns};
 use super::words::{Meaning, group};
 use super::{Interpreter, Note};
 use crate::machine::{AxisKind, Dialect, functions};
 use crate::nc::block::{Given, Item, ItemKind, Words};
 use crate::nc::compose::in_range;
 use crate::nc::cursor::Cursor;
-use crate::nc::interpreter::{Bounds, Gathered, Next, Phase, Refusal};
+use crate::nc::interpreter::{Bounds, Gathered, Next, Phase, QUIET_LINES, Refusal};
 use crate::nc::line::Line;
 use crate::nc::modal::{Before, Mode};
 use crate::nc::number::Factor;
-use crate::nc::{ArcBy, DwellTime, Fault, Motion, MotionKind, NcErrorKind, NcWarningKind, Span};
+use crate::nc::{ArcBy, DwellTime, Fault, Motion, MotionKind, NcErrorKind, NcWarningKind, Span, real};
 use crate::quantity::{Feed, Position};
 
 /// Most turns of an arc.
@@ -25,15 +25,61 @@ impl<const AXES: usize> Interpreter<AXES> {
     #[inline(never)]
     pub fn foreign_line(&mut self, line: &Line, bounds: Bounds) -> Result<Next, Refusal> {
         let mut c = Cursor::new(line.bytes());
-        let note = self.foreign.note.take();
         if self.phase == Phase::Ended {
+            self.foreign.note = None;
             return Ok(Next::Line);
         }
         self.before = Before::All(self.modal);
         self.foreign.before = self.foreign.now;
         self.queue.clear();
         (self.n, self.moves) = (0, false);
-        match note {
+        if self.foreign.calls.skips() {
+            self.foreign.note = None;
+            c.eat(b'/');
+            return Ok(self.o_word(&mut c, line, bounds)?.unwrap_or(Next::Line));
+        }
+        self.quiet = self.quiet.saturating_add(1);
+        if self.quiet > QUIET_LINES {
+            return Err(Refusal::Here(Fault { span: c.rest_of_word(), kind: NcErrorKind::Endless }));
+        }
+        if c.at_end() {
+            return self.take_note().map(|()| Next::Line);
+        }
+        if c.peek() == b'%' {
+            self.take_note()?;
+            return Ok(self.percent(&mut c, line)?);
+        }
+        if self.phase == Phase::Start {
+            self.phase = Phase::Running;
+            self.flow.program = bounds.start;
+        }
+        if c.peek() == b'/' {
+            if self.setup.foreign.block_delete {
+                self.foreign.note = None;
+                return Ok(Next::Line);
+            }
+            if self.setup.foreign.dialect == Dialect::Grbl {
+                self.warn(line, c.here(), NcWarningKind::BlockSkip);
+            }
+            c.bump();
+        }
+        if let Some(next) = self.o_word(&mut c, line, bounds)? {
+            self.take_note()?;
+            return Ok(next);
+        }
+        // All values first: a line with much arithmetic goes on in the next call.
+        let mut block = self.read_block(&mut c)?;
+        self.take_note()?;
+        self.carry_out(&mut block, line)?;
+        for (index, value) in &block.assigned {
+            self.assign(*index, *value).map_err(|kind| Fault { span: Span::default(), kind })?;
+        }
+        Ok(self.go_to(&block, line, bounds)?)
+    }
+
+    /// What an active comment of the line does.
+    fn take_note(&mut self) -> Result<(), Refusal> {
+        match self.foreign.note.take() {
             None => {}
             Some((Note::Message, place)) => {
                 self.foreign.message = place;
@@ -45,29 +91,40 @@ impl<const AXES: usize> Interpreter<AXES> {
                 return Err(Refusal::At(place, kind));
             }
         }
-        if c.at_end() {
-            return Ok(Next::Line);
-        }
-        if c.peek() == b'%' {
-            return Ok(self.percent(&mut c, line)?);
-        }
-        if self.phase == Phase::Start {
-            self.phase = Phase::Running;
-            self.flow.program = bounds.start;
-        }
-        if c.peek() == b'/' {
-            if self.setup.foreign.block_delete {
-                self.queue.clear();
-                return Ok(Next::Line);
+        Ok(())
+    }
+
+    /// M98 and M99.
+    fn go_to(&mut self, block: &Block<AXES>, line: &Line, bounds: Bounds) -> Result<Next, Fault> {
+        let Some(said) = block.said(group::USER) else { return Ok(Next::Line) };
+        match said.word.meaning {
+            Meaning::Call => {
+                let (number, times) = self.foreign.called;
+                self.call_program(number, times, said.span, line, bounds)
             }
-            if self.setup.foreign.dialect == Dialect::Grbl {
-                self.warn(line, c.here(), NcWarningKind::BlockSkip);
-            }
-            c.bump();
+            Meaning::Return => self.end_of_subprogram(said.span),
+            _ => Ok(Next::Line),
         }
-        let mut block = self.read_block(&mut c)?;
-        self.carry_out(&mut block, line)?;
-        Ok(Next::Line)
+    }
+
+    /// P and L of M98.
+    fn read_call(&mut self, block: &mut Block<AXES>) -> Result<(), Fault> {
+        let Some(said) = block.said(group::USER).filter(|said| said.word.meaning == Meaning::Call) else {
+            return Ok(());
+        };
+        let Some(given) = block.take(b'P') else {
+            return said.span.fault(NcErrorKind::Missing("P, the number of the subprogram"));
+        };
+        let number = self.whole(given, "P", 1_000_000_000)?;
+        let times = match block.take(b'L') {
+            Some(given) => self.whole(given, "L", 10_000)?,
+            None => 1,
+        };
+        if times == 0 {
+            return said.span.fault(NcErrorKind::Expected("L of 1 and more"));
+        }
+        self.foreign.called = (number, times);
+        Ok(())
     }
 
     /// `%`: the first one begins a program, the next one ends it.
@@ -110,6 +167,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         }
         self.functions(block)?;
         self.dwell(block, line)?;
+        self.read_call(block)?;
         self.settings(block, line)?;
         if let (Some(given), true) = (feed, grbl) {
             self.set_feed(given)?;
@@ -173,6 +231,9 @@ impl<const AXES: usize> Interpreter<AXES> {
                 Meaning::Spindle => now.spindle = if number == 5 { 0 } else { number },
                 Meaning::Coolant => now.coolant = number != 9,
                 _ => {}
+            }
+            if matches!(word.meaning, Meaning::Call | Meaning::Return) {
+                continue;
             }
             let changes = word.meaning == Meaning::Change;
             self.push(if changes { ItemKind::Pause(number) } else { ItemKind::M(number) }, span)?;
@@ -321,7 +382,21 @@ impl<const AXES: usize> Interpreter<AXES> {
             self.foreign.span = span;
             return self.drill(kind, block, span);
         }
-        self.move_by(block, machine.is_some(), line)
+        let course = self.move_by(block, machine.is_some(), line)?;
+        if let Some(Meaning::Probe(tenth)) = said {
+            self.probe(tenth, motion.map(|said| said.span).unwrap_or_default())?;
+        }
+        Ok(course)
+    }
+
+    /// G38.2…G38.5: the motion of the block becomes a probing motion. The next one needs its word.
+    fn probe(&mut self, tenth: u8, span: Span) -> Result<(), Fault> {
+        if self.gathered.motion().is_none() {
+            return span.fault(NcErrorKind::Missing("axis words"));
+        }
+        let _ = self.queue.pop_back();
+        self.foreign.now.no_motion = true;
+        self.push(ItemKind::Probe(tenth), span)
     }
 
     /// A word of the motion group.
@@ -330,6 +405,10 @@ impl<const AXES: usize> Interpreter<AXES> {
         match said.word.meaning {
             Meaning::Motion(mode) => {
                 self.modal.mode = mode;
+                (now.cycle, now.no_motion) = (None, false);
+            }
+            Meaning::Probe(_) => {
+                self.modal.mode = Mode::Line;
                 (now.cycle, now.no_motion) = (None, false);
             }
             Meaning::NoMotion => {
@@ -479,13 +558,13 @@ impl<const AXES: usize> Interpreter<AXES> {
         self.modal.radius = None;
         moved?;
         self.feed_of_time(&start);
-        let Some(given) = turns else { return Ok(Course::None) };
+        let Some(given) = turns else { return Ok(self.spiral(&start, span)) };
         let turns = self.whole(given, "P", TURNS)?;
         if turns == 0 {
             return given.span.fault(NcErrorKind::Expected("P of 1 and more"));
         }
         if turns == 1 {
-            return Ok(Course::None);
+            return Ok(self.spiral(&start, span));
         }
         if self.foreign.now.by_time {
             return given.span.fault(NcErrorKind::Conflict("inverse time feed, G93"));
@@ -501,6 +580,36 @@ impl<const AXES: usize> Interpreter<AXES> {
         self.foreign.span = span;
         let (axes, end) = ([first, second], motion.target);
         Ok(Course::Turns(Turns { start, end, axes, centre, plane, clockwise, full: turns - 1, done: 0 }))
+    }
+
+    /// An arc whose radii at its ends differ more than one motion takes: a spiral in several. One that is so small
+    /// that the difference leaves no arc is a straight line.
+    fn spiral(&mut self, start: &[Position; AXES], span: Span) -> Course<AXES> {
+        let Gathered::Motion(cell) = &self.gathered else { return Course::None };
+        let motion = cell.get();
+        let MotionKind::Arc { plane, clockwise, by: ArcBy::Centre(centre) } = motion.kind else {
+            return Course::None;
+        };
+        let Ok([first, second, _]) = self.axes_of_plane(span) else { return Course::None };
+        let (axes, end) = ([first, second], motion.target);
+        let turns = Turns { start: *start, end, axes, centre, plane, clockwise, full: 0, done: 0 };
+        let [from, to] = [start, &end].map(|point| turns.radius(point));
+        let difference = real::abs(to - from);
+        let small = if from < to { from } else { to };
+        if small > 0.0 && difference <= 0.005 && difference > small / 4.0 {
+            cell.set(Motion { kind: MotionKind::Line, ..motion });
+            return Course::None;
+        }
+        let one = if small < 50.0 { small / 1000.0 } else { 0.05 };
+        let too_much = difference > 0.5 || difference > from / 1000.0;
+        if difference <= one || difference <= 0.005 || too_much || self.foreign.now.by_time {
+            return Course::None;
+        }
+        let count = real::ceil(difference / 0.045);
+        let _ = self.queue.pop_back();
+        self.gathered = Gathered::Nothing;
+        (self.position, self.foreign.span) = (*start, span);
+        Course::Spiral(Spiral { turns, radii: [from, to], count })
     }
 
     /// R of an arc.

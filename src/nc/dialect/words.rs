@@ -47,6 +47,12 @@ pub enum Meaning {
     CentreAbsolute(bool),
     /// G93 (true), G94.
     ByTime(bool),
+    /// G38.2…G38.5, by the digit behind the point.
+    Probe(u8),
+    /// M98.
+    Call,
+    /// M99.
+    Return,
     /// G92.
     Here,
     /// G92.1.
@@ -171,7 +177,6 @@ const fn m(number: u16, dialects: u8, group: u8, meaning: Meaning, text: &'stati
 const USER: WordEntry = m(100, LINUXCNC, group::USER, Meaning::User, "user function (M100 to M199)");
 
 const COMPENSATED: &str = "a path that the CAM has compensated for the tool radius";
-const PROBE: &str = "a program without probing";
 const SYNCHRONISED: &str = "a cycle without synchronisation to the spindle";
 const OUTPUTS: &str = "M functions of the machine data";
 const STATE: &str = "the modal words written out";
@@ -200,10 +205,10 @@ pub static WORDS: &[WordEntry] = &[
     g(301, BOTH, group::NON_MODAL, Meaning::StoreHome(1), "store the second place"),
     g(330, BOTH, group::MOTION, Meaning::Later(SYNCHRONISED), "motion with the spindle"),
     g(331, BOTH, group::MOTION, Meaning::Later(SYNCHRONISED), "rigid tapping"),
-    g(382, BOTH, group::MOTION, Meaning::Later(PROBE), "probe towards, with an error"),
-    g(383, BOTH, group::MOTION, Meaning::Later(PROBE), "probe towards"),
-    g(384, BOTH, group::MOTION, Meaning::Later(PROBE), "probe away, with an error"),
-    g(385, BOTH, group::MOTION, Meaning::Later(PROBE), "probe away"),
+    g(382, BOTH, group::MOTION, Meaning::Probe(2), "probe towards, with an error"),
+    g(383, BOTH, group::MOTION, Meaning::Probe(3), "probe towards"),
+    g(384, BOTH, group::MOTION, Meaning::Probe(4), "probe away, with an error"),
+    g(385, BOTH, group::MOTION, Meaning::Probe(5), "probe away"),
     g(400, BOTH, group::RADIUS, Meaning::Nothing, "no tool radius compensation"),
     g(410, BOTH, group::RADIUS, Meaning::Later(COMPENSATED), "tool radius compensation, left"),
     g(411, BOTH, group::RADIUS, Meaning::Later(COMPENSATED), "tool radius compensation, left"),
@@ -289,8 +294,8 @@ pub static WORDS: &[WordEntry] = &[
     m(71, BOTH, group::USER, Meaning::Later(STATE), "forget saved modal state"),
     m(72, BOTH, group::USER, Meaning::Later(STATE), "restore modal state"),
     m(73, BOTH, group::USER, Meaning::Later(STATE), "save and restore modal state"),
-    m(98, BOTH, group::USER, Meaning::Later("the blocks written out"), "call a numbered subprogram"),
-    m(99, BOTH, group::USER, Meaning::Later("the blocks written out"), "return, or begin again"),
+    m(98, BOTH, group::USER, Meaning::Call, "call the subprogram with number P, L times"),
+    m(99, BOTH, group::USER, Meaning::Return, "return from the subprogram"),
     USER,
 ];
 
@@ -303,7 +308,8 @@ pub static ADDRESSES: &[(char, &str)] = &[
     ('I', "arc centre along X (J along Y, K along Z)"),
     ('L', "repeats of a cycle, kind of G10"),
     ('N', "line number"),
-    ('O', "program number, alone in its block"),
+    ('O', "program number, or label of sub, call, if, while, do, repeat"),
+    ('#', "parameter: number, or name in < >"),
     ('P', "seconds, turns of an arc, tolerance of G64, zero offset of G10"),
     ('Q', "peck of G73 and G83, merging of G64"),
     ('R', "radius of an arc, level of a cycle"),
