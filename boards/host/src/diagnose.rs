@@ -4,6 +4,7 @@
 //! move the cursor are shown as one substitute character each, and long lines are cut around the caret.
 use anstyle::{AnsiColor, Style};
 use std::fmt::Write as _;
+use std::io::Read as _;
 use std::path::Path;
 
 /// A text with a name.
@@ -22,6 +23,15 @@ impl Source {
         match std::fs::read(path) {
             Ok(text) => Ok(Self { name, text }),
             Err(error) => Err(vec![Diagnostic::error(format!("cannot read {name}: {error}"))]),
+        }
+    }
+
+    /// Reads the standard input to its end.
+    pub fn read_input() -> Result<Self, Vec<Diagnostic>> {
+        let mut text = Vec::new();
+        match std::io::stdin().lock().read_to_end(&mut text) {
+            Ok(_) => Ok(Self { name: "-".into(), text }),
+            Err(error) => Err(vec![Diagnostic::error(format!("cannot read the standard input: {error}"))]),
         }
     }
 
@@ -49,7 +59,8 @@ impl Source {
         })
     }
 
-    fn line(&self, number: usize) -> &[u8] {
+    /// The line with this number, from 1; empty where there is none.
+    pub fn line(&self, number: usize) -> &[u8] {
         self.lines().nth(number.saturating_sub(1)).unwrap_or(b"")
     }
 }
@@ -123,6 +134,11 @@ impl Diagnostic {
     /// Line and column from 1; zeros without a place.
     pub fn place(&self) -> (usize, usize) {
         self.shown.as_ref().map_or((0, 0), |shown| (shown.line, shown.column))
+    }
+
+    /// The line it is about, as it is shown: a long one is cut around the caret.
+    pub fn excerpt(&self) -> Option<&str> {
+        self.shown.as_ref().map(|shown| shown.excerpt.as_str())
     }
 
     /// Name of the text it is about.

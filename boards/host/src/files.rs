@@ -13,11 +13,15 @@ pub struct Files {
 }
 
 impl Files {
-    /// Reads the main program.
+    /// Reads the main program; `-` is the standard input, with called files in the current directory.
     ///
     /// # Errors
     /// It cannot be read.
     pub fn read(program: &Path) -> Result<Self, Vec<Diagnostic>> {
+        if program.as_os_str() == "-" {
+            let main = Source::read_input()?;
+            return Ok(Self { main, directory: PathBuf::new(), called: RefCell::default() });
+        }
         let directory = program.parent().unwrap_or(Path::new("")).to_path_buf();
         Ok(Self { main: Source::read(program)?, directory, called: RefCell::default() })
     }

@@ -18,6 +18,7 @@ mod files;
 mod filtered;
 mod knee;
 mod machine;
+mod mistakes;
 mod monitor;
 mod output;
 mod plot;
@@ -54,9 +55,9 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Decode, plan and interpolate a program; say what it did and write what is asked for.
+    /// Decode, plan and interpolate programs; say what it did and write what is asked for.
     Run(Run),
-    /// Run a program without output: tells what `run` would refuse, and nothing else.
+    /// Run programs without output: tells all that `run` would refuse, and nothing else.
     Check(Input),
     /// List the G and M words of a dialect; without one, those of LinuxCNC and Grbl.
     Words {
@@ -70,8 +71,9 @@ enum Command {
 
 #[derive(clap::Args)]
 struct Input {
-    /// The NC program.
-    program: PathBuf,
+    /// NC programs; `-` is the standard input.
+    #[arg(required = true, value_name = "PROGRAM")]
+    programs: Vec<PathBuf>,
     /// Machine data (TOML); without it the built-in three-axis machine.
     #[arg(long, value_name = "FILE.toml")]
     machine: Option<PathBuf>,
@@ -87,6 +89,9 @@ struct Input {
     /// Commands (motions, functions, switches) of lines carried out before, after which a program is taken for endless.
     #[arg(long, value_name = "N", default_value_t = 1_000_000)]
     max_commands: u64,
+    /// Mistakes of a program that are told in one go, in the order of its text.
+    #[arg(long, value_name = "N", default_value_t = mistakes::SHOWN)]
+    mistakes: usize,
 }
 
 /// The slopes of P-CHAN-00071 in their order.
@@ -154,8 +159,8 @@ struct Run {
 
 fn main() -> ExitCode {
     let done = match Arguments::parse().command {
-        Command::Run(arguments) => run(&arguments),
-        Command::Check(input) => check(&input),
+        Command::Run(arguments) => run_all(&arguments),
+        Command::Check(input) => each(&input.programs, |program| check(&input, program)),
         Command::Words { dialect } => say(&dialect::list(dialect)),
         Command::Serve(arguments) => serve(&arguments),
     };
@@ -193,19 +198,42 @@ fn load(input: &Input, files: &Files) -> Result<Machine, Refusal> {
     Ok(machine)
 }
 
-fn run(arguments: &Run) -> Result<(), Refusal> {
+/// Programs one after another: what one refuses does not keep the next from its turn.
+fn each(programs: &[PathBuf], mut one: impl FnMut(&Path) -> Result<(), Refusal>) -> Result<(), Refusal> {
+    let mut all = Ok(());
+    for program in programs {
+        if let Err(diagnostics) = one(program) {
+            diagnostics.iter().for_each(Diagnostic::print);
+            all = Err(Refusal::new());
+        }
+    }
+    all
+}
+
+fn run_all(arguments: &Run) -> Result<(), Refusal> {
+    let programs = &arguments.input.programs;
+    let plot = arguments.plot.as_ref().map(|plot| &plot.path);
+    let outputs = [&arguments.trace, &arguments.summary, &arguments.contour, &arguments.vcd];
+    if let (true, Some(path)) = (programs.len() > 1, outputs.into_iter().flatten().chain(plot).next()) {
+        return Err(output::refused(path, "several programs do not go into one output; run them one by one"));
+    }
+    each(programs, |program| run(arguments, program))
+}
+
+fn run(arguments: &Run, path: &Path) -> Result<(), Refusal> {
     let input = &arguments.input;
-    let files = Files::read(&input.program)?;
+    let files = Files::read(path)?;
     let mut machine = load(input, &files)?;
     let script = arguments.events.as_deref().map(Script::read).transpose()?;
-    let mut program = decode(&files, &machine, input.max_commands)?;
+    let mut program = decode(&files, &machine, input)?;
     let outputs = [&arguments.trace, &arguments.summary, &arguments.contour, &arguments.vcd];
     if outputs.into_iter().flatten().filter(|path| path.as_os_str() == "-").count() > 1 {
         return Err(output::refused(Path::new("-"), "the standard output takes one of the outputs"));
     }
     program.warnings.splice(0..0, std::mem::take(&mut machine.warnings));
     // Only now all files of the program are known.
-    let inputs = [&input.program].into_iter().chain(&input.machine).chain(&arguments.events).cloned();
+    let text = Some(path.to_path_buf()).filter(|path| path.as_os_str() != "-");
+    let inputs = text.iter().chain(&input.machine).chain(&arguments.events).cloned();
     let mut outputs = Outputs::new(inputs.chain(files.called()));
     let trace = match arguments.trace.as_deref() {
         Some(path) => Some((path, outputs.create(path)?)),
@@ -222,6 +250,7 @@ fn run(arguments: &Run) -> Result<(), Refusal> {
         script: script.as_ref(),
         acknowledge: arguments.ack,
         quiet: false,
+        mistakes: input.mistakes,
     };
     let (result, picture) = run::simulate(&files, &machine, &program, wanted)?;
     program.warnings.extend(result.remarks.iter().map(|warning| program::remark(&files, warning)));
@@ -297,25 +326,27 @@ fn open(arguments: &Serve) -> std::io::Result<serve::Wire> {
     }
 }
 
-/// The program, if it is one.
-fn decode(files: &Files, machine: &Machine, max_commands: u64) -> Result<program::Program, Refusal> {
-    match program::decode(files, machine, max_commands) {
-        Ok(program) => Ok(program),
-        // An earlier command may be refused by the planner: the first one counts.
-        Err(Undecoded::Refused(refusal)) => {
-            let empty = program::Program::empty(machine);
-            Err(run::simulate(files, machine, &empty, Wanted::default()).err().unwrap_or(refusal))
+/// The program, if it is one; else all its mistakes, those of the planner with those of the decoder.
+fn decode(files: &Files, machine: &Machine, input: &Input) -> Result<program::Program, Refusal> {
+    match program::decode(files, machine, input.max_commands) {
+        Ok(program) if program.refused => {
+            let wanted = Wanted { mistakes: input.mistakes, ..Wanted::default() };
+            let refused = run::simulate(files, machine, &program, wanted).err();
+            Err(refused.unwrap_or_else(|| vec![Diagnostic::error("a line of the program is refused")]))
         }
+        Ok(program) => Ok(program),
+        Err(Undecoded::Refused(refusal)) => Err(refusal),
         Err(Undecoded::Endless(endless)) => Err(endless),
     }
 }
 
 /// The program runs as in [`run`], with no output: what that refuses is refused here.
-fn check(input: &Input) -> Result<(), Refusal> {
-    let files = Files::read(&input.program)?;
+fn check(input: &Input, path: &Path) -> Result<(), Refusal> {
+    let files = Files::read(path)?;
     let machine = load(input, &files)?;
-    let mut program = decode(&files, &machine, input.max_commands)?;
-    let (result, _) = run::simulate(&files, &machine, &program, Wanted::default())?;
+    let mut program = decode(&files, &machine, input)?;
+    let wanted = Wanted { mistakes: input.mistakes, ..Wanted::default() };
+    let (result, _) = run::simulate(&files, &machine, &program, wanted)?;
     program.warnings.extend(result.remarks.iter().map(|warning| program::remark(&files, warning)));
     for told in program.messages.iter().chain(&machine.warnings).chain(&program.warnings) {
         told.print();

@@ -130,15 +130,20 @@ pub struct Program {
     pub relevant: f64,
     /// Motions of axes beside the path, in the order of the program.
     pub beside: Vec<Told>,
+    /// Some lines are not understood; what is here is the rest.
+    pub refused: bool,
 }
 
 /// Why a program was not decoded to its end.
 pub enum Undecoded {
-    /// The first refusal, with its place.
+    /// The machine data have no program.
     Refused(Vec<Diagnostic>),
     /// It repeats its lines more often than wanted: it may have no end. With the place it had come to.
     Endless(Vec<Diagnostic>),
 }
+
+/// Refused lines, those of loops again and again, behind which the rest is not looked at.
+const REFUSALS: u32 = 10_000;
 
 /// More commands than one line can have.
 const LINE: u32 = 64;
@@ -175,7 +180,7 @@ impl Repeats {
 /// Decodes the whole program, at most `limit` commands of lines that were carried out before.
 ///
 /// # Errors
-/// It is refused, or repeats more than `limit` commands.
+/// It repeats more than `limit` commands.
 pub fn decode(files: &Files, machine: &Machine, limit: u64) -> Result<Program, Undecoded> {
     with_axes!(machine, decode_axes(files, machine, limit))
 }
@@ -200,8 +205,22 @@ fn decode_axes<const AXES: usize>(
     let mut warned = HashSet::new();
     let mut smoothing = Smoothing::new();
     let mut repeats = Repeats::default();
+    let mut refusals = 0;
     loop {
-        let step = decoder.step().map_err(|error| Undecoded::Refused(vec![refused(files, &error)]))?;
+        let step = match decoder.step() {
+            Ok(step) => step,
+            // The planner tells what and where.
+            Err(_) => {
+                program.refused = true;
+                refusals += 1;
+                if refusals > REFUSALS {
+                    return Ok(program);
+                }
+                let here = decoder.position();
+                decoder.go_on(here);
+                continue;
+            }
+        };
         if let Step::Command(command) = &step
             && repeats.add(command.place()) > limit
         {
@@ -375,6 +394,7 @@ impl Program {
             free_curves: false,
             relevant: 0.032,
             beside: Vec::new(),
+            refused: false,
         }
     }
 

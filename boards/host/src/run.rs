@@ -9,10 +9,11 @@ use crate::events::{Event, Schedule, Script, What, function_name};
 use crate::files::{Delayed, Files};
 use crate::filtered::Filtered;
 use crate::machine::{Machine, with_axes};
+use crate::mistakes::Mistakes;
 use crate::monitor::Monitor;
 use crate::output;
 use crate::plot::Picture;
-use crate::program::{self, Program};
+use crate::program::Program;
 use crate::statistics::{Pause, Statistics};
 use crate::trace::Trace;
 use crate::vcd::Vcd;
@@ -52,6 +53,8 @@ pub struct Wanted<'a> {
     pub acknowledge: Delay,
     /// No progress is shown.
     pub quiet: bool,
+    /// So many refused lines are told before the run ends; at least one.
+    pub mistakes: usize,
 }
 
 /// Runs the program to its end.
@@ -118,9 +121,10 @@ fn simulate_axes<const AXES: usize>(
     let patience = PATIENCE + (program.dwell_s() / machine.cycle_s()).ceil() as u64;
     let bar = Bar::new(program.motions, wanted.quiet);
     let automatic = Automatic::new(wanted.acknowledge, machine.channel.cycle_us);
-    let rules = Rules { schedule, automatic, patience, late: &late };
+    let mistakes = Mistakes::new(wanted.mistakes);
+    let rules = Rules { schedule, automatic, patience, late: &late, files, program, mistakes };
     drive(handles, recorder, rules, bar).map_err(|stop| match stop {
-        Stop::Refused(error) => vec![program::refusal(files, &error)],
+        Stop::Refused(mistakes) => mistakes.tell(files),
         Stop::Unwritable(error) => unwritable(error),
         Stop::UnwritableSteps(error) => output::refused(&vcd_path, error),
         Stop::Starved => vec![Diagnostic::error(
@@ -161,7 +165,8 @@ fn simulate_axes<const AXES: usize>(
 const PATIENCE: u64 = 1000;
 
 enum Stop {
-    Refused(Box<glidepath::channel::Error>),
+    /// At least one line.
+    Refused(Mistakes),
     Unwritable(io::Error),
     /// The dump of the step output.
     UnwritableSteps(io::Error),
@@ -188,6 +193,10 @@ struct Rules<'a> {
     patience: u64,
     /// The program text is late.
     late: &'a Cell<bool>,
+    files: &'a Files,
+    /// As decoded, to know where a refused line leads.
+    program: &'a Program,
+    mistakes: Mistakes,
 }
 
 /// A controller has a timer interrupt and a main loop. Here the main loop gets all the time it needs, then
@@ -202,7 +211,8 @@ fn drive<const AXES: usize>(
     rules: Rules<'_>,
     mut bar: Bar,
 ) -> Result<(Statistics, Option<Picture>), Stop> {
-    let Rules { mut schedule, mut automatic, patience, late: text_is_late } = rules;
+    let Rules { mut schedule, mut automatic, patience, late: text_is_late, files, program, mut mistakes } =
+        rules;
     let FilteredHandles { mut planner, mut interpolator, operator } = handles;
     let mut done = false;
     let mut idle = 0;
@@ -226,7 +236,15 @@ fn drive<const AXES: usize>(
         // Also when all is handed over: a command may change what the queue holds.
         done &= stalled;
         while !done && !stalled {
-            let progress = planner.poll().map_err(|error| Stop::Refused(Box::new(error)))?;
+            let progress = match planner.poll() {
+                Ok(progress) => progress,
+                Err(error) => {
+                    if mistakes.add(error, files) {
+                        continue;
+                    }
+                    return Err(Stop::Refused(mistakes));
+                }
+            };
             recorder.curves(&planner);
             recorder.statistics.monitor.beside(recorder.statistics.ticks, planner.beside());
             match progress {
@@ -261,7 +279,14 @@ fn drive<const AXES: usize>(
         let mut telemetry = interpolator.telemetry();
         if state == State::Idle {
             if done {
-                break;
+                if mistakes.is_empty() {
+                    break;
+                }
+                if !mistakes.go_on(&mut planner, program) {
+                    return Err(Stop::Refused(mistakes));
+                }
+                done = false;
+                continue;
             }
             if !late && !held && !waiting {
                 idle += 1;

@@ -1,0 +1,176 @@
+//! All mistakes of a program in one go: takes refusals in the order of execution, gives them in the order of
+//! the text.
+//!
+//! Behind a refused line the program goes on, so that the next mistake is found too. Where a line is not
+//! understood, nobody knows where it leads. Refusals that depend on the position (arcs, software limits) are
+//! therefore left out behind it, and their number is told.
+use crate::diagnose::Diagnostic;
+use crate::files::Files;
+use crate::program::{self, Program};
+use glidepath::channel::{Error, Planner};
+use glidepath::fir::FilterPlan;
+use glidepath::nc::Text;
+use glidepath::plan::MotionError;
+use glidepath::quantity::Position;
+
+/// Mistakes that are shown without `--mistakes`.
+pub const SHOWN: usize = 20;
+
+/// Refusals of one run.
+pub struct Mistakes {
+    /// So many end the run.
+    most: usize,
+    found: Vec<Error>,
+    /// A line was not understood: positions are unknown from there on.
+    is_lost: bool,
+    /// Refusals that depend on the position, behind such a line.
+    left_out: usize,
+    /// Refusals of a line that was refused before.
+    repeated: usize,
+}
+
+impl Mistakes {
+    /// Nothing refused yet; at least one refusal is taken.
+    pub fn new(most: usize) -> Self {
+        Self { most: most.max(1), found: Vec::new(), is_lost: false, left_out: 0, repeated: 0 }
+    }
+
+    /// Whether nothing was refused.
+    pub fn is_empty(&self) -> bool {
+        self.found.is_empty()
+    }
+
+    /// Takes a refusal. Whether the program is to go on behind it.
+    pub fn add(&mut self, error: Error, files: &Files) -> bool {
+        let of_position = match &error {
+            Error::SoftwareLimit(..) => true,
+            Error::Motion(_, MotionError::Path(path)) => path.concerns_centre(),
+            _ => false,
+        };
+        let ends = matches!(error, Error::ReducedTooSlow | Error::Unplannable);
+        if of_position && self.is_lost {
+            self.left_out += 1;
+            return self.left_out < LEFT_OUT;
+        }
+        self.is_lost = self.is_lost
+            || !matches!(error, Error::Motion(..) | Error::SoftwareLimit(..)) && may_move(files, &error);
+        if self.found.iter().any(|known| known.place() == error.place()) {
+            // A line of a loop.
+            self.repeated += 1;
+            return !ends && self.repeated < LEFT_OUT;
+        }
+        self.found.push(error);
+        !ends && self.found.len() < self.most
+    }
+
+    /// Behind the refused line, once the axes stand: they are put to where that line leads, if that is known.
+    /// Whether the program goes on.
+    pub fn go_on<
+        T: Text,
+        const AXES: usize,
+        const BLOCKS: usize,
+        F: FilterPlan<AXES>,
+        const OVERLAYS: usize,
+    >(
+        &self,
+        planner: &mut Planner<'_, T, AXES, BLOCKS, F, OVERLAYS>,
+        program: &Program,
+    ) -> bool {
+        let Some(last) = self.found.last().filter(|_| self.found.len() < self.most) else { return false };
+        if let Error::Motion(place, _) | Error::SoftwareLimit(place, ..) = last {
+            let here = |at: &glidepath::nc::Place| (at.file, at.line) == (place.file, place.line);
+            let target = program.motions().find(|segment| here(&segment.place)).map(|segment| &segment.end);
+            for (axis, &end) in target.into_iter().flatten().enumerate() {
+                // Beyond what a position can be: the axis stays.
+                let _ = planner.set_position(axis, Position::from_num(end));
+            }
+        }
+        planner.go_on().is_ok()
+    }
+
+    /// The messages, in the order of the text.
+    pub fn tell(self, files: &Files) -> Vec<Diagnostic> {
+        let found = self.found.iter().map(|error| program::refusal(files, error)).collect();
+        let mut told = arrange(found, &files.main.name);
+        if self.most > 1 && self.found.len() >= self.most {
+            let message = format!("the first {} mistakes are shown; --mistakes N shows more", self.most);
+            told.push(Diagnostic::note(message));
+        }
+        if self.left_out > 0 {
+            let message = format!(
+                "{} later refusal{} of arcs or software limits left out: the position behind a line that is \
+                 not understood is unknown",
+                self.left_out,
+                program::plural(self.left_out),
+            );
+            told.push(Diagnostic::note(message));
+        }
+        told
+    }
+}
+
+/// Whether the refused line may move an axis: no prose, and a letter that is no N, G or F with something behind it.
+fn may_move(files: &Files, error: &Error) -> bool {
+    let place = error.place();
+    files.with(place.file, |source| {
+        let line = String::from_utf8_lossy(source.line(place.line as usize)).to_uppercase();
+        let code = line.split(['(', ';']).next().unwrap_or_default();
+        !is_prose(&line) && code.contains(['X', 'Y', 'Z', 'A', 'B', 'C', 'U', 'V', 'W', '@', '#', '$', 'L'])
+    })
+}
+
+/// Refusals that are left out before the run ends.
+const LEFT_OUT: usize = 10_000;
+
+/// In the order of the text; the main program first. Lines of prose become one message each.
+fn arrange(mut found: Vec<Diagnostic>, main: &str) -> Vec<Diagnostic> {
+    found.sort_by_key(|told| {
+        let source = told.source().unwrap_or_default();
+        (source != main, source.to_owned(), told.place())
+    });
+    let prose = |told: &Diagnostic| told.excerpt().is_some_and(is_prose);
+    let mut told: Vec<Diagnostic> = Vec::new();
+    for mut diagnostic in found {
+        if prose(&diagnostic) {
+            let word = std::mem::take(&mut diagnostic.message);
+            diagnostic.message = format!("this line is text, not NC: {word}");
+            diagnostic = diagnostic.expected("expected words such as G01 X10 F600, or a comment in ( )");
+        }
+        told.push(diagnostic);
+    }
+    told
+}
+
+/// Whether a line reads as prose: at least three words of letters alone, two of them with four or more, and
+/// more of them than words with digits.
+fn is_prose(line: &str) -> bool {
+    let code = line.split(['(', ';', '%', '#', '"', '=']).next().unwrap_or_default();
+    let (mut words, mut long, mut others) = (0, 0, 0);
+    for word in code.split_whitespace() {
+        let word = word.trim_matches(|letter: char| letter.is_ascii_punctuation());
+        if word.chars().all(|letter| letter.is_alphabetic() || letter == '-' || letter == '\'') {
+            words += 1;
+            long += usize::from(word.chars().count() >= 4);
+        } else {
+            others += 1;
+        }
+    }
+    words >= 3 && long >= 2 && words > others
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn prose_is_told_from_programs() {
+        for line in ["This is a note to the operator", "Dear all, please mill this part."] {
+            assert!(is_prose(line), "{line}");
+        }
+        for line in
+            ["N10 G01 X10 Y20 F600", "G0 X Y Z", "N10 (This is a note to the operator)", "$IF P1 GT 2", ""]
+        {
+            assert!(!is_prose(line), "{line}");
+        }
+    }
+}
