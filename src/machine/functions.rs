@@ -14,6 +14,7 @@
 //! | `filters` | `#FILTER`, P-AXIS-00586 | |
 //! | `beside` | `[OSC …]`, `[INDP …]`, `#WAIT INDP` | |
 //! | `dialects` (off by default) | the words of LinuxCNC and Grbl | programs are ISG's |
+//! | `plc` (off by default) | `#CONTOUR LOOKAHEAD LOG`, `#DISTANCE PROG START CLEAR` | they are refused |
 //!
 //! The feature `fast` is none of them: without it what the planner calls is called and not copied, and the sine has
 //! a smaller table. Programs are accepted and refused as with it, and have the same bits.
