@@ -138,7 +138,8 @@ impl Entry {
             BlockType::Arc => ProgramDistance::from_mm(self.radius_mm).0,
             _ => self.planned,
         };
-        let length = if self.block_type.is_element() { self.length.0 } else { self.parameter.to_bits() as i64 };
+        let length =
+            if self.block_type.is_element() { self.length.0 } else { self.parameter.to_bits() as i64 };
         let [start, length, third] = [self.start.0, length, third].map(halves);
         [
             self.block_type as u32,

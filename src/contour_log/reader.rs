@@ -102,7 +102,8 @@ impl<'a> ContourReader<'a> {
             if !entry.block_type.is_element() {
                 continue;
             }
-            let planned = if entry.block_type == BlockType::Arc { entry.length.to_bits() << 20 } else { entry.planned };
+            let planned =
+                if entry.block_type == BlockType::Arc { entry.length.to_bits() << 20 } else { entry.planned };
             if ahead <= planned {
                 // The part that is left of it, in 2^-20: less than 1 nm of a millimetre.
                 let part = if planned == 0 { 0.0 } else { ahead as f64 / planned as f64 };

@@ -74,7 +74,16 @@ const BELOW: u32 = 20;
 impl<'a> Recorder<'a> {
     pub(super) fn new(window: Table<'a>, log: Table<'a>) -> Self {
         let rows = [window.row(), log.row()];
-        Self { window, log, rows, end: (0, 0), path: None, exit: None, marks: heapless::Deque::new(), measure: None }
+        Self {
+            window,
+            log,
+            rows,
+            end: (0, 0),
+            path: None,
+            exit: None,
+            marks: heapless::Deque::new(),
+            measure: None,
+        }
     }
 
     /// By what the path is measured.
@@ -214,7 +223,8 @@ impl<'a> Recorder<'a> {
             row.mark = row.mark.saturating_add(1);
             return;
         }
-        let start = if entry.block_type.is_element() { entry.start } else { ProgramDistance::from_bits(self.end.0) };
+        let start =
+            if entry.block_type.is_element() { entry.start } else { ProgramDistance::from_bits(self.end.0) };
         self.log.push(row, &Entry { start, ..entry });
     }
 

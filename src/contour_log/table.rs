@@ -78,7 +78,10 @@ impl Head {
         let turn = self.shown.load(Ordering::Relaxed).wrapping_add(1);
         // Whoever sees a word of what follows sees that the place before is shown.
         fence(Ordering::Release);
-        self.place(turn).iter().zip(row.to_words()).for_each(|(word, value)| word.store(value, Ordering::Relaxed));
+        self.place(turn)
+            .iter()
+            .zip(row.to_words())
+            .for_each(|(word, value)| word.store(value, Ordering::Relaxed));
         self.shown.store(turn, Ordering::Release);
     }
 
@@ -86,7 +89,10 @@ impl Head {
         loop {
             let turn = self.shown.load(Ordering::Acquire);
             let mut words = [0; ROW];
-            words.iter_mut().zip(self.place(turn)).for_each(|(value, word)| *value = word.load(Ordering::Relaxed));
+            words
+                .iter_mut()
+                .zip(self.place(turn))
+                .for_each(|(value, word)| *value = word.load(Ordering::Relaxed));
             fence(Ordering::Acquire);
             if self.shown.load(Ordering::Relaxed) == turn {
                 return Row::of_words(words);

@@ -75,7 +75,8 @@ impl<const BLOCKS: usize> ControlUnit<BLOCKS> {
         if self.is_pending() {
             return Err(Pending);
         }
-        let halves = [start_position, length].map(f64::to_bits).map(|bits| [bits as u32, (bits >> 32) as u32]);
+        let halves =
+            [start_position, length].map(f64::to_bits).map(|bits| [bits as u32, (bits >> 32) as u32]);
         let words = halves.iter().flatten();
         self.request.iter().zip(words).for_each(|(word, value)| word.store(*value, Ordering::Relaxed));
         self.semaphore.store(1, Ordering::Release);
