@@ -31,6 +31,8 @@ mod error;
 mod filter;
 #[cfg(feature = "dialects")]
 mod force;
+#[cfg(feature = "plc")]
+mod log;
 mod memory;
 mod rest;
 
@@ -190,6 +192,8 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
                 return self.wait_beside();
             }
             self.forget_abort();
+            #[cfg(feature = "plc")]
+            self.planning.settle_log();
             return Ok(self.done());
         }
         if self.settles_at_gate() {
@@ -205,6 +209,8 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
             Ok(Work::Slower) => return Ok(Progress::Slower),
             Ok(Work::Aborted) => {
                 self.lose();
+                #[cfg(feature = "plc")]
+                self.planning.cut_log();
                 return Ok(Progress::Working);
             }
             Ok(Work::Refused) => return Err(self.refuse_curve()),
@@ -216,6 +222,10 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
                     Unplannable::TooSlow => Error::ReducedTooSlow,
                 });
             }
+        }
+        #[cfg(feature = "plc")]
+        if self.planning.waits_for_log() {
+            return Ok(Progress::Waiting);
         }
         if let Some(axis) = self.filters.beyond() {
             return Ok(Progress::Deviated(axis));
@@ -476,6 +486,8 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
             }
             Command::Filter(..) => {}
             Command::Kinematics(_, Kinematics::Off) => {}
+            #[cfg(feature = "plc")]
+            Command::ContourLog(..) | Command::DistanceClear(_) => self.log(command)?,
             #[cfg(feature = "dialects")]
             Command::Pause(head, code) => {
                 let held = Held { pauses: true, ..Held::new(head, Function::M(*code)) };

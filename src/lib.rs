@@ -190,6 +190,9 @@ pub mod single;
 #[doc(hidden)]
 pub mod smooth;
 
+#[cfg(feature = "plc")]
+pub mod contour_log;
+
 #[doc(hidden)]
 pub mod lookahead;
 

@@ -212,6 +212,8 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
             self.filters.restart();
             self.watch_filters();
             self.released = 0;
+            #[cfg(feature = "plc")]
+            self.planning.start_log();
         }
         self.forget_abort();
         self.planning.begin();

@@ -306,6 +306,17 @@ impl<const AXES: usize> Shape<AXES> {
         matches!(self.curve, Curve::Arc(_))
     }
 
+    /// Of an arc: its radius at the start, LSB 2^-44 mm, and its angle, 2^-59 revolutions from the first axis of its
+    /// plane to the second one.
+    #[cfg(feature = "plc")]
+    pub(crate) fn turn(&self) -> Option<(u64, i64)> {
+        let Curve::Arc(arc) = self.curve else { return None };
+        let [p, q] = arc.a.map(|a| square_wide(a.unsigned_abs()));
+        let (lower, carry) = p.1.overflowing_add(q.1);
+        let upper = p.0.wrapping_add(q.0).wrapping_add(carry.into());
+        Some((sqrt_wide(upper, lower), mul_near(self.end_w(), arc.turn)))
+    }
+
     /// The base that [`Self::at`] adds to, for a block from `start`; for an arc, the centre of its circle.
     pub fn base(&self, start: &[Position; AXES]) -> [Position; AXES] {
         let mut base = *start;

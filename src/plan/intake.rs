@@ -66,9 +66,11 @@ pub(super) struct Entrance<'a, 'q, const AXES: usize, const BLOCKS: usize> {
     ring: &'a mut Ring<'q, AXES, BLOCKS>,
     functions: &'a mut Functions,
     dynamics: &'a mut Dynamics<AXES>,
-    segments: &'a mut CurveProducer<'q, AXES>,
+    pub(super) segments: &'a mut CurveProducer<'q, AXES>,
     actions: &'a mut Scheduler<'q>,
     entered: &'a mut [Position; AXES],
+    #[cfg(feature = "plc")]
+    pub(super) recorder: &'a mut Option<crate::contour_log::Recorder<'q>>,
 }
 
 impl<const AXES: usize, const BLOCKS: usize> Entrance<'_, '_, AXES, BLOCKS> {
@@ -137,6 +139,8 @@ impl<const AXES: usize, const BLOCKS: usize> Entrance<'_, '_, AXES, BLOCKS> {
         let base = element.shape.base(self.entered);
         // There is room: the caller asked.
         let _ = self.segments.push(element.shape, &base, pass.n, pass.number);
+        #[cfg(feature = "plc")]
+        self.record(element, &base, pass);
         match end {
             Some(end) => *self.entered = *end,
             None => element.shape.end(&base, self.entered),
@@ -531,19 +535,43 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
     #[cfg_attr(feature = "fast", inline(always))]
     pub(super) fn entrance(&mut self) -> (Entrance<'_, 'q, AXES, BLOCKS>, &HeldLine<AXES>) {
         let Self { lookahead, functions, dynamics, intake, queue, .. } = self;
+        #[cfg(feature = "plc")]
+        let recorder = &mut intake.recorder;
         let super::Intake { entered, held, .. } = intake;
         let (segments, actions) = (&mut queue.segments, &mut queue.actions);
-        (Entrance { ring: &mut lookahead.ring, functions, dynamics, segments, actions, entered }, held)
+        let ring = &mut lookahead.ring;
+        let entrance = Entrance {
+            ring,
+            functions,
+            dynamics,
+            segments,
+            actions,
+            entered,
+            #[cfg(feature = "plc")]
+            recorder,
+        };
+        (entrance, held)
     }
 
     /// The next element of the smoother goes into the look-ahead; `false` if there is none.
     #[inline(never)]
     pub(super) fn pass_smoothed(&mut self) -> bool {
         let Self { lookahead, functions, dynamics, intake, queue, .. } = self;
+        #[cfg(feature = "plc")]
+        let recorder = &mut intake.recorder;
         let super::Intake { entered, smoothing, travel, .. } = intake;
         let (segments, actions) = (&mut queue.segments, &mut queue.actions);
         let ring = &mut lookahead.ring;
-        let mut entrance = Entrance { ring, functions, dynamics, segments, actions, entered };
+        let mut entrance = Entrance {
+            ring,
+            functions,
+            dynamics,
+            segments,
+            actions,
+            entered,
+            #[cfg(feature = "plc")]
+            recorder,
+        };
         let mut beyond = None;
         let emitted = smoothing.emit(|smoothed| {
             if travel.is_limited()

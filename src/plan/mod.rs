@@ -11,6 +11,7 @@
 //! | `change` | when new pieces count for the interrupt |
 //! | `reserve`, `slower` | how the motion stops without the planner; what becomes of it where that has no room |
 //! | `late` | what happens when text or room for functions is missing |
+//! | `log` | what the PLC is told of the path ahead (feature `plc`) |
 //! | `stand` | where the axes stand at rest, and what a new program begins with |
 mod acknowledge;
 mod change;
@@ -22,6 +23,8 @@ mod hold;
 mod intake;
 mod late;
 mod law;
+#[cfg(feature = "plc")]
+mod log;
 mod pace;
 mod reserve;
 mod search;
@@ -30,6 +33,8 @@ mod slower;
 mod stand;
 mod turning;
 
+#[cfg(feature = "plc")]
+use crate::contour_log::Recorder;
 use crate::control::{Commands, Control};
 use crate::dynamics::Dynamics;
 use crate::lookahead::{Lookahead, LookaheadMemory, Pace};
@@ -164,6 +169,8 @@ struct Intake<'a, const AXES: usize> {
     travel: Travel<AXES>,
     refused: Option<(Place, Beyond)>,
     uniform: Uniform,
+    #[cfg(feature = "plc")]
+    recorder: Option<Recorder<'a>>,
 }
 
 /// The blocks whose limits are those of now.
@@ -383,6 +390,8 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
                 refused: None,
                 turning: Turning::NONE,
                 uniform: Uniform { since: 0, by_ramps: machine.channel.check_jerk_on_poly_path == 2 },
+                #[cfg(feature = "plc")]
+                recorder: None,
             },
             lookahead: Lookahead::new(lookahead, depth),
             task: Task::NONE,

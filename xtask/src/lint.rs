@@ -17,8 +17,8 @@ const CORES: [&str; 5] = [
 ];
 
 /// Functions that a build may leave out: the library is checked with each alone.
-const FUNCTIONS: [&str; 8] =
-    ["contour", "surface", "splines", "hsc", "expressions", "filters", "beside", "dialects"];
+const FUNCTIONS: [&str; 9] =
+    ["contour", "surface", "splines", "hsc", "expressions", "filters", "beside", "dialects", "plc"];
 
 /// All of it.
 pub fn all() -> Result<(), String> {

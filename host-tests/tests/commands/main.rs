@@ -1,6 +1,7 @@
 //! The operator's commands and a planner that is late: holds, override, stops, outputs.
 mod actions;
 mod between_programs;
+mod contour_log;
 mod cores;
 mod dense;
 mod hold;

@@ -169,8 +169,6 @@ fn what_is_not_available_is_refused_where_it_stands() {
         "#CYL [Z,C,100]",
         "#ROTATION ON [ANGLE=30]",
         "#RT WHILE",
-        "#CONTOUR LOOKAHEAD LOG ON",
-        "#DISTANCE PROG START CLEAR",
     ];
     for command in commands {
         let error = refusal::refused(&format!("N10 G01 X1 F600\nN20 {command}\nN30 X3\n"), &machine());
@@ -178,6 +176,12 @@ fn what_is_not_available_is_refused_where_it_stands() {
         assert!(error.to_string().ends_with("known, not available in this version"), "{command}: {error}");
     }
     // What needs memory of its own is refused by a channel without it.
+    for command in ["#CONTOUR LOOKAHEAD LOG ON", "#DISTANCE PROG START CLEAR"] {
+        let error = refusal::refused(&format!("N10 G01 X1 F600\nN20 {command}\nN30 X3\n"), &machine());
+        assert_eq!(error.place().line, 2, "{command}: {error}");
+        let said = error.to_string();
+        assert!(said.contains("expected FCT_CONTOUR_LAH"), "{command}: {said}");
+    }
     for command in [
         "#FILTER ON [ORDER=20]",
         "X[OSC ON 1ST_POS=1 2ND_POS=2 FEED=100]",

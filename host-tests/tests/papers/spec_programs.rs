@@ -64,7 +64,6 @@ const fn refused(name: &'static str, words: &'static str) -> Example {
 }
 
 const OSC: &str = "OSC";
-const LOG: &str = "#CONTOUR LOOKAHEAD";
 
 /// All of them.
 const EXAMPLES: [Example; 42] = [
@@ -79,9 +78,9 @@ const EXAMPLES: [Example; 42] = [
     refused("A8-EX09_off_feed", OSC),
     refused("A8-EX10_osc_7", OSC),
     refused("A8-EX11_osc_7", OSC),
-    refused("C40-EX01_mode1", "#DISTANCE PROG START"),
+    refused("C40-EX01_mode1", "FCT_CONTOUR_LAH"),
     refused("C40-EX02_inside_rt_loop", "#RT WHILE"),
-    refused("C40-EX03_outside_rt_loop", LOG),
+    refused("C40-EX03_outside_rt_loop", "FCT_CONTOUR_LAH"),
     runs("D3-EX01_poly_G61", MM_MIN, [160.0, 20.0], 1.0, four_corners_of_1_mm),
     runs("D3-EX02_poly_G261_1", MM_MIN, [160.0, 20.0], 1.0, four_corners_of_1_mm),
     runs("D3-EX03_poly_G261_2", MM_MIN, [160.0, 20.0], 1.0, four_corners_of_1_mm),

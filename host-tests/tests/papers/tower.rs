@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 /// Every module with those it uses, lowest first: a module uses only modules above its own row. The order is
 /// that of `src/lib.rs`.
-const TOWER: [(&str, &str); 20] = [
+const TOWER: [(&str, &str); 21] = [
     ("math", ""),
     ("quantity", "math"),
     ("machine", "math quantity"),
@@ -18,13 +18,20 @@ const TOWER: [(&str, &str); 20] = [
     ("dynamics", "math quantity machine nc path fir slope"),
     ("single", "math quantity queue slope"),
     ("smooth", "math quantity nc path slope dynamics"),
+    ("contour_log", "math quantity nc path"),
     ("lookahead", "math quantity machine nc path control queue slope dynamics"),
-    ("plan", "math quantity machine technology nc path control queue slope dynamics smooth lookahead"),
+    (
+        "plan",
+        "math quantity machine technology nc path control queue slope dynamics smooth contour_log lookahead",
+    ),
     ("tick", "quantity queue fir"),
     ("axis", "quantity"),
     ("operator", "quantity technology control queue tick"),
     ("digest", "quantity"),
-    ("channel", "math quantity machine technology nc path queue fir slope single plan tick operator"),
+    (
+        "channel",
+        "math quantity machine technology nc path queue fir slope single contour_log plan tick operator",
+    ),
 ];
 
 /// Functions above [`FUNCTION_LINES`]: a match over names.

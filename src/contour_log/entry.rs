@@ -1,0 +1,188 @@
+//! An entry: an element of the contour, or a mark of the log. It takes twelve words.
+
+/// Distance from program start, LSB 2^-24 mm (60 pm), range ±549,755 km: it does not wrap.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub struct ProgramDistance(i64);
+
+/// LSB per millimetre.
+const PER_MM: f64 = (1i64 << 24) as f64;
+
+/// LSB of an angle per radian.
+const PER_RADIAN: f64 = (1i64 << 28) as f64;
+
+impl ProgramDistance {
+    /// Program start.
+    pub const ZERO: Self = Self(0);
+
+    /// From its bits.
+    pub const fn from_bits(bits: i64) -> Self {
+        Self(bits)
+    }
+
+    /// Its bits.
+    pub const fn to_bits(self) -> i64 {
+        self.0
+    }
+
+    /// From millimetres, toward zero; beyond the range its end.
+    pub const fn from_mm(mm: f64) -> Self {
+        Self((mm * PER_MM) as i64)
+    }
+
+    /// In millimetres.
+    pub const fn to_mm(self) -> f64 {
+        self.0 as f64 / PER_MM
+    }
+}
+
+/// What an entry is: `block_type` of C40 with its number.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[repr(u8)]
+pub enum BlockType {
+    /// 0: the entry is not used.
+    #[default]
+    None = 0,
+    /// 1: a line.
+    Line = 1,
+    /// 2: an arc, also a helix.
+    Arc = 2,
+    /// 3: LOG ON.
+    LogOn = 3,
+    /// 4: LOG with PARAM alone.
+    LogParam = 4,
+    /// 5: LOG OFF.
+    LogOff = 5,
+    /// 6: a polynomial, as smoothing and splines make them.
+    Polynomial = 6,
+    /// #DISTANCE PROG START CLEAR: distances behind it count from here. Only [`super::ContourReader`] sees it.
+    Clear = 7,
+}
+
+impl BlockType {
+    const fn of(number: u32) -> Self {
+        match number {
+            1 => Self::Line,
+            2 => Self::Arc,
+            3 => Self::LogOn,
+            4 => Self::LogParam,
+            5 => Self::LogOff,
+            6 => Self::Polynomial,
+            7 => Self::Clear,
+            _ => Self::None,
+        }
+    }
+
+    /// Whether the path goes along it.
+    pub const fn is_element(self) -> bool {
+        matches!(self, Self::Line | Self::Arc | Self::Polynomial)
+    }
+}
+
+/// An element of the contour, or a mark of the log.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Entry {
+    /// What it is.
+    pub block_type: BlockType,
+    /// Programmed N number.
+    pub n: u32,
+    /// Motion blocks since the split that begin before it: `block` of [`crate::Status`].
+    pub id: u32,
+    /// Where it begins, from program start or the last #DISTANCE PROG START CLEAR.
+    pub start: ProgramDistance,
+    /// Length along the driven path, 0 for a mark.
+    pub length: ProgramDistance,
+    /// PARAM of a mark, 0 without.
+    pub parameter: f64,
+    /// Radius of an arc at its start, mm; 0 for others. There is no tool radius compensation: the compensated radius
+    /// is the same.
+    pub radius_mm: f64,
+    /// Angle of an arc, rad: clockwise −2π..0, counter-clockwise 0..2π; 0 for others.
+    pub angle: f64,
+    /// Angle between the end of the element before and the start of this one, rad, 0..π.
+    pub knee: f64,
+    /// Planned path distance along it. On a curve over time this is not its length.
+    pub(super) planned: i64,
+}
+
+/// The two words of a number of 64 bits.
+const fn halves(bits: i64) -> [u32; 2] {
+    [bits as u32, (bits >> 32) as u32]
+}
+
+const fn whole(lower: u32, upper: u32) -> i64 {
+    ((upper as u64) << 32 | lower as u64) as i64
+}
+
+/// An angle as a word.
+fn angle_bits(angle: f64) -> u32 {
+    let scaled = angle * PER_RADIAN;
+    let near = if scaled < 0.0 { scaled - 0.5 } else { scaled + 0.5 };
+    (near as i32) as u32
+}
+
+fn angle_of(bits: u32) -> f64 {
+    f64::from(bits as i32) / PER_RADIAN
+}
+
+impl Entry {
+    /// Words of an entry.
+    pub(super) const WORDS: usize = 12;
+
+    /// A mark of the log.
+    pub(super) fn mark(block_type: BlockType, n: u32, parameter: Option<f64>) -> Self {
+        Self { block_type, n, parameter: parameter.unwrap_or(0.0), ..Self::default() }
+    }
+
+    pub(super) fn to_words(self) -> [u32; Self::WORDS] {
+        let third = match self.block_type {
+            BlockType::Arc => ProgramDistance::from_mm(self.radius_mm).0,
+            _ => self.planned,
+        };
+        let length =
+            if self.block_type.is_element() { self.length.0 } else { self.parameter.to_bits() as i64 };
+        let [start, length, third] = [self.start.0, length, third].map(halves);
+        [
+            self.block_type as u32,
+            self.n,
+            self.id,
+            start[0],
+            start[1],
+            length[0],
+            length[1],
+            third[0],
+            third[1],
+            angle_bits(self.angle),
+            angle_bits(self.knee),
+            0,
+        ]
+    }
+
+    pub(super) fn of_words(words: [u32; Self::WORDS]) -> Self {
+        let [kind, n, id, s0, s1, l0, l1, t0, t1, angle, knee, _] = words;
+        let block_type = BlockType::of(kind);
+        let (second, third) = (whole(l0, l1), whole(t0, t1));
+        let (length, parameter) =
+            if block_type.is_element() { (second, 0.0) } else { (0, f64::from_bits(second as u64)) };
+        let (radius_mm, planned) = match block_type {
+            BlockType::Arc => (ProgramDistance(third).to_mm(), length),
+            _ => (0.0, third),
+        };
+        Self {
+            block_type,
+            n,
+            id,
+            start: ProgramDistance(whole(s0, s1)),
+            length: ProgramDistance(length),
+            parameter,
+            radius_mm,
+            angle: angle_of(angle),
+            knee: angle_of(knee),
+            planned,
+        }
+    }
+
+    /// Where it ends.
+    pub const fn end(&self) -> ProgramDistance {
+        ProgramDistance(self.start.0.wrapping_add(self.length.0))
+    }
+}

@@ -1,0 +1,90 @@
+//! Length, radius, angle and knee of a curve. Runs in the planner, in integers and plain IEEE + − × ÷.
+use super::entry::{BlockType, Entry};
+use crate::math::angle::atan2_turns;
+use crate::math::root::sqrt_wide;
+use crate::math::wide::square_wide;
+use crate::path::{End, Measure, Shape};
+use crate::quantity::Position;
+
+const TAU: f64 = core::f64::consts::TAU;
+
+/// √(Σ x²), exact to the LSB below.
+fn norm<const AXES: usize>(x: &[i64; AXES]) -> u64 {
+    let mut sum = (0u64, 0u64);
+    for x in x {
+        let (upper, lower) = square_wide(x.unsigned_abs());
+        let (low, carry) = sum.1.overflowing_add(lower);
+        sum = (sum.0.wrapping_add(upper).wrapping_add(carry.into()), low);
+    }
+    sqrt_wide(sum.0, sum.1)
+}
+
+/// Angle between the directions `a` and `b`, rad, 0..π; 0 if one of them has none.
+pub fn knee<const AXES: usize>(a: &[i64; AXES], b: &[i64; AXES]) -> f64 {
+    let unit = |x: &[i64; AXES]| {
+        let length = norm(x);
+        // 2^50 long, so that sums of squares keep what the angle needs.
+        let scale = if length == 0 { 0.0 } else { (1u64 << 50) as f64 / length as f64 };
+        x.map(|x| (x as f64 * scale) as i64)
+    };
+    let (a, b) = (unit(a), unit(b));
+    let (mut apart, mut along) = (a, a);
+    for ((apart, along), b) in apart.iter_mut().zip(&mut along).zip(&b) {
+        (*apart, *along) = (apart.wrapping_sub(*b), along.wrapping_add(*b));
+    }
+    let [apart, along] = [apart, along].map(|x| norm(&x) as i64);
+    // Half the angle is below a quarter of a revolution.
+    atan2_turns(apart, along) as f64 * (2.0 * TAU / 18_446_744_073_709_551_616.0)
+}
+
+/// Chords of a measured curve. With half as many, the error of their sum is four times as large.
+const CHORDS: i64 = 64;
+
+/// The length of a curve over time, by what measures the path, LSB 2^-44 mm.
+fn driven<const AXES: usize>(shape: &Shape<AXES>, base: &[Position; AXES], measure: &Measure) -> i64 {
+    let (mut fine, mut coarse) = (0i64, 0i64);
+    let length = shape.length.to_bits();
+    let mut last = shape.placed(0, base);
+    let mut even = last;
+    for i in 1..=CHORDS {
+        let at = (length / CHORDS).wrapping_mul(i).wrapping_add(length % CHORDS * i / CHORDS);
+        let point = shape.placed(at, base);
+        fine = fine.wrapping_add(chord(&last, &point, measure));
+        if i & 1 == 0 {
+            coarse = coarse.wrapping_add(chord(&even, &point, measure));
+            even = point;
+        }
+        last = point;
+    }
+    fine.wrapping_add(fine.wrapping_sub(coarse) / 3)
+}
+
+fn chord<const AXES: usize>(from: &[Position; AXES], to: &[Position; AXES], measure: &Measure) -> i64 {
+    let mut travel = [0i64; AXES];
+    for ((travel, from), to) in travel.iter_mut().zip(from).zip(to) {
+        *travel = to.to_bits().wrapping_sub(from.to_bits());
+    }
+    measure.path(&travel).to_bits()
+}
+
+/// Kind, radius, angle and knee of a curve; its length, LSB 2^-44 mm. `exit`: direction at the end of the curve before.
+pub fn describe<const AXES: usize>(
+    (shape, base, timed): (&Shape<AXES>, &[Position; AXES], bool),
+    entry: &End<AXES>,
+    exit: Option<&[i64; AXES]>,
+    measure: &Measure,
+) -> (Entry, i64) {
+    let knee = exit.map_or(0.0, |exit| knee(exit, &entry.tangent));
+    let mut made = Entry { block_type: BlockType::Polynomial, knee, ..Entry::default() };
+    let planned = shape.length.to_bits();
+    if shape.is_line() {
+        made.block_type = BlockType::Line;
+    } else if let Some((radius, turn)) = shape.turn() {
+        made.block_type = BlockType::Arc;
+        made.radius_mm = radius as f64 / (1u64 << 44) as f64;
+        made.angle = turn as f64 * (TAU / (1u64 << 59) as f64);
+    }
+    made.planned = planned;
+    let length = if timed { driven(shape, base, measure) } else { planned };
+    (made, length)
+}

@@ -1,0 +1,258 @@
+//! The planner's end: which entry goes into which table.
+use super::entry::{BlockType, Entry, ProgramDistance};
+use super::geometry::describe;
+use super::table::{Row, Table};
+use crate::nc::ContourLog;
+use crate::path::{End, Measure, Shape};
+use crate::quantity::Position;
+
+/// A curve that goes into the look-ahead.
+pub(crate) struct Passed<'a, const AXES: usize> {
+    pub shape: &'a Shape<AXES>,
+    pub base: &'a [Position; AXES],
+    pub entry: &'a End<AXES>,
+    pub exit: &'a End<AXES>,
+    /// Its path distance is time.
+    pub timed: bool,
+    /// Programmed N number.
+    pub n: u32,
+    /// Motion blocks before it.
+    pub number: u32,
+    /// Path distance of its end, LSB 2^-44 mm.
+    pub path: i64,
+}
+
+/// More than [`MARKS`] commands of the log wait for one motion block.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Crowded;
+
+/// Commands of the log that wait for their place.
+pub(super) const MARKS: usize = 8;
+
+#[derive(Clone, Copy)]
+enum Mark {
+    Log(ContourLog),
+    Distance,
+}
+
+/// A command that acts before the curves of the motion block `number`.
+#[derive(Clone, Copy)]
+struct Waiting {
+    number: u32,
+    n: u32,
+    mark: Mark,
+}
+
+/// State of the log.
+pub(super) const ACTIVE: u32 = 1;
+/// The marked area is complete: another LOG ON does nothing before CLEAR.
+pub(super) const CLOSED: u32 = 2;
+
+/// Directions of so many axes are kept for the knee; knees of more axes are those of the first ones.
+const DIRECTIONS: usize = 32;
+
+/// Writes the log. The planner has it: [`crate::Planner::log_contour`].
+pub struct Recorder<'a> {
+    window: Table<'a>,
+    log: Table<'a>,
+    rows: [Row; 2],
+    /// Program distance of the end, and what is below its LSB: 2^-44 mm.
+    end: (i64, i64),
+    /// Path distance of the end, as far as it is known.
+    path: Option<i64>,
+    /// Direction at the end.
+    exit: Option<[i64; DIRECTIONS]>,
+    marks: heapless::Deque<Waiting, MARKS>,
+    /// By what the path is measured. `None`: no planner has it yet.
+    measure: Option<Measure>,
+}
+
+/// Bits of a path distance below those of a program distance.
+const BELOW: u32 = 20;
+
+impl<'a> Recorder<'a> {
+    pub(super) fn new(window: Table<'a>, log: Table<'a>) -> Self {
+        let rows = [window.row(), log.row()];
+        Self {
+            window,
+            log,
+            rows,
+            end: (0, 0),
+            path: None,
+            exit: None,
+            marks: heapless::Deque::new(),
+            measure: None,
+        }
+    }
+
+    /// By what the path is measured.
+    pub(crate) const fn set_measure(&mut self, measure: Measure) {
+        self.measure = Some(measure);
+    }
+
+    /// A program starts where the path is at `path`: its distance is 0, and the log is empty.
+    pub(crate) fn start(&mut self, path: i64) {
+        self.marks.clear();
+        self.path = Some(path);
+        self.forget();
+        self.end = (0, 0);
+        self.clear_log();
+        self.show();
+    }
+
+    /// What was taken in ahead of `path` is forgotten: it will not be driven.
+    pub(crate) fn cut(&mut self, path: i64) {
+        let Some(known) = self.path.replace(path) else { return };
+        if known == path {
+            return;
+        }
+        self.marks.clear();
+        self.forget();
+        self.extend(path.wrapping_sub(known));
+        self.show();
+    }
+
+    /// The window is empty. Its entries keep their numbers.
+    const fn forget(&mut self) {
+        let [window, _] = &mut self.rows;
+        window.first = window.end;
+        window.mark = window.end;
+        self.exit = None;
+    }
+
+    const fn clear_log(&mut self) {
+        let [_, log] = &mut self.rows;
+        log.first = log.end;
+        (log.mark, log.flags) = (0, 0);
+    }
+
+    /// The end moves by so much, LSB 2^-44 mm.
+    const fn extend(&mut self, length: i64) {
+        let (whole, rest) = self.end;
+        let (upper, lower) = (length >> BELOW, length & ((1 << BELOW) - 1));
+        let rest = rest.wrapping_add(lower);
+        self.end = (whole.wrapping_add(upper).wrapping_add(rest >> BELOW), rest & ((1 << BELOW) - 1));
+    }
+
+    fn show(&mut self) {
+        let Self { window, log, rows: [w, l], end, path, .. } = self;
+        for row in [&mut *w, &mut *l] {
+            (row.reach, row.path) = (end.0, path.unwrap_or(0));
+        }
+        window.show(w);
+        log.show(l);
+    }
+
+    /// A command of the log, for the place before the motion block `number`.
+    ///
+    /// # Errors
+    /// Too many of them wait for one.
+    pub(crate) fn command(&mut self, n: u32, number: u32, log: ContourLog) -> Result<(), Crowded> {
+        self.marks.push_back(Waiting { number, n, mark: Mark::Log(log) }).map_err(|_| Crowded)
+    }
+
+    /// #DISTANCE PROG START CLEAR before the motion block `number`.
+    ///
+    /// # Errors
+    /// Too many commands wait for one.
+    pub(crate) fn clear_distance(&mut self, n: u32, number: u32) -> Result<(), Crowded> {
+        self.marks.push_back(Waiting { number, n, mark: Mark::Distance }).map_err(|_| Crowded)
+    }
+
+    /// Commands that belong before the motion block `number` get their place.
+    pub(crate) fn settle(&mut self, number: u32) {
+        let mut changed = false;
+        let comes = |waiting: &mut Waiting| {
+            !matches!(waiting.mark, Mark::Log(ContourLog::Clear))
+                && (number.wrapping_sub(waiting.number) as i32) >= 0
+        };
+        while let Some(Waiting { n, mark, .. }) = self.marks.pop_front_if(comes) {
+            self.set(n, number, mark);
+            changed = true;
+        }
+        if changed {
+            self.show();
+        }
+    }
+
+    /// Whether the next command is CLEAR, which waits for a standstill.
+    pub(crate) fn waits_for_rest(&self) -> bool {
+        self.marks.front().is_some_and(|waiting| matches!(waiting.mark, Mark::Log(ContourLog::Clear)))
+    }
+
+    /// The axes stand: CLEAR acts, and what was given with it.
+    pub(crate) fn clear_at_rest(&mut self, number: u32) {
+        if self.waits_for_rest() {
+            self.marks.pop_front();
+            self.clear_log();
+            self.show();
+        }
+        self.settle(number);
+    }
+
+    fn set(&mut self, n: u32, id: u32, mark: Mark) {
+        match mark {
+            Mark::Distance => {
+                let entry = Entry { id, ..Entry::mark(BlockType::Clear, n, None) };
+                let start = ProgramDistance::from_bits(self.end.0);
+                self.window.push(&mut self.rows[0], &Entry { start, ..entry });
+                self.end = (0, 0);
+                self.rows[0].mark = self.rows[0].end;
+            }
+            Mark::Log(ContourLog::On(parameter)) if self.rows[1].flags == 0 => {
+                self.rows[1].flags = ACTIVE;
+                self.put(Entry { id, ..Entry::mark(BlockType::LogOn, n, parameter) });
+            }
+            Mark::Log(ContourLog::Parameter(value)) if self.rows[1].flags == ACTIVE => {
+                self.put(Entry { id, ..Entry::mark(BlockType::LogParam, n, Some(value)) });
+            }
+            Mark::Log(ContourLog::Off(parameter)) if self.rows[1].flags == ACTIVE => {
+                self.put(Entry { id, ..Entry::mark(BlockType::LogOff, n, parameter) });
+                self.rows[1].flags = CLOSED;
+            }
+            // Only the first area is provided: what marks another one does nothing before CLEAR, which does not come here.
+            Mark::Log(_) => {}
+        }
+    }
+
+    /// An entry of the log, at the end. One without room is counted.
+    fn put(&mut self, entry: Entry) {
+        let row = &mut self.rows[1];
+        if row.end.wrapping_sub(row.first) as usize >= self.log.room() {
+            row.mark = row.mark.saturating_add(1);
+            return;
+        }
+        let start =
+            if entry.block_type.is_element() { entry.start } else { ProgramDistance::from_bits(self.end.0) };
+        self.log.push(row, &Entry { start, ..entry });
+    }
+
+    /// A curve goes into the look-ahead.
+    pub(crate) fn pass<const AXES: usize>(&mut self, passed: &Passed<'_, AXES>) {
+        let Passed { shape, base, entry, exit, timed, n, number, path } = *passed;
+        self.cut(path.wrapping_sub(shape.length.to_bits()));
+        self.settle(number);
+        let before = self.exit.map(|exit| {
+            let mut axes = [0; AXES];
+            axes.iter_mut().zip(exit).for_each(|(to, from)| *to = from);
+            axes
+        });
+        let Some(measure) = &self.measure else { return };
+        let (made, length) = describe((shape, base, timed), entry, before.as_ref(), measure);
+        let start = self.end.0;
+        self.extend(length);
+        let length = ProgramDistance::from_bits(self.end.0.wrapping_sub(start));
+        let start = ProgramDistance::from_bits(start);
+        let made = Entry { n, id: number, start, length, ..made };
+        self.window.push(&mut self.rows[0], &made);
+        if self.rows[1].flags == ACTIVE {
+            self.put(made);
+        }
+        self.path = Some(path);
+        let mut kept = [0; DIRECTIONS];
+        kept.iter_mut().zip(exit.tangent).for_each(|(to, from)| *to = from);
+        self.exit = Some(kept);
+        self.show();
+    }
+}

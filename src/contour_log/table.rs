@@ -1,0 +1,161 @@
+//! Rows of entries with one writer and any number of readers.
+//!
+//! Words are atomic, so none is torn. Entries have numbers that count up and are not used again. The head has two
+//! places: the writer fills the one that is not shown and then shows it. So a reader that interrupts the writer finds
+//! a whole head and does not wait. A reader beside the writer reads again while the head changes. An entry counts as
+//! read only if its number is still in the table after its words were read.
+use super::entry::Entry;
+use core::sync::atomic::{AtomicU32, Ordering, fence};
+
+/// An entry in memory.
+pub struct Slot([AtomicU32; Entry::WORDS]);
+
+impl Slot {
+    pub const fn new() -> Self {
+        Self([const { AtomicU32::new(0) }; Entry::WORDS])
+    }
+
+    pub fn set(&self, words: [u32; Entry::WORDS]) {
+        self.0.iter().zip(words).for_each(|(word, value)| word.store(value, Ordering::Relaxed));
+    }
+
+    pub fn get(&self) -> [u32; Entry::WORDS] {
+        let mut words = [0; Entry::WORDS];
+        words.iter_mut().zip(&self.0).for_each(|(value, word)| *value = word.load(Ordering::Relaxed));
+        words
+    }
+}
+
+/// What belongs to the table as a whole.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Row {
+    /// Number of the first entry.
+    pub first: u32,
+    /// Number behind the last one.
+    pub end: u32,
+    /// Program distance of its end.
+    pub reach: i64,
+    /// Path distance of its end.
+    pub path: i64,
+    /// Of the window: the number behind the last #DISTANCE PROG START CLEAR. Of the log: entries without room.
+    pub mark: u32,
+    /// Of the log: its state.
+    pub flags: u32,
+}
+
+const ROW: usize = 8;
+
+impl Row {
+    const fn to_words(self) -> [u32; ROW] {
+        let Self { first, end, reach, path, mark, flags } = self;
+        [first, end, reach as u32, (reach >> 32) as u32, path as u32, (path >> 32) as u32, mark, flags]
+    }
+
+    const fn of_words([first, end, r0, r1, p0, p1, mark, flags]: [u32; ROW]) -> Self {
+        let reach = ((r1 as u64) << 32 | r0 as u64) as i64;
+        let path = ((p1 as u64) << 32 | p0 as u64) as i64;
+        Self { first, end, reach, path, mark, flags }
+    }
+}
+
+/// The head of a table: two places and which of them is shown.
+pub struct Head {
+    shown: AtomicU32,
+    rows: [[AtomicU32; ROW]; 2],
+}
+
+impl Head {
+    pub const fn new() -> Self {
+        Self { shown: AtomicU32::new(0), rows: [const { [const { AtomicU32::new(0) }; ROW] }; 2] }
+    }
+
+    const fn place(&self, turn: u32) -> &[AtomicU32; ROW] {
+        let [even, odd] = &self.rows;
+        if turn & 1 == 0 { even } else { odd }
+    }
+
+    fn show(&self, row: Row) {
+        let turn = self.shown.load(Ordering::Relaxed).wrapping_add(1);
+        // Whoever sees a word of what follows sees that the place before is shown.
+        fence(Ordering::Release);
+        self.place(turn)
+            .iter()
+            .zip(row.to_words())
+            .for_each(|(word, value)| word.store(value, Ordering::Relaxed));
+        self.shown.store(turn, Ordering::Release);
+    }
+
+    fn row(&self) -> Row {
+        loop {
+            let turn = self.shown.load(Ordering::Acquire);
+            let mut words = [0; ROW];
+            words
+                .iter_mut()
+                .zip(self.place(turn))
+                .for_each(|(value, word)| *value = word.load(Ordering::Relaxed));
+            fence(Ordering::Acquire);
+            if self.shown.load(Ordering::Relaxed) == turn {
+                return Row::of_words(words);
+            }
+            core::hint::spin_loop();
+        }
+    }
+}
+
+/// A table, for its writer and its readers.
+#[derive(Clone, Copy)]
+pub struct Table<'a> {
+    head: &'a Head,
+    slots: &'a [Slot],
+}
+
+impl<'a> Table<'a> {
+    pub const fn new(head: &'a Head, slots: &'a [Slot]) -> Self {
+        Self { head, slots }
+    }
+
+    /// How many entries it has room for.
+    pub const fn room(&self) -> usize {
+        self.slots.len()
+    }
+
+    /// Entries that count.
+    pub fn row(&self) -> Row {
+        self.head.row()
+    }
+
+    fn slot(&self, number: u32) -> Option<&'a Slot> {
+        let room = u32::try_from(self.slots.len()).ok().filter(|room| *room > 0)?;
+        self.slots.get((number % room) as usize)
+    }
+
+    /// For the writer: an entry behind the last one of `row`. The first one goes where there is no room for more.
+    pub fn push(&self, row: &mut Row, entry: &Entry) {
+        let Some(slot) = self.slot(row.end) else {
+            row.end = row.end.wrapping_add(1);
+            row.first = row.end;
+            return;
+        };
+        if row.end.wrapping_sub(row.first) as usize >= self.slots.len() {
+            row.first = row.first.wrapping_add(1);
+            self.head.show(*row);
+        }
+        fence(Ordering::Release);
+        slot.set(entry.to_words());
+        row.end = row.end.wrapping_add(1);
+    }
+
+    /// For the writer: `row` is shown.
+    pub fn show(&self, row: &Row) {
+        self.head.show(*row);
+    }
+
+    /// For readers: the entry with that number, if it is in the table.
+    pub fn get(&self, number: u32) -> Option<Entry> {
+        let words = self.slot(number)?.get();
+        fence(Ordering::Acquire);
+        let row = self.head.row();
+        let inside = number.wrapping_sub(row.first) < row.end.wrapping_sub(row.first);
+        inside.then(|| Entry::of_words(words))
+    }
+}

@@ -1,0 +1,144 @@
+//! The control unit of C40: request and response with a semaphore, on top of [`ContourReader`].
+//!
+//! | ISG | here |
+//! |---|---|
+//! | `semaphor_rw` | [`ControlUnit::request`] sets it, [`ControlUnit::serve`] clears it, [`ControlUnit::is_pending`] reads it |
+//! | `request.start_position`, `request.length` | arguments of [`ControlUnit::request`] |
+//! | `response.block[i]` | [`ControlUnit::response`] |
+//! | `state` (HLI_CONTOUR_LOOKAHEAD_STATE) | [`ControlUnit::state`] |
+//!
+//! Distances are in 0.1 µm, as in the interface of ISG. One context gives requests, one serves them. They may be the
+//! same.
+use super::entry::{BlockType, Entry, ProgramDistance};
+use super::reader::ContourReader;
+use super::table::Slot;
+use core::sync::atomic::{AtomicU32, Ordering};
+
+/// The last request is not answered yet.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Pending;
+
+impl core::fmt::Display for Pending {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str("the last request is not answered yet; expected semaphor_rw FALSE")
+    }
+}
+
+impl core::error::Error for Pending {}
+
+/// `state` of the control unit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct UnitState {
+    /// max_dist_prog_start, 0.1 µm.
+    pub max_dist_prog_start: f64,
+    /// Entries of the log of mode 1.
+    pub count_logged_blocks: u32,
+    /// Not all elements between LOG ON and LOG OFF are read in.
+    pub f_log_is_active: bool,
+}
+
+/// 0.1 µm per millimetre.
+const TENTHS: f64 = 10_000.0;
+
+/// The control unit `contour_lookahead` with room for `BLOCKS` blocks in a response (20 where the PLC knows no better).
+///
+/// All bits are zero when new.
+pub struct ControlUnit<const BLOCKS: usize> {
+    /// The semaphore: 1 is TRUE.
+    semaphore: AtomicU32,
+    /// start_position and length, as halves of their bits.
+    request: [AtomicU32; 4],
+    block: [Slot; BLOCKS],
+}
+
+impl<const BLOCKS: usize> ControlUnit<BLOCKS> {
+    /// No request.
+    pub const fn new() -> Self {
+        Self {
+            semaphore: AtomicU32::new(0),
+            request: [const { AtomicU32::new(0) }; 4],
+            block: [const { Slot::new() }; BLOCKS],
+        }
+    }
+
+    /// Whether a request waits for its answer: `semaphor_rw`.
+    pub fn is_pending(&self) -> bool {
+        self.semaphore.load(Ordering::Acquire) != 0
+    }
+
+    /// For the PLC. `length` 0 is mode 1: `start_position` is the index of the first entry wanted. Any other `length` is
+    /// mode 2: elements in `start_position .. start_position + length`, 0.1 µm.
+    ///
+    /// # Errors
+    /// The last request is not answered yet: nothing has changed.
+    pub fn request(&self, start_position: f64, length: f64) -> Result<(), Pending> {
+        if self.is_pending() {
+            return Err(Pending);
+        }
+        let halves =
+            [start_position, length].map(f64::to_bits).map(|bits| [bits as u32, (bits >> 32) as u32]);
+        let words = halves.iter().flatten();
+        self.request.iter().zip(words).for_each(|(word, value)| word.store(*value, Ordering::Relaxed));
+        self.semaphore.store(1, Ordering::Release);
+        Ok(())
+    }
+
+    /// For the CNC's side: answers the request, if there is one, and clears the semaphore. Blocks without an element
+    /// have type 0. An answer of mode 2 that begins with forgotten elements begins with those that are left.
+    /// `true` if it has answered. Bounded: it reads at most all entries once.
+    pub fn serve(&self, contour: &ContourReader<'_>) -> bool {
+        if !self.is_pending() {
+            return false;
+        }
+        let mut words = [0u32; 4];
+        words.iter_mut().zip(&self.request).for_each(|(to, from)| *to = from.load(Ordering::Relaxed));
+        let [s0, s1, l0, l1] = words.map(u64::from);
+        let (start, length) = (f64::from_bits(s1 << 32 | s0), f64::from_bits(l1 << 32 | l0));
+        // A comparison that is false for what is not a number: that is mode 1 from its start.
+        if length > 0.0 || length < 0.0 {
+            let [from, to] = [start, start + length].map(|at| ProgramDistance::from_mm(at / TENTHS));
+            let mut elements = contour.elements(from, to).filter_map(Result::ok);
+            self.fill(|_| elements.next());
+        } else {
+            let first = start as u32;
+            self.fill(|i| contour.logged(first.checked_add(i)?));
+        }
+        self.semaphore.store(0, Ordering::Release);
+        true
+    }
+
+    fn fill(&self, mut next: impl FnMut(u32) -> Option<Entry>) {
+        for (i, slot) in (0..).zip(&self.block) {
+            slot.set(next(i).unwrap_or_default().to_words());
+        }
+    }
+
+    /// For the PLC: block `i` of the response; `None` while the request is pending and for no such block.
+    pub fn response(&self, i: usize) -> Option<Entry> {
+        if self.is_pending() {
+            return None;
+        }
+        self.block.get(i).map(|slot| Entry::of_words(slot.get()))
+    }
+
+    /// Blocks of the response, up to the first unused one.
+    pub fn blocks(&self) -> impl Iterator<Item = Entry> {
+        (0..BLOCKS).map_while(|i| self.response(i)).take_while(|entry| entry.block_type != BlockType::None)
+    }
+
+    /// State of the unit, of this moment.
+    pub fn state(contour: &ContourReader<'_>) -> UnitState {
+        let log = contour.log_state();
+        UnitState {
+            max_dist_prog_start: contour.reach().to_mm() * TENTHS,
+            count_logged_blocks: log.entries,
+            f_log_is_active: log.active,
+        }
+    }
+}
+
+impl<const BLOCKS: usize> Default for ControlUnit<BLOCKS> {
+    fn default() -> Self {
+        Self::new()
+    }
+}

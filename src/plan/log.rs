@@ -1,0 +1,106 @@
+//! What the PLC is told of the path ahead: each curve on its way into the look-ahead, and the commands between them.
+use super::Planning;
+use super::intake::{Entrance, Pass};
+use crate::contour_log::{Crowded, Passed, Recorder};
+use crate::nc::ContourLog;
+use crate::path::Piece;
+use crate::quantity::Position;
+
+impl<const AXES: usize, const BLOCKS: usize> Entrance<'_, '_, AXES, BLOCKS> {
+    /// The curve that was put into the queue last.
+    #[inline(never)]
+    pub(super) fn record(&mut self, element: &Piece<'_, AXES>, base: &[Position; AXES], pass: &Pass) {
+        let Some(recorder) = self.recorder else { return };
+        let Piece { shape, entry, exit, timed, .. } = *element;
+        let path = self.segments.end().to_bits();
+        let Pass { n, number, .. } = *pass;
+        recorder.pass(&Passed { shape, base, entry, exit, timed, n, number, path });
+    }
+}
+
+impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
+    /// The log from now on.
+    pub fn set_recorder(&mut self, mut recorder: Recorder<'q>) {
+        recorder.set_measure(self.measure);
+        recorder.start(self.queue.segments.end().to_bits());
+        self.intake.recorder = Some(recorder);
+    }
+
+    /// Whether there is a log.
+    pub fn has_recorder(&self) -> bool {
+        self.intake.recorder.is_some()
+    }
+
+    /// A program starts.
+    pub fn start_log(&mut self) {
+        let path = self.queue.segments.end().to_bits();
+        if let Some(recorder) = &mut self.intake.recorder {
+            recorder.start(path);
+        }
+    }
+
+    /// What was read ahead is forgotten, and the path is known up to where it will stand.
+    pub fn cut_log(&mut self) {
+        let path = self.queue.segments.end().to_bits();
+        if let Some(recorder) = &mut self.intake.recorder {
+            recorder.cut(path);
+        }
+    }
+
+    /// Commands get their place as soon as no motion block before them is on its way into the look-ahead.
+    pub fn settle_log(&mut self) {
+        use crate::smooth::Smoother;
+        if self.intake.held.is_none() && self.intake.smoothing.is_empty() {
+            let taken = self.intake.taken;
+            if let Some(recorder) = &mut self.intake.recorder {
+                recorder.settle(taken);
+            }
+        }
+    }
+
+    /// #CONTOUR LOOKAHEAD LOG CLEAR: the log is emptied at the standstill before the next motion block, and nothing is
+    /// taken in until then.
+    ///
+    /// # Errors
+    /// Too many commands wait for one motion block.
+    pub fn clear_log(&mut self, n: u32) -> Result<(), Crowded> {
+        self.log(n, ContourLog::Clear)
+    }
+
+    /// Whether CLEAR waits for the standstill. Only after [`super::Work::Hungry`].
+    pub fn waits_for_log(&mut self) -> bool {
+        let waits = self.intake.recorder.as_ref().is_some_and(Recorder::waits_for_rest);
+        if waits && self.is_at_rest() {
+            let taken = self.intake.taken;
+            if let Some(recorder) = &mut self.intake.recorder {
+                recorder.clear_at_rest(taken);
+            }
+            return false;
+        }
+        waits
+    }
+
+    /// A command of the log: behind the last motion block taken in. Only after [`super::Work::Hungry`].
+    ///
+    /// # Errors
+    /// Too many of them wait for one motion block.
+    pub fn log(&mut self, n: u32, log: ContourLog) -> Result<(), Crowded> {
+        self.let_go();
+        let taken = self.intake.taken;
+        self.intake.recorder.as_mut().map_or(Ok(()), |recorder| recorder.command(n, taken, log))?;
+        self.settle_log();
+        Ok(())
+    }
+
+    /// #DISTANCE PROG START CLEAR: behind the last motion block taken in. Only after [`super::Work::Hungry`].
+    ///
+    /// # Errors
+    /// Too many commands wait for one motion block.
+    pub fn clear_distance(&mut self, n: u32) -> Result<(), Crowded> {
+        self.let_go();
+        let taken = self.intake.taken;
+        self.intake.recorder.as_mut().map_or(Ok(()), |recorder| recorder.clear_distance(n, taken))?;
+        self.settle_log();
+        Ok(())
+    }
+}
