@@ -22,6 +22,7 @@
 //! | `knees`, `brief`, `worth` | knees within one tick; blocks within one tick; whether a corner is a standstill |
 //! | `plan` | which pass runs, and how much of it in a call |
 //! | `span`, `ease`, `valley` | which transitions are anchors; which of them go; which move into a slow block |
+//! | `run_out` | the end of an arc, as long as nobody knows whether the circle goes on |
 //! | `law` | the law of a span |
 //! | `pace` | what override and reduced speed make of the speed of a block |
 //! | `release` | what leaves the ring |
@@ -38,6 +39,7 @@ mod plan;
 mod planned;
 mod release;
 mod ring;
+mod run_out;
 mod span;
 mod valley;
 mod worth;
