@@ -23,13 +23,8 @@ pub(crate) struct RunOut {
 
 impl RunOut {
     /// None.
-    pub(super) const NONE: Self = Self {
-        lengths: [0; 2],
-        share: Share::WHOLE,
-        shared: false,
-        span: 0,
-        feeds: [f32::MAX, 0.0],
-    };
+    pub(super) const NONE: Self =
+        Self { lengths: [0; 2], share: Share::WHOLE, shared: false, span: 0, feeds: [f32::MAX, 0.0] };
 }
 
 impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
@@ -74,7 +69,9 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         if count < 2 || self.tail.known != Known::Block || self.tail.stop || self.tail.gate {
             return;
         }
-        let (Some(rest), Some(end)) = (self.blocks.get(count - 2), self.blocks.get(count - 1)) else { return };
+        let (Some(rest), Some(end)) = (self.blocks.get(count - 2), self.blocks.get(count - 1)) else {
+            return;
+        };
         if [rest.length, end.length] != before.lengths
             || turns.run_out < end.length
             || !end.is_continued()

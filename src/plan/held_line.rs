@@ -154,8 +154,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             let (shape, ends) = &stretch.line().parts();
             let (timed, bent, trades, flows, through) = (false, false, false, false, false);
             let (length, continued, entry, exit) = (shape.length, false, ends, ends);
-            let piece =
-                Piece { shape, length, continued, entry, exit, timed, bent, trades, flows, through };
+            let piece = Piece { shape, length, continued, entry, exit, timed, bent, trades, flows, through };
             entrance.push_here(&piece, limits, pass, (pass.number, *long), None);
         }
         self.intake.held.clear();
