@@ -1,5 +1,6 @@
-//! Random programs with every slope and method, against standstills, less tolerance and half the feed, as a table:
+//! Random programs with every slope and method, against standstills, less tolerance, half the feed and DEV, as a table:
 //! `cargo run --release -p host-tests --example never_slower -- FIRST LAST [METHOD …]`. 2,000 programs: 0 2000.
+//! With the word `show`, the program FIRST with the slope of number LAST and one method, and its times.
 use host_tests::never_slower::{Case, METHODS, SLOPES, Worst};
 
 fn main() {
@@ -9,16 +10,22 @@ fn main() {
     let named =
         |method: &str| METHODS.iter().any(|name| words.iter().any(|word| word == name) && *name == method);
     let all = !METHODS.iter().any(|name| named(name));
-    println!("| slope | method | standstills | less tolerance | half the feed | refused |");
-    println!("|---|---|---:|---:|---:|---:|");
+    if words.iter().any(|word| word == "show") {
+        for method in METHODS.into_iter().filter(|method| named(method)) {
+            println!("{}", Case::new(first).show(last as usize, method));
+        }
+        return;
+    }
+    println!("| slope | method | standstills | less tolerance | half the feed | DEV | refused |");
+    println!("|---|---|---:|---:|---:|---:|---:|");
     for (slope, (name, ..)) in SLOPES.iter().enumerate() {
         for (method, on) in METHODS.iter().enumerate().filter(|(_, on)| all || named(on)) {
             let mut worst = Worst::default();
             for seed in first..last {
                 Case::new(seed).measure(seed, slope, method, &mut worst);
             }
-            let [a, b, c] = worst.quotients.map(|(quotient, seed)| format!("{quotient:.3} ({seed})"));
-            println!("| {name} | {on} | {a} | {b} | {c} | {} |", worst.refused);
+            let [a, b, c, d] = worst.quotients.map(|(quotient, seed)| format!("{quotient:.3} ({seed})"));
+            println!("| {name} | {on} | {a} | {b} | {c} | {d} | {} |", worst.refused);
         }
     }
 }

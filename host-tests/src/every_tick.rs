@@ -83,6 +83,8 @@ pub enum Path {
     Arcs,
     /// Lines with a rotary axis, which also moves alone.
     Rotary,
+    /// Circles of several turns, whole and in halves, with lines between.
+    Circles,
 }
 
 /// A path in one form of contour mode.
@@ -101,7 +103,7 @@ const fn case(name: &'static str, path: Path, contour: &'static str) -> Case {
 }
 
 /// Paths with contour mode off and on, with curves over length and over time.
-pub const CASES: [Case; 17] = [
+pub const CASES: [Case; 18] = [
     case("chords", Path::Chords(280), ""),
     case("chords-dev", Path::Chords(280), "DEV PATH_DEV=0.02"),
     case("chords-ptp", Path::Chords(280), "PTP PATH_DEV=0.02"),
@@ -110,6 +112,7 @@ pub const CASES: [Case; 17] = [
     case("corners-ptp", Path::Corners, "PTP PATH_DEV=0.1"),
     case("corners-soft", Path::Corners, "DIST_SOFT PATH_DIST=1"),
     case("arcs", Path::Arcs, ""),
+    case("circles", Path::Circles, ""),
     case("arcs-dev", Path::Arcs, "DEV PATH_DEV=0.05"),
     case("rotary", Path::Rotary, ""),
     case("rotary-dev", Path::Rotary, "DEV PATH_DEV=0.1 TRACK_DEV=0.5"),
@@ -159,6 +162,7 @@ impl Path {
             Self::Corners => 24,
             Self::Arcs => 24,
             Self::Rotary => 24,
+            Self::Circles => 18,
         }
     }
 
@@ -205,6 +209,24 @@ impl Path {
                         writeln!(text, "N{} {word} X{:.3} I{radius}", 30 * k + 20, x + 4.0 + 2.0 * radius);
                     let _ = writeln!(text, "N{} G01 Y{:.3}", 30 * k + 30, [-5.0, 4.0][k % 2]);
                     x += 4.0 + 2.0 * radius;
+                }
+            }
+            Self::Circles => {
+                let mut x = 0.0_f64;
+                for k in 0..blocks / 6 {
+                    let (n, radius, feed) = (60 * k, [1.0, 3.0, 0.6][k % 3], [20_000, 9000][k % 2]);
+                    let word = ["G02", "G03"][k % 2];
+                    x += 4.0;
+                    let _ = writeln!(text, "N{} G01 X{x} F{feed}", n + 10);
+                    // Two turns and three, and of those behind them a half.
+                    for turn in 0..2 + k % 2 {
+                        let _ = writeln!(text, "N{} {word} X{x} I{radius} F{feed}", n + 20 + 10 * turn);
+                    }
+                    for half in 0..3 {
+                        let centre = if half % 2 == 0 { radius } else { -radius };
+                        x += 2.0 * centre;
+                        let _ = writeln!(text, "N{} {word} X{x:.3} I{centre}", n + 50 + 3 * half);
+                    }
                 }
             }
             Self::Rotary => {

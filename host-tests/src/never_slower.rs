@@ -32,11 +32,12 @@ pub struct Case {
     feed: f64,
 }
 
-/// The largest quotients of times: with standstills, with less tolerance, with half the feed.
+/// The largest quotients of times: with standstills, with less tolerance, with half the feed, with DEV (of Surface and
+/// the B-spline).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Worst {
     /// Each with its seed.
-    pub quotients: [(f64, u64); 3],
+    pub quotients: [(f64, u64); 4],
     /// Programs that were refused.
     pub refused: u64,
 }
@@ -106,13 +107,33 @@ impl Case {
         }
     }
 
+    /// Its text.
+    fn text(&self, slope: usize, on: &str, [feed, stops]: [f64; 2]) -> String {
+        let said = SLOPES[slope].2;
+        let exact = if stops > 0.0 { "G360\n" } else { "" };
+        format!("{said}G90 G01 F{:.3}\n{exact}{on}\n{}M30\n", self.feed * feed, self.body)
+    }
+
+    /// Its text with a method, and the times of all tolerances, feeds and of standstills, one a line.
+    pub fn show(&self, slope: usize, method: &str) -> String {
+        let mut shown = self.text(slope, &Self::on(method, self.tolerance), [1.0, 0.0]);
+        for feed in FEEDS {
+            let _ = writeln!(shown, "; feed {feed}: standstills {:?}", self.ticks(slope, "", [feed, 1.0]));
+            for part in TOLERANCES {
+                let ticks = self.ticks(slope, &Self::on(method, part * self.tolerance), [feed, 0.0]);
+                let _ = writeln!(shown, "; feed {feed}: PATH_DEV {:.4}: {ticks:?}", part * self.tolerance);
+            }
+        }
+        let axes = self.machine.axes.map(|axis| [axis.a_beschl, axis.tr_beschl_zu, axis.tr_geom]);
+        let _ = writeln!(shown, "; starts at {:?}, axes {axes:?}", self.start);
+        shown
+    }
+
     /// Its ticks; none where it is refused. `stops`: with a standstill at the end of every block.
     fn ticks(&self, slope: usize, on: &str, [feed, stops]: [f64; 2]) -> Option<f64> {
-        let (_, number, said) = SLOPES[slope];
         let mut machine = self.machine;
-        machine.channel.slope_profile = number;
-        let exact = if stops > 0.0 { "G360\n" } else { "" };
-        let text = format!("{said}G90 G01 F{:.3}\n{exact}{on}\n{}M30\n", self.feed * feed, self.body);
+        machine.channel.slope_profile = SLOPES[slope].1;
+        let text = self.text(slope, on, [feed, stops]);
         let run = run_text::<3, 120>(&text, self.start, &machine, 1).ok()?;
         Some(run.trace.ticks() as f64)
     }
@@ -133,6 +154,12 @@ impl Case {
                 times[k] = ticks;
             }
             for (k, ticks) in times.into_iter().enumerate() {
+                if ["Surface", "B-spline"].contains(&METHODS[method])
+                    && let Some(dev) =
+                        self.ticks(slope, &Self::on("DEV", TOLERANCES[k] * self.tolerance), [feed, 0.0])
+                {
+                    worst.take(3, (ticks - 2.0) / dev, seed);
+                }
                 // Two ticks of short programs are no fault.
                 let ticks = ticks - 2.0;
                 worst.take(0, ticks / stops, seed);

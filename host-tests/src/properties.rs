@@ -164,20 +164,21 @@ pub fn verify<const AXES: usize, const BLOCKS: usize>(
     if planned != contour.elements.len() {
         return Err(fault(format!("{planned} blocks planned, {} move", contour.elements.len())));
     }
-    plan_is_consistent(&run, program.optimised).map_err(fault)?;
+    let turns = contour.elements.iter().any(|element| matches!(element.shape, Shape::Arc { .. }));
+    plan_is_consistent(&run, program.optimised || turns).map_err(fault)?;
     Ok(Verdict { run, contour, peaks, course })
 }
 
 /// Blocks follow each other in order, each starts at the speed at which the last one ended, and their
-/// durations and waits add up to the ticks of the motion. `optimised`: they may end within a block.
-fn plan_is_consistent(run: &Run, optimised: bool) -> Result<(), String> {
+/// durations and waits add up to the ticks of the motion. `within`: they may end within a block.
+fn plan_is_consistent(run: &Run, within: bool) -> Result<(), String> {
     let mut v = Speed::ZERO;
     let mut n = 0;
     let mut time = 0;
     let mut first = 0;
     for (i, block) in run.blocks.iter().enumerate() {
-        // NO_OPT=0: in the block where the one before ends.
-        let goes_on = optimised && block.block + 1 == first && block.n >= n;
+        // NO_OPT=0, and arcs behind two turns: in the block where the one before ends.
+        let goes_on = within && block.block + 1 == first && block.n >= n;
         if !goes_on && (block.block != first || block.n <= n) {
             return Err(format!("block {i} says it is {} with N{} after N{n}", block.block, block.n));
         }

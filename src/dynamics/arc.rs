@@ -58,10 +58,10 @@ const LONG: usize = 2;
 /// Times that differ by less are one: the higher speed is taken.
 const CLEARLY: f32 = 1.0 - 1.0 / 4096.0;
 /// Radians that count as two turns, and the most.
-const TWO_TURNS: f32 = 4.0 * PI;
-const MOST_TURNS: f32 = 64.0 * PI;
+pub(super) const TWO_TURNS: f32 = 4.0 * PI;
+pub(super) const MOST_TURNS: f32 = 64.0 * PI;
 /// Angles that differ by less than that part are one.
-const NEARLY: f32 = 1.001;
+pub(super) const NEARLY: f32 = 1.001;
 
 /// A circle in the plane of two axes, and what they permit.
 pub(super) struct Bend {

@@ -26,6 +26,7 @@ mod permitted;
 mod polynomial;
 mod stopping;
 mod transition;
+mod turns;
 mod vector;
 mod weights;
 
@@ -43,6 +44,7 @@ pub use permitted::Share;
 pub use polynomial::{Curving, Near, Steady};
 pub use stopping::{Braking, Passed};
 pub use transition::Passing;
+pub use turns::Turns;
 use vector::PathLimits;
 pub use vector::TooLow;
 pub use weights::Weights;
@@ -260,8 +262,14 @@ impl<const AXES: usize> Dynamics<AXES> {
     pub fn element(&self, element: &Element<AXES>, feed: Option<f32>) -> Permitted {
         match &element.circle {
             None => self.line(&element.entry.tangent, feed),
-            circle => self.permitted(&element.entry.tangent, circle, feed),
+            circle => self.arc(&element.entry.tangent, circle, feed),
         }
+    }
+
+    /// Limits of an arc.
+    #[inline(never)]
+    fn arc(&self, tangent: &[i64; AXES], circle: &Option<Circle>, feed: Option<f32>) -> Permitted {
+        self.permitted(tangent, circle, feed)
     }
 
     /// The same, to be kept until the element is taken in, and longer while it stays as it is.

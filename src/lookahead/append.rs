@@ -5,6 +5,7 @@ use super::knees::{Between, Knee};
 use super::pace::Slowest;
 use super::planned::Planned;
 use super::ring::{Known, Ring, Tail};
+use super::run_out::RunOut;
 use super::valley::SPARE;
 use super::worth::{Way, is_corner, quickest};
 use crate::dynamics::{Dynamics, Passing, Permitted, Share};
@@ -205,7 +206,7 @@ impl<const AXES: usize> Tail<AXES> {
             && last.bent == piece.bent
             && (!piece.bent || limits.are(before))
             && (!(last.through || piece.through) || passes())
-            && self.span + piece.shape.length.to_bits() < LONGEST_SPAN
+            && self.span + piece.length.to_bits() < LONGEST_SPAN
             && next.feed <= bought_at
             && (!next.bought || fastest_feed <= next.feed)
     }
@@ -235,7 +236,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         long: bool,
     ) {
         let (mut limits, share, mut override_range) = *permitted;
-        let distance = piece.shape.length.to_bits();
+        let distance = piece.length.to_bits();
         let length = to_f32(distance) * (1.0 / (1u64 << 44) as f32);
         let after_brief = self.tail.row.is_brief();
         // Of the block at 100 % at least: its limits hold for a higher level too.
@@ -258,6 +259,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         self.tail.span += distance;
         self.counts.spare = if limits.may_have_valleys() { self.depth / SPARE } else { 0 };
         self.tail.stop = false;
+        self.tail.run_out = RunOut::NONE;
         if self.blocks.is_empty() {
             self.tail.slowest = Slowest::NONE;
         }

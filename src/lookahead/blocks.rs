@@ -109,6 +109,13 @@ impl<const BLOCKS: usize> Blocks<BLOCKS> {
         self.places.get(at)
     }
 
+    /// The last block leaves.
+    pub fn pop_back(&mut self) -> Option<&Block> {
+        let last = self.len.checked_sub(1)?;
+        self.len = last;
+        self.places.get(self.place(last))
+    }
+
     /// All blocks in two parts, in their order.
     pub fn as_slices(&self) -> (&[Block], &[Block]) {
         let [front, back] = self.parts();

@@ -24,6 +24,7 @@
 //! | `knees`, `brief`, `worth` | speeds where several knees, or whole blocks, fall into one tick; whether the motion stops at a corner |
 //! | `plan` | which pass runs, and how much of it in a call |
 //! | `span`, `ease`, `valley` | which transitions are anchors; which anchors are removed; which move into a slow block |
+//! | `run_out` | the end of an arc, as long as nobody knows whether the circle goes on |
 //! | `law` | the speed profile of a span |
 //! | `pace` | the speed of a block under override and reduced speed |
 //! | `release` | which blocks leave the ring |
@@ -40,6 +41,7 @@ mod plan;
 mod planned;
 mod release;
 mod ring;
+mod run_out;
 mod span;
 mod valley;
 mod worth;

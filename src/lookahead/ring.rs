@@ -6,6 +6,7 @@ use super::brief::Row;
 use super::knees::Steps;
 use super::pace::Slowest;
 use super::planned::Planned;
+use super::run_out::RunOut;
 use crate::dynamics::Share;
 use crate::math::float::{max, min, to_bits};
 use crate::math::wide::mul_shift;
@@ -48,6 +49,8 @@ pub(super) struct Tail<const AXES: usize> {
     pub steps: Steps<AXES>,
     /// The lowest reduced speed of the last blocks.
     pub slowest: Slowest,
+    /// What the last block was cut off from.
+    pub run_out: RunOut,
 }
 
 /// What is known of the block before the next one.
@@ -99,6 +102,7 @@ impl<const AXES: usize> Tail<AXES> {
         row: Row::NONE,
         steps: Steps::NONE,
         slowest: Slowest::NONE,
+        run_out: RunOut::NONE,
     };
 }
 

@@ -89,6 +89,10 @@ pub struct Element<const AXES: usize> {
 #[derive(Clone, Copy)]
 pub(crate) struct Piece<'a, const AXES: usize> {
     pub shape: &'a Shape<AXES>,
+    /// Of the shape, or of a part of it.
+    pub length: Distance,
+    /// The shape of the piece before goes on.
+    pub continued: bool,
     pub entry: &'a End<AXES>,
     pub exit: &'a End<AXES>,
     /// Whether its path is time, not length.
@@ -117,7 +121,8 @@ impl<const AXES: usize> Element<AXES> {
         let flows = bounds.as_ref().is_some_and(Bounds::flows);
         let through = bounds.as_ref().is_some_and(Bounds::is_through);
         let bent = bounds.is_some() && !timed && !flows && !through;
-        Piece { shape, entry, exit, timed, bent, trades, flows, through }
+        let length = shape.length;
+        Piece { shape, length, continued: false, entry, exit, timed, bent, trades, flows, through }
     }
 }
 

@@ -86,7 +86,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             *self.intake.held =
                 HeldLine { is_held: true, long: false, curve: Curve::Arc(*element), limits: *limits, pass };
         } else {
-            self.entrance().0.push(element, limits, &pass, pass.number, Some(target));
+            self.entrance().0.push_arc(element, limits, &pass, pass.number, Some(target));
         }
     }
 
@@ -153,7 +153,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         if let Curve::Line(stretch) = curve {
             let (shape, ends) = &stretch.line().parts();
             let (timed, bent, trades, flows, through) = (false, false, false, false, false);
-            let piece = Piece { shape, entry: ends, exit: ends, timed, bent, trades, flows, through };
+            let (length, continued, entry, exit) = (shape.length, false, ends, ends);
+            let piece = Piece { shape, length, continued, entry, exit, timed, bent, trades, flows, through };
             entrance.push_here(&piece, limits, pass, (pass.number, *long), None);
         }
         self.intake.held.clear();
@@ -163,7 +164,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     fn pass_arc_on(&mut self) {
         let (mut entrance, held) = self.entrance();
         if let Curve::Arc(element) = &held.curve {
-            entrance.push(element, &held.limits, &held.pass, held.pass.number, None);
+            entrance.push_arc(element, &held.limits, &held.pass, held.pass.number, None);
         }
         self.intake.held.clear();
     }

@@ -107,12 +107,29 @@ impl<const AXES: usize, const BLOCKS: usize> Entrance<'_, '_, AXES, BLOCKS> {
             }
         };
         let Data { feed, n, number, stop, .. } = **data;
-        self.push(element, limits, &Pass { feed, n, number, stop }, *due, *end);
+        let pass = Pass { feed, n, number, stop };
+        match element.circle {
+            None => self.push(&element.piece(), limits, &pass, *due, *end),
+            Some(_) => self.push_arc(element, limits, &pass, *due, *end),
+        }
     }
 
     /// `end`: where it ends, if that is known.
     #[inline(never)]
     pub fn push(
+        &mut self,
+        piece: &Piece<'_, AXES>,
+        limits: &Permitted,
+        pass: &Pass,
+        due: u32,
+        end: Option<&[Position; AXES]>,
+    ) {
+        self.push_here(piece, limits, pass, (due, false), end);
+    }
+
+    /// An arc. Behind two turns of its circle it becomes two blocks.
+    #[inline(never)]
+    pub fn push_arc(
         &mut self,
         element: &Element<AXES>,
         limits: &Permitted,
@@ -120,7 +137,21 @@ impl<const AXES: usize, const BLOCKS: usize> Entrance<'_, '_, AXES, BLOCKS> {
         due: u32,
         end: Option<&[Position; AXES]>,
     ) {
-        self.push_here(&element.piece(), limits, pass, (due, false), end);
+        let mut piece = element.piece();
+        let turns = if self.ring.has_room_for_two() { self.dynamics.turns(element, pass.feed) } else { None };
+        let Some(turns) = turns else { return self.push(&piece, limits, pass, due, end) };
+        // What comes to the point before it is behind the curve before.
+        if !self.functions.are_open() {
+            self.ring.rejoin(&piece, pass.feed.is_none(), &turns, self.dynamics);
+        }
+        let length = piece.length.to_bits();
+        piece.length = Distance::from_bits(length - turns.run_out);
+        self.push(&piece, &turns.steady, &Pass { stop: false, ..*pass }, due, end);
+        let before = self.ring.before_run_out(turns.run_out);
+        piece.length = Distance::from_bits(turns.run_out);
+        (piece.entry, piece.continued) = (&element.exit, true);
+        self.push(&piece, &turns.end, pass, due, end);
+        self.ring.run_out(before);
     }
 
     /// Puts an element into queue and look-ahead, inline: of a line only what lines have is made.
@@ -135,17 +166,19 @@ impl<const AXES: usize, const BLOCKS: usize> Entrance<'_, '_, AXES, BLOCKS> {
     ) {
         let short = if self.dynamics.is_watched() { self.shorten(element, limits) } else { None };
         let limits = short.as_ref().unwrap_or(limits);
-        let gate = self.functions.before(due, self.segments.end(), self.actions);
-        let base = element.shape.base(self.entered);
-        // There is room: the caller asked.
-        let _ = self.segments.push(element.shape, &base, pass.n, pass.number);
-        #[cfg(feature = "plc")]
-        self.record(element, &base, pass);
-        match end {
-            Some(end) => *self.entered = *end,
-            None => element.shape.end(&base, self.entered),
+        if !element.continued {
+            let gate = self.functions.before(due, self.segments.end(), self.actions);
+            let base = element.shape.base(self.entered);
+            // There is room: the caller asked.
+            let _ = self.segments.push(element.shape, &base, pass.n, pass.number);
+            #[cfg(feature = "plc")]
+            self.record(element, &base, pass);
+            match end {
+                Some(end) => *self.entered = *end,
+                None => element.shape.end(&base, self.entered),
+            }
+            self.ring.before(gate);
         }
-        self.ring.before(gate);
         self.ring.push(element, limits, pass.feed, self.dynamics, long);
         self.dynamics.settle();
         if pass.stop {

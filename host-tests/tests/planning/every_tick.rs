@@ -120,6 +120,15 @@ fn a_hold_before_every_tick_on_chords_with_curves() {
 }
 
 /// A hold takes what the curve leaves on its own way: in the last ticks before a curve its slowing down goes on.
+/// Behind two turns of a circle an arc is two blocks, which become one where it goes on.
+#[test]
+fn a_hold_and_a_stall_before_every_tick_in_circles() {
+    for slope in ["TRAPEZ", "SIN2"] {
+        holds_mostly("circles", slope, [1.1, 1.3]);
+        stalls("circles", slope);
+    }
+}
+
 #[test]
 fn a_hold_before_every_tick_in_corners_with_curves() {
     holds("corners-soft", "TRAPEZ", 1.5);
@@ -219,5 +228,5 @@ fn the_judge_refuses_a_motion_that_breaks_off() {
     assert!(track.judge(&short).is_err());
     // Twelve programs, and two more for holds.
     let paths: Vec<_> = CASES.iter().map(|case| case.path).collect();
-    assert_eq!((CASES.len(), paths.iter().filter(|path| **path == paths[0]).count()), (17, 4));
+    assert_eq!((CASES.len(), paths.iter().filter(|path| **path == paths[0]).count()), (18, 4));
 }

@@ -54,7 +54,7 @@ impl<const AXES: usize> InForce<AXES> {
             },
             (None, true, _) => 800,
             (None, false, Mode::Rapid) => 0,
-            (None, false, Mode::Line | Mode::Unprogrammed { .. }) => 10,
+            (None, false, Mode::Line | Mode::Unprogrammed | Mode::UnprogrammedTold) => 10,
             (None, false, Mode::Clockwise) => 20,
             (None, false, Mode::Counterclockwise) => 30,
         }
