@@ -216,10 +216,9 @@ impl<const AXES: usize> Dynamics<AXES> {
         self.before = None;
     }
 
-    /// What an axis permits that moves alone, and its reduced speed (P-AXIS-00214). Weights and path limits of
-    /// the program do not count; a filter behind the axis does. The slope is that of
-    /// P-CHAN-00071, unless there is another one. `percent` of its acceleration, at most P-AXIS-00008; ramp
-    /// times stay.
+    /// Limits of an axis that moves alone, and its reduced speed (P-AXIS-00214). Weights and path limits of the program
+    /// do not act; a filter of the axis does. The slope is that of P-CHAN-00071 or `slope`. Its acceleration is
+    /// `percent` of the machine data, at most P-AXIS-00008; ramp times stay.
     pub fn single(
         &self,
         machine: &MachineData<AXES>,

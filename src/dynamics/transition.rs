@@ -119,9 +119,9 @@ impl<const AXES: usize> Dynamics<AXES> {
         if joint.is_weighted { joint.knee } else { min(joint.knee, TRANSITION_PART * joint.budget) }
     }
 
-    /// Highest speed at which the step of acceleration from one end to another one behind it stays inside the
-    /// transition's part of the jerk budget: with a block between both that takes less than a tick, steps at
-    /// its two ends are one.
+    /// Highest speed at which the step of acceleration from one end to a later one stays inside the transition's part
+    /// of the jerk budget. Between the two ends lies a block that takes less than a tick, so the steps at its ends show
+    /// as one.
     pub fn bending(&self, from: &End<AXES>, to: &End<AXES>, rapid: bool) -> f32 {
         let bends = from.curvature.iter().zip(&to.curvature);
         let square = self.axes.iter().zip(bends).fold(f32::MAX, |square, (axis, (c0, c1))| {
@@ -150,9 +150,9 @@ impl<const AXES: usize> Dynamics<AXES> {
         v * MARGIN
     }
 
-    /// Ticks that a straight line must take at least so that a knee at its end does not show if the end is
-    /// `off` (mm) beside where it should be: the knee is at most `off` over its length. Where that takes
-    /// long, it shows.
+    /// Shortest time of a straight line, in ticks, at which a knee at its end does not show although the end is `off`
+    /// (mm) from its exact place. The knee is at most `off` over the line's length. If that takes too long, the knee
+    /// shows.
     pub fn smoothing(&self, off: f32, rapid: bool) -> f32 {
         let least = self.axes.iter().fold(f32::MAX, |least, axis| min(least, axis.set(rapid).joint.budget));
         min(off / (SMOOTH * least), LONGEST_SMOOTHING)

@@ -29,10 +29,10 @@ impl Mean {
         Self { upper: pair(factor, length << SCALE), rest: 0, lower: pair(1 << SCALE, length) }
     }
 
-    /// The set point behind `y`, where the sum of the samples grows by `grows`, below 2^44.
+    /// The set point after `y`, where the sum of the samples grows by `grows`, below 2^44.
     ///
-    /// n·y + r = S + r′, with the remainders r of this set point and r′ of the last one: n·Δy = ΔS + 2r′ − r″
-    /// − r. The quotient is found in two steps: of the upper bits, then of what is left.
+    /// n·y + r = S + r′, with the remainders r of this set point and r′ of the last one: n·Δy = ΔS + 2r′ − r″ − r. The
+    /// quotient is found in two steps: of the upper bits, then of the remainder.
     #[inline(always)]
     pub fn follow(&mut self, grows: i64, y: i64) -> i64 {
         let ([factor, long], [last, before], [scale, length]) =

@@ -95,10 +95,11 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Lookahead<'a, AXES, BLOCKS> {
         *self.plan = Plan::NONE;
     }
 
-    /// Speeds are planned for another level; only before a plan begins. The first block is entered at the
-    /// speed `v_in`, and is planned to be entered at up to `most`, at least that: what an override takes may come back.
-    /// `false`, and nothing has changed, if `v_in` is too fast for a lower level. What was planned stays possible.
-    /// A lower level is complete with [`Self::complete_level`].
+    /// Plans the speeds for another override (`level`); call it only before a pass begins.
+    ///
+    /// The first block is entered at `v_in`, and planned to be entered at up to `most`, so that a speed taken by an
+    /// override may return. `false`, without any change, if `v_in` is too fast for a lower level. The old plan stays
+    /// possible. [`Self::complete_level`] completes a lower level.
     pub fn set_level(&mut self, level: f32, [v_in, most]: [Speed; 2]) -> bool {
         if level >= self.ring.level() {
             self.ring.raise(level);

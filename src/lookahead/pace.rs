@@ -204,9 +204,8 @@ impl Pace {
         self.reduce(span, max(v * part, slowest), slowest)
     }
 
-    /// The part of its planned speed at which a span with several feeds runs now, entered at the speed
-    /// `v_in`; `None` where the slowest of them is the limit instead: entered at another speed, the law is
-    /// not the one that keeps all of them.
+    /// The part of its planned speed at which a span with several feeds runs now, entered at the speed `v_in`. `None`
+    /// if the slowest feed is the limit instead: entered at another speed, the profile would not keep all feeds.
     pub fn stretch(&self, span: &ReleasedSpan, v_in: Speed) -> Option<f32> {
         if !span.is_uneven() || span.slow.ceiling < f32::MAX || self.reduced || self.is_capped(span) {
             return None;

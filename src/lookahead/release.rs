@@ -220,9 +220,9 @@ impl ReleasedSpan {
         self.blocks > 1 && self.limits.varies() && self.slow.shared < self.limits.v
     }
 
-    /// Its highest speed, if the law planned for it, over `length` from the speed `v_in` on, has reached that
-    /// at the distance `at` and does not slow down yet: all blocks from there up to its slowing down permit
-    /// it. Otherwise 0.
+    /// Highest speed of the span, if its planned profile, over `length` from the speed `v_in` on, has reached that
+    /// speed at the distance `at` and does not brake yet. All blocks from there to the braking permit that speed.
+    /// Otherwise 0.
     pub fn cruises(&self, length: i64, v_in: Speed, at: i64) -> f32 {
         let span = law::Span { length, limits: self.limits, kept: true };
         let law = law::Law::new(&span, v_in, self.v_out, true);

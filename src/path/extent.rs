@@ -67,9 +67,9 @@ impl<const AXES: usize> Element<AXES> {
         range.map(Some)
     }
 
-    /// How far an axis comes on a polynomial that begins at `from`, below and above: a coordinate beyond
-    /// `limits`, if it comes there, else its start. An extreme between the ends counts as beyond where the
-    /// hull of the part around it, a 64th of the curve or less, reaches beyond.
+    /// Range of an axis on a polynomial that begins at `from`: a coordinate beyond `limits`, if the axis goes there,
+    /// else its start. An extreme between the ends counts as beyond if the hull of the part around it, at most a 64th
+    /// of the curve, is beyond.
     pub fn bent_range(
         &self,
         axis: usize,

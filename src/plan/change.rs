@@ -47,7 +47,7 @@ impl Pending {
         self.lowers
     }
 
-    /// Whether it is another law for a span, not a start.
+    /// Whether the change is a new profile for a span, not a start.
     pub const fn is_command(&self) -> bool {
         self.before.span.is_some()
     }

@@ -10,16 +10,16 @@ use crate::slope::brake::SHORT;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct CommittedSpan {
     pub span: ReleasedSpan,
-    /// Path distance of its start, or of where it goes on after a standstill.
+    /// Path distance of the span's start, or of the place where it continues after a stop.
     pub start: Distance,
-    /// Its first tick, and the time from its start to it.
+    /// The first tick of the span, and the time from its start to that tick.
     pub first: u32,
     pub next: u64,
-    /// Ticks of rest behind it that have gone into the queue. Until it begins they are as many as the queue
-    /// holds, which has room for fewer than 2^32.
+    /// Ticks of dwell after the span that are in the queue. Until the dwell begins they are as many as the queue holds,
+    /// fewer than 2^32.
     pub rest: u32,
-    /// What its law was made with: speed at its start and at its end, the highest one permitted, the
-    /// operator's pace ([`crate::lookahead::Pace::key`]).
+    /// Conditions of the span's profile: speeds at its start and end, the highest permitted speed, and the operator's
+    /// pace ([`crate::lookahead::Pace::key`]).
     pub enters: Speed,
     pub leaves: Speed,
     pub limit: f32,
@@ -30,13 +30,13 @@ pub(super) struct CommittedSpan {
 }
 
 impl CommittedSpan {
-    /// It is released, at `start`.
+    /// The span leaves the look-ahead, at `start`.
     pub const fn begin(&mut self, start: Distance) {
         (self.start, self.rest) = (start, 0);
         self.released = self.span.v_in;
     }
 
-    /// It gets another law before it has begun: nothing of it is behind. `begins`: where it was released.
+    /// Prepares a new profile before the span has begun. `begins`: where the span was released.
     pub const fn restore(&mut self, begins: i64) {
         let end = self.end();
         (self.start, self.span.v_in) = (Distance::from_bits(begins), self.released);
@@ -45,16 +45,16 @@ impl CommittedSpan {
         (self.span.slow.ceiling, self.span.slow.cruise) = (f32::MAX, 0.0);
     }
 
-    /// What is left of it from the path distance `at` on may be as fast as the law planned for all of it,
-    /// where that cruises. `begins`: where it was released.
+    /// Notes whether the rest of the span from the path distance `at` on may be as fast as its planned profile, where
+    /// that cruises. `begins`: where the span was released.
     pub fn look(&mut self, begins: i64, at: i64) {
         let [length, at] = [self.end(), at].map(|x| x.wrapping_sub(begins));
         let known = self.span.checked.released() && at > 0 && self.span.is_uneven();
         self.span.slow.cruise = if known { self.span.cruises(length, self.released, at) } else { 0.0 };
     }
 
-    /// What is left of it, begun at the speed `v`, is below the law planned for all of it if it keeps that. `None`: not
-    /// known. `begins`: where it was released.
+    /// Conditions under which the rest of the span, begun at the speed `v`, stays below its planned profile; `None` if
+    /// they are not known. `begins`: where the span was released.
     #[inline(never)]
     pub fn go_on(&self, begins: i64, v: Speed) -> Option<GoingOn> {
         let [length, at] = [self.end(), self.start.to_bits()].map(|x| x.wrapping_sub(begins));
@@ -63,7 +63,7 @@ impl CommittedSpan {
         if known && is_long { self.span.go_on(length, self.released, at, v) } else { None }
     }
 
-    /// Its start, up to path distance `start`, is behind: it goes on there, at the speed `v_in`.
+    /// The motion has passed the span up to path distance `start`, and continues there at the speed `v_in`.
     pub fn begin_at(&mut self, start: i64, v_in: Speed) {
         let left = self.end().wrapping_sub(start);
         self.start = Distance::from_bits(start);
@@ -118,7 +118,7 @@ pub(super) struct CommittedSpans {
 }
 
 impl CommittedSpans {
-    /// None; all bits zero.
+    /// No spans; all bits zero.
     pub const fn new() -> Self {
         let blank = CommittedSpan {
             span: ReleasedSpan::BLANK,
@@ -144,17 +144,17 @@ impl CommittedSpans {
         self.len
     }
 
-    /// Apart from one slot for a way to a standstill in reserve.
+    /// Whether only the slot for the reserve is free.
     pub const fn is_full(&self) -> bool {
         self.len >= SLOTS - 1
     }
 
-    /// Path distance at which the one `k` behind the front was released.
+    /// Path distance at which span `k`, counted from the front, was released.
     pub fn begins(&self, k: usize) -> i64 {
         k.checked_sub(1).and_then(|before| self.get(before)).map_or(self.begins, CommittedSpan::end)
     }
 
-    /// Those from the one `k` behind the front on get other laws before they have begun.
+    /// Prepares new profiles for span `k` and all later ones, none of which has begun.
     pub fn restore_from(&mut self, k: usize) {
         let mut begins = self.begins(k);
         for k in k..self.len {
@@ -164,19 +164,19 @@ impl CommittedSpans {
         }
     }
 
-    /// The one `k` behind the front.
+    /// Span `k`, counted from the front.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn get(&self, k: usize) -> Option<&CommittedSpan> {
         if k < self.len { self.slots.get(behind(self.front, k)) } else { None }
     }
 
-    /// The one `k` behind the front, to change it.
+    /// Span `k`, counted from the front, to change it.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn get_mut(&mut self, k: usize) -> Option<&mut CommittedSpan> {
         if k < self.len { self.slots.get_mut(behind(self.front, k)) } else { None }
     }
 
-    /// The slot behind the last one, for the next one; it counts after [`Self::push`].
+    /// The free slot after the last span; it is used after [`Self::push`].
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn spare(&mut self) -> Option<&mut CommittedSpan> {
         if self.len == SLOTS { None } else { self.slots.get_mut(behind(self.front, self.len)) }
@@ -201,12 +201,12 @@ impl CommittedSpans {
         }
     }
 
-    /// Those from the one `k` behind the front on.
+    /// Span `k` and all later ones.
     pub fn from(&mut self, k: usize) -> impl Iterator<Item = &mut CommittedSpan> {
         self.among(k, self.len)
     }
 
-    /// Those from the one `from` behind the front to before the one `to` behind it.
+    /// The spans `from` to `to`, without `to`, counted from the front.
     pub fn among(&mut self, from: usize, to: usize) -> impl Iterator<Item = &mut CommittedSpan> {
         let (front, to) = (self.front, to.min(self.len));
         let slots = self.slots.iter_mut().enumerate();

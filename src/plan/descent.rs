@@ -41,7 +41,7 @@ pub(super) struct Descent {
 }
 
 impl Descent {
-    /// None yet.
+    /// No descent.
     pub fn none() -> Self {
         Self::inside(Brake::default())
     }
@@ -147,7 +147,7 @@ impl Stretch {
         matches!(self.limits.law, SlopeLaw::Stepped { .. }) || decel <= self.entered().a_down
     }
 
-    /// Its limits, for a slowing down that comes through its start.
+    /// Limits of the span for a braking that comes through its start.
     pub fn entered(&self) -> Limits {
         Limits { a_down: self.limits.a_down * self.passing, ..self.limits }
     }

@@ -49,7 +49,7 @@ const fn reaches(number: u32, other: u32) -> bool {
 }
 
 impl Functions {
-    /// None; all bits zero.
+    /// No functions; all bits zero.
     pub const fn new() -> Self {
         Self { entries: Vec::new(), gates: Vec::new(), last: 0, sequence: 0 }
     }
@@ -137,8 +137,7 @@ impl Functions {
         gate != 0 && self.gates.push(gate).is_ok()
     }
 
-    /// Everything taken in ends at `distance`, behind `number` motion blocks; whether the motion is to wait
-    /// there.
+    /// All blocks taken in end at `distance`, after `number` motion blocks. Returns whether the motion waits there.
     pub fn at_end(&mut self, number: u32, distance: Distance, queue: &mut Scheduler<'_>) -> bool {
         self.place(number, distance, queue);
         self.last != 0

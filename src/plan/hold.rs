@@ -20,7 +20,7 @@ use super::{Commands, Control, Distance, Instant, KEPT_FREE, Planning, RingStage
 use crate::queue::{Change, Cut, PHASES};
 use crate::smooth::Smoother;
 
-/// Ticks from a command to the change: what the planner may take for the new law.
+/// Ticks from a command to the change: the time in which the planner makes the new profile.
 pub const REACTION: u32 = 4;
 
 /// Ticks before the start of a motion from which on another law for it is handed over: a dwell may be before
@@ -41,7 +41,7 @@ pub(super) const NOTHING: i64 = 1 << 10;
 pub(super) struct Mode {
     /// There is something to do for the commands, or to be told.
     pub(super) busy: bool,
-    /// Laws lead to a standstill.
+    /// The profiles lead to a stop.
     pub stopping: bool,
     /// Laws in the queue may have been made for another pace.
     pub(super) adjusting: bool,
@@ -75,7 +75,7 @@ impl Mode {
         slowed: Speed::ZERO,
     };
 
-    /// From a standstill that was no command; what the commands are is to be looked at.
+    /// The state after a stop that no command asked for: the commands are to be read again.
     pub const AGAIN: Self = Self { busy: true, uneven: true, ..Self::RUN };
 
     /// A way to a standstill is handed out.
@@ -83,7 +83,7 @@ impl Mode {
         self.standing
     }
 
-    /// A way to a standstill is made behind the law with the emitter, whatever the commands are.
+    /// The same state, and a stop is made after the profile with the emitter, whatever the commands are.
     pub const fn stop(self) -> Self {
         Self { busy: true, stopping: true, uneven: true, halting: self.halting, ..Self::RUN }
     }

@@ -57,7 +57,7 @@ pub(super) struct Pass {
     pub n: u32,
     /// Motion blocks before it.
     pub number: u32,
-    /// It ends in an exact stop.
+    /// Whether the block ends in an exact stop.
     pub stop: bool,
 }
 
@@ -375,8 +375,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         Ok(())
     }
 
-    /// The motion of the line at hand is not taken in: the functions that were to come before it are not put
-    /// out.
+    /// Drops the motion of the current line: functions that were to come before it are not put out.
     pub fn drop_motion(&mut self) {
         self.functions.drop_unsettled(self.queue.control);
     }
@@ -453,12 +452,12 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         self.intake.smoothing.rounds()
     }
 
-    /// What is to be said about the curve that the last motion led to.
+    /// The warning about the curve of the last motion, once.
     pub fn remark(&mut self) -> Option<NcWarningKind> {
         self.intake.smoothing.remark()
     }
 
-    /// What is still to be said when all is done, and at which block.
+    /// The last warning when all is done, and its block.
     pub fn last_remark(&mut self) -> Option<(NcWarningKind, Place)> {
         let kind = self.remark()?;
         Some((kind, self.intake.smoothing.place().unwrap_or_default()))
@@ -470,8 +469,8 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         self.intake.smoothing.cancel();
     }
 
-    /// What is held back is to run with the dynamics in force, before they change: the corner at its end keeps its
-    /// point. `false`: nothing is held back. Only after [`super::Work::Hungry`].
+    /// Plans the blocks that are held back with the dynamics in force, before these change; the corner at the end stays
+    /// sharp. `false`: no block is held back. Call it only after [`super::Work::Hungry`].
     pub fn end_row(&mut self) -> bool {
         self.let_go();
         if !self.intake.smoothing.holds() {

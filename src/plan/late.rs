@@ -50,7 +50,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         low && self.supply.low >= SOON
     }
 
-    /// Goes on without a next block. Only after [`Work::Hungry`]. [`Work::Starved`] once for each standstill.
+    /// Continues without a next block. Call it only after [`Work::Hungry`]. Returns [`Work::Starved`] once for each
+    /// stop.
     pub fn go_without(&mut self) -> Work {
         let left = self.frontier.end.wrapping_sub(self.queue.clock.now());
         if left > clock::TICK * LOW {

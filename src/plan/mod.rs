@@ -71,7 +71,7 @@ enum RingStage {
     Releasing(usize),
 }
 
-/// What a call achieved.
+/// The result of a call.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Work {
     /// Something; there is more.
@@ -110,7 +110,7 @@ pub struct PlanningMemory<const AXES: usize, const BLOCKS: usize> {
 }
 
 impl<const AXES: usize, const BLOCKS: usize> PlanningMemory<AXES, BLOCKS> {
-    /// Nothing is in it.
+    /// Empty memory.
     pub const fn new() -> Self {
         Self {
             lookahead: LookaheadMemory::new(),
@@ -259,13 +259,13 @@ struct Report {
     is_due: bool,
 }
 
-/// The time law of one motion block.
+/// The speed profile of one span of motion blocks.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct PlannedBlock {
-    /// Its first motion block, counted from 0 since the split.
+    /// The first motion block, counted from 0 since the split.
     pub block: u32,
-    /// How many begin in it.
+    /// Number of blocks that begin in the span.
     pub blocks: u32,
     /// Programmed N number of the first.
     pub n: u32,
@@ -279,7 +279,7 @@ pub struct PlannedBlock {
     pub v_out: Speed,
     /// Duration.
     pub time: Time,
-    /// Where it ends in a standstill: time from there to the tick at which the next motion may begin.
+    /// If the span ends in a stop: time from there to the tick at which the next motion may begin.
     pub wait: Time,
 }
 
@@ -341,7 +341,7 @@ const KEPT_FREE: u32 = PIECES + 2;
 const LONGEST_REST: u64 = 65_535;
 
 impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
-    /// At rest at `start`, in `memory`: nothing that was in it counts.
+    /// Planning of a machine that stands at `start`. Earlier contents of `memory` do not matter.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn new(
         memory: &'a mut PlanningMemory<AXES, BLOCKS>,
@@ -417,13 +417,13 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         }
     }
 
-    /// What the last call has cost for the search of a way down, in about 100 instructions of a Cortex-M4.
+    /// Cost of the last call's search for a stop, in about 100 instructions of a Cortex-M4.
     pub const fn searched(&self) -> u32 {
         self.orders.search.spent()
     }
 
-    /// Demands a standstill after the blocks taken in, and that many ticks of rest. The next [`Work::Hungry`]
-    /// comes when all of it is in the queue.
+    /// Demands a stop after the blocks taken in, and that many ticks of dwell. The next [`Work::Hungry`] comes when all
+    /// of it is in the queue.
     pub fn rest(&mut self, ticks: u64) {
         self.task.flush = true;
         self.task.rest = ticks;

@@ -42,7 +42,7 @@ const LAWS: u32 = 1;
 /// What the interrupt will go on with.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Way {
-    /// Its first instant, and the one at which it stands.
+    /// The first instant of the stop, and the instant at which the axes stand.
     pub at: u32,
     end: u32,
     /// Path distance where it stands.
@@ -71,8 +71,7 @@ pub(super) struct Reserve {
     pub aside: Option<Aside>,
     /// New pieces that count when it is complete.
     pub pending: Option<Pending>,
-    /// The span that got another law so, and whether what is still in the look-ahead begins slower for it; the last of
-    /// them was taken back; the next one waits for a plan of the look-ahead.
+    /// The span that got another profile for the stop, and whether the rest of the look-ahead begins slower for it.
     pub changed: Option<(usize, bool)>,
     pub undone: bool,
     pub waits: bool,
@@ -88,10 +87,10 @@ pub(super) struct Reserve {
     /// new one is made.
     waited: u32,
     pub near: u32,
-    /// There was no room for the one that begins there; the motion is slower for that, and nobody knows yet.
+    /// A stop that begins there found no room; the motion is slower for that, and this is not reported yet.
     pub failed: Option<u32>,
     pub slowed: bool,
-    /// Path distance of the standstill, where spans up to there are still to be handed on.
+    /// Path distance of the stop, if spans up to there still have to leave the look-ahead.
     pub behind: Option<i64>,
 }
 
@@ -116,17 +115,17 @@ impl Reserve {
         }
     }
 
-    /// One is being made.
+    /// Whether a stop is being made.
     pub const fn is_made(&self) -> bool {
         self.aside.is_some()
     }
 
-    /// There is one.
+    /// Whether a stop lies ready.
     pub const fn is_kept(&self) -> bool {
         self.kept.is_some()
     }
 
-    /// A span that has a law is about to have another one.
+    /// Whether a span with a profile is about to get another one.
     pub fn renews_law(&self) -> bool {
         self.pending.as_ref().is_some_and(Pending::is_command)
     }
@@ -141,7 +140,7 @@ impl Reserve {
         self.kept.is_some_and(|way| way.as_planned && way.end.wrapping_sub(way.at) == clock::TICK)
     }
 
-    /// The way being made goes on there.
+    /// The stop that is being made continues there.
     pub const fn go_on_at(&mut self, next: usize, distance: i64) {
         (self.next, self.distance) = (next, Distance::from_bits(distance));
     }
@@ -151,7 +150,7 @@ impl Reserve {
         (self.failed, self.waits) = (None, false);
     }
 
-    /// The way being made ends there.
+    /// The stop that is being made ends there.
     pub const fn stand_at(&mut self, distance: i64) {
         self.stands = Some(distance);
     }

@@ -92,7 +92,7 @@ pub(super) struct Search {
 impl Search {
     const NO_MOTION: Instant = Instant { distance: 0, speed: 0, accel: 0 };
 
-    /// None.
+    /// No search.
     pub const fn none() -> Self {
         Self {
             k: 0,
@@ -115,7 +115,7 @@ impl Search {
         self.spent.set(self.spent.get().saturating_add(costs));
     }
 
-    /// The same in a round, up to so much of all. `None`: that is not enough.
+    /// Spends work in a round, up to `most` of all. `None`: the work does not suffice.
     pub fn spend_up_to(&self, most: u32, costs: u32) -> Option<()> {
         self.spend(costs);
         (self.spent() <= most).then_some(())
@@ -126,28 +126,28 @@ impl Search {
         (self.spent, self.goes_on) = (Cell::new(0), false);
     }
 
-    /// It goes on in the next call.
+    /// Whether the search goes on in the next call.
     pub const fn goes_on(&self) -> bool {
         self.goes_on
     }
 
-    /// There is none.
+    /// Drops the search.
     pub const fn forget(&mut self) {
         (self.motion, self.paused, self.skips) = (Self::NO_MOTION, None, false);
     }
 
-    /// It goes on in the next call, for a change at the instant `at`; `later`: the first span that begins behind it.
-    /// `skips`: the way begins with that span.
+    /// Pauses the search until the next call, for a change at the instant `at`. `later`: the first span that begins
+    /// after it. `skips`: the stop begins with that span.
     pub const fn pause(&mut self, (at, later): (u32, usize), skips: bool) {
         (self.paused, self.skips) = (Some((at, later)), skips);
     }
 
-    /// Whether the way looked for begins with the next span.
+    /// Whether the stop begins with the next span.
     pub const fn skips(&mut self) -> bool {
         core::mem::replace(&mut self.skips, false)
     }
 
-    /// What this call has cost.
+    /// Cost of this call.
     pub const fn spent(&self) -> u32 {
         self.spent.get()
     }

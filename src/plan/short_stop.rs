@@ -93,7 +93,7 @@ pub(super) struct Short {
 }
 
 impl Short {
-    /// None.
+    /// No search.
     pub const NONE: Self =
         Self { ends: [0; 2], way: 0.0, slows: false, rounds: Rounds::NONE, stands: Err(No::Law) };
 

@@ -49,7 +49,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         self.intake.travel.line(&self.intake.programmed, &to)
     }
 
-    /// What an axis permits that moves alone: [`crate::dynamics::Dynamics::single`].
+    /// Limits of an axis that moves alone ([`crate::dynamics::Dynamics::single`]).
     pub fn single(
         &self,
         axis: usize,
@@ -70,12 +70,12 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         self.queue.control.commands()
     }
 
-    /// Where a curve was refused for a software limit, once.
+    /// Place at which a curve was refused for a software limit, once.
     pub fn take_refused(&mut self) -> Option<(Place, Beyond)> {
         self.intake.refused.take()
     }
 
-    /// There is nothing that an abort could end.
+    /// Drops an abort: nothing moves that it could end.
     pub fn forget_abort(&mut self) {
         if self.queue.control.commands().abort {
             self.queue.control.aborted();
@@ -96,7 +96,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         self.lookahead.ring.forget_exit();
     }
 
-    /// Behind a plan that failed: what was taken in is forgotten.
+    /// Drops the blocks taken in, after a plan that failed.
     pub fn drop_ahead(&mut self) {
         self.forget_ahead();
         (self.task.flush, self.task.rest) = (false, 0);

@@ -20,7 +20,7 @@ pub(super) struct Turning {
 }
 
 impl Turning {
-    /// None.
+    /// No turn.
     pub const NONE: Self =
         Self { centre: [Position::ZERO; 2], plane: Plane::G17, clockwise: false, behind: 0, turn: 0.0 };
 

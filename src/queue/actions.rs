@@ -106,10 +106,10 @@ impl Scheduler<'_> {
         (ACTIONS as u32).wrapping_sub(put.wrapping_sub(self.0.taken.load(Ordering::Acquire)))
     }
 
-    /// Puts an action in, at or behind the point of the last one.
+    /// Appends an action, at or after the point of the last one.
     ///
     /// # Errors
-    /// The action back if there is no room.
+    /// There is no room; the error returns the action.
     pub fn push(&mut self, placed: PlacedAction) -> Result<(), PlacedAction> {
         if self.room() == 0 {
             return Err(placed);
@@ -139,9 +139,8 @@ impl Scheduler<'_> {
         Some(unsafe { (*self.0.record(number)).distance })
     }
 
-    /// Takes back the actions from the one with this number on, none of which is due or will be. Before
-    /// others are put in their place a tick at hand that may look at them has to end
-    /// ([`super::Clock::settle`]).
+    /// Withdraws the actions from `number` on, none of which is due or will be. Before others take their place, the
+    /// current tick, which may look at them, has to end ([`super::Clock::settle`]).
     pub fn withdraw(&mut self, number: u32) {
         if self.0.put.load(Ordering::Relaxed).wrapping_sub(number) <= ACTIONS as u32 {
             self.0.put.store(number, Ordering::Release);

@@ -549,9 +549,8 @@ impl<'a, const AXES: usize> CurveProducer<'a, AXES> {
         }
     }
 
-    /// Curves handed on: the one the interrupt is on, and those before it. Where it stands at the end of all
-    /// of them it may be on the first one of the look-ahead; on its way to a standstill without the planner,
-    /// on a later one.
+    /// Number of curves that are released: the current one and those before it. At the end of all of them the interrupt
+    /// may be on the first curve of the look-ahead; in the reserve, on a later one.
     #[inline(always)]
     pub fn len(&self) -> u32 {
         let ahead = self.handed.wrapping_sub(self.taken()) as i32;

@@ -190,10 +190,10 @@ impl<'a, T: Slot, const N: usize, M: Memory> Producer<'a, T, N, M> {
         Some(unsafe { &*self.ring.slot(number).get() })
     }
 
-    /// Takes back the items from the one with this number on.
+    /// Withdraws the items from `number` on.
     ///
-    /// The caller knows that the consumer cannot reach them, and lets a tick at hand end that may look at
-    /// them ([`super::Clock::settle`]) before it puts others in their place.
+    /// The caller knows that the consumer cannot reach them. Before others take their place, the caller waits for the
+    /// current tick, which may look at them ([`super::Clock::settle`]).
     pub fn withdraw(&mut self, number: u32) {
         if self.count().wrapping_sub(number) <= N as u32 {
             self.ring.put.store(number, Ordering::Release);

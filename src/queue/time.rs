@@ -113,13 +113,13 @@ impl Change {
         is_ahead || pieces.taken().wrapping_sub(self.first) as i32 > 0
     }
 
-    /// The new pieces count from the instant `at` on, and with them the way being written, which holds at the
-    /// instant `way`; no way where they end at rest. At each tick one of both ways is in force: the new one holds
-    /// behind the cut and only there, and the old one goes when the cut is known to be in time.
+    /// Puts the new pieces in force from the instant `at` on, and with them the new reserve, which holds at the instant
+    /// `way`; there is none if the pieces end in a stop. At each tick one of the two reserves is in force: the new one
+    /// after the change only, the old one until the change is known to be in time.
     ///
     /// # Errors
-    /// The cut is too late, or the interrupt has gone on with the old way. Barrier and new pieces are taken back; all
-    /// is as before.
+    /// The change is too late, or the interrupt uses the old reserve. End marker and new pieces are withdrawn; nothing
+    /// changes.
     pub fn hand_over<M: Memory, const N: usize>(
         self,
         at: u32,

@@ -248,11 +248,11 @@ impl Single {
         self.shown || matches!((self.goal, self.laying), (Goal::Rest, None))
     }
 
-    /// Moves `axis`, which stands at `from`, to `target`. `obeys`: the override counts. `false` if the axis
-    /// cannot be that fast: then it is as fast as it can.
+    /// Moves `axis`, which stands at `from`, to `target`. `obeys`: the override acts. Returns `false` if the axis
+    /// cannot be that fast; it then moves as fast as it can.
     ///
     /// # Errors
-    /// [`Unplannable`]: it would take too long.
+    /// [`Unplannable`]: the motion would take too long.
     pub fn go(
         &mut self,
         axis: u8,

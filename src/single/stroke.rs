@@ -17,7 +17,7 @@ const PIECES_OF_SLOPES: u64 = 6;
 /// What the limits lose by their rounding, and a law gains in time: less than this part.
 const ROUNDING: u64 = 1 << 17;
 
-/// The law over `length` (2^-44 mm) inside `limits`.
+/// Makes the speed profile over `length` (2^-44 mm) inside `limits`.
 ///
 /// # Errors
 /// [`Unplannable`]: a defect, or a stroke of more than 2^27 ticks.
@@ -58,11 +58,11 @@ const fn cruise(profile: &Profile) -> u64 {
     profile.cruise.div_ceil(TICK).div_ceil(65_535)
 }
 
-/// Makes the law, slower as long as its slopes have too many pieces; the speed it was made for.
+/// Makes the profile, slower as long as its ramps have too many pieces. Returns the speed it was made for.
 ///
 /// # Errors
-/// As [`plan`], and [`Unplannable::TooSlow`] if it has too many pieces between its slopes: more than about
-/// 196 000 ticks with SIN2, 1 900 000 with the other slopes.
+/// As [`plan`], and [`Unplannable::TooSlow`] if too many pieces lie between the ramps: more than about 196 000 ticks
+/// with SIN2, 1 900 000 with the other slopes.
 pub fn plan_short(profile: &mut Profile, length: i64, limits: &Limits) -> Result<f32, Unplannable> {
     let mut limits = *limits;
     plan(profile, length, &limits)?;

@@ -226,9 +226,9 @@ impl Brake {
         }
     }
 
-    /// The speed that the law, whose parts are in `profile`, must have come down to, mm/tick, for v + a²/2j ≤
-    /// `most` from there on, where `a_most` = √(2·j·`most`). Its own jerks are no higher than j: while a
-    /// deceleration rises that sum does not grow, so the speed before it may stand for it; later it falls.
+    /// The speed to which the profile, whose parts are in `profile`, must have braked, mm/tick, so that v + a²/2j ≤
+    /// `most` from there on, where `a_most` = √(2·j·`most`). Its own jerks are at most j. While a deceleration rises,
+    /// that sum does not grow, so the speed before may replace it; later the sum falls.
     pub fn trade(&self, profile: &Profile, most: f32, a_most: f32) -> f32 {
         let j = a_most * a_most / (2.0 * max(most, f32::MIN_POSITIVE));
         let down = &profile.down;

@@ -297,9 +297,9 @@ impl Limits {
         LOOSE * self.v
     }
 
-    /// Those of a way to a standstill with these decelerations and jerks, at its begin and at its end: with STEP the
-    /// second deceleration from the speed `lower` on. An acceleration falls with the mean jerk `ends`, if that is
-    /// more. Its ramps are linear.
+    /// Limits of a stop with these decelerations and jerks, at its start and at its end. With STEP the second
+    /// deceleration acts from the speed `lower` on. An acceleration falls with the mean jerk `ends`, if that is more.
+    /// The ramps are linear.
     pub fn braked(&self, [above, below]: [f32; 2], lower: f32, jerks: [f32; 2], ends: f32) -> Self {
         let mut limits = *self;
         match &mut limits.law {

@@ -44,7 +44,7 @@ pub struct Alternating<const AXES: usize> {
 }
 
 impl<const AXES: usize> Alternating<AXES> {
-    /// On, with contour mode as [`settings`] says.
+    /// A smoother with contour mode as [`settings`] gives it.
     #[inline(always)]
     pub const fn new(measure: Measure, rules: Rules, settings: Settings) -> Self {
         Self {
@@ -293,7 +293,7 @@ impl<const AXES: usize> Smoother<AXES> for Alternating<AXES> {
     }
 }
 
-/// Contour mode beside arcs; what the rules do not say is in `own`.
+/// Settings of contour mode beside arcs; `own` holds what the rules leave open.
 #[inline(never)]
 pub fn settings(rules: &Rules, own: &Settings) -> Settings {
     let [path, track] = [rules.path_dev, rules.track_dev]

@@ -43,7 +43,7 @@ pub struct Edged<const AXES: usize> {
 }
 
 impl<const AXES: usize> Edged<AXES> {
-    /// On, with these parameters.
+    /// A smoother with these parameters.
     #[inline(always)]
     pub fn new(measure: Measure, parameters: &Parameters) -> Self {
         Self {

@@ -6,7 +6,7 @@ use crate::quantity::Position;
 /// A block that waits, and what stands before it.
 pub type Waiting<const AXES: usize> = (ProgrammedBlock<AXES>, Parting);
 
-/// What is left of a line.
+/// The rest of a line.
 pub struct Rest<const AXES: usize> {
     line: Straight<AXES>,
     to: [Position; AXES],

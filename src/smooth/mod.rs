@@ -46,7 +46,7 @@ use contour::Preset;
 use spline::{DirectParameters, Start};
 use spline::{HscParameters, Mode};
 
-/// How a block was programmed, to make its rest anew.
+/// How a block was programmed, to make the rest of it again.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Form {
     /// Straight.
@@ -62,18 +62,18 @@ pub enum Form {
     },
 }
 
-/// What goes with a block.
+/// Data that go with a block.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Data {
     /// Feed, mm/min; rapid without.
     pub feed: Option<f32>,
     /// Programmed N number.
     pub n: u32,
-    /// Where it stands in the text.
+    /// Place of the block in the text.
     pub place: Place,
     /// Motion blocks before it.
     pub number: u32,
-    /// It ends in an exact stop.
+    /// Whether the block ends in an exact stop.
     pub stop: bool,
 }
 
@@ -91,32 +91,32 @@ impl Data {
 /// A block as it was programmed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ProgrammedBlock<const AXES: usize> {
-    /// Its curve.
+    /// The curve of the block.
     pub element: Element<AXES>,
-    /// Where that begins.
+    /// Start of the curve.
     pub from: [Position; AXES],
-    /// Where it ends.
+    /// End of the curve.
     pub to: [Position; AXES],
-    /// How it was programmed.
+    /// How the block was programmed.
     pub form: Form,
-    /// What goes with it.
+    /// Data of the block.
     pub data: Data,
 }
 
-/// An element on its way to the look-ahead.
+/// An element for the look-ahead.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Smoothed<'a, const AXES: usize> {
     /// The curve.
     pub element: &'a Element<AXES>,
-    /// Where it ends, if that is known: as its curve has it, to the last bit.
+    /// End of the element, if it is known, to the last bit.
     pub end: Option<&'a [Position; AXES]>,
-    /// What goes with it.
+    /// Data of its block.
     pub data: &'a Data,
     /// Set for a part of the curve in a corner.
     pub curving: Option<Curving>,
     /// Functions with no more motion blocks before them come before it.
     pub due: u32,
-    /// What it permits, if that is known already.
+    /// Limits of the element, if they are known already.
     pub known: Option<&'a Known>,
 }
 
@@ -129,7 +129,7 @@ fn middle<const AXES: usize>(from: &[Position; AXES], to: &[Position; AXES]) -> 
     middle
 }
 
-/// What stands between a block and the one before.
+/// What separates a block from the one before.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Parting {
     /// Nothing.
@@ -257,7 +257,7 @@ pub enum SplineError {
     FeedAxes,
 }
 
-/// Where a program stands when it switches a spline on.
+/// State of the program where it switches a spline on.
 #[derive(Clone, Copy, Debug)]
 pub struct Before<'a, const AXES: usize> {
     /// Motion blocks taken in.

@@ -23,12 +23,12 @@ impl<const AXES: usize> Straight<AXES> {
         Self { settings: settings.restarted() }
     }
 
-    /// As [`Self::with`], in its place.
+    /// As [`Self::with`], in place.
     pub fn begin(&mut self, settings: &Settings) {
         self.settings = settings.restarted();
     }
 
-    /// What is in force.
+    /// Settings in force.
     pub const fn settings(&self) -> Settings {
         self.settings
     }

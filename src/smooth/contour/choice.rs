@@ -18,7 +18,7 @@ use crate::quantity::DISTANCE_LSB;
 use crate::slope::limits::Limits;
 use crate::slope::ramp::Ramp;
 
-/// The two blocks of a corner, seen from it: how long their parts take beside a curve.
+/// The two blocks of a corner as seen from it: how long the parts beside a curve take.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Approach {
     /// From the speed in the corner to that of the block and back.
@@ -31,7 +31,7 @@ pub struct Approach {
 }
 
 impl Approach {
-    /// Of two blocks with these limits, of which the corner may have so much.
+    /// The approach of two blocks with these limits, of which the corner may use so much.
     pub fn new([first, second]: [&Limits; 2], room: [f32; 2]) -> Self {
         let along = [first.along(), second.along()];
         Self { slopes: [first.brake(), second.speed_up()], v: [first.v, second.v], room, along }
@@ -63,7 +63,7 @@ impl Approach {
         })
     }
 
-    /// Whether all of it takes fewer ticks than that with a standstill in the corner.
+    /// Whether stopping in the corner takes fewer ticks than that.
     pub fn stops_within(&self, most: f32) -> bool {
         let sides = self.slopes.iter().zip(self.v).zip(self.room);
         // No part is faster than its feed, nor than all of the acceleration makes it.
@@ -81,13 +81,13 @@ impl Approach {
             || sides().all(|((slope, _), room)| CLOSE * slope.reach(v, room) < v)
     }
 
-    /// With a curve over time.
+    /// Ticks with a curve over time.
     pub fn overlapping(&self, way: &Overlap) -> f32 {
         self.time(way.rise.v, [way.rise.distance(); 2], way.duration())
     }
 
-    /// With a curve over arc length that has this path length and these distances, and where the speed over
-    /// its parameter is at most `passes`.
+    /// Ticks with a curve over arc length that has this path length and these distances. Its speed over the parameter
+    /// is at most `passes`.
     pub fn even(&self, (length, passes): (f32, f32), distances: [f32; 2]) -> f32 {
         let [v1, v2] = self.v;
         let mut through = min(v1, v2);
@@ -115,7 +115,7 @@ impl Approach {
         beside < LITTLE * max(distances[0], distances[1])
     }
 
-    /// The part of these distances that leaves enough beside the curve, if all of them do not.
+    /// The part of these distances that leaves enough of the blocks, if the whole distances do not.
     pub fn loosened(&self, distances: [f32; 2]) -> Option<f32> {
         let beside = LITTLE * max(distances[0], distances[1]);
         let sides = self.room.iter().zip(distances);
@@ -146,19 +146,19 @@ const SHORT: f32 = 20.0;
 /// A corner, and all that its curve is chosen by.
 #[derive(Clone, Copy)]
 pub struct Choice<'a, const AXES: usize> {
-    /// Before and behind it.
+    /// The blocks before and after the corner.
     pub blocks: [&'a HeldBlock<AXES>; 2],
     /// Between both.
     pub corner: &'a Corner<'a, AXES>,
-    /// What the program asks for.
+    /// The parameters of the program.
     pub rule: &'a Parameters,
     /// Machine, limits and slope.
     pub setting: &'a Setting<'a, AXES>,
     /// Largest distance from the corner, mm.
     pub most: f32,
-    /// What is left of the tolerances.
+    /// The rest of the tolerances.
     pub tolerance: &'a Tolerance,
-    /// How long the parts beside a curve take.
+    /// Time of the parts beside a curve.
     pub approach: &'a Approach,
 }
 
@@ -177,7 +177,7 @@ impl<const AXES: usize> Choice<'_, AXES> {
 /// A curve over time for a corner between two lines.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Candidate {
-    /// How both motions overlap.
+    /// Overlap of both motions.
     pub way: Overlap,
     /// No other curve comes into question.
     pub only: bool,
@@ -266,7 +266,7 @@ impl Candidate {
 pub struct Shallow {
     /// Corner distance, mm.
     pub c: f32,
-    /// [`HeldBlock::slow`] of the block behind it.
+    /// [`HeldBlock::slow`] of the next block.
     pub slow: [f32; 2],
 }
 

@@ -38,7 +38,7 @@ pub(super) struct Chords<const AXES: usize> {
 }
 
 impl<const AXES: usize> Chords<AXES> {
-    /// None left out yet of a line that may be beside them by so much.
+    /// No chord is merged yet; the line may deviate from them by so much.
     pub const fn beside(before: Stray) -> Self {
         Self { points: [[0.0; AXES]; POINTS], count: 0, before }
     }

@@ -24,15 +24,15 @@ const SLACK: f32 = 6e-5;
 /// Trials per call between lines: each is a hundredth of the work beside an arc.
 const TRIALS_PER_CALL: usize = 4;
 
-/// What a corner lies between. Offsets are from the end of the block before it.
+/// The two blocks of a corner. Offsets count from the end of the first block.
 pub struct Corner<'a, const AXES: usize> {
     /// Main axes.
     pub main: &'a Main,
     /// The block before it.
     pub before: Side<AXES>,
-    /// The block behind it.
+    /// The block after the corner.
     pub behind: Side<AXES>,
-    /// The way from one to the other over blocks left out.
+    /// The vector from one block to the other, over blocks that are left out.
     pub gap: Option<[f32; AXES]>,
 }
 
@@ -45,9 +45,9 @@ const SHARP: f32 = -0.207_912;
 /// Tolerances of a corner, mm and degrees; a tracking tolerance of 0 is none.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tolerance {
-    /// Of the main axes; none where distances are given.
+    /// Tolerance of the main axes; none where distances are given.
     pub path: Option<f32>,
-    /// Of each other axis.
+    /// Tolerance of each other axis.
     pub track: f32,
 }
 
@@ -82,13 +82,13 @@ impl<const AXES: usize> Corner<'_, AXES> {
         change > ALIKE * max(self.before.rate, self.behind.rate)
     }
 
-    /// Whether it turns by more than 102 degrees, over the main axes.
+    /// Whether the corner turns by more than 102 degrees, over the main axes.
     pub fn is_sharp(&self) -> bool {
         let [before, behind] = self.spaces_per_path();
         dot(self.main, self.before.tangent(), self.behind.tangent()) < SHARP * before * behind
     }
 
-    /// Way in space per path distance: before it, behind it.
+    /// Distance in space per path distance, before and after the corner.
     pub fn spaces_per_path(&self) -> [f32; 2] {
         [self.before.space_per_path, self.behind.space_per_path]
     }
@@ -182,7 +182,7 @@ fn swing(distance: f32) -> Option<f32> {
 const HALVINGS: u32 = 20;
 const TRACK_PLACES: u32 = 16;
 
-/// Of the paces on both sides of a corner.
+/// The mean of the scales on both sides of a corner.
 pub fn mean([before, behind]: [f32; 2]) -> f32 {
     0.5 * (before + behind)
 }
@@ -303,12 +303,12 @@ pub struct Reach<const AXES: usize> {
 }
 
 impl<const AXES: usize> Reach<AXES> {
-    /// Nothing tried yet.
+    /// A search that has tried nothing.
     pub fn new(tolerance: Tolerance, distances: [f32; 2]) -> Self {
         Self { tolerance, search: Search::new(distances, false), first: 1.0 }
     }
 
-    /// The same with other distances, nothing tried yet.
+    /// The same search with other distances.
     pub fn within(&self, distances: [f32; 2]) -> Self {
         Self::new(self.tolerance, distances)
     }
@@ -318,8 +318,8 @@ impl<const AXES: usize> Reach<AXES> {
         (self.first * self.search.part == part).then_some(&self.search.curve)
     }
 
-    /// Goes on; at the end the part, and how far the curve's elements may be beside it, or that there is
-    /// none.
+    /// Continues the search. At the end it gives the part and the largest deviation of the curve's elements, or that
+    /// there is no curve.
     #[inline(never)]
     pub fn go_on(&mut self, corner: &Corner<'_, AXES>) -> Option<Option<(f32, f32)>> {
         let trials = if self.search.along { 1 } else { TRIALS_PER_CALL };
@@ -338,7 +338,7 @@ impl<const AXES: usize> Reach<AXES> {
     }
 }
 
-/// Directions before and behind a corner.
+/// Directions before and after a corner.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Turn {
     /// Half the angle it turns by, as sine and cosine: over the main axes.

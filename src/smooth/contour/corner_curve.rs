@@ -85,7 +85,7 @@ struct Seam<const AXES: usize> {
 
 /// An element before it is made.
 pub struct Rehearsal<const AXES: usize> {
-    /// It belongs to the block before the corner.
+    /// Whether the element belongs to the block before the corner.
     pub is_first: bool,
     /// Path length, mm.
     pub length: f32,
@@ -95,7 +95,7 @@ pub struct Rehearsal<const AXES: usize> {
 }
 
 impl<const AXES: usize> Rehearsal<AXES> {
-    /// Its derivatives at most: see [`Quintic::hull`].
+    /// Bounds of its derivatives ([`Quintic::hull`]).
     pub fn hull(&self) -> [[f32; AXES]; 3] {
         let [from, to] = &self.ends;
         Quintic::new(from, to, self.length).hull(self.length)
@@ -179,7 +179,7 @@ impl Cuts {
     }
 }
 
-/// How fitting goes on.
+/// The result of a step of fitting.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Fit {
     /// There is more to do.
@@ -261,13 +261,13 @@ impl<const AXES: usize> CornerCurve<AXES> {
         true
     }
 
-    /// Where it begins and ends, before it is handed out.
+    /// Start and end of the curve, before it is handed out.
     pub fn ends(&self) -> [&Knot<AXES>; 2] {
         [&self.at, &self.last]
     }
 
-    /// Goes on, by one element, to cut the curve into as few as have a path speed that is right to `even`
-    /// (relative) and are at most `slack` (mm) beside it.
+    /// Continues by one element to cut the curve into as few as possible. Their path speed is right to `even`
+    /// (relative), and they deviate by at most `slack` (mm).
     pub fn fit(&mut self, measure: &Measure, even: f32, slack: f32) -> Fit {
         if self.cuts().is_some() && !self.any {
             return self.fit_given(measure, even);
@@ -442,7 +442,7 @@ impl<const AXES: usize> CornerCurve<AXES> {
         self.is_first(self.done)
     }
 
-    /// Where the last element ended.
+    /// End of the last element.
     pub fn stands(&self) -> &[Position; AXES] {
         &self.at.position
     }
@@ -461,7 +461,7 @@ impl<const AXES: usize> CornerCurve<AXES> {
 }
 
 impl<const AXES: usize> CornerCurve<AXES> {
-    /// The first element behind the joint of both halves.
+    /// The first element after the joint of both halves.
     pub fn behind_joint(&self) -> u32 {
         match self.cuts() {
             Some(_) => (0..self.count()).find(|i| !self.is_first(*i)).unwrap_or(0),
@@ -469,7 +469,7 @@ impl<const AXES: usize> CornerCurve<AXES> {
         }
     }
 
-    /// Element `i` but for the last bit of its ends. `None` behind the last one.
+    /// Element `i`, but for the last bit of its ends. `None` after the last one.
     pub fn rehearse(&mut self, measure: &Measure, i: u32) -> Option<Rehearsal<AXES>> {
         if i >= self.count() {
             return None;
@@ -481,7 +481,7 @@ impl<const AXES: usize> CornerCurve<AXES> {
         Some(Rehearsal { is_first, length, fastest: fastest(above), ends })
     }
 
-    /// Its length and bounds. `None` where it cannot be made.
+    /// Length and bounds of an element; `None` if it cannot be made.
     pub fn bounds(&self, element: &Rehearsal<AXES>) -> Option<(Distance, Bounds<AXES>)> {
         let [from, to] = &element.ends.map(|site| knot_of(&site, &self.origin));
         Bounds::between(from, to, element.length, element.fastest)

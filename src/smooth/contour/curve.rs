@@ -67,7 +67,7 @@ fn segment_distance<const AXES: usize>(main: &Main, end: &[f32; AXES], point: &[
 /// A point with direction and curvature.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Site<const AXES: usize> {
-    /// From the corner, mm.
+    /// Offset from the corner, mm.
     pub offset: [f32; AXES],
     /// dx/ds.
     pub tangent: [f32; AXES],
@@ -80,7 +80,7 @@ impl<const AXES: usize> Site<AXES> {
     pub const NONE: Self = Self { offset: [0.0; AXES], tangent: [0.0; AXES], curvature: [0.0; AXES] };
 }
 
-/// A block beside the corner, over the distance from the corner; behind the corner that is negative.
+/// A block at the corner, over the distance from the corner; after the corner that is negative.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Side<const AXES: usize> {
     tangent: [f32; AXES],
@@ -157,7 +157,7 @@ impl<const AXES: usize> Side<AXES> {
         site
     }
 
-    /// The same without direction and curvature.
+    /// The point without direction and curvature.
     pub fn point(&self, s: f32) -> [f32; AXES] {
         let mut point = self.tangent.map(|t| t * s);
         if let Some(plane) = self.plane {
@@ -175,8 +175,8 @@ impl<const AXES: usize> Side<AXES> {
         point
     }
 
-    /// Distance of a point from the block on one side of the corner: `side` is -1 before it, 1 behind it.
-    /// Where it is surely no more than `most`, it may be any that is not.
+    /// Distance of a point from the block on one side of the corner: `side` is −1 before it, 1 after it. If the
+    /// distance is surely at most `most`, any such value may be returned.
     pub fn distance(&self, main: &Main, point: &[f32; AXES], (guess, side): (f32, f32), most: f32) -> f32 {
         let inside = |s: f32| side * max(side * s, 0.0);
         if self.rate == 0.0 {
@@ -229,7 +229,7 @@ impl<const AXES: usize> Quintic<AXES> {
     /// Not made yet.
     pub const NONE: Self = Self { power: [[0.0; AXES]; 6] };
 
-    /// From one site to the other, at both ends with `speed` (mm per u) and no acceleration along the path.
+    /// The curve from one site to the other, at both ends with `speed` (mm per u) and no acceleration along the path.
     pub fn new(a: &Site<AXES>, b: &Site<AXES>, speed: f32) -> Self {
         let square = speed * speed;
         let mut power = [[0.0; AXES]; 6];
@@ -388,8 +388,8 @@ impl<const AXES: usize> Quintic<AXES> {
         Site { offset, tangent: first.map(|x| x * per), curvature: second.map(|x| x * (per * per)) }
     }
 
-    /// How far the feed axes are faster at most than a path of so many mm per u says, relative, and the main
-    /// axes than `space_per_path` times that, if there is any, at places between the ends.
+    /// Relative excess of the feed axes over the speed of a path with so many mm per u, at most, at places between the
+    /// ends; for the main axes over `space_per_path` times that speed, if given.
     pub fn haste(&self, measure: &Measure, path: f32, space_per_path: f32) -> f32 {
         let mut most = 0.0;
         for u in PLACES {
@@ -413,8 +413,7 @@ impl<const AXES: usize> Quintic<AXES> {
             .fold(0.0, |sum, (square, (_, weight))| sum + weight * sqrt_f32(*square))
     }
 
-    /// How far the speed along the curve is above and below `speed` at most, relative, at places between the
-    /// ends.
+    /// Relative deviation of the speed along the curve above and below `speed`, at most, at places between the ends.
     pub fn unevenness(&self, main: &Main, speed: f32) -> [f32; 2] {
         let [mut most, mut least] = [0.0, f32::MAX];
         for square in self.squares(main, &PLACES) {
@@ -495,8 +494,8 @@ impl<const AXES: usize> Quintic<AXES> {
 /// For rounding.
 const SURELY: f32 = 0.999;
 
-/// The search for the largest distance between a curve and the contour it replaces, from places along both,
-/// either way: a few places per call.
+/// Search for the largest distance between a curve and the contour that it replaces, measured from places along both. A
+/// call looks at a few places.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Deviation {
     outward: Peak,
@@ -506,11 +505,11 @@ pub struct Deviation {
 }
 
 impl Deviation {
-    /// Nothing looked at yet.
+    /// A search that has looked at nothing.
     pub const NEW: Self = Self { outward: Peak::NEW, inward: Peak::NEW, across: Peak::NEW };
 
-    /// Goes on; the deviation when it is found. `reach`: corner distances before and behind; `gap`: the way
-    /// over blocks left out.
+    /// Continues the search; returns the deviation when it is found. `reach`: corner distances before and after; `gap`:
+    /// the vector over blocks left out.
     pub fn go_on<const AXES: usize>(
         &mut self,
         main: &Main,

@@ -38,7 +38,7 @@ impl<const AXES: usize> Halves<AXES> {
         self.done >= 2
     }
 
-    /// Where the last element ended.
+    /// End of the last element.
     pub fn stands(&self) -> &[Position; AXES] {
         match self.done {
             0 => &self.from.position,
@@ -65,7 +65,8 @@ impl<const AXES: usize> Halves<AXES> {
         Some(if self.third.is_some() { made.cubic() } else { made })
     }
 
-    /// Where acceleration passes, the derivatives are known better than from the points of a short piece.
+    /// Sets the derivatives of an element that acceleration passes: they are known better here than from the points of
+    /// a short piece.
     pub fn settle(&self, element: &mut Element<AXES>) {
         if let (Some(bounds), Some(third)) = (&mut element.bounds, self.third) {
             bounds.passage = Passage::Through;

@@ -14,37 +14,37 @@ pub(super) struct HeldBlock<const AXES: usize> {
     pub block: ProgrammedBlock<AXES>,
     /// Path length as programmed, LSB 2^-44 mm.
     pub length: i64,
-    /// How its end is rounded; not at all without.
+    /// How the end of the block is rounded; `None`: it stays sharp.
     pub rule: Option<Parameters>,
-    /// How far the contour that a line stands for may be from it.
+    /// Largest deviation of the contour from the line that replaces it.
     pub stray: Stray,
     /// Length of the block before it, if the corner between them is rounded, LSB 2^-44 mm.
     pub previous: Option<NonZeroI64>,
-    /// Speed, mm/tick, at the last corner before it that slows the motion down, and the way from there to its
-    /// start, mm.
+    /// Speed (mm/tick) at the last corner before the block that slows the motion down, and the distance (mm) from there
+    /// to its start.
     pub slow: [f32; 2],
-    /// What it permits, from when a corner beside it is looked at, until it is another line or arc.
+    /// Limits of the block, from the first look at a corner of it until it becomes another line or arc.
     pub known: Option<Known>,
 }
 
 /// Blocks left out.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Skipped<const AXES: usize> {
-    /// Where they end.
+    /// End of the blocks.
     pub to: [Position; AXES],
-    /// What goes with the last of them.
+    /// Data of the last block.
     pub data: Data,
-    /// How far they may be from the straight line over them, and from its start, mm.
+    /// Largest deviation of the blocks from the straight line over them, and from its start, mm.
     pub stray: Stray,
     pub radius: f32,
-    /// No more of them come: their line is the block behind the corner.
+    /// Whether no more such blocks come, so that their line is the block after the corner.
     pub over: bool,
 }
 
 /// How far blocks may be from a line that stands for them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Stray {
-    /// In space, mm.
+    /// Deviation in space, mm.
     pub path: f32,
     /// Each of the other axes, at the place of the line that is nearest in space.
     pub track: f32,
@@ -60,7 +60,7 @@ impl Stray {
         Self { path: size(main, &off), track: aside(main, &off) }
     }
 
-    /// One upon the other.
+    /// The sum of both deviations.
     pub fn and(self, other: Self) -> Self {
         Self { path: self.path + other.path, track: self.track + other.track }
     }
@@ -77,9 +77,9 @@ impl Stray {
 
 /// A line that stands for several blocks.
 pub(super) struct Standing {
-    /// It begins where the one held back begins, not where that ends.
+    /// Whether the line begins at the start of the block held back, not at its end.
     pub whole: bool,
-    /// How far they may be from it.
+    /// Largest deviation of the blocks from the line.
     pub stray: Stray,
 }
 
@@ -124,7 +124,7 @@ impl<const AXES: usize> HeldBlock<AXES> {
         known: None,
     };
 
-    /// As it was programmed, with no corner.
+    /// The block as programmed, with no corner.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn new(block: &ProgrammedBlock<AXES>) -> Self {
         Self {
@@ -138,14 +138,14 @@ impl<const AXES: usize> HeldBlock<AXES> {
         }
     }
 
-    /// What it permits is known.
+    /// Computes the limits of the block.
     pub fn look_up(&mut self, dynamics: &Dynamics<AXES>) {
         if self.known.as_ref().and_then(|known| dynamics.recall(known)).is_none() {
             self.known = Some(dynamics.known(&self.block.element, self.block.data.feed));
         }
     }
 
-    /// It begins there, and this is its line.
+    /// Makes the block a line that begins at `from`.
     pub fn become_line(&mut self, from: &[Position; AXES], line: &Straight<AXES>) {
         let ProgrammedBlock { element, from: begin, form, .. } = &mut self.block;
         if element.circle.is_some() {
@@ -287,8 +287,8 @@ impl<const AXES: usize> HeldBlock<AXES> {
         true
     }
 
-    /// Whether its part of the corner before it depends on the block behind it, or that may become a part of
-    /// it.
+    /// Whether the part that the block has in the corner before it depends on the next block, or on a block that may
+    /// join it.
     pub fn waits(&self) -> bool {
         self.rule.as_ref().is_some_and(|rule| rule.weighs() || self.is_line() && rule.chords().is_some())
     }
@@ -299,24 +299,24 @@ impl<const AXES: usize> HeldBlock<AXES> {
         whole && self.previous.is_none()
     }
 
-    /// Whether it is straight.
+    /// Whether the block is straight.
     pub fn is_line(&self) -> bool {
         self.block.form == Form::Line
     }
 
-    /// Whether it is a rapid one.
+    /// Whether the block is rapid motion.
     pub fn is_rapid(&self) -> bool {
         self.block.data.feed.is_none()
     }
 
-    /// What is left of the block, to be emitted.
+    /// The rest of the block, to be emitted.
     pub fn smoothed(&self) -> Smoothed<'_, AXES> {
         let ProgrammedBlock { element, data, .. } = &self.block;
         Smoothed { element, end: None, data, curving: None, due: data.number, known: self.known.as_ref() }
     }
 
-    /// The blocks left out as the block behind this one, when no more of them come: the line over them, whose
-    /// end is where it was programmed. It becomes the `next` one, which is blank. Whether there is one.
+    /// Makes the blocks left out the next block, when no more of them come: the line over them, with its end as
+    /// programmed. It is written to `next`, which is blank. Returns whether there is one.
     pub fn behind(&mut self, skipped: &Skipped<AXES>, measure: &Measure, next: &mut Self) -> bool {
         let &Skipped { to, data, stray, .. } = skipped;
         let from = self.block.to;

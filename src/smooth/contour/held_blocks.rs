@@ -21,7 +21,7 @@ impl<const AXES: usize> Slot<AXES> {
         if let Self::Block(block) = self { Some(block) } else { None }
     }
 
-    /// The same, to be changed.
+    /// The block, to change it.
     #[inline(always)]
     pub const fn block_mut(&mut self) -> Option<&mut HeldBlock<AXES>> {
         if let Self::Block(block) = self { Some(block) } else { None }
@@ -50,8 +50,8 @@ impl<const AXES: usize> HeldBlocks<AXES> {
         self.slots.get(usize::from(self.first))?.block()
     }
 
-    /// The one held back, the one that waits behind it, and the one behind that; or the one that leaves,
-    /// behind [`Self::leave`], and then the elements behind it.
+    /// The block held back, the one that waits after it, and the next one; or, after [`Self::leave`], the block that
+    /// leaves and then the elements after it.
     #[cfg_attr(feature = "fast", inline(always))]
     pub const fn all(&self) -> [&Slot<AXES>; 3] {
         let [a, b, c] = &self.slots;
@@ -62,7 +62,7 @@ impl<const AXES: usize> HeldBlocks<AXES> {
         }
     }
 
-    /// The same, to be changed.
+    /// The three slots, to change them.
     #[cfg_attr(feature = "fast", inline(always))]
     pub const fn all_mut(&mut self) -> [&mut Slot<AXES>; 3] {
         let [a, b, c] = &mut self.slots;

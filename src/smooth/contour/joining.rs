@@ -36,7 +36,7 @@ const TIMED: u32 = 4;
 /// A curve is to be quicker than a standstill by that part.
 const KNOWN: f32 = 1.0 + 1.0 / 256.0;
 
-/// What holds for a corner beside its blocks and their rule.
+/// Settings of a corner, in addition to its blocks and their rule.
 pub struct Setting<'a, const AXES: usize> {
     /// Main axes and feed axes.
     pub measure: &'a Measure,
@@ -141,14 +141,14 @@ fn corner<'a, const AXES: usize>(
 }
 
 impl Joining {
-    /// Of blocks that are not known yet.
+    /// A joining without blocks.
     #[inline(always)]
     pub const fn new() -> Self {
         Self { stage: JoinStep::Sharp }
     }
 
-    /// Whether a curve comes into question between both, and what is to be said about it. `behind`: length of
-    /// the block behind both, LSB 2^-44 mm, if the corner before that is rounded and it is known.
+    /// Whether a curve is possible between both blocks, and the warning about it. `behind`: length of the block after
+    /// both, LSB 2^-44 mm, if the corner before that block is rounded and it is known.
     pub fn go_into<const AXES: usize>(
         &mut self,
         [held, next]: [&mut HeldBlock<AXES>; 2],

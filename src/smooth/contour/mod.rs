@@ -159,7 +159,7 @@ impl<const AXES: usize> Turning<AXES> {
     }
 }
 
-/// What is in force: all that stays when nothing is held back.
+/// Settings in force: all state that stays when no block is held back.
 #[derive(Clone, Copy, Debug)]
 pub struct Settings {
     parameters: Parameters,
@@ -189,7 +189,7 @@ impl Settings {
         self.on || self.once
     }
 
-    /// As at program start.
+    /// Settings at program start.
     pub fn restarted(&self) -> Self {
         Self::off(self.parameters.preset())
     }
@@ -204,14 +204,14 @@ impl Settings {
         self.parameters.preset().check_jerk
     }
 
-    /// On, with DEV at every corner, and no block left out.
+    /// Settings with DEV at every corner, and no block left out.
     pub fn at_edges(check_jerk: u8) -> Self {
         let mut parameters = Parameters::new(Preset { check_jerk, chords: 0.0 });
         (parameters.max_angle, parameters.edges) = (1.0, true);
         Self { parameters, on: true, once: false }
     }
 
-    /// On, as at program start but for this command.
+    /// Settings at program start, changed by this command.
     pub fn on_with(&self, contour: &Contour) -> Self {
         let mut parameters = Parameters::new(self.parameters.preset());
         parameters.update(contour);
@@ -382,14 +382,14 @@ impl<const AXES: usize> Contouring<AXES> {
         Self { parameters, on, once, ..Self::new(measure, parameters.preset()) }
     }
 
-    /// As [`Self::with`], in its place. Only when it holds nothing.
+    /// As [`Self::with`], in place. Call it only while no block is held back.
     pub fn begin(&mut self, settings: &Settings) {
         self.clear();
         (self.half, self.remark) = (false, None);
         Settings { parameters: self.parameters, on: self.on, once: self.once } = *settings;
     }
 
-    /// What is in force.
+    /// Settings in force.
     pub fn settings(&self) -> Settings {
         let Self { parameters, on, once, .. } = *self;
         Settings { parameters, on, once }

@@ -9,7 +9,7 @@ use crate::quantity::Position;
 
 const LSB_32: f32 = 1.0 / (1u64 << 32) as f32;
 
-/// What the channel's machine data say.
+/// Presets of the machine data.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Preset {
     /// P-CHAN-00110.
@@ -65,7 +65,7 @@ pub struct Parameters {
     /// Interim point, where it is given; else the corner's coordinate.
     point: [Position; 3],
     pointed: [bool; 3],
-    /// Where functions between the blocks come out.
+    /// Point at which functions between the blocks come out.
     pub action: ContourAction,
 }
 
@@ -87,7 +87,7 @@ const LEFT_OUT: f32 = 0.25;
 const STRAY: f32 = 0.75;
 
 impl Parameters {
-    /// At program start.
+    /// Parameters at program start.
     pub fn new(preset: Preset) -> Self {
         Self {
             method: ContourMethod::Dev,

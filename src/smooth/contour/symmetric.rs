@@ -38,10 +38,10 @@ const LENGTH: [f32; 5] = [-0.514_288_7, -0.332_221_84, -0.080_998_49, -0.037_167
 const ABOVE: f32 = 0.0067;
 
 impl<const AXES: usize> Symmetric<AXES> {
-    /// Of no corner yet.
+    /// No corner.
     pub const NONE: Self = Self { along: [0.0; AXES], across: [0.0; AXES], cosine: 0.0, speed: 0.0 };
 
-    /// Of a corner between lines, with nothing left out, where the path is that in space.
+    /// The symmetric form of a corner between lines, with no block left out and with path length as in space.
     pub fn new(corner: &Corner<'_, AXES>) -> Self {
         let (t1, t2) = (corner.before.tangent(), corner.behind.tangent());
         let [along, across] = [1.0, -1.0].map(|sign| plus(t2, sign, t1).map(|x| 0.5 * x));

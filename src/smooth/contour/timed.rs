@@ -38,7 +38,7 @@ use crate::path::poly::{Draft, Knot};
 use crate::path::{Element, End, Passage};
 use crate::quantity::{DISTANCE_LSB, Position};
 
-/// A change of speed between standstill and `v` along a line: mm and ticks.
+/// A change of speed between a stop and `v` along a line, in mm and ticks.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rise {
     /// Times of a ramp, and of the acceleration between both.
@@ -49,7 +49,7 @@ pub struct Rise {
 }
 
 impl Rise {
-    /// To the speed `v` with at most the acceleration `a` and the jerk `j`.
+    /// The fastest rise to the speed `v` with at most the acceleration `a` and the jerk `j`.
     pub fn new(v: f32, a: f32, j: f32) -> Self {
         let full = a / j;
         let ramp = min(full, sqrt_f32(v / j));
@@ -87,7 +87,7 @@ impl Rise {
         2.0 * self.ramp + self.hold
     }
 
-    /// Its length.
+    /// Length of the rise.
     pub fn distance(&self) -> f32 {
         0.5 * self.v * self.time()
     }
@@ -144,7 +144,7 @@ impl Rise {
         }
     }
 
-    /// How far it is at half its time.
+    /// Distance at half of its time.
     pub fn half_way(&self) -> f32 {
         self.begun(0.5 * self.time())[0]
     }
@@ -156,24 +156,24 @@ const SHORTER: f32 = 1.0 - 1.0 / 1_048_576.0;
 /// Two motions that overlap.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Overlap {
-    /// Both, the first one backward.
+    /// Both rises; the first one runs backward.
     pub rise: Rise,
     /// Time that they have in common.
     pub time: f32,
 }
 
 impl Overlap {
-    /// All of both.
+    /// Both rises in full.
     pub fn whole(rise: Rise) -> Self {
         Self { rise, time: rise.time() }
     }
 
-    /// As long as each is `off` from the corner when both are equally far from it.
+    /// Overlap in which each motion is `off` from the corner at the moment when both are equally far from it.
     pub fn off(rise: Rise, off: f32) -> Self {
         Self { rise, time: 2.0 * rise.reaches(off) }
     }
 
-    /// As long as the first is `distance` from the corner when the second begins.
+    /// Overlap in which the first motion is `distance` from the corner when the second one begins.
     pub fn from_distance(rise: Rise, distance: f32) -> Self {
         Self { rise, time: rise.arrives(distance) }
     }
@@ -188,12 +188,12 @@ impl Overlap {
         self.time <= self.rise.ramp
     }
 
-    /// Whether it is a curve for set points at ticks, and one that the format of a polynomial holds.
+    /// Whether the curve is long enough for set points at ticks, and fits into the format of a polynomial.
     pub fn is_long(&self) -> bool {
         self.time >= SHORTEST && self.rise.distance() <= LONGEST
     }
 
-    /// From the begin of the first motion to the end of the second.
+    /// Time from the start of the first motion to the end of the second.
     pub fn duration(&self) -> f32 {
         2.0 * self.rise.time() - self.time
     }
@@ -473,7 +473,7 @@ impl<const AXES: usize> Timed<AXES> {
         self.done >= 2 * self.count
     }
 
-    /// Where the last element ended.
+    /// End of the last element.
     pub fn stands(&self) -> &[Position; AXES] {
         &self.from.position
     }

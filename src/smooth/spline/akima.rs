@@ -37,7 +37,7 @@ fn evenly<const AXES: usize>(a: &[f32; AXES], b: &[f32; AXES]) -> [f32; AXES] {
     plus(&plus(a, 1.0, a), -1.0, b)
 }
 
-/// Slopes of the curve in the point `i` of the window. `None` where there is no leg beside it.
+/// Slopes of the curve in point `i` of the window; `None` without legs on both sides.
 pub fn slopes<const AXES: usize>(
     window: &Window<AXES>,
     given: &Given<AXES>,

@@ -14,7 +14,7 @@ use crate::smooth::contour::curve::{Main, Quintic, Site, plus, size};
 /// tell.
 const NEAR: f32 = 1e-4;
 const NEAR_PART: f32 = 1.0 / 1_048_576.0;
-/// Beside a point where the curvature of a curve is made to agree, mm.
+/// Distance from a point within which the curvature of a curve is made continuous, mm.
 pub const BENT: f32 = 1e-3;
 
 /// Steps of a piece at which it may be cut.
@@ -26,7 +26,7 @@ const SHORTEST: f32 = 2.5e-4;
 /// A cubic whose speed at an end is below this part of its size has no direction there.
 const LEAST_SPEED: f32 = 1.0 / 1024.0;
 
-/// How the curve goes on at an end of a piece.
+/// How the curve continues at an end of a piece.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Joint<const AXES: usize> {
     /// With the direction and the curvature that the piece before had; with those of the piece itself.
@@ -58,7 +58,7 @@ pub struct Piece<const AXES: usize> {
     near: f32,
 }
 
-/// What came of a cut.
+/// The result of a cut.
 #[derive(Clone, Copy, Debug)]
 pub enum Cut<const AXES: usize> {
     /// A shorter element has to be tried.
@@ -147,12 +147,12 @@ impl<const AXES: usize> Piece<AXES> {
         }
     }
 
-    /// Where the next element begins, or the last one ended.
+    /// Start of the next element, and end of the last one.
     pub fn here(&self) -> &Knot<AXES> {
         &self.here
     }
 
-    /// Where it ends.
+    /// End of the curve.
     pub fn end(&self) -> &Knot<AXES> {
         &self.end
     }

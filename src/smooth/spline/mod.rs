@@ -72,7 +72,7 @@ pub enum Mode {
     Interpolating(f32),
 }
 
-/// What a curve begins with.
+/// The start of a curve.
 #[derive(Clone, Copy, Debug)]
 pub struct Start<const AXES: usize> {
     pub mode: Mode,
@@ -138,7 +138,7 @@ pub struct Splining<const AXES: usize> {
 }
 
 impl<const AXES: usize> Splining<AXES> {
-    /// On. Inline: it is made where it stays.
+    /// A spline that is switched on. Inline, so that it is made in place.
     #[inline(always)]
     pub fn new(measure: Measure, check_jerk: u8, start: &Start<AXES>) -> Self {
         let data = Data { feed: None, n: 0, place: Place::NONE, number: 0, stop: false };
@@ -159,7 +159,7 @@ impl<const AXES: usize> Splining<AXES> {
         }
     }
 
-    /// Its kind.
+    /// The kind of the spline.
     pub const fn mode(&self) -> Mode {
         self.mode
     }

@@ -30,7 +30,7 @@ pub struct DirectParameters<const AXES: usize> {
 }
 
 impl<const AXES: usize> DirectParameters<AXES> {
-    /// As at program start.
+    /// Parameters at program start.
     pub const fn at_start() -> Self {
         Self { kind: SplineType::Akima, ends: [Tangent::Auto; 2], vectors: [[None; AXES]; 2], chosen: None }
     }
@@ -85,13 +85,13 @@ impl<const AXES: usize> DirectParameters<AXES> {
 pub struct HscParameters {
     /// The method named last.
     pub method: HscMethod,
-    /// Of the B-spline.
+    /// Rules of the B-spline.
     pub rules: Rules,
     /// CONTERROR of OPMODE.
     pub conterror: Position,
 }
 
-/// When and how far the HSC B-spline leaves its polygon.
+/// When, and how far, the HSC B-spline leaves its polygon.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rules {
     /// PATH_DEV, mm, and TRACK_DEV, degrees; 0: not monitored.
@@ -117,7 +117,7 @@ pub struct Rules {
 }
 
 impl HscParameters {
-    /// As at program start. `auto_contour_mode`: P-CHAN-00239.
+    /// Parameters at program start. `auto_contour_mode`: P-CHAN-00239.
     pub fn new(auto_contour_mode: u8) -> Self {
         let rules = Rules {
             path_dev: PATH_DEV,
@@ -135,7 +135,7 @@ impl HscParameters {
         Self { method: HscMethod::Surface, rules, conterror: CONTERROR }
     }
 
-    /// As at program start.
+    /// Parameters at program start.
     pub fn restarted(&self) -> Self {
         let Rules { rounds, rounds_arcs, .. } = self.rules;
         let new = Self::new(0);

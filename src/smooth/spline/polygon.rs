@@ -26,12 +26,12 @@ use super::window::{Leg, Window};
 use crate::math::float::{magnitude, max, min};
 use crate::smooth::contour::curve::{plus, size};
 
-/// What controls how far the curve may be from its polygon.
+/// Tolerances of the distance between the curve and its polygon.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tolerance {
     /// mm; infinite where it is not monitored.
     pub path: f32,
-    /// Of other axes, mm or degrees.
+    /// Tolerance of other axes, mm or degrees.
     pub track: f32,
 }
 
@@ -41,7 +41,7 @@ const PART: f32 = 1.0 - 1.0 / 4096.0;
 /// Coordinates count from the start of a leg: rounding adds so much of its travel.
 const ROUNDED: f32 = 1.0 / 8_388_608.0;
 
-/// How far control points beside the point `i` may be from it, mm. `None` where no leg is on one side.
+/// Largest distance of the control points next to point `i` from it, mm; `None` if a leg is missing on one side.
 pub fn reach<const AXES: usize>(window: &Window<AXES>, i: i32, tolerance: &Tolerance) -> Option<f32> {
     let (before, behind) = (window.leg(i - 1)?, window.leg(i)?);
     let axes = window.axes();
@@ -67,13 +67,13 @@ pub fn reach<const AXES: usize>(window: &Window<AXES>, i: i32, tolerance: &Toler
 /// Control points inside a leg, from its start, with the reach of the points at both its ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Inside {
-    /// Distances, mm; behind those that there are the length of the leg.
+    /// Distances, mm; unused ones hold the length of the leg.
     pub at: [f32; 2],
     pub count: usize,
 }
 
 impl Inside {
-    /// Of a leg of this length.
+    /// The control points of a leg of this length.
     pub fn new(length: f32, [before, behind]: [f32; 2]) -> Self {
         match (before < length, behind < length) {
             (false, false) => Self { at: [length; 2], count: 0 },
@@ -84,7 +84,7 @@ impl Inside {
         }
     }
 
-    /// Way from the start of the leg to the first control point behind it.
+    /// Distance from the start of the leg to its first control point.
     pub fn first(&self) -> f32 {
         self.at[0]
     }
@@ -109,8 +109,8 @@ impl Inside {
     }
 }
 
-/// Bézier's points of a part of a leg, from the leg's start. `before` and `behind`: from the ends of the leg to
-/// the next control points beside it; `None` where the curve passes the end of the leg.
+/// Bézier points of a part of a leg, from the leg's start. `before` and `behind`: distances from the ends of the leg to
+/// the next control points; `None` where the curve passes the end of the leg.
 pub fn part<const AXES: usize>(
     leg: &Leg<AXES>,
     inside: &Inside,
@@ -157,7 +157,7 @@ pub fn direct<const AXES: usize>(window: &Window<AXES>) -> Option<[[f32; AXES]; 
     Some([start, inner1, inner2, end])
 }
 
-/// The largest of both legs beside a point, where it is more than control points may be from it.
+/// The larger one of both legs at a point, if it is longer than control points may be away from the point.
 pub fn exceeds<const AXES: usize>(window: &Window<AXES>, i: i32, tolerance: &Tolerance) -> bool {
     let (Some(before), Some(behind)) = (window.leg(i - 1), window.leg(i)) else { return false };
     reach(window, i, tolerance).is_some_and(|reach| reach < max(before.length, behind.length))

@@ -7,7 +7,7 @@ use crate::quantity::Position;
 use crate::smooth::Data;
 use crate::smooth::contour::curve::{Main, size};
 
-/// Points of the window: two before the leg at hand, its two ends, three behind it, and one that comes in.
+/// Points of the window: two before the current leg, its two ends, three after it, and one that comes in.
 pub const POINTS: usize = 8;
 /// Points before the leg at hand that are kept.
 const BEFORE: usize = 2;
@@ -18,14 +18,14 @@ const BEHIND: usize = 3;
 #[derive(Clone, Copy, Debug)]
 pub struct Vertex<const AXES: usize> {
     pub at: [Position; AXES],
-    /// What goes with that block; of no meaning for the first point.
+    /// Data of that block; unused for the first point.
     pub data: Data,
 }
 
-/// The straight way from one point to the next.
+/// The straight line from one point to the next.
 #[derive(Clone, Copy, Debug)]
 pub struct Leg<const AXES: usize> {
-    /// What every axis travels, mm.
+    /// Travel of every axis, mm.
     pub travel: [f32; AXES],
     /// dx/ds of every axis.
     pub slope: [f32; AXES],
@@ -42,7 +42,7 @@ pub fn along(measure: &Measure, axes: usize) -> Main {
     Main::new([feed.next(), feed.next(), feed.next()])
 }
 
-/// What the axes travel, mm.
+/// Travel of the axes, mm.
 pub fn travel<const AXES: usize>(from: &[Position; AXES], to: &[Position; AXES]) -> [f32; AXES] {
     let mut travel = [0.0; AXES];
     for (x, (from, to)) in travel.iter_mut().zip(from.iter().zip(to)) {
@@ -94,7 +94,7 @@ impl<const AXES: usize> Window<AXES> {
         self.at + 1 < self.count
     }
 
-    /// Whether all that the leg at hand depends on is known.
+    /// Whether all points are known on which the current leg depends.
     pub const fn is_ready(&self) -> bool {
         self.has_leg() && (self.closed || self.at + 1 + BEHIND < self.count)
     }
@@ -144,7 +144,7 @@ impl<const AXES: usize> Window<AXES> {
         }
     }
 
-    /// The point `i` from the start of the leg at hand on.
+    /// Point `i`, counted from the start of the current leg.
     pub fn point(&self, i: i32) -> Option<&Vertex<AXES>> {
         let at = usize::try_from(self.at as i32 + i).ok()?;
         self.points.get(..self.count)?.get(at)

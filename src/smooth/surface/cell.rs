@@ -59,8 +59,8 @@ fn most(tolerance: f32) -> i64 {
     ((tolerance * ONE_26) as i64 - ROUNDING).max(0)
 }
 
-/// A chord beside a cell, or the part of it that is: its ends, what may be deviated from it, and the path
-/// length of the cell where it ends, as a part of what is left of the cell.
+/// A chord, or the part of it, next to a cell: its ends, its tolerance, and the path length of the cell to its end as a
+/// part of the rest of the cell.
 pub struct Beside<'a, const AXES: usize> {
     pub ends: [&'a [Position; AXES]; 2],
     pub tolerance: Tolerance,
@@ -68,7 +68,7 @@ pub struct Beside<'a, const AXES: usize> {
 }
 
 impl<const AXES: usize> Hull<AXES> {
-    /// Of the cell of that length between two knots; `None` if it is too large.
+    /// The cell of that length between two knots; `None` if it is too large.
     pub fn new(from: &Knot<AXES>, to: &Knot<AXES>, length: f32) -> Option<Self> {
         let mut points = [[0; AXES]; 6];
         let fine = ONE_26 * length;
@@ -91,7 +91,7 @@ impl<const AXES: usize> Hull<AXES> {
         Some(Self { points })
     }
 
-    /// At least the largest speed over its length.
+    /// A bound of the largest speed over its length.
     pub fn fastest(&self, length: f32, space: impl Fn(&[f32; AXES]) -> f32) -> f32 {
         let mut most = 0.0;
         for pair in self.points.windows(2) {
@@ -131,7 +131,7 @@ impl<const AXES: usize> Hull<AXES> {
         before
     }
 
-    /// Whether the part of it beside a chord is inside the tolerance. What is behind is left.
+    /// Whether the part of the cell next to a chord is inside the tolerance. The rest after that part remains.
     pub fn keeps(&mut self, origin: &[Position; AXES], chord: &Beside<'_, AXES>, main: u32) -> bool {
         let part = part_of(chord.part);
         let own = if part == i32::MAX { *self } else { self.cut(part) };
@@ -175,8 +175,8 @@ impl<'a, const AXES: usize> Straight<'a, AXES> {
         Self { at: *from, to }
     }
 
-    /// Whether the part of it beside a chord is inside the tolerance. What is behind is left. The distance of a
-    /// line from a chord, in parts of both, is largest at an end.
+    /// Whether the part next to a chord is inside the tolerance; the rest remains. The distance of a line from a chord
+    /// is largest at an end.
     pub fn keeps(&mut self, chord: &Beside<'_, AXES>, main: u32) -> bool {
         let part = i64::from(part_of(chord.part));
         let mut end = self.at;

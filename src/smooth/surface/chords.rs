@@ -21,11 +21,11 @@ pub struct Chord<const AXES: usize> {
     pub programmed: Programmed,
     /// A part of an arc.
     pub arc: bool,
-    /// It is half a line, and goes on where the row begins or ends.
+    /// Whether this is half a line, which continues at the start or end of the run.
     pub half: bool,
     /// The motion stands where it ends, and the curve goes on.
     pub stop: bool,
-    /// What lines that it stands for are beside it.
+    /// Deviation of the lines that this chord replaces.
     pub stray: Tolerance,
 }
 
@@ -37,13 +37,13 @@ pub struct Source<const AXES: usize> {
     next: Distance,
     step: Distance,
     from: [Position; AXES],
-    /// It is passed as it is.
+    /// Whether the chord is passed exactly.
     pub exact: bool,
     /// Functions stand before it.
     pub parted: bool,
-    /// It is half a line, in the middle of which the row begins.
+    /// Whether this is half a line: the run begins in its middle.
     pub half: bool,
-    /// All of it has gone on.
+    /// Whether all of it has left.
     pub is_over: bool,
 }
 
@@ -144,7 +144,7 @@ impl<const AXES: usize> Chord<AXES> {
         Self::new(&block.from, &block.to, none, window.space).map(|chord| chord.length)
     }
 
-    /// One chord in place of this line and the next one, if what is between is inside `most` of it.
+    /// One chord in place of this line and the next one, if the points between stay inside `most`.
     pub fn merged(&self, next: &Self, most: &Tolerance, window: &Window<AXES>) -> Option<Self> {
         if self.stop
             || self.arc
@@ -265,8 +265,8 @@ impl<const AXES: usize> Window<AXES> {
         bulge
     }
 
-    /// Takes in a chord. There is room for [`BETWEEN`] + 1 vertices. `heading`: direction of the polygon up to
-    /// here, and then behind it.
+    /// Takes a chord. There is room for [`BETWEEN`] + 1 vertices. `heading`: direction of the polygon before, and then
+    /// after the call.
     pub fn take(
         &mut self,
         between: &Between<'_, AXES>,

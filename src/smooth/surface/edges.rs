@@ -33,7 +33,7 @@ const LONG_BESIDE_SMOOTH: f32 = 18.0;
 const SLOW: f32 = 0.55;
 const APART: f32 = 2.5;
 
-/// What makes a corner an edge.
+/// Conditions under which a corner is an edge.
 #[derive(Clone, Copy)]
 pub struct Edges<'a> {
     pub parameters: &'a Parameters,
@@ -106,7 +106,7 @@ impl<'a> Edges<'a> {
         v < SLOW * min(fastest, reached)
     }
 
-    /// Whether a block is an arc that stays one, and the transitions beside it are for contour mode.
+    /// Whether a block is an arc that stays exact, so that contour mode rounds its transitions.
     pub fn keeps<const AXES: usize>(&self, block: &ProgrammedBlock<AXES>) -> bool {
         let rapid = block.data.feed.is_none() && self.parameters.leaves_rapid();
         let arc = block.form != Form::Line && self.parameters.rounds_arcs() && !rapid;
@@ -134,7 +134,7 @@ impl<'a> Edges<'a> {
         self.chord(before).is_some_and(|before| self.parts(&before, block, dynamics))
     }
 
-    /// What a curve in a corner may deviate; `rapid`: G00 on both sides; `used`: by merged lines before it.
+    /// Tolerance of a curve in a corner. `rapid`: G00 on both sides; `used`: by merged lines before it.
     pub fn tolerance(&self, rapid: bool, used: Used) -> Tolerance {
         self.parameters.left(self.parameters.tolerance(rapid), false, used)
     }

@@ -17,7 +17,7 @@ use crate::path::poly::Knot;
 use crate::path::{End, Measure, straight};
 use crate::quantity::Position;
 
-/// A place of the polygon: so far (mm) behind a vertex.
+/// A place of the polygon: a distance (mm) after a vertex.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spot {
     pub vertex: usize,
@@ -44,12 +44,12 @@ const NEAR_STEP: f32 = 0.4652;
 const ONE_40: f32 = (1u64 << 40) as f32;
 const ONE_32: f32 = (1u64 << 32) as f32;
 
-/// What comes next of the path.
+/// The next part of the path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Aim {
-    /// So far from the last knot, mm.
+    /// Distance from the last knot, mm.
     pub way: f32,
-    /// Nothing turns on the way.
+    /// Whether the path is straight up to there.
     pub is_straight: bool,
 }
 
@@ -69,7 +69,7 @@ fn positive(x: f32) -> i64 {
 }
 
 impl<const AXES: usize> Window<AXES> {
-    /// Distance along the control polygon from a place to a vertex behind it.
+    /// Distance along the control polygon from a place to a later vertex.
     pub fn to_vertex(&self, spot: &Spot, vertex: usize) -> f32 {
         let mut way = -spot.x;
         for k in spot.vertex + 1..=vertex {
@@ -78,7 +78,7 @@ impl<const AXES: usize> Window<AXES> {
         way
     }
 
-    /// Distance along the control polygon from a vertex to a place behind it.
+    /// Distance along the control polygon from a vertex to a later place.
     pub fn since(&self, spot: &Spot, vertex: usize) -> f32 {
         let mut way = spot.x;
         for k in vertex + 1..=spot.vertex {
@@ -92,7 +92,7 @@ impl<const AXES: usize> Window<AXES> {
         if from.vertex == to.vertex { to.x - from.x } else { self.to_vertex(from, to.vertex) + to.x }
     }
 
-    /// The place so far behind another one.
+    /// The place at a distance after another one.
     pub fn advance(&self, spot: &Spot, way: f32) -> Spot {
         let Spot { mut vertex, mut x } = *spot;
         x += way;
@@ -152,8 +152,8 @@ impl<const AXES: usize> Window<AXES> {
         ahead
     }
 
-    /// The sharp turn at a place, or the next one behind it whose kernel ends before the neighbours of its vertex,
-    /// and the distance to where it begins.
+    /// The sharp turn at a place, or the next one whose kernel ends before the neighbours of its vertex, and the
+    /// distance to its start.
     pub fn sharp(&self, spot: &Spot) -> Option<(&Vertex<AXES>, f32)> {
         let mut away = -spot.x;
         let mut vertices = self.from(spot.vertex).take(self.moved.saturating_sub(spot.vertex)).peekable();
@@ -167,8 +167,8 @@ impl<const AXES: usize> Window<AXES> {
         None
     }
 
-    /// Whether an element of that length comes near a step of curvature: most of its jerk is the curve's there,
-    /// and what changes the speed is beside it.
+    /// Whether an element of that length comes near a step of curvature. The curve uses most of the jerk there, and
+    /// little is left to change the speed.
     pub fn is_near_step(&self, spot: &Spot, length: f32) -> bool {
         let near = |vertex: &Vertex<AXES>, away: f32| {
             vertex.is(Vertex::<AXES>::STEPS) && away < NEAR_STEP * vertex.width - NOTHING
@@ -196,7 +196,7 @@ impl<const AXES: usize> Window<AXES> {
         false
     }
 
-    /// How far the next element goes; `None` if more vertices have to be known.
+    /// Length of the next element; `None` if more vertices must be known first.
     pub fn aim(&self, spot: &Spot) -> Option<Aim> {
         let all = self.ended && self.checked == self.len();
         let last = self.checked.checked_sub(1)?;

@@ -189,7 +189,7 @@ impl<const AXES: usize> Window<AXES> {
         gentle * most * ramp(deviation, NARROWEST, NARROW) * ramp(kernels, CRAMPED, ROOMY)
     }
 
-    /// How far the point of a vertex leads, mm: towards the inside of the curve it lies before.
+    /// Distance by which the point of a vertex leads, mm. The point lies towards the inside of the curve that follows.
     #[inline(never)]
     pub fn lead(&self, k: usize, parameters: &Parameters) -> [f32; AXES] {
         let mut lead = [0.0; AXES];

@@ -90,15 +90,15 @@ pub struct Tolerance {
     pub track: f32,
 }
 
-/// What merged lines use of the tolerance beside their chord, as parts of what they may use: of `path`, of `track`.
+/// Shares of the tolerance that merged lines use: of PATH_DEV and of TRACK_DEV.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Used(u8, u8);
 
 impl Used {
-    /// Nothing: the chord is one line.
+    /// No share: the chord is one line.
     pub const NOTHING: Self = Self(0, 0);
 
-    /// What holds at a vertex between two chords: the larger parts.
+    /// The shares at a vertex between two chords: the larger ones.
     pub fn larger(self, other: Self) -> Self {
         Self(self.0.max(other.0), self.1.max(other.1))
     }
@@ -114,7 +114,7 @@ impl Used {
 }
 
 impl Parameters {
-    /// At program start; `check_jerk` is P-CHAN-00110.
+    /// Parameters at program start; `check_jerk` is P-CHAN-00110.
     pub const fn new(check_jerk: u8) -> Self {
         Self {
             path_dev: 0.2,
@@ -137,7 +137,7 @@ impl Parameters {
         }
     }
 
-    /// Those of the B-spline: its tolerance, and its rules of deselection.
+    /// Parameters of the HSC B-spline: its tolerance and its rules of deselection.
     #[cfg(feature = "splines")]
     pub fn of_spline(rules: &Rules, check_jerk: u8) -> Self {
         let track = if rules.track_dev > 0.0 { rules.track_dev } else { NOT_MONITORED };
@@ -170,7 +170,7 @@ impl Parameters {
         self.stands
     }
 
-    /// As at program start.
+    /// Returns to program start.
     pub const fn restart(&mut self) {
         *self = Self::new(self.of_channel);
     }
@@ -207,7 +207,7 @@ impl Parameters {
         self.auto_off_g00
     }
 
-    /// MERGE: what the chords of lines that become one may be beside them, of feed and rapid blocks alike.
+    /// MERGE: largest deviation of lines that become one chord, for feed and rapid blocks alike.
     pub fn merged(&self) -> Option<Tolerance> {
         self.merge.then(|| self.most_merged())
     }
@@ -223,7 +223,7 @@ impl Parameters {
         Used(Used::parts(stray.path, most.path), Used::parts(stray.track, most.track))
     }
 
-    /// What is left of a tolerance beside a chord: of an arc, and of several lines.
+    /// The rest of a tolerance after an arc's chord, or after merged lines.
     pub fn left(&self, tolerance: Tolerance, arc: bool, used: Used) -> Tolerance {
         let arc = if arc { SAGITTA } else { 0.0 };
         let path = tolerance.path * (1.0 - arc);

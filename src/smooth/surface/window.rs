@@ -16,7 +16,7 @@ pub const VERTICES: usize = 64;
 
 const LSB_32: f32 = 1.0 / (1u64 << 32) as f32;
 
-/// What holds for a chord, kept with the vertex at its end.
+/// Data of a chord, kept with the vertex at its end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Programmed {
     /// Feed, mm/min; rapid without.
@@ -30,15 +30,15 @@ pub struct Programmed {
 /// A vertex.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Vertex<const AXES: usize> {
-    /// On the programmed contour.
+    /// The vertex on the programmed contour.
     pub at: [Position; AXES],
-    /// From there to its point of the control polygon, mm.
+    /// Offset from the vertex to its point of the control polygon, mm.
     pub offset: [f32; AXES],
     /// Step of the direction of the polygon before its points were moved.
     pub turn: [f32; AXES],
     /// Step of the direction of the control polygon.
     pub moved_turn: [f32; AXES],
-    /// Length of the polygon from the vertex before, mm: before points were moved, and behind.
+    /// Length of the polygon from the vertex before, mm: before points were moved, and after.
     pub length: f32,
     pub moved_length: f32,
     /// Distance from the start of the row, LSB 2^-20 mm, for differences.
@@ -49,12 +49,12 @@ pub struct Vertex<const AXES: usize> {
     pub gain: f32,
     pub programmed: Programmed,
     pub marks: u8,
-    /// What the lines that the chord up to it stands for use of the tolerance.
+    /// Shares of the tolerance that the lines of the chord before it use.
     pub used: Used,
 }
 
 impl<const AXES: usize> Vertex<AXES> {
-    /// It stands in the program.
+    /// The vertex is a point of the program.
     pub const PROGRAMMED: u8 = 1;
     /// An element ends here: a feed or a function begins.
     pub const FORCED: u8 = 2;
@@ -65,7 +65,7 @@ impl<const AXES: usize> Vertex<AXES> {
     pub const STRONG: u8 = 16;
     /// A long line meets a curve here: its curvature steps.
     pub const STEPS: u8 = 32;
-    /// Its point of the control polygon is not moved out: the row begins or ends along the line.
+    /// The point of the control polygon is not moved: the run begins or ends along the line.
     pub const FIXED: u8 = 64;
     /// The motion stands there, on the curve.
     pub const STANDS: u8 = 128;
@@ -126,7 +126,7 @@ impl Space {
     }
 }
 
-/// The row of vertices at hand, from where the path is made to the newest one.
+/// The current vertices of the run, from the place where the path is made to the newest one.
 #[derive(Debug)]
 pub struct Window<const AXES: usize> {
     pub vertices: Deque<Vertex<AXES>, VERTICES>,
@@ -262,7 +262,7 @@ impl<const AXES: usize> Window<AXES> {
         self.vertices.len()
     }
 
-    /// There is no room for another chord.
+    /// Whether there is no room for another chord.
     pub fn is_full(&self) -> bool {
         self.room() < super::chords::BETWEEN + 2
     }
@@ -291,7 +291,7 @@ impl<const AXES: usize> Window<AXES> {
         rest.iter().rev().chain(front.get(..k.min(front.len())).unwrap_or(&[]).iter().rev())
     }
 
-    /// From one vertex of the control polygon to the next one, `k`: the vector and its length.
+    /// The vector from one vertex of the control polygon to the next one, `k`, and its length.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn chord(&self, k: usize) -> Option<([f32; AXES], f32)> {
         let (from, to) = (self.vertices.get(k.checked_sub(1)?)?, self.vertices.get(k)?);
@@ -572,8 +572,8 @@ impl<const AXES: usize> Window<AXES> {
         }
     }
 
-    /// Looks at the path at the next vertex and in the middle of the chord behind it. Where it is not well inside
-    /// the tolerance, kernels nearby become narrower. `false` if more has to be known.
+    /// Compares the path with the tolerance at the next vertex and in the middle of the chord after it. Where the path
+    /// is not well inside, kernels nearby become narrower. `false` if more must be known first.
     pub fn check(&mut self, parameters: &Parameters) -> bool {
         let k = self.checked;
         let last = self.moved.saturating_sub(2);
@@ -715,7 +715,7 @@ impl<const AXES: usize> Window<AXES> {
     }
 }
 
-/// From a point of the control polygon to another one, mm.
+/// The vector from one point of the control polygon to another one, mm.
 #[cfg_attr(feature = "fast", inline(always))]
 pub fn step<const AXES: usize>(
     from: &Vertex<AXES>,
