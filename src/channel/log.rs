@@ -10,7 +10,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
     /// Writes the contour ahead from now on, where a PLC reads it:
     /// [`ContourMemory::split`](crate::contour_log::ContourMemory::split). Distances count from here. It is called once,
     /// before the first [`Self::poll`]. Each element then costs the planner a copy of 48 bytes and the angle to the one
-    /// before; a curve over time is measured, too. The interrupt does nothing for it.
+    /// before; a polynomial is measured, too. The interrupt does nothing for it.
     pub fn log_contour(&mut self, recorder: Recorder<'a>) {
         self.planning.set_recorder(recorder);
     }

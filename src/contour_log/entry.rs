@@ -7,6 +7,10 @@ pub struct ProgramDistance(i64);
 /// LSB per millimetre.
 const PER_MM: f64 = (1i64 << 24) as f64;
 
+/// Bits of a path distance below those of a program distance. An arc keeps what they say in a word of its own: the word
+/// for the path distance has its radius.
+pub(super) const BELOW: u32 = 20;
+
 /// LSB of an angle per radian.
 const PER_RADIAN: f64 = (1i64 << 28) as f64;
 
@@ -100,7 +104,7 @@ pub struct Entry {
     pub angle: f64,
     /// Angle between the end of the element before and the start of this one, rad, 0..π.
     pub knee: f64,
-    /// Planned path distance along it. On a curve over time this is not its length.
+    /// Planned path distance along it. On a polynomial this is not quite its length, and on a curve over time it is time.
     pub(super) planned: i64,
 }
 
@@ -153,18 +157,20 @@ impl Entry {
             third[1],
             angle_bits(self.angle),
             angle_bits(self.knee),
-            0,
+            self.planned.wrapping_sub(self.length.0 << BELOW) as u32,
         ]
     }
 
     pub(super) fn of_words(words: [u32; Self::WORDS]) -> Self {
-        let [kind, n, id, s0, s1, l0, l1, t0, t1, angle, knee, _] = words;
+        let [kind, n, id, s0, s1, l0, l1, t0, t1, angle, knee, rest] = words;
         let block_type = BlockType::of(kind);
         let (second, third) = (whole(l0, l1), whole(t0, t1));
         let (length, parameter) =
             if block_type.is_element() { (second, 0.0) } else { (0, f64::from_bits(second as u64)) };
         let (radius_mm, planned) = match block_type {
-            BlockType::Arc => (ProgramDistance(third).to_mm(), length),
+            BlockType::Arc => {
+                (ProgramDistance(third).to_mm(), (length << BELOW).wrapping_add(i64::from(rest as i32)))
+            }
             _ => (0.0, third),
         };
         Self {

@@ -40,7 +40,7 @@ pub fn knee<const AXES: usize>(a: &[i64; AXES], b: &[i64; AXES]) -> f64 {
 /// Chords of a measured curve. With half as many, the error of their sum is four times as large.
 const CHORDS: i64 = 64;
 
-/// The length of a curve over time, by what measures the path, LSB 2^-44 mm.
+/// The length of a polynomial, by what measures the path, LSB 2^-44 mm.
 fn driven<const AXES: usize>(shape: &Shape<AXES>, base: &[Position; AXES], measure: &Measure) -> i64 {
     let (mut fine, mut coarse) = (0i64, 0i64);
     let length = shape.length.to_bits();
@@ -69,7 +69,7 @@ fn chord<const AXES: usize>(from: &[Position; AXES], to: &[Position; AXES], meas
 
 /// Kind, radius, angle and knee of a curve; its length, LSB 2^-44 mm. `exit`: direction at the end of the curve before.
 pub fn describe<const AXES: usize>(
-    (shape, base, timed): (&Shape<AXES>, &[Position; AXES], bool),
+    (shape, base): (&Shape<AXES>, &[Position; AXES]),
     entry: &End<AXES>,
     exit: Option<&[i64; AXES]>,
     measure: &Measure,
@@ -85,6 +85,7 @@ pub fn describe<const AXES: usize>(
         made.angle = turn as f64 * (TAU / (1u64 << 59) as f64);
     }
     made.planned = planned;
-    let length = if timed { driven(shape, base, measure) } else { planned };
+    let is_measured = made.block_type == BlockType::Polynomial;
+    let length = if is_measured { driven(shape, base, measure) } else { planned };
     (made, length)
 }

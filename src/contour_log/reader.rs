@@ -83,7 +83,7 @@ impl<'a> ContourReader<'a> {
     }
 
     /// Distance from program start, or from the last #DISTANCE PROG START CLEAR passed, for the path distance of
-    /// [`crate::Status`]: dist_prog_start. On a curve over time it is exact at both ends and grows as the path
+    /// [`crate::Status`]: dist_prog_start. On a polynomial it is exact at both ends and grows as the path
     /// distance does. Reads the elements from that place to the end of what is known.
     ///
     /// # Errors
@@ -102,10 +102,9 @@ impl<'a> ContourReader<'a> {
             if !entry.block_type.is_element() {
                 continue;
             }
-            let planned =
-                if entry.block_type == BlockType::Arc { entry.length.to_bits() << 20 } else { entry.planned };
+            let planned = entry.planned;
             if ahead <= planned {
-                // The part that is left of it, in 2^-20: less than 1 nm of a millimetre.
+                // The part that is left of it.
                 let part = if planned == 0 { 0.0 } else { ahead as f64 / planned as f64 };
                 let left = (entry.length.to_bits() as f64 * part) as i64;
                 return Ok(ProgramDistance::from_bits(entry.end().to_bits().wrapping_sub(left)));

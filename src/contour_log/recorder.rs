@@ -1,5 +1,5 @@
 //! The planner's end: which entry goes into which table.
-use super::entry::{BlockType, Entry, ProgramDistance};
+use super::entry::{BELOW, BlockType, Entry, ProgramDistance};
 use super::geometry::describe;
 use super::table::{Row, Table};
 use crate::nc::ContourLog;
@@ -12,8 +12,6 @@ pub(crate) struct Passed<'a, const AXES: usize> {
     pub base: &'a [Position; AXES],
     pub entry: &'a End<AXES>,
     pub exit: &'a End<AXES>,
-    /// Its path distance is time.
-    pub timed: bool,
     /// Programmed N number.
     pub n: u32,
     /// Motion blocks before it.
@@ -67,9 +65,6 @@ pub struct Recorder<'a> {
     /// By what the path is measured. `None`: no planner has it yet.
     measure: Option<Measure>,
 }
-
-/// Bits of a path distance below those of a program distance.
-const BELOW: u32 = 20;
 
 impl<'a> Recorder<'a> {
     pub(super) fn new(window: Table<'a>, log: Table<'a>) -> Self {
@@ -230,7 +225,7 @@ impl<'a> Recorder<'a> {
 
     /// A curve goes into the look-ahead.
     pub(crate) fn pass<const AXES: usize>(&mut self, passed: &Passed<'_, AXES>) {
-        let Passed { shape, base, entry, exit, timed, n, number, path } = *passed;
+        let Passed { shape, base, entry, exit, n, number, path } = *passed;
         self.cut(path.wrapping_sub(shape.length.to_bits()));
         self.settle(number);
         let before = self.exit.map(|exit| {
@@ -239,7 +234,7 @@ impl<'a> Recorder<'a> {
             axes
         });
         let Some(measure) = &self.measure else { return };
-        let (made, length) = describe((shape, base, timed), entry, before.as_ref(), measure);
+        let (made, length) = describe((shape, base), entry, before.as_ref(), measure);
         let start = self.end.0;
         self.extend(length);
         let length = ProgramDistance::from_bits(self.end.0.wrapping_sub(start));

@@ -11,10 +11,10 @@ impl<const AXES: usize, const BLOCKS: usize> Entrance<'_, '_, AXES, BLOCKS> {
     #[inline(never)]
     pub(super) fn record(&mut self, element: &Piece<'_, AXES>, base: &[Position; AXES], pass: &Pass) {
         let Some(recorder) = self.recorder else { return };
-        let Piece { shape, entry, exit, timed, .. } = *element;
+        let Piece { shape, entry, exit, .. } = *element;
         let path = self.segments.end().to_bits();
         let Pass { n, number, .. } = *pass;
-        recorder.pass(&Passed { shape, base, entry, exit, timed, n, number, path });
+        recorder.pass(&Passed { shape, base, entry, exit, n, number, path });
     }
 }
 
