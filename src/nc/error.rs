@@ -178,6 +178,9 @@ pub enum NcErrorKind {
     /// A parameter with a name that has no value.
     #[cfg(feature = "dialects")]
     NameUnset,
+    /// O call or M98 of a subroutine that the text does not have.
+    #[cfg(feature = "dialects")]
+    NoProgram,
     /// A value that no word of the block uses.
     #[cfg(feature = "dialects")]
     Unused,
@@ -302,6 +305,11 @@ impl fmt::Display for NcError {
             ),
             K::NoLabel => write!(f, "label \"{found}\" is not in this program"),
             K::NoMainProgram => write!(f, "no main program: expected a head % without L"),
+            #[cfg(feature = "dialects")]
+            K::NoProgram => write!(
+                f,
+                "no subprogram for \"{found}\": expected it before its call, or behind the main program for M98"
+            ),
             K::NoSubroutine => write!(
                 f,
                 "subroutine \"{found}\" does not stand before the main program: expected %L {found} there"
@@ -411,6 +419,9 @@ pub enum NcWarningKind {
     /// Q of G64.
     #[cfg(feature = "dialects")]
     NoMerging,
+    /// M49 to M53: the operator's overrides stay on.
+    #[cfg(feature = "dialects")]
+    OverridesStay,
     /// `/` in a program of Grbl, which carries the block out.
     #[cfg(feature = "dialects")]
     BlockSkip,
@@ -529,6 +540,8 @@ impl fmt::Display for NcWarning {
                     f64::from(um) / 1000.0
                 );
             }
+            #[cfg(feature = "dialects")]
+            NcWarningKind::OverridesStay => "M49 to M53 and M56 change nothing here: overrides stay on",
             #[cfg(feature = "dialects")]
             NcWarningKind::NoMerging => "Q of G64 merges no lines here: the motion is nearer to the path",
             #[cfg(feature = "dialects")]

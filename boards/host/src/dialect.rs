@@ -42,8 +42,15 @@ pub fn choose(choice: Choice, program: &Source) -> Result<Dialect, Vec<Diagnosti
     if let Some(dialect) = choice.dialect() {
         return Ok(dialect);
     }
-    match Found::of(program).decide() {
-        Shown::Isg => Ok(Dialect::Isg),
+    let mut found = Found::of(program);
+    let traps = if found.isg.is_none() { core::mem::take(&mut found.traps) } else { Vec::new() };
+    match found.decide() {
+        Shown::Isg => {
+            for (Mark { word, line, .. }, meaning) in traps {
+                anstream::eprintln!("note: line {line}: {word} {meaning}");
+            }
+            Ok(Dialect::Isg)
+        }
         Shown::Printer(mark) => {
             let message = format!("{} is a word of 3-D printers (Marlin)", mark.word);
             let error = Diagnostic::error(message).at(program, mark.line, mark.column, mark.length);
@@ -79,6 +86,8 @@ struct Found {
     /// S beside axes in G1: pixel rows of a laser.
     rows: Vec<Mark>,
     ends: bool,
+    /// Words that ISG's language has with another meaning, each once.
+    traps: Vec<(Mark, &'static str)>,
 }
 
 /// What the text shows.
@@ -154,6 +163,11 @@ impl Found {
         let plain = line.text.as_str();
         self.ends |= line.has('M', 20) || line.has('M', 300) || plain == "%";
         let slot = |slot: &mut Option<Mark>, mark: Option<Mark>| *slot = slot.take().or(mark);
+        for (mark, meaning) in line.traps() {
+            if !self.traps.iter().any(|(_, known)| *known == meaning) {
+                self.traps.push((mark, meaning));
+            }
+        }
         slot(&mut self.isg, line.isg());
         slot(&mut self.linuxcnc, line.linuxcnc());
         slot(&mut self.grbl, line.grbl());
@@ -236,6 +250,26 @@ impl Line {
 
     fn at_start(&self, word: &str) -> Mark {
         Mark { word: word.to_owned(), line: self.number, column: 1, length: 1 }
+    }
+
+    /// Words that do something else in ISG's language than in LinuxCNC's and Grbl's, with what they do.
+    fn traps(&self) -> Vec<(Mark, &'static str)> {
+        const G: [(u32, &str); 3] = [
+            (530, "stays in force in ISG, until G54 to G59; with --dialect linuxcnc it holds in its block"),
+            (610, "rounds corners in ISG; with --dialect linuxcnc or grbl it is exact path"),
+            (920, "adds an offset in ISG; with --dialect linuxcnc or grbl this place gets the coordinates"),
+        ];
+        let mut traps = Vec::new();
+        for (code, meaning) in G {
+            traps.extend(self.any('G', &[code]).map(|mark| (mark, meaning)));
+        }
+        let moves = self.words.iter().any(|word| matches!(word.letter, 'X' | 'Y' | 'Z'));
+        let switch = self.any('M', &[30, 40, 50, 80, 90]).filter(|_| moves);
+        let order = "beside axes comes as m_synch says in ISG; in LinuxCNC and Grbl before the motion";
+        traps.extend(switch.map(|mark| (mark, order)));
+        let end = "ends a subroutine in ISG; LinuxCNC and Grbl do not know it";
+        traps.extend(self.any('M', &[170, 290]).map(|mark| (mark, end)));
+        traps
     }
 
     /// What only ISG's language has.

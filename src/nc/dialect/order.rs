@@ -165,7 +165,7 @@ impl<const AXES: usize> Interpreter<AXES> {
             }
             self.set_feed(given)?;
         }
-        self.functions(block)?;
+        self.functions(block, line)?;
         self.dwell(block, line)?;
         self.read_call(block)?;
         self.settings(block, line)?;
@@ -213,7 +213,7 @@ impl<const AXES: usize> Interpreter<AXES> {
     }
 
     /// S, T, M6, spindle, coolant, other M.
-    fn functions(&mut self, block: &mut Block<AXES>) -> Result<(), Fault> {
+    fn functions(&mut self, block: &mut Block<AXES>, line: &Line) -> Result<(), Fault> {
         if let Some(given) = block.take(b'S') {
             let speed = given.number.fixed(Factor::ONE).filter(|speed| *speed >= Position::ZERO);
             let kind =
@@ -224,6 +224,11 @@ impl<const AXES: usize> Interpreter<AXES> {
             self.foreign.now.tool = self.whole(given, "T", 999_999_999)?;
             self.push(ItemKind::Tool(self.foreign.now.tool), given.span)?;
         }
+        if let Some(said) = block.said(group::OVERRIDE).filter(|said| said.word.meaning == Meaning::Override)
+        {
+            let _ = block.take(b'P');
+            self.warn(line, said.span, NcWarningKind::OverridesStay);
+        }
         for group in [group::TOOL, group::SPINDLE, group::MIST, group::FLOOD, group::USER] {
             let Some(Said { word, number, span }) = block.said(group) else { continue };
             let now = &mut self.foreign.now;
@@ -232,8 +237,18 @@ impl<const AXES: usize> Interpreter<AXES> {
                 Meaning::Coolant => now.coolant = number != 9,
                 _ => {}
             }
-            if matches!(word.meaning, Meaning::Call | Meaning::Return) {
-                continue;
+            match word.meaning {
+                Meaning::Call | Meaning::Return => continue,
+                Meaning::ToolNumber => {
+                    let Some(given) = block.take(b'Q') else {
+                        return span.fault(NcErrorKind::Missing("Q, the tool"));
+                    };
+                    let tool = self.whole(given, "Q", 999_999_999)?;
+                    self.foreign.now.tool = tool;
+                    self.push(ItemKind::Tool(tool), span)?;
+                    continue;
+                }
+                _ => {}
             }
             let changes = word.meaning == Meaning::Change;
             self.push(if changes { ItemKind::Pause(number) } else { ItemKind::M(number) }, span)?;
@@ -484,12 +499,13 @@ impl<const AXES: usize> Interpreter<AXES> {
         for (slot, letter) in words.centre.iter_mut().zip([b'I', b'J', b'K']) {
             *slot = block.take(letter);
         }
-        if self.setup.foreign.dialect == Dialect::Grbl {
-            // Grbl does not look at the one outside of the plane; posts write K0.
-            let [first, second] = self.modal.plane.main_axes();
-            if let Some(slot) = words.centre.get_mut(3 - first - second) {
-                *slot = None;
-            }
+        // Grbl does not look at the one outside of the plane. Posts write K0, which moves nothing in LinuxCNC either.
+        let [first, second] = self.modal.plane.main_axes();
+        let grbl = self.setup.foreign.dialect == Dialect::Grbl;
+        if let Some(slot) = words.centre.get_mut(3 - first - second)
+            && slot.is_some_and(|given| grbl || given.number.real() == 0.0)
+        {
+            *slot = None;
         }
         words.radius = block.take(b'R');
         words.first = words.first.or(words.centre_span());

@@ -142,7 +142,7 @@ impl Calls {
             Skip::Sub(_) => Some("endsub"),
             Skip::Branch(_) | Skip::EndIf(_) => Some("endif"),
             Skip::Out(_) | Skip::Round(_) => Some("the end of the loop"),
-            Skip::Program(_) => return Some((self.origin, NcErrorKind::NoSubroutine)),
+            Skip::Program(_) => return Some((self.origin, NcErrorKind::NoProgram)),
         };
         if let Some(closing) = closing {
             return Some((self.origin, NcErrorKind::Unclosed { closing }));
@@ -486,7 +486,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         let callee = match (body, head.name) {
             (Some(body), _) => Next::At(mark(body)),
             (None, Some(name)) if head.label >= 1 << 31 => Next::File(name),
-            _ => return head.span.fault(NcErrorKind::NoSubroutine),
+            _ => return head.span.fault(NcErrorKind::NoProgram),
         };
         self.enter(head.label, bounds.next, head.span, None, body.is_none())?;
         if body.is_none() {

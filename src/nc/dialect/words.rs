@@ -49,6 +49,10 @@ pub enum Meaning {
     ByTime(bool),
     /// G38.2…G38.5, by the digit behind the point.
     Probe(u8),
+    /// M49…M53, M56: overrides stay as they are, which is told.
+    Override,
+    /// M61 Q: the tool number, without a change.
+    ToolNumber,
     /// M98.
     Call,
     /// M99.
@@ -275,14 +279,14 @@ pub static WORDS: &[WordEntry] = &[
     m(19, LINUXCNC, group::SPINDLE, Meaning::Later("M5"), "spindle orientation"),
     m(30, BOTH, group::STOP, Meaning::End, "program end"),
     m(48, BOTH, group::OVERRIDE, Meaning::Nothing, "overrides on"),
-    m(49, BOTH, group::OVERRIDE, Meaning::Later("M48"), "overrides off"),
-    m(50, BOTH, group::OVERRIDE, Meaning::Later("M48"), "feed override on or off"),
-    m(51, BOTH, group::OVERRIDE, Meaning::Later("M48"), "spindle override on or off"),
-    m(52, LINUXCNC, group::OVERRIDE, Meaning::Later("M48"), "adaptive feed"),
-    m(53, BOTH, group::OVERRIDE, Meaning::Later("M48"), "feed stop switch"),
-    m(56, GRBL, group::OVERRIDE, Meaning::Later("M48"), "parking override"),
+    m(49, BOTH, group::OVERRIDE, Meaning::Override, "overrides off"),
+    m(50, BOTH, group::OVERRIDE, Meaning::Override, "feed override on or off"),
+    m(51, BOTH, group::OVERRIDE, Meaning::Override, "spindle override on or off"),
+    m(52, LINUXCNC, group::OVERRIDE, Meaning::Override, "adaptive feed"),
+    m(53, BOTH, group::OVERRIDE, Meaning::Override, "feed stop switch"),
+    m(56, GRBL, group::OVERRIDE, Meaning::Override, "parking override"),
     m(60, BOTH, group::STOP, Meaning::Pause, "pause for a pallet"),
-    m(61, BOTH, group::TOOL, Meaning::Later("T and M6"), "set the tool number"),
+    m(61, BOTH, group::TOOL, Meaning::ToolNumber, "set the tool number"),
     m(62, BOTH, group::OUTPUT, Meaning::Later(OUTPUTS), "output on with the motion"),
     m(63, BOTH, group::OUTPUT, Meaning::Later(OUTPUTS), "output off with the motion"),
     m(64, BOTH, group::OUTPUT, Meaning::Later(OUTPUTS), "output on"),
