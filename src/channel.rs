@@ -170,6 +170,13 @@ pub struct Planner<
 impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, const OVERLAYS: usize>
     Planner<'a, T, AXES, BLOCKS, F, OVERLAYS>
 {
+    /// Carries `command` out before the first line, as if the program began with it. To be called before the first
+    /// [`Self::poll`]; [`Self::load`] begins without it.
+    #[cfg(feature = "dialects")]
+    pub fn begin_with(&mut self, command: Command<AXES>) {
+        self.decoder.begin_with(command);
+    }
+
     /// Does a bounded piece of work. Call it until it returns [`Progress::Waiting`] or [`Progress::Done`]. `docs/figures.md`
     /// has the instructions of the longest call.
     ///

@@ -106,6 +106,13 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
         Self::new(memory, Setup::new(machine, start), text)
     }
 
+    /// Hands `command` out before the first line, as if the program began with it: a smoothing that the program does
+    /// not ask for. To be called before the first step.
+    #[cfg(feature = "dialects")]
+    pub fn begin_with(&mut self, command: Command<AXES>) {
+        self.interpreter.gathered = Gathered::Single(core::cell::Cell::new(command));
+    }
+
     /// Hands out the next command or works towards it: at most one logical line, or 256 bytes of text; of a
     /// line with much arithmetic a part.
     ///

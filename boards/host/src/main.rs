@@ -23,9 +23,11 @@ mod monitor;
 mod output;
 mod plot;
 mod program;
+mod report;
 mod resolution;
 mod run;
 mod serve;
+mod smooth;
 mod statistics;
 mod summary;
 mod tolerance;
@@ -130,6 +132,10 @@ struct Run {
     /// `reduced on|off`, `starve <seconds>`, `stall <seconds>`, `ack <function>`.
     #[arg(long, value_name = "FILE")]
     events: Option<PathBuf>,
+    /// Smooth a program that has no smoothing, up to so far from the programmed path: Surface or contour mode DEV,
+    /// whichever is faster.
+    #[arg(long, value_name = "MM", value_parser = smooth::parse)]
+    smooth: Option<f64>,
     /// Seconds after its output at which a function is acknowledged, or `never`. Functions that --events
     /// acknowledges are not meant.
     #[arg(long, value_name = "SECONDS", default_value = "0", value_parser = acknowledge::parse_delay)]
@@ -152,6 +158,9 @@ struct Run {
     /// A picture: path, speed, acceleration and jerk.
     #[arg(long, value_name = "FILE.svg|.png", value_parser = plot::parse_target)]
     plot: Option<plot::Target>,
+    /// A page to look into, complete in one file: path in space, speed, acceleration, jerk, NC lines.
+    #[arg(long, value_name = "FILE.html")]
+    report: Option<PathBuf>,
     /// Say what bound the speed: the program runs again for every limit.
     #[arg(long, value_enum, default_value_t)]
     why: why::Asked,
@@ -213,7 +222,8 @@ fn each(programs: &[PathBuf], mut one: impl FnMut(&Path) -> Result<(), Refusal>)
 fn run_all(arguments: &Run) -> Result<(), Refusal> {
     let programs = &arguments.input.programs;
     let plot = arguments.plot.as_ref().map(|plot| &plot.path);
-    let outputs = [&arguments.trace, &arguments.summary, &arguments.contour, &arguments.vcd];
+    let outputs =
+        [&arguments.trace, &arguments.summary, &arguments.contour, &arguments.vcd, &arguments.report];
     if let (true, Some(path)) = (programs.len() > 1, outputs.into_iter().flatten().chain(plot).next()) {
         return Err(output::refused(path, "several programs do not go into one output; run them one by one"));
     }
@@ -226,7 +236,11 @@ fn run(arguments: &Run, path: &Path) -> Result<(), Refusal> {
     let mut machine = load(input, &files)?;
     let script = arguments.events.as_deref().map(Script::read).transpose()?;
     let mut program = decode(&files, &machine, input)?;
-    let outputs = [&arguments.trace, &arguments.summary, &arguments.contour, &arguments.vcd];
+    if let Some(tolerance) = arguments.smooth {
+        program = smooth::put(&files, &mut machine, program, tolerance, input.max_commands);
+    }
+    let outputs =
+        [&arguments.trace, &arguments.summary, &arguments.contour, &arguments.vcd, &arguments.report];
     if outputs.into_iter().flatten().filter(|path| path.as_os_str() == "-").count() > 1 {
         return Err(output::refused(Path::new("-"), "the standard output takes one of the outputs"));
     }
@@ -247,6 +261,7 @@ fn run(arguments: &Run, path: &Path) -> Result<(), Refusal> {
         trace,
         vcd,
         picture: arguments.plot.is_some(),
+        report: arguments.report.is_some(),
         script: script.as_ref(),
         acknowledge: arguments.ack,
         quiet: false,
@@ -269,6 +284,17 @@ fn run(arguments: &Run, path: &Path) -> Result<(), Refusal> {
     }
     if let Some(path) = &arguments.summary {
         outputs.write(path, summary.to_json().as_bytes())?;
+    }
+    if let (Some(path), Some(tape)) = (&arguments.report, &result.tape) {
+        let scene = report::Scene {
+            files: &files,
+            machine: &machine,
+            program: &program,
+            statistics: &result,
+            tape,
+            summary: summary.to_json(),
+        };
+        outputs.write(path, report::page(&scene).as_bytes())?;
     }
     if let (Some(target), Some(picture)) = (&arguments.plot, picture) {
         let scene = plot::Scene {

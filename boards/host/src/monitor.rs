@@ -318,6 +318,11 @@ impl Monitor {
         self.steps.then(|| "jerk not compared at joints: P-CHAN-00009 = 0 or P-AXIS-00013 given".to_owned())
     }
 
+    /// Speed, acceleration and jerk that an axis may have in the row with this number, the latest one.
+    pub fn permitted(&self, axis: usize, tick: u64) -> [f64; 3] {
+        self.axes.get(axis).map_or([0.0; 3], |compared| compared.bounds(tick).map(|(limit, _)| limit))
+    }
+
     /// One message for each excess.
     pub fn errors(&self, machine: &Machine) -> Vec<Diagnostic> {
         let messages = self.excess.iter().map(|excess| {

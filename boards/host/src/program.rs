@@ -197,6 +197,9 @@ fn decode_axes<const AXES: usize>(
     let main = data.main_axes();
     let mut memory = Box::new(DecoderMemory::new());
     let mut decoder = Decoder::new(&mut memory, Setup::new(&data, start), files);
+    if let Some(smooth) = machine.smooth {
+        decoder.begin_with(smooth.command());
+    }
     let mut at = start;
     let mut program = Program::empty(machine);
     let mut weights = Weights::new();

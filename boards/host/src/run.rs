@@ -14,6 +14,7 @@ use crate::monitor::Monitor;
 use crate::output;
 use crate::plot::Picture;
 use crate::program::Program;
+use crate::report::Tape;
 use crate::statistics::{Pause, Statistics};
 use crate::trace::Trace;
 use crate::vcd::Vcd;
@@ -47,6 +48,8 @@ pub struct Wanted<'a> {
     pub vcd: Option<(&'a Path, Box<dyn Write>, usize)>,
     /// A [`Picture`] is recorded.
     pub picture: bool,
+    /// A [`Tape`] is recorded, in [`Statistics::tape`].
+    pub report: bool,
     /// Events from outside.
     pub script: Option<&'a Script>,
     /// Functions that no event acknowledges.
@@ -82,10 +85,13 @@ fn simulate_axes<const AXES: usize>(
     // Static on a controller; here too large for some stacks.
     let mut channel = Box::new(Channel::<AXES, BLOCKS, OVERLAYS>::new());
     let mut filters = Box::new(Filters::<AXES, TAPS>::new());
-    let handles = channel
+    let mut handles = channel
         .split_filtered(&mut filters, &data, start, Delayed { files, late: &late })
         .map_err(|error| vec![Diagnostic::error(format!("{}: {error}", machine.name))])?;
 
+    if let Some(smooth) = machine.smooth {
+        handles.planner.begin_with(smooth.command());
+    }
     let trace_path = wanted.trace.as_ref().map_or(Path::new(""), |(path, _)| path).to_path_buf();
     let unwritable = |error: io::Error| output::refused(&trace_path, error);
     let trace = wanted.trace.map(|(_, file)| Trace::new(file, machine)).transpose().map_err(unwritable)?;
@@ -113,6 +119,7 @@ fn simulate_axes<const AXES: usize>(
             let rapid = program.motions().map(|segment| segment.feed.is_none()).collect();
             Picture::new(machine, shown, moving, (program.axes_beside(), rapid))
         }),
+        tape: wanted.report.then(|| Tape::new(machine)),
         cycle_s: machine.cycle_s(),
         has_events: !events.is_empty(),
         seen: 0,
@@ -363,6 +370,7 @@ struct Recorder {
     trace: Option<Trace>,
     vcd: Option<Vcd>,
     picture: Option<Picture>,
+    tape: Option<Tape>,
     cycle_s: f64,
     /// Speeds are not always those planned.
     has_events: bool,
@@ -408,6 +416,9 @@ impl Recorder {
             let off = statistics.filtered.off();
             picture.add(telemetry, set_points, (&statistics.axes, &off), self.cycle_s);
         }
+        if let Some(tape) = &mut self.tape {
+            tape.add(telemetry, [set_points, drives], statistics);
+        }
         if let Some(vcd) = &mut self.vcd {
             vcd.tick(drives).map_err(Stop::UnwritableSteps)?;
         }
@@ -427,6 +438,7 @@ impl Recorder {
         }
         self.statistics.finish(set_points);
         self.statistics.over_time = self.driven.differs;
+        self.statistics.tape = self.tape;
         if let Some(deviation) = &mut self.statistics.deviation {
             deviation.finish();
         }

@@ -6,6 +6,7 @@ use crate::events::What;
 use crate::filtered::Filtered;
 use crate::machine::Machine;
 use crate::monitor::Monitor;
+use crate::report::Tape;
 use glidepath::channel::PlannedBlock;
 use glidepath::digest::Digest;
 use glidepath::nc::NcWarning;
@@ -139,6 +140,8 @@ pub struct Statistics {
     pub aborted: bool,
     /// The motion was slower than programmed, so that a standstill without the planner has room.
     pub slower: bool,
+    /// Every tick, where a page is to show the run.
+    pub tape: Option<Tape>,
     /// Stretches of both: tick of the first row and of the last one.
     pub holds: Vec<[u64; 2]>,
     awaited: Vec<Awaited>,
@@ -246,6 +249,7 @@ impl Statistics {
             dwelt: 0,
             aborted: false,
             slower: false,
+            tape: None,
             holds: Vec::new(),
             awaited: Vec::new(),
             told: HashSet::new(),

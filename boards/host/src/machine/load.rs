@@ -167,6 +167,7 @@ impl Loader<'_> {
             name: String::new(),
             warnings: Vec::new(),
             dialect: Choice::Auto,
+            smooth: None,
         };
         let document = match DeTable::parse(text) {
             Ok(document) => document,

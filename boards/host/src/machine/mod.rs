@@ -10,6 +10,7 @@ mod steps;
 
 use crate::diagnose::Diagnostic;
 use crate::dialect::Choice;
+use crate::smooth::Smooth;
 use glidepath::machine::{AxisData, AxisKind, AxisName, ChannelData, MachineData};
 use glidepath::nc::SlopeType;
 use glidepath_steps::AxisSteps;
@@ -29,6 +30,8 @@ pub struct Machine {
     pub warnings: Vec<Diagnostic>,
     /// The dialect of programs, as its data say.
     pub dialect: Choice,
+    /// What programs without smoothing begin with.
+    pub smooth: Option<Smooth>,
 }
 
 /// The largest number of axes this board is compiled for.
@@ -67,6 +70,20 @@ impl Machine {
             name: "built-in three-axis machine".into(),
             warnings: Vec::new(),
             dialect: Choice::Auto,
+            smooth: None,
+        }
+    }
+
+    /// The same machine, where programs begin with that smoothing.
+    pub fn smoothed(&self, smooth: Option<Smooth>) -> Self {
+        Self {
+            axes: self.axes.clone(),
+            channel: self.channel,
+            steps: self.steps.clone(),
+            name: self.name.clone(),
+            warnings: Vec::new(),
+            dialect: self.dialect,
+            smooth,
         }
     }
 

@@ -116,6 +116,8 @@ pub struct Why {
     pub blocks: Vec<Option<Bound>>,
     /// What would make it faster or lets it be slower, most first.
     pub helps: Vec<Help>,
+    /// The time with smoothing, of a program that has none.
+    pub smoothed_s: Option<f64>,
 }
 
 /// What is known of a run.
@@ -164,6 +166,7 @@ impl Places<'_> {
             joints: (0..blocks).map(joint).collect(),
             blocks: (0..blocks).map(inside).collect(),
             helps: Vec::new(),
+            smoothed_s: None,
         }
     }
 

@@ -125,14 +125,7 @@ impl Limit {
             _ => {}
         }
         let same = axes == machine.axes && channel == machine.channel;
-        let machine = Machine {
-            axes,
-            channel,
-            steps: machine.steps.clone(),
-            name: machine.name.clone(),
-            warnings: Vec::new(),
-            dialect: machine.dialect,
-        };
+        let machine = Machine { axes, channel, ..machine.smoothed(machine.smooth) };
         (!same).then_some(Loosened { machine, limit: self, axis })
     }
 

@@ -4,6 +4,7 @@ use crate::clock::clock;
 use crate::knee::{SHARP, knees};
 use crate::machine::Machine;
 use crate::program::{Program, Segment, plural};
+use crate::smooth::ADVISED;
 use anstyle::Style;
 use serde::Serialize;
 use std::fmt::Write;
@@ -119,6 +120,9 @@ fn advice(why: &Why, program: &Program) -> Vec<String> {
     if sharp > 0 {
         let what = "no curve: #CONTOUR MODE or #HSC rounds inside a tolerance";
         advice.push(format!("{} {what}", corners(sharp)));
+    }
+    if let Some(time) = why.smoothed_s.filter(|_| sharp > 0) {
+        advice.push(format!("--smooth {ADVISED} rounds them: {time:.3} s{}", clock(time)));
     }
     if kept > 0 {
         let what = "no curve where smoothing is on: another method may round what this one leaves";

@@ -6,6 +6,7 @@ use crate::files::Files;
 use crate::machine::Machine;
 use crate::program::Program;
 use crate::run::{self, Wanted};
+use crate::smooth;
 use crate::statistics::Statistics;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::sync::Mutex;
@@ -79,6 +80,7 @@ pub fn ask(
         why.name_axes(|place, limit| place.fastest(by_axis.iter().filter(|trial| trial.limit == limit)));
     }
     why.helps(&switched, &compared);
+    why.smoothed_s = smooth::advised(files, machine, program, time_s);
     Some(why)
 }
 
