@@ -9,6 +9,7 @@ mod host;
 mod lint;
 mod mutants;
 mod rtos;
+mod senders;
 mod shell;
 mod stack;
 mod target;
@@ -33,6 +34,8 @@ cargo xtask COMMAND
   hil --commands  only programs with commands all the time: digests, and the largest call of each
   hil --panic   only the proof that no panicking path is left; names the places if there are any
   rtos          only the programs in an operating system and in C: RTIC, Embassy, C, FreeRTOS; digests
+  senders       two real senders of the desktop stream a job of 5,000 lines to `glidepath serve`; needs Python
+  senders LINES  the same with another number of lines
   header        writes the header of boards/c anew
   bench         instruction counts and memory, against the accepted ones
   bench --accept  makes the measured figures the accepted ones and writes docs/figures.md
@@ -56,6 +59,8 @@ fn main() -> ExitCode {
         ["hil", "--commands"] => hil::only_commands(),
         ["hil", "--panic"] => hil::panic_proof(),
         ["rtos"] => rtos::all(),
+        ["senders"] => senders::all("5000"),
+        ["senders", lines] => senders::all(lines),
         ["header"] => rtos::header(),
         ["bench"] => hil::bench(false),
         ["bench", "--accept"] => hil::bench(true),
