@@ -9,6 +9,7 @@ mod host;
 mod lint;
 mod mutants;
 mod rtos;
+mod senders;
 mod shell;
 mod stack;
 mod target;
@@ -34,6 +35,8 @@ cargo xtask COMMAND
   hil --panic   only the proof that no panicking path is left; names the places if there are any
   rtos          only the programs in an operating system and in C: RTIC, Embassy, C, FreeRTOS; digests
   rtos NAME     only that of one of them: rtic, embassy, c, freertos
+  senders       two real senders of the desktop stream a job of 5,000 lines to `glidepath serve`; needs Python
+  senders LINES  the same with another number of lines
   header        writes the header of boards/c anew
   bench         instruction counts and memory, against the accepted ones
   bench --accept  makes the measured figures the accepted ones and writes docs/figures.md
@@ -58,6 +61,8 @@ fn main() -> ExitCode {
         ["hil", "--panic"] => hil::panic_proof(),
         ["rtos"] => rtos::all(None),
         ["rtos", name] => rtos::all(Some(name)),
+        ["senders"] => senders::all("5000"),
+        ["senders", lines] => senders::all(lines),
         ["header"] => rtos::header(),
         ["bench"] => hil::bench(false),
         ["bench", "--accept"] => hil::bench(true),

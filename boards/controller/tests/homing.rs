@@ -63,6 +63,9 @@ fn sixty_machines_are_homed() {
 #[ignore = "10,000 machines"]
 fn ten_thousand_machines_are_homed() {
     for seed in 100..10_100 {
+        if seed % 1000 == 0 {
+            eprintln!("seed {seed}");
+        }
         home(seed);
     }
 }

@@ -142,6 +142,37 @@ fn hold_resume_reset_and_jog() {
     assert!(talk.report().starts_with("<Idle|MPos:2.000,1.000,1.000|"));
 }
 
+/// A setting changes the machine data: what is in force and where the axes stand outlive that.
+#[test]
+fn settings_are_machine_data() {
+    let mut talk = Talk::new();
+    assert_eq!(talk.ask("G20 G91 G1 X1 F100 M3 S100"), ["ok"]);
+    assert_eq!(talk.ask("G4 P0"), ["ok"]);
+    assert_eq!(talk.ask("$110=3000"), ["ok"]);
+    let report = talk.until("<Idle|");
+    assert!(report.starts_with("<Idle|MPos:25.400,0.000,0.000|Bf:15,128|FS:0,100|"), "{report}");
+    assert_eq!(talk.ask("$G")[0], "[GC:G1 G54 G17 G20 G91 G94 M3 M9 T0 F2540 S100]");
+    assert!(talk.ask("$$").contains(&"$110=3000.000".to_owned()));
+    // The new speed counts: 50 mm/s.
+    assert_eq!(talk.ask("G0 X40"), ["ok"]);
+    let fastest = (0..50).map(|_| {
+        let report = talk.report();
+        let feed = report.split("FS:").nth(1).and_then(|rest| rest.split(',').next()).map(str::to_owned);
+        feed.and_then(|feed| feed.parse::<u32>().ok()).unwrap_or(0)
+    });
+    assert_eq!(fastest.max(), Some(3000));
+    talk.until("<Idle|");
+    for line in ["$120=0", "$110=99999999"] {
+        assert_eq!(talk.ask(line).last().map(String::as_str), Some("error:52"), "{line}");
+    }
+    // Soft limits: the space of the machine lies below 0.
+    assert_eq!(talk.ask("$20=1"), ["error:10"]);
+    assert_eq!(talk.ask("$22=1"), ["ok"]);
+    assert_eq!(talk.ask("$20=1"), ["ok"]);
+    talk.until("<Idle|");
+    assert_eq!(talk.ask("G0 X1").last().map(String::as_str), Some("error:33"));
+}
+
 #[test]
 fn a_second_sender_is_sent_away() {
     let talk = Talk::new();

@@ -81,7 +81,8 @@ pub struct Carried<const AXES: usize> {
     pub position: [Position; AXES],
     /// Settings in force.
     pub settings: Settings<AXES>,
-    program_ends: u8,
+    /// Spindle and coolant as they are.
+    switched: Switched,
 }
 
 impl<const AXES: usize> Carried<AXES> {
@@ -91,12 +92,12 @@ impl<const AXES: usize> Carried<AXES> {
         settings: Settings<AXES>,
         stored: StoredOffsets<AXES>,
     ) -> Self {
-        Self { kept: Kept::START, stored, position, settings, program_ends: 0 }
+        Self { kept: Kept::START, stored, position, settings, switched: Switched::OFF }
     }
 }
 
 /// What the functions of the program have switched, at their points of the path.
-#[derive(Clone, Copy, Default)]
+#[derive(Clone, Copy)]
 struct Switched {
     spindle: Spindle,
     rpm: u32,
@@ -105,6 +106,11 @@ struct Switched {
     /// M0, M1, M6 or M60 that waits for a start.
     paused: Option<u16>,
     program_ends: u8,
+}
+
+impl Switched {
+    const OFF: Self =
+        Self { spindle: Spindle::Off, rpm: 0, mist: false, flood: false, paused: None, program_ends: 0 };
 }
 
 /// Cycles that need inputs, and what they have to tell.
@@ -183,7 +189,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Machine<
         carried: &Carried<AXES>,
     ) -> (Self, Interpolator<'a, AXES, Unfiltered, OVERLAYS>) {
         let Handles { planner, interpolator, operator } = handles;
-        let Carried { kept, stored, settings, program_ends, .. } = carried;
+        let Carried { kept, stored, settings, switched, .. } = carried;
         let mut machine = Self {
             planner,
             operator,
@@ -195,7 +201,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Machine<
             kept: *kept,
             checked: None,
             line: Offered::NONE,
-            switched: Switched { program_ends: *program_ends, ..Switched::default() },
+            switched: *switched,
             cycles: Cycles {
                 homing: None,
                 homed: crate::motion::Homing::Done,
@@ -225,7 +231,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Machine<
             stored: self.planner.stored(),
             position: *self.planner.position(),
             settings,
-            program_ends: self.switched.program_ends,
+            switched: self.switched,
         })
     }
 

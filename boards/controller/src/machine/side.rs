@@ -184,7 +184,7 @@ impl<const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Motion<AXES>
         self.checked = None;
         self.cycles.is_jogging = false;
         let program_ends = self.switched.program_ends;
-        self.switched = super::Switched { program_ends, ..super::Switched::default() };
+        self.switched = super::Switched { program_ends, ..super::Switched::OFF };
         if self.line.end.is_none() {
             self.restore();
         }

@@ -91,8 +91,8 @@ pub struct World {
     pub signals: Signals,
     /// Largest and least machine coordinates seen.
     pub seen: [(f64, f64); AXES],
-    /// Times a set point left what the axis permits, by more than a jump of the coordinates.
-    pub steps: u64,
+    /// Ways of the last tick.
+    ways: [f64; AXES],
 }
 
 impl World {
@@ -105,7 +105,7 @@ impl World {
             random: Random(seed),
             signals: Signals::default(),
             seen: [(f64::MAX, f64::MIN); AXES],
-            steps: 0,
+            ways: [0.0; AXES],
         }
     }
 
@@ -138,7 +138,10 @@ impl World {
         let mut from = *from;
         for axis in 0..AXES {
             let way = to[axis].to_num::<f64>() - from[axis].to_num::<f64>();
-            if way.abs() > 0.5 {
+            // From rest no axis comes as far in a tick.
+            let jumps = self.ways[axis] == 0.0 && way.abs() > 1e-4;
+            self.ways[axis] = if jumps { 0.0 } else { way };
+            if jumps {
                 // Other coordinates for the same place.
                 self.shift[axis] -= way;
                 from[axis] = to[axis];
@@ -153,7 +156,6 @@ impl World {
         }
         let signals = self.sample(to);
         latch.look(signals, to);
-        self.steps += 1;
         signals
     }
 }

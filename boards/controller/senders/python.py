@@ -1,0 +1,107 @@
+"""Two real senders stream jobs to `glidepath serve --pty`: pygrbl-streamer and grbl-streamer.
+
+python python.py GLIDEPATH [LINES]
+
+Needs `pip install pygrbl-streamer==1.0.5 grbl-streamer==2.0.2`. Ends with 0 if every line was acknowledged once, without an
+error, and the machine stands where the job ends.
+"""
+import os
+import re
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+
+
+def job(lines):
+    """A head, many short lines, a tail."""
+    text = ["G21 G90 G94 G17", "M3 S1000"]
+    text += [f"G1 X{i % 17 / 4:.3f} Y{i % 23 / 5:.3f} F6000" for i in range(lines)]
+    return text + ["G1 X1.5 Y2.25 Z-0.5", "M5"]
+
+
+def serve(program, speed):
+    """The controller, and the name of its terminal."""
+    child = subprocess.Popen([program, "serve", "--pty", "--speed", str(speed)], stdout=subprocess.PIPE, text=True)
+    return child, child.stdout.readline().split()[1]
+
+
+def place(text):
+    """The last machine position that was reported."""
+    found = re.findall(r"MPos:([-0-9.]+),([-0-9.]+),([-0-9.]+)", text)
+    return tuple(float(axis) for axis in found[-1]) if found else None
+
+
+def pygrbl(path, lines):
+    import pygrbl_streamer
+
+    errors, heard = [], []
+    sender = pygrbl_streamer.GrblStreamer(path)
+    sender.error_callback = errors.append
+    sender.receive_callback = heard.append
+    sender.connect()
+    with tempfile.NamedTemporaryFile("w", suffix=".nc", delete=False) as file:
+        file.write("\n".join(job(lines)) + "\n")
+    done = sender.send_file(file.name)
+    sender.disconnect()
+    os.unlink(file.name)
+    acknowledged = sum(line.strip() == "ok" for line in heard)
+    return done and not errors and acknowledged >= len(job(lines)), errors[:3], acknowledged, place("\n".join(heard))
+
+
+def streamer(path, lines):
+    from grbl_streamer import GrblStreamer
+
+    completed, ready, errors, states = threading.Event(), threading.Event(), [], []
+
+    def told(event, *data):
+        if event == "on_job_completed" and ready.is_set():
+            completed.set()
+        if event in ("on_error", "on_alarm"):
+            errors.append(data)
+        if event == "on_stateupdate":
+            states.append(data)
+
+    sender = GrblStreamer(told)
+    sender.cnect(path, 115200)
+    time.sleep(2.5)
+    ready.set()
+    sender.poll_start()
+    sender.write("\n".join(job(lines)))
+    sender.job_run()
+    done = completed.wait(120)
+    # The last lines are acknowledged while they wait in the planner.
+    for _ in range(300):
+        if states and states[-1][0] == "Idle":
+            break
+        time.sleep(0.1)
+    sender.poll_stop()
+    last = states[-1] if states else None
+    sender.disconnect()
+    return done and not errors, errors[:3], len(job(lines)), tuple(last[1]) if last else None
+
+
+def main():
+    program, lines = sys.argv[1], int(sys.argv[2]) if len(sys.argv) > 2 else 2000
+    failed = False
+    for name, talk in [("pygrbl-streamer", pygrbl), ("grbl-streamer", streamer)]:
+        child, path = serve(program, 20)
+        begun = time.time()
+        try:
+            good, errors, acknowledged, end = talk(path, lines)
+        finally:
+            child.terminate()
+            child.wait()
+        good = good and end == (1.5, 2.25, -0.5)
+        failed |= not good
+        print(f"{name}: {'good' if good else 'BAD'}, {len(job(lines))} lines, {acknowledged} answers, end {end}, "
+              f"{time.time() - begun:.1f} s {errors or ''}")
+    return 1 if failed else 0
+
+
+if __name__ == "__main__":
+    # Threads of a sender may outlive it.
+    code = main()
+    sys.stdout.flush()
+    os._exit(code)
