@@ -58,7 +58,7 @@ struct Arguments {
 #[derive(Subcommand)]
 enum Command {
     /// Decode, plan and interpolate programs; say what it did and write what is asked for.
-    Run(Run),
+    Run(Box<Run>),
     /// Run programs without output: tells all that `run` would refuse, and nothing else.
     Check(Input),
     /// List the G and M words of a dialect; without one, those of LinuxCNC and Grbl.

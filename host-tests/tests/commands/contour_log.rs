@@ -288,7 +288,7 @@ fn answers_of_mode_2_cover_random_programs_with_every_smoothing() {
         for splined in [false, true] {
             let setup =
                 if splined { splines::splined::<3>(seed, false) } else { soak::setup::<3>(seed, false) };
-            let mut machine = setup.machine.clone();
+            let mut machine = setup.machine;
             machine.channel.look_ahead = machine.channel.look_ahead.min(120);
             let start = std::array::from_fn(|k| {
                 Position::from_bits(host_tests::cases::set_point(setup.program.start[k]))

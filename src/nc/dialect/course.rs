@@ -111,19 +111,19 @@ impl<const AXES: usize> Turns<AXES> {
     }
 
     /// From the centre to a point, along an axis of the plane.
-    fn from_centre(&self, point: &[Position; AXES], k: usize) -> i64 {
+    fn off_centre(&self, point: &[Position; AXES], k: usize) -> i64 {
         let (axis, centre) = (self.axes.get(k), self.centre.get(k));
         let at = axis.and_then(|axis| point.get(*axis)).copied().unwrap_or_default();
         at.saturating_sub(centre.copied().unwrap_or_default()).to_bits()
     }
 
     fn direction(&self, point: &[Position; AXES]) -> u64 {
-        atan2_turns(self.from_centre(point, 1), self.from_centre(point, 0))
+        atan2_turns(self.off_centre(point, 1), self.off_centre(point, 0))
     }
 
     /// Distance of a point from the centre, mm.
     pub fn radius(&self, point: &[Position; AXES]) -> f64 {
-        let [x, y] = [0, 1].map(|k| self.from_centre(point, k) as f64 / 4_294_967_296.0);
+        let [x, y] = [0, 1].map(|k| self.off_centre(point, k) as f64 / 4_294_967_296.0);
         real::sqrt(x * x + y * y)
     }
 
