@@ -20,6 +20,13 @@ const CORES: [&str; 5] = [
 const FUNCTIONS: [&str; 9] =
     ["contour", "surface", "splines", "hsc", "expressions", "filters", "beside", "dialects", "plc"];
 
+/// Tools for the package that may be installed, and what they are asked: to compare with the last version in the history, and
+/// to read the licences of what is used.
+const TOOLS: [(&str, &[&str]); 2] = [
+    ("cargo-semver-checks", &["semver-checks", "--package", "glidepath", "--baseline-rev", "HEAD~1"]),
+    ("cargo-deny", &["deny", "check", "licenses", "bans"]),
+];
+
 /// All of it.
 pub fn all() -> Result<(), String> {
     step("format");
@@ -68,6 +75,21 @@ pub fn all() -> Result<(), String> {
     }
     step("documentation");
     run(cargo(&root()).args(["doc", "--workspace", "--no-deps", "--lib"]).env("RUSTDOCFLAGS", "-D warnings"))
+}
+
+/// The crate as it would be published: what is in it builds alone. Then what tools say that may be installed.
+pub fn package() -> Result<(), String> {
+    step("the package");
+    run(cargo(&root()).args(["package", "--package", "glidepath", "--allow-dirty", "--locked"]))?;
+    for (tool, arguments) in TOOLS {
+        step(tool);
+        if crate::shell::on_path(tool).is_none() {
+            eprintln!("   off: {tool} is not installed");
+            continue;
+        }
+        run(cargo(&root()).args(arguments))?;
+    }
+    Ok(())
 }
 
 /// The compiler of `rust-version`, where it is installed: what is newer is refused. Without it clippy's

@@ -43,6 +43,8 @@ cargo xtask COMMAND
   depth FILE FUNCTION…  the deepest way down the stack from functions of a firmware; parts of their mangled names
   mutants --seed N --first K --count M  changes by cargo-mutants, drawn by a seed, each against the tests of its
                 file's rows; prints what no test notices
+  package       what `cargo publish` would put out: that builds alone; and with cargo-semver-checks or cargo-deny, where
+                they are installed, what they say
   lint          formatting, clippy and documentation of host and firmware
 ";
 
@@ -73,6 +75,7 @@ fn main() -> ExitCode {
             })
         }
         ["lint"] => lint::all(),
+        ["package"] => lint::package(),
         ["depth", file, roots @ ..] => stack::show(file, roots),
         _ => {
             eprint!("{USAGE}");
