@@ -1,5 +1,6 @@
 //! What a program says: words, expressions, errors, machine data.
 mod axis_names;
+mod dialects;
 mod feed_axes;
 mod machine_data;
 mod machines;

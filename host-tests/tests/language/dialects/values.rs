@@ -24,7 +24,7 @@ pub const VALUES: &[(&str, &str)] = &[
     ("G0 X[EXISTS[#<a>]+10]\n#<a>=0\nX[EXISTS[#<a>]+20]", "G0 X10\nX21"),
     ("G0 X#999 Y5", "G0 X0 Y5"),
     ("G20\nG0 X2\nG21\nX[#5420+1] Y#5220", "G20\nG0 X2\nG21\nX51.8 Y1"),
-    ("G54 G0 X3\nG91 X#<_x> Y#<_incremental>", "G54 G0 X3\nG91 X3 Y1"),
+    ("G54 G0 X3\nG91\nX#<_x> Y#<_incremental>", "G54 G0 X3\nG91\nX3 Y1"),
     ("o1 while [#1 LT 3]\n#1=[#1+1]\nG0 X#1\no1 endwhile\nX9", "G0 X1\nX2\nX3\nX9"),
     ("o1 do\n#1=[#1+1]\nG0 X#1\no1 while [#1 LT 2]\nX9", "G0 X1\nX2\nX9"),
     ("o1 repeat [2]\n#1=[#1+1] G0 X#1\no1 endrepeat", "G0 X0\nX1"),
