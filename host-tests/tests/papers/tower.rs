@@ -26,7 +26,7 @@ const TOWER: [(&str, &str); 21] = [
     ),
     ("tick", "quantity queue fir"),
     ("axis", "quantity"),
-    ("operator", "quantity technology control queue tick"),
+    ("operator", "quantity technology path control queue tick"),
     ("digest", "quantity"),
     (
         "channel",
