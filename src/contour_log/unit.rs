@@ -86,6 +86,7 @@ impl<const BLOCKS: usize> ControlUnit<BLOCKS> {
     /// For the CNC's side: answers the request, if there is one, and clears the semaphore. Blocks without an element
     /// have type 0. An answer of mode 2 that begins with forgotten elements begins with those that are left.
     /// `true` if it has answered. Bounded: it reads at most all entries once.
+    #[allow(clippy::double_comparisons)]
     pub fn serve(&self, contour: &ContourReader<'_>) -> bool {
         if !self.is_pending() {
             return false;
