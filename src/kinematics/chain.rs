@@ -273,7 +273,12 @@ fn order(machine: &Universal) -> Result<[Option<u8>; AXES], DataError> {
         let kind = machine.axis.get(usize::from(*index)).map_or(0, |axis| axis.kind);
         if !(1..=2).contains(&kind) {
             let (index, found) = (Some(*index), Some(i64::from(kind)));
-            return Err(DataError { parameter: data::KIND, index, found, expected: "1 (linear) or 2 (rotary)" });
+            return Err(DataError {
+                parameter: data::KIND,
+                index,
+                found,
+                expected: "1 (linear) or 2 (rotary)",
+            });
         }
         linear += u8::from(kind == 1);
         *place = Some(*index);

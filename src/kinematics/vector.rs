@@ -44,11 +44,7 @@ impl Vector {
 
     /// The vector product.
     pub fn cross(self, b: Self) -> Self {
-        Self::new(
-            self.y * b.z - self.z * b.y,
-            self.z * b.x - self.x * b.z,
-            self.x * b.y - self.y * b.x,
-        )
+        Self::new(self.y * b.z - self.z * b.y, self.z * b.x - self.x * b.z, self.x * b.y - self.y * b.x)
     }
 
     /// The length.
