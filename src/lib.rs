@@ -171,6 +171,9 @@ pub mod nc;
 #[doc(hidden)]
 pub mod path;
 
+#[cfg(feature = "kinematics")]
+pub mod kinematics;
+
 #[doc(hidden)]
 pub mod control;
 

@@ -11,6 +11,7 @@ const TOWER: [(&str, &str); 21] = [
     ("technology", "quantity"),
     ("nc", "math quantity machine"),
     ("path", "math quantity machine nc"),
+    ("kinematics", "math quantity"),
     ("control", "machine technology"),
     ("queue", "math quantity machine technology path control"),
     ("fir", "math quantity machine nc queue"),

@@ -1,0 +1,120 @@
+//! How far a Hermite quintic of the linear axes can stray from what the angles ask for.
+//!
+//! A [`Series`] bounds a curve over the parameter 0 to 1: coefficient j is at least the largest magnitude of the
+//! j-th derivative, divided by j!. By Leibniz' rule a product of curves is bounded by the product of the series.
+//! Turning by an angle θ multiplies by exp(Θ), with Θ the series of θ without its first coefficient: the
+//! derivatives of a turn obey the recurrence of the exponential function, and a turn changes no length.
+//!
+//! A quintic that meets value, first and second derivative of a curve at both ends of an interval h is off by at
+//! most h⁶/46080 times the largest sixth derivative. Rotary axes before the linear ones change no length and
+//! those behind follow their angles, so the tip is off by just that. Here that is `c₆/64` for the whole curve and
+//! `c₆/(64·n⁶)` for each of n equal parts.
+use super::cells::Course;
+use super::chain::{Chain, ROTARIES, Rotary};
+use super::vector::{RADIANS, Vector};
+
+/// Coefficients that are kept.
+const TERMS: usize = 7;
+
+/// Binomial coefficients C(k, j) of row k = 0 to 5.
+const BINOMIAL: [[f64; 6]; 6] = [
+    [1.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+    [1.0, 1.0, 0.0, 0.0, 0.0, 0.0],
+    [1.0, 2.0, 1.0, 0.0, 0.0, 0.0],
+    [1.0, 3.0, 3.0, 1.0, 0.0, 0.0],
+    [1.0, 4.0, 6.0, 4.0, 1.0, 0.0],
+    [1.0, 5.0, 10.0, 10.0, 5.0, 1.0],
+];
+
+/// Bounds of a curve and its derivatives.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Series([f64; TERMS]);
+
+impl Series {
+    /// A curve of magnitude `x` that rests.
+    const fn constant(x: f64) -> Self {
+        Self([x, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
+    }
+
+    /// That of a polynomial, from the magnitudes of its coefficients.
+    fn polynomial(magnitudes: &[f64; 6]) -> Self {
+        let mut series = [0.0; TERMS];
+        for (row, magnitude) in BINOMIAL.iter().zip(magnitudes) {
+            for (c, binomial) in series.iter_mut().zip(row) {
+                *c += binomial * magnitude;
+            }
+        }
+        Self(series)
+    }
+
+    /// That of a product.
+    fn times(&self, b: &Self) -> Self {
+        let mut product = [0.0; TERMS];
+        for (n, c) in product.iter_mut().enumerate() {
+            // Coefficients n, n − 1 … 0 of `b` beside 0, 1 … n of this.
+            *c = self.0.iter().zip(b.0.iter().take(n + 1).rev()).map(|(x, y)| x * y).sum();
+        }
+        Self(product)
+    }
+
+    /// exp of it without its first coefficient: n·e_n = Σ k·f_k·e_(n−k), k = 1 to n.
+    fn turn(&self) -> Self {
+        let mut e = [0.0; TERMS];
+        for n in 0..TERMS {
+            let weighted = self.0.iter().enumerate().skip(1).map(|(k, f)| k as f64 * f);
+            let sum: f64 = weighted.zip(e.iter().take(n).rev()).map(|(f, e)| f * e).sum();
+            if let Some(place) = e.get_mut(n) {
+                *place = if n == 0 { 1.0 } else { sum / n as f64 };
+            }
+        }
+        Self(e)
+    }
+
+    /// With a constant added.
+    fn plus(mut self, x: f64) -> Self {
+        self.0[0] += x;
+        self
+    }
+}
+
+/// How fast the angle of an axis changes along `course`.
+fn turn(course: &Course, rotary: &Rotary) -> Series {
+    let none = [0.0; 6];
+    let angle = course.angles.get(usize::from(rotary.slot)).unwrap_or(&none);
+    Series::polynomial(&angle.map(|c| c.abs() * RADIANS)).turn()
+}
+
+/// What the distance between two centres adds before and after a turn about `u`: the part across it and the part
+/// along it.
+fn split(r: Vector, u: Vector) -> (f64, f64) {
+    let along = u.dot(r);
+    (r.minus(u.times(along)).length(), along.abs())
+}
+
+/// 64 times the error of the tip, mm, if one quintic replaced the whole of `course`. With n equal parts it is
+/// n⁶ times smaller. Exact arithmetic is assumed; the sums are raised by 10^-9 for rounding.
+pub fn stray(chain: &Chain, course: &Course) -> f64 {
+    let [start, rest @ ..] = course.tip;
+    let [a, b, c, d, e] = rest.map(Vector::length);
+    let mut rotaries = chain.base.iter().flatten();
+    let mut outer = Series::constant(0.0);
+    if let Some(first) = rotaries.next() {
+        let from = start.minus(first.point).length();
+        outer = Series::polynomial(&[from, a, b, c, d, e]).times(&turn(course, first));
+        let mut centre = first.point;
+        for rotary in rotaries {
+            let (across, along) = split(centre.minus(rotary.point), rotary.direction);
+            outer = outer.plus(across).times(&turn(course, rotary)).plus(along);
+            centre = rotary.point;
+        }
+    }
+    let (mut inner, mut centre) = (Series::constant(0.0), chain.tip);
+    for rotary in chain.head.iter().flatten().rev().take(ROTARIES) {
+        let (across, along) = split(centre.minus(rotary.point), rotary.direction);
+        inner = inner.plus(across).times(&turn(course, rotary)).plus(along);
+        centre = rotary.point;
+    }
+    let [.., outer] = outer.0;
+    let [.., inner] = inner.0;
+    (outer + inner) * (1.0 + 1e-9)
+}

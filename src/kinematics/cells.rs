@@ -1,0 +1,253 @@
+//! Takes a curve of tip and angles over path distance and gives quintic polynomials of the axes over the same
+//! distance, one per call.
+//!
+//! Ends, directions and curvatures of a polynomial come from the inverse transformation by the chain rule. The
+//! polynomials have equal length; [`super::bound`] says how many are needed. Their coefficients are integers of
+//! 2^-42 mm or degree. The linear one is what the others leave to the end point, so the end is met to the last
+//! bit, and two neighbours meet exactly.
+use super::bound::stray;
+use super::chain::{AXES, Chain, ROTARIES};
+use super::vector::{Jet, RADIANS, Vector, nearest, number, position};
+use crate::math::wide::mul_shift;
+use crate::quantity::Position;
+use core::fmt;
+
+/// Most that the tip is off between the ends of a cell, mm, by the bound.
+pub const TIP_ERROR: f64 = 5e-6;
+/// What of it is left to the rounding of ends, angles and coefficients, for machines up to 10 m.
+const ROUNDING: f64 = 0.5e-6;
+/// Most cells of a course.
+pub const MOST_CELLS: u32 = 1 << 16;
+
+/// A curve in workpiece coordinates: polynomials over the share 0 to 1 of its path distance, constant first.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Course {
+    /// The tip, mm.
+    pub tip: [Vector; 6],
+    /// Rotary axes by index, degree.
+    pub angles: [[f64; 6]; ROTARIES],
+}
+
+impl Course {
+    /// A straight line of the tip (mm), with angles (degree, by index of the rotary axes) in proportion.
+    pub fn line(from: (Vector, [Position; ROTARIES]), to: (Vector, [Position; ROTARIES])) -> Self {
+        let mut tip = [Vector::ZERO; 6];
+        (tip[0], tip[1]) = (from.0, to.0.minus(from.0));
+        let mut angles = [[0.0; 6]; ROTARIES];
+        for ((course, from), to) in angles.iter_mut().zip(&from.1).zip(&to.1) {
+            (course[0], course[1]) = (number(*from), number(*to) - number(*from));
+        }
+        Self { tip, angles }
+    }
+
+    /// The tip with its derivatives at `share`.
+    fn tip_at(&self, share: f64) -> Jet {
+        let zero = Jet::at(Vector::ZERO);
+        self.tip.iter().rev().fold(zero, |jet, c| Jet {
+            second: jet.second.times(share).plus(jet.first.times(2.0)),
+            first: jet.first.times(share).plus(jet.point),
+            point: jet.point.times(share).plus(*c),
+        })
+    }
+}
+
+/// Value, first and second derivative of a polynomial.
+fn horner(c: &[f64; 6], x: f64) -> [f64; 3] {
+    c.iter().rev().fold([0.0; 3], |[p, d, dd], c| [p * x + c, d * x + p, dd * x + 2.0 * d])
+}
+
+/// Why a course has no cells.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum SplitError {
+    /// It would need more than [`MOST_CELLS`] cells, or its numbers have no bound.
+    TooCurved,
+    /// The axis with this index leaves the range of ±200 000 mm or degree.
+    Range(u8),
+    /// The polynomial of the axis with this index does not fit its integers.
+    Format(u8),
+}
+
+impl fmt::Display for SplitError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::TooCurved => write!(f, "transformation: a block needs more than {MOST_CELLS} polynomials"),
+            Self::Range(axis) => {
+                write!(f, "transformation: axis {axis} leaves the range of -200000 to 200000")
+            }
+            Self::Format(axis) => write!(f, "transformation: axis {axis} moves too far in one polynomial"),
+        }
+    }
+}
+
+impl core::error::Error for SplitError {}
+
+/// An end of a cell: value (mm or degree) and derivatives by the share of the course, per axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Node {
+    position: [Position; AXES],
+    value: [[f64; 3]; AXES],
+}
+
+/// A quintic polynomial of every axis over the share 0 to 1 of its path distance.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cell {
+    /// Where it begins, mm or degree.
+    pub start: [Position; AXES],
+    /// Coefficients of the first to fifth power, 2^-42 mm or degree.
+    pub power: [[i64; 5]; AXES],
+}
+
+/// Coefficients stay below this magnitude: 32 768 mm.
+const LARGEST: i64 = 1 << 57;
+/// Bits of a coefficient below the LSB of a position.
+const FINER: u32 = 10;
+const SCALE: f64 = (1u64 << 42) as f64;
+/// Most that the linear coefficient may differ from the first derivative, 2^-42: the rounding of both ends (2^9
+/// each), of four coefficients, and of numbers up to 2^18 in 53 bits.
+const SLACK: i64 = 1 << 12;
+
+impl Cell {
+    /// Positions at `share`·2^-62 of the cell's path distance, `share` in 0..=2^62; rounded to nearest.
+    pub fn at(&self, share: i64) -> [Position; AXES] {
+        let mut axes = self.start;
+        for (axis, power) in axes.iter_mut().zip(&self.power) {
+            let way = power.iter().rev().fold(0, |p: i64, c| mul_shift(p.wrapping_add(*c), share, 62));
+            let half = 1 << (FINER - 1);
+            *axis = Position::from_bits(axis.to_bits().wrapping_add(way.wrapping_add(half) >> FINER));
+        }
+        axes
+    }
+
+    /// Where it ends, exact.
+    pub fn end(&self) -> [Position; AXES] {
+        self.at(1 << 62)
+    }
+
+    /// Least and greatest position that the axis with this index may have in the cell: the hull of the Bernstein
+    /// coefficients, which the polynomial never leaves. `None` for no axis.
+    pub fn range(&self, axis: usize) -> Option<[Position; 2]> {
+        let [c1, c2, c3, c4, c5] = *self.power.get(axis)?;
+        let hull = [
+            0,
+            2 * c1,
+            4 * c1 + c2,
+            6 * c1 + 3 * c2 + c3,
+            8 * c1 + 6 * c2 + 4 * c3 + 2 * c4,
+            10 * (c1 + c2 + c3 + c4 + c5),
+        ];
+        let (least, most) = hull.iter().fold((0, 0), |(a, b): (i64, i64), x| (a.min(*x), b.max(*x)));
+        // A tenth in 2^-32, and one unit outward for what is dropped.
+        const TENTH: i64 = 10 << FINER;
+        let start = self.start.get(axis)?.to_bits();
+        Some([start + least / TENTH - 1, start + most / TENTH + 1].map(Position::from_bits))
+    }
+
+    /// The cell between two nodes, which are `h` of the course apart; verified.
+    fn between(from: &Node, to: &Node, h: f64) -> Result<Self, SplitError> {
+        let mut cell = Self { start: from.position, power: [[0; 5]; AXES] };
+        let ends = from.value.iter().zip(&to.value).zip(from.position.iter().zip(&to.position));
+        for (k, (place, ((v0, v1), (x0, x1)))) in cell.power.iter_mut().zip(ends).enumerate() {
+            let ([f0, d0, a0], [f1, d1, a1]) = (*v0, *v1);
+            let (w, d0, d1, a0, a1) = (f1 - f0, d0 * h, d1 * h, a0 * h * h, a1 * h * h);
+            let bent = [
+                0.5 * a0,
+                10.0 * w - 6.0 * d0 - 4.0 * d1 - 1.5 * a0 + 0.5 * a1,
+                -15.0 * w + 8.0 * d0 + 7.0 * d1 + 1.5 * a0 - a1,
+                6.0 * w - 3.0 * d0 - 3.0 * d1 - 0.5 * a0 + 0.5 * a1,
+            ];
+            let [c2, c3, c4, c5] = bent.map(|c| nearest(c * SCALE).clamp(-LARGEST, LARGEST));
+            let travel = x1.to_bits().wrapping_sub(x0.to_bits()) << FINER;
+            let c1 = travel - (c2 + c3 + c4 + c5);
+            let wanted = nearest(d0 * SCALE).clamp(-LARGEST, LARGEST);
+            let fits = [c1, c2, c3, c4, c5].iter().all(|c| c.abs() < LARGEST);
+            if !fits || (c1 - wanted).abs() > SLACK {
+                return Err(SplitError::Format(k as u8));
+            }
+            *place = [c1, c2, c3, c4, c5];
+        }
+        Ok(cell)
+    }
+}
+
+/// A course on its way to cells.
+#[derive(Clone, Copy, Debug)]
+pub struct Splitter<'a> {
+    chain: &'a Chain,
+    course: Course,
+    cells: u32,
+    made: u32,
+    node: Node,
+}
+
+impl<'a> Splitter<'a> {
+    /// Begins a course: finds how many cells it needs, at most 16 comparisons.
+    ///
+    /// # Errors
+    /// The course needs too many cells, or begins out of range.
+    pub fn new(chain: &'a Chain, course: Course) -> Result<Self, SplitError> {
+        let stray = stray(chain, &course) / (64.0 * (TIP_ERROR - ROUNDING));
+        let is_enough = |n: u32| {
+            let n = f64::from(n);
+            // False for what is not a number.
+            stray <= n * n * n * (n * n * n)
+        };
+        if !is_enough(MOST_CELLS) {
+            return Err(SplitError::TooCurved);
+        }
+        let (mut few, mut cells) = (0, MOST_CELLS);
+        while cells - few > 1 {
+            let middle = few + (cells - few) / 2;
+            if middle > 0 && is_enough(middle) { cells = middle } else { few = middle }
+        }
+        let node = node(chain, &course, 0.0)?;
+        Ok(Self { chain, course, cells, made: 0, node })
+    }
+
+    /// How many cells the course becomes.
+    pub const fn cells(&self) -> u32 {
+        self.cells
+    }
+
+    /// The next cell: one inverse transformation with its derivatives. `None` behind the last one.
+    ///
+    /// # Errors
+    /// An axis leaves its range, or the cell fails its verification; the course ends there.
+    pub fn step(&mut self) -> Option<Result<Cell, SplitError>> {
+        if self.made >= self.cells {
+            return None;
+        }
+        let count = f64::from(self.cells);
+        let made = node(self.chain, &self.course, f64::from(self.made + 1) / count);
+        let cell = made.and_then(|next| {
+            let cell = Cell::between(&self.node, &next, 1.0 / count)?;
+            self.node = next;
+            Ok(cell)
+        });
+        self.made = if cell.is_ok() { self.made + 1 } else { self.cells };
+        Some(cell)
+    }
+}
+
+/// The axes at `share` of a course.
+fn node(chain: &Chain, course: &Course, share: f64) -> Result<Node, SplitError> {
+    let mut node = Node { position: [Position::ZERO; AXES], value: [[0.0; 3]; AXES] };
+    let (mut angles, mut rates) = ([Position::ZERO; ROTARIES], [[0.0; 2]; ROTARIES]);
+    for rotary in chain.rotaries() {
+        let slot = usize::from(rotary.slot);
+        let refused = SplitError::Range(rotary.axis);
+        let value = horner(course.angles.get(slot).ok_or(refused)?, share);
+        let angle = position(value[0]).ok_or(refused)?;
+        *angles.get_mut(slot).ok_or(refused)? = angle;
+        *rates.get_mut(slot).ok_or(refused)? = [value[1] * RADIANS, value[2] * RADIANS];
+        *node.position.get_mut(usize::from(rotary.axis)).ok_or(refused)? = angle;
+        *node.value.get_mut(usize::from(rotary.axis)).ok_or(refused)? = value;
+    }
+    let spins = chain.spins(&angles, &rates);
+    for (axis, value) in chain.linear(course.tip_at(share), &spins) {
+        let refused = SplitError::Range(axis);
+        *node.position.get_mut(usize::from(axis)).ok_or(refused)? = position(value[0]).ok_or(refused)?;
+        *node.value.get_mut(usize::from(axis)).ok_or(refused)? = value;
+    }
+    Ok(node)
+}

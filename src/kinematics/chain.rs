@@ -1,0 +1,292 @@
+//! A machine as a serial chain of axes from the workpiece to the tool.
+//!
+//! With rotary axes B before the linear axes and H behind them, the tip is B(U·q + H(tip at 0)): U has the
+//! directions of the linear axes as columns. So the linear axes are q = U⁻¹·(B⁻¹(tip) − H(tip at 0)), which no
+//! angle makes singular.
+use super::data::{self, CaHead, DataError, Universal};
+use super::vector::{Jet, Spin, Vector, number, position};
+use crate::quantity::Position;
+
+/// Most axes of a chain.
+pub const AXES: usize = 6;
+/// Most rotary axes of a chain.
+pub const ROTARIES: usize = 3;
+
+/// A linear axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Linear {
+    /// Index of the axis.
+    axis: u8,
+    /// How the tool moves.
+    direction: Vector,
+}
+
+/// A rotary axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Rotary {
+    /// Index of the axis.
+    pub(super) axis: u8,
+    /// Its place among the rotary axes, by index.
+    pub(super) slot: u8,
+    /// About which it turns.
+    pub(super) direction: Vector,
+    /// A point of it, mm.
+    pub(super) point: Vector,
+    /// Its angle when the axis is at 0.
+    pub(super) offset: Position,
+}
+
+/// Rotary axes in the order of the chain.
+pub(super) type Rotaries = [Option<Rotary>; ROTARIES];
+
+/// A machine whose data are checked.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Chain {
+    linear: [Linear; 3],
+    /// Rows of U⁻¹.
+    rows: [Vector; 3],
+    /// Between workpiece and linear axes.
+    pub(super) base: Rotaries,
+    /// Between linear axes and tool.
+    pub(super) head: Rotaries,
+    /// The tip with all axes at 0, mm.
+    pub(super) tip: Vector,
+    /// From tip to holder with all axes at 0.
+    pub(super) tool: Vector,
+}
+
+/// Sine of the least angle between directions that count as different.
+const APART: f64 = 1e-4;
+
+impl Chain {
+    /// A machine of type 91.
+    ///
+    /// # Errors
+    /// The parameter that is out of its range or contradicts another: an axis named twice, not three linear
+    /// axes, linear axes that stand apart or in a plane, rotary axes that together reach no more directions than
+    /// one of them.
+    pub fn universal(machine: &Universal) -> Result<Self, DataError> {
+        let order = order(machine)?;
+        let tool = data::direction(machine.zero_orientation, data::ZERO_ORIENTATION, None)?;
+        let tip = data::point(machine.zero_position, data::ZERO_POSITION, None)?;
+        let (mut linear, mut base, mut head) = ([None; 3], [None; ROTARIES], [None; ROTARIES]);
+        let mut found = 0;
+        for index in order.into_iter().flatten() {
+            let Some(axis) = machine.axis.get(usize::from(index)) else { continue };
+            let direction = data::direction(axis.orientation, data::ORIENTATION, Some(index))?;
+            if axis.kind == 1 {
+                if head.iter().any(Option::is_some) {
+                    return Err(data::at(data::CHAIN, index, "the linear axes side by side"));
+                }
+                put(&mut linear, found, Linear { axis: index, direction });
+                found += 1;
+                continue;
+            }
+            let point = data::point(axis.point, data::POINT, Some(index))?;
+            let before = machine.axis.iter().take(usize::from(index));
+            let slot = before.filter(|axis| axis.kind == 2).count() as u8;
+            let rotary = Rotary { axis: index, slot, direction, point, offset: Position::ZERO };
+            let side = if found == 0 { &mut base } else { &mut head };
+            let place = side.iter().flatten().count();
+            put(side, place, rotary);
+        }
+        let [Some(a), Some(b), Some(c)] = linear else {
+            let expected = "three linear axes (type 1) in the chain";
+            return Err(DataError { parameter: data::KIND, index: None, found: None, expected });
+        };
+        Self::new([a, b, c], base, head, tip, tool)
+    }
+
+    /// A machine of type 9.
+    ///
+    /// # Errors
+    /// The parameter that is out of its range.
+    pub fn ca_head(machine: &CaHead) -> Result<Self, DataError> {
+        machine.check()?;
+        let [hd1, hd2, hd3, hd4, hd5, hd6, hd7, hd8, hd9] = machine.param.map(data::millimetres);
+        let [x, y, z] = [Vector::new(1.0, 0.0, 0.0), Vector::new(0.0, 1.0, 0.0), Vector::new(0.0, 0.0, 1.0)];
+        let linear = [(0, x), (1, y), (2, z)].map(|(axis, direction)| Linear { axis, direction });
+        let centre = Vector::new(hd7, hd8, 0.0);
+        let point = centre.plus(Vector::new(hd6, hd5, -hd2));
+        // Angles of at most 360 degrees.
+        let [a, c] = [hd3, hd4].map(|angle| position(angle).unwrap_or(Position::ZERO));
+        let c = Rotary { axis: 3, slot: 0, direction: z, point: centre, offset: c };
+        let a = Rotary { axis: 4, slot: 1, direction: x, point, offset: a };
+        let tip = point.plus(Vector::new(0.0, hd9, -hd1));
+        Self::new(linear, [None; ROTARIES], [Some(c), Some(a), None], tip, z)
+    }
+
+    /// From its parts.
+    fn new(
+        linear: [Linear; 3],
+        base: Rotaries,
+        head: Rotaries,
+        tip: Vector,
+        tool: Vector,
+    ) -> Result<Self, DataError> {
+        let [a, b, c] = linear.map(|axis| axis.direction);
+        let volume = a.dot(b.cross(c));
+        if volume.abs() < 0.01 {
+            let expected = "linear axes that span space (determinant of at least 0.01)";
+            return Err(data::at(data::ORIENTATION, linear[2].axis, expected));
+        }
+        let rows = [b.cross(c), c.cross(a), a.cross(b)].map(|row| row.times(1.0 / volume));
+        let chain = Self { linear, rows, base, head, tip, tool };
+        chain.reaches()?;
+        Ok(chain)
+    }
+
+    /// That each rotary axis of several adds directions.
+    fn reaches(&self) -> Result<(), DataError> {
+        let mut before: Option<Rotary> = None;
+        for rotary in self.rotaries() {
+            if let Some(before) = before
+                && before.direction.cross(rotary.direction).length() < APART
+            {
+                let expected = "a direction other than that of the rotary axis before it in the chain";
+                return Err(data::at(data::ORIENTATION, rotary.axis, expected));
+            }
+            before = Some(rotary);
+        }
+        match before {
+            Some(last)
+                if self.rotaries().count() == 2 && last.direction.cross(self.tool).length() < APART =>
+            {
+                let expected = "a direction other than the tool's, which the axis does not tilt";
+                Err(data::at(data::ORIENTATION, last.axis, expected))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// The rotary axes from the workpiece to the tool.
+    pub(super) fn rotaries(&self) -> impl Iterator<Item = Rotary> + '_ {
+        self.base.iter().chain(&self.head).flatten().copied()
+    }
+
+    /// Tip of the tool (mm) and the direction from tip to holder, for positions of the axes (mm, degree).
+    pub fn forward(&self, axes: &[Position; AXES]) -> (Vector, Vector) {
+        let (mut tip, mut tool) = (self.tip, self.tool);
+        let mut turn = |rotary: &Rotary, tip: &mut Vector| {
+            let spin = Spin::at(rotary.offset.wrapping_add(value(axes, rotary.axis)));
+            *tip = rotary.point.plus(spin.turn(rotary.direction, tip.minus(rotary.point)));
+            tool = spin.turn(rotary.direction, tool);
+        };
+        self.head.iter().flatten().rev().for_each(|rotary| turn(rotary, &mut tip));
+        for axis in &self.linear {
+            tip = tip.plus(axis.direction.times(number(value(axes, axis.axis))));
+        }
+        self.base.iter().flatten().rev().for_each(|rotary| turn(rotary, &mut tip));
+        (tip, tool)
+    }
+
+    /// Positions of the axes (mm, degree) that put the tip (mm) to a place, with the rotary axes at `angles`
+    /// (degree, by index of their axes). `None` for a linear axis beyond ±200 000 mm.
+    pub fn inverse(&self, tip: Vector, angles: &[Position; ROTARIES]) -> Option<[Position; AXES]> {
+        let spins = self.spins(angles, &[[0.0; 2]; ROTARIES]);
+        let linear = self.linear(Jet::at(tip), &spins);
+        let mut axes = [Position::ZERO; AXES];
+        for (axis, [point, ..]) in linear {
+            *axes.get_mut(usize::from(axis))? = position(point)?;
+        }
+        for rotary in self.rotaries() {
+            let angle = angles.get(usize::from(rotary.slot))?;
+            *axes.get_mut(usize::from(rotary.axis))? = *angle;
+        }
+        Some(axes)
+    }
+
+    /// Angles (degree) with their derivatives (radians), offsets included, by slot.
+    pub(super) fn spins(
+        &self,
+        angles: &[Position; ROTARIES],
+        rates: &[[f64; 2]; ROTARIES],
+    ) -> [Spin; ROTARIES] {
+        let mut spins = [Spin { sin: 0.0, cos: 1.0, first: 0.0, second: 0.0 }; ROTARIES];
+        for rotary in self.rotaries() {
+            let slot = usize::from(rotary.slot);
+            let (Some(spin), Some(angle), Some([first, second])) =
+                (spins.get_mut(slot), angles.get(slot), rates.get(slot))
+            else {
+                continue;
+            };
+            let at = Spin::at(rotary.offset.wrapping_add(*angle));
+            *spin = Spin { first: *first, second: *second, ..at };
+        }
+        spins
+    }
+
+    /// Index of each linear axis with its position (mm) and its first and second derivative, for a tip and the
+    /// angles of the rotary axes by slot.
+    pub(super) fn linear(&self, tip: Jet, spins: &[Spin; ROTARIES]) -> [(u8, [f64; 3]); 3] {
+        let spin = |rotary: &Rotary| spins.get(usize::from(rotary.slot)).copied();
+        let mut outer = tip;
+        for rotary in self.base.iter().flatten() {
+            let Some(spin) = spin(rotary) else { continue };
+            outer = outer.turned(spin.reversed(), rotary.direction, rotary.point);
+        }
+        let mut inner = Jet::at(self.tip);
+        for rotary in self.head.iter().flatten().rev() {
+            let Some(spin) = spin(rotary) else { continue };
+            inner = inner.turned(spin, rotary.direction, rotary.point);
+        }
+        let Jet { point, first, second } = outer.minus(inner);
+        let [a, b, c] = self.rows.map(|row| [row.dot(point), row.dot(first), row.dot(second)]);
+        let [x, y, z] = self.linear.map(|axis| axis.axis);
+        [(x, a), (y, b), (z, c)]
+    }
+}
+
+/// The position of an axis.
+fn value(axes: &[Position; AXES], axis: u8) -> Position {
+    axes.get(usize::from(axis)).copied().unwrap_or(Position::ZERO)
+}
+
+/// Puts `x` to a place that exists; a place beyond the end is left out.
+fn put<T>(places: &mut [Option<T>; 3], at: usize, x: T) {
+    if let Some(place) = places.get_mut(at) {
+        *place = Some(x);
+    }
+}
+
+/// Indices of the axes in the order of the chain, with their count, types and names checked.
+fn order(machine: &Universal) -> Result<[Option<u8>; AXES], DataError> {
+    let number = machine.number_of_axes;
+    if !(3..=6).contains(&number) {
+        let found = Some(i64::from(number));
+        return Err(DataError { parameter: data::NUMBER, index: None, found, expected: "3 to 6" });
+    }
+    let (mut order, mut linear) = ([None; AXES], 0u8);
+    for (at, (index, place)) in machine.chain.iter().zip(&mut order).take(usize::from(number)).enumerate() {
+        let refused = |expected| DataError {
+            parameter: data::CHAIN,
+            index: Some(at as u8),
+            found: Some(i64::from(*index)),
+            expected,
+        };
+        if *index >= number {
+            return Err(refused("the index of an axis below number_of_axes"));
+        }
+        if machine.chain.iter().take(at).any(|before| before == index) {
+            return Err(refused("each axis once"));
+        }
+        let kind = machine.axis.get(usize::from(*index)).map_or(0, |axis| axis.kind);
+        if !(1..=2).contains(&kind) {
+            let (index, found) = (Some(*index), Some(i64::from(kind)));
+            return Err(DataError {
+                parameter: data::KIND,
+                index,
+                found,
+                expected: "1 (linear) or 2 (rotary)",
+            });
+        }
+        linear += u8::from(kind == 1);
+        *place = Some(*index);
+    }
+    if linear != 3 {
+        let found = Some(i64::from(linear));
+        let expected = "three linear axes (type 1) in the chain";
+        return Err(DataError { parameter: data::KIND, index: None, found, expected });
+    }
+    Ok(order)
+}

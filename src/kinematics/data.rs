@@ -1,0 +1,138 @@
+//! Machine data of transformations, under the names and in the units of ISG: 0.1 µm, 10^-4 degree.
+use super::vector::Vector;
+use core::fmt;
+
+/// Machine data that are refused.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct DataError {
+    /// Id and name of the parameter.
+    pub parameter: &'static str,
+    /// Index of the axis or of the place in the chain, where the parameter has one.
+    pub index: Option<u8>,
+    /// What was found, where it is a whole number.
+    pub found: Option<i64>,
+    /// What was expected.
+    pub expected: &'static str,
+}
+
+impl fmt::Display for DataError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.parameter)?;
+        if let Some(index) = self.index {
+            write!(f, ", index {index}")?;
+        }
+        if let Some(found) = self.found {
+            write!(f, ", \"{found}\"")?;
+        }
+        write!(f, ": expected {}", self.expected)
+    }
+}
+
+impl core::error::Error for DataError {}
+
+/// Largest magnitude of a length in 0.1 µm: 10 m.
+const FARTHEST: i32 = 100_000_000;
+
+/// A head that carries C and below it A (type 9). Axes X, Y, Z, C, A have the indices 0 to 4.
+///
+/// With C turned by Rz and A by Rx, the tip is
+/// `(X, Y, Z) + (HD7, HD8, 0) + Rz(C + HD4)·[(HD6, HD5, −HD2) + Rx(A + HD3)·(0, HD9, −HD1)]`.
+/// The length of the tool counts to HD1.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct CaHead {
+    /// trafo\[\].param\[0\] to \[8\], HD1 to HD9: lengths in 0.1 µm, but HD3 and HD4 in 10^-4 degree.
+    pub param: [i32; 9],
+}
+
+impl CaHead {
+    /// Lengths within ±10 m, angles within ±360 degrees.
+    pub(super) fn check(&self) -> Result<(), DataError> {
+        for (k, param) in self.param.iter().enumerate() {
+            let angle = k == 2 || k == 3;
+            let most = if angle { 3_600_000 } else { FARTHEST };
+            if param.unsigned_abs() > most.unsigned_abs() {
+                return Err(DataError {
+                    parameter: "trafo[].param",
+                    index: Some(k as u8),
+                    found: Some(i64::from(*param)),
+                    expected: if angle { "-3600000 to 3600000 (1e-4 degree)" } else { LENGTH },
+                });
+            }
+        }
+        Ok(())
+    }
+}
+
+const LENGTH: &str = "-100000000 to 100000000 (0.1 um)";
+
+/// An axis of a serial chain, as it stands with all axes at 0.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct UniversalAxis {
+    /// P-CHAN-00291 type: 1 linear, 2 rotary.
+    pub kind: u8,
+    /// P-CHAN-00292 orientation: how the tool moves against the workpiece when the axis moves in its positive
+    /// direction, or about which vector it turns. Any length but 0.
+    pub orientation: [f64; 3],
+    /// P-CHAN-00293 point: a point of a rotary axis, 0.1 µm. It has no effect on a linear one.
+    pub point: [i32; 3],
+}
+
+/// A serial chain of axes from the workpiece to the tool (type 91): three linear axes side by side in the chain,
+/// and up to three rotary ones before and behind them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Universal {
+    /// P-CHAN-00289 number_of_axes, 3 to 6.
+    pub number_of_axes: u8,
+    /// P-CHAN-00290 chain: indices of the axes from the workpiece to the tool, each once.
+    pub chain: [u8; 6],
+    /// The axes by their index.
+    pub axis: [UniversalAxis; 6],
+    /// P-CHAN-00285 zero_orientation: from the tip to the holder with all axes at 0. Any length but 0.
+    pub zero_orientation: [f64; 3],
+    /// P-CHAN-00286 zero_position: the tip with all axes at 0, 0.1 µm.
+    pub zero_position: [i32; 3],
+}
+
+pub(super) const NUMBER: &str = "P-CHAN-00289 trafo[].number_of_axes";
+pub(super) const CHAIN: &str = "P-CHAN-00290 trafo[].chain";
+pub(super) const KIND: &str = "P-CHAN-00291 trafo[].axis[].type";
+pub(super) const ORIENTATION: &str = "P-CHAN-00292 trafo[].axis[].orientation";
+pub(super) const POINT: &str = "P-CHAN-00293 trafo[].axis[].point";
+pub(super) const ZERO_ORIENTATION: &str = "P-CHAN-00285 trafo[].zero_orientation";
+pub(super) const ZERO_POSITION: &str = "P-CHAN-00286 trafo[].zero_position";
+
+/// An error of the axis or place `index`.
+pub(super) const fn at(parameter: &'static str, index: u8, expected: &'static str) -> DataError {
+    DataError { parameter, index: Some(index), found: None, expected }
+}
+
+/// A direction of any length.
+pub(super) fn direction(
+    [x, y, z]: [f64; 3],
+    parameter: &'static str,
+    index: Option<u8>,
+) -> Result<Vector, DataError> {
+    let expected = "a vector between 1e-9 and 1e12 long";
+    Vector::new(x, y, z).unit().ok_or(DataError { parameter, index, found: None, expected })
+}
+
+/// A point in mm.
+pub(super) fn point(
+    point: [i32; 3],
+    parameter: &'static str,
+    index: Option<u8>,
+) -> Result<Vector, DataError> {
+    for x in point {
+        if x.unsigned_abs() > FARTHEST.unsigned_abs() {
+            return Err(DataError { parameter, index, found: Some(i64::from(x)), expected: LENGTH });
+        }
+    }
+    let [x, y, z] = point.map(millimetres);
+    Ok(Vector::new(x, y, z))
+}
+
+/// 0.1 µm as mm.
+pub(super) fn millimetres(x: i32) -> f64 {
+    f64::from(x) / 10_000.0
+}

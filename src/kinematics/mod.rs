@@ -1,0 +1,22 @@
+//! From the tip of the tool to the axes of a machine with rotary axes, and back.
+//!
+//! A program for such a machine gives the tip in workpiece coordinates and the angles of the rotary axes. The
+//! linear axes follow from both. [`Chain`] holds the machine, checked once from its data ([`data`]).
+//! [`Splitter`] turns one curve of tip and angles over path distance into quintic polynomials of the axes over
+//! the same path distance. Between the ends of a polynomial the tip leaves its curve by less than
+//! [`cells::TIP_ERROR`], which follows from a bound ([`bound`]), not from samples.
+//!
+//! The calculation is `f64` with + − × ÷ alone and integer sines ([`crate::math::angle`]), so all machines give
+//! the same bits. The ends of a polynomial and its coefficients are integers, and integers verify them.
+pub mod bound;
+pub mod cells;
+pub mod chain;
+pub mod data;
+pub mod orientation;
+pub mod vector;
+
+pub use cells::{Cell, Course, SplitError, Splitter};
+pub use chain::{AXES, Chain, ROTARIES};
+pub use data::{CaHead, DataError, Universal, UniversalAxis};
+pub use orientation::Reach;
+pub use vector::Vector;
