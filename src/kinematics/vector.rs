@@ -64,7 +64,7 @@ impl Vector {
 /// The seed halves the exponent (6 %), and each of Heron's steps squares the error: 1.8e-3, 1.6e-6, 1.3e-12,
 /// then rounding alone.
 pub fn sqrt(x: f64) -> f64 {
-    if !(x >= f64::MIN_POSITIVE && x < f64::INFINITY) {
+    if !(f64::MIN_POSITIVE..f64::INFINITY).contains(&x) {
         return 0.0;
     }
     let mut s = f64::from_bits((x.to_bits() + 0x3ff0_0000_0000_0000) >> 1);

@@ -13,8 +13,8 @@ use corpus::{CORPUS, REFUSED};
 use glidepath::channel::{Channel, Handles, Progress};
 use glidepath::machine::{AxisData, AxisKind, AxisName, ChannelData, Dialect, MachineData, ToolLengths};
 use glidepath::nc::{
-    ArcBy, Command, ContourSwitch, Decoder, DecoderMemory, DwellTime, ExactStop, Motion, MotionKind, NcErrorKind,
-    NcWarningKind, Setup, Step, WORDS, Window,
+    ArcBy, Command, ContourSwitch, Decoder, DecoderMemory, DwellTime, ExactStop, Motion, MotionKind,
+    NcErrorKind, NcWarningKind, Setup, Step, WORDS, Window,
 };
 use glidepath::quantity::Position;
 use glidepath::queue::Function;
@@ -103,7 +103,9 @@ fn is_alike(a: &Event, b: &Event) -> bool {
                 (Shape::Centre(wa, pa, ca), Shape::Centre(wb, pb, cb)) => {
                     wa == wb && pa == pb && ca.iter().zip(cb).all(|(a, b)| near(*a, *b))
                 }
-                (Shape::Radius(wa, pa, ra), Shape::Radius(wb, pb, rb)) => wa == wb && pa == pb && near(*ra, *rb),
+                (Shape::Radius(wa, pa, ra), Shape::Radius(wb, pb, rb)) => {
+                    wa == wb && pa == pb && near(*ra, *rb)
+                }
                 _ => sa == sb,
             };
             // Lengths of arcs are sums of chords.
@@ -126,7 +128,9 @@ fn is_part_of_spiral(arc: &Event, next: &Event) -> bool {
         }
         _ => None,
     };
-    let (Event::Move { shape: one, .. }, Event::Move { shape: other, .. }) = (arc, next) else { return false };
+    let (Event::Move { shape: one, .. }, Event::Move { shape: other, .. }) = (arc, next) else {
+        return false;
+    };
     matches!((radius(arc), radius(next)), (Some(a), Some(b)) if one == other && a > 45.0 && (0.01..0.06).contains(&(a - b).abs()))
 }
 
@@ -146,7 +150,11 @@ fn compare(name: &str, dialect: Dialect, text: &[u8]) -> Vec<NcWarningKind> {
     }
     for (index, (found, wanted)) in events.iter().zip(&machine.events).enumerate() {
         let text = String::from_utf8_lossy(text);
-        assert!(is_alike(found, wanted), "{name}, event {index}: {found:?}, expected {wanted:?}; before {:?}\n{text}", &events[index.saturating_sub(3)..index]);
+        assert!(
+            is_alike(found, wanted),
+            "{name}, event {index}: {found:?}, expected {wanted:?}; before {:?}\n{text}",
+            &events[index.saturating_sub(3)..index]
+        );
     }
     assert_eq!(events.len(), machine.events.len(), "{name}: {events:?}\n{:?}", machine.events);
     warnings.iter().map(|warning| warning.kind).collect()
@@ -225,15 +233,20 @@ fn a_spiral_has_its_programmed_end_and_grows_evenly() {
     // 0.4 mm of 500 are below 0.1 %, and nine times 0.045.
     let text = "G90 G17\nG0 X0 Y0\nG2 X1000.4 Y0 Z9 I500 J0 F1000\nM2";
     assert_eq!(arcs.len(), 1, "0.9 mm are refused where the arc is planned");
-    let arcs: Vec<_> =
-        motions(Dialect::LinuxCnc, text).into_iter().filter(|m| matches!(m.kind, MotionKind::Arc { .. })).collect();
+    let arcs: Vec<_> = motions(Dialect::LinuxCnc, text)
+        .into_iter()
+        .filter(|m| matches!(m.kind, MotionKind::Arc { .. }))
+        .collect();
     assert_eq!(arcs.len(), 9);
     for (arc, k) in arcs.iter().zip(1..) {
         let [x, y, z] = arc.target.map(mm);
         let part = f64::from(k) / 9.0;
         let (radius, angle) = (500.0 + 0.4 * part, std::f64::consts::PI * (1.0 - part));
         let wanted = [500.0 + radius * angle.cos(), radius * angle.sin(), 9.0 * part];
-        assert!([x, y, z].iter().zip(wanted).all(|(a, b)| (a - b).abs() < 1e-8), "{k}: {x} {y} {z}, {wanted:?}");
+        assert!(
+            [x, y, z].iter().zip(wanted).all(|(a, b)| (a - b).abs() < 1e-8),
+            "{k}: {x} {y} {z}, {wanted:?}"
+        );
     }
     assert_eq!(arcs[8].target.map(mm)[1], 0.0);
 }
@@ -270,7 +283,11 @@ fn what_is_not_built_or_wrong_is_refused_by_name() {
         let (commands, _, error, _) = decode_text(setup(dialect_of(dialect)), text.as_bytes(), 10_000);
         let Some(error) = error else { panic!("{text} is accepted: {commands:?}") };
         let told = error.to_string();
-        assert!(told.contains(named) || error.found.contains(named), "{text}: {told}, found {:?}", error.found);
+        assert!(
+            told.contains(named) || error.found.contains(named),
+            "{text}: {told}, found {:?}",
+            error.found
+        );
         use NcErrorKind as K;
         let says = matches!(
             error.kind,
@@ -316,7 +333,8 @@ fn every_word_of_the_table_is_known_and_no_other() {
 fn motions(dialect: Dialect, text: &str) -> Vec<Motion<3>> {
     let (commands, _, error, _) = decode_text(setup(dialect), text.as_bytes(), 1_000_000);
     assert_eq!(error, None, "{text}");
-    let motion = |command: &Command<3>| if let Command::Motion(motion) = command { Some(*motion) } else { None };
+    let motion =
+        |command: &Command<3>| if let Command::Motion(motion) = command { Some(*motion) } else { None };
     commands.iter().filter_map(motion).collect()
 }
 
@@ -439,7 +457,10 @@ fn switches_of_the_machine_data_count() {
     switched.foreign.stored[0][2] = Position::from_num(7);
     switched.foreign.offsets[1][0] = Position::from_num(3);
     let (commands, ..) = decode_text(switched, &b"G59.2 G0 X1\nG91 G28 Z1\nM2"[..], 1000);
-    let ends: Vec<_> = commands.iter().filter_map(|c| if let Command::Motion(m) = c { Some(m.target.map(mm)) } else { None }).collect();
+    let ends: Vec<_> = commands
+        .iter()
+        .filter_map(|c| if let Command::Motion(m) = c { Some(m.target.map(mm)) } else { None })
+        .collect();
     assert_eq!(ends, [[4.0, 0.0, 0.0], [4.0, 0.0, 1.0], [4.0, 0.0, 7.0]]);
 }
 
@@ -463,7 +484,8 @@ fn a_refused_line_leaves_nothing_behind() {
         "M2 E1",
     ];
     for line in lines {
-        let text = format!("G21 G90 G54\nG0 X1 Y1 Z1\nG92 Y2\nG1 X2 F500\n{line}\nX3 Y3\nG43\nG28\nG54 X0 Z0\nM2\n");
+        let text =
+            format!("G21 G90 G54\nG0 X1 Y1 Z1\nG92 Y2\nG1 X2 F500\n{line}\nX3 Y3\nG43\nG28\nG54 X0 Z0\nM2\n");
         let mut memory = DecoderMemory::new();
         let mut decoder: Decoder<_, 3> = Decoder::new(&mut memory, setup(Dialect::LinuxCnc), text.as_bytes());
         let (mut commands, mut refused) = (Vec::new(), 0);
@@ -480,7 +502,8 @@ fn a_refused_line_leaves_nothing_behind() {
         let without = text.replace(&format!("{line}\n"), "\n");
         let (wanted, _, error, _) = decode_text(setup(Dialect::LinuxCnc), without.as_bytes(), 10_000);
         assert_eq!(error, None);
-        let events = |commands: &[Command<3>]| -> Vec<Event> { commands.iter().map(|c| event(c, &[])).collect() };
+        let events =
+            |commands: &[Command<3>]| -> Vec<Event> { commands.iter().map(|c| event(c, &[])).collect() };
         assert_eq!(events(&commands), events(&wanted), "{line}");
     }
 }
@@ -490,8 +513,7 @@ fn the_next_program_begins_as_it_should() {
     let first = "G20 G91 G18 G99 G55\nG92 X1\nG1 X1 F10\nG43.1 Z2\nM3\nM2\n";
     let second = "X1 Y1 Z1\nG1 X2\nM2\n";
     let mut memory = DecoderMemory::new();
-    let mut decoder: Decoder<_, 3> =
-        Decoder::new(&mut memory, setup(Dialect::LinuxCnc), first.as_bytes());
+    let mut decoder: Decoder<_, 3> = Decoder::new(&mut memory, setup(Dialect::LinuxCnc), first.as_bytes());
     let mut machine = Machine::new(false, &TOOLS);
     machine.run(first);
     let mut events = Vec::new();
@@ -509,7 +531,11 @@ fn the_next_program_begins_as_it_should() {
         }
     }
     assert_eq!(events.len(), machine.events.len());
-    assert!(events.iter().zip(&machine.events).all(|(a, b)| is_alike(a, b)), "{events:?}\n{:?}", machine.events);
+    assert!(
+        events.iter().zip(&machine.events).all(|(a, b)| is_alike(a, b)),
+        "{events:?}\n{:?}",
+        machine.events
+    );
 }
 
 #[test]
@@ -608,7 +634,9 @@ fn arcs_of_unequal_radii_keep_the_limits_of_the_axes() {
     let mut random = crate::nc_decode::Random(4711);
     let mut driven = 0;
     for _ in 0..150 {
-        let part = |random: &mut crate::nc_decode::Random, most: f64| random.below(1 << 30) as f64 / (1 << 30) as f64 * most;
+        let part = |random: &mut crate::nc_decode::Random, most: f64| {
+            random.below(1 << 30) as f64 / (1 << 30) as f64 * most
+        };
         let radius = 10.0_f64.powf(part(&mut random, 4.0) - 1.7);
         let differs = if radius > 5.0 { radius / 1001.0 } else { 0.004_99_f64.min(radius / 4.1) }.min(0.0499);
         let end = radius + (part(&mut random, 2.0) - 1.0) * differs;
@@ -625,7 +653,11 @@ fn arcs_of_unequal_radii_keep_the_limits_of_the_axes() {
             -y
         );
         let run = run_text::<3, 120>(&text, [Position::ZERO; 3], &machine, 1).expect(&text);
-        let limits: Vec<_> = machine.axes.iter().map(|axis| host_tests::properties::permitted(axis, 1, true, true, true)).collect();
+        let limits: Vec<_> = machine
+            .axes
+            .iter()
+            .map(|axis| host_tests::properties::permitted(axis, 1, true, true, true))
+            .collect();
         host_tests::check::limits(&run.trace, &limits).unwrap_or_else(|e| panic!("{e}\n{text}"));
         driven += 1;
     }

@@ -65,7 +65,7 @@ fn reference_head(machine: &CaHead, axes: &[f64; AXES]) -> [f64; 3] {
 
 enum Machine {
     Head(CaHead),
-    Universal(Universal),
+    Universal(Box<Universal>),
 }
 
 impl Machine {
@@ -86,7 +86,7 @@ impl Machine {
     }
 }
 
-fn universal(chain: [u8; 6], rotary: &[([f64; 3], [i32; 3])]) -> Universal {
+fn universal(chain: [u8; 6], rotary: &[([f64; 3], [i32; 3])]) -> Box<Universal> {
     let linear = |k: usize| UniversalAxis {
         kind: 1,
         orientation: std::array::from_fn(|i| f64::from(u8::from(i == k))),
@@ -97,13 +97,13 @@ fn universal(chain: [u8; 6], rotary: &[([f64; 3], [i32; 3])]) -> Universal {
         None => linear(k % 3),
     });
     let number_of_axes = 3 + rotary.len() as u8;
-    Universal {
+    Box::new(Universal {
         number_of_axes,
         chain,
         axis,
         zero_orientation: [0.0, 0.0, 2.0],
         zero_position: [0, 0, -500_000],
-    }
+    })
 }
 
 const X: [f64; 3] = [1.0, 0.0, 0.0];
@@ -240,7 +240,7 @@ fn a_direction_gives_the_angles_nearest_to_the_last() {
 
 #[test]
 fn machine_data_that_contradict_are_refused_by_name() {
-    let good = universal([4, 0, 1, 2, 3, 5], &[(X, [0; 3]), (Z, [0; 3])]);
+    let good = *universal([4, 0, 1, 2, 3, 5], &[(X, [0; 3]), (Z, [0; 3])]);
     let refused = |change: fn(&mut Universal), name: &str| {
         let mut machine = good;
         change(&mut machine);

@@ -348,7 +348,8 @@ impl Machine {
 
     /// Arcs by many chords: the judge needs no formula.
     fn length(&self, shape: &Shape, to: [f64; 3]) -> f64 {
-        let far = |a: [f64; 3], b: [f64; 3]| a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
+        let far =
+            |a: [f64; 3], b: [f64; 3]| a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
         let (clockwise, plane, centre) = match *shape {
             Shape::Rapid | Shape::Line => return far(self.at, to),
             Shape::Centre(clockwise, plane, centre) => (clockwise, plane, centre),
@@ -444,7 +445,8 @@ impl Machine {
     fn cycle(&mut self, words: &[(char, f64)], named: [Option<f64>; 3]) {
         let v = |letter: char| words.iter().find(|(l, _)| *l == letter).map(|(_, v)| *v);
         let [a, b, c] = axes_of(self.plane);
-        let mut s = if self.sticky.of == self.motion { self.sticky } else { Sticky { d: CHIP, ..Sticky::default() } };
+        let mut s =
+            if self.sticky.of == self.motion { self.sticky } else { Sticky { d: CHIP, ..Sticky::default() } };
         s.of = self.motion;
         s.r = v('R').map_or(s.r, |r| r * self.unit);
         s.z = named[c].unwrap_or(s.z);

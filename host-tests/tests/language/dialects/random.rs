@@ -109,7 +109,9 @@ impl Writer {
             }
             12 => words.extend(self.functions()),
             _ => {
-                words.retain(|word| !matches!(word.as_str(), "G17" | "G18" | "G19") && !word.starts_with("G64"));
+                words.retain(|word| {
+                    !matches!(word.as_str(), "G17" | "G18" | "G19") && !word.starts_with("G64")
+                });
                 words.push("G17".into());
                 words.extend(self.holes());
             }

@@ -53,7 +53,10 @@ pub const VALUES: &[(&str, &str)] = &[
         "G0 X4\nX5\nX7\nX8",
     ),
     ("M98 P100 L2\nG90 G0 Y5\nM30\nO100\nG91 G0 X1\nM99", "G91 G0 X1\nX1\nG90 Y5\nM30"),
-    ("%\nO1\nG0 X1 M98 P2\nX9\nM30\nO2 (two)\nM98 P3\nG0 Y2\nM99\nO3\nG0 Z3\nM99\n%", "%\nG0 X1\nZ3\nY2\nX9\nM30\n%"),
+    (
+        "%\nO1\nG0 X1 M98 P2\nX9\nM30\nO2 (two)\nM98 P3\nG0 Y2\nM99\nO3\nG0 Z3\nM99\n%",
+        "%\nG0 X1\nZ3\nY2\nX9\nM30\n%",
+    ),
     ("N10 o1 repeat [2]\n/N20 #1=[#1+1] G0 X#1\nN30 o1 endrepeat", "N20 G0 X0\nN20 X1"),
     ("G17 G2 X10 I5 K0 F100", "G17 G2 X10 I5 F100"),
 ];
