@@ -5,7 +5,6 @@ use super::knees::{Between, Knee};
 use super::pace::Slowest;
 use super::planned::Planned;
 use super::ring::{Known, Ring, Tail};
-use super::run_out::RunOut;
 use super::valley::SPARE;
 use super::worth::{Way, is_corner, quickest};
 use crate::dynamics::{Dynamics, Passing, Permitted, Share};
@@ -261,7 +260,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         self.tail.span += distance;
         self.counts.spare = if limits.may_have_valleys() { self.depth / SPARE } else { 0 };
         self.tail.stop = false;
-        self.tail.run_out = RunOut::NONE;
+        self.tail.run_out.clear();
         if self.blocks.is_empty() {
             self.tail.slowest = Slowest::NONE;
         }

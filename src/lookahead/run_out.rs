@@ -25,6 +25,12 @@ impl RunOut {
     /// None.
     pub(super) const NONE: Self =
         Self { lengths: [0; 2], share: Share::WHOLE, shared: false, span: 0, feeds: [f32::MAX, 0.0] };
+
+    /// The last block is no such end. Every block asks for it, so it is one word: no block has no length.
+    #[inline(always)]
+    pub(super) const fn clear(&mut self) {
+        self.lengths[1] = 0;
+    }
 }
 
 impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
@@ -102,7 +108,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         let last = &mut self.tail.last;
         (last.length, last.share, last.shared) = (length, before.share, before.shared);
         (self.tail.span, self.tail.feeds) = (before.span, before.feeds);
-        self.tail.run_out = RunOut::NONE;
+        self.tail.run_out.clear();
         self.scope.end = self.scope.end.min(count - 1);
         self.scope.until = self.scope.until.min(count - 2);
     }

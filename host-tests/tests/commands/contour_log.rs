@@ -100,6 +100,8 @@ fn is(entry: &Entry, (kind, n): (BlockType, u32), [start, length, angle, knee]: 
 }
 
 /// C40-051, C40-009, C40-011, C40-015, C40-017, C40-031 to C40-035, C40-040, C40-043, C40-044: C40-EX01.
+///
+/// Rows: C40-002, C40-007, C40-032, C40-034, C40-042.
 #[test]
 fn mode_1_has_the_marked_elements_of_c40_ex01() {
     let text = "N090 G01 X0 Y0 F1000\nN100 #DISTANCE PROG START CLEAR\nN110 X200\nN200 #CONTOUR LOOKAHEAD LOG ON\n\
@@ -117,6 +119,8 @@ fn mode_1_has_the_marked_elements_of_c40_ex01() {
 }
 
 /// C40-036, C40-038, C40-046: arcs by hand, both directions, a full circle and a helix; PARAM.
+///
+/// Rows: C40-011.
 #[test]
 fn arcs_have_radius_and_signed_angle() {
     let text = "N10 G01 X10 F3000\n#CONTOUR LOOKAHEAD LOG ON [PARAM=1]\nN20 G03 X20 Y10 I0 J10\nN30 G02 X30 Y20 I10 J0\n\
@@ -142,6 +146,8 @@ fn arcs_have_radius_and_signed_angle() {
 }
 
 /// C40-045, C40-047: one area until CLEAR, which waits for the standstill; the log stays behind the motion (C40-012).
+///
+/// Rows: C40-010.
 #[test]
 fn one_area_until_clear() {
     const ON: &str = "#CONTOUR LOOKAHEAD LOG ON\n";
@@ -168,6 +174,8 @@ fn one_area_until_clear() {
 }
 
 /// C40-014, C40-015, C40-074: the distance driven, with CLEAR where the motion comes there.
+///
+/// Rows: C40-022, G-10.
 #[test]
 fn the_distance_counts_from_the_clear_that_the_motion_has_passed() {
     let text = "N10 G01 X10 F6000\nN20 Y10\nN30 #DISTANCE PROG START CLEAR\nN40 X20\nN50 Y0\n";
@@ -282,6 +290,7 @@ fn covered(text: &str, machine: &MachineData<3>, start: [Position; 3]) {
     });
 }
 
+/// Rows: C40-001, C40-016, C40-017, C40-019, C40-020.
 #[test]
 fn answers_of_mode_2_cover_random_programs_with_every_smoothing() {
     for seed in seeds(0..100, 5) {
@@ -299,6 +308,8 @@ fn answers_of_mode_2_cover_random_programs_with_every_smoothing() {
 }
 
 /// Too little memory: what is forgotten is told, and the log counts what had no room.
+///
+/// Rows: C40-029.
 #[test]
 fn too_little_memory_is_told() {
     let lines: String = (1..=40).map(|i| format!("N{i} X{} Y{}\n", i / 2, (i + 1) / 2)).collect();
@@ -319,6 +330,8 @@ fn too_little_memory_is_told() {
 }
 
 /// C40-023 to C40-031, C40-041: the handshake of the control unit, both modes.
+///
+/// Rows: C40-006, C40-024, C40-025, C40-026, C40-027, C40-028, C40-030, NC-012, CF-31, G-12.
 #[test]
 fn the_control_unit_answers_requests() {
     let text = "G01 F6000\n#CONTOUR LOOKAHEAD LOG ON\nN10 X10\nN20 Y10\nN30 X20\n#CONTOUR LOOKAHEAD LOG OFF\nN40 Y0\n";
