@@ -56,7 +56,7 @@
 //!
 //! # Cargo features
 //!
-//! All features but `dialects` and `defmt` are on by default. Without a feature its commands are refused by name.
+//! The last four features are off by default. Without a feature its commands are refused by name.
 //!
 //! | feature | adds |
 //! |---|---|
@@ -69,6 +69,8 @@
 //! | `filters` | FIR filters of the axes |
 //! | `fast` | fewer instructions for more flash, with `opt-level = 3` |
 //! | `dialects` | programs of LinuxCNC and Grbl |
+//! | `plc` | elements of the path ahead, for a PLC |
+//! | `kinematics` | transformations of machines with rotary axes; no command uses them yet |
 //! | `defmt` | `defmt::Format` for errors and events |
 //!
 //! # Where to look in the sources
