@@ -131,7 +131,7 @@ fn is_part_of_spiral(arc: &Event, next: &Event) -> bool {
     let (Event::Move { shape: one, .. }, Event::Move { shape: other, .. }) = (arc, next) else {
         return false;
     };
-    matches!((radius(arc), radius(next)), (Some(a), Some(b)) if one == other && a > 45.0 && (0.01..0.06).contains(&(a - b).abs()))
+    matches!((radius(arc), radius(next)), (Some(a), Some(b)) if one == other && a > 45.0 && (0.01..0.5).contains(&(a - b).abs()))
 }
 
 /// What both make of a text, event by event.
