@@ -96,7 +96,7 @@ impl<const BLOCKS: usize> ControlUnit<BLOCKS> {
         let [s0, s1, l0, l1] = words.map(u64::from);
         let (start, length) = (f64::from_bits(s1 << 32 | s0), f64::from_bits(l1 << 32 | l0));
         // A comparison that is false for what is not a number: that is mode 1 from its start.
-        if length != 0.0 {
+        if length > 0.0 || length < 0.0 {
             let [from, to] = [start, start + length].map(|at| ProgramDistance::from_mm(at / TENTHS));
             let mut elements = contour.elements(from, to).filter_map(Result::ok);
             self.fill(|_| elements.next());
