@@ -467,7 +467,7 @@ mod tests {
         assert_eq!(all.lines().count(), WORDS.len() + ADDRESSES.len());
         let grbl = list(Some(Choice::Grbl));
         assert!(grbl.contains("G20    inch") && !grbl.contains("G61.1"), "{grbl}");
-        assert!(list(Some(Choice::Linuxcnc)).contains("G38.2  probe towards, with an error - not available"));
+        assert!(list(Some(Choice::Linuxcnc)).contains("G5.2   NURBS - not available"));
         assert!(all.contains("G61.1  linuxcnc        exact stop"), "{all}");
     }
 }

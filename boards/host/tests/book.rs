@@ -151,6 +151,11 @@ fn commands_in_the_papers_print_what_the_papers_say() {
     assert!(faults.is_empty(), "accept with ACCEPT_TABLES=\"why\", then run again:\n{}", faults.join("\n"));
 }
 
+/// The folder of a package `glidepath-…`.
+fn folder_of(board: &str) -> String {
+    if board == "c-header" { "boards/c/header".to_owned() } else { format!("boards/{board}") }
+}
+
 /// What does not exist of the parts of a `cargo` command.
 fn missing(command: &str) -> Option<String> {
     let words: Vec<&str> = command.split_whitespace().collect();
@@ -167,13 +172,14 @@ fn missing(command: &str) -> Option<String> {
         let file = if is_system {
             format!("host-tests/tests/{test}/main.rs")
         } else {
-            format!("boards/host/tests/{test}.rs")
+            let board = behind("-p").and_then(|package| package.strip_prefix("glidepath-")).unwrap_or("host");
+            format!("{}/tests/{test}.rs", folder_of(board))
         };
         return is_there(file);
     }
     if let Some(example) = behind("--example") {
         let folder = match behind("-p").and_then(|package| package.strip_prefix("glidepath-")) {
-            Some(board) => format!("boards/{board}/examples"),
+            Some(board) => format!("{}/examples", folder_of(board)),
             None if behind("-p") == Some(&"host-tests") => "host-tests/examples".to_owned(),
             None => "examples".to_owned(),
         };
