@@ -18,7 +18,18 @@ pub use tape::{STEP, Tape};
 
 const TEMPLATE: &str = include_str!("page.html");
 const STYLE: &str = include_str!("page.css");
-const SCRIPT: &str = include_str!("page.js");
+/// The files share one scope and run in this order.
+const SCRIPT: &str = concat!(
+    "\"use strict\";\n(async () => {\n",
+    include_str!("data.js"),
+    include_str!("space.js"),
+    include_str!("draw.js"),
+    include_str!("turn.js"),
+    include_str!("charts.js"),
+    include_str!("lines.js"),
+    include_str!("tables.js"),
+    "})();\n"
+);
 const PLOT_STYLE: &str = include_str!("vendor/uPlot.min.css");
 const PLOT_SCRIPT: &str = include_str!("vendor/uPlot.iife.min.js");
 const PLOT_LICENCE: &str = include_str!("vendor/LICENSE-uPlot");
