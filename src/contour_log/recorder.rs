@@ -20,7 +20,7 @@ pub(crate) struct Passed<'a, const AXES: usize> {
     pub path: i64,
 }
 
-/// More than [`MARKS`] commands of the log wait for one motion block.
+/// More than `MARKS` commands of the log wait for one motion block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Crowded;

@@ -1,6 +1,6 @@
 //! How far a Hermite quintic of the linear axes can stray from what the angles ask for.
 //!
-//! A [`Series`] bounds a curve over the parameter 0 to 1: coefficient j is at least the largest magnitude of the
+//! A `Series` bounds a curve over the parameter 0 to 1: coefficient j is at least the largest magnitude of the
 //! j-th derivative, divided by j!. By Leibniz' rule a product of curves is bounded by the product of the series.
 //! Turning by an angle θ multiplies by exp(Θ), with Θ the series of θ without its first coefficient: the
 //! derivatives of a turn obey the recurrence of the exponential function, and a turn changes no length.

@@ -129,7 +129,7 @@ impl Scan {
 
     /// The line for the decoder. It begins with a number that says which line of the sender it is, and whether it is
     /// rapid motion; the status of each tick brings that number back.
-    /// [`NUMBER_BYTES`] stand before it, where it begins with a word.
+    /// `NUMBER_BYTES` stand before it, where it begins with a word.
     pub fn numbered(&self, text: &[u8], is_rapid: bool) -> Option<LineForDecoder> {
         let mut line = LineForDecoder::new();
         if !text.first().is_some_and(u8::is_ascii_uppercase) {
