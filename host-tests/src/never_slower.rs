@@ -38,6 +38,10 @@ pub struct Case {
 pub struct Worst {
     /// Each with its seed.
     pub quotients: [(f64, u64); 4],
+    /// How many are above 1.01 (of standstills, less tolerance, half the feed), or above 1.02 (of DEV).
+    pub above: [u32; 4],
+    /// How many were compared.
+    pub compared: [u32; 4],
     /// Programs that were refused.
     pub refused: u64,
 }
@@ -177,6 +181,8 @@ impl Case {
 
 impl Worst {
     fn take(&mut self, which: usize, quotient: f64, seed: u64) {
+        self.compared[which] += 1;
+        self.above[which] += u32::from(quotient > [1.01, 1.01, 1.01, 1.02][which]);
         if quotient > self.quotients[which].0 {
             self.quotients[which] = (quotient, seed);
         }

@@ -329,7 +329,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         let way = match v {
             // The block before it has left nothing to a knee that shows together with its end.
             Some(_) if !last.shared && last.is_hasty(&kept) => Way::Standing,
-            Some(v) if v < cap && (arc < f32::MAX || is_corner(&last.exit, piece.entry)) => {
+            Some(v) if v < cap => {
                 quickest(sides, v, slope == SlopeType::Hsc)
             }
             _ => Way::Through,

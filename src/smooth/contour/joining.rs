@@ -235,17 +235,20 @@ impl Joining {
             return;
         }
         let candidate = Candidate::new(&choice);
+        // Blocks left out have no corner to stand still in, and a constant speed is none.
+        let may_stop = rule.may_stand() && setting.skipped.is_none() && !setting.const_vel;
         if let Some(Candidate { way, only: true }) = candidate {
-            *stage = JoinStep::Overlapping(way);
+            let stands = may_stop && approach.stops_within(approach.overlapping(&way) * KNOWN + 1.0);
+            *stage = if stands { JoinStep::Sharp } else { JoinStep::Overlapping(way) };
             return;
         }
         let position = rule.method == ContourMethod::Pos;
         if position || (tolerance.path.is_none() && tolerance.track <= 0.0 && candidate.is_none()) {
-            stage.take([held, next], rule, &room, Quickest::Even((1.0, f32::MAX)));
+            let even = may_stop.then(|| Self::whole(corner, &room, held.is_rapid(), setting));
+            let found = [Some((1.0, f32::MAX)), even];
+            stage.take([held, next], rule, &room, Self::compare(&room, (&approach, &None, may_stop), found));
             return;
         }
-        // Blocks left out have no corner to stand still in, and a constant speed is none.
-        let may_stop = rule.method == ContourMethod::Dev && setting.skipped.is_none() && !setting.const_vel;
         let compares = Self::compares(rule, corner, &candidate, may_stop);
         let [distance, other] = room.distances;
         if corner.is_symmetric(rule, setting.measure) && distance == other {
@@ -261,6 +264,18 @@ impl Joining {
         // With a curve over time to choose instead: the same search.
         *stage = JoinStep::Reaching;
         Self::search(&room, tolerance, (&approach, &candidate, may_stop), into);
+    }
+
+    /// Path length of the curve over all of the distances, and the speed over its parameter with which it is passed.
+    #[inline(never)]
+    fn whole<const AXES: usize>(
+        corner: &Corner<'_, AXES>,
+        room: &Room,
+        rapid: bool,
+        setting: &Setting<'_, AXES>,
+    ) -> (f32, f32) {
+        let curve = corner.between(room.distances);
+        (corner.path(&curve), passes(&bends(&curve), rapid, setting))
     }
 
     /// Corner distances are searched for. A call of its own: it is there twice.

@@ -265,6 +265,11 @@ impl Parameters {
         0.5 + self.dist_weight * (own / (own + other) - 0.5)
     }
 
+    /// Whether the motion may stand still in a corner where a curve takes longer.
+    pub(super) fn may_stand(&self) -> bool {
+        matches!(self.method, ContourMethod::Dev | ContourMethod::Ptp | ContourMethod::DistSoft)
+    }
+
     /// PTP: PATH_DIST if it is given and monitored.
     pub(super) fn ptp_distance(&self) -> f32 {
         let counts = self.method == ContourMethod::Ptp && self.given[1];
