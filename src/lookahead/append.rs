@@ -6,7 +6,7 @@ use super::pace::Slowest;
 use super::planned::Planned;
 use super::ring::{Known, Ring, Tail};
 use super::valley::SPARE;
-use super::worth::{Way, is_corner, quickest};
+use super::worth::{Way, quickest};
 use crate::dynamics::{Dynamics, Passing, Permitted, Share};
 use crate::math::float::{max, min, to_f32};
 use crate::nc::SlopeType;
@@ -329,9 +329,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         let way = match v {
             // The block before it has left nothing to a knee that shows together with its end.
             Some(_) if !last.shared && last.is_hasty(&kept) => Way::Standing,
-            Some(v) if v < cap => {
-                quickest(sides, v, slope == SlopeType::Hsc)
-            }
+            Some(v) if v < cap => quickest(sides, v, slope == SlopeType::Hsc),
             _ => Way::Through,
         };
         let mut shares = [last.share, next.share];

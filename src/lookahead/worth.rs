@@ -6,19 +6,9 @@
 //! corner and all of the limits, or passing it with what is left of them.
 use crate::dynamics::Share;
 use crate::math::float::{max, min, to_i64};
-use crate::path::End;
 use crate::quantity::{speed_bits, speed_f32};
 use crate::slope::limits::Limits;
 use crate::slope::profile::peak_above;
-
-/// From this change of the direction of an axis on it is a corner, LSB 2^-40: a thousandth.
-const CORNER: u64 = (1 << 40) / 1000;
-
-/// Whether the direction changes in a corner, not by rounding.
-pub(super) fn is_corner<const AXES: usize>(from: &End<AXES>, to: &End<AXES>) -> bool {
-    let ends = from.tangent.iter().zip(&to.tangent);
-    ends.fold(false, |turns, (t0, t1)| turns || t1.wrapping_sub(*t0).unsigned_abs() > CORNER)
-}
 
 /// How a corner without a curve is passed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

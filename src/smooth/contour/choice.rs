@@ -10,11 +10,10 @@ use super::curve::{Main, Quintic, aside, plus, size};
 use super::held_block::HeldBlock;
 use super::joining::Setting;
 use super::timed::{Overlap, Rise, larger};
-use crate::math::float::{max, min, to_f32};
+use crate::math::float::{max, min};
 use crate::math::root::{cbrt_f32, sqrt_f32};
 use crate::nc::{ContourMethod, SlopeType};
 use crate::path::Measure;
-use crate::quantity::DISTANCE_LSB;
 use crate::slope::limits::Limits;
 use crate::slope::ramp::Ramp;
 
@@ -73,14 +72,6 @@ impl Approach {
         SURELY * least < most && self.time(0.0, [0.0; 2], 0.0) < most
     }
 
-    /// Whether the speed `v` can change little over what the corner may have of both blocks, or that is little
-    /// of the way to their feed: acceleration has to pass the curve then.
-    fn is_brief(&self, v: f32) -> bool {
-        let sides = || self.slopes.iter().zip(self.v).zip(self.room);
-        sides().all(|((slope, fastest), room)| SHORT * room < slope.distance(0.0, fastest)[0])
-            || sides().all(|((slope, _), room)| CLOSE * slope.reach(v, room) < v)
-    }
-
     /// Ticks with a curve over time.
     pub fn overlapping(&self, way: &Overlap) -> f32 {
         self.time(way.rise.v, [way.rise.distance(); 2], way.duration())
@@ -137,11 +128,6 @@ const SURELY: f32 = 0.999;
 
 /// Less than that part of a speed in the corner is not worth a curve that is passed with it.
 const SLOWEST: f32 = 0.25;
-
-/// The speed changes little where it changes by less than this part.
-const CLOSE: f32 = 40.0;
-/// A way is short below this part of the one from rest to the feed.
-const SHORT: f32 = 20.0;
 
 /// A corner, and all that its curve is chosen by.
 #[derive(Clone, Copy)]
@@ -261,52 +247,21 @@ impl Candidate {
     }
 }
 
-/// A shallow corner between lines, whose curve is that of [`super::kernel`]: the least jerk of its length.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Shallow {
-    /// Corner distance, mm.
-    pub c: f32,
-    /// [`HeldBlock::slow`] of the next block.
-    pub slow: [f32; 2],
+/// The distance of the curve of a shallow corner between two lines, mm, where both have it: the curve of least jerk of
+/// [`super::kernel`]. DEV with HSC takes it where all of both blocks lies inside the tolerance. Acceleration passes that
+/// curve, so a row of short lines is driven as one curve. Longer lines are faster with curves over time, and with
+/// their speed beside them.
+pub fn shallow_distance<const AXES: usize>(choice: &Choice<'_, AXES>) -> Option<f32> {
+    let Choice { corner, rule, setting, most, tolerance, .. } = *choice;
+    let dev = rule.method == ContourMethod::Dev && !setting.const_vel;
+    choice.lines().filter(|_| dev && setting.dynamics.slope() == SlopeType::Hsc)?;
+    let change = plus(corner.behind.tangent(), -1.0, corner.before.tangent());
+    let off = off_corner(&setting.measure.main, &change, tolerance);
+    (size(&setting.measure.main, &change) <= SHALLOW && 6.0 * off >= most).then_some(most)
 }
 
-impl Shallow {
-    /// The curve that DEV with HSC has at a shallow corner between lines so short that acceleration has to
-    /// pass it. Where the tolerance binds, that is better than a curve over time up to a smaller angle.
-    pub fn new<const AXES: usize>(choice: &Choice<'_, AXES>) -> Option<Self> {
-        let Choice { blocks: [held, _], corner, rule, setting, most, tolerance, approach } = *choice;
-        let dev = rule.method == ContourMethod::Dev && !setting.const_vel;
-        let hsc = setting.dynamics.slope() == SlopeType::Hsc;
-        let rapid = choice.lines().filter(|_| hsc && dev)?;
-        let change = plus(corner.behind.tangent(), -1.0, corner.before.tangent());
-        let turn = size(&setting.measure.main, &change);
-        let by_tolerance = 6.0 * off_corner(&setting.measure.main, &change, tolerance);
-        if turn > if by_tolerance < most { SHALLOW_INSIDE } else { SHALLOW } {
-            return None;
-        }
-        let c = min(most, by_tolerance);
-        let curvature = change.map(|d| d / c);
-        let third = curvature.map(|x| x / c);
-        let check = setting.check_jerk;
-        let [v1, v2] = approach.v;
-        let v = min(min(v1, v2), setting.dynamics.passing([&curvature, &third], rapid, check));
-        // The motion may not have reached that speed yet.
-        let [base, way] = held.slow;
-        let way = way + to_f32(held.length) * DISTANCE_LSB;
-        let reached = base + approach.slopes[0].reach(base, way);
-        let slow = if v < reached { [v, 0.0] } else { [base, way] };
-        let slows = || v < SLOW * approach.reached();
-        (approach.is_brief(min(v, reached)) && !slows()).then_some(Self { c, slow })
-    }
-}
-
-/// Below that part of the speed that its lines reach, a curve that acceleration passes slows the motion down.
-const SLOW: f32 = 0.55;
-/// Change of direction up to which a corner is shallow: where the block length binds, and where the tolerance
-/// does.
-const SHALLOW: f32 = 0.5;
-/// See [`SHALLOW`].
-const SHALLOW_INSIDE: f32 = 0.25;
+/// Change of direction up to which a corner is shallow.
+const SHALLOW: f32 = 0.03;
 
 /// Where a curve of DIST_SOFT begins, mm from the corner: `most` at most.
 fn soft_distance<const AXES: usize>(

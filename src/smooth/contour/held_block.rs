@@ -20,9 +20,6 @@ pub(super) struct HeldBlock<const AXES: usize> {
     pub stray: Stray,
     /// Length of the block before it, if the corner between them is rounded, LSB 2^-44 mm.
     pub previous: Option<NonZeroI64>,
-    /// Speed (mm/tick) at the last corner before the block that slows the motion down, and the distance (mm) from there
-    /// to its start.
-    pub slow: [f32; 2],
     /// Limits of the block, from the first look at a corner of it until it becomes another line or arc.
     pub known: Option<Known>,
 }
@@ -120,7 +117,6 @@ impl<const AXES: usize> HeldBlock<AXES> {
         rule: None,
         stray: Stray::NONE,
         previous: None,
-        slow: [0.0; 2],
         known: None,
     };
 
@@ -133,7 +129,6 @@ impl<const AXES: usize> HeldBlock<AXES> {
             rule: None,
             stray: Stray::NONE,
             previous: None,
-            slow: [0.0; 2],
             known: None,
         }
     }
@@ -282,7 +277,7 @@ impl<const AXES: usize> HeldBlock<AXES> {
         line.assign_to(&mut self.block.element);
         (self.block.to, self.block.data) = (block.to, *data);
         (self.length, self.stray) = (self.length.saturating_add(next.length), stray);
-        (self.rule, self.previous, self.slow) = (next.rule, next.previous, next.slow);
+        (self.rule, self.previous) = (next.rule, next.previous);
         self.known = None;
         true
     }

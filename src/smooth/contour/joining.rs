@@ -1,6 +1,6 @@
 //! A corner on its way from two blocks to a curve, a bounded piece of work per call: whether there is a curve
 //! and of which kind, how far it reaches into the blocks, and the elements that it is cut into.
-use super::choice::{Approach, Candidate, Choice, Shallow, bends, passes};
+use super::choice::{Approach, Candidate, Choice, bends, passes, shallow_distance};
 use super::corner::{AIM, Corner, Reach, Tolerance, turn};
 use super::corner_curve::{CONSTANT, CornerCurve, EVEN, Fit, Rehearsal};
 use super::curve::Side;
@@ -84,8 +84,8 @@ enum JoinStep {
     Joining { cut: Cut, steady: Option<Steady> },
     /// A curve over time is made.
     Overlapping(Overlap),
-    /// The curve of a shallow corner is made.
-    Bending(Shallow),
+    /// The curve of a shallow corner is made, with that distance, mm.
+    Bending(f32),
     /// There is no curve.
     Sharp,
 }
@@ -230,8 +230,8 @@ impl Joining {
             tolerance: &tolerance,
             approach: &approach,
         };
-        if let Some(shallow) = Shallow::new(&choice) {
-            *stage = JoinStep::Bending(shallow);
+        if let Some(c) = shallow_distance(&choice) {
+            *stage = JoinStep::Bending(c);
             return;
         }
         let candidate = Candidate::new(&choice);
@@ -374,7 +374,7 @@ impl Joining {
             }
             JoinStep::Joining { cut, steady } => Self::join(held, next, (*cut, *steady), setting, into),
             JoinStep::Overlapping(overlap) => Self::overlap(held, next, *overlap, setting, into),
-            JoinStep::Bending(shallow) => Self::bend(held, next, *shallow, setting, into),
+            JoinStep::Bending(c) => Self::bend([held, next], *c, setting, into),
             JoinStep::Sharp => *into = Course::None,
         }
         true
@@ -642,9 +642,8 @@ impl Joining {
     /// Cuts both blocks beside a shallow corner, and makes its curve.
     #[inline(never)]
     fn bend<const AXES: usize>(
-        held: &mut HeldBlock<AXES>,
-        next: &mut HeldBlock<AXES>,
-        Shallow { c, slow }: Shallow,
+        [held, next]: [&mut HeldBlock<AXES>; 2],
+        c: f32,
         setting: &Setting<'_, AXES>,
         into: &mut Course<AXES>,
     ) {
@@ -662,7 +661,6 @@ impl Joining {
             *into = Course::None;
             return;
         }
-        next.slow = slow;
         kernel(&held.block.to, c, halves);
         cut.leave(held, next, &halves.from, setting.const_vel);
     }
