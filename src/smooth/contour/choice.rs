@@ -81,14 +81,12 @@ impl Approach {
     /// is at most `passes`.
     pub fn even(&self, (length, passes): (f32, f32), distances: [f32; 2]) -> f32 {
         let [v1, v2] = self.v;
-        let mut through = min(v1, v2);
-        if !self.is_tight(distances) {
-            through = min(through, length * passes);
-        } else if self.along.iter().all(Option::is_some) {
-            through = VARYING * min(through, length * passes);
+        let (even, tight) = (length * passes, self.is_tight(distances));
+        let through = if self.along.iter().all(Option::is_some) {
+            min(min(v1, v2), even) * if tight { VARYING } else { 1.0 }
         } else {
-            through = min(through, VARYING_STEPPED * length * passes);
-        }
+            min(min(v1, v2), even * if tight { VARYING_STEPPED } else { STEPPED })
+        };
         self.time(through, distances, length / through)
     }
 }
@@ -120,8 +118,9 @@ const LITTLE: f32 = 0.25;
 /// Otherwise that is about the part of the highest speed that the curve is passed with: three of the steps of
 /// four fifths in which that is lowered.
 const VARYING: f32 = 0.512;
-/// STEP: the first of those steps, where the curve limits the speed at all.
-const VARYING_STEPPED: f32 = 0.8;
+/// STEP: the same, two of those steps, and the part where the curve alone limits the speed, one step.
+const VARYING_STEPPED: f32 = 0.64;
+const STEPPED: f32 = 0.8;
 
 /// For rounding.
 const SURELY: f32 = 0.999;

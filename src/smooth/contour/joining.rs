@@ -256,6 +256,15 @@ impl Joining {
             let used = symmetric.used(corner.main, &tolerance, distance);
             let part = if used > AIM { AIM / used } else { 1.0 };
             let even = |c: f32| (symmetric.path(c), passes(&symmetric.bends(c), held.is_rapid(), setting));
+            let reached = part * distance;
+            let quicker = |less: &f32| {
+                let loose = less * reached;
+                approach.even(even(loose), [loose; 2]) < approach.even(even(reached), [reached; 2])
+            };
+            let less = approach
+                .loosened([reached; 2])
+                .filter(|less| compares && candidate.is_none() && quicker(less));
+            let part = part * less.unwrap_or(1.0);
             let found = [Some((part, f32::MAX)), compares.then(|| even(part * distance))];
             let rivals = (&approach, &candidate, may_stop);
             stage.take([held, next], rule, &room, Self::compare(&room, rivals, found));
