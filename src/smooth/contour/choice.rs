@@ -10,6 +10,7 @@ use super::curve::{Main, Quintic, aside, plus, size};
 use super::held_block::HeldBlock;
 use super::joining::Setting;
 use super::timed::{Overlap, Rise, larger};
+use crate::dynamics::Dynamics;
 use crate::math::float::{max, min};
 use crate::math::root::{cbrt_f32, sqrt_f32};
 use crate::nc::{ContourMethod, SlopeType};
@@ -203,24 +204,53 @@ impl Candidate {
             return way.is_long().then_some(Self { way, only: true });
         }
         let off = off_corner(&setting.measure.main, &change, tolerance);
-        let reach = rule.ptp_distance();
+        let sharing = Sharing { dynamics, rapid, of, v, most, tangents: [*t1, *t2] };
+        let along = [min(a1, a2), min(j1, j2)];
+        let way = sharing.overlap(approach, [a, j], along, [off, rule.ptp_distance()]);
+        way.is_long().then_some(Self { way, only: false })
+    }
+}
+
+/// Two lines whose motions overlap about their corner.
+struct Sharing<'a, const AXES: usize> {
+    dynamics: &'a Dynamics<AXES>,
+    rapid: bool,
+    /// Parts of a_max and of the jerk budget that the curve takes.
+    of: [f32; 2],
+    /// Speed at most, mm/tick, and largest distance from the corner, mm.
+    v: f32,
+    most: f32,
+    tangents: [[f32; AXES]; 2],
+}
+
+impl<const AXES: usize> Sharing<'_, AXES> {
+    /// The quickest overlap whose middle is `off` from the corner along both lines, and which begins no farther from
+    /// the corner than `reach`, at most. With acceleration and jerk of the change of direction, and along the lines.
+    fn overlap(
+        &self,
+        approach: &Approach,
+        [a, j]: [f32; 2],
+        [a_along, j_along]: [f32; 2],
+        [off, reach]: [f32; 2],
+    ) -> Overlap {
+        let &Self { dynamics, rapid, of, v, most, tangents: [t1, t2], .. } = self;
         let whole = Rise::within(most, v, a, j);
         let quickest = |a: Overlap, b: Overlap| {
             if approach.overlapping(&b) < approach.overlapping(&a) { b } else { a }
         };
         let half_way = whole.half_way();
-        let way = if half_way <= off && whole.distance() <= reach {
+        if half_way <= off && whole.distance() <= reach {
             let distance = whole.distance();
             // At the feed: the least acceleration that the tolerance permits takes the same time.
             let most = min(off / half_way, min(most, reach) / distance);
             let by = if most < 1.0 { 1.0 } else { most };
             Overlap::whole(whole.stretched(by))
         } else {
-            let alone = [t1, t2].map(|t| dynamics.together(t, rapid, of));
-            let [_, j_sum] = dynamics.together(&plus(t1, 1.0, t2), rapid, of);
-            let brief = alone.iter().fold([min(a1, a2), min(min(j1, j2), j_sum)], |[a, j], alone| {
-                [min(a, alone[0]), min(j, alone[1])]
-            });
+            let alone = [t1, t2].map(|t| dynamics.together(&t, rapid, of));
+            let [_, j_sum] = dynamics.together(&plus(&t1, 1.0, &t2), rapid, of);
+            let brief = alone
+                .iter()
+                .fold([a_along, min(j_along, j_sum)], |[a, j], alone| [min(a, alone[0]), min(j, alone[1])]);
             let overlap = |[a, j]: [f32; 2]| {
                 let rise = Rise::within(most, v, a, j);
                 let (by_off, by_reach) = (Overlap::off(rise, off), Overlap::from_distance(rise, reach));
@@ -241,10 +271,45 @@ impl Candidate {
                 let whole = Overlap::whole(Rise::within(min(most, reach), slower, a, j));
                 quickest(way, whole)
             }
-        };
-        way.is_long().then_some(Self { way, only: false })
+        }
     }
 }
+
+/// A corner between two lines of Surface that contour mode may round.
+pub struct Edge<'a, const AXES: usize> {
+    pub dynamics: &'a Dynamics<AXES>,
+    pub rapid: bool,
+    pub tangents: [[f32; AXES]; 2],
+    pub limits: [&'a Limits; 2],
+    /// Half of both lines, mm.
+    pub room: [f32; 2],
+}
+
+impl<const AXES: usize> Edge<'_, AXES> {
+    /// Whether contour mode takes fewer ticks than a kernel that begins `half` (mm) before the corner and is passed with
+    /// the speed `v` (mm/tick): with a curve of DEV whose middle is `off` (mm) from the corner along both lines, or with
+    /// a standstill.
+    #[inline(never)]
+    pub fn is_quicker(&self, off: f32, (v, half): (f32, f32)) -> bool {
+        let &Self { dynamics, rapid, tangents, limits: [first, second], room } = self;
+        let approach = Approach::new([first, second], room);
+        let (v, most) = (min(v, min(first.v, second.v)), min(room[0], room[1]));
+        let c = min(half, most);
+        let kernel = KERNEL * approach.time(v, [c; 2], 2.0 * c / max(v, f32::MIN_POSITIVE));
+        if approach.stops_within(kernel) {
+            return true;
+        }
+        let [Some([v1, a1, j1]), Some([v2, a2, j2])] = approach.along else { return false };
+        let [t1, t2] = &tangents;
+        let of_change = dynamics.together(&plus(t2, -1.0, t1), rapid, PART_DEV);
+        let sharing = Sharing { dynamics, rapid, of: PART_DEV, v: min(v1, v2), most, tangents };
+        let way = sharing.overlap(&approach, of_change, [min(a1, a2), min(j1, j2)], [off, f32::MAX]);
+        approach.overlapping(&way) < kernel
+    }
+}
+
+/// A kernel of many in a row is passed quicker than alone: a change to contour mode and back costs that part of its time.
+const KERNEL: f32 = 1.33;
 
 /// The distance of the curve of a shallow corner between two lines, mm, where both have it: the curve of least jerk of
 /// [`super::kernel`]. DEV with HSC takes it where all of both blocks lies inside the tolerance. Acceleration passes that

@@ -46,6 +46,7 @@ mod parameters;
 mod symmetric;
 mod timed;
 
+pub(super) use choice::Edge;
 pub(super) use parameters::half_sine;
 pub use parameters::{Parameters, Preset};
 

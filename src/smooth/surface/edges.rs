@@ -7,6 +7,7 @@ use super::window::{Programmed, Space};
 use crate::dynamics::Dynamics;
 use crate::math::float::{max, min};
 use crate::path::Measure;
+use crate::smooth::contour::Edge;
 use crate::smooth::{Data, Form, ProgrammedBlock};
 
 /// Step of direction (twice the sine of half the angle) of the sharpest turn that kernels take: 102 degrees.
@@ -15,23 +16,15 @@ pub const SHARPEST: f32 = 1.554_29;
 /// Beyond it a line goes straight back: 179.6 degrees.
 const BACK: f32 = 1.999_99;
 
-/// A turn of less belongs to a smooth contour: 18 degrees. Between lines so long that a smooth curve through their ends
-/// would be many tolerances beside them it does not, down to 6 degrees.
-const EDGE: f32 = 0.313;
-const LEAST: f32 = 0.1;
+/// A turn of less belongs to a smooth contour: 3 degrees.
+const LEAST: f32 = 0.05;
 
-/// A line is long from so many widths of the kernel on that its turn has alone; beside turns of less than 35
-/// degrees later, and of less than 18 degrees latest.
+/// A line is long from so many widths of the kernel on that its turn has alone. A kernel by itself leaves the lines
+/// beside it little acceleration.
 const LONG: f32 = 4.0;
-const SLIGHT: f32 = 0.6;
-const LONG_BESIDE_SLIGHT: f32 = 16.0;
-const LONG_BESIDE_SMOOTH: f32 = 18.0;
 
-/// A kernel slows the motion down where its speed is below that part of what the lines beside it permit. Then its
-/// corner is an edge from so many widths on, where kernels are apart, and a smooth curve through the ends would be
-/// nearly two tolerances beside the lines.
-const SLOW: f32 = 0.55;
-const APART: f32 = 2.5;
+/// Kernels of lines of less than that part of their width are one smooth curve.
+const ONE_CURVE: f32 = 0.34;
 
 /// Conditions under which a corner is an edge.
 #[derive(Clone, Copy)]
@@ -68,42 +61,29 @@ impl<'a> Edges<'a> {
         for (_, x) in change.iter().enumerate().filter(|(k, _)| !self.space.is_main(*k)) {
             width = min(width, track / max(max(*x, -*x), f32::MIN_POSITIVE));
         }
-        let long = match turn {
-            ..=EDGE => LONG_BESIDE_SMOOTH,
-            ..SLIGHT => LONG_BESIDE_SLIGHT,
-            _ => LONG,
-        };
-        // As wide as the tolerance leaves it, and as it is.
         let (length, most) = (min(before.length, next.length), 6.0 * width);
-        if turn > LEAST && length > long * most {
+        if turn <= LEAST || length <= ONE_CURVE * most {
+            return false;
+        }
+        if length > LONG * most {
             return true;
         }
-        length > APART * most && {
-            let width = min(most, self.parameters.widest());
-            self.slows(&change.map(|x| x / width), width, length, (before, block), dynamics)
+        let half = min(most, min(self.parameters.widest(), length));
+        let (second, mut third) = (change.map(|x| x / half), change.map(|x| x / (half * half)));
+        let rate = turn / half;
+        for (x, (t1, t2)) in third.iter_mut().zip(before.direction.iter().zip(&next.direction)) {
+            *x = max(*x, -*x) + 0.5 * max(t1 + t2, -(t1 + t2)) * rate * rate;
         }
-    }
-
-    /// Whether a kernel of that width with this largest second derivative is much slower than the feed, and than what
-    /// a line of that length can reach from a standstill in either end: axes may differ, and one that accelerates
-    /// little slows down a slight turn. The override does not count.
-    #[inline(never)]
-    fn slows<const AXES: usize>(
-        &self,
-        second: &[f32; AXES],
-        width: f32,
-        length: f32,
-        (before, block): (&Chord<AXES>, &ProgrammedBlock<AXES>),
-        dynamics: &Dynamics<AXES>,
-    ) -> bool {
-        let feeds = [before.programmed.feed, block.data.feed];
-        let rapid = feeds.iter().all(Option::is_none);
-        let third = second.map(|x| x / width);
-        let v = dynamics.passing([second, &third], rapid, self.parameters.check_jerk());
+        let v = dynamics.passing([&second, &third], rapid, self.parameters.check_jerk());
         let (limits, ..) = dynamics.element(&block.element, block.data.feed);
-        let fastest = feeds.iter().fold(limits.v, |v, feed| min(v, dynamics.programmed(*feed)));
-        let reached = limits.speed_up().reach(0.0, 0.5 * length);
-        v < SLOW * min(fastest, reached)
+        let edge = Edge {
+            dynamics,
+            rapid,
+            tangents: [before.direction, next.direction],
+            limits: [&limits, &limits],
+            room: [0.5 * before.length, 0.5 * next.length],
+        };
+        edge.is_quicker(width, (v, half))
     }
 
     /// Whether a block is an arc that stays exact, so that contour mode rounds its transitions.
