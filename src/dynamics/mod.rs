@@ -362,6 +362,9 @@ impl<const AXES: usize> Dynamics<AXES> {
         (limits, share_left, override_range)
     }
 
+    /// Part of the largest acceleration that a curve may have across the path with STEP, which leaves knees their part.
+    pub const STEPPED_NORMAL_PART: f32 = NORMAL_PART * (1.0 - KNEE_PART);
+
     /// Acceleration and jerk with which all axes together may move in proportion to `parts`: as a slope, and
     /// no more than `of` a_max and of `B`.
     pub fn together(&self, parts: &[f32; AXES], rapid: bool, of: [f32; 2]) -> [f32; 2] {

@@ -608,7 +608,12 @@ fn the_speed_varies_in_the_curve_unless_it_is_to_be_constant() {
             // STEP: its acceleration is divided between path and contour by element, which may cost a tick or
             // two.
             let more = if slope == 0 { 1.003 } else { 1.0 };
-            assert!(varying.time() <= more * constant.time(), "{what}");
+            assert!(
+                varying.time() <= more * constant.time(),
+                "{what}: {} {}",
+                varying.time(),
+                constant.time()
+            );
             faster += usize::from(varying.time() < constant.time());
         }
     }

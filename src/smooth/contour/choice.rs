@@ -86,7 +86,7 @@ impl Approach {
         let through = if self.along.iter().all(Option::is_some) {
             min(min(v1, v2), even) * if tight { VARYING } else { 1.0 }
         } else {
-            min(min(v1, v2), even * if tight { VARYING_STEPPED } else { STEPPED })
+            min(min(v1, v2), even * if tight { VARYING_STEPPED } else { 1.0 })
         };
         self.time(through, distances, length / through)
     }
@@ -119,9 +119,8 @@ const LITTLE: f32 = 0.25;
 /// Otherwise that is about the part of the highest speed that the curve is passed with: three of the steps of
 /// four fifths in which that is lowered.
 const VARYING: f32 = 0.512;
-/// STEP: the same, two of those steps, and the part where the curve alone limits the speed, one step.
+/// STEP: the first of those steps, where the curve limits the speed at all.
 const VARYING_STEPPED: f32 = 0.64;
-const STEPPED: f32 = 0.8;
 
 /// For rounding.
 const SURELY: f32 = 0.999;
@@ -167,6 +166,8 @@ pub struct Candidate {
     pub way: Overlap,
     /// No other curve comes into question.
     pub only: bool,
+    /// The corner takes all of the acceleration, so a standstill is no less even.
+    pub full: bool,
 }
 
 impl Candidate {
@@ -200,14 +201,15 @@ impl Candidate {
         if soft {
             let ramp = max(a / j, dynamics.longest_ramp(&change, rapid));
             let distance = soft_distance(rule, most, &change, setting.measure);
-            let way = Overlap::whole(soft_rise(rule, distance, [v, a, j], ramp)?);
-            return way.is_long().then_some(Self { way, only: true });
+            let (rise, full) = soft_rise(rule, distance, [v, a, j], ramp)?;
+            let way = Overlap::whole(rise);
+            return way.is_long().then_some(Self { way, only: true, full: full && !led });
         }
         let off = off_corner(&setting.measure.main, &change, tolerance);
         let sharing = Sharing { dynamics, rapid, of, v, most, tangents: [*t1, *t2] };
         let along = [min(a1, a2), min(j1, j2)];
         let way = sharing.overlap(approach, [a, j], along, [off, rule.ptp_distance()]);
-        way.is_long().then_some(Self { way, only: false })
+        way.is_long().then_some(Self { way, only: false, full: true })
     }
 }
 
@@ -365,8 +367,13 @@ pub fn passes<const AXES: usize>(
     rapid: bool,
     setting: &Setting<'_, AXES>,
 ) -> f32 {
-    let [a, _] = setting.dynamics.together(second, rapid, [1.0; 2]);
-    let j = setting.dynamics.across(third, rapid, setting.check_jerk);
+    let dynamics = setting.dynamics;
+    if dynamics.slope() == SlopeType::Step {
+        let [a, _] = dynamics.together(second, rapid, [Dynamics::<AXES>::STEPPED_NORMAL_PART; 2]);
+        return sqrt_f32(min(a, UNLIMITED));
+    }
+    let [a, _] = dynamics.together(second, rapid, [1.0; 2]);
+    let j = dynamics.across(third, rapid, setting.check_jerk);
     min(sqrt_f32(NORMAL * min(a, UNLIMITED)), cbrt_f32(TWISTED * min(j, UNLIMITED)))
 }
 
@@ -400,8 +407,8 @@ const GENTLEST: f32 = 0.01;
 
 /// DIST_SOFT: the least acceleration, from ACC_MIN to ACC_MAX, with which the speed changes within
 /// `distance`; a lower speed if ACC_MAX is not enough. `ramp`: the longest ramp time of the axes that change
-/// their speed, ticks.
-fn soft_rise(rule: &Parameters, distance: f32, [v, a, j]: [f32; 3], ramp: f32) -> Option<Rise> {
+/// their speed, ticks. Whether the rise takes all of the acceleration, too.
+fn soft_rise(rule: &Parameters, distance: f32, [v, a, j]: [f32; 3], ramp: f32) -> Option<(Rise, bool)> {
     let [least, most] = rule.acc;
     let ramp = max(rule.ramp_time, 1e-4) * ramp;
     // D = v·T/2 with T = v/a' + ramp, or 2·√(v·ramp/a') if a' is not reached.
@@ -416,5 +423,5 @@ fn soft_rise(rule: &Parameters, distance: f32, [v, a, j]: [f32; 3], ramp: f32) -
         return None;
     }
     let a = part * a;
-    Some(Rise::within(distance, v, a, min(a / ramp, j)))
+    Some((Rise::within(distance, v, a, min(a / ramp, j)), part >= 1.0))
 }

@@ -237,8 +237,8 @@ impl Joining {
         let candidate = Candidate::new(&choice);
         // Blocks left out have no corner to stand still in, and a constant speed is none.
         let may_stop = rule.may_stand() && setting.skipped.is_none() && !setting.const_vel;
-        if let Some(Candidate { way, only: true }) = candidate {
-            let stands = may_stop && approach.stops_within(approach.overlapping(&way) * KNOWN + 1.0);
+        if let Some(Candidate { way, only: true, full }) = candidate {
+            let stands = may_stop && full && approach.stops_within(approach.overlapping(&way) * KNOWN + 1.0);
             *stage = if stands { JoinStep::Sharp } else { JoinStep::Overlapping(way) };
             return;
         }

@@ -265,9 +265,14 @@ impl Parameters {
         0.5 + self.dist_weight * (own / (own + other) - 0.5)
     }
 
-    /// Whether the motion may stand still in a corner where a curve takes longer.
+    /// Whether the motion may stand still in a corner where a curve takes longer. With ACC_MAX below 100 % a curve of
+    /// DIST_SOFT takes less of the acceleration than a standstill.
     pub(super) fn may_stand(&self) -> bool {
-        matches!(self.method, ContourMethod::Dev | ContourMethod::Ptp | ContourMethod::DistSoft)
+        match self.method {
+            ContourMethod::Dev | ContourMethod::Ptp => true,
+            ContourMethod::DistSoft => self.acc[1] >= 1.0,
+            _ => false,
+        }
     }
 
     /// PTP: PATH_DIST if it is given and monitored.

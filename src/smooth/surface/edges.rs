@@ -16,8 +16,8 @@ pub const SHARPEST: f32 = 1.554_29;
 /// Beyond it a line goes straight back: 179.6 degrees.
 const BACK: f32 = 1.999_99;
 
-/// A turn of less belongs to a smooth contour: 3 degrees.
-const LEAST: f32 = 0.05;
+/// A turn of less belongs to a smooth contour: 6 degrees.
+const LEAST: f32 = 0.1;
 
 /// A line is long from so many widths of the kernel on that its turn has alone. A kernel by itself leaves the lines
 /// beside it little acceleration.
