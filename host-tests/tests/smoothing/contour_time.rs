@@ -324,7 +324,7 @@ fn jerk_inside(run: &Run) -> f64 {
 /// Rows: D3-123.
 #[test]
 fn soft_beside_an_arc_keeps_the_distance_and_says_so() {
-    let text = "#CONTOUR MODE ON [DIST_SOFT PATH_DIST=3]\nN10 G01 X40 F6000\nN20 G260 G02 X60 Y20 I20\nM30\n";
+    let text = "#CONTOUR MODE ON [DIST_SOFT PATH_DIST=3]\nN10 G01 X40 F2000\nN20 G260 G02 X60 Y20 I20\nM30\n";
     let run = run_from(text, [Position::ZERO; 3], &quick(1000));
     assert_eq!(run.warnings, [(3, NcWarningKind::SoftArc)]);
     assert!((run.lengths(10)[0] - 37.0).abs() < 1e-4, "{:?}", run.lengths(10));
@@ -396,15 +396,16 @@ fn a_weight_makes_better_use_of_a_block_between_unequal_ones() {
 /// A turns 1° with each mm, there and back.
 #[test]
 fn track_dist_shortens_the_distance() {
-    for (rest, expected) in [
-        ("PATH_DIST=12", 12.0),
-        ("PATH_DIST=12 TRACK_DIST=2", 2.0),
-        ("PATH_DIST=12 TRACK_DIST=30", 12.0),
-        ("PATH_DIST=-1 TRACK_DIST=3", 3.0),
-        ("PATH_DIST=3 TRACK_DIST=-1", 3.0),
+    // Each feed needs a part of the acceleration between ACC_MIN and ACC_MAX.
+    for (rest, expected, feed) in [
+        ("PATH_DIST=12", 12.0, 12_000),
+        ("PATH_DIST=12 TRACK_DIST=2", 2.0, 3000),
+        ("PATH_DIST=12 TRACK_DIST=30", 12.0, 12_000),
+        ("PATH_DIST=-1 TRACK_DIST=3", 3.0, 4000),
+        ("PATH_DIST=3 TRACK_DIST=-1", 3.0, 4000),
     ] {
         let text =
-            format!("#CONTOUR MODE ON [DIST_SOFT {rest}]\nN10 G01 X80 A80 F12000\nN20 G260 Y80 A0\nM30\n");
+            format!("#CONTOUR MODE ON [DIST_SOFT {rest}]\nN10 G01 X80 A80 F{feed}\nN20 G260 Y80 A0\nM30\n");
         let run = run_from::<4>(&text, [Position::ZERO; 4], &quick(1000));
         assert!((80.0 - run.lengths(10)[0] - expected).abs() < 1e-3, "{rest}: {:?}", run.lengths(10));
         let turned = (0..run.trace.len()).map(|i| run.trace.mm(i)[3]).fold(0.0, f64::max);

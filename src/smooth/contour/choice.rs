@@ -288,23 +288,35 @@ pub struct Edge<'a, const AXES: usize> {
 }
 
 impl<const AXES: usize> Edge<'_, AXES> {
-    /// Whether contour mode takes fewer ticks than a kernel that begins `half` (mm) before the corner and is passed with
-    /// the speed `v` (mm/tick): with a curve of DEV whose middle is `off` (mm) from the corner along both lines, or with
-    /// a standstill.
+    /// Ticks with a kernel that begins `half` (mm) before the corner and is passed with the speed `v` (mm/tick).
+    fn kernel(&self, approach: &Approach, (v, half): (f32, f32)) -> f32 {
+        let [first, second] = self.limits;
+        let (v, c) = (min(v, min(first.v, second.v)), min(half, min(self.room[0], self.room[1])));
+        approach.time(v, [c; 2], 2.0 * c / max(v, f32::MIN_POSITIVE))
+    }
+
+    /// Whether a standstill takes fewer ticks than such a kernel.
     #[inline(never)]
-    pub fn is_quicker(&self, off: f32, (v, half): (f32, f32)) -> bool {
-        let &Self { dynamics, rapid, tangents, limits: [first, second], room } = self;
-        let approach = Approach::new([first, second], room);
-        let (v, most) = (min(v, min(first.v, second.v)), min(room[0], room[1]));
-        let c = min(half, most);
-        let kernel = KERNEL * approach.time(v, [c; 2], 2.0 * c / max(v, f32::MIN_POSITIVE));
+    pub fn stands(&self, kernel: (f32, f32)) -> bool {
+        let approach = Approach::new(self.limits, self.room);
+        approach.stops_within(self.kernel(&approach, kernel))
+    }
+
+    /// Whether contour mode takes fewer ticks than such a kernel: with a curve of DEV whose middle is `off` (mm) from the
+    /// corner along both lines, or with a standstill.
+    #[inline(never)]
+    pub fn is_quicker(&self, off: f32, kernel: (f32, f32)) -> bool {
+        let &Self { dynamics, rapid, tangents, room, .. } = self;
+        let approach = Approach::new(self.limits, room);
+        let kernel = KERNEL * self.kernel(&approach, kernel);
         if approach.stops_within(kernel) {
             return true;
         }
         let [Some([v1, a1, j1]), Some([v2, a2, j2])] = approach.along else { return false };
         let [t1, t2] = &tangents;
         let of_change = dynamics.together(&plus(t2, -1.0, t1), rapid, PART_DEV);
-        let sharing = Sharing { dynamics, rapid, of: PART_DEV, v: min(v1, v2), most, tangents };
+        let sharing =
+            Sharing { dynamics, rapid, of: PART_DEV, v: min(v1, v2), most: min(room[0], room[1]), tangents };
         let way = sharing.overlap(&approach, of_change, [min(a1, a2), min(j1, j2)], [off, f32::MAX]);
         approach.overlapping(&way) < kernel
     }
@@ -318,16 +330,22 @@ const KERNEL: f32 = 1.33;
 /// curve, so a row of short lines is driven as one curve. Longer lines are faster with curves over time, and with
 /// their speed beside them.
 pub fn shallow_distance<const AXES: usize>(choice: &Choice<'_, AXES>) -> Option<f32> {
-    let Choice { corner, rule, setting, most, tolerance, .. } = *choice;
+    let Choice { corner, rule, setting, most, tolerance, approach, .. } = *choice;
     let dev = rule.method == ContourMethod::Dev && !setting.const_vel;
+    let [Some([_, a, j]), Some(_)] = approach.along else { return None };
+    if BRIEF * most * j * j > a * a * a {
+        return None;
+    }
     choice.lines().filter(|_| dev && setting.dynamics.slope() == SlopeType::Hsc)?;
     let change = plus(corner.behind.tangent(), -1.0, corner.before.tangent());
     let off = off_corner(&setting.measure.main, &change, tolerance);
     (size(&setting.measure.main, &change) <= SHALLOW && 6.0 * off >= most).then_some(most)
 }
 
+/// A line is short below one part of so many of a³/j², six times the way on which a ramp reaches the acceleration.
+const BRIEF: f32 = 5.0;
 /// Change of direction up to which a corner is shallow.
-const SHALLOW: f32 = 0.03;
+const SHALLOW: f32 = 0.05;
 
 /// Where a curve of DIST_SOFT begins, mm from the corner: `most` at most.
 fn soft_distance<const AXES: usize>(

@@ -16,15 +16,16 @@ pub const SHARPEST: f32 = 1.554_29;
 /// Beyond it a line goes straight back: 179.6 degrees.
 const BACK: f32 = 1.999_99;
 
-/// A turn of less belongs to a smooth contour: 6 degrees.
-const LEAST: f32 = 0.1;
+/// A turn of less belongs to a smooth contour, one of more is sharp: 18 and 74 degrees.
+const EDGE: f32 = 0.313;
+const SHARP: f32 = 1.2;
 
-/// A line is long from so many widths of the kernel on that its turn has alone. A kernel by itself leaves the lines
-/// beside it little acceleration.
-const LONG: f32 = 4.0;
-
-/// Kernels of lines of less than that part of their width are one smooth curve.
+/// Widths of the kernel that its turn has alone, from which on a line can be an edge: in a smooth contour or a sharp turn,
+/// and between both. Kernels of shorter lines are one smooth curve.
+const APART: f32 = 2.5;
 const ONE_CURVE: f32 = 0.34;
+/// Sharp turns of shorter lines belong to a row that turns back: there a kernel is compared with a standstill alone.
+const ALONE: f32 = 4.0;
 
 /// Conditions under which a corner is an edge.
 #[derive(Clone, Copy)]
@@ -62,11 +63,12 @@ impl<'a> Edges<'a> {
             width = min(width, track / max(max(*x, -*x), f32::MIN_POSITIVE));
         }
         let (length, most) = (min(before.length, next.length), 6.0 * width);
-        if turn <= LEAST || length <= ONE_CURVE * most {
+        let apart = match turn {
+            EDGE..SHARP => ONE_CURVE,
+            _ => APART,
+        };
+        if length <= apart * most {
             return false;
-        }
-        if length > LONG * most {
-            return true;
         }
         let half = min(most, min(self.parameters.widest(), length));
         let (second, mut third) = (change.map(|x| x / half), change.map(|x| x / (half * half)));
@@ -83,7 +85,11 @@ impl<'a> Edges<'a> {
             limits: [&limits, &limits],
             room: [0.5 * before.length, 0.5 * next.length],
         };
-        edge.is_quicker(width, (v, half))
+        if turn > SHARP && length < ALONE * most {
+            edge.stands((v, half))
+        } else {
+            edge.is_quicker(width, (v, half))
+        }
     }
 
     /// Whether a block is an arc that stays exact, so that contour mode rounds its transitions.
