@@ -63,11 +63,7 @@ impl<'a> Edges<'a> {
             width = min(width, track / max(max(*x, -*x), f32::MIN_POSITIVE));
         }
         let (length, most) = (min(before.length, next.length), 6.0 * width);
-        let apart = match turn {
-            EDGE..SHARP => ONE_CURVE,
-            _ => APART,
-        };
-        if length <= apart * most {
+        if length <= if turn < EDGE { APART } else { ONE_CURVE } * most {
             return false;
         }
         let half = min(most, min(self.parameters.widest(), length));
