@@ -65,6 +65,8 @@ pub mod every_tick;
 pub mod operate;
 
 pub mod filtered;
+/// Questions about what comes, against what then happens.
+pub mod foresee;
 
 pub mod rounded;
 

@@ -10,18 +10,21 @@
 //! | `geometry` | length, radius, angle and knee of a curve |
 //! | `recorder` | the planner's end: which entry goes into which table |
 //! | `reader` | the PLC's end: [`ContourReader::elements`], [`ContourReader::logged`], [`ContourReader::reach`] |
+//! | `question` | questions about what comes, and their answers |
 //! | `unit` | request and response of the control unit, as in the texts of ISG |
 //!
 //! There are two tables. The *window* has the latest elements of the path, found by distance from program start
 //! (mode 2). The *log* has the elements between `#CONTOUR LOOKAHEAD LOG ON` and `OFF`, found by index (mode 1).
 mod entry;
 mod geometry;
+mod question;
 mod reader;
 mod recorder;
 mod table;
 mod unit;
 
 pub use entry::{BlockType, Entry, ProgramDistance};
+pub use question::{Moment, Question, QuestionUnit, Unknown};
 pub use reader::{ContourReader, Elements, Forgotten, LogState};
 pub(crate) use recorder::Passed;
 pub use recorder::{Crowded, Recorder};

@@ -11,12 +11,15 @@
 //! | `change` | when new pieces count for the interrupt |
 //! | `reserve`, `slower` | how the motion stops without the planner; what becomes of it where that has no room |
 //! | `late` | what happens when text or room for functions is missing |
+//! | `forecast` | what a PLC asks about what comes (feature `plc`) |
 //! | `log` | what the PLC is told of the path ahead (feature `plc`) |
 //! | `stand` | where the axes stand at rest, and what a new program begins with |
 mod acknowledge;
 mod change;
 mod committed;
 mod descent;
+#[cfg(feature = "plc")]
+mod forecast;
 mod functions;
 mod held_line;
 mod hold;
@@ -52,6 +55,8 @@ use crate::smooth::contour::Preset;
 use crate::smooth::{Smoother, Smoothing};
 use committed::CommittedSpans;
 use core::mem::MaybeUninit;
+#[cfg(feature = "plc")]
+pub use forecast::Inquiry;
 use functions::Functions;
 use held_line::HeldLine;
 use hold::{Mode, REACTION};
@@ -149,6 +154,14 @@ pub struct Planning<'a, const AXES: usize, const BLOCKS: usize> {
     functions: &'a mut Functions,
     reserve: &'a mut Reserve,
     report: Report,
+    #[cfg(feature = "plc")]
+    inquiry: Option<&'a mut Inquiry>,
+    /// Laws are made for a question: they do not count.
+    #[cfg(feature = "plc")]
+    asking: bool,
+    /// A hold keeps the law at hand up to its end.
+    #[cfg(feature = "plc")]
+    settled: bool,
     queue: Sender<'a, AXES>,
 }
 
@@ -413,6 +426,12 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
             functions,
             reserve,
             report: Report { begun: 0, planned: Planned::default(), is_due: false },
+            #[cfg(feature = "plc")]
+            inquiry: None,
+            #[cfg(feature = "plc")]
+            asking: false,
+            #[cfg(feature = "plc")]
+            settled: false,
             queue,
         }
     }

@@ -4,7 +4,7 @@ use glidepath::contour_log::{
     BlockType, ContourMemory, ContourReader, ControlUnit, Entry, Forgotten, ProgramDistance,
 };
 use glidepath::fir::Unfiltered;
-use glidepath::machine::MachineData;
+use glidepath::machine::{InterpolatorData, MachineData};
 use glidepath::operator::Operator;
 use glidepath::path::Measure;
 use glidepath::quantity::Position;
@@ -26,6 +26,13 @@ fn mm(mm: f64) -> ProgramDistance {
     ProgramDistance::from_mm(mm)
 }
 
+/// The machine with FCT_CONTOUR_LAH and storage.
+fn logging(machine: &MachineData<3>) -> MachineData<3> {
+    let mut machine = *machine;
+    machine.channel.interpolator = InterpolatorData::ALL;
+    machine
+}
+
 /// What a run is at a tick.
 struct Now<'a, 'b> {
     contour: ContourReader<'b>,
@@ -43,6 +50,7 @@ fn run<const WINDOW: usize, const LOG: usize>(
     let mut memory = Box::new(ContourMemory::<WINDOW, LOG>::new());
     let mut channel: Box<Channel<3, 120>> = Box::new(Channel::new());
     let (recorder, contour) = memory.split();
+    let machine = &logging(machine);
     let handles = channel.split(machine, start, text.as_bytes()).expect("machine data");
     let Handles { mut planner, mut interpolator, operator } = handles;
     planner.log_contour(recorder);
@@ -365,7 +373,7 @@ fn the_control_unit_answers_requests() {
 /// C40-014, C40-045: the next program begins at 0 with an empty log; an abort takes back what will not be driven.
 #[test]
 fn program_start_and_abort() {
-    let machine = machines::even(1000);
+    let machine = logging(&machines::even(1000));
     let mut memory = Box::new(ContourMemory::<64, 64>::new());
     let mut channel: Box<Channel<3, 120>> = Box::new(Channel::new());
     let (recorder, contour) = memory.split();
@@ -404,7 +412,7 @@ fn program_start_and_abort() {
 #[test]
 fn another_thread_reads_whole_elements() {
     const READS: u64 = 300_000;
-    let machine = quick::<3>(1000);
+    let machine = logging(&quick::<3>(1000));
     // Each line's length, N and knee follow from one another.
     let lines: String = (1..=20_000)
         .map(|i| format!("N{} {}{}\n", i % 9 + 1, if i % 2 == 0 { "G91 X" } else { "G91 Y" }, i % 9 + 1))
