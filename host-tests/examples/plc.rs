@@ -1,14 +1,17 @@
 //! What a PLC is told, against what then happens.
 //!
 //! `plc forecast SEEDS`: questions about what comes, at random moments of so many random programs with each slope.
+//! `plc requests COUNT`: requests from another thread while programs run.
 use host_tests::foresee::{Asks, Told, run};
+use host_tests::requests;
 
 fn main() {
     let arguments: Vec<String> = std::env::args().collect();
     let number = arguments.get(2).and_then(|number| number.parse().ok());
     match (arguments.get(1).map(String::as_str), number) {
         (Some("forecast"), Some(seeds)) => forecast(seeds),
-        _ => println!("plc forecast SEEDS"),
+        (Some("requests"), Some(count)) => ask(count),
+        _ => println!("plc forecast SEEDS, or plc requests COUNT"),
     }
 }
 
@@ -28,4 +31,13 @@ fn forecast(seeds: u64) {
             mean(&shortest)
         );
     }
+}
+
+fn ask(count: u64) {
+    let alone = requests::run(None).1;
+    let (asked, driven) = requests::run(Some(count));
+    println!("{asked:?}");
+    let unlike = driven.iter().filter(|driven| Some(*driven) != alone.first()).count();
+    println!("{} programs driven to their end, {unlike} of them not as without requests", driven.len());
+    assert_eq!(unlike, 0);
 }

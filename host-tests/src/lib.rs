@@ -73,6 +73,8 @@ pub mod rounded;
 pub mod soak;
 
 pub mod refusal;
+/// Requests of a PLC from another thread.
+pub mod requests;
 
 pub mod splines;
 
@@ -88,3 +90,7 @@ pub mod linking {}
 #[cfg(doctest)]
 #[doc = include_str!("../../docs/machine-data.md")]
 pub mod machine_data {}
+
+#[cfg(doctest)]
+#[doc = include_str!("../../docs/plc.md")]
+pub mod plc {}

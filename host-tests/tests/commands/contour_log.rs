@@ -11,11 +11,9 @@ use glidepath::quantity::Position;
 use glidepath::tick::{Interpolator, State};
 use host_tests::calls::call;
 use host_tests::cases::machines;
-use host_tests::rounded::quick;
 use host_tests::seeds::seeds;
-use host_tests::{soak, splines};
+use host_tests::{requests, soak, splines};
 use std::f64::consts::{PI, TAU};
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 /// Ticks of a run, at most: what a slow program shows later is no other than what it shows at first.
 const LONGEST: usize = 20_000;
@@ -29,7 +27,7 @@ fn mm(mm: f64) -> ProgramDistance {
 /// The machine with FCT_CONTOUR_LAH and storage.
 fn logging(machine: &MachineData<3>) -> MachineData<3> {
     let mut machine = *machine;
-    machine.channel.interpolator = InterpolatorData::ALL;
+    machine.channel.interpolator = InterpolatorData { log_max: u32::MAX, ..InterpolatorData::ALL };
     machine
 }
 
@@ -408,52 +406,14 @@ fn program_start_and_abort() {
     is(&elements[1], (BlockType::Line, 40), [30.0 - stands, 3.0, 0.0, PI / 2.0]);
 }
 
-/// Requests from another thread at any moment: no torn and no stale element.
+/// Requests from another thread at any moment: no torn and no stale element, the handshake kept, and set points as
+/// without them. `cargo run --release -p host-tests --example plc -- requests 10000000` is the long form.
+///
+/// Rows: C40-001, C40-024.
 #[test]
 fn another_thread_reads_whole_elements() {
-    const READS: u64 = 300_000;
-    let machine = logging(&quick::<3>(1000));
-    // Each line's length, N and knee follow from one another.
-    let lines: String = (1..=20_000)
-        .map(|i| format!("N{} {}{}\n", i % 9 + 1, if i % 2 == 0 { "G91 X" } else { "G91 Y" }, i % 9 + 1))
-        .collect();
-    let text = format!("G01 F60000\n{lines}");
-    let mut memory = Box::new(ContourMemory::<16, 16>::new());
-    let mut channel: Box<Channel<3, 120>> = Box::new(Channel::new());
-    let (recorder, contour) = memory.split();
-    let handles = channel.split(&machine, [Position::ZERO; 3], text.as_bytes()).expect("machine data");
-    let Handles { mut planner, mut interpolator, .. } = handles;
-    planner.log_contour(recorder);
-    let (ended, reads) = (AtomicBool::new(false), AtomicU64::new(0));
-    let (ended, reads) = (&ended, &reads);
-    std::thread::scope(|scope| {
-        scope.spawn(move || {
-            let mut reach = ProgramDistance::ZERO;
-            while !ended.load(Ordering::Relaxed) {
-                let now = contour.reach();
-                assert!(now >= reach);
-                reach = now;
-                let mut due: Option<ProgramDistance> = None;
-                for entry in contour.elements(ProgramDistance::ZERO, EVERYTHING) {
-                    match entry {
-                        Ok(entry) => {
-                            assert_eq!(entry.block_type, BlockType::Line);
-                            assert_eq!(entry.length, mm(f64::from(entry.n)), "{entry:?}");
-                            assert!(due.is_none_or(|due| due == entry.start), "{entry:?}");
-                            due = Some(entry.end());
-                        }
-                        Err(Forgotten { first }) => due = Some(first),
-                    }
-                    reads.fetch_add(1, Ordering::Relaxed);
-                }
-            }
-        });
-        while reads.load(Ordering::Relaxed) < READS {
-            let done = call(&mut planner, usize::MAX, |_| {}).expect("a program");
-            if interpolator.tick() == State::Idle && done {
-                break;
-            }
-        }
-        ended.store(true, Ordering::Relaxed);
-    });
+    let (asked, driven) = requests::run(Some(400_000));
+    assert!(asked.elements > 100_000 && asked.requests[1] > 100 && asked.questions > 100, "{asked:?}");
+    let (_, alone) = requests::run(None);
+    assert!(driven.iter().all(|driven| *driven == alone[0]), "{driven:?} {alone:?}");
 }
