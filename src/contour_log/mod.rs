@@ -58,7 +58,8 @@ impl<const WINDOW: usize, const LOG: usize> ContourMemory<WINDOW, LOG> {
 
     /// Both ends, emptied: the recorder is for [`crate::Planner::log_contour`].
     pub fn split(&mut self) -> (Recorder<'_>, ContourReader<'_>) {
-        *self = Self::new();
+        // In place: an empty table needs no empty slots, and a new one would be on the stack.
+        (self.window.0, self.log.0) = (Head::new(), Head::new());
         let window = Table::new(&self.window.0, &self.window.1);
         let log = Table::new(&self.log.0, &self.log.1);
         (Recorder::new(window, log), ContourReader::new(window, log))

@@ -174,10 +174,8 @@ impl<const AXES: usize> Dynamics<AXES> {
         let &Slope { default, kind, no_opt } = command;
         let given = SlopeType::of_profile(machine.channel.slope_profile);
         let slope = if default { given } else { kind.unwrap_or(self.slope) };
-        let optimised = match no_opt {
-            Some(no_opt) if !default => !no_opt,
-            _ => optimises(machine),
-        };
+        let asked = !default && no_opt == Some(false);
+        let optimised = asked || ((default || no_opt.is_none()) && optimises(machine));
         (slope, Joins::of(slope, optimised))
     }
 

@@ -162,7 +162,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
     fn next_feed(&self, now: u32) -> Result<Moment<AXES>, Unknown> {
         let beyond = Unknown::Beyond { ticks: self.ticks_planned(now) };
         let here = self.motion_at(now).ok_or(beyond)?.distance;
-        let (_, block, _) = self.place(here).ok_or(Unknown::NotPlanned)?;
+        let (_, mut block, _) = self.place(here).ok_or(Unknown::NotPlanned)?;
         let segments = &self.queue.segments;
         let mut number = segments.ends_behind(here).ok_or(beyond)?;
         let start = loop {
@@ -171,10 +171,11 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
             if (number.wrapping_sub(segments.handed()) as i32) >= 0 || self.motion_end() <= start {
                 return Err(beyond);
             }
-            let Some(track) = segments.recent(number) else { return Err(beyond) };
-            if segments.block_of(track.segment) != block && !self.is_rapid(start) {
+            let next = self.block_of(number).ok_or(beyond)?;
+            if next != block && !self.is_rapid(number, next) {
                 break start;
             }
+            block = next;
         };
         let at = self.instant_of(self.frontier.end, start).ok_or(beyond)?;
         let ticks = at.wrapping_sub(now) / clock::TICK + 1;
@@ -186,8 +187,26 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         self.motion_at(self.frontier.end).map_or(i64::MIN, |motion| motion.distance)
     }
 
-    /// Whether the span that a path distance is in is rapid motion.
-    fn is_rapid(&self, distance: i64) -> bool {
+    fn block_of(&self, number: u32) -> Option<u32> {
+        let segments = &self.queue.segments;
+        segments.recent(number).map(|track| segments.block_of(track.segment))
+    }
+
+    /// Whether a motion block is rapid motion, by the spans of its curves from this one on. The curve of a corner beside
+    /// a block at feed does not tell.
+    fn is_rapid(&self, first: u32, block: u32) -> bool {
+        let segments = &self.queue.segments;
+        let mut number = first;
+        while (number.wrapping_sub(segments.handed()) as i32) < 0 && self.block_of(number) == Some(block) {
+            if self.is_in_rapid_span(segments.start(number)) {
+                return true;
+            }
+            number = segments.after(number);
+        }
+        false
+    }
+
+    fn is_in_rapid_span(&self, distance: i64) -> bool {
         let ends_behind = |k: &usize| {
             self.committed.get(*k).is_some_and(|committed| committed.end().wrapping_sub(distance) > 0)
         };

@@ -257,7 +257,8 @@ fn run(arguments: &Run, path: &Path) -> Result<(), Refusal> {
     let script = arguments.events.as_deref().map(Script::read).transpose()?;
     let plc = arguments.plc.as_deref().map(plc::Script::read).transpose()?;
     if plc.is_some() && input.machine.is_none() {
-        machine.channel.interpolator = InterpolatorData::ALL;
+        machine.channel.interpolator =
+            InterpolatorData { log_max: run::KEPT as u32, ..InterpolatorData::ALL };
     }
     let mut program = decode(&files, &machine, input)?;
     if let Some(tolerance) = arguments.smooth {

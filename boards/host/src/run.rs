@@ -39,7 +39,7 @@ pub const BLOCKS: usize = 500;
 const TAPS: usize = 202;
 
 /// Elements and entries that a PLC may read.
-const KEPT: usize = 1 << 14;
+pub const KEPT: usize = 1 << 12;
 
 /// Axes that may move beside the path at once.
 pub const OVERLAYS: usize = 6;

@@ -406,6 +406,34 @@ fn program_start_and_abort() {
     is(&elements[1], (BlockType::Line, 40), [30.0 - stands, 3.0, 0.0, PI / 2.0]);
 }
 
+/// An element takes 48 bytes of memory, in both tables.
+#[test]
+fn an_entry_takes_48_bytes() {
+    let empty = size_of::<ContourMemory<0, 0>>();
+    assert_eq!(size_of::<ContourMemory<128, 0>>() - empty, 128 * 48);
+    assert_eq!(size_of::<ContourMemory<64, 32>>() - empty, 96 * 48);
+}
+
+/// The id of an element is the motion block that the status shows while the motion is on it.
+///
+/// Rows: C40-033.
+#[test]
+fn elements_have_the_block_of_the_status() {
+    let text = "G01 F6000\nN10 X10\nN20 #CONTOUR LOOKAHEAD LOG ON\nN30 Y10\nG04 0.02\nN40 G02 X20 Y20 I10\nN50 G01 X30\n";
+    let mut seen = Vec::new();
+    run::<64, 64>(text, (&machines::even(1000), [Position::ZERO; 3]), |now| {
+        let status = now.operator.status();
+        let at = now.contour.distance(status.distance).expect("kept");
+        let mut ahead = now.contour.elements(at, EVERYTHING).map(|entry| entry.expect("kept"));
+        if let Some(element) = ahead.next().filter(|element| element.start < at) {
+            assert_eq!((element.id, element.n), (status.block, status.n), "tick {}", now.tick);
+            seen.push(element.id);
+        }
+    });
+    seen.dedup();
+    assert_eq!(seen, [0, 1, 2, 3]);
+}
+
 /// Requests from another thread at any moment: no torn and no stale element, the handshake kept, and set points as
 /// without them. `cargo run --release -p host-tests --example plc -- requests 10000000` is the long form.
 ///

@@ -97,6 +97,13 @@ fn a_question_without_an_answer_says_why() {
     }
 }
 
+/// The memory of the question for the standstill is what the document says.
+#[test]
+fn an_inquiry_takes_8_kilobytes() {
+    let bytes = size_of::<Inquiry>();
+    assert!((4096..=8192).contains(&bytes), "{bytes}");
+}
+
 /// Drives a program; its ticks, and the sum of its set points.
 fn driven(machine: &MachineData<3>, text: &str) -> (u64, i64) {
     let mut channel: Box<Channel<3, 120>> = Box::new(Channel::new());

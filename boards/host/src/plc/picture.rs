@@ -16,6 +16,7 @@ pub fn draw(name: &str, told: &Told) -> String {
     let rows = &told.curve;
     let end = rows.last().map_or(1.0, |row| row.0).max(1e-3);
     let far = rows.iter().map(|row| row.1).fold(0.0, f64::max).max(1e-3);
+    let name = name.rsplit(['/', '\\']).next().unwrap_or(name);
     let x = |seconds: f64| LEFT + seconds / end * (WIDTH - LEFT - RIGHT);
     let y = |mm: f64| PATH - mm / far * (PATH - TOP);
     let power = |percent: u8| LASER[1] - f64::from(percent) / 100.0 * (LASER[1] - LASER[0]);
@@ -46,12 +47,17 @@ pub fn draw(name: &str, told: &Told) -> String {
     let mut reach = String::new();
     let mut driven = String::new();
     let mut light = String::new();
+    let mut shown = None;
     for (i, &(seconds, known, at, percent)) in rows.iter().enumerate() {
-        let begin = if i == 0 { "M" } else { "H" };
-        let _ = if i == 0 {
-            write!(reach, "{begin}{:.2} {:.2}", x(seconds), y(known))
+        // Of rows in the same pixel that differ in the distance alone, one is drawn.
+        let key = (x(seconds).round() as i64, known.to_bits(), percent);
+        if shown.replace(key) == Some(key) && i + 1 < rows.len() {
+            continue;
+        }
+        let _ = if reach.is_empty() {
+            write!(reach, "M{:.2} {:.2}", x(seconds), y(known))
         } else {
-            write!(reach, "{begin}{:.2}V{:.2}", x(seconds), y(known))
+            write!(reach, "H{:.2}V{:.2}", x(seconds), y(known))
         };
         if at.is_finite() {
             let _ =
