@@ -406,6 +406,46 @@ fn program_start_and_abort() {
     is(&elements[1], (BlockType::Line, 40), [30.0 - stands, 3.0, 0.0, PI / 2.0]);
 }
 
+/// While a function waits before the marked area, the PLC can read all of it.
+///
+/// Rows: C40-010.
+#[test]
+fn the_log_is_there_while_a_function_waits() {
+    let text = "N10 G01 X1 F6000\nN20 M25\n#CONTOUR LOOKAHEAD LOG ON\nN30 X20\nN40 Y5\n#CONTOUR LOOKAHEAD LOG OFF\nN50 X0\n";
+    let mut machine = machines::even(1000);
+    machine.channel.m_synch =
+        glidepath::machine::SynchTable::NONE.with(25, glidepath::machine::Synch::MvsSvs);
+    let mut waited = 0;
+    run::<64, 64>(text, (&machine, [Position::ZERO; 3]), |now| {
+        let status = now.operator.status();
+        if now.operator.awaited().is_some() && status.state == State::Idle {
+            let log: Vec<u32> = (0..).map_while(|i| now.contour.logged(i)).map(|entry| entry.n).collect();
+            assert_eq!((log.as_slice(), now.contour.log_state().closed), ([0, 30, 40, 0].as_slice(), true));
+            assert_eq!(status.set_points[0], Position::from_num(1));
+            waited += 1;
+        }
+    });
+    assert!(waited > 0);
+}
+
+/// A marked area longer than the look-ahead: the log is active until its end is read.
+///
+/// Rows: C40-029.
+#[test]
+fn a_log_is_active_until_its_end_is_read() {
+    let lines: String = (1..=400).map(|i| format!("N{i} X{} Y{}\n", i / 2, (i + 1) / 2)).collect();
+    let text = format!("G01 F6000\n#CONTOUR LOOKAHEAD LOG ON\n{lines}#CONTOUR LOOKAHEAD LOG OFF\n");
+    let mut seen = Vec::new();
+    run::<8, 512>(&text, (&machines::even(1000), [Position::ZERO; 3]), |now| {
+        let state = now.contour.log_state();
+        assert_eq!(state.active, state.entries < 402, "{state:?}");
+        assert_eq!(ControlUnit::<4>::state(&now.contour).f_log_is_active, state.active);
+        seen.push(state.active);
+    });
+    seen.dedup();
+    assert_eq!(seen, [true, false]);
+}
+
 /// An element takes 48 bytes of memory, in both tables.
 #[test]
 fn an_entry_takes_48_bytes() {
