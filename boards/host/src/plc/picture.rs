@@ -43,34 +43,24 @@ pub fn draw(name: &str, told: &Told) -> String {
     if lit {
         frame(LASER[0], LASER[1], "100 %");
     }
-    // A step where the reach grows; between two rows of the distance it grows evenly.
-    let mut reach = String::new();
+    let (mut reach, mut light) = (Steps::default(), Steps::default());
     let mut driven = String::new();
-    let mut light = String::new();
-    let mut shown = None;
+    let mut column = i64::MIN;
     for (i, &(seconds, known, at, percent)) in rows.iter().enumerate() {
-        // Of rows in the same pixel that differ in the distance alone, one is drawn.
-        let key = (x(seconds).round() as i64, known.to_bits(), percent);
-        if shown.replace(key) == Some(key) && i + 1 < rows.len() {
-            continue;
-        }
-        let _ = if reach.is_empty() {
-            write!(reach, "M{:.2} {:.2}", x(seconds), y(known))
-        } else {
-            write!(reach, "H{:.2}V{:.2}", x(seconds), y(known))
-        };
-        if at.is_finite() {
-            let _ =
-                write!(driven, "{}{:.2} {:.2}", if driven.is_empty() { 'M' } else { 'L' }, x(seconds), y(at));
-        }
+        let is_last = i + 1 == rows.len();
+        reach.add(x(seconds), y(known), is_last);
         if let Some(percent) = percent {
-            let _ = if light.is_empty() {
-                write!(light, "M{:.2} {:.2}", x(seconds), power(percent))
-            } else {
-                write!(light, "H{:.2}V{:.2}", x(seconds), power(percent))
-            };
+            light.add(x(seconds), power(percent), is_last);
+        }
+        // One point for two pixels.
+        let here = (x(seconds) / 2.0).round() as i64;
+        if at.is_finite() && (here != column || is_last) {
+            let to = if driven.is_empty() { 'M' } else { 'L' };
+            let _ = write!(driven, "{to}{:.1} {:.1}", x(seconds), y(at));
+            column = here;
         }
     }
+    let (reach, light) = (reach.path, light.path);
     for (path, colour, label, at) in
         [(reach, "#1f77b4", "reach", TOP + 14.0), (driven, "#d62728", "distance driven", TOP + 30.0)]
     {
@@ -97,6 +87,24 @@ pub fn draw(name: &str, told: &Told) -> String {
         HEIGHT - 12.0
     );
     svg
+}
+
+/// A line in steps.
+#[derive(Default)]
+struct Steps {
+    path: String,
+    height: f64,
+}
+
+impl Steps {
+    fn add(&mut self, x: f64, y: f64, is_last: bool) {
+        if self.path.is_empty() {
+            let _ = write!(self.path, "M{x:.1} {y:.1}");
+        } else if (y - self.height).abs() > 1e-9 || is_last {
+            let _ = write!(self.path, "H{x:.1}V{y:.1}");
+        }
+        self.height = y;
+    }
 }
 
 fn escaped(text: &str) -> String {
