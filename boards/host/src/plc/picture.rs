@@ -80,9 +80,9 @@ pub fn draw(name: &str, told: &Told) -> String {
             LASER[0] - 4.0
         );
     }
-    let _ = write!(
+    let _ = writeln!(
         svg,
-        "<text x=\"{}\" y=\"{}\" text-anchor=\"end\">{end:.3} s</text></svg>\n",
+        "<text x=\"{}\" y=\"{}\" text-anchor=\"end\">{end:.3} s</text></svg>",
         WIDTH - RIGHT,
         HEIGHT - 12.0
     );
