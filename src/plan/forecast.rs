@@ -62,7 +62,7 @@ impl Default for Inquiry {
 impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
     /// Memory for the question of the standstill.
     pub fn set_inquiry(&mut self, inquiry: &'q mut Inquiry) {
-        self.inquiry = Some(inquiry);
+        self.intake.inquiry = Some(inquiry);
     }
 
     /// Whether a hold keeps the stop that it begins with.
@@ -72,7 +72,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
 
     /// The law at hand is as slow at its end as a hold can be: it stays, if a hold keeps the stop that it begins with.
     pub(super) const fn settle(&mut self, stays: bool) {
-        self.settled = stays && self.keeps_stop();
+        self.orders.settled = stays && self.keeps_stop();
     }
 
     /// Answers a question.
@@ -257,14 +257,14 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
             let stands = self.motion_end();
             return self.moment(now, at, stands).ok_or(Unknown::NotPlanned);
         }
-        let Some(inquiry) = self.inquiry.take() else {
+        let Some(inquiry) = self.intake.inquiry.take() else {
             return Err(Unknown::NotEnabled(Question::Standstill.function()));
         };
         let known = self.try_hold(now, inquiry);
         if !matches!(known, Err(Unknown::Searching)) {
             inquiry.trial = None;
         }
-        self.inquiry = Some(inquiry);
+        self.intake.inquiry = Some(inquiry);
         let (at, stands) = known?;
         let at = if clock::is_before(at, now) { now } else { at };
         self.moment(now, at, stands).ok_or(Unknown::NotPlanned)
@@ -283,10 +283,10 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         }
         let Some(trial) = trial else { return Err(Unknown::Searching) };
         self.swap(trial, spans);
-        self.asking = true;
+        self.orders.asking = true;
         self.orders.search.begin_call();
         let found = self.go_on_trying(&mut trial.step, trial.frontier.end);
-        self.asking = false;
+        self.orders.asking = false;
         self.swap(trial, spans);
         found
     }

@@ -359,7 +359,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     /// Whether the law at hand stays up to its end, as an answer to a question may say.
     #[cfg(feature = "plc")]
     const fn is_settled(&self) -> bool {
-        self.settled
+        self.orders.settled
     }
 
     /// Whether the law at hand stays up to its end.

@@ -262,7 +262,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     /// it. Where that law does not count yet, so once it does: all may still be as it was before.
     pub(super) fn lower(&mut self) {
         #[cfg(feature = "plc")]
-        if self.asking {
+        if self.orders.asking {
             return;
         }
         if self.frontier.planned != self.committed.len() || self.reserve.is_made() {

@@ -154,14 +154,6 @@ pub struct Planning<'a, const AXES: usize, const BLOCKS: usize> {
     functions: &'a mut Functions,
     reserve: &'a mut Reserve,
     report: Report,
-    #[cfg(feature = "plc")]
-    inquiry: Option<&'a mut Inquiry>,
-    /// Laws are made for a question: they do not count.
-    #[cfg(feature = "plc")]
-    asking: bool,
-    /// A hold keeps the law at hand up to its end.
-    #[cfg(feature = "plc")]
-    settled: bool,
     queue: Sender<'a, AXES>,
 }
 
@@ -184,6 +176,9 @@ struct Intake<'a, const AXES: usize> {
     uniform: Uniform,
     #[cfg(feature = "plc")]
     recorder: Option<Recorder<'a>>,
+    /// Memory for the question of the standstill.
+    #[cfg(feature = "plc")]
+    inquiry: Option<&'a mut Inquiry>,
 }
 
 /// The blocks whose limits are those of now.
@@ -251,6 +246,12 @@ struct Orders {
     yields: bool,
     /// For a way down.
     search: Search,
+    /// Laws are made for a question of the PLC: they do not count.
+    #[cfg(feature = "plc")]
+    asking: bool,
+    /// A hold keeps the law at hand up to its end.
+    #[cfg(feature = "plc")]
+    settled: bool,
 }
 
 /// How often the queue was found low since blocks are taken in.
@@ -405,6 +406,8 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
                 uniform: Uniform { since: 0, by_ramps: machine.channel.check_jerk_on_poly_path == 2 },
                 #[cfg(feature = "plc")]
                 recorder: None,
+                #[cfg(feature = "plc")]
+                inquiry: None,
             },
             lookahead: Lookahead::new(lookahead, depth),
             task: Task::NONE,
@@ -422,16 +425,14 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
                 trying: false,
                 yields: false,
                 search: Search::none(),
+                #[cfg(feature = "plc")]
+                asking: false,
+                #[cfg(feature = "plc")]
+                settled: false,
             },
             functions,
             reserve,
             report: Report { begun: 0, planned: Planned::default(), is_due: false },
-            #[cfg(feature = "plc")]
-            inquiry: None,
-            #[cfg(feature = "plc")]
-            asking: false,
-            #[cfg(feature = "plc")]
-            settled: false,
             queue,
         }
     }
