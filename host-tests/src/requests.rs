@@ -33,6 +33,11 @@ pub struct Requests {
 }
 
 impl Requests {
+    /// Whether there is some of each kind: on a busy computer the other thread gets little time.
+    const fn has_each(&self) -> bool {
+        self.requests[1] > 0 && self.questions > 0
+    }
+
     /// All of them.
     pub const fn all(&self) -> u64 {
         self.elements + self.requests[0] + self.questions
@@ -135,7 +140,7 @@ pub fn run(count: Option<u64>) -> (Requests, Vec<Driven>) {
                 if state == State::Idle && done {
                     break true;
                 }
-                let has_whole = !driven.is_empty();
+                let has_whole = !driven.is_empty() && all.has_each();
                 if has_whole && count.is_some_and(|count| all.all() + asked.load(Ordering::Relaxed) >= count)
                 {
                     break false;
@@ -150,7 +155,7 @@ pub fn run(count: Option<u64>) -> (Requests, Vec<Driven>) {
         all.elements += requests.elements;
         all.questions += requests.questions;
         (0..2).for_each(|k| all.requests[k] += requests.requests[k]);
-        if count.is_none_or(|count| all.all() >= count) {
+        if count.is_none_or(|count| all.all() >= count && all.has_each()) {
             return (all, driven);
         }
     }

