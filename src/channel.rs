@@ -39,6 +39,8 @@ mod rest;
 use beside::Beside;
 pub use beside::MoveError;
 pub use error::{Error, MachineError};
+#[cfg(feature = "plc")]
+pub use log::Inquiry;
 pub use memory::{Channel, FilteredHandles, Handles};
 pub use rest::{Busy, GoOnError, PositionError, ZeroOffsetError};
 

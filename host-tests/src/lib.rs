@@ -65,12 +65,16 @@ pub mod every_tick;
 pub mod operate;
 
 pub mod filtered;
+/// Questions about what comes, against what then happens.
+pub mod foresee;
 
 pub mod rounded;
 
 pub mod soak;
 
 pub mod refusal;
+/// Requests of a PLC from another thread.
+pub mod requests;
 
 pub mod splines;
 
@@ -86,3 +90,7 @@ pub mod linking {}
 #[cfg(doctest)]
 #[doc = include_str!("../../docs/machine-data.md")]
 pub mod machine_data {}
+
+#[cfg(doctest)]
+#[doc = include_str!("../../docs/plc.md")]
+pub mod plc {}

@@ -23,6 +23,12 @@ pub(super) fn check<const AXES: usize, const BLOCKS: usize>(
             because: "the memory compiled in",
         }));
     }
+    #[cfg(feature = "plc")]
+    check_all(channel, crate::machine::parameter::CHANNEL_PLC).map_err(MachineError::Channel)?;
+    #[cfg(feature = "plc")]
+    if let Some((said, expected)) = channel.interpolator.functions.refused() {
+        return Err(MachineError::Interpolator(said, expected));
+    }
     if channel.slope_profile == SLOPE_HSC {
         functions::HSC.check().map_err(MachineError::NotBuilt)?;
     }

@@ -26,6 +26,9 @@ pub enum MachineError {
     TooManySynch(&'static str),
     /// The filter of the axis with this index is refused.
     Filter(usize, FilterError),
+    /// P-CHAN-00650: what is wrong with its names, and what is expected.
+    #[cfg(feature = "plc")]
+    Interpolator(&'static str, &'static str),
 }
 
 impl core::fmt::Display for MachineError {
@@ -49,6 +52,10 @@ impl core::fmt::Display for MachineError {
             }
             Self::TooManySynch(name) => write!(f, "{name}: more than {SYNCHRONISED} functions"),
             Self::Filter(_, error) => error.fmt(f),
+            #[cfg(feature = "plc")]
+            Self::Interpolator(said, expected) => {
+                write!(f, "configuration.interpolator.function (P-CHAN-00650): {said}; expected {expected}")
+            }
         }
     }
 }

@@ -10,18 +10,21 @@
 //! | `geometry` | length, radius, angle and knee of a curve |
 //! | `recorder` | the planner's end: which entry goes into which table |
 //! | `reader` | the PLC's end: [`ContourReader::elements`], [`ContourReader::logged`], [`ContourReader::reach`] |
+//! | `question` | questions about what comes, and their answers |
 //! | `unit` | request and response of the control unit, as in the texts of ISG |
 //!
 //! There are two tables. The *window* has the latest elements of the path, found by distance from program start
 //! (mode 2). The *log* has the elements between `#CONTOUR LOOKAHEAD LOG ON` and `OFF`, found by index (mode 1).
 mod entry;
 mod geometry;
+mod question;
 mod reader;
 mod recorder;
 mod table;
 mod unit;
 
 pub use entry::{BlockType, Entry, ProgramDistance};
+pub use question::{Moment, Question, QuestionUnit, Unknown};
 pub use reader::{ContourReader, Elements, Forgotten, LogState};
 pub(crate) use recorder::Passed;
 pub use recorder::{Crowded, Recorder};
@@ -55,7 +58,8 @@ impl<const WINDOW: usize, const LOG: usize> ContourMemory<WINDOW, LOG> {
 
     /// Both ends, emptied: the recorder is for [`crate::Planner::log_contour`].
     pub fn split(&mut self) -> (Recorder<'_>, ContourReader<'_>) {
-        *self = Self::new();
+        // In place: an empty table needs no empty slots, and a new one would be on the stack.
+        (self.window.0, self.log.0) = (Head::new(), Head::new());
         let window = Table::new(&self.window.0, &self.window.1);
         let log = Table::new(&self.log.0, &self.log.1);
         (Recorder::new(window, log), ContourReader::new(window, log))

@@ -62,6 +62,8 @@ pub struct Recorder<'a> {
     /// Direction at the end.
     exit: Option<[i64; DIRECTIONS]>,
     marks: heapless::Deque<Waiting, MARKS>,
+    /// Entries kept of each table at most: P-CHAN-00658.
+    most: usize,
     /// By what the path is measured. `None`: no planner has it yet.
     measure: Option<Measure>,
 }
@@ -77,8 +79,14 @@ impl<'a> Recorder<'a> {
             path: None,
             exit: None,
             marks: heapless::Deque::new(),
+            most: usize::MAX,
             measure: None,
         }
+    }
+
+    /// Keeps that many entries of each table at most.
+    pub(crate) fn keep(&mut self, most: u32) {
+        self.most = usize::try_from(most).unwrap_or(usize::MAX);
     }
 
     /// By what the path is measured.
@@ -191,7 +199,11 @@ impl<'a> Recorder<'a> {
             Mark::Distance => {
                 let entry = Entry { id, ..Entry::mark(BlockType::Clear, n, None) };
                 let start = ProgramDistance::from_bits(self.end.0);
-                self.window.push(&mut self.rows[0], &Entry { start, ..entry });
+                self.window.push(
+                    &mut self.rows[0],
+                    &Entry { start, ..entry },
+                    self.window.room().min(self.most),
+                );
                 self.end = (0, 0);
                 self.rows[0].mark = self.rows[0].end;
             }
@@ -214,13 +226,14 @@ impl<'a> Recorder<'a> {
     /// An entry of the log, at the end. One without room is counted.
     fn put(&mut self, entry: Entry) {
         let row = &mut self.rows[1];
-        if row.end.wrapping_sub(row.first) as usize >= self.log.room() {
+        let room = self.log.room().min(self.most);
+        if row.end.wrapping_sub(row.first) as usize >= room {
             row.mark = row.mark.saturating_add(1);
             return;
         }
         let start =
             if entry.block_type.is_element() { entry.start } else { ProgramDistance::from_bits(self.end.0) };
-        self.log.push(row, &Entry { start, ..entry });
+        self.log.push(row, &Entry { start, ..entry }, room);
     }
 
     /// A curve goes into the look-ahead.
@@ -240,7 +253,7 @@ impl<'a> Recorder<'a> {
         let length = ProgramDistance::from_bits(self.end.0.wrapping_sub(start));
         let start = ProgramDistance::from_bits(start);
         let made = Entry { n, id: number, start, length, ..made };
-        self.window.push(&mut self.rows[0], &made);
+        self.window.push(&mut self.rows[0], &made, self.window.room().min(self.most));
         if self.rows[1].flags == ACTIVE {
             self.put(made);
         }

@@ -129,14 +129,14 @@ impl<'a> Table<'a> {
         self.slots.get((number % room) as usize)
     }
 
-    /// For the writer: an entry behind the last one of `row`. The first one goes where there is no room for more.
-    pub fn push(&self, row: &mut Row, entry: &Entry) {
-        let Some(slot) = self.slot(row.end) else {
+    /// For the writer: an entry behind the last one of `row`. The first one goes where there are `room`.
+    pub fn push(&self, row: &mut Row, entry: &Entry, room: usize) {
+        let Some(slot) = self.slot(row.end).filter(|_| room > 0) else {
             row.end = row.end.wrapping_add(1);
             row.first = row.end;
             return;
         };
-        if row.end.wrapping_sub(row.first) as usize >= self.slots.len() {
+        if row.end.wrapping_sub(row.first) as usize >= room {
             row.first = row.first.wrapping_add(1);
             self.head.show(*row);
         }

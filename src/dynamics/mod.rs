@@ -112,6 +112,18 @@ pub struct Known {
     pub permitted: Permitted,
 }
 
+/// Whether HSC uses jerk as with NO_OPT=0 where the program does not say: FCT_LOOK_AHEAD_OPT.
+#[cfg(feature = "plc")]
+const fn optimises<const AXES: usize>(machine: &MachineData<AXES>) -> bool {
+    machine.channel.interpolator.has(crate::machine::InterpolatorFunctions::LOOK_AHEAD_OPT)
+}
+
+/// Whether HSC uses jerk as with NO_OPT=0 where the program does not say.
+#[cfg(not(feature = "plc"))]
+const fn optimises<const AXES: usize>(_: &MachineData<AXES>) -> bool {
+    false
+}
+
 impl<const AXES: usize> Dynamics<AXES> {
     /// Converts the machine data.
     pub fn new(machine: &MachineData<AXES>) -> Self {
@@ -124,7 +136,7 @@ impl<const AXES: usize> Dynamics<AXES> {
             path: PathLimits::new(&machine.channel),
             feed_unit: cycle_s / 60.0,
             slope,
-            joins: Joins::of(slope, false),
+            joins: Joins::of(slope, optimises(machine)),
             level: 1.0,
             changes: 0,
             bends_have_jerk: machine.channel.corr_v_trans_jerk,
@@ -162,7 +174,9 @@ impl<const AXES: usize> Dynamics<AXES> {
         let &Slope { default, kind, no_opt } = command;
         let given = SlopeType::of_profile(machine.channel.slope_profile);
         let slope = if default { given } else { kind.unwrap_or(self.slope) };
-        (slope, Joins::of(slope, !default && no_opt == Some(false)))
+        let asked = !default && no_opt == Some(false);
+        let optimised = asked || ((default || no_opt.is_none()) && optimises(machine));
+        (slope, Joins::of(slope, optimised))
     }
 
     /// Returns to program start: no weights, no limits along the path, the slope of P-CHAN-00071.
@@ -170,7 +184,7 @@ impl<const AXES: usize> Dynamics<AXES> {
         self.weights = Weights::new();
         self.path = PathLimits::new(&machine.channel);
         self.slope = SlopeType::of_profile(machine.channel.slope_profile);
-        self.joins = Joins::of(self.slope, false);
+        self.joins = Joins::of(self.slope, optimises(machine));
         self.change(machine);
     }
 

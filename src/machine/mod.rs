@@ -27,6 +27,8 @@
 #[cfg(feature = "dialects")]
 mod foreign;
 pub mod functions;
+#[cfg(feature = "plc")]
+mod interpolator;
 pub mod parameter;
 mod planned;
 mod synch;
@@ -34,6 +36,8 @@ mod travel;
 
 #[cfg(feature = "dialects")]
 pub use foreign::{Dialect, ForeignAxis, ForeignChannel, MORE_OFFSETS, TOOLS, ToolLengths};
+#[cfg(feature = "plc")]
+pub use interpolator::{FB_STORAGE_MIN, INTERPOLATOR_FUNCTIONS, InterpolatorData, InterpolatorFunctions};
 pub use planned::{Adjusted, SHORTEST_RAMP};
 pub use synch::{SYNCHRONISED, Synch, SynchTable};
 pub(crate) use travel::of_tenths;
@@ -410,6 +414,9 @@ pub struct ChannelData {
     pub exact_stop_indp: u8,
     /// P-ZERO-00002 `default_index`: zero offset in force at program start: 0 G53 (none), 1…6 G54…G59.
     pub default_index: u8,
+    /// What the interpolator does for a PLC.
+    #[cfg(feature = "plc")]
+    pub interpolator: InterpolatorData,
     /// The dialect of programs, and data that dialects other than ISG's need.
     #[cfg(feature = "dialects")]
     pub foreign: ForeignChannel,
@@ -442,6 +449,8 @@ impl ChannelData {
             joins_named: false,
             exact_stop_indp: 0,
             default_index: 0,
+            #[cfg(feature = "plc")]
+            interpolator: InterpolatorData::ISG,
             #[cfg(feature = "dialects")]
             foreign: ForeignChannel::ISG,
         }

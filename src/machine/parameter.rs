@@ -355,6 +355,41 @@ pub const CHANNEL_FOREIGN: &[Parameter<ChannelData>] = &[
     },
 ];
 
+/// Channel parameters of what the interpolator does for a PLC. Their other names are in the list of start-up data.
+#[cfg(feature = "plc")]
+pub const CHANNEL_PLC: &[Parameter<ChannelData>] = &[
+    Parameter {
+        words: super::INTERPOLATOR_FUNCTIONS,
+        set: |t, milli| {
+            t.interpolator.functions = super::InterpolatorFunctions::of_bits((milli / 1000) as u32);
+            if let Some(blocks) = t.interpolator.functions.look_ahead() {
+                t.look_ahead = blocks;
+            }
+        },
+        get: |t| t.interpolator.functions.bits() as i64 * 1000,
+        ..plain("P-CHAN-00650", "configuration.interpolator.function", "", 0, 65_535_000)
+    },
+    Parameter {
+        set: |t, milli| t.interpolator.log_max = (milli / 1000) as u32,
+        get: |t| t.interpolator.log_max as i64 * 1000,
+        ..plain(
+            "P-CHAN-00658",
+            "configuration.interpolator.contour_lookahead_log_max",
+            "elements",
+            0,
+            LARGEST_UNS32,
+        )
+    },
+    Parameter {
+        set: |t, milli| t.interpolator.fb_storage_size = (milli / 1000) as u32,
+        get: |t| t.interpolator.fb_storage_size as i64 * 1000,
+        ..plain("P-STUP-00033", "fb_storage_size", "bytes", 0, LARGEST_UNS32)
+    },
+];
+
+#[cfg(feature = "plc")]
+const LARGEST_UNS32: i64 = u32::MAX as i64 * 1000;
+
 const VECTOR_UNIT: &str = "mm/min² or mm/s², by vector.acc_dec_unit";
 /// ISG leaves the largest path limits to the application: 2·10^9.
 const VECTOR_MAX_MILLI: i64 = 2_000_000_000_000;

@@ -135,6 +135,13 @@ impl CommittedSpans {
         Self { slots: [blank; SLOTS], front: 0, len: 0, begins: 0 }
     }
 
+    /// Becomes a copy of the others.
+    #[cfg(feature = "plc")]
+    pub const fn copy_from(&mut self, other: &Self) {
+        self.slots = other.slots;
+        (self.front, self.len, self.begins) = (other.front, other.len, other.begins);
+    }
+
     /// Forgets all of them.
     pub const fn clear(&mut self) {
         (self.front, self.len) = (0, 0);

@@ -116,6 +116,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         if word != self.orders.word {
             self.orders.word = word;
             self.orders.search.forget();
+            #[cfg(feature = "plc")]
+            self.settle(false);
             // At a standstill no tick of motion passes: another command is tried at the same instant.
             self.orders.mode.tried = None;
             // All spans at hand were gone through: that is work, unless other work was put off for it before.
@@ -182,6 +184,10 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     /// on its way down another one takes its place, if that is shorter by a part.
     #[inline(never)]
     fn stand_sooner(&mut self) -> Option<Work> {
+        #[cfg(feature = "plc")]
+        if self.keeps_stop() {
+            return None;
+        }
         let paused = self.paused();
         let soon = || self.queue.clock.now().wrapping_add(clock::TICK * self.orders.lead);
         let at = paused.map_or_else(soon, |(at, _)| at);
@@ -302,9 +308,14 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             if committed.first == at {
                 next = k;
             } else if !skips
+                && !self.is_settled()
                 && let Some(motion) = self.motion_at(at)
                 && let Some(descent) = match self.descend(k, &motion) {
-                    Ok(descent) => descent,
+                    Ok(descent) => {
+                        #[cfg(feature = "plc")]
+                        self.settle(descent.is_none());
+                        descent
+                    }
                     Err(Later) => {
                         self.orders.search.pause((at, later), false);
                         return Some(Work::Working);
@@ -343,6 +354,18 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             return Some(Work::Working);
         }
         stops
+    }
+
+    /// Whether the law at hand stays up to its end, as an answer to a question may say.
+    #[cfg(feature = "plc")]
+    const fn is_settled(&self) -> bool {
+        self.orders.settled
+    }
+
+    /// Whether the law at hand stays up to its end.
+    #[cfg(not(feature = "plc"))]
+    const fn is_settled(&self) -> bool {
+        false
     }
 
     fn stop_at(&mut self, k: usize, at: u32, descent: Option<Descent>) -> Option<Work> {

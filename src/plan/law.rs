@@ -261,6 +261,10 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     /// The law at hand ends slower than it was planned: what is still in the ring begins so, and relies on
     /// it. Where that law does not count yet, so once it does: all may still be as it was before.
     pub(super) fn lower(&mut self) {
+        #[cfg(feature = "plc")]
+        if self.orders.asking {
+            return;
+        }
         if self.frontier.planned != self.committed.len() || self.reserve.is_made() {
             return;
         }

@@ -2,6 +2,7 @@
 use super::Planning;
 use super::intake::{Entrance, Pass};
 use crate::contour_log::{Crowded, Passed, Recorder};
+use crate::machine::InterpolatorFunctions;
 use crate::nc::ContourLog;
 use crate::path::Piece;
 use crate::quantity::Position;
@@ -19,11 +20,21 @@ impl<const AXES: usize, const BLOCKS: usize> Entrance<'_, '_, AXES, BLOCKS> {
 }
 
 impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
-    /// The log from now on.
+    /// The log from now on, if the machine data have FCT_CONTOUR_LAH.
     pub fn set_recorder(&mut self, mut recorder: Recorder<'q>) {
+        let interpolator = &self.intake.machine.channel.interpolator;
+        if !interpolator.has(InterpolatorFunctions::CONTOUR_LAH) {
+            return;
+        }
+        recorder.keep(interpolator.log_max);
         recorder.set_measure(self.measure);
         recorder.start(self.queue.segments.end().to_bits());
         self.intake.recorder = Some(recorder);
+    }
+
+    /// Whether blocks can be kept for a log by index: P-STUP-00033.
+    pub fn has_storage(&self) -> bool {
+        self.intake.machine.channel.interpolator.fb_storage_size > 0
     }
 
     /// Whether there is a log.

@@ -11,12 +11,15 @@
 //! | `change` | when new pieces count for the interrupt |
 //! | `reserve`, `slower` | how the motion stops without the planner; what becomes of it where that has no room |
 //! | `late` | what happens when text or room for functions is missing |
+//! | `forecast` | what a PLC asks about what comes (feature `plc`) |
 //! | `log` | what the PLC is told of the path ahead (feature `plc`) |
 //! | `stand` | where the axes stand at rest, and what a new program begins with |
 mod acknowledge;
 mod change;
 mod committed;
 mod descent;
+#[cfg(feature = "plc")]
+mod forecast;
 mod functions;
 mod held_line;
 mod hold;
@@ -52,6 +55,8 @@ use crate::smooth::contour::Preset;
 use crate::smooth::{Smoother, Smoothing};
 use committed::CommittedSpans;
 use core::mem::MaybeUninit;
+#[cfg(feature = "plc")]
+pub use forecast::Inquiry;
 use functions::Functions;
 use held_line::HeldLine;
 use hold::{Mode, REACTION};
@@ -171,6 +176,9 @@ struct Intake<'a, const AXES: usize> {
     uniform: Uniform,
     #[cfg(feature = "plc")]
     recorder: Option<Recorder<'a>>,
+    /// Memory for the question of the standstill.
+    #[cfg(feature = "plc")]
+    inquiry: Option<&'a mut Inquiry>,
 }
 
 /// The blocks whose limits are those of now.
@@ -238,6 +246,12 @@ struct Orders {
     yields: bool,
     /// For a way down.
     search: Search,
+    /// Laws are made for a question of the PLC: they do not count.
+    #[cfg(feature = "plc")]
+    asking: bool,
+    /// A hold keeps the law at hand up to its end.
+    #[cfg(feature = "plc")]
+    settled: bool,
 }
 
 /// How often the queue was found low since blocks are taken in.
@@ -392,6 +406,8 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
                 uniform: Uniform { since: 0, by_ramps: machine.channel.check_jerk_on_poly_path == 2 },
                 #[cfg(feature = "plc")]
                 recorder: None,
+                #[cfg(feature = "plc")]
+                inquiry: None,
             },
             lookahead: Lookahead::new(lookahead, depth),
             task: Task::NONE,
@@ -409,6 +425,10 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
                 trying: false,
                 yields: false,
                 search: Search::none(),
+                #[cfg(feature = "plc")]
+                asking: false,
+                #[cfg(feature = "plc")]
+                settled: false,
             },
             functions,
             reserve,

@@ -182,6 +182,16 @@ impl Emitter {
         }
     }
 
+    /// Drops what is left as if it were handed out; its ticks.
+    #[cfg(feature = "plc")]
+    pub fn skip(&mut self) -> u32 {
+        let time: u64 = self.parts.iter().take(self.count).skip(self.part).map(|part| part.time).sum();
+        let ticks = self.ticks();
+        self.next = self.next.wrapping_add(u64::from(ticks) << 36).wrapping_sub(time);
+        self.part = self.count;
+        ticks
+    }
+
     /// Waits for the next tick, where the axes stand still: a motion that follows starts there.
     pub fn settle(&mut self) {
         self.next = 0;

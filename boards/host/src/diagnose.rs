@@ -151,7 +151,8 @@ impl Diagnostic {
         anstream::eprint!("{}", self.render());
     }
 
-    fn render(&self) -> String {
+    /// The text that [`Self::print`] prints.
+    pub fn render(&self) -> String {
         let (word, colour) = match self.severity {
             Severity::Error => ("error", AnsiColor::Red),
             Severity::Warning => ("warning", AnsiColor::Yellow),

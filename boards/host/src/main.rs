@@ -21,6 +21,7 @@ mod machine;
 mod mistakes;
 mod monitor;
 mod output;
+mod plc;
 mod plot;
 mod program;
 mod report;
@@ -39,6 +40,7 @@ use clap::{Parser, Subcommand};
 use diagnose::Diagnostic;
 use events::Script;
 use files::Files;
+use glidepath::machine::InterpolatorData;
 use machine::{Machine, Overrides};
 use output::Outputs;
 use program::Undecoded;
@@ -161,6 +163,17 @@ struct Run {
     /// A page to look into, complete in one file: path in space, speed, acceleration, jerk, NC lines.
     #[arg(long, value_name = "FILE.html")]
     report: Option<PathBuf>,
+    /// Requests of a PLC, one per line: `<seconds> reach`, `elements <mm> <mm>`, `log <index>`, `state <seconds>`, `feed`,
+    /// `standstill`, `laser <mm> <degrees> <mm> <percent>`. They need FCT_CONTOUR_LAH and others of P-CHAN-00650: the
+    /// built-in machine has them.
+    #[arg(long, value_name = "FILE", requires = "answers")]
+    plc: Option<PathBuf>,
+    /// The answers to --plc, one JSON object per line; `-` is the standard output.
+    #[arg(long, value_name = "FILE.jsonl", requires = "plc")]
+    answers: Option<PathBuf>,
+    /// A picture of --plc: how far the path is known over time.
+    #[arg(long, value_name = "FILE.svg", requires = "plc")]
+    reach: Option<PathBuf>,
     /// Say what bound the speed: the program runs again for every limit.
     #[arg(long, value_enum, default_value_t)]
     why: why::Asked,
@@ -222,8 +235,15 @@ fn each(programs: &[PathBuf], mut one: impl FnMut(&Path) -> Result<(), Refusal>)
 fn run_all(arguments: &Run) -> Result<(), Refusal> {
     let programs = &arguments.input.programs;
     let plot = arguments.plot.as_ref().map(|plot| &plot.path);
-    let outputs =
-        [&arguments.trace, &arguments.summary, &arguments.contour, &arguments.vcd, &arguments.report];
+    let outputs = [
+        &arguments.trace,
+        &arguments.summary,
+        &arguments.contour,
+        &arguments.vcd,
+        &arguments.report,
+        &arguments.answers,
+        &arguments.reach,
+    ];
     if let (true, Some(path)) = (programs.len() > 1, outputs.into_iter().flatten().chain(plot).next()) {
         return Err(output::refused(path, "several programs do not go into one output; run them one by one"));
     }
@@ -235,19 +255,31 @@ fn run(arguments: &Run, path: &Path) -> Result<(), Refusal> {
     let files = Files::read(path)?;
     let mut machine = load(input, &files)?;
     let script = arguments.events.as_deref().map(Script::read).transpose()?;
+    let plc = arguments.plc.as_deref().map(plc::Script::read).transpose()?;
+    if plc.is_some() && input.machine.is_none() {
+        machine.channel.interpolator =
+            InterpolatorData { log_max: run::KEPT as u32, ..InterpolatorData::ALL };
+    }
     let mut program = decode(&files, &machine, input)?;
     if let Some(tolerance) = arguments.smooth {
         program = smooth::put(&files, &mut machine, program, tolerance, input.max_commands);
     }
-    let outputs =
-        [&arguments.trace, &arguments.summary, &arguments.contour, &arguments.vcd, &arguments.report];
+    let outputs = [
+        &arguments.trace,
+        &arguments.summary,
+        &arguments.contour,
+        &arguments.vcd,
+        &arguments.report,
+        &arguments.answers,
+        &arguments.reach,
+    ];
     if outputs.into_iter().flatten().filter(|path| path.as_os_str() == "-").count() > 1 {
         return Err(output::refused(Path::new("-"), "the standard output takes one of the outputs"));
     }
     program.warnings.splice(0..0, std::mem::take(&mut machine.warnings));
     // Only now all files of the program are known.
     let text = Some(path.to_path_buf()).filter(|path| path.as_os_str() != "-");
-    let inputs = text.iter().chain(&input.machine).chain(&arguments.events).cloned();
+    let inputs = text.iter().chain(&input.machine).chain(&arguments.events).chain(&arguments.plc).cloned();
     let mut outputs = Outputs::new(inputs.chain(files.called()));
     let trace = match arguments.trace.as_deref() {
         Some(path) => Some((path, outputs.create(path)?)),
@@ -264,6 +296,7 @@ fn run(arguments: &Run, path: &Path) -> Result<(), Refusal> {
         report: arguments.report.is_some(),
         script: script.as_ref(),
         acknowledge: arguments.ack,
+        plc: plc.as_ref(),
         quiet: false,
         mistakes: input.mistakes,
     };
@@ -295,6 +328,12 @@ fn run(arguments: &Run, path: &Path) -> Result<(), Refusal> {
             summary: summary.to_json(),
         };
         outputs.write(path, report::page(&scene).as_bytes())?;
+    }
+    if let (Some(path), Some(told)) = (&arguments.answers, &result.plc) {
+        outputs.write(path, told.answers.as_bytes())?;
+    }
+    if let (Some(path), Some(told)) = (&arguments.reach, &result.plc) {
+        outputs.write(path, plc::draw(&files.main.name, told).as_bytes())?;
     }
     if let (Some(target), Some(picture)) = (&arguments.plot, picture) {
         let scene = plot::Scene {

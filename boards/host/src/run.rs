@@ -12,13 +12,15 @@ use crate::machine::{Machine, with_axes};
 use crate::mistakes::Mistakes;
 use crate::monitor::Monitor;
 use crate::output;
+use crate::plc::{self, Plc};
 use crate::plot::Picture;
 use crate::program::Program;
 use crate::report::Tape;
 use crate::statistics::{Pause, Statistics};
 use crate::trace::Trace;
 use crate::vcd::Vcd;
-use glidepath::channel::{Channel, FilteredHandles, Planner, Progress};
+use glidepath::channel::{Channel, FilteredHandles, Inquiry, Planner, Progress};
+use glidepath::contour_log::ContourMemory;
 use glidepath::fir::{Bank, Filters};
 use glidepath::operator::Operator;
 use glidepath::quantity::{Accel, Position, Speed};
@@ -35,6 +37,9 @@ pub const BLOCKS: usize = 500;
 
 /// Samples of the filter of an axis: the highest order is 200.
 const TAPS: usize = 202;
+
+/// Elements and entries that a PLC may read.
+pub const KEPT: usize = 1 << 12;
 
 /// Axes that may move beside the path at once.
 pub const OVERLAYS: usize = 6;
@@ -54,6 +59,8 @@ pub struct Wanted<'a> {
     pub script: Option<&'a Script>,
     /// Functions that no event acknowledges.
     pub acknowledge: Delay,
+    /// Requests of a PLC.
+    pub plc: Option<&'a plc::Script>,
     /// No progress is shown.
     pub quiet: bool,
     /// So many refused lines are told before the run ends; at least one.
@@ -85,10 +92,18 @@ fn simulate_axes<const AXES: usize>(
     // Static on a controller; here too large for some stacks.
     let mut channel = Box::new(Channel::<AXES, BLOCKS, OVERLAYS>::new());
     let mut filters = Box::new(Filters::<AXES, TAPS>::new());
+    let mut contour = wanted.plc.map(|_| Box::new(ContourMemory::<KEPT, KEPT>::new()));
+    let mut inquiry = Box::new(Inquiry::new());
     let mut handles = channel
         .split_filtered(&mut filters, &data, start, Delayed { files, late: &late })
         .map_err(|error| vec![Diagnostic::error(format!("{}: {error}", machine.name))])?;
 
+    let plc = wanted.plc.zip(contour.as_mut()).map(|(script, contour)| {
+        let (recorder, contour) = contour.split();
+        handles.planner.log_contour(recorder);
+        handles.planner.foresee(&mut inquiry);
+        Plc::new(script, contour, machine.channel.cycle_us)
+    });
     if let Some(smooth) = machine.smooth {
         handles.planner.begin_with(smooth.command());
     }
@@ -129,7 +144,7 @@ fn simulate_axes<const AXES: usize>(
     let bar = Bar::new(program.motions, wanted.quiet);
     let automatic = Automatic::new(wanted.acknowledge, machine.channel.cycle_us);
     let mistakes = Mistakes::new(wanted.mistakes);
-    let rules = Rules { schedule, automatic, patience, late: &late, files, program, mistakes };
+    let rules = Rules { schedule, automatic, patience, late: &late, files, program, mistakes, plc };
     drive(handles, recorder, rules, bar).map_err(|stop| match stop {
         Stop::Refused(mistakes) => mistakes.tell(files),
         Stop::Unwritable(error) => unwritable(error),
@@ -204,6 +219,7 @@ struct Rules<'a> {
     /// As decoded, to know where a refused line leads.
     program: &'a Program,
     mistakes: Mistakes,
+    plc: Option<Plc<'a>>,
 }
 
 /// A controller has a timer interrupt and a main loop. Here the main loop gets all the time it needs, then
@@ -218,8 +234,16 @@ fn drive<const AXES: usize>(
     rules: Rules<'_>,
     mut bar: Bar,
 ) -> Result<(Statistics, Option<Picture>), Stop> {
-    let Rules { mut schedule, mut automatic, patience, late: text_is_late, files, program, mut mistakes } =
-        rules;
+    let Rules {
+        mut schedule,
+        mut automatic,
+        patience,
+        late: text_is_late,
+        files,
+        program,
+        mut mistakes,
+        mut plc,
+    } = rules;
     let FilteredHandles { mut planner, mut interpolator, operator } = handles;
     let mut done = false;
     let mut idle = 0;
@@ -278,6 +302,9 @@ fn drive<const AXES: usize>(
                 Progress::Waiting => break,
                 Progress::Done => done = true,
             }
+        }
+        if let Some(plc) = &mut plc {
+            plc.act(tick, &mut planner, &operator);
         }
         let commands = operator.commands();
         let held = commands.hold || commands.feed == 0;
@@ -345,6 +372,7 @@ fn drive<const AXES: usize>(
         }
     }
     bar.finish();
+    recorder.statistics.plc = plc.map(|plc| plc.finish(recorder.statistics.ticks));
     recorder.finish(interpolator.set_points())
 }
 

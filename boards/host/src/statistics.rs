@@ -113,6 +113,8 @@ pub struct Statistics {
     pub over_time: bool,
     /// The highest path speed of all ticks.
     pub fastest: Speed,
+    /// What the PLC was told.
+    pub plc: Option<crate::plc::Told>,
     /// Technology functions in the order of their output.
     pub functions: Vec<PutOut>,
     /// What became of each event from outside.
@@ -241,6 +243,7 @@ impl Statistics {
             course: Course::default(),
             fastest: Speed::ZERO,
             functions: Vec::new(),
+            plc: None,
             outcomes: vec![Outcome::default(); events],
             rest: 0,
             moved: 0,

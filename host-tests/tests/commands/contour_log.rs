@@ -4,18 +4,16 @@ use glidepath::contour_log::{
     BlockType, ContourMemory, ContourReader, ControlUnit, Entry, Forgotten, ProgramDistance,
 };
 use glidepath::fir::Unfiltered;
-use glidepath::machine::MachineData;
+use glidepath::machine::{InterpolatorData, MachineData};
 use glidepath::operator::Operator;
 use glidepath::path::Measure;
 use glidepath::quantity::Position;
 use glidepath::tick::{Interpolator, State};
 use host_tests::calls::call;
 use host_tests::cases::machines;
-use host_tests::rounded::quick;
 use host_tests::seeds::seeds;
-use host_tests::{soak, splines};
+use host_tests::{requests, soak, splines};
 use std::f64::consts::{PI, TAU};
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 /// Ticks of a run, at most: what a slow program shows later is no other than what it shows at first.
 const LONGEST: usize = 20_000;
@@ -24,6 +22,13 @@ const EVERYTHING: ProgramDistance = ProgramDistance::from_bits(i64::MAX);
 
 fn mm(mm: f64) -> ProgramDistance {
     ProgramDistance::from_mm(mm)
+}
+
+/// The machine with FCT_CONTOUR_LAH and storage.
+fn logging(machine: &MachineData<3>) -> MachineData<3> {
+    let mut machine = *machine;
+    machine.channel.interpolator = InterpolatorData { log_max: u32::MAX, ..InterpolatorData::ALL };
+    machine
 }
 
 /// What a run is at a tick.
@@ -43,6 +48,7 @@ fn run<const WINDOW: usize, const LOG: usize>(
     let mut memory = Box::new(ContourMemory::<WINDOW, LOG>::new());
     let mut channel: Box<Channel<3, 120>> = Box::new(Channel::new());
     let (recorder, contour) = memory.split();
+    let machine = &logging(machine);
     let handles = channel.split(machine, start, text.as_bytes()).expect("machine data");
     let Handles { mut planner, mut interpolator, operator } = handles;
     planner.log_contour(recorder);
@@ -365,7 +371,7 @@ fn the_control_unit_answers_requests() {
 /// C40-014, C40-045: the next program begins at 0 with an empty log; an abort takes back what will not be driven.
 #[test]
 fn program_start_and_abort() {
-    let machine = machines::even(1000);
+    let machine = logging(&machines::even(1000));
     let mut memory = Box::new(ContourMemory::<64, 64>::new());
     let mut channel: Box<Channel<3, 120>> = Box::new(Channel::new());
     let (recorder, contour) = memory.split();
@@ -400,52 +406,82 @@ fn program_start_and_abort() {
     is(&elements[1], (BlockType::Line, 40), [30.0 - stands, 3.0, 0.0, PI / 2.0]);
 }
 
-/// Requests from another thread at any moment: no torn and no stale element.
+/// While a function waits before the marked area, the PLC can read all of it.
+///
+/// Rows: C40-010.
+#[test]
+fn the_log_is_there_while_a_function_waits() {
+    let text = "N10 G01 X1 F6000\nN20 M25\n#CONTOUR LOOKAHEAD LOG ON\nN30 X20\nN40 Y5\n#CONTOUR LOOKAHEAD LOG OFF\nN50 X0\n";
+    let mut machine = machines::even(1000);
+    machine.channel.m_synch =
+        glidepath::machine::SynchTable::NONE.with(25, glidepath::machine::Synch::MvsSvs);
+    let mut waited = 0;
+    run::<64, 64>(text, (&machine, [Position::ZERO; 3]), |now| {
+        let status = now.operator.status();
+        if now.operator.awaited().is_some() && status.state == State::Idle {
+            let log: Vec<u32> = (0..).map_while(|i| now.contour.logged(i)).map(|entry| entry.n).collect();
+            assert_eq!((log.as_slice(), now.contour.log_state().closed), ([0, 30, 40, 0].as_slice(), true));
+            assert_eq!(status.set_points[0], Position::from_num(1));
+            waited += 1;
+        }
+    });
+    assert!(waited > 0);
+}
+
+/// A marked area longer than the look-ahead: the log is active until its end is read.
+///
+/// Rows: C40-029.
+#[test]
+fn a_log_is_active_until_its_end_is_read() {
+    let lines: String = (1..=220).map(|i| format!("N{i} X0.0{} Y0.0{}\n", i % 2, i / 2 % 2)).collect();
+    let text = format!("G01 F6000\n#CONTOUR LOOKAHEAD LOG ON\n{lines}#CONTOUR LOOKAHEAD LOG OFF\n");
+    let mut seen = Vec::new();
+    run::<8, 512>(&text, (&machines::even(1000), [Position::ZERO; 3]), |now| {
+        let state = now.contour.log_state();
+        assert_eq!(state.active, state.entries < 222, "{state:?}");
+        assert_eq!(ControlUnit::<4>::state(&now.contour).f_log_is_active, state.active);
+        seen.push(state.active);
+    });
+    seen.dedup();
+    assert_eq!(seen, [true, false]);
+}
+
+/// An element takes 48 bytes of memory, in both tables.
+#[test]
+fn an_entry_takes_48_bytes() {
+    let empty = size_of::<ContourMemory<0, 0>>();
+    assert_eq!(size_of::<ContourMemory<128, 0>>() - empty, 128 * 48);
+    assert_eq!(size_of::<ContourMemory<64, 32>>() - empty, 96 * 48);
+}
+
+/// The id of an element is the motion block that the status shows while the motion is on it.
+///
+/// Rows: C40-033.
+#[test]
+fn elements_have_the_block_of_the_status() {
+    let text = "G01 F6000\nN10 X10\nN20 #CONTOUR LOOKAHEAD LOG ON\nN30 Y10\nG04 0.02\nN40 G02 X20 Y20 I10\nN50 G01 X30\n";
+    let mut seen = Vec::new();
+    run::<64, 64>(text, (&machines::even(1000), [Position::ZERO; 3]), |now| {
+        let status = now.operator.status();
+        let at = now.contour.distance(status.distance).expect("kept");
+        let mut ahead = now.contour.elements(at, EVERYTHING).map(|entry| entry.expect("kept"));
+        if let Some(element) = ahead.next().filter(|element| element.start < at) {
+            assert_eq!((element.id, element.n), (status.block, status.n), "tick {}", now.tick);
+            seen.push(element.id);
+        }
+    });
+    seen.dedup();
+    assert_eq!(seen, [0, 1, 2, 3]);
+}
+
+/// Requests from another thread at any moment: no torn and no stale element, the handshake kept, and set points as
+/// without them. `cargo run --release -p host-tests --example plc -- requests 10000000` is the long form.
+///
+/// Rows: C40-001, C40-024.
 #[test]
 fn another_thread_reads_whole_elements() {
-    const READS: u64 = 300_000;
-    let machine = quick::<3>(1000);
-    // Each line's length, N and knee follow from one another.
-    let lines: String = (1..=20_000)
-        .map(|i| format!("N{} {}{}\n", i % 9 + 1, if i % 2 == 0 { "G91 X" } else { "G91 Y" }, i % 9 + 1))
-        .collect();
-    let text = format!("G01 F60000\n{lines}");
-    let mut memory = Box::new(ContourMemory::<16, 16>::new());
-    let mut channel: Box<Channel<3, 120>> = Box::new(Channel::new());
-    let (recorder, contour) = memory.split();
-    let handles = channel.split(&machine, [Position::ZERO; 3], text.as_bytes()).expect("machine data");
-    let Handles { mut planner, mut interpolator, .. } = handles;
-    planner.log_contour(recorder);
-    let (ended, reads) = (AtomicBool::new(false), AtomicU64::new(0));
-    let (ended, reads) = (&ended, &reads);
-    std::thread::scope(|scope| {
-        scope.spawn(move || {
-            let mut reach = ProgramDistance::ZERO;
-            while !ended.load(Ordering::Relaxed) {
-                let now = contour.reach();
-                assert!(now >= reach);
-                reach = now;
-                let mut due: Option<ProgramDistance> = None;
-                for entry in contour.elements(ProgramDistance::ZERO, EVERYTHING) {
-                    match entry {
-                        Ok(entry) => {
-                            assert_eq!(entry.block_type, BlockType::Line);
-                            assert_eq!(entry.length, mm(f64::from(entry.n)), "{entry:?}");
-                            assert!(due.is_none_or(|due| due == entry.start), "{entry:?}");
-                            due = Some(entry.end());
-                        }
-                        Err(Forgotten { first }) => due = Some(first),
-                    }
-                    reads.fetch_add(1, Ordering::Relaxed);
-                }
-            }
-        });
-        while reads.load(Ordering::Relaxed) < READS {
-            let done = call(&mut planner, usize::MAX, |_| {}).expect("a program");
-            if interpolator.tick() == State::Idle && done {
-                break;
-            }
-        }
-        ended.store(true, Ordering::Relaxed);
-    });
+    let (asked, driven) = requests::run(Some(400_000));
+    assert!(asked.elements > 100_000 && asked.requests[1] > 0 && asked.questions > 0, "{asked:?}");
+    let (_, alone) = requests::run(None);
+    assert!(driven.iter().all(|driven| *driven == alone[0]), "{driven:?} {alone:?}");
 }

@@ -4,6 +4,7 @@ mod between_programs;
 mod contour_log;
 mod cores;
 mod dense;
+mod forecast;
 mod hold;
 mod late;
 mod lives_on;

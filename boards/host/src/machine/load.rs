@@ -1,4 +1,6 @@
 //! The loader: walks the tables of the file along the parameter tables of the crate.
+mod plc;
+
 use super::{MAX_AXES, Machine, later, steps};
 use crate::diagnose::{Diagnostic, Source, nearest};
 use crate::dialect::Choice;
@@ -186,15 +188,23 @@ impl Loader<'_> {
                     for entry in &entries {
                         let is_set = self.synch(entry, &mut machine.channel)
                             || self.dialect(entry, &mut machine)
-                            || self.enable(entry, &entries, &mut machine.channel);
+                            || self.enable(entry, &entries, &mut machine.channel)
+                            || self.interpolator(entry, &entries, &mut machine.channel);
                         if !is_set {
                             let known = table_of(&entry.name, CHANNEL, CHANNEL_FOREIGN);
                             self.set("channel", entry, known, later::CHANNEL, &mut machine.channel);
                         }
                     }
                 }
+                ("startup", DeValue::Table(table)) => {
+                    let mut entries = Vec::new();
+                    flatten(table, "", &mut entries);
+                    for entry in &entries {
+                        self.start_up(entry, &document, &mut machine.channel);
+                    }
+                }
                 ("axis", DeValue::Table(_)) => {}
-                ("axis" | "channel", _) => {
+                ("axis" | "channel" | "startup", _) => {
                     self.refuse(
                         &key.span(),
                         "this name stands for a table",
@@ -202,7 +212,7 @@ impl Loader<'_> {
                     );
                 }
                 (other, _) => {
-                    let known = nearest(other, ["axis", "channel"]);
+                    let known = nearest(other, ["axis", "channel", "startup"]);
                     self.refuse(
                         &key.span(),
                         format!("unknown table `{other}`"),
@@ -798,6 +808,7 @@ mod tests {
             joins_named: true,
             exact_stop_indp: 2,
             default_index: 6,
+            interpolator: ChannelData::new().interpolator,
             foreign: ForeignChannel {
                 // Chosen when the program is there.
                 dialect: Dialect::Isg,

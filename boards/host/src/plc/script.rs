@@ -1,0 +1,190 @@
+//! The file of `--plc`: one request per line, seconds since the first set point, a word, its values.
+//!
+//! ```text
+//! 0     laser 2 30 5 40      ; less power, 40 %, within 2 mm of a knee of 30 degrees or more, and on radii below 5 mm
+//! 0.1   reach                # how far the path is known, and the distance driven
+//! 0.2   elements 0 100       ; mode 2: elements from 0 to 100 mm
+//! 0.3   log 0                ; mode 1: entries from index 0 on
+//! 0.4   state 0.05           ; the state in 0.05 s
+//! 0.5   feed                 ; when the next block at feed begins
+//! 0.6   standstill           ; where and when a feed hold of now would stand
+//! ```
+use super::laser::Laser;
+use crate::decimal::parse as decimal;
+use crate::diagnose::{Diagnostic, Source, nearest};
+use crate::events::seconds;
+use std::path::Path;
+
+/// What the PLC asks or begins.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Ask {
+    /// How far the path is known.
+    Reach,
+    /// Elements between two distances, mm.
+    Elements {
+        /// The first distance.
+        from: f64,
+        /// The last one.
+        to: f64,
+    },
+    /// Entries from this index on.
+    Log(u32),
+    /// The state in so many ns.
+    State(u64),
+    /// When the next block at feed begins.
+    Feed,
+    /// Where a feed hold of now would stand.
+    Standstill,
+    /// A laser follows the contour from now on.
+    Laser(Laser),
+}
+
+const WORDS: [&str; 7] = ["reach", "elements", "log", "state", "feed", "standstill", "laser"];
+
+impl Ask {
+    /// The word of the file.
+    pub fn word(self) -> &'static str {
+        WORDS[match self {
+            Self::Reach => 0,
+            Self::Elements { .. } => 1,
+            Self::Log(_) => 2,
+            Self::State(_) => 3,
+            Self::Feed => 4,
+            Self::Standstill => 5,
+            Self::Laser(_) => 6,
+        }]
+    }
+}
+
+/// A request with its time and its line.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Request {
+    /// Since the first set point, ns.
+    pub time_ns: u64,
+    /// What is asked.
+    pub ask: Ask,
+    /// Line of the file, from 1.
+    pub line: usize,
+}
+
+/// A file of requests.
+pub struct Script {
+    /// In the order of time.
+    pub requests: Vec<Request>,
+}
+
+/// Largest time, s; largest distance, mm.
+const LATEST: u64 = 1_000_000;
+const FURTHEST: u64 = 500_000_000;
+
+impl Script {
+    /// Reads a file.
+    ///
+    /// # Errors
+    /// It cannot be read, or some of its lines.
+    pub fn read(path: &Path) -> Result<Self, Vec<Diagnostic>> {
+        Self::parse(&Source::read(path)?)
+    }
+
+    fn parse(source: &Source) -> Result<Self, Vec<Diagnostic>> {
+        let mut requests: Vec<Request> = Vec::new();
+        let mut refused = Vec::new();
+        for (index, text) in source.lines().enumerate() {
+            let line = index + 1;
+            let mut words = Words::of(text);
+            let request = words.request(line).and_then(|request| match (request, requests.last()) {
+                (Some(request), Some(before)) if before.time_ns > request.time_ns => {
+                    let expected = format!("{} or later: times ascend", seconds(before.time_ns));
+                    Err((1, 1, "a time before the one above".into(), expected))
+                }
+                _ => Ok(request),
+            });
+            match request {
+                Ok(request) => requests.extend(request),
+                Err((column, length, message, expected)) => {
+                    let diagnostic = Diagnostic::error(message).at(source, line, column, length);
+                    refused.push(diagnostic.expected(format!("expected {expected}")));
+                }
+            }
+        }
+        if refused.is_empty() { Ok(Self { requests }) } else { Err(refused) }
+    }
+}
+
+/// Column, length, message, what was expected.
+type Unfit = (usize, usize, String, String);
+
+/// The words of a line.
+struct Words<'a> {
+    line: &'a [u8],
+    at: usize,
+}
+
+impl<'a> Words<'a> {
+    fn of(line: &'a [u8]) -> Self {
+        let end = line.iter().position(|byte| matches!(byte, b';' | b'#')).unwrap_or(line.len());
+        Self { line: line[..end].trim_ascii_end(), at: 0 }
+    }
+
+    /// The next word with its column; empty behind the last one.
+    fn next(&mut self) -> (&'a [u8], usize) {
+        let rest = &self.line[self.at..];
+        let begin = self.at + rest.iter().position(|byte| !byte.is_ascii_whitespace()).unwrap_or(rest.len());
+        let rest = &self.line[begin..];
+        let length = rest.iter().position(u8::is_ascii_whitespace).unwrap_or(rest.len());
+        self.at = begin + length;
+        (&rest[..length], begin + 1)
+    }
+
+    /// A number with so many decimals at most, up to `most`, in units of the last decimal.
+    fn number(&mut self, places: usize, most: u64, expected: &str) -> Result<u64, Unfit> {
+        let (text, column) = self.next();
+        let most = most * 10u64.pow(places as u32);
+        decimal(text, places).filter(|value| *value <= most).ok_or_else(|| unfit(text, column, expected))
+    }
+
+    fn mm(&mut self) -> Result<f64, Unfit> {
+        let expected = format!("millimetres, 0…{FURTHEST}, six decimals at most");
+        Ok(self.number(6, FURTHEST, &expected)? as f64 / 1e6)
+    }
+
+    fn request(&mut self, line: usize) -> Result<Option<Request>, Unfit> {
+        if self.line.trim_ascii().is_empty() {
+            return Ok(None);
+        }
+        let time_ns = self.number(9, LATEST, &format!("a time in seconds, 0…{LATEST}"))?;
+        let (word, column) = self.next();
+        let ask = match word {
+            b"reach" => Ask::Reach,
+            b"elements" => Ask::Elements { from: self.mm()?, to: self.mm()? },
+            b"log" => Ask::Log(self.number(0, u32::MAX.into(), "an index, 0…4294967295")? as u32),
+            b"state" => Ask::State(self.number(9, LATEST, &format!("seconds from then, 0…{LATEST}"))?),
+            b"feed" => Ask::Feed,
+            b"standstill" => Ask::Standstill,
+            b"laser" => Ask::Laser(Laser {
+                near_mm: self.mm()?,
+                knee: (self.number(3, 180, "the angle of a sharp knee, 0…180 degrees")? as f64 / 1e3)
+                    .to_radians(),
+                radius_mm: self.mm()?,
+                low: self.number(0, 100, "less power, 0…100 percent, a whole number")? as u8,
+            }),
+            _ => {
+                let shown = String::from_utf8_lossy(word);
+                let meant = nearest(&shown, WORDS).filter(|_| !word.is_empty());
+                let meant = meant.map_or_else(String::new, |word| format!("; is {word} meant?"));
+                return Err(unfit(word, column, &format!("{}{meant}", WORDS.join(", "))));
+            }
+        };
+        let (rest, column) = self.next();
+        if !rest.is_empty() {
+            return Err(unfit(rest, column, "the end of the line, or a comment behind ; or #"));
+        }
+        Ok(Some(Request { time_ns, ask, line }))
+    }
+}
+
+fn unfit(text: &[u8], column: usize, expected: &str) -> Unfit {
+    let shown: String = String::from_utf8_lossy(text).chars().filter(|c| !c.is_control()).collect();
+    let message = if text.is_empty() { "a value is missing".into() } else { format!("`{shown}` is refused") };
+    (column, text.len().max(1), message, expected.into())
+}

@@ -1,0 +1,233 @@
+//! Questions about what comes, from any context to the planner: one request and its answer, as in the control unit.
+//!
+//! The PLC asks with [`QuestionUnit::ask`]. The planner's task calls [`crate::Planner::answer`] between two polls. The PLC
+//! then reads [`QuestionUnit::answer`]. Nobody waits for anybody.
+use super::unit::Pending;
+use crate::quantity::{Distance, Position, Speed};
+use core::sync::atomic::{AtomicU32, Ordering};
+
+/// What a PLC asks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Question {
+    /// FCT_CALC_STATE_AT_T: the state that so many ticks from now will show; 1 is the next tick.
+    StateAt(u32),
+    /// FCT_CALC_TIME: when the next motion block at feed begins.
+    NextFeed,
+    /// FCT_CALC_POS_V_0: where and when the path would stand still if a feed hold came now.
+    Standstill,
+}
+
+/// A moment that comes: what [`crate::Status`] will show then, if no command comes in between.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Moment<const AXES: usize> {
+    /// Number of the tick, as in [`crate::Output::tick`].
+    pub tick: u32,
+    /// Ticks from now to it; 1 is the next tick.
+    pub ticks: u32,
+    /// The set point of every axis, before filters.
+    pub set_points: [Position; AXES],
+    /// Programmed N number.
+    pub n: u32,
+    /// Motion blocks since the split.
+    pub block: u32,
+    /// Path distance as planned.
+    pub distance: Distance,
+    /// Speed of the set points along the feed axes, the mean over the tick.
+    pub speed: Speed,
+}
+
+/// Why there is no answer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Unknown {
+    /// The machine data do not have this function (P-CHAN-00650).
+    NotEnabled(&'static str),
+    /// Only so many ticks from now are planned.
+    Beyond {
+        /// These ticks.
+        ticks: u32,
+    },
+    /// The planner is changing the plan, or a stop is under way: ask again after a tick.
+    Busy,
+    /// The answer is being looked for: ask again at once.
+    Searching,
+    /// It depends on blocks that are not planned yet.
+    NotPlanned,
+}
+
+impl core::fmt::Display for Unknown {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::NotEnabled(name) => write!(
+                f,
+                "the question is not enabled; expected {name} in configuration.interpolator.function (P-CHAN-00650)"
+            ),
+            Self::Beyond { ticks } => write!(f, "only {ticks} ticks from now are planned; ask for fewer"),
+            Self::Busy => f.write_str("the plan is changing; ask again after a tick"),
+            Self::Searching => f.write_str("the answer is being looked for; ask again at once"),
+            Self::NotPlanned => {
+                f.write_str("the answer depends on blocks that are not planned yet; ask later")
+            }
+        }
+    }
+}
+
+impl core::error::Error for Unknown {}
+
+/// Names of functions that [`Unknown::NotEnabled`] may carry, by their number in an answer.
+const NAMES: [&str; 3] = ["FCT_CALC_STATE_AT_T", "FCT_CALC_TIME", "FCT_CALC_POS_V_0"];
+
+impl Question {
+    /// The function of P-CHAN-00650 that answers it.
+    pub const fn function(self) -> &'static str {
+        let [state, time, stand] = NAMES;
+        match self {
+            Self::StateAt(_) => state,
+            Self::NextFeed => time,
+            Self::Standstill => stand,
+        }
+    }
+
+    const fn to_words(self) -> [u32; 2] {
+        match self {
+            Self::StateAt(ticks) => [0, ticks],
+            Self::NextFeed => [1, 0],
+            Self::Standstill => [2, 0],
+        }
+    }
+
+    const fn of_words([kind, ticks]: [u32; 2]) -> Self {
+        match kind {
+            0 => Self::StateAt(ticks),
+            1 => Self::NextFeed,
+            _ => Self::Standstill,
+        }
+    }
+}
+
+/// Words of an answer beside set points.
+const WORDS: usize = 9;
+
+/// A request and its answer, between a PLC and the planner. A static is good for it: all bits are zero when new.
+///
+/// One context asks, the planner's answers.
+pub struct QuestionUnit<const AXES: usize> {
+    /// 0 none, 1 asked, 2 answered.
+    state: AtomicU32,
+    question: [AtomicU32; 2],
+    /// What kind of answer, and what comes with it.
+    words: [AtomicU32; WORDS],
+    set_points: [[AtomicU32; 2]; AXES],
+}
+
+const ASKED: u32 = 1;
+const ANSWERED: u32 = 2;
+
+impl<const AXES: usize> QuestionUnit<AXES> {
+    /// No question.
+    pub const fn new() -> Self {
+        Self {
+            state: AtomicU32::new(0),
+            question: [const { AtomicU32::new(0) }; 2],
+            words: [const { AtomicU32::new(0) }; WORDS],
+            set_points: [const { [const { AtomicU32::new(0) }; 2] }; AXES],
+        }
+    }
+
+    /// For the PLC: asks. The answer to the question before is lost.
+    ///
+    /// # Errors
+    /// The last question is not answered yet: nothing has changed.
+    pub fn ask(&self, question: Question) -> Result<(), Pending> {
+        if self.state.load(Ordering::Acquire) == ASKED {
+            return Err(Pending);
+        }
+        self.question
+            .iter()
+            .zip(question.to_words())
+            .for_each(|(word, value)| word.store(value, Ordering::Relaxed));
+        self.state.store(ASKED, Ordering::Release);
+        Ok(())
+    }
+
+    /// For the planner: the question that waits for its answer.
+    pub fn pending(&self) -> Option<Question> {
+        let [kind, ticks] = &self.question;
+        (self.state.load(Ordering::Acquire) == ASKED)
+            .then(|| Question::of_words([kind, ticks].map(|word| word.load(Ordering::Relaxed))))
+    }
+
+    /// For the planner: answers.
+    pub fn put(&self, answer: &Result<Moment<AXES>, Unknown>) {
+        let words = match answer {
+            Ok(moment) => {
+                let Moment { tick, ticks, set_points, n, block, distance, speed } = moment;
+                for (place, point) in self.set_points.iter().zip(set_points) {
+                    store(place, point.to_bits());
+                }
+                let [d, v] =
+                    [distance.to_bits(), speed.to_bits()].map(|bits| [bits as u32, (bits >> 32) as u32]);
+                [1, *tick, *ticks, *n, *block, d[0], d[1], v[0], v[1]]
+            }
+            Err(unknown) => {
+                let (kind, value) = match unknown {
+                    Unknown::NotEnabled(name) => {
+                        (2, NAMES.iter().position(|known| known == name).unwrap_or(0) as u32)
+                    }
+                    Unknown::Beyond { ticks } => (3, *ticks),
+                    Unknown::Busy => (4, 0),
+                    Unknown::Searching => (5, 0),
+                    Unknown::NotPlanned => (6, 0),
+                };
+                [kind, value, 0, 0, 0, 0, 0, 0, 0]
+            }
+        };
+        self.words.iter().zip(words).for_each(|(word, value)| word.store(value, Ordering::Relaxed));
+        self.state.store(ANSWERED, Ordering::Release);
+    }
+
+    /// For the PLC: the answer, if it is there.
+    pub fn answer(&self) -> Option<Result<Moment<AXES>, Unknown>> {
+        if self.state.load(Ordering::Acquire) != ANSWERED {
+            return None;
+        }
+        let mut words = [0; WORDS];
+        words.iter_mut().zip(&self.words).for_each(|(value, word)| *value = word.load(Ordering::Relaxed));
+        let [kind, tick, ticks, n, block, d0, d1, v0, v1] = words;
+        let mut set_points = [Position::ZERO; AXES];
+        set_points
+            .iter_mut()
+            .zip(&self.set_points)
+            .for_each(|(point, place)| *point = Position::from_bits(load(place)));
+        Some(match kind {
+            2 => Err(Unknown::NotEnabled(NAMES.get(tick as usize).copied().unwrap_or_default())),
+            3 => Err(Unknown::Beyond { ticks: tick }),
+            4 => Err(Unknown::Busy),
+            5 => Err(Unknown::Searching),
+            6 => Err(Unknown::NotPlanned),
+            _ => {
+                let distance = Distance::from_bits(whole(d0, d1));
+                let speed = Speed::from_bits(whole(v0, v1));
+                Ok(Moment { tick, ticks, set_points, n, block, distance, speed })
+            }
+        })
+    }
+}
+
+const fn whole(lower: u32, upper: u32) -> i64 {
+    ((upper as u64) << 32 | lower as u64) as i64
+}
+
+fn store([lower, upper]: &[AtomicU32; 2], bits: i64) {
+    lower.store(bits as u32, Ordering::Relaxed);
+    upper.store((bits >> 32) as u32, Ordering::Relaxed);
+}
+
+fn load([lower, upper]: &[AtomicU32; 2]) -> i64 {
+    whole(lower.load(Ordering::Relaxed), upper.load(Ordering::Relaxed))
+}
+
+impl<const AXES: usize> Default for QuestionUnit<AXES> {
+    fn default() -> Self {
+        Self::new()
+    }
+}

@@ -1,0 +1,147 @@
+//! Machine data of the interpolator (feature `plc`): what it may do beside motion, and the memory for it.
+
+/// Bytes of a storage for blocks that are kept, at least: P-STUP-00033.
+pub const FB_STORAGE_MIN: u32 = 1024;
+
+/// Names of P-CHAN-00650, by their bit.
+///
+/// | name | here |
+/// |---|---|
+/// | FCT_IPO_DEFAULT, FCT_LOOK_AHEAD_STANDARD | look-ahead of 120 blocks |
+/// | FCT_LOOK_AHEAD_LOW, FCT_LOOK_AHEAD_HIGH | 30 or 190 blocks |
+/// | FCT_LOOK_AHEAD_CUSTOM | as many blocks as P-CHAN-00653 says |
+/// | FCT_LOOK_AHEAD_OPT | HSC as with NO_OPT=0, unless the program says otherwise |
+/// | FCT_CONTOUR_LAH | the contour known in advance: [`crate::contour_log`] |
+/// | FCT_CALC_STATE_AT_T, FCT_CALC_TIME, FCT_CALC_POS_V_0 | questions about what comes |
+/// | others | known, not available |
+pub const INTERPOLATOR_FUNCTIONS: &[&str] = &[
+    "FCT_IPO_DEFAULT",
+    "FCT_LOOK_AHEAD_LOW",
+    "FCT_LOOK_AHEAD_STANDARD",
+    "FCT_LOOK_AHEAD_HIGH",
+    "FCT_LOOK_AHEAD_CUSTOM",
+    "FCT_LOOK_AHEAD_OPT",
+    "FCT_CONTOUR_LAH",
+    "FCT_CALC_STATE_AT_T",
+    "FCT_CALC_TIME",
+    "FCT_CALC_POS_V_0",
+    "FCT_SYNC",
+    "FCT_LIFT_UP_TIME",
+    "FCT_SHIFT_NCBL",
+    "FCT_DYN_POS_LIMIT",
+    "FCT_EXTENSION_EQUIDIST",
+    "FCT_DLM",
+];
+
+/// A set of [`INTERPOLATOR_FUNCTIONS`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct InterpolatorFunctions(u32);
+
+impl InterpolatorFunctions {
+    /// FCT_IPO_DEFAULT.
+    pub const IPO_DEFAULT: Self = Self(1);
+    /// FCT_LOOK_AHEAD_LOW.
+    pub const LOOK_AHEAD_LOW: Self = Self(1 << 1);
+    /// FCT_LOOK_AHEAD_STANDARD.
+    pub const LOOK_AHEAD_STANDARD: Self = Self(1 << 2);
+    /// FCT_LOOK_AHEAD_HIGH.
+    pub const LOOK_AHEAD_HIGH: Self = Self(1 << 3);
+    /// FCT_LOOK_AHEAD_CUSTOM.
+    pub const LOOK_AHEAD_CUSTOM: Self = Self(1 << 4);
+    /// FCT_LOOK_AHEAD_OPT.
+    pub const LOOK_AHEAD_OPT: Self = Self(1 << 5);
+    /// FCT_CONTOUR_LAH.
+    pub const CONTOUR_LAH: Self = Self(1 << 6);
+    /// FCT_CALC_STATE_AT_T.
+    pub const CALC_STATE_AT_T: Self = Self(1 << 7);
+    /// FCT_CALC_TIME.
+    pub const CALC_TIME: Self = Self(1 << 8);
+    /// FCT_CALC_POS_V_0.
+    pub const CALC_POS_V_0: Self = Self(1 << 9);
+
+    /// The names that say how far the look-ahead goes.
+    const SIZES: u32 = 0x1F;
+    /// The names that this version has.
+    const AVAILABLE: u32 = 0x3FF;
+
+    /// By the bits of its names.
+    pub const fn of_bits(bits: u32) -> Self {
+        Self(bits)
+    }
+
+    /// The bits of its names.
+    pub const fn bits(self) -> u32 {
+        self.0
+    }
+
+    /// The names of both.
+    #[must_use]
+    pub const fn with(self, other: Self) -> Self {
+        Self(self.0 | other.0)
+    }
+
+    /// Whether it has all names of the other one.
+    pub const fn has(self, other: Self) -> bool {
+        self.0 & other.0 == other.0
+    }
+
+    /// The look-ahead that it names, in blocks. `None`: FCT_LOOK_AHEAD_CUSTOM, P-CHAN-00653 says it.
+    pub const fn look_ahead(self) -> Option<u32> {
+        match self.0 & Self::SIZES {
+            2 => Some(30),
+            8 => Some(190),
+            16 => None,
+            _ => Some(120),
+        }
+    }
+
+    /// What is wrong with it, if anything is, and what is expected.
+    pub fn refused(self) -> Option<(&'static str, &'static str)> {
+        let sizes = (self.0 & Self::SIZES).count_ones();
+        if sizes != 1 {
+            let said = if sizes == 0 { "no size of the look-ahead" } else { "two sizes of the look-ahead" };
+            return Some((said, "one of FCT_IPO_DEFAULT, FCT_LOOK_AHEAD_LOW, _STANDARD, _HIGH, _CUSTOM"));
+        }
+        let absent = INTERPOLATOR_FUNCTIONS
+            .iter()
+            .enumerate()
+            .find(|(bit, _)| self.0 & !Self::AVAILABLE & (1 << bit) != 0);
+        absent.map(|(_, name)| (*name, "leave it out: it is known, not available in this version"))
+    }
+}
+
+/// Machine data of the interpolator.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct InterpolatorData {
+    /// P-CHAN-00650 `configuration.interpolator.function` (P-STUP-00070): what the interpolator may do. How far it looks
+    /// ahead is [`super::ChannelData::look_ahead`]: a machine file sets that by the name here.
+    pub functions: InterpolatorFunctions,
+    /// P-CHAN-00658 `configuration.interpolator.contour_lookahead_log_max` (P-STUP-00076): elements kept of each kind, by
+    /// index and by distance, as far as there is memory.
+    pub log_max: u32,
+    /// P-STUP-00033 `fb_storage_size[0]`: bytes for blocks that are kept; 0: none, and no log by index. Smaller than
+    /// [`FB_STORAGE_MIN`] is that.
+    pub fb_storage_size: u32,
+}
+
+impl InterpolatorData {
+    /// The ISG defaults: no function beside motion.
+    pub const ISG: Self =
+        Self { functions: InterpolatorFunctions::IPO_DEFAULT, log_max: 128, fb_storage_size: 0 };
+
+    /// Every function of this version, and storage for a log.
+    pub const ALL: Self = Self {
+        functions: InterpolatorFunctions::IPO_DEFAULT
+            .with(InterpolatorFunctions::CONTOUR_LAH)
+            .with(InterpolatorFunctions::CALC_STATE_AT_T)
+            .with(InterpolatorFunctions::CALC_TIME)
+            .with(InterpolatorFunctions::CALC_POS_V_0),
+        fb_storage_size: 1 << 20,
+        ..Self::ISG
+    };
+
+    /// Whether it has that function.
+    pub const fn has(&self, function: InterpolatorFunctions) -> bool {
+        self.functions.has(function)
+    }
+}
