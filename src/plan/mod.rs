@@ -12,6 +12,7 @@
 //! | `reserve`, `slower` | how the motion stops without the planner; what becomes of it where that has no room |
 //! | `late` | what happens when text or room for functions is missing |
 //! | `log` | what the PLC is told of the path ahead (feature `plc`) |
+//! | `transform` | how elements of tip and angles become those of the axes (feature `kinematics`) |
 //! | `stand` | where the axes stand at rest, and what a new program begins with |
 mod acknowledge;
 mod change;
@@ -31,6 +32,8 @@ mod search;
 mod short_stop;
 mod slower;
 mod stand;
+#[cfg(feature = "kinematics")]
+mod transform;
 mod turning;
 
 #[cfg(feature = "plc")]
@@ -56,6 +59,8 @@ use functions::Functions;
 use held_line::HeldLine;
 use hold::{Mode, REACTION};
 pub use intake::MotionError;
+#[cfg(feature = "kinematics")]
+pub use transform::{Split, SwitchError};
 use reserve::{FAR, Reserve};
 use search::Search;
 use turning::Turning;
@@ -171,6 +176,17 @@ struct Intake<'a, const AXES: usize> {
     uniform: Uniform,
     #[cfg(feature = "plc")]
     recorder: Option<Recorder<'a>>,
+    #[cfg(feature = "kinematics")]
+    transform: transform::Transform<'a, AXES>,
+}
+
+#[cfg(not(feature = "kinematics"))]
+impl<const AXES: usize> Intake<'_, AXES> {
+    /// What was taken in ends where the curves of the look-ahead end.
+    #[inline(always)]
+    const fn stand(&mut self) {
+        self.programmed = self.entered;
+    }
 }
 
 /// The blocks whose limits are those of now.
@@ -392,6 +408,8 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
                 uniform: Uniform { since: 0, by_ramps: machine.channel.check_jerk_on_poly_path == 2 },
                 #[cfg(feature = "plc")]
                 recorder: None,
+                #[cfg(feature = "kinematics")]
+                transform: transform::Transform::new(start),
             },
             lookahead: Lookahead::new(lookahead, depth),
             task: Task::NONE,
@@ -581,6 +599,10 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         if self.lookahead.ring.is_empty() {
             self.follow_level();
         }
+        #[cfg(feature = "kinematics")]
+        if self.intake.transform.is_busy() {
+            return self.pass_transformed();
+        }
         if !self.intake.smoothing.is_empty() && self.round_off() {
             return if self.intake.refused.is_some() { Work::Refused } else { Work::Working };
         }
@@ -625,6 +647,10 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
 
     /// Whether more blocks come into the ring: of the program, or of what the smoother still holds of it.
     pub(super) fn is_open(&self) -> bool {
+        #[cfg(feature = "kinematics")]
+        if self.intake.transform.is_busy() {
+            return true;
+        }
         !self.task.flush || self.intake.smoothing.holds() || !self.intake.held.is_none()
     }
 

@@ -1,0 +1,2 @@
+//! Programs on machines with rotary axes, under a transformation.
+mod transformed;
