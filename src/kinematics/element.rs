@@ -5,7 +5,7 @@
 //! the main axes; axes behind those of the chain keep their own curves.
 use super::cells::{Cell, Course, Round};
 use super::chain::{AXES, Chain, ROTARIES};
-use super::vector::{Vector, position};
+use super::vector::{Vector, number, position};
 use crate::machine::{AxisKind, MachineData};
 use crate::path::Element;
 use crate::path::powers::{Quintic, Turn};
@@ -124,6 +124,24 @@ impl Kinematic {
             *workpiece.get_mut(k)? = position(x)?;
         }
         Some(workpiece)
+    }
+
+    /// The positions of all axes that put the tip to the place of the main axes. `None` beyond ±200 000 mm.
+    pub fn axes<const N: usize>(&self, workpiece: &[Position; N]) -> Option<[Position; N]> {
+        let of = |axis: usize| workpiece.get(axis).map(|x| number(*x));
+        let [Some(x), Some(y), Some(z)] = self.main.map(of) else { return None };
+        let mut angles = [Position::ZERO; ROTARIES];
+        for rotary in self.chain.rotaries() {
+            *angles.get_mut(usize::from(rotary.slot))? = *workpiece.get(usize::from(rotary.axis))?;
+        }
+        let made = self.chain.inverse(Vector::new(x, y, z), &angles)?;
+        let mut axes = *workpiece;
+        for (k, (place, axis)) in axes.iter_mut().zip(&made).enumerate() {
+            if self.has(k) {
+                *place = *axis;
+            }
+        }
+        Some(axes)
     }
 
     /// The curve of an element from `start`, in workpiece coordinates.

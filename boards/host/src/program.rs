@@ -10,9 +10,10 @@ use crate::resolution::Resolution;
 use crate::tolerance::{Smoothing, Tolerance};
 use glidepath::channel::Error;
 use glidepath::dynamics::Weights;
+use glidepath::kinematics::Kinematic;
 use glidepath::machine::AxisData;
 use glidepath::nc::{
-    ArcBy, Command, Decoder, DecoderMemory, DwellTime, Motion, MotionKind, NcError, NcWarning, Place, Setup,
+    ArcBy, Command, Decoder, DecoderMemory, DwellTime, Head, Kinematics, Motion, MotionKind, NcError, NcWarning, Place, Setup,
     SlopeType, Step,
 };
 use glidepath::quantity::Position;
@@ -132,6 +133,8 @@ pub struct Program {
     pub beside: Vec<Told>,
     /// Some lines are not understood; what is here is the rest.
     pub refused: bool,
+    /// Motion blocks from which on a transformation is in force, or none (0).
+    pub transformed: Vec<(usize, u16)>,
 }
 
 /// Why a program was not decoded to its end.
@@ -209,6 +212,8 @@ fn decode_axes<const AXES: usize>(
     let mut smoothing = Smoothing::new();
     let mut repeats = Repeats::default();
     let mut refusals = 0;
+    let sets = machine.kinematics.fitted(&data);
+    let mut switch = Switch { sets: &sets, selected: machine.kinematics.default_id, active: None };
     loop {
         let step = match decoder.step() {
             Ok(step) => step,
@@ -274,6 +279,14 @@ fn decode_axes<const AXES: usize>(
                 });
             }
             Step::Command(Command::FlushWait(_)) => program.stop(),
+            Step::Command(Command::Kinematics(head, kinematics)) => {
+                let (found, moved) = switch.take(kinematics, &at);
+                if let (Some(id), Some(to)) = (found, moved) {
+                    at = to;
+                    decoder.stand_at(at);
+                    program.transform(&head, &at, id);
+                }
+            }
             Step::Command(Command::Message(head)) => {
                 let text = files.with(head.place.file, |source| {
                     let from = head.place.offset as usize;
@@ -310,6 +323,41 @@ fn decode_axes<const AXES: usize>(
                 }
             }
             Step::End => return Ok(program),
+        }
+    }
+}
+
+/// The transformation of the program as decoded. What is refused here the planner tells.
+struct Switch<'a> {
+    sets: &'a [Kinematic],
+    selected: u16,
+    active: Option<&'a Kinematic>,
+}
+
+impl Switch<'_> {
+    /// A command: the transformation in force and where the program stands, if they change.
+    fn take<const AXES: usize>(
+        &mut self,
+        command: Kinematics,
+        at: &[Position; AXES],
+    ) -> (Option<u16>, Option<[Position; AXES]>) {
+        match command {
+            Kinematics::Select(id) => self.selected = id,
+            Kinematics::OnWith(id) => self.selected = id,
+            Kinematics::On | Kinematics::Off => {}
+        }
+        let on = matches!(command, Kinematics::On | Kinematics::OnWith(_));
+        let off = command == Kinematics::Off;
+        match self.active {
+            None if on => {
+                self.active = self.sets.iter().find(|set| set.id == self.selected);
+                (self.active.map(|set| set.id), self.active.and_then(|set| set.workpiece(at)))
+            }
+            Some(set) if off => {
+                self.active = None;
+                (Some(0), set.axes(at))
+            }
+            _ => (None, None),
         }
     }
 }
@@ -377,6 +425,8 @@ pub fn refusal(files: &Files, error: &Error) -> Diagnostic {
         | Error::SoftwareLimit(at, ..)
         | Error::Filter(at, ..)
         | Error::Spline(at, _)
+        | Error::NoTransformation(at, ..)
+        | Error::Transformation(at, _)
         | Error::PathAcceleration(at) => explained(files, *at, &error.to_string(), id(error.id())),
     }
 }
@@ -398,7 +448,31 @@ impl Program {
             relevant: 0.032,
             beside: Vec::new(),
             refused: false,
+            transformed: Vec::new(),
         }
+    }
+
+    /// The transformation of a motion block: its identifier, 0 for none.
+    pub fn transformation(&self, block: u32) -> u16 {
+        let before = self.transformed.iter().take_while(|(from, _)| *from <= block as usize);
+        before.last().map_or(0, |(_, id)| *id)
+    }
+
+    /// The transformation changes, and positions are others from now on.
+    fn transform(&mut self, head: &Head, at: &[Position], id: u16) {
+        self.transformed.push((self.motions, id));
+        self.stop();
+        self.segments.push(Segment {
+            n: head.n,
+            place: head.place,
+            kind: Kind::Dwell(0.0),
+            end: numbers(at),
+            feed: None,
+            stop: true,
+            smoothed: false,
+            tolerance: Tolerance::default(),
+            dynamics: self.latest_dynamics(),
+        });
     }
 
     /// Axes that move beside the path.
@@ -570,7 +644,7 @@ impl Program {
     /// In one line.
     pub fn describe(&self) -> String {
         let arcs = self.motions().filter(|segment| matches!(segment.kind, Kind::Arc { .. })).count();
-        let waits = self.segments.len() - self.motions;
+        let waits = self.segments.iter().filter(|segment| matches!(segment.kind, Kind::Dwell(s) if s > 0.0)).count();
         format!(
             "{} motion block{} ({arcs} arc{}), {waits} dwell{}, {} warning{}",
             self.motions,
