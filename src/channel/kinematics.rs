@@ -39,6 +39,11 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
     /// #KIN ID and #TRAFO.
     #[inline(never)]
     pub(super) fn transform(&mut self, head: &Head, command: Kinematics) -> Result<(), Error> {
+        if !self.planning.has_kinematics() {
+            // To switch it off needs nothing.
+            let off = command == Kinematics::Off;
+            return if off { Ok(()) } else { Err(Error::NotEnabled(head.place, NEEDS)) };
+        }
         let refused = |error: SwitchError| Error::Transformation(head.place, error);
         match command {
             Kinematics::Select(id) => return self.planning.select(id).map_err(refused),
@@ -90,6 +95,9 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         }
     }
 }
+
+const NEEDS: &str =
+    "#KIN ID and #TRAFO need a data set of the machine; expected trafo[] in the channel (P-CHAN-00262)";
 
 const RELEASED: &str =
     "#TRAFO while an axis of the transformation is released by #PUT AX; expected #CALL AX before it";

@@ -199,6 +199,11 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         (self.intake.transform.sets, self.intake.transform.default_id) = (sets, default_id);
     }
 
+    /// Whether there are data sets.
+    pub const fn has_kinematics(&self) -> bool {
+        !self.intake.transform.sets.is_empty()
+    }
+
     /// Whether a transformation is active.
     pub const fn is_transformed(&self) -> bool {
         self.intake.transform.active.is_some()

@@ -1,2 +1,3 @@
 //! Programs on machines with rotary axes, under a transformation.
+mod ex28;
 mod transformed;

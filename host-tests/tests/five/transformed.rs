@@ -299,3 +299,139 @@ fn random_programs_keep_to_their_path_and_limits() {
 fn random_programs_keep_to_their_path_and_limits_3000_times() {
     random(1_000, 3_000);
 }
+
+/// Commands of smoothing, and how far the tip may then be from the programmed lines, mm.
+const SMOOTHING: [(&str, f64); 8] = [
+    ("#CONTOUR MODE ON [DEV PATH_DEV=0.05]", 0.05),
+    ("#CONTOUR MODE ON [DEV PATH_DEV=0.02 TRACK_DEV=0.1]", 0.02),
+    ("#CONTOUR MODE ON [PTP PATH_DEV=0.05]", 0.05),
+    ("#CONTOUR MODE ON [DIST PRE_DIST=0.3 POST_DIST=0.5]", f64::INFINITY),
+    ("#CONTOUR MODE ON [DIST_SOFT PATH_DIST=0.5]", f64::INFINITY),
+    ("#CONTOUR MODE ON [POS PRE_DIST=0.4 POST_DIST=0.4]", f64::INFINITY),
+    ("#HSC ON [SURFACE PATH_DEV=0.05]", 0.05),
+    ("#HSC ON [BSPLINE PATH_DEV=0.05]", 0.05),
+];
+
+/// A random program of lines: short ones with small turns, and long ones.
+fn lines(seed: u64, start: Pose, smooth: &str) -> (String, Vec<Block>) {
+    let mut r = Numbers(seed);
+    let mut text = format!("N1 G90\nG00 A{:.3} B{:.3} C{:.3}\n", start[3], start[4], start[5]);
+    let _ = write!(text, "#TRAFO ON\nG00 X{:.3} Y{:.3} Z{:.3}\nG01 F6000\n{smooth}\n", start[0], start[1], start[2]);
+    let (mut at, mut blocks) = (start, Vec::new());
+    let round = |x: f64| (x * 1000.0).round() / 1000.0;
+    let mut heading: [f64; 3] = [1.0, 0.3, 0.1];
+    for _ in 0..30 {
+        let long = r.within(1.0) > 0.7;
+        let length = if long { 8.0 + r.within(7.0) } else { 0.4 + r.within(0.2) };
+        let knee = if r.within(1.0) > 0.6 { 1.5 } else { 0.1 };
+        for x in &mut heading {
+            *x += r.within(knee);
+        }
+        let size = heading.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let mut to = at;
+        for k in 0..3 {
+            to[k] = round(at[k] + length * heading[k] / size);
+        }
+        for k in 3..AXES {
+            to[k] = round(at[k] + r.within(if long { 10.0 } else { 0.3 }));
+        }
+        let _ = write!(text, "G01");
+        for (k, name) in ["X", "Y", "Z", "A", "B", "C"].into_iter().enumerate() {
+            let _ = write!(text, " {name}{:.3}", to[k]);
+        }
+        text.push('\n');
+        blocks.push(Block { from: at, to, arc: None });
+        at = to;
+    }
+    text += "#CONTOUR MODE OFF\n#HSC OFF\n#TRAFO OFF\nM30\n";
+    (text, blocks)
+}
+
+/// Smoothed programs: the tip inside its tolerance, the limits of every axis, with commands and without.
+fn smoothed(from: u64, count: u64) {
+    let machines = five_axes::machines();
+    let mut worst = [0.0f64; SMOOTHING.len()];
+    for seed in from..from + count {
+        let machine = &machines[(seed / 8 % 6) as usize];
+        let data = axes([3, 1, 2][(seed / 3 % 3) as usize]);
+        let method = (seed % 8) as usize;
+        let (smooth, dev) = SMOOTHING[method];
+        let mut r = Numbers(seed ^ 0x1234);
+        let start = start_of(&mut r);
+        let (text, blocks) = lines(seed, start, smooth);
+        let whole = run(machine, &data, &text, &[]).unwrap_or_else(|e| panic!("seed {seed}: {e}\n{text}"));
+        let at = |share: f64| (whole.trace.len() as f64 * share) as usize;
+        let acts = [
+            (at(0.4), Act::Hold),
+            (at(0.4) + 400, Act::Resume),
+            (at(0.6), Act::Override(600)),
+            (at(0.7), Act::Stall(150)),
+        ];
+        let disturbed = run(machine, &data, &text, &acts).unwrap_or_else(|e| panic!("seed {seed}: {e}\n{text}"));
+        for run in [&whole, &disturbed] {
+            keeps_limits(&data, run).unwrap_or_else(|e| panic!("seed {seed}, {smooth}: {e}\n{text}"));
+            let first = begins(machine, run, &start);
+            assert!(first < run.trace.len(), "seed {seed}");
+            for tick in first..run.trace.len() {
+                let p = pose(machine, &row(run, tick));
+                let off = blocks.iter().map(|block| block.off_at(&p, block.share(&p)).0).fold(f64::INFINITY, f64::min);
+                worst[method] = worst[method].max(off);
+                assert!(off < dev + NEAR, "seed {seed}, {smooth}: {off} mm off at tick {tick}\n{text}");
+            }
+        }
+        let last = |run: &Operated| row(run, run.trace.len() - 1);
+        assert_eq!(last(&whole), last(&disturbed), "seed {seed}: the end");
+    }
+    println!("{count} smoothed programs: tip off by {worst:?} mm at most");
+}
+
+#[test]
+fn smoothed_programs_keep_to_their_tolerance_and_limits() {
+    smoothed(0, 24);
+}
+
+#[test]
+#[ignore = "1,000 smoothed programs"]
+fn smoothed_programs_keep_to_their_tolerance_and_limits_1000_times() {
+    smoothed(100, 1_000);
+}
+
+/// What is said about a program on the CA head of [`five_axes::machines`], or how far it comes.
+fn said(text: &str, data: &MachineData<AXES>) -> String {
+    match run(&five_axes::machines()[0], data, text, &[]) {
+        Ok(run) => format!("{:?}", row(&run, run.trace.len() - 1).map(|x| x.to_num::<f64>())),
+        Err(error) => error,
+    }
+}
+
+/// NC-009: #KIN ID and #TRAFO, and 20687.
+#[test]
+fn commands_of_the_transformation() {
+    let data = axes(1);
+    assert!(said("#KIN ID[5]\nM30\n", &data).contains("Unknown(5)"));
+    assert!(said("#TRAFO ON\n#KIN ID[9]\n#TRAFO[9]\n#TRAFO ON\n#TRAFO OFF\n#TRAFO OFF\nM30\n", &data).starts_with('['));
+    assert!(said("#TRAFO ON\n#TRAFO[5]\nM30\n", &data).contains("Active(9)"));
+    for (command, words) in [
+        ("#PUT AX [Z]", "#PUT AX of an axis of the transformation"),
+        ("#PUT AX [A]", "#PUT AX of an axis of the transformation"),
+    ] {
+        assert!(said(&format!("#TRAFO ON\n{command}\nM30\n"), &data).contains(words), "{command}");
+    }
+    assert!(said("#PUT AX [Z]\n#TRAFO ON\nM30\n", &data).contains("released by #PUT AX"));
+    // The tip stays while the head turns: the linear axes carry it. Behind #TRAFO OFF the program stands at the axes.
+    let stands = said("#TRAFO ON\nG91 G01 A0 B30 C0 F1000\n#TRAFO OFF\nG91 X1\nM30\n", &data);
+    assert!(stands.contains("30.0"), "{stands}");
+}
+
+/// Software limits are those of the axes, along the whole of a block, before it moves.
+#[test]
+fn software_limits_are_those_of_the_axes() {
+    let mut data = axes(1);
+    // The head turns about the tip at rest: an axis leaves its limit although the tip stays.
+    let text = "N10 #TRAFO ON\nN20 G91 G01 B60 F1000\nM30\n";
+    assert!(said(text, &data).starts_with('['));
+    data.axes[1].swe_pos = 50 * 10_000;
+    data.axes[1].swe_neg = -50 * 10_000;
+    let refused = said(text, &data);
+    assert!(refused.contains("SoftwareLimit") && refused.contains("line: 2"), "{refused}");
+}
