@@ -12,7 +12,7 @@ use crate::kinematics::element::widened;
 use crate::kinematics::{Kinematic, SplitError, Splitter};
 use crate::machine::Beyond;
 use crate::nc::{Motion, MotionKind, Place};
-use crate::path::{self, Element, End};
+use crate::path::{self, Bounds, Element, End, Passage};
 use crate::quantity::{Distance, Position};
 use crate::smooth::{Data, Form, ProgrammedBlock, Smoothed, Smoother};
 
@@ -63,6 +63,8 @@ struct Job<'a> {
     length: Distance,
     /// Speed along the curve per path speed.
     fastest: f32,
+    /// Acceleration passes both ends of the element, which is the curve of a corner.
+    is_through: bool,
     data: Data,
     curving: Curving,
     due: u32,
@@ -159,10 +161,12 @@ impl<'a, const AXES: usize> Transform<'a, AXES> {
         );
         self.exit = Some(element.exit);
         let fastest = element.bounds.as_ref().map_or(1.0, |bounds| bounds.fastest);
+        let is_through = element.bounds.as_ref().is_some_and(Bounds::is_through);
         self.job = Some(Job {
             splitter,
             length: element.shape.length,
             fastest,
+            is_through,
             data: *data,
             curving,
             due,
@@ -419,6 +423,9 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         let kind = (job.fastest, job.splitter.is_straight());
         if cell.become_element(&mut element, job.length_of(number), kind).is_none() {
             return Some(Next::Refused(SplitError::TooCurved));
+        }
+        if let (true, Some(bounds)) = (job.is_through, &mut element.bounds) {
+            bounds.passage = Passage::Through;
         }
         let [start, end] = cell.span();
         let is_last = number + 1 >= job.splitter.cells();

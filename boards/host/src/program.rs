@@ -523,15 +523,13 @@ impl Program {
         let rounds = self.through_points || self.segments.iter().any(|segment| segment.smoothed);
         let feed = machine.feed_axes();
         let mut all = vec![Resolution { steepest: 0.0, rounds }; machine.axes.len()];
-        let mut from = &self.start;
-        for segment in self.motions() {
+        for (from, segment) in self.steps() {
             let (travel, _) = segment.travel(from);
             let path = path(machine, &travel);
             for (k, (of, travel)) in all.iter_mut().zip(&travel).enumerate().filter(|_| path > 0.0) {
                 let steeper = if self.through_points && !feed.contains(&k) { 8.0 } else { 1.0 };
                 of.steepest = of.steepest.max(steeper * travel / path);
             }
-            from = &segment.end;
         }
         all
     }
@@ -615,6 +613,14 @@ impl Program {
         }
     }
 
+    /// The blocks that move, each with where it begins: where a transformation changes, that is another place than
+    /// the end of the block before.
+    pub fn steps(&self) -> impl Iterator<Item = (&[f64], &Segment)> {
+        let starts = std::iter::once(&self.start).chain(self.segments.iter().map(|segment| &segment.end));
+        let steps = starts.map(Vec::as_slice).zip(&self.segments);
+        steps.filter(|(_, segment)| !matches!(segment.kind, Kind::Dwell(_)))
+    }
+
     /// The blocks that move.
     pub fn motions(&self) -> impl Iterator<Item = &Segment> {
         self.segments.iter().filter(|segment| !matches!(segment.kind, Kind::Dwell(_)))
@@ -658,12 +664,10 @@ impl Program {
 
     /// The path speed of every motion.
     pub fn speeds(&self, machine: &Machine) -> Vec<PathSpeed> {
-        let mut at = self.start.as_slice();
         let mut speeds = Vec::with_capacity(self.motions);
-        for segment in self.motions() {
+        for (at, segment) in self.steps() {
             let programmed = segment.feed.map(|feed| feed / 60.0);
             speeds.push(PathSpeed { programmed, limit: self.limit(machine, at, segment) });
-            at = &segment.end;
         }
         speeds
     }
@@ -733,10 +737,10 @@ impl Program {
             at
         };
         let mut stretches: Vec<Stretch> = Vec::new();
-        let mut start = self.start.as_slice();
-        for segment in self.motions() {
+        let mut end = self.start.as_slice();
+        for (start, segment) in self.steps() {
             let rapid = segment.feed.is_none();
-            if stretches.last().is_none_or(|stretch| stretch.rapid != rapid) {
+            if start != end || stretches.last().is_none_or(|stretch| stretch.rapid != rapid) {
                 stretches.push(Stretch { rapid, line: vec![pick(start)] });
             }
             if let Some(Stretch { line, .. }) = stretches.last_mut() {
@@ -745,7 +749,7 @@ impl Program {
                 }
                 line.push(pick(&segment.end));
             }
-            start = &segment.end;
+            end = &segment.end;
         }
         stretches
     }

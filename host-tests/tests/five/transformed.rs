@@ -15,7 +15,7 @@ const BLOCKS: usize = 120;
 const NEAR: f64 = 10e-6;
 
 /// The axes of a machine, six at most: three linear and three rotary ones.
-fn axes(slope: u8) -> MachineData<AXES> {
+pub fn axes(slope: u8) -> MachineData<AXES> {
     let mut machine = machines::machine::<AXES>(1000, |_, _| {});
     for (k, axis) in machine.axes.iter_mut().enumerate() {
         machines::accelerations(axis, 2000, 6000);
