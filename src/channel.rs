@@ -29,10 +29,10 @@ mod beside;
 mod check;
 mod error;
 mod filter;
-#[cfg(feature = "kinematics")]
-mod kinematics;
 #[cfg(feature = "dialects")]
 mod force;
+#[cfg(feature = "kinematics")]
+mod kinematics;
 #[cfg(feature = "plc")]
 mod log;
 mod memory;
@@ -49,8 +49,8 @@ use crate::machine::{Synch, functions};
 use crate::math::divide::div_wide;
 use crate::math::wide::mul_shift;
 use crate::nc::{
-    Command, Contour, ContourMethod, Decoder, DwellTime, Head, Hsc, HscMethod, Motion, NcError,
-    NcWarning, NcWarningKind, Place, SlopeType, Spline, Step, Text,
+    Command, Contour, ContourMethod, Decoder, DwellTime, Head, Hsc, HscMethod, Motion, NcError, NcWarning,
+    NcWarningKind, Place, SlopeType, Spline, Step, Text,
 };
 pub use crate::plan::PlannedBlock;
 use crate::plan::{MotionError, Planning, Work};

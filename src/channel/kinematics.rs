@@ -71,18 +71,23 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
     #[inline(never)]
     pub(super) fn check_under(&self, command: &Command<AXES>) -> Result<(), Error> {
         let Some(kinematic) = self.planning.kinematic() else { return Ok(()) };
-        let (place, message) = (command.place(), match command {
-            Command::Oscillation(_, oscillation) => {
-                let axis = oscillation.axis;
-                if !kinematic.has(axis) || kinematic.is_cartesian_z(axis) {
-                    return Ok(());
+        let (place, message) = (
+            command.place(),
+            match command {
+                Command::Oscillation(_, oscillation) => {
+                    let axis = oscillation.axis;
+                    if !kinematic.has(axis) || kinematic.is_cartesian_z(axis) {
+                        return Ok(());
+                    }
+                    OSCILLATES
                 }
-                OSCILLATES
-            }
-            Command::Independent(_, independent) if kinematic.has(independent.axis) => MOVES,
-            Command::PutAxes(_, axes) if (0..AXES).any(|k| kinematic.has(k) && axes >> k & 1 == 1) => GIVES,
-            _ => return Ok(()),
-        });
+                Command::Independent(_, independent) if kinematic.has(independent.axis) => MOVES,
+                Command::PutAxes(_, axes) if (0..AXES).any(|k| kinematic.has(k) && axes >> k & 1 == 1) => {
+                    GIVES
+                }
+                _ => return Ok(()),
+            },
+        );
         Err(Error::NotEnabled(place, message))
     }
 

@@ -125,7 +125,10 @@ impl SplitError {
                 write!(f, "transformation: axis {axis} would leave the range of -200000 to 200000")
             }
             Self::Format(_) => {
-                write!(f, "transformation: axis {axis} moves too far in one polynomial; expected a shorter block")
+                write!(
+                    f,
+                    "transformation: axis {axis} moves too far in one polynomial; expected a shorter block"
+                )
             }
         }
     }

@@ -48,7 +48,9 @@ impl fmt::Display for Unfit {
         match self {
             Self::Id => f.write_str("id 0; expected 1 to 65535 (P-CHAN-00262)"),
             Self::Main => f.write_str("the channel lacks a main axis; expected three linear axes"),
-            Self::Axes => write!(f, "the channel has more axes than a transformation; expected at most {AXES}"),
+            Self::Axes => {
+                write!(f, "the channel has more axes than a transformation; expected at most {AXES}")
+            }
             Self::Missing(axis) => write!(f, "the chain has an axis {axis}; expected axes of the channel"),
             Self::Linear(axis) => {
                 write!(f, "linear axis {axis} of the chain; expected a main axis of the channel")

@@ -416,7 +416,8 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         let ends = motion.target.iter().zip(&self.intake.programmed);
         let moves = |(k, (to, from))| to != from || turned.contains(&Some(k));
         let moved = ends.enumerate().filter(|end| moves(*end));
-        let moved = moved.fold(self.intake.smoothing.swung(), |axes, (k, _)| axes | 1u32.wrapping_shl(k as u32));
+        let moved =
+            moved.fold(self.intake.smoothing.swung(), |axes, (k, _)| axes | 1u32.wrapping_shl(k as u32));
         #[cfg(feature = "kinematics")]
         let moved = self.kinematic().map_or(moved, |kinematic| kinematic.carried(moved));
         moved
@@ -526,7 +527,12 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
 
     /// A block as the smoother takes it, but for its element: as an argument that would be copied.
     #[cfg_attr(feature = "fast", inline(always))]
-    pub(super) fn programmed(&self, form: Form, motion: &Motion<AXES>, feed: Option<f32>) -> ProgrammedBlock<AXES> {
+    pub(super) fn programmed(
+        &self,
+        form: Form,
+        motion: &Motion<AXES>,
+        feed: Option<f32>,
+    ) -> ProgrammedBlock<AXES> {
         let (from, to) = (self.intake.programmed, motion.target);
         let data = Data {
             feed,

@@ -59,10 +59,10 @@ use functions::Functions;
 use held_line::HeldLine;
 use hold::{Mode, REACTION};
 pub use intake::MotionError;
-#[cfg(feature = "kinematics")]
-pub use transform::{Split, SwitchError};
 use reserve::{FAR, Reserve};
 use search::Search;
+#[cfg(feature = "kinematics")]
+pub use transform::{Split, SwitchError};
 use turning::Turning;
 
 /// Where the ring is handed on.

@@ -155,10 +155,10 @@ impl<'a, const AXES: usize> Transform<'a, AXES> {
             Some(end) => self.stands = *end,
             None => element.shape.end(&base, &mut self.stands),
         }
-        let curving = curving.map_or(
-            Curving { jerk: check_jerk.max(1), constant: None, near: Near::NONE },
-            |curving| Curving { constant: None, ..curving },
-        );
+        let curving = curving
+            .map_or(Curving { jerk: check_jerk.max(1), constant: None, near: Near::NONE }, |curving| {
+                Curving { constant: None, ..curving }
+            });
         self.exit = Some(element.exit);
         let fastest = element.bounds.as_ref().map_or(1.0, |bounds| bounds.fastest);
         let is_through = element.bounds.as_ref().is_some_and(Bounds::is_through);
@@ -189,7 +189,11 @@ impl<const AXES: usize> Intake<'_, AXES> {
 /// What comes of the next polynomial.
 enum Next<const AXES: usize> {
     /// It goes on: whether it is the last one of its element.
-    Passes { element: Element<AXES>, end: [Position; AXES], is_last: bool },
+    Passes {
+        element: Element<AXES>,
+        end: [Position; AXES],
+        is_last: bool,
+    },
     /// It was looked at.
     Looked,
     /// It leads an axis beyond its limit.

@@ -13,8 +13,8 @@ use glidepath::dynamics::Weights;
 use glidepath::kinematics::Kinematic;
 use glidepath::machine::AxisData;
 use glidepath::nc::{
-    ArcBy, Command, Decoder, DecoderMemory, DwellTime, Head, Kinematics, Motion, MotionKind, NcError, NcWarning, Place, Setup,
-    SlopeType, Step,
+    ArcBy, Command, Decoder, DecoderMemory, DwellTime, Head, Kinematics, Motion, MotionKind, NcError,
+    NcWarning, Place, Setup, SlopeType, Step,
 };
 use glidepath::quantity::Position;
 use std::collections::HashSet;
@@ -650,7 +650,8 @@ impl Program {
     /// In one line.
     pub fn describe(&self) -> String {
         let arcs = self.motions().filter(|segment| matches!(segment.kind, Kind::Arc { .. })).count();
-        let waits = self.segments.iter().filter(|segment| matches!(segment.kind, Kind::Dwell(s) if s > 0.0)).count();
+        let waits =
+            self.segments.iter().filter(|segment| matches!(segment.kind, Kind::Dwell(s) if s > 0.0)).count();
         format!(
             "{} motion block{} ({arcs} arc{}), {waits} dwell{}, {} warning{}",
             self.motions,

@@ -445,7 +445,12 @@ impl Recorder {
         let statistics = &self.statistics;
         if let Some(picture) = &mut self.picture {
             let off = statistics.filtered.off();
-            picture.add(telemetry, self.tool.as_deref().unwrap_or(set_points), (&statistics.axes, &off), self.cycle_s);
+            picture.add(
+                telemetry,
+                self.tool.as_deref().unwrap_or(set_points),
+                (&statistics.axes, &off),
+                self.cycle_s,
+            );
         }
         if let Some(tape) = &mut self.tape {
             let shown = self.tool.as_deref();

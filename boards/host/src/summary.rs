@@ -378,7 +378,10 @@ impl Summary {
             )?;
         }
         if let Some([elements, polynomials]) = self.transformed {
-            writeln!(out, "  transformation {elements} elements of the tip are {polynomials} polynomials of the axes")?;
+            writeln!(
+                out,
+                "  transformation {elements} elements of the tip are {polynomials} polynomials of the axes"
+            )?;
         }
         if let Some(shape) = &self.shape {
             shape.write(out)?;

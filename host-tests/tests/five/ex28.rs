@@ -57,7 +57,8 @@ fn corners() -> Vec<[f64; 2]> {
 fn off(p: [f64; 2], corners: &[[f64; 2]]) -> f64 {
     let one = |w: &[[f64; 2]]| {
         let d = [w[1][0] - w[0][0], w[1][1] - w[0][1]];
-        let share = ((p[0] - w[0][0]) * d[0] + (p[1] - w[0][1]) * d[1]) / (d[0] * d[0] + d[1] * d[1]).max(1e-30);
+        let share =
+            ((p[0] - w[0][0]) * d[0] + (p[1] - w[0][1]) * d[1]) / (d[0] * d[0] + d[1] * d[1]).max(1e-30);
         let share = share.clamp(0.0, 1.0);
         (p[0] - w[0][0] - share * d[0]).hypot(p[1] - w[0][1] - share * d[1])
     };
@@ -69,8 +70,9 @@ fn circle(text: &str) -> [f64; 3] {
     let data = machine();
     let head = Machine::Head(HEAD);
     let kinematics = [Kinematic::new(9, &head.chain(), &data).expect("fits")];
-    let run = operate_transformed::<5, 120>(text, [Position::ZERO; 5], &data, &kinematics, (&[], 1000), 1_000_000)
-        .expect("runs");
+    let run =
+        operate_transformed::<5, 120>(text, [Position::ZERO; 5], &data, &kinematics, (&[], 1000), 1_000_000)
+            .expect("runs");
     let tips: Vec<[f64; 3]> = (0..run.trace.len())
         .map(|tick| {
             let mut row = run.trace.row(tick);
@@ -78,12 +80,14 @@ fn circle(text: &str) -> [f64; 3] {
         })
         .collect();
     let corners = corners();
-    let begins = tips.iter().position(|p| (p[0] + 80.0).hypot(p[1]) < 1e-5).expect("the start of the contour");
+    // The first block leads along the second one.
+    let begins = tips.iter().position(|p| p[0] < -1.0).expect("the start of the contour");
     let deviation = tips[begins..].iter().map(|p| off([p[0], p[1]], &corners)).fold(0.0, f64::max);
-    // Between 30 degrees and 330.
+    // Behind the way up to the speed, and before the one down to the corner at the end, where C stands still.
+    let angle = |p: &[f64; 3]| p[0].atan2(80.0 - p[1]).to_degrees().rem_euclid(360.0);
     let speeds: Vec<f64> = tips[begins..]
         .windows(2)
-        .filter(|w| w[1][1] > 11.0)
+        .filter(|w| w[1][1] > 5.0 && (30.0..290.0).contains(&angle(&w[1])))
         .map(|w| (w[1][0] - w[0][0]).hypot(w[1][1] - w[0][1]) / 0.004)
         .collect();
     let least = speeds.iter().copied().fold(f64::INFINITY, f64::min);

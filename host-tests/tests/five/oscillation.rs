@@ -54,5 +54,5 @@ fn a_motion_that_carries_the_axis_ends_its_oscillation() {
     let data = super::transformed::axes(1);
     let text = "#TRAFO ON\nZ[OSC ON 1ST_POS=-5 2ND_POS=5 FREQ=2]\nG91 G01 B20 F1000\n#TRAFO OFF\nM30\n";
     let run = run(0, &data, text).expect("runs");
-    run.keeps_limits(&data, 1, false).expect("limits");
+    run.keeps_limits(&data, 1, true).expect("limits");
 }

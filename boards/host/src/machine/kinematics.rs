@@ -110,7 +110,11 @@ impl Loader<'_> {
 
     fn data_set(&mut self, index: usize, value: &Spanned<DeValue<'_>>, machine: &mut Machine) {
         let DeValue::Table(table) = value.get_ref() else {
-            self.refuse(&value.span(), format!("channel.trafo[{index}] stands for a table"), "[[channel.trafo]]");
+            self.refuse(
+                &value.span(),
+                format!("channel.trafo[{index}] stands for a table"),
+                "[[channel.trafo]]",
+            );
             return;
         };
         let before = self.refused.len();
@@ -123,7 +127,8 @@ impl Loader<'_> {
             CA_HEAD => Chain::ca_head(&CaHead { param: set.param }),
             UNIVERSAL => Chain::universal(&set.universal),
             other => {
-                let message = format!("channel.trafo[{index}].type (P-CHAN-00829) = {other}: no such type here");
+                let message =
+                    format!("channel.trafo[{index}].type (P-CHAN-00829) = {other}: no such type here");
                 self.refuse(&value.span(), message, "9 (CA head) or 91 (universal)");
                 return;
             }
@@ -158,7 +163,11 @@ impl Loader<'_> {
             let Some((id, _)) = KEYS.iter().find(|(_, known)| *known == name) else {
                 let meant = crate::diagnose::nearest(name, KEYS.map(|(_, name)| name));
                 let expected = meant.map_or_else(String::new, |meant| format!("is `{meant}` meant?"));
-                self.refuse(&key.span(), format!("unknown parameter channel.trafo[{index}].{name}"), &expected);
+                self.refuse(
+                    &key.span(),
+                    format!("unknown parameter channel.trafo[{index}].{name}"),
+                    &expected,
+                );
                 continue;
             };
             let label = format!("channel.trafo[{index}].{name} ({id})");
