@@ -1,5 +1,5 @@
 //! Axes beside the path under a transformation.
-use glidepath::kinematics::{AXES, Kinematic};
+use glidepath::kinematics::{AXES, Chain, Kinematic};
 use glidepath::machine::MachineData;
 use host_tests::beside::{Run, run_transformed};
 use host_tests::five_axes;
@@ -39,6 +39,14 @@ fn the_axis_along_machine_z_alone_oscillates() {
         assert_eq!(error.is_some(), refused, "{axis}: {error:?}");
         assert!(error.is_none_or(|error| error.contains("along machine z")), "{axis}");
     }
+    // Linear axes that are not at right angles are no Cartesian base.
+    let mut askew = *five_axes::universal([0, 1, 2, 3, 4, 5], &[([1.0, 0.0, 0.0], [0; 3])]);
+    askew.axis[0].orientation = [1.0, 0.0, 0.2];
+    let chain = Chain::universal(&askew).expect("a machine");
+    let kinematics = [Kinematic::new(9, &chain, &data).expect("fits")];
+    let text = "#TRAFO ON\nZ[OSC ON 1ST_POS=-5 2ND_POS=5 FREQ=2 NBR_OSC=4]\nM30\n";
+    let refused = run_transformed(text, &data, &kinematics, &[], 40).err();
+    assert!(refused.is_some_and(|error| error.contains("at right angles")));
     // Independent motions of its axes are refused, those of others are not.
     let moves = |axis: &str| {
         let text = format!("#TRAFO ON\n{axis}[INDP_SYN G01 G90 POS=3 FEED=100]\nM30\n");

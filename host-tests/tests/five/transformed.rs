@@ -132,7 +132,8 @@ impl Block {
     fn off(&self, p: &Pose) -> (f64, f64) {
         // A full circle ends where it begins.
         let [a, b, c] = [self.share(p), 0.0, 1.0].map(|share| self.off_at(p, share));
-        let better = |a: (f64, f64), b: (f64, f64)| if b.0 < NEAR && (a.0 >= NEAR || b.1 < a.1) { b } else { a };
+        let better =
+            |a: (f64, f64), b: (f64, f64)| if b.0 < NEAR && (a.0 >= NEAR || b.1 < a.1) { b } else { a };
         better(better(a, b), c)
     }
 
