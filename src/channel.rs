@@ -31,6 +31,8 @@ mod error;
 mod filter;
 #[cfg(feature = "dialects")]
 mod force;
+#[cfg(feature = "kinematics")]
+mod kinematics;
 #[cfg(feature = "plc")]
 mod log;
 mod memory;
@@ -49,8 +51,8 @@ use crate::machine::{Synch, functions};
 use crate::math::divide::div_wide;
 use crate::math::wide::mul_shift;
 use crate::nc::{
-    Command, Contour, ContourMethod, Decoder, DwellTime, Head, Hsc, HscMethod, Kinematics, Motion, NcError,
-    NcWarning, NcWarningKind, Place, SlopeType, Spline, Step, Text,
+    Command, Contour, ContourMethod, Decoder, DwellTime, Head, Hsc, HscMethod, Motion, NcError, NcWarning,
+    NcWarningKind, Place, SlopeType, Spline, Step, Text,
 };
 pub use crate::plan::PlannedBlock;
 use crate::plan::{MotionError, Planning, Work};
@@ -232,6 +234,10 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
                 });
             }
         }
+        #[cfg(feature = "kinematics")]
+        if self.switches() {
+            return Ok(Progress::Working);
+        }
         #[cfg(feature = "plc")]
         if self.planning.waits_for_log() {
             return Ok(Progress::Waiting);
@@ -387,6 +393,10 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
     #[inline(never)]
     fn refuse_curve(&mut self) -> Error {
         self.refuse();
+        #[cfg(feature = "kinematics")]
+        if let Some((place, error)) = self.planning.take_unsplit() {
+            return self.error(place, MotionError::Split(error));
+        }
         match self.planning.take_refused() {
             Some((place, beyond)) => self.error(place, MotionError::Beyond(beyond)),
             None => Error::Unplannable,
@@ -400,6 +410,11 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
             MotionError::Beyond(beyond) => {
                 let name = self.decoder.setup().names.get(beyond.axis).copied();
                 Error::SoftwareLimit(place, name.unwrap_or_default(), beyond)
+            }
+            #[cfg(feature = "kinematics")]
+            MotionError::Split(split) => {
+                let name = self.decoder.setup().names.get(split.axis());
+                Error::NoTransformation(place, name.copied().unwrap_or_default(), split)
             }
             _ => Error::Motion(place, error),
         }
@@ -445,6 +460,8 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
     #[inline(never)]
     fn carry_out(&mut self, command: &Command<AXES>) -> Result<Progress, Error> {
         let refuse = |name| Err(Error::NotAvailable(command.place(), name));
+        #[cfg(feature = "kinematics")]
+        self.check_under(command)?;
         match command {
             Command::Dwell(head, DwellTime::Seconds(time)) => {
                 let at_corner = self.planning.rounds();
@@ -494,7 +511,10 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
                 return self.filter(head, filter);
             }
             Command::Filter(..) => {}
-            Command::Kinematics(_, Kinematics::Off) => {}
+            #[cfg(feature = "kinematics")]
+            Command::Kinematics(head, kinematics) => self.transform(head, *kinematics)?,
+            #[cfg(not(feature = "kinematics"))]
+            Command::Kinematics(_, crate::nc::Kinematics::Off) => {}
             #[cfg(feature = "plc")]
             Command::ContourLog(..) | Command::DistanceClear(_) => self.log(command)?,
             #[cfg(feature = "dialects")]

@@ -70,7 +70,7 @@
 //! | `fast` | fewer instructions for more flash, with `opt-level = 3` |
 //! | `dialects` | programs of LinuxCNC and Grbl |
 //! | `plc` | elements of the path ahead, for a PLC |
-//! | `kinematics` | transformations of machines with rotary axes; no command uses them yet |
+//! | `kinematics` | transformations of machines with rotary axes: `#KIN ID`, `#TRAFO` |
 //! | `defmt` | `defmt::Format` for errors and events |
 //!
 //! # Where to look in the sources

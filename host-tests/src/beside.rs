@@ -6,6 +6,7 @@ use crate::operate::{Act, TOO_LONG};
 use crate::properties::permitted;
 use glidepath::channel::{Channel, Handles, Progress};
 use glidepath::fir::{FilterPlan, FilterTick, Filters};
+use glidepath::kinematics::Kinematic;
 use glidepath::machine::{FilterType, MachineData};
 use glidepath::nc::NcWarning;
 use glidepath::quantity::Position;
@@ -68,6 +69,24 @@ pub fn run<const AXES: usize>(
     let mut filters: Box<Filters<AXES, TAPS>> = Box::new(Filters::new());
     let handles = channel.split_filtered(&mut filters, machine, start, text.as_bytes());
     run_with(handles.map_err(|error| error.to_string())?, acts, polls)
+}
+
+/// The same without filters, on a machine with these transformations; the first of them is the default.
+///
+/// # Errors
+/// The same.
+pub fn run_transformed<const AXES: usize>(
+    text: &str,
+    machine: &MachineData<AXES>,
+    kinematics: &[Kinematic],
+    acts: &[(usize, Act)],
+    polls: usize,
+) -> Result<Run, String> {
+    let mut channel: Box<Channel<AXES, BLOCKS, OVERLAYS>> = Box::new(Channel::new());
+    let handles = channel.split(machine, [Position::ZERO; AXES], text.as_bytes());
+    let mut handles = handles.map_err(|error| error.to_string())?;
+    handles.planner.transform_with(kinematics, kinematics.first().map_or(0, |first| first.id));
+    run_with(handles, acts, polls)
 }
 
 /// Those of any channel.

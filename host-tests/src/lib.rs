@@ -11,6 +11,7 @@
 //! | [`seeds`] | which random cases, the same ones each time and others |
 //! | [`never_slower`] | and is a smoothed program slower than standstills, less tolerance or less feed |
 //! | [`unlike`] | and do limits hold where axes are nothing alike |
+//! | [`five_axes`] | where the tool is on a machine with rotary axes |
 //! | [`trace`] | what the library made of them, tick by tick |
 //! | [`check`] | is that a permitted motion on the programmed contour (needs no reference) |
 //! | [`mod@reference`] | what would exact arithmetic have done |
@@ -40,6 +41,8 @@ pub mod cases;
 pub mod cam;
 
 pub mod cores;
+
+pub mod five_axes;
 
 pub mod seeds;
 

@@ -10,6 +10,7 @@ use crate::reference::planner::{Block, blocks};
 use crate::reference::profile::Profile;
 use crate::trace::Trace;
 use glidepath::channel::{Channel, Handles, Progress};
+use glidepath::kinematics::Kinematic;
 use glidepath::machine::{AxisData, MachineData};
 use glidepath::nc::{Text, TextError};
 use glidepath::operator::Operator;
@@ -163,6 +164,21 @@ pub fn operate_within<const AXES: usize, const BLOCKS: usize>(
     text: &str,
     start: [Position; AXES],
     machine: &MachineData<AXES>,
+    calls: (&[(usize, Act)], usize),
+    longest: usize,
+) -> Result<Operated, String> {
+    operate_transformed::<AXES, BLOCKS>(text, start, machine, &[], calls, longest)
+}
+
+/// The same on a machine with these transformations; the first of them is the default.
+///
+/// # Errors
+/// The same.
+pub fn operate_transformed<const AXES: usize, const BLOCKS: usize>(
+    text: &str,
+    start: [Position; AXES],
+    machine: &MachineData<AXES>,
+    kinematics: &[Kinematic],
     (acts, polls): (&[(usize, Act)], usize),
     longest: usize,
 ) -> Result<Operated, String> {
@@ -172,6 +188,7 @@ pub fn operate_within<const AXES: usize, const BLOCKS: usize>(
     let mut channel: Box<Channel<AXES, BLOCKS>> = Box::new(Channel::new());
     let Handles { mut planner, mut interpolator, operator } =
         channel.split(machine, start, &wire).map_err(|e| e.to_string())?;
+    planner.transform_with(kinematics, kinematics.first().map_or(0, |first| first.id));
     let over = acts.iter().map(|(_, act)| if let Act::Override(feed) = act { *feed } else { 0 });
     let mut run = Operated {
         trace: Trace::empty(f64::from(machine.channel.cycle_us) * 1e-6, AXES),

@@ -196,17 +196,28 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
             if matches!(pending, Some(Pending::Start(starts, ..)) if *starts == axis) {
                 continue;
             }
-            if self.planning.position().get(axis) != Some(&stands) {
+            if self.planning.stands().get(axis) != Some(&stands) {
                 if !self.planning.is_at_rest() || !self.planning.set_position(axis, stands) {
                     continue;
                 }
                 self.decoder.set_position(axis, stands);
+                #[cfg(feature = "kinematics")]
+                if self.planning.is_transformed() {
+                    self.decoder.stand_at(*self.planning.position());
+                }
             }
             overlay.give_back();
             single.release();
             done = true;
         }
         done
+    }
+
+    /// The decoder learns where an axis was brought by a motion of its own.
+    #[cfg(not(feature = "kinematics"))]
+    #[inline(always)]
+    fn learn(&mut self, axis: usize, position: Position) {
+        self.decoder.set_position(axis, position);
     }
 
     /// A command for a single axis waits until the path stands.
@@ -299,10 +310,10 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         if !shows {
             return Progress::Waiting;
         }
-        if self.planning.position().get(axis) != Some(&end) && !self.planning.set_position(axis, end) {
+        if self.planning.stands().get(axis) != Some(&end) && !self.planning.set_position(axis, end) {
             return Progress::Waiting;
         }
-        self.decoder.set_position(axis, end);
+        self.learn(axis, end);
         self.beside.pending = (awaited != 0).then_some(Pending::End(awaited));
         Progress::Working
     }
@@ -443,7 +454,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         if self.released & bit(axis) != 0 {
             return Err(Error::Motion(place, MotionError::Released));
         }
-        match self.planning.position().get(axis) {
+        match self.planning.stands().get(axis) {
             Some(from) if self.decoder.setup().kinds.get(axis) != Some(&AxisKind::Spindle) => Ok(*from),
             _ => Err(Error::NotAvailable(place, "a motion of this axis on its own")),
         }

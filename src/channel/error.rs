@@ -1,8 +1,12 @@
 //! Errors of machine data and of programs, with the messages that a user reads.
 use crate::fir::FilterError;
+#[cfg(feature = "kinematics")]
+use crate::kinematics::SplitError;
 use crate::machine::parameter::RangeError;
 use crate::machine::{AxisName, Beyond, SYNCHRONISED, Synch};
 use crate::nc::{NcError, Place};
+#[cfg(feature = "kinematics")]
+use crate::plan::SwitchError;
 use crate::plan::{MotionError, SplineError};
 use crate::quantity::Decimal;
 
@@ -76,6 +80,12 @@ pub enum Error {
     Motion(Place, MotionError),
     /// A motion block, or the curve of the corner before it, leads the axis of this name beyond its software limit.
     SoftwareLimit(Place, AxisName, Beyond),
+    /// The curve of a motion block has no transformation: for the axis of this name, where it is one.
+    #[cfg(feature = "kinematics")]
+    NoTransformation(Place, AxisName, SplitError),
+    /// The transformation does not change.
+    #[cfg(feature = "kinematics")]
+    Transformation(Place, SwitchError),
     /// #FILTER fails for the axis of this name.
     Filter(Place, AxisName, FilterError),
     /// A spline command is not permitted here.
@@ -100,6 +110,8 @@ impl Error {
             | Self::Filter(place, ..)
             | Self::Spline(place, _)
             | Self::PathAcceleration(place) => *place,
+            #[cfg(feature = "kinematics")]
+            Self::NoTransformation(place, ..) | Self::Transformation(place, _) => *place,
             Self::ReducedTooSlow | Self::Unplannable => Place::default(),
         }
     }
@@ -113,6 +125,8 @@ impl Error {
             Self::Motion(_, MotionError::ArcInSpline) => 120_254,
             Self::Spline(_, SplineError::InSpline) => 120_255,
             Self::Spline(_, SplineError::InHsc) => 120_370,
+            #[cfg(feature = "kinematics")]
+            Self::Transformation(_, SwitchError::Active(_)) => 20_687,
             _ => 0,
         }
     }
@@ -138,6 +152,12 @@ impl core::fmt::Display for Error {
                 f.write_str("axis ")?;
                 software_limit(f, axis.as_str(), beyond)
             }
+            #[cfg(feature = "kinematics")]
+            Self::Motion(_, MotionError::Split(error)) => error.fmt(f),
+            #[cfg(feature = "kinematics")]
+            Self::NoTransformation(_, axis, error) => error.tell(f, axis.as_str()),
+            #[cfg(feature = "kinematics")]
+            Self::Transformation(_, error) => error.fmt(f),
             Self::Filter(_, axis, error) => {
                 if error.axis().is_some() {
                     write!(f, "axis {}: ", axis.as_str())?;

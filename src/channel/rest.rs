@@ -170,6 +170,9 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         if !self.planning.set_position(axis, position) {
             return Err(PositionError::NotAtRest);
         }
+        #[cfg(feature = "kinematics")]
+        self.learn(axis, position);
+        #[cfg(not(feature = "kinematics"))]
         self.decoder.set_position(axis, position);
         Ok(())
     }

@@ -98,6 +98,9 @@ pub struct Dynamics<const AXES: usize> {
     bends_have_jerk: bool,
     /// Filters with AX_DEV.
     watched: Watched,
+    /// The axes of smoothed elements are not those of the machine: a transformation follows.
+    #[cfg(feature = "kinematics")]
+    is_transformed: bool,
 }
 
 /// Limits of an element: along the path, at its transitions, and with an override.
@@ -142,12 +145,34 @@ impl<const AXES: usize> Dynamics<AXES> {
             bends_have_jerk: machine.channel.corr_v_trans_jerk,
             reduces: machine.axes.iter().any(|axis| axis.vb_max_red > 0),
             watched: Watched::NONE,
+            #[cfg(feature = "kinematics")]
+            is_transformed: false,
         };
         // One after the other: all of them are large.
         for (axis, data) in new.axes.iter_mut().zip(&machine.axes) {
             *axis = Axis::new(data, &machine.channel, slope);
         }
         new
+    }
+
+    /// Elements are transformed between smoothers and axes from now on, or not any more.
+    #[cfg(feature = "kinematics")]
+    pub fn set_transformed(&mut self, is_transformed: bool) {
+        self.is_transformed = is_transformed;
+        self.count();
+    }
+
+    /// Whether elements are transformed between smoothers and axes: what the axes permit is not known before.
+    #[cfg(feature = "kinematics")]
+    pub const fn is_transformed(&self) -> bool {
+        self.is_transformed
+    }
+
+    /// Never in a build without transformations.
+    #[cfg(not(feature = "kinematics"))]
+    #[inline(always)]
+    pub const fn is_transformed(&self) -> bool {
+        false
     }
 
     /// Weights the axes in the elements that follow. The transition to the first of them belongs to both

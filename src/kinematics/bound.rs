@@ -70,6 +70,14 @@ impl Series {
         Self(e)
     }
 
+    /// The sum with another one.
+    fn sum(mut self, b: &Self) -> Self {
+        for (c, b) in self.0.iter_mut().zip(&b.0) {
+            *c += b;
+        }
+        self
+    }
+
     /// With a constant added.
     fn plus(mut self, x: f64) -> Self {
         self.0[0] += x;
@@ -82,6 +90,14 @@ fn turn(course: &Course, rotary: &Rotary) -> Series {
     let none = [0.0; 6];
     let angle = course.angles.get(usize::from(rotary.slot)).unwrap_or(&none);
     Series::polynomial(&angle.map(|c| c.abs() * RADIANS)).turn()
+}
+
+/// The radius of an arc.
+fn round(course: &Course) -> Series {
+    let Some(round) = &course.round else { return Series::constant(0.0) };
+    let turn = [0.0, round.degrees.abs() * RADIANS, 0.0, 0.0, 0.0, 0.0];
+    let radius = [round.radius.length(), round.growth.length(), 0.0, 0.0, 0.0, 0.0];
+    Series::polynomial(&radius).times(&Series::polynomial(&turn).turn())
 }
 
 /// What the distance between two centres adds before and after a turn about `u`: the part across it and the part
@@ -97,10 +113,12 @@ pub fn stray(chain: &Chain, course: &Course) -> f64 {
     let [start, rest @ ..] = course.tip;
     let [a, b, c, d, e] = rest.map(Vector::length);
     let mut rotaries = chain.base.iter().flatten();
-    let mut outer = Series::constant(0.0);
+    // Without a rotary axis before the linear ones a polynomial of the tip is one of the axes.
+    let arc = round(course);
+    let mut outer = arc;
     if let Some(first) = rotaries.next() {
         let from = start.minus(first.point).length();
-        outer = Series::polynomial(&[from, a, b, c, d, e]).times(&turn(course, first));
+        outer = Series::polynomial(&[from, a, b, c, d, e]).sum(&arc).times(&turn(course, first));
         let mut centre = first.point;
         for rotary in rotaries {
             let (across, along) = split(centre.minus(rotary.point), rotary.direction);

@@ -7,7 +7,7 @@
 //! bit, and two neighbours meet exactly.
 use super::bound::stray;
 use super::chain::{AXES, Chain, ROTARIES};
-use super::vector::{Jet, RADIANS, Vector, nearest, number, position};
+use super::vector::{Jet, RADIANS, Spin, Vector, nearest, number, position};
 use crate::math::wide::mul_shift;
 use crate::quantity::Position;
 use core::fmt;
@@ -22,10 +22,38 @@ pub const MOST_CELLS: u32 = 1 << 16;
 /// A curve in workpiece coordinates: polynomials over the share 0 to 1 of its path distance, constant first.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Course {
-    /// The tip, mm.
+    /// The tip, mm; of an arc its centre.
     pub tip: [Vector; 6],
+    /// What an arc adds to that.
+    pub round: Option<Round>,
     /// Rotary axes by index, degree.
     pub angles: [[f64; 6]; ROTARIES],
+    /// Axes that are not in the chain, by index, mm or degree. Those of the chain are not looked at.
+    pub others: [[f64; 6]; AXES],
+}
+
+/// The radius of an arc, turned evenly over its path distance.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Round {
+    /// From the centre to the start, mm.
+    pub radius: Vector,
+    /// What comes to the radius until the end, before it is turned, mm.
+    pub growth: Vector,
+    /// About which it turns: a unit vector.
+    pub normal: Vector,
+    /// By which angle until the end, degree; at most 200 000.
+    pub degrees: f64,
+}
+
+impl Round {
+    /// The radius with its derivatives at `share`.
+    fn at(&self, share: f64) -> Jet {
+        let radius = self.radius.plus(self.growth.times(share));
+        let angle = position(self.degrees * share).unwrap_or(Position::ZERO);
+        let spin = Spin { first: self.degrees * RADIANS, ..Spin::at(angle) };
+        let grown = Jet { point: radius, first: self.growth, second: Vector::ZERO };
+        grown.turned(spin, self.normal, Vector::ZERO)
+    }
 }
 
 impl Course {
@@ -37,17 +65,26 @@ impl Course {
         for ((course, from), to) in angles.iter_mut().zip(&from.1).zip(&to.1) {
             (course[0], course[1]) = (number(*from), number(*to) - number(*from));
         }
-        Self { tip, angles }
+        Self { tip, round: None, angles, others: [[0.0; 6]; AXES] }
+    }
+
+    /// Whether every axis of `chain` moves in proportion to the path distance: a straight line without a turn.
+    pub fn is_straight(&self) -> bool {
+        let bent = self.tip.iter().skip(2).any(|c| *c != Vector::ZERO);
+        let turns = self.angles.iter().any(|c| c.iter().skip(1).any(|c| *c != 0.0));
+        let others = self.others.iter().any(|c| c.iter().skip(2).any(|c| *c != 0.0));
+        !bent && !turns && !others && self.round.is_none()
     }
 
     /// The tip with its derivatives at `share`.
     fn tip_at(&self, share: f64) -> Jet {
         let zero = Jet::at(Vector::ZERO);
-        self.tip.iter().rev().fold(zero, |jet, c| Jet {
+        let tip = self.tip.iter().rev().fold(zero, |jet, c| Jet {
             second: jet.second.times(share).plus(jet.first.times(2.0)),
             first: jet.first.times(share).plus(jet.point),
             point: jet.point.times(share).plus(*c),
-        })
+        });
+        self.round.map_or(tip, |round| tip.plus(round.at(share)))
     }
 }
 
@@ -68,15 +105,38 @@ pub enum SplitError {
     Format(u8),
 }
 
+impl SplitError {
+    /// The index of its axis, beyond all of them where none is named.
+    pub const fn axis(self) -> usize {
+        match self {
+            Self::TooCurved => usize::MAX,
+            Self::Range(axis) | Self::Format(axis) => axis as usize,
+        }
+    }
+
+    /// What is said about an axis of that name.
+    pub fn tell(self, f: &mut fmt::Formatter<'_>, axis: &str) -> fmt::Result {
+        match self {
+            Self::TooCurved => write!(
+                f,
+                "transformation: the block needs more than {MOST_CELLS} polynomials; expected a shorter block or less turn"
+            ),
+            Self::Range(_) => {
+                write!(f, "transformation: axis {axis} would leave the range of -200000 to 200000")
+            }
+            Self::Format(_) => {
+                write!(
+                    f,
+                    "transformation: axis {axis} moves too far in one polynomial; expected a shorter block"
+                )
+            }
+        }
+    }
+}
+
 impl fmt::Display for SplitError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::TooCurved => write!(f, "transformation: a block needs more than {MOST_CELLS} polynomials"),
-            Self::Range(axis) => {
-                write!(f, "transformation: axis {axis} leaves the range of -200000 to 200000")
-            }
-            Self::Format(axis) => write!(f, "transformation: axis {axis} moves too far in one polynomial"),
-        }
+        self.tell(f, "of the chain")
     }
 }
 
@@ -89,6 +149,13 @@ struct Node {
     value: [[f64; 3]; AXES],
 }
 
+impl Node {
+    /// First and second derivative by the share of a cell that is `h` of the course.
+    fn slopes(&self, h: f64) -> [[f64; 2]; AXES] {
+        self.value.map(|[_, first, second]| [first * h, second * h * h])
+    }
+}
+
 /// A quintic polynomial of every axis over the share 0 to 1 of its path distance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cell {
@@ -96,16 +163,18 @@ pub struct Cell {
     pub start: [Position; AXES],
     /// Coefficients of the first to fifth power, 2^-42 mm or degree.
     pub power: [[i64; 5]; AXES],
+    /// First and second derivative at both ends, mm or degree: those of neighbours agree but for the length.
+    pub ends: [[[f64; 2]; AXES]; 2],
 }
 
 /// Coefficients stay below this magnitude: 32 768 mm.
 const LARGEST: i64 = 1 << 57;
 /// Bits of a coefficient below the LSB of a position.
-const FINER: u32 = 10;
+pub(super) const FINER: u32 = 10;
 const SCALE: f64 = (1u64 << 42) as f64;
 /// Most that the linear coefficient may differ from the first derivative, 2^-42: the rounding of both ends (2^9
-/// each), of four coefficients, and of numbers up to 2^18 in 53 bits.
-const SLACK: i64 = 1 << 12;
+/// each), of four coefficients, of numbers up to 2^18 in 53 bits, and of a start that is given.
+const SLACK: i64 = 1 << 13;
 
 impl Cell {
     /// Positions at `share`·2^-62 of the cell's path distance, `share` in 0..=2^62; rounded to nearest.
@@ -145,7 +214,8 @@ impl Cell {
 
     /// The cell between two nodes, which are `h` of the course apart; verified.
     fn between(from: &Node, to: &Node, h: f64) -> Result<Self, SplitError> {
-        let mut cell = Self { start: from.position, power: [[0; 5]; AXES] };
+        let mut cell =
+            Self { start: from.position, power: [[0; 5]; AXES], ends: [from.slopes(h), to.slopes(h)] };
         let ends = from.value.iter().zip(&to.value).zip(from.position.iter().zip(&to.position));
         for (k, (place, ((v0, v1), (x0, x1)))) in cell.power.iter_mut().zip(ends).enumerate() {
             let ([f0, d0, a0], [f1, d1, a1]) = (*v0, *v1);
@@ -204,6 +274,32 @@ impl<'a> Splitter<'a> {
         Ok(Self { chain, course, cells, made: 0, node })
     }
 
+    /// The same from exactly these positions, at which the axes stand: the transformation of the tip may differ
+    /// from them by its rounding.
+    pub const fn starting_at(mut self, axes: [Position; AXES]) -> Self {
+        self.node.position = axes;
+        self
+    }
+
+    /// Whether the axes move in proportion to the path distance.
+    pub fn is_straight(&self) -> bool {
+        self.course.is_straight()
+    }
+
+    /// Begins the course once more.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn again(&self, axes: [Position; AXES]) -> Result<Self, SplitError> {
+        let node = node(self.chain, &self.course, 0.0)?;
+        Ok(Self { made: 0, node, ..*self }.starting_at(axes))
+    }
+
+    /// The number of the next cell, from 0.
+    pub const fn made(&self) -> u32 {
+        self.made
+    }
+
     /// How many cells the course becomes.
     pub const fn cells(&self) -> u32 {
         self.cells
@@ -232,6 +328,12 @@ impl<'a> Splitter<'a> {
 /// The axes at `share` of a course.
 fn node(chain: &Chain, course: &Course, share: f64) -> Result<Node, SplitError> {
     let mut node = Node { position: [Position::ZERO; AXES], value: [[0.0; 3]; AXES] };
+    for (k, (other, places)) in
+        course.others.iter().zip(node.position.iter_mut().zip(&mut node.value)).enumerate()
+    {
+        let value = horner(other, share);
+        (*places.0, *places.1) = (position(value[0]).ok_or(SplitError::Range(k as u8))?, value);
+    }
     let (mut angles, mut rates) = ([Position::ZERO; ROTARIES], [[0.0; 2]; ROTARIES]);
     for rotary in chain.rotaries() {
         let slot = usize::from(rotary.slot);

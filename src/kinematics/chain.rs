@@ -164,6 +164,34 @@ impl Chain {
         self.base.iter().chain(&self.head).flatten().copied()
     }
 
+    /// Indices of the linear axes, in the order of the chain.
+    pub fn linear_axes(&self) -> [usize; 3] {
+        self.linear.map(|linear| usize::from(linear.axis))
+    }
+
+    /// Whether the linear axes are at right angles.
+    pub fn is_cartesian(&self) -> bool {
+        let [a, b, c] = self.linear.map(|linear| linear.direction);
+        [a.dot(b), b.dot(c), c.dot(a)].iter().all(|cosine| cosine.abs() < APART)
+    }
+
+    /// Whether each linear axis moves the tip along one coordinate of the workpiece, its own: no rotary axis is before
+    /// them, and they are along x, y and z.
+    pub fn is_upright(&self) -> bool {
+        let aligned = |direction: Vector| {
+            let Vector { x, y, z } = direction;
+            [x, y, z].iter().filter(|x| x.abs() > APART).count() == 1
+        };
+        self.base.iter().all(Option::is_none) && self.linear.iter().all(|linear| aligned(linear.direction))
+    }
+
+    /// Whether this linear axis is along machine z.
+    pub fn is_along_z(&self, axis: usize) -> bool {
+        let z = Vector::new(0.0, 0.0, 1.0);
+        let own = self.linear.iter().find(|linear| usize::from(linear.axis) == axis);
+        own.is_some_and(|linear| linear.direction.cross(z).length() < APART)
+    }
+
     /// Tip of the tool (mm) and the direction from tip to holder, for positions of the axes (mm, degree).
     pub fn forward(&self, axes: &[Position; AXES]) -> (Vector, Vector) {
         let (mut tip, mut tool) = (self.tip, self.tool);

@@ -12,11 +12,13 @@ pub mod bound;
 pub mod cells;
 pub mod chain;
 pub mod data;
+pub mod element;
 pub mod orientation;
 pub mod vector;
 
-pub use cells::{Cell, Course, SplitError, Splitter};
+pub use cells::{Cell, Course, Round, SplitError, Splitter};
 pub use chain::{AXES, Chain, ROTARIES};
 pub use data::{CaHead, DataError, Universal, UniversalAxis};
+pub use element::{Kinematic, Unfit};
 pub use orientation::Reach;
 pub use vector::Vector;

@@ -151,6 +151,15 @@ impl Jet {
         Self { point, first: Vector::ZERO, second: Vector::ZERO }
     }
 
+    /// The sum.
+    pub fn plus(self, b: Self) -> Self {
+        Self {
+            point: self.point.plus(b.point),
+            first: self.first.plus(b.first),
+            second: self.second.plus(b.second),
+        }
+    }
+
     /// The difference.
     pub fn minus(self, b: Self) -> Self {
         Self {

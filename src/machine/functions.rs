@@ -13,6 +13,7 @@
 //! | `filters` | `#FILTER`, P-AXIS-00586 | |
 //! | `beside` | `[OSC …]`, `[INDP …]`, `#WAIT INDP` | |
 //! | `dialects` (off by default) | the words of LinuxCNC and Grbl | programs are ISG's |
+//! | `kinematics` (off by default) | `#KIN ID`, `#TRAFO` | they are refused |
 //! | `plc` (off by default) | `#CONTOUR LOOKAHEAD LOG`, `#DISTANCE PROG START CLEAR` | they are refused |
 //!
 //! The feature `fast` is no function: with it the compiler copies more functions into their callers, and the table of sines

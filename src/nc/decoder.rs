@@ -267,6 +267,12 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
         self.interpreter.stand_there(axis, position);
     }
 
+    /// All axes of the program stand there: behind a change of the transformation.
+    #[cfg(feature = "kinematics")]
+    pub fn stand_at(&mut self, position: [Position; AXES]) {
+        self.interpreter.stand_at(position);
+    }
+
     /// Sets the offset of an axis in a zero offset, 0…5 for G54…G59. It applies from the next line on, also if that zero
     /// offset is active. Returns `false` if there is no such set or axis, or the offset is outside of ±[`COORDINATE_MAX`].
     #[must_use]

@@ -20,6 +20,8 @@ mod line;
 pub mod measure;
 mod merge;
 pub mod poly;
+#[cfg(feature = "kinematics")]
+pub mod powers;
 
 pub(crate) use arc::arc_to;
 pub use arc::{arc, centre_of_radius};

@@ -63,7 +63,7 @@ pub enum Passage {
 
 impl<const AXES: usize> Bounds<AXES> {
     /// Of axes that are to be made.
-    const fn none(fastest: f32) -> Self {
+    pub(super) const fn none(fastest: f32) -> Self {
         let none = [0.0; AXES];
         Self { first: none, second: none, third: none, fastest, passage: Passage::Varying }
     }
@@ -98,7 +98,7 @@ impl<const AXES: usize> Bounds<AXES> {
 
     /// Those of an axis over 0..1; `per`: 1 mm of path.
     #[cfg_attr(feature = "fast", inline(always))]
-    fn set(&mut self, k: usize, [first, second, third]: &[f32; 3], per: f32) -> Option<()> {
+    pub(super) fn set(&mut self, k: usize, [first, second, third]: &[f32; 3], per: f32) -> Option<()> {
         *self.first.get_mut(k)? = first * per;
         *self.second.get_mut(k)? = second * per * per;
         *self.third.get_mut(k)? = third * per * per * per;
@@ -385,7 +385,7 @@ impl<const AXES: usize> Shape<AXES> {
 }
 
 /// What all axes of an element have in common.
-struct Scale {
+pub(super) struct Scale {
     /// mm: as it is; its square; and as mantissa·2^`up`, with a mantissa of 24 bits and 38 zeros.
     length: f32,
     square: f32,
@@ -399,7 +399,7 @@ struct Scale {
 
 impl Scale {
     /// `end_w` and `reciprocal`: those of the shape.
-    fn new(length: f32, end_w: i64, reciprocal: i64) -> Self {
+    pub(super) fn new(length: f32, end_w: i64, reciprocal: i64) -> Self {
         let bits = length.to_bits();
         let mantissa = i64::from(bits & 0x7f_ffff | 0x80_0000) << 38;
         let up = (bits >> 23) as i32 - 150 - 38;
@@ -471,7 +471,7 @@ impl Scale {
 
     /// Coefficients over 0..1 with so many places become those over τ.
     #[cfg_attr(feature = "fast", inline(always))]
-    fn scaled<const N: usize>(&self, a: [i64; N], point: i32) -> Option<Scaled<N>> {
+    pub(super) fn scaled<const N: usize>(&self, a: [i64; N], point: i32) -> Option<Scaled<N>> {
         let zeros = a.iter().fold(0, |bits, a| bits | a.unsigned_abs()).leading_zeros() as i32;
         if zeros == 64 {
             return Some(Scaled { coefficients: [0; N], down: 0, powers: [0.0; N] });
@@ -515,12 +515,12 @@ struct Cubic {
 }
 
 /// What comes to the linear part, without bounds.
-struct Scaled<const N: usize> {
+pub(super) struct Scaled<const N: usize> {
     /// Coefficients from the second power on, and their exponent.
-    coefficients: [i32; N],
-    down: u8,
+    pub(super) coefficients: [i32; N],
+    pub(super) down: u8,
     /// The same as numbers over 0..1.
-    powers: [f32; N],
+    pub(super) powers: [f32; N],
 }
 
 /// Coefficients of the second to the fifth power over 0..1: travel, slopes and second derivatives at both
@@ -539,7 +539,7 @@ fn most(x: &[f32]) -> f32 {
 }
 
 /// Largest magnitude of the first derivative over 0..1, and what rounding here may hide.
-fn fastest(a1: f32, [a2, a3, a4, a5]: [f32; 4]) -> f32 {
+pub(super) fn fastest(a1: f32, [a2, a3, a4, a5]: [f32; 4]) -> f32 {
     // Powers p0…pn become Bernstein coefficients Σ C(i,j)/C(n,j)·p_j.
     let p = [a1, 2.0 * a2, 3.0 * a3, 4.0 * a4, 5.0 * a5];
     let (q1, q2, q3) = (p[1] * 0.25, p[2] * (1.0 / 6.0), p[3] * 0.25);
@@ -563,7 +563,7 @@ fn fastest_of_cubic(a1: f32, [a2, a3]: [f32; 2]) -> f32 {
 const SEEN: f32 = 1.0 + 1.0 / 1_048_576.0;
 
 /// The same of the second and the third derivative.
-fn bends([a2, a3, a4, a5]: [f32; 4]) -> [f32; 2] {
+pub(super) fn bends([a2, a3, a4, a5]: [f32; 4]) -> [f32; 2] {
     let [b0, b1, b2, b3] = [2.0 * a2, 6.0 * a3, 12.0 * a4, 20.0 * a5];
     let second = |u: f32| b0 + u * (b1 + u * (b2 + u * b3));
     let third = |u: f32| b1 + u * (2.0 * b2 + u * (3.0 * b3));

@@ -385,7 +385,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
             Step::Laws => {}
         }
         if !matches!(core::mem::replace(step, Step::Laws), Step::Laws)
-            && let Some(stands) = self.stands()
+            && let Some(stands) = self.stands_at()
         {
             // Where the motion stands by itself, it does so before a dwell.
             let at = self.frontier.end;
@@ -394,7 +394,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
             return Ok((by_itself.unwrap_or(at), stands));
         }
         for _ in 0..LAWS {
-            if let Some(stands) = self.stands() {
+            if let Some(stands) = self.stands_at() {
                 return Ok((self.frontier.end, stands));
             }
             if self.frontier.planned >= self.committed.len() {
@@ -418,7 +418,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
     }
 
     /// Path distance of the standstill, if the laws have come to it.
-    fn stands(&self) -> Option<i64> {
+    fn stands_at(&self) -> Option<i64> {
         let Frontier { planned, speed, .. } = self.frontier;
         if self.orders.mode.halting {
             return self.committed.get(planned).map(|span| span.start.to_bits()).or(self.reserve.behind);

@@ -541,7 +541,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         self.queue.clock.settle();
         self.functions.clear(self.queue.control);
         (self.task.reopened, self.task.joining, self.task.stood) = (false, false, false);
-        self.intake.programmed = self.intake.entered;
+        self.intake.stand();
         self.intake.taken = self.report.begun;
         self.intake.smoothing.clear();
         self.intake.held.clear();

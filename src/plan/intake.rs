@@ -4,6 +4,8 @@ use super::Planning;
 use super::functions::Functions;
 use super::held_line::HeldLine;
 use crate::dynamics::{Dynamics, Permitted};
+#[cfg(feature = "kinematics")]
+use crate::kinematics::SplitError;
 use crate::lookahead::{Ring, SLOWEST};
 use crate::machine::{Beyond, Synch, Travel};
 use crate::math::float::to_f32;
@@ -34,6 +36,9 @@ pub enum MotionError {
     ArcInSpline,
     /// It leads beyond a software limit.
     Beyond(Beyond),
+    /// Its curve has no transformation.
+    #[cfg(feature = "kinematics")]
+    Split(SplitError),
 }
 
 impl From<PathError> for MotionError {
@@ -205,6 +210,10 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
             MotionKind::Rapid => None,
             _ => Some(to_f32(motion.feed.to_bits()) * (1.0 / 4_294_967_296.0)),
         };
+        #[cfg(feature = "kinematics")]
+        if self.is_transformed() {
+            return self.take_transformed(motion, feed);
+        }
         match motion.kind {
             MotionKind::Rapid | MotionKind::Line if self.intake.smoothing.is_idle() => {
                 self.take_line(motion, feed)
@@ -265,7 +274,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
     }
 
     /// A line on which no axis moves: what comes with it is with the block before.
-    fn join_last(&mut self, motion: &Motion<AXES>) {
+    pub(super) fn join_last(&mut self, motion: &Motion<AXES>) {
         self.functions.settle(false, false);
         if motion.exact_stop {
             self.stop_before();
@@ -330,7 +339,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
 
     /// The centre of an arc.
     #[cfg_attr(feature = "fast", inline(always))]
-    fn centre(
+    pub(super) fn centre(
         &self,
         motion: &Motion<AXES>,
         (plane, clockwise, by): (Plane, bool, ArcBy),
@@ -368,7 +377,15 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
             let centre = self.centre(motion, (plane, clockwise, by))?;
             let mut element = Element::BLANK;
             path::arc_to([from, to], (centre, plane, clockwise), &self.measure, &mut element)?;
+            #[cfg(feature = "kinematics")]
+            if self.is_transformed() {
+                return Ok(());
+            }
             return Ok(self.stays(motion, &element, &centre)?);
+        }
+        #[cfg(feature = "kinematics")]
+        if self.is_transformed() {
+            return path::straight_line(from, to, &self.measure).map(|_| ()).map_err(MotionError::from);
         }
         self.intake.travel.line(from, to)?;
         path::straight_line(from, to, &self.measure)?;
@@ -399,7 +416,11 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         let ends = motion.target.iter().zip(&self.intake.programmed);
         let moves = |(k, (to, from))| to != from || turned.contains(&Some(k));
         let moved = ends.enumerate().filter(|end| moves(*end));
-        moved.fold(self.intake.smoothing.swung(), |axes, (k, _)| axes | 1u32.wrapping_shl(k as u32))
+        let moved =
+            moved.fold(self.intake.smoothing.swung(), |axes, (k, _)| axes | 1u32.wrapping_shl(k as u32));
+        #[cfg(feature = "kinematics")]
+        let moved = self.kinematic().map_or(moved, |kinematic| kinematic.carried(moved));
+        moved
     }
 
     /// Contour mode changes. Only after [`super::Work::Hungry`]; `in_motion`: the command stands in a motion
@@ -419,7 +440,10 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
     /// It is refused, and nothing has changed.
     pub fn spline(&mut self, command: &Spline<AXES>) -> Result<Option<NcWarningKind>, SplineError> {
         self.let_go();
-        let before = Before { taken: self.intake.taken, exit: self.lookahead.ring.exit() };
+        let exit = self.lookahead.ring.exit();
+        #[cfg(feature = "kinematics")]
+        let exit = if self.is_transformed() { self.intake.transform.exit() } else { exit };
+        let before = Before { taken: self.intake.taken, exit };
         self.intake.smoothing.spline(command, &before)
     }
 
@@ -487,13 +511,13 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
 
     /// A block of that length does not take too long at the speed `v`.
     #[cfg_attr(feature = "fast", inline(always))]
-    fn in_time(v: f32, length: Distance) -> Result<(), MotionError> {
+    pub(super) fn in_time(v: f32, length: Distance) -> Result<(), MotionError> {
         if to_f32(length.to_bits()) > v * SLOWEST { Err(MotionError::TooSlow) } else { Ok(()) }
     }
 
     /// What goes with a block.
     #[cfg_attr(feature = "fast", inline(always))]
-    fn pass(&self, motion: &Motion<AXES>, feed: Option<f32>) -> Result<Pass, MotionError> {
+    pub(super) fn pass(&self, motion: &Motion<AXES>, feed: Option<f32>) -> Result<Pass, MotionError> {
         // A block without motion needs no feed: it does not come here.
         if feed.is_some_and(|feed| feed <= 0.0) {
             return Err(MotionError::NoFeed);
@@ -503,7 +527,12 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
 
     /// A block as the smoother takes it, but for its element: as an argument that would be copied.
     #[cfg_attr(feature = "fast", inline(always))]
-    fn programmed(&self, form: Form, motion: &Motion<AXES>, feed: Option<f32>) -> ProgrammedBlock<AXES> {
+    pub(super) fn programmed(
+        &self,
+        form: Form,
+        motion: &Motion<AXES>,
+        feed: Option<f32>,
+    ) -> ProgrammedBlock<AXES> {
         let (from, to) = (self.intake.programmed, motion.target);
         let data = Data {
             feed,
@@ -516,7 +545,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
     }
 
     /// The smoother takes a block.
-    fn round(&mut self, block: &ProgrammedBlock<AXES>) {
+    pub(super) fn round(&mut self, block: &ProgrammedBlock<AXES>) {
         let parting = if self.functions.are_awaited() {
             Parting::Awaited
         } else if self.functions.are_open() || self.queue.segments.is_crowded(block.data.number) {
@@ -529,7 +558,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
     }
 
     /// A block has been taken in.
-    fn advance(&mut self, motion: &Motion<AXES>) {
+    pub(super) fn advance(&mut self, motion: &Motion<AXES>) {
         self.intake.programmed = motion.target;
         self.intake.taken = self.intake.taken.wrapping_add(1);
     }
@@ -588,6 +617,10 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
     /// The next element of the smoother goes into the look-ahead; `false` if there is none.
     #[inline(never)]
     pub(super) fn pass_smoothed(&mut self) -> bool {
+        #[cfg(feature = "kinematics")]
+        if self.is_transformed() {
+            return self.transform_smoothed();
+        }
         let Self { lookahead, functions, dynamics, intake, queue, .. } = self;
         #[cfg(feature = "plc")]
         let recorder = &mut intake.recorder;
@@ -635,7 +668,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         self.intake.smoothing.clear();
         self.intake.held.clear();
         self.functions.drop_unplaced(self.queue.control);
-        self.intake.programmed = self.intake.entered;
+        self.intake.stand();
     }
 
     /// Hands over what is to happen between the last block taken in and the next one; `in_motion`: it was

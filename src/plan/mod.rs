@@ -13,6 +13,7 @@
 //! | `late` | what happens when text or room for functions is missing |
 //! | `forecast` | what a PLC asks about what comes (feature `plc`) |
 //! | `log` | what the PLC is told of the path ahead (feature `plc`) |
+//! | `transform` | how elements of tip and angles become those of the axes (feature `kinematics`) |
 //! | `stand` | where the axes stand at rest, and what a new program begins with |
 mod acknowledge;
 mod change;
@@ -34,6 +35,8 @@ mod search;
 mod short_stop;
 mod slower;
 mod stand;
+#[cfg(feature = "kinematics")]
+mod transform;
 mod turning;
 
 #[cfg(feature = "plc")]
@@ -63,6 +66,8 @@ use hold::{Mode, REACTION};
 pub use intake::MotionError;
 use reserve::{FAR, Reserve};
 use search::Search;
+#[cfg(feature = "kinematics")]
+pub use transform::{Split, SwitchError};
 use turning::Turning;
 
 /// Where the ring is handed on.
@@ -179,6 +184,17 @@ struct Intake<'a, const AXES: usize> {
     /// Memory for the question of the standstill.
     #[cfg(feature = "plc")]
     inquiry: Option<&'a mut Inquiry>,
+    #[cfg(feature = "kinematics")]
+    transform: transform::Transform<'a, AXES>,
+}
+
+#[cfg(not(feature = "kinematics"))]
+impl<const AXES: usize> Intake<'_, AXES> {
+    /// What was taken in ends where the curves of the look-ahead end.
+    #[inline(always)]
+    const fn stand(&mut self) {
+        self.programmed = self.entered;
+    }
 }
 
 /// The blocks whose limits are those of now.
@@ -408,6 +424,8 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
                 recorder: None,
                 #[cfg(feature = "plc")]
                 inquiry: None,
+                #[cfg(feature = "kinematics")]
+                transform: transform::Transform::new(start),
             },
             lookahead: Lookahead::new(lookahead, depth),
             task: Task::NONE,
@@ -601,6 +619,10 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         if self.lookahead.ring.is_empty() {
             self.follow_level();
         }
+        #[cfg(feature = "kinematics")]
+        if self.intake.transform.is_busy() {
+            return self.pass_transformed();
+        }
         if !self.intake.smoothing.is_empty() && self.round_off() {
             return if self.intake.refused.is_some() { Work::Refused } else { Work::Working };
         }
@@ -645,6 +667,10 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
 
     /// Whether more blocks come into the ring: of the program, or of what the smoother still holds of it.
     pub(super) fn is_open(&self) -> bool {
+        #[cfg(feature = "kinematics")]
+        if self.intake.transform.is_busy() {
+            return true;
+        }
         !self.task.flush || self.intake.smoothing.holds() || !self.intake.held.is_none()
     }
 

@@ -9,6 +9,10 @@ use crate::smooth::Smoother;
 impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     /// Whether the axes stand and all that was taken in is executed.
     pub fn is_at_rest(&self) -> bool {
+        #[cfg(feature = "kinematics")]
+        if self.intake.transform.is_busy() {
+            return false;
+        }
         let taken_in = !self.lookahead.ring.is_empty()
             || !self.intake.held.is_none()
             || !self.intake.smoothing.is_empty();
@@ -37,16 +41,25 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         &self.intake.programmed
     }
 
+    /// Where the axes stand at rest, to the last bit.
+    pub fn stands(&self) -> &[Position; AXES] {
+        #[cfg(feature = "kinematics")]
+        if self.is_transformed() {
+            return &self.intake.entered;
+        }
+        &self.intake.programmed
+    }
+
     /// Whether an axis may go from there to `target` alone.
     ///
     /// # Errors
     /// Its software limit.
     pub fn may_go(&self, axis: usize, target: Position) -> Result<(), Beyond> {
-        let mut to = self.intake.programmed;
+        let mut to = *self.stands();
         if let Some(slot) = to.get_mut(axis) {
             *slot = target;
         }
-        self.intake.travel.line(&self.intake.programmed, &to)
+        self.intake.travel.line(self.stands(), &to)
     }
 
     /// Limits of an axis that moves alone ([`crate::dynamics::Dynamics::single`]).
@@ -91,6 +104,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     /// Weights, path limits, slope and contour mode as at program start. Only at rest.
     pub fn restart(&mut self) {
         self.intake.uniform.since = self.intake.taken;
+        #[cfg(feature = "kinematics")]
+        self.end_transformation();
         self.dynamics.restart(self.intake.machine);
         self.intake.smoothing.restart();
         self.lookahead.ring.forget_exit();
@@ -122,6 +137,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
                 *slot = position;
             }
         }
+        #[cfg(feature = "kinematics")]
+        self.intake.stand();
         // It belongs to the last block.
         self.stay_here(self.intake.taken.saturating_sub(1));
         self.put(Phase { distance: self.handed, ticks: 1, ..Phase::BLANK });

@@ -35,15 +35,13 @@ fn angle(one: &[f64], other: &[f64]) -> f64 {
 
 /// Of every motion: how far the path turns at its end, degrees; 0 at the end of the last one.
 pub fn knees(program: &Program) -> Vec<f64> {
-    let mut at = program.start.as_slice();
     let mut knees = Vec::with_capacity(program.motions);
     let mut exit: Option<Vec<f64>> = None;
-    for segment in program.motions() {
+    for (at, segment) in program.steps() {
         let [entry, next] = directions(at, segment);
         if let Some(exit) = exit.replace(next) {
             knees.push(angle(&exit, &entry));
         }
-        at = &segment.end;
     }
     knees.extend(exit.map(|_| 0.0));
     knees

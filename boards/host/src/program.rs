@@ -10,10 +10,11 @@ use crate::resolution::Resolution;
 use crate::tolerance::{Smoothing, Tolerance};
 use glidepath::channel::Error;
 use glidepath::dynamics::Weights;
+use glidepath::kinematics::Kinematic;
 use glidepath::machine::AxisData;
 use glidepath::nc::{
-    ArcBy, Command, Decoder, DecoderMemory, DwellTime, Motion, MotionKind, NcError, NcWarning, Place, Setup,
-    SlopeType, Step,
+    ArcBy, Command, Decoder, DecoderMemory, DwellTime, Head, Kinematics, Motion, MotionKind, NcError,
+    NcWarning, Place, Setup, SlopeType, Step,
 };
 use glidepath::quantity::Position;
 use std::collections::HashSet;
@@ -132,6 +133,8 @@ pub struct Program {
     pub beside: Vec<Told>,
     /// Some lines are not understood; what is here is the rest.
     pub refused: bool,
+    /// Motion blocks from which on a transformation is in force, or none (0).
+    pub transformed: Vec<(usize, u16)>,
 }
 
 /// Why a program was not decoded to its end.
@@ -209,6 +212,8 @@ fn decode_axes<const AXES: usize>(
     let mut smoothing = Smoothing::new();
     let mut repeats = Repeats::default();
     let mut refusals = 0;
+    let sets = machine.kinematics.fitted(&data);
+    let mut switch = Switch { sets: &sets, selected: machine.kinematics.default_id, active: None };
     loop {
         let step = match decoder.step() {
             Ok(step) => step,
@@ -274,6 +279,14 @@ fn decode_axes<const AXES: usize>(
                 });
             }
             Step::Command(Command::FlushWait(_)) => program.stop(),
+            Step::Command(Command::Kinematics(head, kinematics)) => {
+                let (found, moved) = switch.take(kinematics, &at);
+                if let (Some(id), Some(to)) = (found, moved) {
+                    at = to;
+                    decoder.stand_at(at);
+                    program.transform(&head, &at, id);
+                }
+            }
             Step::Command(Command::Message(head)) => {
                 let text = files.with(head.place.file, |source| {
                     let from = head.place.offset as usize;
@@ -310,6 +323,41 @@ fn decode_axes<const AXES: usize>(
                 }
             }
             Step::End => return Ok(program),
+        }
+    }
+}
+
+/// The transformation of the program as decoded. What is refused here the planner tells.
+struct Switch<'a> {
+    sets: &'a [Kinematic],
+    selected: u16,
+    active: Option<&'a Kinematic>,
+}
+
+impl Switch<'_> {
+    /// A command: the transformation in force and where the program stands, if they change.
+    fn take<const AXES: usize>(
+        &mut self,
+        command: Kinematics,
+        at: &[Position; AXES],
+    ) -> (Option<u16>, Option<[Position; AXES]>) {
+        match command {
+            Kinematics::Select(id) => self.selected = id,
+            Kinematics::OnWith(id) => self.selected = id,
+            Kinematics::On | Kinematics::Off => {}
+        }
+        let on = matches!(command, Kinematics::On | Kinematics::OnWith(_));
+        let off = command == Kinematics::Off;
+        match self.active {
+            None if on => {
+                self.active = self.sets.iter().find(|set| set.id == self.selected);
+                (self.active.map(|set| set.id), self.active.and_then(|set| set.workpiece(at)))
+            }
+            Some(set) if off => {
+                self.active = None;
+                (Some(0), set.axes(at))
+            }
+            _ => (None, None),
         }
     }
 }
@@ -377,6 +425,8 @@ pub fn refusal(files: &Files, error: &Error) -> Diagnostic {
         | Error::SoftwareLimit(at, ..)
         | Error::Filter(at, ..)
         | Error::Spline(at, _)
+        | Error::NoTransformation(at, ..)
+        | Error::Transformation(at, _)
         | Error::PathAcceleration(at) => explained(files, *at, &error.to_string(), id(error.id())),
     }
 }
@@ -398,7 +448,31 @@ impl Program {
             relevant: 0.032,
             beside: Vec::new(),
             refused: false,
+            transformed: Vec::new(),
         }
+    }
+
+    /// The transformation of a motion block: its identifier, 0 for none.
+    pub fn transformation(&self, block: u32) -> u16 {
+        let before = self.transformed.iter().take_while(|(from, _)| *from <= block as usize);
+        before.last().map_or(0, |(_, id)| *id)
+    }
+
+    /// The transformation changes, and positions are others from now on.
+    fn transform(&mut self, head: &Head, at: &[Position], id: u16) {
+        self.transformed.push((self.motions, id));
+        self.stop();
+        self.segments.push(Segment {
+            n: head.n,
+            place: head.place,
+            kind: Kind::Dwell(0.0),
+            end: numbers(at),
+            feed: None,
+            stop: true,
+            smoothed: false,
+            tolerance: Tolerance::default(),
+            dynamics: self.latest_dynamics(),
+        });
     }
 
     /// Axes that move beside the path.
@@ -449,15 +523,13 @@ impl Program {
         let rounds = self.through_points || self.segments.iter().any(|segment| segment.smoothed);
         let feed = machine.feed_axes();
         let mut all = vec![Resolution { steepest: 0.0, rounds }; machine.axes.len()];
-        let mut from = &self.start;
-        for segment in self.motions() {
+        for (from, segment) in self.steps() {
             let (travel, _) = segment.travel(from);
             let path = path(machine, &travel);
             for (k, (of, travel)) in all.iter_mut().zip(&travel).enumerate().filter(|_| path > 0.0) {
                 let steeper = if self.through_points && !feed.contains(&k) { 8.0 } else { 1.0 };
                 of.steepest = of.steepest.max(steeper * travel / path);
             }
-            from = &segment.end;
         }
         all
     }
@@ -541,6 +613,14 @@ impl Program {
         }
     }
 
+    /// The blocks that move, each with where it begins: where a transformation changes, that is another place than
+    /// the end of the block before.
+    pub fn steps(&self) -> impl Iterator<Item = (&[f64], &Segment)> {
+        let starts = std::iter::once(&self.start).chain(self.segments.iter().map(|segment| &segment.end));
+        let steps = starts.map(Vec::as_slice).zip(&self.segments);
+        steps.filter(|(_, segment)| !matches!(segment.kind, Kind::Dwell(_)))
+    }
+
     /// The blocks that move.
     pub fn motions(&self) -> impl Iterator<Item = &Segment> {
         self.segments.iter().filter(|segment| !matches!(segment.kind, Kind::Dwell(_)))
@@ -570,7 +650,8 @@ impl Program {
     /// In one line.
     pub fn describe(&self) -> String {
         let arcs = self.motions().filter(|segment| matches!(segment.kind, Kind::Arc { .. })).count();
-        let waits = self.segments.len() - self.motions;
+        let waits =
+            self.segments.iter().filter(|segment| matches!(segment.kind, Kind::Dwell(s) if s > 0.0)).count();
         format!(
             "{} motion block{} ({arcs} arc{}), {waits} dwell{}, {} warning{}",
             self.motions,
@@ -584,12 +665,10 @@ impl Program {
 
     /// The path speed of every motion.
     pub fn speeds(&self, machine: &Machine) -> Vec<PathSpeed> {
-        let mut at = self.start.as_slice();
         let mut speeds = Vec::with_capacity(self.motions);
-        for segment in self.motions() {
+        for (at, segment) in self.steps() {
             let programmed = segment.feed.map(|feed| feed / 60.0);
             speeds.push(PathSpeed { programmed, limit: self.limit(machine, at, segment) });
-            at = &segment.end;
         }
         speeds
     }
@@ -659,10 +738,10 @@ impl Program {
             at
         };
         let mut stretches: Vec<Stretch> = Vec::new();
-        let mut start = self.start.as_slice();
-        for segment in self.motions() {
+        let mut end = self.start.as_slice();
+        for (start, segment) in self.steps() {
             let rapid = segment.feed.is_none();
-            if stretches.last().is_none_or(|stretch| stretch.rapid != rapid) {
+            if start != end || stretches.last().is_none_or(|stretch| stretch.rapid != rapid) {
                 stretches.push(Stretch { rapid, line: vec![pick(start)] });
             }
             if let Some(Stretch { line, .. }) = stretches.last_mut() {
@@ -671,7 +750,7 @@ impl Program {
                 }
                 line.push(pick(&segment.end));
             }
-            start = &segment.end;
+            end = &segment.end;
         }
         stretches
     }

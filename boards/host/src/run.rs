@@ -22,6 +22,7 @@ use crate::vcd::Vcd;
 use glidepath::channel::{Channel, FilteredHandles, Inquiry, Planner, Progress};
 use glidepath::contour_log::ContourMemory;
 use glidepath::fir::{Bank, Filters};
+use glidepath::kinematics::{Chain, Kinematic};
 use glidepath::operator::Operator;
 use glidepath::quantity::{Accel, Position, Speed};
 use glidepath::queue::Function;
@@ -104,6 +105,8 @@ fn simulate_axes<const AXES: usize>(
         handles.planner.foresee(&mut inquiry);
         Plc::new(script, contour, machine.channel.cycle_us)
     });
+    let kinematics = machine.kinematics.fitted(&data);
+    handles.planner.transform_with(&kinematics, machine.kinematics.default_id);
     if let Some(smooth) = machine.smooth {
         handles.planner.begin_with(smooth.command());
     }
@@ -125,6 +128,8 @@ fn simulate_axes<const AXES: usize>(
     statistics.filtered = Filtered::new(machine);
     statistics.beside = Beside::new(machine);
     let recorder = Recorder {
+        tool: None,
+        chain: machine.kinematics.usual().copied(),
         statistics,
         driven: Driven::new(machine, &start),
         trace,
@@ -145,7 +150,7 @@ fn simulate_axes<const AXES: usize>(
     let automatic = Automatic::new(wanted.acknowledge, machine.channel.cycle_us);
     let mistakes = Mistakes::new(wanted.mistakes);
     let rules = Rules { schedule, automatic, patience, late: &late, files, program, mistakes, plc };
-    drive(handles, recorder, rules, bar).map_err(|stop| match stop {
+    drive(handles, recorder, rules, (bar, &kinematics)).map_err(|stop| match stop {
         Stop::Refused(mistakes) => mistakes.tell(files),
         Stop::Unwritable(error) => unwritable(error),
         Stop::UnwritableSteps(error) => output::refused(&vcd_path, error),
@@ -181,6 +186,11 @@ fn simulate_axes<const AXES: usize>(
             }]
         }
     })
+}
+
+/// Positions of the axes of a channel as a chain has them.
+fn widened(axes: &[Position]) -> [Position; 6] {
+    std::array::from_fn(|k| axes.get(k).copied().unwrap_or(Position::ZERO))
 }
 
 /// Idle ticks after which something is wrong.
@@ -232,7 +242,7 @@ fn drive<const AXES: usize>(
     handles: FilteredHandles<'_, Delayed<'_>, AXES, BLOCKS, TAPS, OVERLAYS>,
     mut recorder: Recorder,
     rules: Rules<'_>,
-    mut bar: Bar,
+    (mut bar, kinematics): (Bar, &[Kinematic]),
 ) -> Result<(Statistics, Option<Picture>), Stop> {
     let Rules {
         mut schedule,
@@ -276,7 +286,7 @@ fn drive<const AXES: usize>(
                     return Err(Stop::Refused(mistakes));
                 }
             };
-            recorder.curves(&planner);
+            recorder.curves(&planner, program, kinematics);
             recorder.statistics.monitor.beside(recorder.statistics.ticks, planner.beside());
             match progress {
                 Progress::Working => {}
@@ -351,7 +361,11 @@ fn drive<const AXES: usize>(
         recorder.statistics.beside.add(row, path, beside, commands.hold || commands.abort);
         recorder.statistics.monitor.beside(row, beside);
         let slope = interpolator.path_slope();
-        let telemetry = recorder.driven.tick(&telemetry, path, slope.as_ref().map(|slope| &slope[..]));
+        // Under a transformation the path is that of the tip, and its distance is the driven one.
+        let tip = tip_of(kinematics, program.transformation(telemetry.block), path);
+        let along = slope.as_ref().map(|slope| &slope[..]).filter(|_| tip.is_none());
+        let telemetry = recorder.driven.tick(&telemetry, path, along);
+        recorder.tool = tip.map(|tip| tip.to_vec());
         recorder.tick(&telemetry, [path, drives], slope.is_some(), pause)?;
         put_out(&operator, &mut recorder, &mut automatic, &schedule);
         if waiting
@@ -373,6 +387,7 @@ fn drive<const AXES: usize>(
     }
     bar.finish();
     recorder.statistics.plc = plc.map(|plc| plc.finish(recorder.statistics.ticks));
+    recorder.statistics.split = planner.split();
     recorder.finish(interpolator.set_points())
 }
 
@@ -391,8 +406,21 @@ fn put_out<const AXES: usize>(
     }
 }
 
+/// Tip and angles at the place of the axes, under this transformation.
+fn tip_of<const AXES: usize>(
+    kinematics: &[Kinematic],
+    id: u16,
+    axes: &[Position; AXES],
+) -> Option<[Position; AXES]> {
+    kinematics.iter().find(|set| set.id == id).and_then(|set| set.workpiece(axes))
+}
+
 /// Everything that looks at the set points.
 struct Recorder {
+    /// Under a transformation: tip and angles at the place of the axes.
+    tool: Option<Vec<Position>>,
+    /// Where the tool is, in every row of the trace.
+    chain: Option<Chain>,
     statistics: Statistics,
     driven: Driven,
     trace: Option<Trace>,
@@ -411,6 +439,8 @@ impl Recorder {
     fn curves<const AXES: usize>(
         &mut self,
         planner: &Planner<'_, Delayed<'_>, AXES, BLOCKS, Bank<'_, AXES, TAPS>, OVERLAYS>,
+        program: &Program,
+        kinematics: &[Kinematic],
     ) {
         let Some(deviation) = &mut self.statistics.deviation else { return };
         let all = planner.curves();
@@ -418,7 +448,8 @@ impl Recorder {
         while self.seen != all {
             let curve = self.seen;
             let exact = |part: u32| {
-                let (_, point) = planner.point(curve, part)?;
+                let (block, point) = planner.point(curve, part)?;
+                let point = tip_of(kinematics, program.transformation(block), &point).unwrap_or(point);
                 Some(point.iter().map(|value| value.to_num()).collect::<Vec<f64>>())
             };
             let block = planner.point(curve, 0).map_or(0, |(block, _)| block);
@@ -442,18 +473,25 @@ impl Recorder {
         let statistics = &self.statistics;
         if let Some(picture) = &mut self.picture {
             let off = statistics.filtered.off();
-            picture.add(telemetry, set_points, (&statistics.axes, &off), self.cycle_s);
+            picture.add(
+                telemetry,
+                self.tool.as_deref().unwrap_or(set_points),
+                (&statistics.axes, &off),
+                self.cycle_s,
+            );
         }
         if let Some(tape) = &mut self.tape {
-            tape.add(telemetry, [set_points, drives], statistics);
+            let shown = self.tool.as_deref();
+            tape.add(telemetry, [shown.unwrap_or(set_points), shown.unwrap_or(drives)], statistics);
         }
         if let Some(vcd) = &mut self.vcd {
             vcd.tick(drives).map_err(Stop::UnwritableSteps)?;
         }
         if let Some(trace) = &mut self.trace {
             let points = [set_points, drives];
+            let tip = self.chain.as_ref().map(|chain| chain.forward(&widened(set_points)).0);
             trace
-                .row(statistics.ticks - 1, telemetry, statistics.distance, points)
+                .row(statistics.ticks - 1, telemetry, statistics.distance, points, tip)
                 .map_err(Stop::Unwritable)?;
         }
         Ok(())

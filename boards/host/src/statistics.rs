@@ -142,6 +142,8 @@ pub struct Statistics {
     pub aborted: bool,
     /// The motion was slower than programmed, so that a standstill without the planner has room.
     pub slower: bool,
+    /// Elements under a transformation, and the polynomials that they became.
+    pub split: glidepath::plan::Split,
     /// Every tick, where a page is to show the run.
     pub tape: Option<Tape>,
     /// Stretches of both: tick of the first row and of the last one.
@@ -252,6 +254,7 @@ impl Statistics {
             dwelt: 0,
             aborted: false,
             slower: false,
+            split: glidepath::plan::Split::default(),
             tape: None,
             holds: Vec::new(),
             awaited: Vec::new(),

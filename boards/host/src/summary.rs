@@ -45,6 +45,9 @@ pub struct Summary {
     /// Slower than programmed somewhere, so that a planner without time leaves a motion that can end.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     slower: bool,
+    /// Elements under a transformation, and how many polynomials of the axes they became.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    transformed: Option<[u32; 2]>,
     /// The driven path beside the programmed one.
     #[serde(flatten)]
     shape: Option<deviation::Told>,
@@ -289,6 +292,8 @@ impl Summary {
             path_mm: statistics.distance_mm(),
             v_path_max,
             slower: statistics.slower,
+            transformed: (statistics.split.elements > 0)
+                .then_some([statistics.split.elements, statistics.split.polynomials]),
             shape: statistics
                 .deviation
                 .as_ref()
@@ -370,6 +375,12 @@ impl Summary {
             writeln!(
                 out,
                 "  slower         than programmed: from a higher speed a standstill has too many pieces of time"
+            )?;
+        }
+        if let Some([elements, polynomials]) = self.transformed {
+            writeln!(
+                out,
+                "  transformation {elements} elements of the tip are {polynomials} polynomials of the axes"
             )?;
         }
         if let Some(shape) = &self.shape {

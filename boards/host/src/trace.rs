@@ -2,6 +2,7 @@
 use crate::decimal::{PLACES, per_second, per_second_squared, push_exact, push_scaled};
 use crate::filtered::Filtered;
 use crate::machine::Machine;
+use glidepath::kinematics::Vector;
 use glidepath::quantity::Position;
 use glidepath::tick::Telemetry;
 use std::fmt::Write as _;
@@ -16,6 +17,9 @@ pub struct Trace {
     filtered: bool,
 }
 
+/// Columns of the tip of the tool.
+const TIP: [&str; 3] = ["tip_X", "tip_Y", "tip_Z"];
+
 impl Trace {
     /// Starts with the header.
     pub fn new(file: Box<dyn Write>, machine: &Machine) -> io::Result<Self> {
@@ -28,6 +32,9 @@ impl Trace {
         for axis in machine.axes.iter().filter(|_| filtered) {
             write!(out, ",{}_f", axis.name.as_str())?;
         }
+        if machine.kinematics.usual().is_some() {
+            write!(out, ",{}", TIP.join(","))?;
+        }
         writeln!(out)?;
         Ok(Self { out, row: String::new(), cycle_us: machine.channel.cycle_us, filtered })
     }
@@ -39,6 +46,7 @@ impl Trace {
         telemetry: &Telemetry,
         distance: i128,
         [path, drives]: [&[Position]; 2],
+        tip: Option<Vector>,
     ) -> io::Result<()> {
         let row = &mut self.row;
         row.clear();
@@ -54,6 +62,9 @@ impl Trace {
         for set_point in path.iter().chain(drives.iter().filter(|_| self.filtered)) {
             row.push(',');
             push_exact(row, i128::from(set_point.to_bits()), 32);
+        }
+        for x in tip.into_iter().flat_map(|tip| [tip.x, tip.y, tip.z]) {
+            let _ = write!(row, ",{x:.9}");
         }
         row.push('\n');
         self.out.write_all(row.as_bytes())

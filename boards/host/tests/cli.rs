@@ -141,7 +141,8 @@ fn outputs_that_cannot_be_written_are_named() {
 fn shipped_machines_are_accepted() {
     let directory = directory("machines");
     let program = file(&directory, "a.nc", b"%a\nN10 G01 X10 F600\nM30\n");
-    for machine in ["default", "five-axis", "handling", "bench"] {
+    let transformed = ["ca-head", "bc-trunnion", "ac-table", "head-table", "rotary-table"];
+    for machine in ["default", "five-axis", "handling", "bench"].into_iter().chain(transformed) {
         let machine = shipped(&format!("machines/{machine}.toml"));
         let output = glidepath(&["check", &program, "--machine", &machine]);
         assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));

@@ -55,6 +55,8 @@ fn speeds_and_distances_shown_are_driven() {
     programs.sort();
     for program in programs {
         let (machine, feed) = match program.as_str() {
+            // The path is that of the tip: `host-tests/tests/five`.
+            "tip.nc" => continue,
             // No shipped machine has their axes.
             "six.nc" | "six_corners.nc" | "six_surface.nc" => continue,
             "handling.nc" => (Some("machines/handling.toml"), 1),

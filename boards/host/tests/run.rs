@@ -287,9 +287,9 @@ fn pictures_have_their_format() {
 #[test]
 fn the_first_refusal_counts() {
     let cases = [
-        ("alone", "%n\nN10 G01 X1 F600\nN20 #TRAFO ON\nN30 X2\nM30\n"),
+        ("alone", "%n\nN10 G01 X1 F600\nN20 #MCS ON\nN30 X2\nM30\n"),
         // A later line is not even NC.
-        ("before-another", "%n\nN10 G01 X1 F600\nN20 #TRAFO ON\nN30 X[\nM30\n"),
+        ("before-another", "%n\nN10 G01 X1 F600\nN20 #MCS ON\nN30 X[\nM30\n"),
     ];
     for (name, text) in cases {
         let program = written(name, text);
@@ -298,7 +298,7 @@ fn the_first_refusal_counts() {
         let text = String::from_utf8_lossy(&output.stderr).into_owned();
         assert_eq!(output.status.code(), Some(1), "{text}");
         assert!(text.contains("known, not available in this version"), "{text}");
-        assert!(text.contains(&format!("{name}.nc:3:5")) && text.contains("N20 #TRAFO ON"), "{text}");
+        assert!(text.contains(&format!("{name}.nc:3:5")) && text.contains("N20 #MCS ON"), "{text}");
     }
 }
 

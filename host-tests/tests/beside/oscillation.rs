@@ -382,14 +382,14 @@ fn shapes_of_the_figures() {
     }
 }
 
-/// A8-044, CF-34: an oscillation under a transformation needs one. There is none: it is refused as known, before
-/// the axis moves.
+/// A8-044, CF-34: an oscillation under a transformation needs one. A machine without data sets refuses it before the
+/// axis moves.
 #[test]
 fn no_oscillation_under_a_transformation() {
     for trafo in ["#TRAFO ON", "#TRAFO[9]"] {
         let text = format!("{trafo}\nX[OSC ON 1ST_POS=20 2ND_POS=60 FEED=6000]\nM30\n");
         let error = run(&text, &with_slope(1), &[], 40).expect_err(trafo);
-        assert!(error.contains("not available") && error.contains("#TRAFO"), "{error}");
+        assert!(error.contains("expected trafo[]") && error.contains("#TRAFO"), "{error}");
     }
 }
 

@@ -161,9 +161,6 @@ fn what_is_not_available_is_refused_where_it_stands() {
         "G04 S5",
         "M00",
         "M01",
-        "#KIN ID [9]",
-        "#TRAFO ON",
-        "#TRAFO [9]",
         "#CS ON[1,2,3,0,0,0]",
         "#MCS ON",
         "#CYL [Z,C,100]",
@@ -181,6 +178,12 @@ fn what_is_not_available_is_refused_where_it_stands() {
         assert_eq!(error.place().line, 2, "{command}: {error}");
         let said = error.to_string();
         assert!(said.contains("expected FCT_CONTOUR_LAH"), "{command}: {said}");
+    }
+    // So is what needs data of the machine.
+    for command in ["#KIN ID [9]", "#TRAFO ON", "#TRAFO [9]"] {
+        let error = refusal::refused(&format!("N10 G01 X1 F600\nN20 {command}\nN30 X3\n"), &machine());
+        assert_eq!(error.place().line, 2, "{command}: {error}");
+        assert!(error.to_string().contains("expected trafo[]"), "{command}: {error}");
     }
     for command in [
         "#FILTER ON [ORDER=20]",

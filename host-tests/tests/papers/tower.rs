@@ -11,7 +11,7 @@ const TOWER: [(&str, &str); 22] = [
     ("technology", "quantity"),
     ("nc", "math quantity machine"),
     ("path", "math quantity machine nc"),
-    ("kinematics", "math quantity"),
+    ("kinematics", "math quantity machine path"),
     ("control", "machine technology"),
     ("queue", "math quantity machine technology path control"),
     ("fir", "math quantity machine nc queue"),
@@ -23,7 +23,7 @@ const TOWER: [(&str, &str); 22] = [
     ("lookahead", "math quantity machine nc path control queue slope dynamics"),
     (
         "plan",
-        "math quantity machine technology nc path control queue slope dynamics smooth contour_log lookahead",
+        "math quantity machine technology nc path kinematics control queue slope dynamics smooth contour_log lookahead",
     ),
     ("tick", "quantity queue fir"),
     ("axis", "quantity"),
@@ -31,7 +31,7 @@ const TOWER: [(&str, &str); 22] = [
     ("digest", "quantity"),
     (
         "channel",
-        "math quantity machine technology nc path queue fir slope single contour_log plan tick operator",
+        "math quantity machine technology nc path kinematics queue fir slope single contour_log plan tick operator",
     ),
 ];
 

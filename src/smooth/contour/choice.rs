@@ -175,6 +175,9 @@ impl Candidate {
     pub fn new<const AXES: usize>(choice: &Choice<'_, AXES>) -> Option<Self> {
         let Choice { corner, rule, setting, most, tolerance, approach, .. } = *choice;
         let dynamics = setting.dynamics;
+        if dynamics.is_transformed() {
+            return None;
+        }
         let led = corner.follows_master(rule, setting.measure);
         let soft = rule.method == ContourMethod::DistSoft || led;
         let quick = match rule.method {

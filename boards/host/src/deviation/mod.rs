@@ -296,14 +296,13 @@ impl Deviation {
     pub fn new(machine: &Machine, program: &Program) -> Self {
         let (main, beside) = (machine.main_axes(), program.axes_beside());
         let point = |all: &[f64]| point_of(all, &main, &beside);
-        let mut from = program.start.clone();
         let mut blocks = Vec::with_capacity(program.motions);
-        for segment in program.motions() {
-            let ends = [point(&from), point(&segment.end)];
+        for (from, segment) in program.steps() {
+            let ends = [point(from), point(&segment.end)];
             let index = |axis: usize| main.iter().position(|&other| other == axis).unwrap_or(0);
             let arc = match segment.kind {
                 Kind::Arc { plane, centre, clockwise } => {
-                    let [start, end] = [&from, &segment.end].map(|all| plane.map(|axis| all[axis]));
+                    let [start, end] = [from, segment.end.as_slice()].map(|all| plane.map(|axis| all[axis]));
                     let radius = |at: [f64; 2]| (at[0] - centre[0]).hypot(at[1] - centre[1]);
                     Some(Turn {
                         plane: plane.map(index),
@@ -318,7 +317,7 @@ impl Deviation {
             let turn = arc.as_ref().map_or(0.0, |turn: &Turn| (turn.swept * turn.radii[1]).abs());
             blocks.push(Block {
                 length: apart(&ends[0], &ends[1]).max(turn),
-                from: std::mem::replace(&mut from, segment.end.clone()),
+                from: from.to_vec(),
                 to: segment.end.clone(),
                 ends,
                 arc,

@@ -140,16 +140,16 @@ fn table_of<Target>(
 }
 
 /// A value of the file with its dotted name inside its table.
-struct Entry<'a> {
-    name: String,
-    key: Range<usize>,
-    value: &'a Spanned<DeValue<'a>>,
+pub(super) struct Entry<'a> {
+    pub(super) name: String,
+    pub(super) key: Range<usize>,
+    pub(super) value: &'a Spanned<DeValue<'a>>,
 }
 
-struct Loader<'a> {
+pub(super) struct Loader<'a> {
     source: &'a Source,
     overrides: &'a Overrides,
-    refused: Vec<Diagnostic>,
+    pub(super) refused: Vec<Diagnostic>,
     warnings: Vec<Diagnostic>,
 }
 
@@ -170,6 +170,7 @@ impl Loader<'_> {
             warnings: Vec::new(),
             dialect: Choice::Auto,
             smooth: None,
+            kinematics: super::Kinematics::default(),
         };
         let document = match DeTable::parse(text) {
             Ok(document) => document,
@@ -188,6 +189,7 @@ impl Loader<'_> {
                     for entry in &entries {
                         let is_set = self.synch(entry, &mut machine.channel)
                             || self.dialect(entry, &mut machine)
+                            || self.kinematics(entry, &mut machine)
                             || self.enable(entry, &entries, &mut machine.channel)
                             || self.interpolator(entry, &entries, &mut machine.channel);
                         if !is_set {
@@ -238,6 +240,11 @@ impl Loader<'_> {
                     self.refuse(&key.span(), message, "");
                 }
             }
+        }
+        if self.refused.is_empty() && !machine.axes.is_empty() {
+            let channel = document.get_ref().iter().find(|(key, _)| key.get_ref().as_ref() == "channel");
+            let at = channel.map_or(0..0, |(key, _)| key.span());
+            self.fit_kinematics(&at, &machine);
         }
         if machine.axes.is_empty() && self.refused.is_empty() {
             let message = format!("{}: a machine needs an axis", self.source.name);
@@ -618,11 +625,11 @@ impl Loader<'_> {
         }
     }
 
-    fn text(&self, span: &Range<usize>) -> &str {
+    pub(super) fn text(&self, span: &Range<usize>) -> &str {
         self.source.text.get(span.clone()).and_then(|bytes| std::str::from_utf8(bytes).ok()).unwrap_or("")
     }
 
-    fn refuse(&mut self, at: &Range<usize>, message: impl Into<String>, expected: &str) {
+    pub(super) fn refuse(&mut self, at: &Range<usize>, message: impl Into<String>, expected: &str) {
         let (line, column) = self.source.position(at.start);
         let diagnostic = Diagnostic::error(message).at(self.source, line, column, at.len());
         self.refused.push(if expected.is_empty() { diagnostic } else { diagnostic.expected(expected) });

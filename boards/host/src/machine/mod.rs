@@ -4,6 +4,7 @@
 //! Axes take part in the order of the file. What is left out has the ISG default; what is not known is
 //! refused.
 
+mod kinematics;
 mod later;
 mod load;
 mod steps;
@@ -14,6 +15,7 @@ use crate::smooth::Smooth;
 use glidepath::machine::{AxisData, AxisKind, AxisName, ChannelData, MachineData};
 use glidepath::nc::SlopeType;
 use glidepath_steps::AxisSteps;
+pub use kinematics::Kinematics;
 pub use load::{Overrides, load};
 
 /// A machine whose number of axes is known at run time only.
@@ -32,6 +34,8 @@ pub struct Machine {
     pub dialect: Choice,
     /// What programs without smoothing begin with.
     pub smooth: Option<Smooth>,
+    /// Its transformations.
+    pub kinematics: Kinematics,
 }
 
 /// The largest number of axes this board is compiled for.
@@ -71,6 +75,7 @@ impl Machine {
             warnings: Vec::new(),
             dialect: Choice::Auto,
             smooth: None,
+            kinematics: Kinematics::default(),
         }
     }
 
@@ -84,6 +89,7 @@ impl Machine {
             warnings: Vec::new(),
             dialect: self.dialect,
             smooth,
+            kinematics: self.kinematics.clone(),
         }
     }
 

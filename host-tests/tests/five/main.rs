@@ -1,0 +1,4 @@
+//! Programs on machines with rotary axes, under a transformation.
+mod ex28;
+mod oscillation;
+mod transformed;

@@ -1,0 +1,461 @@
+//! The transformation of the path (feature `kinematics`): elements of tip and angles become elements of the axes.
+//!
+//! While a transformation is active, smoothers and intake work in workpiece coordinates: the main axes have the tip of
+//! the tool, rotary axes their angles. Each element is split ([`Splitter`]), one polynomial per call. Where an axis has
+//! a software limit, all of an element is looked at before its first polynomial goes on.
+//!
+//! The transformation changes at a standstill, when all blocks before the command are on their way.
+use super::intake::Pass;
+use super::{Intake, MotionError, Planning, Work};
+use crate::dynamics::{Curving, Near};
+use crate::kinematics::element::widened;
+use crate::kinematics::{Kinematic, SplitError, Splitter};
+use crate::machine::Beyond;
+use crate::nc::{Motion, MotionKind, Place};
+use crate::path::{self, Bounds, Element, End, Passage};
+use crate::quantity::{Distance, Position};
+use crate::smooth::{Data, Form, ProgrammedBlock, Smoothed, Smoother};
+
+/// Why a transformation does not change.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum SwitchError {
+    /// 20687: another one is active: its identifier.
+    Active(u16),
+    /// No data set has this identifier.
+    Unknown(u16),
+    /// None is selected, and there is no default.
+    None,
+}
+
+impl core::fmt::Display for SwitchError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::Active(id) => {
+                write!(f, "kinematic {id} is active; expected #TRAFO OFF before another one is selected")
+            }
+            Self::Unknown(id) => {
+                write!(f, "the machine has no kinematic {id}; expected the id of a trafo[] (P-CHAN-00262)")
+            }
+            Self::None => f.write_str(
+                "no kinematic is selected; expected #KIN ID before, or kinematik_id (P-CHAN-00032)",
+            ),
+        }
+    }
+}
+
+impl core::error::Error for SwitchError {}
+
+/// How many elements were transformed, and how many polynomials they became.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Split {
+    /// Elements of the path.
+    pub elements: u32,
+    /// Polynomials of the axes.
+    pub polynomials: u32,
+}
+
+/// An element that is being split.
+struct Job<'a> {
+    splitter: Splitter<'a>,
+    /// Path length of the element.
+    length: Distance,
+    /// Speed along the curve per path speed.
+    fastest: f32,
+    /// Acceleration passes both ends of the element, which is the curve of a corner.
+    is_through: bool,
+    data: Data,
+    curving: Curving,
+    due: u32,
+    /// Its polynomials are looked at before the first of them goes on.
+    is_checking: bool,
+}
+
+impl Job<'_> {
+    /// Path length of a polynomial: the whole length is shared out to the last bit.
+    fn length_of(&self, number: u32) -> Distance {
+        let (length, cells) = (self.length.to_bits(), i64::from(self.splitter.cells().max(1)));
+        let (part, rest) = (length / cells, length % cells);
+        // Less than 2^32.
+        let upto = |number: i64| part * number + rest * number / cells;
+        let number = i64::from(number);
+        Distance::from_bits(upto(number + 1) - upto(number))
+    }
+}
+
+/// State of the transformation.
+pub(super) struct Transform<'a, const AXES: usize> {
+    sets: &'a [Kinematic],
+    /// P-CHAN-00032; 0 for none.
+    default_id: u16,
+    /// #KIN ID; 0 for none.
+    selected: u16,
+    active: Option<&'a Kinematic>,
+    /// What becomes active as soon as all that was taken in is on its way.
+    wanted: Option<Option<&'a Kinematic>>,
+    /// End of the elements that were handed over, in workpiece coordinates, and their direction there.
+    stands: [Position; AXES],
+    exit: Option<End<AXES>>,
+    job: Option<Job<'a>>,
+    refused: Option<(Place, SplitError)>,
+    split: Split,
+}
+
+impl<'a, const AXES: usize> Transform<'a, AXES> {
+    /// Without data sets.
+    pub const fn new(start: [Position; AXES]) -> Self {
+        Self {
+            sets: &[],
+            default_id: 0,
+            selected: 0,
+            active: None,
+            wanted: None,
+            stands: start,
+            exit: None,
+            job: None,
+            refused: None,
+            split: Split { elements: 0, polynomials: 0 },
+        }
+    }
+
+    /// Whether an element is being split, or was refused.
+    pub const fn is_busy(&self) -> bool {
+        self.job.is_some() || self.refused.is_some()
+    }
+
+    /// Direction at the end of the last element, in workpiece coordinates.
+    pub const fn exit(&self) -> Option<&End<AXES>> {
+        self.exit.as_ref()
+    }
+
+    fn find(&self, id: u16) -> Result<&'a Kinematic, SwitchError> {
+        let sets = self.sets;
+        sets.iter().find(|set| set.id == id).ok_or(SwitchError::Unknown(id))
+    }
+
+    /// Forgets the element at hand. The elements that follow begin at `stands`.
+    fn forget(&mut self, stands: &[Position; AXES]) {
+        (self.job, self.wanted, self.exit, self.stands) = (None, None, None, *stands);
+    }
+
+    /// Takes an element; the axes stand at `entered` where it begins.
+    fn begin(
+        &mut self,
+        smoothed: &Smoothed<'_, AXES>,
+        entered: &[Position; AXES],
+        (check_jerk, is_limited): (u8, bool),
+    ) -> Result<(), SplitError> {
+        let Some(kinematic) = self.active else { return Ok(()) };
+        let Smoothed { element, end, data, curving, due, .. } = *smoothed;
+        let course = kinematic.course(element, &self.stands);
+        let splitter = Splitter::new(&kinematic.chain, course)?.starting_at(widened(entered));
+        let base = element.shape.base(&self.stands);
+        match end {
+            Some(end) => self.stands = *end,
+            None => element.shape.end(&base, &mut self.stands),
+        }
+        let curving = curving
+            .map_or(Curving { jerk: check_jerk.max(1), constant: None, near: Near::NONE }, |curving| {
+                Curving { constant: None, ..curving }
+            });
+        self.exit = Some(element.exit);
+        let fastest = element.bounds.as_ref().map_or(1.0, |bounds| bounds.fastest);
+        let is_through = element.bounds.as_ref().is_some_and(Bounds::is_through);
+        self.job = Some(Job {
+            splitter,
+            length: element.shape.length,
+            fastest,
+            is_through,
+            data: *data,
+            curving,
+            due,
+            is_checking: is_limited,
+        });
+        Ok(())
+    }
+}
+
+impl<const AXES: usize> Intake<'_, AXES> {
+    /// What was taken in ends where the curves of the look-ahead end.
+    pub(super) fn stand(&mut self) {
+        let entered = self.entered;
+        let stands = self.transform.active.and_then(|active| active.workpiece(&entered));
+        self.programmed = stands.unwrap_or(entered);
+        self.transform.forget(&self.programmed);
+    }
+}
+
+/// What comes of the next polynomial.
+enum Next<const AXES: usize> {
+    /// It goes on: whether it is the last one of its element.
+    Passes {
+        element: Element<AXES>,
+        end: [Position; AXES],
+        is_last: bool,
+    },
+    /// It was looked at.
+    Looked,
+    /// It leads an axis beyond its limit.
+    Beyond(Beyond),
+    Refused(SplitError),
+}
+
+impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
+    /// The data sets of the machine and the default (P-CHAN-00032), 0 for none.
+    pub fn set_kinematics(&mut self, sets: &'a [Kinematic], default_id: u16) {
+        (self.intake.transform.sets, self.intake.transform.default_id) = (sets, default_id);
+    }
+
+    /// Whether there are data sets.
+    pub const fn has_kinematics(&self) -> bool {
+        !self.intake.transform.sets.is_empty()
+    }
+
+    /// Whether a transformation is active.
+    pub const fn is_transformed(&self) -> bool {
+        self.intake.transform.active.is_some()
+    }
+
+    /// The data set that is active.
+    pub const fn kinematic(&self) -> Option<&'a Kinematic> {
+        self.intake.transform.active
+    }
+
+    /// How many elements became how many polynomials.
+    pub const fn split(&self) -> Split {
+        self.intake.transform.split
+    }
+
+    /// Positions of the axes at the end of the blocks that are in the look-ahead.
+    pub const fn axes(&self) -> &[Position; AXES] {
+        &self.intake.entered
+    }
+
+    /// #KIN ID.
+    ///
+    /// # Errors
+    /// There is no such data set, or another one is active.
+    pub fn select(&mut self, id: u16) -> Result<(), SwitchError> {
+        let transform = &mut self.intake.transform;
+        if let Some(active) = transform.active.filter(|active| active.id != id) {
+            return Err(SwitchError::Active(active.id));
+        }
+        transform.selected = transform.find(id)?.id;
+        Ok(())
+    }
+
+    /// #TRAFO ON, as soon as all that was taken in is on its way: [`Self::switches`].
+    ///
+    /// # Errors
+    /// There is no data set, or another one is active.
+    pub fn switch_on(&mut self) -> Result<&'a Kinematic, SwitchError> {
+        let transform = &mut self.intake.transform;
+        let id = if transform.selected != 0 { transform.selected } else { transform.default_id };
+        if id == 0 {
+            return Err(SwitchError::None);
+        }
+        let kinematic = transform.find(id)?;
+        match transform.active {
+            Some(active) if active.id != id => Err(SwitchError::Active(active.id)),
+            Some(_) => Ok(kinematic),
+            None => {
+                transform.wanted = Some(Some(kinematic));
+                self.rest(0);
+                Ok(kinematic)
+            }
+        }
+    }
+
+    /// The transformation stays as it is.
+    pub fn forget_switch(&mut self) {
+        self.intake.transform.wanted = None;
+    }
+
+    /// #TRAFO OFF, likewise.
+    pub fn switch_off(&mut self) {
+        if self.is_transformed() {
+            self.intake.transform.wanted = Some(None);
+            self.rest(0);
+        }
+    }
+
+    /// Changes the transformation, if one is wanted. Only after [`Work::Hungry`]. Whether positions of the program are
+    /// others now.
+    pub fn switches(&mut self) -> bool {
+        let Some(wanted) = self.intake.transform.wanted.take() else { return false };
+        self.intake.transform.active = wanted;
+        self.intake.stand();
+        self.dynamics().set_transformed(wanted.is_some());
+        self.lookahead.ring.forget_exit();
+        true
+    }
+
+    /// No transformation, and none selected. Only at rest.
+    pub(super) fn end_transformation(&mut self) {
+        let transform = &mut self.intake.transform;
+        transform.selected = 0;
+        if transform.active.take().is_some() {
+            self.intake.stand();
+            self.dynamics.set_transformed(false);
+        }
+    }
+
+    /// A motion in workpiece coordinates.
+    #[inline(never)]
+    pub(super) fn take_transformed(
+        &mut self,
+        motion: &Motion<AXES>,
+        feed: Option<f32>,
+    ) -> Result<(), MotionError> {
+        let mut block = self.programmed(Form::Line, motion, feed);
+        let (from, to) = (block.from, block.to);
+        match motion.kind {
+            MotionKind::Rapid | MotionKind::Line => {
+                if !path::line_to([&from, &to], &self.measure, &mut block.element)? {
+                    self.join_last(motion);
+                    return Ok(());
+                }
+            }
+            MotionKind::Arc { plane, clockwise, by } => {
+                if self.intake.smoothing.refuses_arcs() {
+                    return Err(MotionError::ArcInSpline);
+                }
+                let centre = self.centre(motion, (plane, clockwise, by))?;
+                let arc = (centre, plane, clockwise);
+                path::arc_to([&from, &to], arc, &self.measure, &mut block.element)?;
+                self.intake.turning.go_on(&mut block.element, arc, self.intake.taken);
+                block.form = Form::Arc { centre, plane, clockwise };
+            }
+        }
+        self.pass(motion, feed)?;
+        let Element { shape, .. } = &block.element;
+        Self::in_time(self.dynamics.programmed(feed), shape.length)?;
+        if self.intake.smoothing.is_idle() {
+            self.transform_block(&block).map_err(MotionError::Split)?;
+            self.functions.settle(true, false);
+        } else {
+            self.round(&block);
+        }
+        self.advance(motion);
+        Ok(())
+    }
+
+    /// A block that no smoother takes.
+    fn transform_block(&mut self, block: &ProgrammedBlock<AXES>) -> Result<(), SplitError> {
+        let smoothed = Smoothed {
+            element: &block.element,
+            end: Some(&block.to),
+            data: &block.data,
+            curving: None,
+            due: block.data.number,
+            known: None,
+        };
+        let rules = (self.intake.machine.channel.check_jerk_on_poly_path, self.intake.travel.is_limited());
+        let Intake { transform, entered, .. } = &mut self.intake;
+        transform.begin(&smoothed, entered, rules)
+    }
+
+    /// The next element of the smoother; `false` if there is none.
+    #[inline(never)]
+    pub(super) fn transform_smoothed(&mut self) -> bool {
+        let rules = (self.intake.machine.channel.check_jerk_on_poly_path, self.intake.travel.is_limited());
+        let Intake { transform, entered, smoothing, .. } = &mut self.intake;
+        smoothing.emit(|smoothed| {
+            if let Err(error) = transform.begin(smoothed, entered, rules) {
+                transform.refused = Some((smoothed.data.place, error));
+            }
+        })
+    }
+
+    /// The next polynomial of the element at hand.
+    #[inline(never)]
+    pub(super) fn pass_transformed(&mut self) -> Work {
+        let next = if self.intake.transform.refused.is_some() { None } else { self.next_polynomial() };
+        let Some(Job { data, curving, due, .. }) = &self.intake.transform.job else {
+            self.forget_ahead();
+            return Work::Refused;
+        };
+        let (data, curving, due) = (*data, *curving, *due);
+        match next {
+            Some(Next::Passes { element, end, is_last }) => {
+                let limits = match &element.bounds {
+                    Some(bounds) => {
+                        self.dynamics.polynomial(element.shape.length, bounds, data.feed, curving)
+                    }
+                    None => self.dynamics.line(&element.entry.tangent, data.feed),
+                };
+                let Data { feed, n, number, stop, .. } = data;
+                let pass = Pass { feed, n, number, stop: stop && is_last };
+                self.entrance().0.push(&element.piece(), &limits, &pass, due, Some(&end));
+                self.intake.transform.split.polynomials += 1;
+                if is_last {
+                    self.intake.transform.job = None;
+                    self.intake.transform.split.elements += 1;
+                }
+                Work::Working
+            }
+            Some(Next::Looked) => Work::Working,
+            Some(Next::Beyond(beyond)) => {
+                self.intake.refused = Some((data.place, beyond));
+                self.forget_ahead();
+                Work::Refused
+            }
+            Some(Next::Refused(error)) => {
+                self.intake.transform.refused = Some((data.place, error));
+                self.forget_ahead();
+                Work::Refused
+            }
+            None => {
+                self.forget_ahead();
+                Work::Refused
+            }
+        }
+    }
+
+    /// Makes the next polynomial, or looks at it.
+    #[inline(never)]
+    fn next_polynomial(&mut self) -> Option<Next<AXES>> {
+        let Intake { transform, entered, travel, .. } = &mut self.intake;
+        let job = transform.job.as_mut()?;
+        let number = job.splitter.made();
+        let cell = match job.splitter.step()? {
+            Ok(cell) => cell,
+            Err(error) => return Some(Next::Refused(error)),
+        };
+        let mut element = Element::BLANK;
+        let kind = (job.fastest, job.splitter.is_straight());
+        if cell.become_element(&mut element, job.length_of(number), kind).is_none() {
+            return Some(Next::Refused(SplitError::TooCurved));
+        }
+        if let (true, Some(bounds)) = (job.is_through, &mut element.bounds) {
+            bounds.passage = Passage::Through;
+        }
+        let [start, end] = cell.span();
+        let is_last = number + 1 >= job.splitter.cells();
+        if !job.is_checking {
+            return Some(Next::Passes { element, end, is_last });
+        }
+        let inside = if element.bounds.is_some() {
+            travel.curve(&start, |axis| element.bent_range(axis, &start, travel.of(axis, &start)))
+        } else {
+            travel.line(&start, &end)
+        };
+        if let Err(beyond) = inside {
+            return Some(Next::Beyond(beyond));
+        }
+        if is_last {
+            job.is_checking = false;
+            job.splitter = match job.splitter.again(widened(entered)) {
+                Ok(splitter) => splitter,
+                Err(error) => return Some(Next::Refused(error)),
+            };
+        }
+        Some(Next::Looked)
+    }
+
+    /// Why an element was refused, once.
+    pub fn take_unsplit(&mut self) -> Option<(Place, SplitError)> {
+        self.intake.transform.refused.take()
+    }
+}
