@@ -485,6 +485,9 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
             Command::WaitIndependent(_, axes) => self.wait_independent(*axes),
             // Exact stop came with the motion; the others switch off what this version cannot switch on.
             Command::ExactStop(..) | Command::ProgramEnd(..) => {}
+            // Nothing is on that they could switch off.
+            Command::Contour(..) | Command::Spline(..) | Command::Hsc(..)
+                if !functions::CONTOUR.is_built() => {}
             Command::Contour(head, contour) => self.contour(head, contour)?,
             Command::Spline(head, spline) => return self.spline(head, spline),
             Command::Hsc(head, hsc) => return self.hsc(head, hsc),
@@ -558,6 +561,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
     /// Slope, weights and limits along the path, for the blocks that follow.
     fn restrict(&mut self, command: &Command<AXES>) -> Result<(), Error> {
         match command {
+            Command::Slope(..) | Command::VectorLimit(..) if !functions::COMMANDS.is_built() => {}
             Command::Slope(_, slope) => {
                 if !slope.default && slope.kind == Some(SlopeType::Hsc) {
                     functions::HSC.check().map_err(|needs| Error::NotEnabled(command.place(), needs))?;

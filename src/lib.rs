@@ -60,6 +60,7 @@
 //!
 //! | feature | adds |
 //! |---|---|
+//! | `commands` | the `#` commands of ISG's language; `contour`, `filters` and `plc` turn it on |
 //! | `contour` | rounding of corners: G61, G261, `#CONTOUR MODE` |
 //! | `surface` | `#HSC [SURFACE]`: one smooth curve through many short blocks |
 //! | `splines` | Akima, B-spline, HSC B-spline |

@@ -10,6 +10,7 @@
 //! | `splines` | G151, `#SPLINE`, `#AKIMA`, `#HSC [BSPLINE]`, `#HSC [OPMODE=2]` | needs `contour` |
 //! | `hsc` | the slope HSC: `#SLOPE [TYPE=HSC]`, P-CHAN-00071 = 3 | |
 //! | `expressions` | `P` parameters, operators and functions, `$` statements | words have plain numbers; subroutines stay |
+//! | `commands` | all `#` commands; `contour`, `filters` and `plc` turn it on | machine data choose the slope |
 //! | `filters` | `#FILTER`, P-AXIS-00586 | |
 //! | `beside` | `[OSC …]`, `[INDP …]`, `#WAIT INDP` | |
 //! | `dialects` (off by default) | the words of LinuxCNC and Grbl | programs are ISG's |
@@ -72,6 +73,8 @@ functions! {
     HSC = "hsc": "slope HSC (#SLOPE [TYPE=HSC], P-CHAN-00071 = 3)";
     /// Expressions, P parameters and `$` statements.
     EXPRESSIONS = "expressions": "an expression (P parameters, operators, functions, $ statements)";
+    /// The # commands.
+    COMMANDS = "commands": "a # command";
     /// Filters of the axes.
     FILTERS = "filters": "#FILTER";
     /// Axes that move independently of the path.

@@ -7,7 +7,7 @@ use super::interpreter::{Bounds, Gathered, Interpreter, Next, Phase, Refusal};
 use super::line::{Fill, Line, LineReader, Mark};
 use super::modal::Before;
 use super::*;
-use crate::machine::MachineData;
+use crate::machine::{MachineData, functions};
 
 /// A command that changes what the blocks behind it may do.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -188,6 +188,7 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
         let interpreter = &*self.interpreter;
         if let Gathered::Single(command) = &interpreter.gathered {
             return match command.get() {
+                _ if !functions::COMMANDS.is_built() => None,
                 Command::Slope(_, slope) => Some(Restriction::Slope(slope)),
                 Command::VectorLimit(_, limit) => Some(Restriction::VectorLimit(limit)),
                 _ => None,

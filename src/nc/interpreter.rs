@@ -381,6 +381,10 @@ impl<const AXES: usize> Interpreter<AXES> {
                 Ok(Next::Line)
             }
             b'$' => self.control(c, line, bounds),
+            b'#' if !functions::COMMANDS.is_built() => {
+                c.rest_of_word().needs(functions::COMMANDS)?;
+                Ok(Next::Line)
+            }
             b'#' => {
                 self.hash_command(c, line)?;
                 Ok(Next::Line)

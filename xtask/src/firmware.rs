@@ -15,32 +15,6 @@ const TALK_LIMIT: Duration = Duration::from_secs(240);
 /// Chip of the reference board.
 const CHIP: &str = "STM32F405RGTx";
 
-/// A core in an emulated machine.
-pub struct Core {
-    /// What it is.
-    pub name: &'static str,
-    target: &'static str,
-    machine: &'static str,
-    /// Memory map, below the root.
-    map: &'static str,
-}
-
-/// Cores beside the reference target's.
-pub const CORES: [Core; 2] = [
-    Core {
-        name: "Cortex-M3",
-        target: "thumbv7m-none-eabi",
-        machine: "mps2-an385",
-        map: "hil-tests/maps/mps2-an385.x",
-    },
-    Core {
-        name: "Cortex-M33",
-        target: "thumbv8m.main-none-eabi",
-        machine: "mps2-an505",
-        map: "hil-tests/maps/mps2-an505.x",
-    },
-];
-
 /// Where firmware runs.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Place {
@@ -75,6 +49,11 @@ impl Firmware {
         Ok(Self { toolchain, place, runner })
     }
 
+    /// How it compiles.
+    pub fn toolchain(&self) -> &Toolchain {
+        &self.toolchain
+    }
+
     /// The compiler's version.
     pub fn compiler(&self) -> &str {
         self.toolchain.version()
@@ -106,27 +85,6 @@ impl Firmware {
             Err(format!("{folder} {arguments:?} builds and must not"))
         } else {
             Ok(output.err)
-        }
-    }
-
-    /// Builds a binary of the package in `folder` for another core and runs it there; the text it wrote.
-    /// `None` if there is no library for that core.
-    pub fn elsewhere(&self, core: &Core, folder: &str, name: &str) -> Result<Option<String>, String> {
-        if !self.toolchain.has(core.target) {
-            eprintln!("   {}: off, no library for {} (`rustup target add`)", core.name, core.target);
-            return Ok(None);
-        }
-        let mut command = self.toolchain.cargo(&shell::root().join(folder), "build", core.target);
-        command.args(["--bin", name]).env("HIL_MEMORY_X", core.map);
-        shell::run(&mut command)?;
-        let file = toolchain::folder_of_artifacts().join(core.target).join("release").join(name);
-        let mut command = emulator(&self.runner, core.machine);
-        let output = shell::capture(command.arg("-kernel").arg(&file), LIMIT)?;
-        let text = String::from_utf8_lossy(&output.out).into_owned();
-        if output.success {
-            Ok(Some(text))
-        } else {
-            Err(format!("{name} on {}: {text}{}", core.name, output.err))
         }
     }
 

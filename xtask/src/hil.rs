@@ -1,12 +1,13 @@
 //! The target's tests: same bits, real interrupt, no panicking path, and the figures.
+use crate::cores;
 use crate::figures::{self, Beside, Commanded, Figures, MemoryFigures};
-use crate::firmware::{CORES, Firmware, Place, artifact, small};
+use crate::firmware::{Firmware, Place, artifact, small};
 use crate::host::{self, HostRun};
 use crate::rtos;
 use crate::shell::step;
 use crate::stack::Calls;
 use crate::target::{self, TargetRun};
-use crate::{elf, shell};
+use crate::{elf, shell, two_cores};
 use std::collections::BTreeMap;
 
 const TESTS: &str = "hil-tests";
@@ -52,9 +53,6 @@ const INTERRUPT: u64 = 600;
 /// The case in which nothing is to be done for some ticks: its filters change.
 const RESTS: &str = "beside_all";
 
-/// Fewest programs that another core runs.
-const OTHER_CORES: usize = 3;
-
 /// Programs that the board's own firmware runs, besides the test firmware.
 const BOARD_PROGRAMS: [&str; 2] = ["lines", "arcs"];
 
@@ -92,7 +90,8 @@ pub fn all(place: Place) -> Result<(), String> {
         return Ok(());
     }
     step("other cores");
-    cores(&firmware, &host)?;
+    cores::short(&firmware)?;
+    two_cores::check(&firmware)?;
     step("the board's firmware");
     board(&firmware, &host)?;
     rtos::run(&firmware)?;
@@ -470,35 +469,6 @@ fn late(report: &str, host: &[HostRun]) -> Result<(), String> {
     eprintln!("   {runs} runs with a planner that was late {late} times");
     if runs == 0 || late < 10 * runs {
         return Err("the planner was hardly ever late: the test shows nothing".into());
-    }
-    Ok(())
-}
-
-/// The digests of some programs on other cores.
-fn cores(firmware: &Firmware, host: &[HostRun]) -> Result<(), String> {
-    for core in &CORES {
-        let Some(report) = firmware.elsewhere(core, TESTS, "core")? else { continue };
-        let mut same = 0;
-        for line in report.lines().filter_map(|line| line.strip_prefix("core ")) {
-            let (name, rest) = line.split_once(' ').ok_or(line)?;
-            let values = target::fields(rest);
-            let (digest, ticks) = (target::digest(&values, line)?, target::number(&values, "ticks", line)?);
-            let is_it = |run: &&HostRun| (run.name, run.axes, run.blocks) == (name, 3, hil_cases::SHORT);
-            let ours = host.iter().find(is_it).ok_or(line)?.outcome;
-            if (digest, ticks) != (ours.digest.value(), u64::from(ours.ticks)) {
-                return Err(format!(
-                    "{}: {line}; host: {} ticks, digest {:016x}",
-                    core.name,
-                    ours.ticks,
-                    ours.digest.value()
-                ));
-            }
-            same += 1;
-        }
-        if same < OTHER_CORES {
-            return Err(format!("{}: {same} programs ran, expected {OTHER_CORES} at least", core.name));
-        }
-        eprintln!("   {}: {same} programs, digests as on the host", core.name);
     }
     Ok(())
 }

@@ -5,7 +5,8 @@ use crate::toolchain::{TARGET, Toolchain, clippy_driver};
 use std::path::PathBuf;
 use std::process::{Command, Stdio};
 
-const FIRMWARE: [&str; 5] = ["hil-tests", "boards/stm32f405", "boards/c", "boards/embassy", "boards/rtic"];
+const FIRMWARE: [&str; 6] =
+    ["hil-tests", "boards/stm32f405", "boards/c", "boards/embassy", "boards/rtic", "boards/two-cores"];
 
 /// Other cores. Those of the first and the last kind can only load and store words.
 const CORES: [&str; 5] = [
@@ -17,8 +18,8 @@ const CORES: [&str; 5] = [
 ];
 
 /// Functions that a build may leave out: the library is checked with each alone.
-const FUNCTIONS: [&str; 9] =
-    ["contour", "surface", "splines", "hsc", "expressions", "filters", "beside", "dialects", "plc"];
+const FUNCTIONS: [&str; 10] =
+    ["commands", "contour", "surface", "splines", "hsc", "expressions", "filters", "beside", "dialects", "plc"];
 
 /// Tools for the package that may be installed, and what they are asked: to compare with the last version in the history, and
 /// to read the licences of what is used.

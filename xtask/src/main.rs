@@ -1,5 +1,6 @@
 //! The project's commands. Each prints what it does and leaves with a code other than 0 when something is
 //! wrong.
+mod cores;
 mod document;
 mod elf;
 mod figures;
@@ -15,6 +16,7 @@ mod stack;
 mod target;
 mod thumb;
 mod toolchain;
+mod two_cores;
 
 use std::process::ExitCode;
 
@@ -33,6 +35,10 @@ cargo xtask COMMAND
   hil --interrupt  only the interpolator in the timer interrupt, with a planner that keeps up and one that is late
   hil --commands  only programs with commands all the time: digests, and the largest call of each
   hil --panic   only the proof that no panicking path is left; names the places if there are any
+  cores         the table of cores: digests, instructions, flash and RAM on each core, against the accepted ones; minutes
+  cores NAME    only that of one core, m0, m3, m4f, m33, rv32imc or rv32imac, or of one build, full or small
+  cores --accept  makes what is measured the accepted figures and writes docs/cores.md; also with NAMEs before it
+  two-cores     a board of two cores: planner on one, interrupt on the other; digest
   rtos          only the programs in an operating system and in C: RTIC, Embassy, C, FreeRTOS; digests
   rtos NAME     only that of one of them: rtic, embassy, c, freertos
   senders       two real senders of the desktop stream a job of 5,000 lines to `glidepath serve`; needs Python
@@ -61,6 +67,8 @@ fn main() -> ExitCode {
         ["hil", "--interrupt"] => hil::only_interrupt(),
         ["hil", "--commands"] => hil::only_commands(),
         ["hil", "--panic"] => hil::panic_proof(),
+        ["cores", words @ ..] => cores::all(words),
+        ["two-cores"] => two_cores::all(),
         ["rtos"] => rtos::all(None),
         ["rtos", name] => rtos::all(Some(name)),
         ["senders"] => senders::all("5000"),
@@ -95,9 +103,9 @@ fn host_tests() -> Result<(), String> {
     shell::step("host tests");
     shell::run(shell::cargo(&shell::root()).args(["test", "--workspace", "--release"]))?;
     shell::step("what a build leaves out");
-    for features in ["", "contour"] {
+    for words in [&["--features", ""][..], &["--features", "contour"], &["--no-default-features", "--test", "bare"]] {
         let mut command = shell::cargo(&shell::root().join(WITHOUT));
-        command.args(["test", "--release", "--features", features]);
+        command.args(["test", "--release"]).args(words);
         shell::run(command.env("CARGO_TARGET_DIR", shell::root().join("target")))?;
     }
     Ok(())
