@@ -101,6 +101,9 @@ pub(crate) const FLASH_OF: &str = "flash_of.";
 /// gaps between them.
 const GAPS: u64 = 64;
 
+/// First line of the accepted table.
+const TITLE: &str = "Accepted figures of the STM32F405 target: instructions and bytes. Written by `cargo xtask bench --accept`.";
+
 /// With the compiler of the accepted table counts repeat exactly; another one may differ by this, in percent.
 const OTHER_COMPILER_PERCENT: u64 = 10;
 
@@ -243,7 +246,7 @@ impl Figures {
     }
 
     /// What [`Self::to_toml`] writes; the line that is something else.
-    fn from_toml(text: &str) -> Result<Self, String> {
+    pub(crate) fn from_toml(text: &str) -> Result<Self, String> {
         let mut figures = Self { compiler: String::new(), values: BTreeMap::new() };
         let mut section = "";
         for line in text.lines().map(str::trim).filter(|line| !line.is_empty() && !line.starts_with('#')) {
@@ -264,12 +267,8 @@ impl Figures {
         Ok(figures)
     }
 
-    fn to_toml(&self) -> String {
-        let mut text = format!(
-            "# Accepted figures of the STM32F405 target: instructions and bytes. Written by `cargo xtask bench --accept`.\n\
-             compiler = \"{}\"\n",
-            self.compiler
-        );
+    pub(crate) fn to_toml(&self, title: &str) -> String {
+        let mut text = format!("# {title}\ncompiler = \"{}\"\n", self.compiler);
         let mut last = "";
         for (name, value) in &self.values {
             let (section, key) = name.rsplit_once('.').unwrap_or(("", name));
@@ -357,7 +356,7 @@ pub fn accept(measured: &Figures) -> Result<(), String> {
         eprintln!("   wrote {}", file.display());
         std::fs::write(&file, text).map_err(|e| format!("{}: {e}", file.display()))
     };
-    write(accepted_file(), measured.to_toml())?;
+    write(accepted_file(), measured.to_toml(TITLE))?;
     write(document(), document::text(measured))?;
     limits(measured)
 }
@@ -393,7 +392,7 @@ pub fn compare(measured: &Figures) -> Result<(), String> {
 }
 
 /// What is worse than accepted or not comparable, and how many figures are better.
-fn differences(measured: &Figures, accepted: &Figures) -> (Vec<String>, usize) {
+pub(crate) fn differences(measured: &Figures, accepted: &Figures) -> (Vec<String>, usize) {
     let percent = if measured.compiler == accepted.compiler { 0 } else { OTHER_COMPILER_PERCENT };
     let mut wrong = Vec::new();
     let mut better = 0;
@@ -503,7 +502,7 @@ mod tests {
     fn the_table_is_read_as_it_is_written() {
         let written =
             figures("rustc 1 (x)", &[("case.a.ticks", 3), ("case.b.ticks", 4), ("size.axes_3.total", 5)]);
-        let read = Figures::from_toml(&written.to_toml());
+        let read = Figures::from_toml(&written.to_toml(TITLE));
         assert!(read.is_ok_and(|read| read.compiler == written.compiler && read.values == written.values));
         assert_eq!(Figures::from_toml("[case.a]\nticks = many").err().as_deref(), Some("ticks = many"));
     }

@@ -75,6 +75,11 @@ impl Firmware {
         Ok(Self { toolchain, place, runner })
     }
 
+    /// How it compiles.
+    pub fn toolchain(&self) -> &Toolchain {
+        &self.toolchain
+    }
+
     /// The compiler's version.
     pub fn compiler(&self) -> &str {
         self.toolchain.version()

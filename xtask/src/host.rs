@@ -6,8 +6,8 @@ use glidepath::nc::Window;
 use glidepath::quantity::Position;
 use hil_cases::{
     AXES_3, AXES_3_DEEP, AXES_3_SHORT, AXES_4, AXES_6, AXES_6_SHORT, BLOCKS, BesideCase, CASES_3,
-    CASES_3_OTHER, CASES_4, CASES_6, CASES_6_OTHER, CASES_BESIDE, CASES_SLIM, Case, DEEP, FilterMemory, Line,
-    Outcome, SEEDS, SHORT, Watch, beside, commanded, run, session,
+    CASES_3_OTHER, CASES_4, CASES_6, CASES_6_OTHER, CASES_BESIDE, CASES_CORES, CASES_SLIM, Case, DEEP,
+    FilterMemory, Line, Outcome, SEEDS, SHORT, Watch, beside, commanded, run, session,
 };
 use std::time::Duration;
 
@@ -47,6 +47,11 @@ pub fn run_all() -> Result<Vec<HostRun>, String> {
     let deep_three = CASES_3_OTHER.iter().map(|case| run_one::<3, DEEP>(case, &AXES_3_DEEP));
     let short_six = CASES_6_OTHER.iter().map(|case| run_one::<6, SHORT>(case, &AXES_6_SHORT));
     three.chain(four).chain(six).chain(short_three).chain(deep_three).chain(short_six).collect()
+}
+
+/// The programs of the table of cores, with a short look-ahead.
+pub fn cores() -> Result<Vec<HostRun>, String> {
+    CASES_CORES.iter().map(|case| run_one::<3, SHORT>(case, &AXES_3_SHORT)).collect()
 }
 
 /// Those of lines, arcs and contour mode as a host built for them alone runs them: what its example `slim` writes.

@@ -1,5 +1,6 @@
 //! The project's commands. Each prints what it does and leaves with a code other than 0 when something is
 //! wrong.
+mod cores;
 mod document;
 mod elf;
 mod figures;
@@ -33,6 +34,9 @@ cargo xtask COMMAND
   hil --interrupt  only the interpolator in the timer interrupt, with a planner that keeps up and one that is late
   hil --commands  only programs with commands all the time: digests, and the largest call of each
   hil --panic   only the proof that no panicking path is left; names the places if there are any
+  cores         the table of cores: digests, instructions, flash and RAM on each core, against the accepted ones; minutes
+  cores NAME    only that of one core, m0, m3, m4f, m33, rv32imc or rv32imac, or of one build, full or small
+  cores --accept  makes what is measured the accepted figures and writes docs/cores.md; also with NAMEs before it
   rtos          only the programs in an operating system and in C: RTIC, Embassy, C, FreeRTOS; digests
   rtos NAME     only that of one of them: rtic, embassy, c, freertos
   senders       two real senders of the desktop stream a job of 5,000 lines to `glidepath serve`; needs Python
@@ -61,6 +65,7 @@ fn main() -> ExitCode {
         ["hil", "--interrupt"] => hil::only_interrupt(),
         ["hil", "--commands"] => hil::only_commands(),
         ["hil", "--panic"] => hil::panic_proof(),
+        ["cores", words @ ..] => cores::all(words),
         ["rtos"] => rtos::all(None),
         ["rtos", name] => rtos::all(Some(name)),
         ["senders"] => senders::all("5000"),

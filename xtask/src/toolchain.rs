@@ -14,6 +14,8 @@ pub const TARGET: &str = "thumbv7em-none-eabihf";
 
 const COMPILER_PACKAGES: &[&str] = &["rustc-web", "rust-web-src"];
 const EMULATOR: &str = "qemu-system-arm";
+/// Packages of emulators, by name.
+const EMULATORS: [(&str, &str); 2] = [(EMULATOR, EMULATOR), ("qemu-system-riscv32", "qemu-system-misc")];
 const C_COMPILER: &str = "arm-none-eabi-gcc";
 /// FreeRTOS includes headers of a C library.
 const C_COMPILER_PACKAGES: &[&str] = &["gcc-arm-none-eabi", "libnewlib-arm-none-eabi"];
@@ -123,15 +125,24 @@ pub fn folder_of_artifacts() -> PathBuf {
     shell::root().join("target/fw")
 }
 
-/// The emulator, installed if need be.
+/// The emulator of the reference target, installed if need be.
 pub fn emulator() -> Result<PathBuf, String> {
-    if let Some(found) = shell::on_path(EMULATOR) {
+    emulator_of(EMULATOR)
+}
+
+/// The emulator with this name, installed if need be.
+pub fn emulator_of(name: &str) -> Result<PathBuf, String> {
+    if let Some(found) = shell::on_path(name) {
         return Ok(found);
     }
-    install(&[EMULATOR]).map_err(|why| {
-        format!("no {EMULATOR} ({why}). On Debian, as root: `apt-get install {EMULATOR}`; elsewhere the package qemu.")
+    let package =
+        EMULATORS.iter().find(|(emulator, _)| *emulator == name).map_or(name, |(_, package)| package);
+    install(&[package]).map_err(|why| {
+        format!(
+            "no {name} ({why}). On Debian, as root: `apt-get install {package}`; elsewhere the package qemu."
+        )
     })?;
-    shell::on_path(EMULATOR).ok_or_else(|| format!("{EMULATOR} is installed but not on PATH"))
+    shell::on_path(name).ok_or_else(|| format!("{name} is installed but not on PATH"))
 }
 
 /// The C compiler for the target, installed if need be.

@@ -78,5 +78,12 @@ pub const CASES_3_OTHER: &[Case] = cases!("short_blocks", "hsc_opt", "contour", 
 pub const CASES_SLIM: &[Case] =
     cases!("lines", "plain", "arcs", "circle", "cam", "cam_dev", "dwell", "contour");
 
+/// Programs for the table of cores, with a short look-ahead.
+pub const CASES_CORES: &[Case] =
+    cases!("lines", "plain", "arcs", "hsc", "short_blocks", "contour", "corners", "cam_dev", "surface");
+
+/// Those of them that need lines, arcs and contour mode alone.
+pub const CASES_CORES_SLIM: &[Case] = cases!("lines", "plain", "arcs", "contour", "cam_dev");
+
 /// Programs for six axes with another look-ahead.
 pub const CASES_6_OTHER: &[Case] = cases!("six", "six_corners");
