@@ -122,6 +122,10 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
                 *slot = position;
             }
         }
+        #[cfg(feature = "examine")]
+        if self.lookahead.ring.examines() {
+            return true;
+        }
         // It belongs to the last block.
         self.stay_here(self.intake.taken.saturating_sub(1));
         self.put(Phase { distance: self.handed, ticks: 1, ..Phase::BLANK });

@@ -5,6 +5,7 @@
 
 mod acknowledge;
 mod beside;
+mod check;
 mod clock;
 mod contour;
 mod course;
@@ -41,7 +42,6 @@ use events::Script;
 use files::Files;
 use machine::{Machine, Overrides};
 use output::Outputs;
-use program::Undecoded;
 use run::Wanted;
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
@@ -59,8 +59,8 @@ struct Arguments {
 enum Command {
     /// Decode, plan and interpolate programs; say what it did and write what is asked for.
     Run(Box<Run>),
-    /// Run programs without output: tells all that `run` would refuse, and nothing else.
-    Check(Input),
+    /// Tell all that `run` would refuse, without planning the motion.
+    Check(Check),
     /// List the G and M words of a dialect; without one, those of LinuxCNC and Grbl.
     Words {
         /// The dialect.
@@ -125,6 +125,15 @@ struct Serve {
 }
 
 #[derive(clap::Args)]
+struct Check {
+    #[command(flatten)]
+    input: Input,
+    /// Plan and drive the programs too: finds where the motion would exceed a limit, a defect of the planner.
+    #[arg(long)]
+    plan: bool,
+}
+
+#[derive(clap::Args)]
 struct Run {
     #[command(flatten)]
     input: Input,
@@ -169,7 +178,7 @@ struct Run {
 fn main() -> ExitCode {
     let done = match Arguments::parse().command {
         Command::Run(arguments) => run_all(&arguments),
-        Command::Check(input) => each(&input.programs, |program| check(&input, program)),
+        Command::Check(arguments) => each(&arguments.input.programs, |program| check(&arguments, program)),
         Command::Words { dialect } => say(&dialect::list(dialect)),
         Command::Serve(arguments) => serve(&arguments),
     };
@@ -265,9 +274,9 @@ fn run(arguments: &Run, path: &Path) -> Result<(), Refusal> {
         script: script.as_ref(),
         acknowledge: arguments.ack,
         quiet: false,
-        mistakes: input.mistakes,
     };
-    let (result, picture) = run::simulate(&files, &machine, &program, wanted)?;
+    let (result, picture) = run::simulate(&files, &machine, &program, wanted)
+        .map_err(|refused| all_mistakes(&files, &machine, input, refused))?;
     program.warnings.extend(result.remarks.iter().map(|warning| program::remark(&files, warning)));
     if let Some(script) = &script {
         let end = result.time_s(&machine);
@@ -355,30 +364,46 @@ fn open(arguments: &Serve) -> std::io::Result<serve::Wire> {
 /// The program, if it is one; else all its mistakes, those of the planner with those of the decoder.
 fn decode(files: &Files, machine: &Machine, input: &Input) -> Result<program::Program, Refusal> {
     match program::decode(files, machine, input.max_commands) {
-        Ok(program) if program.refused => {
-            let wanted = Wanted { mistakes: input.mistakes, ..Wanted::default() };
-            let refused = run::simulate(files, machine, &program, wanted).err();
-            Err(refused.unwrap_or_else(|| vec![Diagnostic::error("a line of the program is refused")]))
+        Ok(program) if !program.refused => Ok(program),
+        Ok(_) => {
+            Err(all_mistakes(files, machine, input, vec![Diagnostic::error("a line of the program is refused")]))
         }
-        Ok(program) => Ok(program),
-        Err(Undecoded::Refused(refusal)) => Err(refusal),
-        Err(Undecoded::Endless(endless)) => Err(endless),
+        Err(refused) => Err(all_mistakes(files, machine, input, refused)),
     }
 }
 
-/// The program runs as in [`run`], with no output: what that refuses is refused here.
-fn check(input: &Input, path: &Path) -> Result<(), Refusal> {
+/// All that a check refuses; where it refuses nothing, `refused`.
+fn all_mistakes(files: &Files, machine: &Machine, input: &Input, refused: Refusal) -> Refusal {
+    check::check(files, machine, input.bounds()).err().unwrap_or(refused)
+}
+
+impl Input {
+    /// When a check ends early.
+    fn bounds(&self) -> check::Bounds {
+        check::Bounds { commands: self.max_commands, mistakes: self.mistakes }
+    }
+}
+
+/// What a run would refuse is refused here. The program is planned and driven only where that is asked for, or where axes
+/// move beside the path.
+fn check(arguments: &Check, path: &Path) -> Result<(), Refusal> {
+    let input = &arguments.input;
     let files = Files::read(path)?;
     let machine = load(input, &files)?;
-    let mut program = decode(&files, &machine, input)?;
-    let wanted = Wanted { mistakes: input.mistakes, ..Wanted::default() };
-    let (result, _) = run::simulate(&files, &machine, &program, wanted)?;
-    program.warnings.extend(result.remarks.iter().map(|warning| program::remark(&files, warning)));
-    for told in program.messages.iter().chain(&machine.warnings).chain(&program.warnings) {
+    let mut checked = check::check(&files, &machine, input.bounds())?;
+    let mut excess = Refusal::new();
+    if arguments.plan || checked.beside {
+        let program = decode(&files, &machine, input)?;
+        let (result, _) = run::simulate(&files, &machine, &program, Wanted::default())?;
+        let remarks = result.remarks.iter().map(|warning| program::remark(&files, warning));
+        checked.remarks = remarks.collect();
+        excess = result.monitor.errors(&machine);
+    }
+    let warnings = checked.warnings.iter().chain(&checked.remarks);
+    for told in checked.messages.iter().chain(&machine.warnings).chain(warnings) {
         told.print();
     }
-    say(&format!("{}: {}\n", files.main.name, program.describe()))?;
-    let excess = result.monitor.errors(&machine);
+    say(&format!("{}: {}\n", files.main.name, checked.describe()))?;
     if excess.is_empty() { Ok(()) } else { Err(excess) }
 }
 

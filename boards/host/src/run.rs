@@ -9,16 +9,15 @@ use crate::events::{Event, Schedule, Script, What, function_name};
 use crate::files::{Delayed, Files};
 use crate::filtered::Filtered;
 use crate::machine::{Machine, with_axes};
-use crate::mistakes::Mistakes;
 use crate::monitor::Monitor;
 use crate::output;
 use crate::plot::Picture;
-use crate::program::Program;
+use crate::program::{self, Program};
 use crate::report::Tape;
 use crate::statistics::{Pause, Statistics};
 use crate::trace::Trace;
 use crate::vcd::Vcd;
-use glidepath::channel::{Channel, FilteredHandles, Planner, Progress};
+use glidepath::channel::{Channel, Error, FilteredHandles, Planner, Progress};
 use glidepath::fir::{Bank, Filters};
 use glidepath::operator::Operator;
 use glidepath::quantity::{Accel, Position, Speed};
@@ -34,7 +33,7 @@ use std::time::{Duration, Instant};
 pub const BLOCKS: usize = 500;
 
 /// Samples of the filter of an axis: the highest order is 200.
-const TAPS: usize = 202;
+pub const TAPS: usize = 202;
 
 /// Axes that may move beside the path at once.
 pub const OVERLAYS: usize = 6;
@@ -56,8 +55,6 @@ pub struct Wanted<'a> {
     pub acknowledge: Delay,
     /// No progress is shown.
     pub quiet: bool,
-    /// So many refused lines are told before the run ends; at least one.
-    pub mistakes: usize,
 }
 
 /// Runs the program to its end.
@@ -128,10 +125,9 @@ fn simulate_axes<const AXES: usize>(
     let patience = PATIENCE + (program.dwell_s() / machine.cycle_s()).ceil() as u64;
     let bar = Bar::new(program.motions, wanted.quiet);
     let automatic = Automatic::new(wanted.acknowledge, machine.channel.cycle_us);
-    let mistakes = Mistakes::new(wanted.mistakes);
-    let rules = Rules { schedule, automatic, patience, late: &late, files, program, mistakes };
+    let rules = Rules { schedule, automatic, patience, late: &late };
     drive(handles, recorder, rules, bar).map_err(|stop| match stop {
-        Stop::Refused(mistakes) => mistakes.tell(files),
+        Stop::Refused(error) => vec![program::refusal(files, &error)],
         Stop::Unwritable(error) => unwritable(error),
         Stop::UnwritableSteps(error) => output::refused(&vcd_path, error),
         Stop::Starved => vec![Diagnostic::error(
@@ -172,8 +168,8 @@ fn simulate_axes<const AXES: usize>(
 const PATIENCE: u64 = 1000;
 
 enum Stop {
-    /// At least one line.
-    Refused(Mistakes),
+    /// A line. The check tells the others too.
+    Refused(Error),
     Unwritable(io::Error),
     /// The dump of the step output.
     UnwritableSteps(io::Error),
@@ -200,10 +196,6 @@ struct Rules<'a> {
     patience: u64,
     /// The program text is late.
     late: &'a Cell<bool>,
-    files: &'a Files,
-    /// As decoded, to know where a refused line leads.
-    program: &'a Program,
-    mistakes: Mistakes,
 }
 
 /// A controller has a timer interrupt and a main loop. Here the main loop gets all the time it needs, then
@@ -218,8 +210,7 @@ fn drive<const AXES: usize>(
     rules: Rules<'_>,
     mut bar: Bar,
 ) -> Result<(Statistics, Option<Picture>), Stop> {
-    let Rules { mut schedule, mut automatic, patience, late: text_is_late, files, program, mut mistakes } =
-        rules;
+    let Rules { mut schedule, mut automatic, patience, late: text_is_late } = rules;
     let FilteredHandles { mut planner, mut interpolator, operator } = handles;
     let mut done = false;
     let mut idle = 0;
@@ -243,15 +234,7 @@ fn drive<const AXES: usize>(
         // Also when all is handed over: a command may change what the queue holds.
         done &= stalled;
         while !done && !stalled {
-            let progress = match planner.poll() {
-                Ok(progress) => progress,
-                Err(error) => {
-                    if mistakes.add(error, files) {
-                        continue;
-                    }
-                    return Err(Stop::Refused(mistakes));
-                }
-            };
+            let progress = planner.poll().map_err(Stop::Refused)?;
             recorder.curves(&planner);
             recorder.statistics.monitor.beside(recorder.statistics.ticks, planner.beside());
             match progress {
@@ -286,14 +269,7 @@ fn drive<const AXES: usize>(
         let mut telemetry = interpolator.telemetry();
         if state == State::Idle {
             if done {
-                if mistakes.is_empty() {
-                    break;
-                }
-                if !mistakes.go_on(&mut planner, program) {
-                    return Err(Stop::Refused(mistakes));
-                }
-                done = false;
-                continue;
+                break;
             }
             if !late && !held && !waiting {
                 idle += 1;
