@@ -23,7 +23,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
     ///
     /// let axis = AxisData::new(AxisName::new("X").unwrap(), AxisKind::Linear);
     /// let machine = MachineData { axes: [axis], channel: ChannelData::new() };
-    /// let program: &[u8] = b"G01 X10 F1000\nX20 F0\nM30\n";
+    /// let program: &[u8] = b"G00 X10\nG04 S5\nM30\n";
     /// let mut memory = Channel::<1, 120>::new();
     /// let mut planner = memory.split(&machine, [Position::ZERO], program).unwrap().planner;
     /// planner.examine();
@@ -34,7 +34,8 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
     ///         Err(error) => break Some(error),
     ///     }
     /// };
-    /// assert_eq!(refused.unwrap().to_string(), "the feed is 0; expected F above 0");
+    /// let known = "G04 S (revolutions) is known, not available in this version";
+    /// assert_eq!(refused.unwrap().to_string(), known);
     /// ```
     pub fn examine(&mut self) {
         self.planning.begin_to_examine();
