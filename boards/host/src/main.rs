@@ -33,10 +33,11 @@ mod statistics;
 mod summary;
 mod tolerance;
 mod trace;
+mod usage;
 mod vcd;
 mod why;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
 use diagnose::Diagnostic;
 use events::Script;
 use files::Files;
@@ -67,8 +68,52 @@ enum Command {
         #[arg(value_enum)]
         dialect: Option<dialect::Choice>,
     },
+    /// Write and explain machine files.
+    #[command(subcommand)]
+    Machine(MachineFile),
+    /// Print what a shell needs to complete commands and options.
+    Completions {
+        /// The shell.
+        #[arg(value_enum)]
+        shell: clap_complete::Shell,
+    },
+    /// Write the manual pages, one for each command.
+    Man {
+        /// The folder, which exists.
+        #[arg(value_name = "FOLDER")]
+        folder: PathBuf,
+    },
     /// Be a controller that a sender talks to (Grbl 1.1), over TCP on this machine or a pseudo terminal.
     Serve(Serve),
+}
+
+/// What to do with machine files.
+#[derive(Subcommand)]
+enum MachineFile {
+    /// Write a machine file of a kind, with a comment at each value.
+    New {
+        #[command(flatten)]
+        options: machine::Options,
+        /// The file; without it the standard output.
+        #[arg(long, value_name = "FILE.toml")]
+        output: Option<PathBuf>,
+    },
+    /// Say every value of a machine file in plain words, with its unit, its ISG id and whether it is a default.
+    Explain {
+        /// The machine file; without it the built-in machine.
+        #[arg(value_name = "FILE.toml")]
+        machine: Option<PathBuf>,
+    },
+    /// Write a machine file from the settings of another controller: Grbl's answer to `$$`, a LinuxCNC INI, a Klipper
+    /// printer.cfg.
+    From {
+        /// The settings; `-` is the standard input.
+        #[arg(value_name = "FILE")]
+        settings: PathBuf,
+        /// The file; without it the standard output.
+        #[arg(long, value_name = "FILE.toml")]
+        output: Option<PathBuf>,
+    },
 }
 
 #[derive(clap::Args)]
@@ -149,9 +194,11 @@ struct Run {
     /// acknowledges are not meant.
     #[arg(long, value_name = "SECONDS", default_value = "0", value_parser = acknowledge::parse_delay)]
     ack: acknowledge::Delay,
-    /// Every set point of every tick, as exact decimals; `-` is the standard output.
-    #[arg(long, value_name = "FILE.csv")]
+    /// Every set point of every tick, as exact decimals; `-` is the standard output, .gz at the end compresses it.
+    #[arg(long, value_name = "FILE.csv|.csv.gz")]
     trace: Option<PathBuf>,
+    #[command(flatten)]
+    extract: trace::Extract,
     /// What is printed, and more, for programs to read.
     #[arg(long, value_name = "FILE.json")]
     summary: Option<PathBuf>,
@@ -167,6 +214,9 @@ struct Run {
     /// A picture: path, speed, acceleration and jerk.
     #[arg(long, value_name = "FILE.svg|.png", value_parser = plot::parse_target)]
     plot: Option<plot::Target>,
+    /// What the picture shows of the path; without it the plane in which something moves, and space.
+    #[arg(long, value_name = "PLANES", value_enum, ignore_case = true, value_delimiter = ',', requires = "plot")]
+    planes: Vec<plot::Plane>,
     /// A page to look into, complete in one file: path in space, speed, acceleration, jerk, NC lines.
     #[arg(long, value_name = "FILE.html")]
     report: Option<PathBuf>,
@@ -180,6 +230,9 @@ fn main() -> ExitCode {
         Command::Run(arguments) => run_all(&arguments),
         Command::Check(arguments) => each(&arguments.input.programs, |program| check(&arguments, program)),
         Command::Words { dialect } => say(&dialect::list(dialect)),
+        Command::Machine(what) => machine_file(&what),
+        Command::Completions { shell } => completions(shell),
+        Command::Man { folder } => man(&folder),
         Command::Serve(arguments) => serve(&arguments),
     };
     match done {
@@ -268,6 +321,7 @@ fn run(arguments: &Run, path: &Path) -> Result<(), Refusal> {
     };
     let wanted = Wanted {
         trace,
+        extract: arguments.extract.clone(),
         vcd,
         picture: arguments.plot.is_some(),
         report: arguments.report.is_some(),
@@ -312,6 +366,7 @@ fn run(arguments: &Run, path: &Path) -> Result<(), Refusal> {
             statistics: &result,
             picture: &picture,
             events,
+            planes: &arguments.planes,
         };
         outputs.write(&target.path, &plot::draw(target.format, &files.main, &scene))?;
     }
@@ -328,6 +383,49 @@ fn run(arguments: &Run, path: &Path) -> Result<(), Refusal> {
     outputs.commit()?;
     let excess = result.monitor.errors(&machine);
     if excess.is_empty() { Ok(()) } else { Err(excess) }
+}
+
+fn completions(shell: clap_complete::Shell) -> Result<(), Refusal> {
+    let mut text = Vec::new();
+    clap_complete::generate(shell, &mut Arguments::command(), "glidepath", &mut text);
+    say(&String::from_utf8_lossy(&text))
+}
+
+fn man(folder: &Path) -> Result<(), Refusal> {
+    if !folder.is_dir() {
+        return Err(output::refused(folder, "it is no folder"));
+    }
+    clap_mangen::generate_to(Arguments::command(), folder).map_err(|error| output::refused(folder, error))
+}
+
+fn machine_file(what: &MachineFile) -> Result<(), Refusal> {
+    match what {
+        MachineFile::New { options, output } => put(output.as_deref(), None, &machine::new(options)),
+        MachineFile::From { settings, output } => {
+            let source = if settings.as_os_str() == "-" {
+                diagnose::Source::read_input()?
+            } else {
+                diagnose::Source::read(settings)?
+            };
+            put(output.as_deref(), Some(settings), &machine::from(&source)?)
+        }
+        MachineFile::Explain { machine } => {
+            let machine = match machine {
+                Some(path) => machine::load(path, &Overrides::default())?,
+                None => Machine::built_in(),
+            };
+            machine.warnings.iter().for_each(Diagnostic::print);
+            say(&machine::explain(&machine))
+        }
+    }
+}
+
+/// Writes a text that is made of the file `input`: into a file, or on the standard output.
+fn put(output: Option<&Path>, input: Option<&PathBuf>, text: &str) -> Result<(), Refusal> {
+    let Some(path) = output else { return say(text) };
+    let mut outputs = Outputs::new(input.cloned());
+    outputs.write(path, text.as_bytes())?;
+    outputs.commit()
 }
 
 /// Until it is ended.

@@ -15,7 +15,8 @@ use crate::plot::Picture;
 use crate::program::{self, Program};
 use crate::report::Tape;
 use crate::statistics::{Pause, Statistics};
-use crate::trace::Trace;
+use crate::trace::{Extract, Trace};
+use crate::usage::Usage;
 use crate::vcd::Vcd;
 use glidepath::channel::{Channel, Error, FilteredHandles, Planner, Progress};
 use glidepath::fir::{Bank, Filters};
@@ -43,6 +44,8 @@ pub const OVERLAYS: usize = 6;
 pub struct Wanted<'a> {
     /// Receives a row per tick.
     pub trace: Option<(&'a Path, Box<dyn Write>)>,
+    /// What of the rows it receives.
+    pub extract: Extract,
     /// Receives the words of the step output, in so many slots per tick.
     pub vcd: Option<(&'a Path, Box<dyn Write>, usize)>,
     /// A [`Picture`] is recorded.
@@ -91,7 +94,13 @@ fn simulate_axes<const AXES: usize>(
     }
     let trace_path = wanted.trace.as_ref().map_or(Path::new(""), |(path, _)| path).to_path_buf();
     let unwritable = |error: io::Error| output::refused(&trace_path, error);
-    let trace = wanted.trace.map(|(_, file)| Trace::new(file, machine)).transpose().map_err(unwritable)?;
+    let trace = match wanted.trace {
+        Some(file) => {
+            let trace = Trace::new(file, machine, &wanted.extract).map_err(|error| vec![error])?;
+            Some(trace.map_err(unwritable)?)
+        }
+        None => None,
+    };
     let vcd_path = wanted.vcd.as_ref().map_or(Path::new(""), |(path, ..)| path).to_path_buf();
     let vcd = match wanted.vcd {
         Some((path, file, slots)) => {
@@ -106,6 +115,7 @@ fn simulate_axes<const AXES: usize>(
     statistics.deviation = (!wanted.quiet).then(|| Deviation::new(machine, program));
     statistics.filtered = Filtered::new(machine);
     statistics.beside = Beside::new(machine);
+    statistics.usage = Usage::new(machine, program);
     let recorder = Recorder {
         statistics,
         driven: Driven::new(machine, &start),
@@ -387,6 +397,7 @@ impl Recorder {
     ) -> Result<(), Stop> {
         self.statistics.digest.add(drives);
         self.statistics.add(telemetry, set_points, curve, pause);
+        self.statistics.usage.add(telemetry, pause);
         let statistics = &self.statistics;
         if let Some(picture) = &mut self.picture {
             let off = statistics.filtered.off();

@@ -4,9 +4,15 @@
 //! Axes take part in the order of the file. What is left out has the ISG default; what is not known is
 //! refused.
 
+mod explain;
+mod from;
 mod later;
 mod load;
+mod new;
+mod plain;
+mod sheet;
 mod steps;
+mod words;
 
 use crate::diagnose::Diagnostic;
 use crate::dialect::Choice;
@@ -14,7 +20,10 @@ use crate::smooth::Smooth;
 use glidepath::machine::{AxisData, AxisKind, AxisName, ChannelData, MachineData};
 use glidepath::nc::SlopeType;
 use glidepath_steps::AxisSteps;
+pub use explain::explain;
+pub use from::from;
 pub use load::{Overrides, load};
+pub use new::{Options, new};
 
 /// A machine whose number of axes is known at run time only.
 pub struct Machine {
@@ -32,6 +41,8 @@ pub struct Machine {
     pub dialect: Choice,
     /// What programs without smoothing begin with.
     pub smooth: Option<Smooth>,
+    /// Parameters that the file gives, with their line.
+    pub given: Vec<(String, usize)>,
 }
 
 /// The largest number of axes this board is compiled for.
@@ -71,6 +82,7 @@ impl Machine {
             warnings: Vec::new(),
             dialect: Choice::Auto,
             smooth: None,
+            given: Vec::new(),
         }
     }
 
@@ -84,6 +96,7 @@ impl Machine {
             warnings: Vec::new(),
             dialect: self.dialect,
             smooth,
+            given: Vec::new(),
         }
     }
 
