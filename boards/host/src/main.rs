@@ -215,7 +215,14 @@ struct Run {
     #[arg(long, value_name = "FILE.svg|.png", value_parser = plot::parse_target)]
     plot: Option<plot::Target>,
     /// What the picture shows of the path; without it the plane in which something moves, and space.
-    #[arg(long, value_name = "PLANES", value_enum, ignore_case = true, value_delimiter = ',', requires = "plot")]
+    #[arg(
+        long,
+        value_name = "PLANES",
+        value_enum,
+        ignore_case = true,
+        value_delimiter = ',',
+        requires = "plot"
+    )]
     planes: Vec<plot::Plane>,
     /// A page to look into, complete in one file: path in space, speed, acceleration, jerk, NC lines.
     #[arg(long, value_name = "FILE.html")]
@@ -463,9 +470,12 @@ fn open(arguments: &Serve) -> std::io::Result<serve::Wire> {
 fn decode(files: &Files, machine: &Machine, input: &Input) -> Result<program::Program, Refusal> {
     match program::decode(files, machine, input.max_commands) {
         Ok(program) if !program.refused => Ok(program),
-        Ok(_) => {
-            Err(all_mistakes(files, machine, input, vec![Diagnostic::error("a line of the program is refused")]))
-        }
+        Ok(_) => Err(all_mistakes(
+            files,
+            machine,
+            input,
+            vec![Diagnostic::error("a line of the program is refused")],
+        )),
         Err(refused) => Err(all_mistakes(files, machine, input, refused)),
     }
 }

@@ -88,7 +88,7 @@ impl Extract {
                 let meant = nearest(name, names.iter().copied());
                 let meant = meant.map_or_else(String::new, |name| format!("; is {name} meant?"));
                 let message = format!("--columns: no column `{name}`");
-                Diagnostic::error(message).expected(format!("{}{meant}", names.join(", ")))
+                Diagnostic::error(message).expected(format!("expected {}{meant}", names.join(", ")))
             })
         };
         self.columns.iter().map(find).collect()
@@ -148,7 +148,9 @@ impl Trace {
             match column {
                 Column::Own(1) => push_scaled(row, i128::from(tick) * i128::from(self.cycle_us), 6),
                 Column::Own(4) => push_exact(row, distance, 44),
-                Column::Own(5) => push_scaled(row, per_second(telemetry.speed.to_bits(), self.cycle_us), PLACES),
+                Column::Own(5) => {
+                    push_scaled(row, per_second(telemetry.speed.to_bits(), self.cycle_us), PLACES)
+                }
                 Column::Own(6) => {
                     push_scaled(row, per_second_squared(telemetry.accel.to_bits(), self.cycle_us), PLACES);
                 }

@@ -99,12 +99,10 @@ fn tools(functions: &[PutOut], time_s: f64, at: impl Fn(&PutOut) -> f64) -> Vec<
     let by_m6 = functions.iter().any(|done| done.output.function == Function::M(6));
     let mut tools: Vec<Tool> = Vec::new();
     let (mut selected, mut tool, mut since) = (None, None, 0.0);
-    let mut put = |tool: Option<u32>, time_s: f64| {
-        match tools.iter_mut().find(|known| known.tool == tool) {
-            Some(known) => known.time_s += time_s,
-            None if time_s > 0.0 => tools.push(Tool { tool, time_s }),
-            None => {}
-        }
+    let mut put = |tool: Option<u32>, time_s: f64| match tools.iter_mut().find(|known| known.tool == tool) {
+        Some(known) => known.time_s += time_s,
+        None if time_s > 0.0 => tools.push(Tool { tool, time_s }),
+        None => {}
     };
     for done in functions {
         let changes = match done.output.function {
@@ -142,7 +140,8 @@ impl Told {
     /// For people.
     pub fn write(&self, out: &mut String) -> std::fmt::Result {
         if !self.tools.is_empty() {
-            let name = |tool: &Tool| tool.tool.map_or_else(|| "no tool".to_owned(), |tool| format!("T{tool}"));
+            let name =
+                |tool: &Tool| tool.tool.map_or_else(|| "no tool".to_owned(), |tool| format!("T{tool}"));
             let one = |tool: &Tool| format!("{} {:.3} s{}", name(tool), tool.time_s, clock(tool.time_s));
             let tools: Vec<String> = self.tools.iter().map(one).collect();
             writeln!(out, "  tools          {}", tools.join(", "))?;

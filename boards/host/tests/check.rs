@@ -79,7 +79,8 @@ fn mistakes_behind_a_refused_motion_are_told_by_both() {
 fn remarks_are_those_of_the_plan() {
     let soft = "N10 G01 X10 F3000\n#CONTOUR MODE ON [DIST_SOFT PATH_DIST=1]\nN20 G02 X20 Y10 I0 J10\nN30 G01 Y20\n\
         G04 X0.1\nM26\nX5\n#CONTOUR MODE OFF\nM30\n";
-    let spline = "N10 G00 X5\nN20 G04 X0.1\n#SET SPLINE TYPE BSPLINE\nG151\nG01 X10 Y5 F600\nX20\nX30 Y9\nG150\nM30\n";
+    let spline =
+        "N10 G00 X5\nN20 G04 X0.1\n#SET SPLINE TYPE BSPLINE\nG151\nG01 X10 Y5 F600\nX20\nX30 Y9\nG150\nM30\n";
     let own = [("soft", soft), ("spline", spline)];
     let own = own.map(|(name, text)| written(&format!("check-remark-{name}"), text));
     let names = ["arcs", "corners", "hsc_opt", "splines", "first"];
@@ -99,12 +100,8 @@ fn functions_and_filters_are_passed() {
     let text = format!(
         "N10 G01 X1 F600\n{functions}#FILTER ON [AX_DEV=0.1]\nX2\n{functions}#FILTER OFF\nX3\n{functions}M30\n"
     );
-    let (ended, stdout, stderr) = told(&glidepath(&[
-        "check",
-        &written("check-functions", &text),
-        "--machine",
-        &limited(),
-    ]));
+    let (ended, stdout, stderr) =
+        told(&glidepath(&["check", &written("check-functions", &text), "--machine", &limited()]));
     assert!(ended && stdout.contains("3 motion blocks"), "{stdout}{stderr}");
 }
 

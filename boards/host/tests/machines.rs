@@ -50,7 +50,9 @@ fn shipped(name: &str) -> String {
 #[test]
 fn ready_machines_are_those_of_new_and_run() {
     let program = |name: &str, z: f64| {
-        let text = format!("G21 G90\nG0 X10 Y10\nG1 Z{z} F300\nG1 X60 F1200\nG2 X70 Y20 I0 J10\nG1 Y60\nG0 X0 Y0\nM30\n");
+        let text = format!(
+            "G21 G90\nG0 X10 Y10\nG1 Z{z} F300\nG1 X60 F1200\nG2 X70 Y20 I0 J10\nG1 Y60\nG0 X0 Y0\nM30\n"
+        );
         file(&format!("{name}.nc"), &text)
     };
     for (kind, name, z) in [
@@ -182,7 +184,9 @@ fn a_linuxcnc_file_becomes_a_machine() {
     }
     assert_eq!(value(&text, "Z", "kenngr.swe_neg"), None, "1e99 is no limit");
     assert!(text.contains("cycle_us = 2000") && text.contains("[axis.A]\ntype = \"rotary\""), "{text}");
-    for left in ["HOME = 0 (line", "FERROR = 1", "joints beyond the first", "sections without machine data: DISPLAY"] {
+    for left in
+        ["HOME = 0 (line", "FERROR = 1", "joints beyond the first", "sections without machine data: DISPLAY"]
+    {
         assert!(text.contains(left), "{left}\n{text}");
     }
     let program = file("mill.nc", "G21 G90\nG0 X10 Y5\nG1 X100 A90 F3000\nM2\n");
@@ -241,8 +245,16 @@ fn wrong_settings_are_refused_with_their_place() {
         ("a.txt", "$110=fast\n$120=10\n", &["a.txt:1:6", "$110=fast: no number"]),
         ("b.txt", "$110=500\n", &["axis X has no $120"]),
         ("c.txt", "$110=0\n$120=10\n", &["c.txt:1:6", "a number above 0"]),
-        ("d.ini", "[TRAJ]\nLINEAR_UNITS = miles\n[AXIS_X]\nMAX_VELOCITY = 1\nMAX_ACCELERATION = 2\n", &["d.ini:2:16", "mm or inch"]),
-        ("e.ini", "[TRAJ]\nLINEAR_UNITS = mm\nCOORDINATES = X\n[AXIS_X]\nMAX_VELOCITY = much\n", &["e.ini:5:16", "no number", "MAX_ACCELERATION is missing"]),
+        (
+            "d.ini",
+            "[TRAJ]\nLINEAR_UNITS = miles\n[AXIS_X]\nMAX_VELOCITY = 1\nMAX_ACCELERATION = 2\n",
+            &["d.ini:2:16", "mm or inch"],
+        ),
+        (
+            "e.ini",
+            "[TRAJ]\nLINEAR_UNITS = mm\nCOORDINATES = X\n[AXIS_X]\nMAX_VELOCITY = much\n",
+            &["e.ini:5:16", "no number", "MAX_ACCELERATION is missing"],
+        ),
         ("f.ini", "[TRAJ]\nLINEAR_UNITS = mm\nnonsense\n", &["f.ini:3:1", "a line that is no setting"]),
         ("g.cfg", "[printer]\nkinematics: delta\nmax_velocity: 1\nmax_accel: 1\n", &["g.cfg:2:13", "corexy"]),
         ("h.cfg", "[printer]\nmax_velocity: 1\n", &["max_accel is missing"]),
@@ -293,7 +305,8 @@ fn plain_names_stand_for_isg_parameters() {
     let values = |name: &str, text: &str| {
         let told = good(&["machine", "explain", &file(name, text)]);
         // Without the name of the file and the lines of it.
-        let line = |line: &str| line.rsplit_once("  ").map_or(line, |(values, _)| values).trim_end().to_owned();
+        let line =
+            |line: &str| line.rsplit_once("  ").map_or(line, |(values, _)| values).trim_end().to_owned();
         let mut lines: Vec<String> = told.lines().skip(1).map(line).collect();
         lines.sort();
         lines

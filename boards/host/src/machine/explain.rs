@@ -9,7 +9,8 @@ use std::fmt::Write;
 fn plain<Target>(parameter: &Parameter<Target>, milli: i64, rotary: bool) -> String {
     if !parameter.words.is_empty() {
         let number = milli / 1000;
-        let is_set = |index: usize| if parameter.joined { number >> index & 1 == 1 } else { number == index as i64 };
+        let is_set =
+            |index: usize| if parameter.joined { number >> index & 1 == 1 } else { number == index as i64 };
         let set = parameter.words.iter().enumerate().filter(|(index, _)| is_set(*index));
         return set.map(|(_, word)| *word).collect::<Vec<_>>().join("|");
     }
@@ -96,7 +97,11 @@ pub fn explain(machine: &Machine) -> String {
     {
         for (code, synch) in synchs.entries() {
             let name = Synch::ALL.iter().find(|(known, ..)| *known == synch).map_or("", |(_, name, _)| name);
-            let _ = writeln!(out, "  {table}{code} is put out as {name}  {}", label("channel", id, "synchronisation"));
+            let _ = writeln!(
+                out,
+                "  {table}{code} is put out as {name}  {}",
+                label("channel", id, "synchronisation")
+            );
         }
     }
     let slope = machine.slope();

@@ -17,11 +17,11 @@ mod words;
 use crate::diagnose::Diagnostic;
 use crate::dialect::Choice;
 use crate::smooth::Smooth;
+pub use explain::explain;
+pub use from::from;
 use glidepath::machine::{AxisData, AxisKind, AxisName, ChannelData, MachineData};
 use glidepath::nc::SlopeType;
 use glidepath_steps::AxisSteps;
-pub use explain::explain;
-pub use from::from;
 pub use load::{Overrides, load};
 pub use new::{Options, new};
 

@@ -50,7 +50,9 @@ fn travel(text: &str) -> Result<Travel, String> {
     let lengths: Vec<f64> = text.split(',').filter_map(|part| part.trim().parse().ok()).collect();
     let lengths = <[f64; 3]>::try_from(lengths).ok().filter(|_| text.split(',').count() == 3);
     let lengths = lengths.filter(|all| all.iter().all(|length| (1.0..=100_000.0).contains(length)));
-    lengths.map(Travel).ok_or_else(|| "expected three lengths of 1 to 100000 mm, for example 300,180,45".into())
+    lengths
+        .map(Travel)
+        .ok_or_else(|| "expected three lengths of 1 to 100000 mm, for example 300,180,45".into())
 }
 
 /// Numbers of a kind: mm/min, mm/s², ms, mm.

@@ -12,12 +12,7 @@ pub struct Plain {
     pub scale: i64,
 }
 
-const fn plain(
-    name: &'static str,
-    rotary: &'static str,
-    isg: &'static [&'static str],
-    scale: i64,
-) -> Plain {
+const fn plain(name: &'static str, rotary: &'static str, isg: &'static [&'static str], scale: i64) -> Plain {
     Plain { name, rotary, isg, scale }
 }
 

@@ -1,9 +1,9 @@
 //! The path: programmed thin and grey, moved coloured by speed, with equal scales.
-use super::{Plane, Scene};
 use super::canvas::{Anchor, Canvas, Colour, GRID, INK, PROGRAMMED, Point, Rect, SOFT, Stroke, TextStyle};
 use super::font::Font;
 use super::record::Place;
 use super::scale::{label, round_up, ticks};
+use super::{Plane, Scene};
 use crate::program::Stretch;
 
 /// Shades of the speed scale.

@@ -36,7 +36,6 @@ pub struct Stretch {
     pub line: Vec<[f64; 3]>,
 }
 
-
 /// Signed angle of an arc; a whole turn where start and end are one point.
 pub fn sweep(start: [f64; 2], end: [f64; 2], centre: [f64; 2], clockwise: bool) -> f64 {
     let angle = |point: [f64; 2]| (point[1] - centre[1]).atan2(point[0] - centre[0]);

@@ -67,8 +67,7 @@ impl Warned {
 /// A program that repeats more than `limit` commands.
 pub fn endless(files: &Files, at: Place, limit: u64) -> Diagnostic {
     let message = format!("the program goes on after {limit} commands of lines that were carried out before");
-    place(Diagnostic::error(message), files, at)
-        .expected("expected an end; --max-commands N allows for more")
+    place(Diagnostic::error(message), files, at).expected("expected an end; --max-commands N allows for more")
 }
 
 /// What a comment tells the operator.

@@ -101,7 +101,8 @@ pub fn read(source: &Source) -> Result<Sheet, Vec<Diagnostic>> {
         });
         let steps = take(100 + k, 1000.0, "steps/mm").filter(|counts| counts.value >= 1.0);
         let steps = steps.map_or_else(Vec::new, |counts| {
-            let inverted = |number| Taken::new(f64::from(u8::from(is_on(number, index))), format!("${number}"));
+            let inverted =
+                |number| Taken::new(f64::from(u8::from(is_on(number, index))), format!("${number}"));
             let pulse = take(0, 1000.0, "µs");
             let mut keys = vec![
                 ("steps.counts", counts),

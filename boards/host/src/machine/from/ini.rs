@@ -77,9 +77,9 @@ impl<'a> Ini<'a> {
                 let expected = "a section such as [TRAJ], KEY = VALUE, or a comment behind #";
                 let column = line.len() - line.trim_start().len() + 1;
                 let error = Diagnostic::error("a line that is no setting");
-                self.refused.get_mut().push(
-                    error.at(self.source, number, column, trimmed.len()).expected(expected),
-                );
+                self.refused
+                    .get_mut()
+                    .push(error.at(self.source, number, column, trimmed.len()).expected(expected));
             }
             return;
         };
@@ -182,7 +182,9 @@ impl<'a> Ini<'a> {
             }
         }
         for (line, file) in &self.includes {
-            left.push(format!("the file {file} (line {line}), which is not read: put its text here and try again"));
+            left.push(format!(
+                "the file {file} (line {line}), which is not read: put its text here and try again"
+            ));
         }
         if !others.is_empty() {
             left.push(format!("sections without machine data: {}", others.join(", ")));

@@ -78,7 +78,9 @@ pub fn read(source: &Source) -> Result<Sheet, Vec<Diagnostic>> {
         return Err(refused);
     }
     let mut left = ini.left(&["TRAJ", "AXIS_", "JOINT_", "EMCMOT", "KINS"], REASONS);
-    if let Some(joints) = joints.filter(|joints| joints.parse::<usize>().is_ok_and(|count| count > axes.len())) {
+    if let Some(joints) =
+        joints.filter(|joints| joints.parse::<usize>().is_ok_and(|count| count > axes.len()))
+    {
         left.push(format!("joints beyond the first of each axis: {joints} joints, {} axes", axes.len()));
     }
     Ok(Sheet {

@@ -50,7 +50,8 @@ pub fn read(source: &Source, overrides: &Overrides) -> Result<Machine, Vec<Diagn
             return Err(vec![Diagnostic::error(message).at(source, line, column, 1)]);
         }
     };
-    let mut loader = Loader { source, overrides, refused: Vec::new(), warnings: Vec::new(), given: Vec::new() };
+    let mut loader =
+        Loader { source, overrides, refused: Vec::new(), warnings: Vec::new(), given: Vec::new() };
     let machine = loader.machine(text);
     if loader.refused.is_empty() {
         let Loader { warnings, given, .. } = loader;
@@ -263,7 +264,8 @@ impl Loader<'_> {
         }
         for (index, entry) in all.iter().enumerate() {
             if let Some(twice) = all.iter().take(index).find(|other| other.name == entry.name) {
-                let [first, second] = [twice, entry].map(|entry| entry.plain.map_or(&*entry.name, |plain| plain.0));
+                let [first, second] =
+                    [twice, entry].map(|entry| entry.plain.map_or(&*entry.name, |plain| plain.0));
                 let message = format!("{table}.{second} gives what {table}.{first} gives");
                 let at = if entry.plain.is_some() { entry.key.clone() } else { twice.key.clone() };
                 self.refuse(&at, message, "one of them");
@@ -281,7 +283,10 @@ impl Loader<'_> {
         if self.overrides.slope.is_some() || self.given.iter().any(|(given, _)| *given == name) {
             return;
         }
-        let message = format!("{} is missing: the slope is STEP, without a limit of jerk", label("channel", "P-CHAN-00071", SLOPE));
+        let message = format!(
+            "{} is missing: the slope is STEP, without a limit of jerk",
+            label("channel", "P-CHAN-00071", SLOPE)
+        );
         let line = text.lines().position(|line| line.trim_start().starts_with("[channel")).unwrap_or(0);
         let warning = Diagnostic::warning(message).at(self.source, line + 1, 1, 1);
         self.warnings.push(warning.expected("slope = \"TRAPEZ\" in [channel], or \"STEP\" to say so"));

@@ -2,8 +2,7 @@
 use super::value::exact_milli;
 use super::*;
 use glidepath::machine::{
-    AccelerationUnit, Dialect, ForeignAxis, ForeignChannel, MODE_LINEAR, MODE_MASTER, SynchTable,
-    ToolLengths,
+    AccelerationUnit, Dialect, ForeignAxis, ForeignChannel, MODE_LINEAR, MODE_MASTER, SynchTable, ToolLengths,
 };
 
 #[test]
@@ -18,8 +17,9 @@ fn the_default_file_is_the_built_in_machine() {
 fn prepared(lines: &str) -> Result<Machine, Vec<Diagnostic>> {
     let name = format!("glidepath-enable-{}-{}", std::process::id(), lines.len());
     let file = std::env::temp_dir().join(name);
-    let text =
-        format!("[channel.prog_start]\nslope.profile = 1\n[channel.configuration.path_preparation]\n{lines}\n[axis.X]\ntype = \"linear\"\n");
+    let text = format!(
+        "[channel.prog_start]\nslope.profile = 1\n[channel.configuration.path_preparation]\n{lines}\n[axis.X]\ntype = \"linear\"\n"
+    );
     std::fs::write(&file, text).expect("a file for the test");
     let machine = load(&file, &Overrides::default());
     let _ = std::fs::remove_file(&file);

@@ -32,7 +32,6 @@ impl Loader<'_> {
         true
     }
 
-
     pub(super) fn kind(&mut self, entry: &Entry<'_>, axis: &mut AxisData) {
         const KINDS: [(&str, AxisKind); 3] =
             [("linear", AxisKind::Linear), ("rotary", AxisKind::Rotary), ("spindle", AxisKind::Spindle)];
@@ -145,7 +144,12 @@ impl Loader<'_> {
 
     /// P-CHAN-00605: what the channel may use, one text per mode of program start (P-CHAN-00606). Programs start in
     /// the first one here. `false` if the name is another.
-    pub(super) fn enable(&mut self, entry: &Entry<'_>, entries: &[Entry<'_>], channel: &mut ChannelData) -> bool {
+    pub(super) fn enable(
+        &mut self,
+        entry: &Entry<'_>,
+        entries: &[Entry<'_>],
+        channel: &mut ChannelData,
+    ) -> bool {
         const ID: &str = "P-CHAN-00605";
         if entry.name != FCT_ENABLE {
             return false;
