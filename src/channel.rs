@@ -28,6 +28,8 @@
 mod beside;
 mod check;
 mod error;
+#[cfg(feature = "examine")]
+mod examine;
 mod filter;
 #[cfg(feature = "dialects")]
 mod force;
@@ -169,6 +171,9 @@ pub struct Planner<
     filters: F,
     /// Motions of single axes.
     beside: Beside<'a, OVERLAYS>,
+    /// The last command, while a program is examined.
+    #[cfg(feature = "examine")]
+    seen: Option<Command<AXES>>,
 }
 
 impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, const OVERLAYS: usize>
@@ -364,6 +369,8 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
     /// By reference: a command is large. Not inlined: what it has on the stack is not there while text is decoded.
     #[inline(never)]
     fn perform(&mut self, step: &Result<Step<AXES>, NcError>) -> Result<Progress, Error> {
+        #[cfg(feature = "examine")]
+        self.see(step);
         let result = match step {
             Ok(Step::Working | Step::Late) => Ok(Progress::Working),
             Ok(Step::Warning(warning)) => Ok(Progress::Warning(*warning)),

@@ -56,7 +56,7 @@
 //!
 //! # Cargo features
 //!
-//! The last four features are off by default. Without a feature its commands are refused by name.
+//! The last five features are off by default. Without a feature its commands are refused by name.
 //!
 //! | feature | adds |
 //! |---|---|
@@ -71,6 +71,7 @@
 //! | `dialects` | programs of LinuxCNC and Grbl |
 //! | `plc` | elements of the path ahead, for a PLC |
 //! | `kinematics` | transformations of machines with rotary axes: `#KIN ID`, `#TRAFO` |
+//! | `examine` | a check that refuses what a run refuses, without planning; for desktop tools |
 //! | `defmt` | `defmt::Format` for errors and events |
 //!
 //! # Where to look in the sources

@@ -151,6 +151,8 @@ impl<const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Channel<AXES
                 lost: false,
                 filters,
                 beside: Beside::new(singles.write([Single::NONE; OVERLAYS]), to_overlays, &machine.channel),
+                #[cfg(feature = "examine")]
+                seen: None,
             },
             interpolator,
             operator,

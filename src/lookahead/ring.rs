@@ -28,6 +28,9 @@ pub struct Ring<'a, const AXES: usize, const BLOCKS: usize> {
     pub(super) tail: Tail<AXES>,
     pub(super) scope: Scope,
     pub(super) counts: Counts,
+    /// Blocks are examined, and none comes into the ring.
+    #[cfg(feature = "examine")]
+    examines: bool,
 }
 
 /// What the next block needs to know of those before it.
@@ -190,7 +193,18 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
         blocks.clear();
         let depth = if depth < BLOCKS { depth } else { BLOCKS };
         let (tail, scope, counts) = (Tail::NONE, Scope::NONE, Counts::NONE);
-        Self { blocks, depth, level: 1.0, lowering: None, start: Speed::ZERO, tail, scope, counts }
+        Self {
+            blocks,
+            depth,
+            level: 1.0,
+            lowering: None,
+            start: Speed::ZERO,
+            tail,
+            scope,
+            counts,
+            #[cfg(feature = "examine")]
+            examines: false,
+        }
     }
 
     /// End of the last block, if its direction is known.
@@ -201,6 +215,25 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
     /// Forgets the end of the last block: another program follows.
     pub fn forget_exit(&mut self) {
         self.tail.known = Known::Nothing;
+    }
+
+    /// From now on blocks are only examined.
+    #[cfg(feature = "examine")]
+    pub fn begin_to_examine(&mut self) {
+        self.examines = true;
+    }
+
+    /// Whether blocks are only examined.
+    #[cfg(feature = "examine")]
+    pub fn examines(&self) -> bool {
+        self.examines
+    }
+
+    /// In place of a block that is only examined: the next one begins where it ends.
+    #[cfg(feature = "examine")]
+    pub fn pass_by(&mut self, exit: &End<AXES>) {
+        (self.tail.last.exit.tangent, self.tail.last.exit.curvature) = (exit.tangent, exit.curvature);
+        self.tail.known = Known::Exit;
     }
 
     /// The level of all speeds, see [`super::Pace`].

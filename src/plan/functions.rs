@@ -159,6 +159,28 @@ impl Functions {
         self.tidy();
     }
 
+    /// An element with no more than `due` motion blocks before it is only examined: functions and gates before it have
+    /// their place. They wait for [`Self::drop_passed`].
+    #[cfg(feature = "examine")]
+    pub fn pass_by(&mut self, due: u32) {
+        for entry in &mut self.entries {
+            entry.placed |= reaches(due, entry.out);
+            entry.gated |= entry.placed && reaches(due, entry.gate);
+        }
+    }
+
+    /// Functions of examined elements are put out and acknowledged at once.
+    #[cfg(feature = "examine")]
+    pub fn drop_passed(&mut self, control: &Control) {
+        if self.entries.is_empty() {
+            return;
+        }
+        for entry in self.entries.iter().filter(|entry| entry.placed && entry.gated) {
+            control.acknowledgements().give_back(entry.ticket);
+        }
+        self.tidy();
+    }
+
     /// What is in the queue stays as long as its gate is still to come.
     fn tidy(&mut self) {
         self.entries.retain(|entry| !entry.placed || !entry.gated);

@@ -97,6 +97,10 @@ impl<const AXES: usize, const BLOCKS: usize> Entrance<'_, '_, AXES, BLOCKS> {
     /// An element of the smoother.
     #[inline(never)]
     fn take(&mut self, smoothed: &Smoothed<'_, AXES>) {
+        #[cfg(feature = "examine")]
+        if self.ring.examines() {
+            return self.pass_by(&smoothed.element.piece(), smoothed.due, smoothed.end);
+        }
         let Smoothed { element, end, data, curving, due, known } = smoothed;
         let known = known.and_then(|known| self.dynamics.recall(known));
         let made;
@@ -143,6 +147,10 @@ impl<const AXES: usize, const BLOCKS: usize> Entrance<'_, '_, AXES, BLOCKS> {
         end: Option<&[Position; AXES]>,
     ) {
         let mut piece = element.piece();
+        #[cfg(feature = "examine")]
+        if self.ring.examines() {
+            return self.pass_by(&piece, due, end);
+        }
         let turns = if self.ring.has_room_for_two() { self.dynamics.turns(element, pass.feed) } else { None };
         let Some(turns) = turns else { return self.push(&piece, limits, pass, due, end) };
         // What comes to the point before it is behind the curve before.
@@ -159,6 +167,23 @@ impl<const AXES: usize, const BLOCKS: usize> Entrance<'_, '_, AXES, BLOCKS> {
         self.ring.run_out(before);
     }
 
+    /// In place of queue and look-ahead, for an element that is only examined.
+    #[cfg(feature = "examine")]
+    fn pass_by(&mut self, element: &Piece<'_, AXES>, due: u32, end: Option<&[Position; AXES]>) {
+        if !element.continued {
+            self.functions.pass_by(due);
+            match end {
+                Some(end) => *self.entered = *end,
+                None => {
+                    let base = element.shape.base(self.entered);
+                    element.shape.end(&base, self.entered);
+                }
+            }
+        }
+        self.ring.pass_by(element.exit);
+        self.dynamics.settle();
+    }
+
     /// Puts an element into queue and look-ahead, inline: of a line only what lines have is made.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn push_here(
@@ -169,6 +194,10 @@ impl<const AXES: usize, const BLOCKS: usize> Entrance<'_, '_, AXES, BLOCKS> {
         (due, long): (u32, bool),
         end: Option<&[Position; AXES]>,
     ) {
+        #[cfg(feature = "examine")]
+        if self.ring.examines() {
+            return self.pass_by(element, due, end);
+        }
         let short = if self.dynamics.is_watched() { self.shorten(element, limits) } else { None };
         let limits = short.as_ref().unwrap_or(limits);
         if !element.continued {

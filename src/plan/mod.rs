@@ -12,6 +12,7 @@
 //! | `reserve`, `slower` | how the motion stops without the planner; what becomes of it where that has no room |
 //! | `late` | what happens when text or room for functions is missing |
 //! | `forecast` | what a PLC asks about what comes (feature `plc`) |
+//! | `examine` | how a program is checked without a plan (feature `examine`) |
 //! | `log` | what the PLC is told of the path ahead (feature `plc`) |
 //! | `transform` | how elements of tip and angles become those of the axes (feature `kinematics`) |
 //! | `stand` | where the axes stand at rest, and what a new program begins with |
@@ -21,6 +22,8 @@ mod committed;
 mod descent;
 #[cfg(feature = "plc")]
 mod forecast;
+#[cfg(feature = "examine")]
+mod examine;
 mod functions;
 mod held_line;
 mod hold;
@@ -473,6 +476,10 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
     /// [`Unplannable`]: a defect of the planner, found by its own verification, or a reduced speed at which a
     /// block takes too long. The motion comes to a standstill as with an abort: [`Work::Aborted`] follows.
     pub fn work(&mut self) -> Result<Work, Unplannable> {
+        #[cfg(feature = "examine")]
+        if self.lookahead.ring.examines() {
+            return Ok(self.examine());
+        }
         if self.lookahead.is_lowering() {
             self.lookahead.complete_level();
             return Ok(Work::Working);

@@ -137,6 +137,10 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
                 *slot = position;
             }
         }
+        #[cfg(feature = "examine")]
+        if self.lookahead.ring.examines() {
+            return true;
+        }
         #[cfg(feature = "kinematics")]
         self.intake.stand();
         // It belongs to the last block.

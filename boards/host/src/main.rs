@@ -5,6 +5,7 @@
 
 mod acknowledge;
 mod beside;
+mod check;
 mod clock;
 mod contour;
 mod course;
@@ -33,17 +34,17 @@ mod statistics;
 mod summary;
 mod tolerance;
 mod trace;
+mod usage;
 mod vcd;
 mod why;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
 use diagnose::Diagnostic;
 use events::Script;
 use files::Files;
 use glidepath::machine::InterpolatorData;
 use machine::{Machine, Overrides};
 use output::Outputs;
-use program::Undecoded;
 use run::Wanted;
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
@@ -61,16 +62,60 @@ struct Arguments {
 enum Command {
     /// Decode, plan and interpolate programs; say what it did and write what is asked for.
     Run(Box<Run>),
-    /// Run programs without output: tells all that `run` would refuse, and nothing else.
-    Check(Input),
+    /// Tell all that `run` would refuse, without planning the motion.
+    Check(Check),
     /// List the G and M words of a dialect; without one, those of LinuxCNC and Grbl.
     Words {
         /// The dialect.
         #[arg(value_enum)]
         dialect: Option<dialect::Choice>,
     },
+    /// Write and explain machine files.
+    #[command(subcommand)]
+    Machine(MachineFile),
+    /// Print what a shell needs to complete commands and options.
+    Completions {
+        /// The shell.
+        #[arg(value_enum)]
+        shell: clap_complete::Shell,
+    },
+    /// Write the manual pages, one for each command.
+    Man {
+        /// The folder, which exists.
+        #[arg(value_name = "FOLDER")]
+        folder: PathBuf,
+    },
     /// Be a controller that a sender talks to (Grbl 1.1), over TCP on this machine or a pseudo terminal.
     Serve(Serve),
+}
+
+/// What to do with machine files.
+#[derive(Subcommand)]
+enum MachineFile {
+    /// Write a machine file of a kind, with a comment at each value.
+    New {
+        #[command(flatten)]
+        options: machine::Options,
+        /// The file; without it the standard output.
+        #[arg(long, value_name = "FILE.toml")]
+        output: Option<PathBuf>,
+    },
+    /// Say every value of a machine file in plain words, with its unit, its ISG id and whether it is a default.
+    Explain {
+        /// The machine file; without it the built-in machine.
+        #[arg(value_name = "FILE.toml")]
+        machine: Option<PathBuf>,
+    },
+    /// Write a machine file from the settings of another controller: Grbl's answer to `$$`, a LinuxCNC INI, a Klipper
+    /// printer.cfg.
+    From {
+        /// The settings; `-` is the standard input.
+        #[arg(value_name = "FILE")]
+        settings: PathBuf,
+        /// The file; without it the standard output.
+        #[arg(long, value_name = "FILE.toml")]
+        output: Option<PathBuf>,
+    },
 }
 
 #[derive(clap::Args)]
@@ -127,6 +172,15 @@ struct Serve {
 }
 
 #[derive(clap::Args)]
+struct Check {
+    #[command(flatten)]
+    input: Input,
+    /// Plan and drive the programs too: finds where the motion would exceed a limit, a defect of the planner.
+    #[arg(long)]
+    plan: bool,
+}
+
+#[derive(clap::Args)]
 struct Run {
     #[command(flatten)]
     input: Input,
@@ -142,9 +196,11 @@ struct Run {
     /// acknowledges are not meant.
     #[arg(long, value_name = "SECONDS", default_value = "0", value_parser = acknowledge::parse_delay)]
     ack: acknowledge::Delay,
-    /// Every set point of every tick, as exact decimals; `-` is the standard output.
-    #[arg(long, value_name = "FILE.csv")]
+    /// Every set point of every tick, as exact decimals; `-` is the standard output, .gz at the end compresses it.
+    #[arg(long, value_name = "FILE.csv|.csv.gz")]
     trace: Option<PathBuf>,
+    #[command(flatten)]
+    extract: trace::Extract,
     /// What is printed, and more, for programs to read.
     #[arg(long, value_name = "FILE.json")]
     summary: Option<PathBuf>,
@@ -160,6 +216,16 @@ struct Run {
     /// A picture: path, speed, acceleration and jerk.
     #[arg(long, value_name = "FILE.svg|.png", value_parser = plot::parse_target)]
     plot: Option<plot::Target>,
+    /// What the picture shows of the path; without it the plane in which something moves, and space.
+    #[arg(
+        long,
+        value_name = "PLANES",
+        value_enum,
+        ignore_case = true,
+        value_delimiter = ',',
+        requires = "plot"
+    )]
+    planes: Vec<plot::Plane>,
     /// A page to look into, complete in one file: path in space, speed, acceleration, jerk, NC lines.
     #[arg(long, value_name = "FILE.html")]
     report: Option<PathBuf>,
@@ -182,8 +248,11 @@ struct Run {
 fn main() -> ExitCode {
     let done = match Arguments::parse().command {
         Command::Run(arguments) => run_all(&arguments),
-        Command::Check(input) => each(&input.programs, |program| check(&input, program)),
+        Command::Check(arguments) => each(&arguments.input.programs, |program| check(&arguments, program)),
         Command::Words { dialect } => say(&dialect::list(dialect)),
+        Command::Machine(what) => machine_file(&what),
+        Command::Completions { shell } => completions(shell),
+        Command::Man { folder } => man(&folder),
         Command::Serve(arguments) => serve(&arguments),
     };
     match done {
@@ -291,6 +360,7 @@ fn run(arguments: &Run, path: &Path) -> Result<(), Refusal> {
     };
     let wanted = Wanted {
         trace,
+        extract: arguments.extract.clone(),
         vcd,
         picture: arguments.plot.is_some(),
         report: arguments.report.is_some(),
@@ -298,9 +368,9 @@ fn run(arguments: &Run, path: &Path) -> Result<(), Refusal> {
         acknowledge: arguments.ack,
         plc: plc.as_ref(),
         quiet: false,
-        mistakes: input.mistakes,
     };
-    let (result, picture) = run::simulate(&files, &machine, &program, wanted)?;
+    let (result, picture) = run::simulate(&files, &machine, &program, wanted)
+        .map_err(|refused| all_mistakes(&files, &machine, input, refused))?;
     program.warnings.extend(result.remarks.iter().map(|warning| program::remark(&files, warning)));
     if let Some(script) = &script {
         let end = result.time_s(&machine);
@@ -342,6 +412,7 @@ fn run(arguments: &Run, path: &Path) -> Result<(), Refusal> {
             statistics: &result,
             picture: &picture,
             events,
+            planes: &arguments.planes,
         };
         outputs.write(&target.path, &plot::draw(target.format, &files.main, &scene))?;
     }
@@ -358,6 +429,49 @@ fn run(arguments: &Run, path: &Path) -> Result<(), Refusal> {
     outputs.commit()?;
     let excess = result.monitor.errors(&machine);
     if excess.is_empty() { Ok(()) } else { Err(excess) }
+}
+
+fn completions(shell: clap_complete::Shell) -> Result<(), Refusal> {
+    let mut text = Vec::new();
+    clap_complete::generate(shell, &mut Arguments::command(), "glidepath", &mut text);
+    say(&String::from_utf8_lossy(&text))
+}
+
+fn man(folder: &Path) -> Result<(), Refusal> {
+    if !folder.is_dir() {
+        return Err(output::refused(folder, "it is no folder"));
+    }
+    clap_mangen::generate_to(Arguments::command(), folder).map_err(|error| output::refused(folder, error))
+}
+
+fn machine_file(what: &MachineFile) -> Result<(), Refusal> {
+    match what {
+        MachineFile::New { options, output } => put(output.as_deref(), None, &machine::new(options)),
+        MachineFile::From { settings, output } => {
+            let source = if settings.as_os_str() == "-" {
+                diagnose::Source::read_input()?
+            } else {
+                diagnose::Source::read(settings)?
+            };
+            put(output.as_deref(), Some(settings), &machine::from(&source)?)
+        }
+        MachineFile::Explain { machine } => {
+            let machine = match machine {
+                Some(path) => machine::load(path, &Overrides::default())?,
+                None => Machine::built_in(),
+            };
+            machine.warnings.iter().for_each(Diagnostic::print);
+            say(&machine::explain(&machine))
+        }
+    }
+}
+
+/// Writes a text that is made of the file `input`: into a file, or on the standard output.
+fn put(output: Option<&Path>, input: Option<&PathBuf>, text: &str) -> Result<(), Refusal> {
+    let Some(path) = output else { return say(text) };
+    let mut outputs = Outputs::new(input.cloned());
+    outputs.write(path, text.as_bytes())?;
+    outputs.commit()
 }
 
 /// Until it is ended.
@@ -394,30 +508,49 @@ fn open(arguments: &Serve) -> std::io::Result<serve::Wire> {
 /// The program, if it is one; else all its mistakes, those of the planner with those of the decoder.
 fn decode(files: &Files, machine: &Machine, input: &Input) -> Result<program::Program, Refusal> {
     match program::decode(files, machine, input.max_commands) {
-        Ok(program) if program.refused => {
-            let wanted = Wanted { mistakes: input.mistakes, ..Wanted::default() };
-            let refused = run::simulate(files, machine, &program, wanted).err();
-            Err(refused.unwrap_or_else(|| vec![Diagnostic::error("a line of the program is refused")]))
-        }
-        Ok(program) => Ok(program),
-        Err(Undecoded::Refused(refusal)) => Err(refusal),
-        Err(Undecoded::Endless(endless)) => Err(endless),
+        Ok(program) if !program.refused => Ok(program),
+        Ok(_) => Err(all_mistakes(
+            files,
+            machine,
+            input,
+            vec![Diagnostic::error("a line of the program is refused")],
+        )),
+        Err(refused) => Err(all_mistakes(files, machine, input, refused)),
     }
 }
 
-/// The program runs as in [`run`], with no output: what that refuses is refused here.
-fn check(input: &Input, path: &Path) -> Result<(), Refusal> {
+/// All that a check refuses; where it refuses nothing, `refused`.
+fn all_mistakes(files: &Files, machine: &Machine, input: &Input, refused: Refusal) -> Refusal {
+    check::check(files, machine, input.bounds()).err().unwrap_or(refused)
+}
+
+impl Input {
+    /// When a check ends early.
+    fn bounds(&self) -> check::Bounds {
+        check::Bounds { commands: self.max_commands, mistakes: self.mistakes }
+    }
+}
+
+/// What a run would refuse is refused here. The program is planned and driven only where that is asked for, or where axes
+/// move beside the path.
+fn check(arguments: &Check, path: &Path) -> Result<(), Refusal> {
+    let input = &arguments.input;
     let files = Files::read(path)?;
     let machine = load(input, &files)?;
-    let mut program = decode(&files, &machine, input)?;
-    let wanted = Wanted { mistakes: input.mistakes, ..Wanted::default() };
-    let (result, _) = run::simulate(&files, &machine, &program, wanted)?;
-    program.warnings.extend(result.remarks.iter().map(|warning| program::remark(&files, warning)));
-    for told in program.messages.iter().chain(&machine.warnings).chain(&program.warnings) {
+    let mut checked = check::check(&files, &machine, input.bounds())?;
+    let mut excess = Refusal::new();
+    if arguments.plan || checked.beside {
+        let program = decode(&files, &machine, input)?;
+        let (result, _) = run::simulate(&files, &machine, &program, Wanted::default())?;
+        let remarks = result.remarks.iter().map(|warning| program::remark(&files, warning));
+        checked.remarks = remarks.collect();
+        excess = result.monitor.errors(&machine);
+    }
+    let warnings = checked.warnings.iter().chain(&checked.remarks);
+    for told in checked.messages.iter().chain(&machine.warnings).chain(warnings) {
         told.print();
     }
-    say(&format!("{}: {}\n", files.main.name, program.describe()))?;
-    let excess = result.monitor.errors(&machine);
+    say(&format!("{}: {}\n", files.main.name, checked.describe()))?;
     if excess.is_empty() { Ok(()) } else { Err(excess) }
 }
 

@@ -6,12 +6,9 @@
 //! therefore left out behind it, and their number is told.
 use crate::diagnose::Diagnostic;
 use crate::files::Files;
-use crate::program::{self, Program};
-use glidepath::channel::{Error, Planner};
-use glidepath::fir::FilterPlan;
-use glidepath::nc::Text;
+use crate::program;
+use glidepath::channel::Error;
 use glidepath::plan::MotionError;
-use glidepath::quantity::Position;
 
 /// Mistakes that are shown without `--mistakes`.
 pub const SHOWN: usize = 20;
@@ -63,29 +60,14 @@ impl Mistakes {
         !ends && self.found.len() < self.most
     }
 
-    /// Behind the refused line, once the axes stand: they are put to where that line leads, if that is known.
-    /// Whether the program goes on.
-    pub fn go_on<
-        T: Text,
-        const AXES: usize,
-        const BLOCKS: usize,
-        F: FilterPlan<AXES>,
-        const OVERLAYS: usize,
-    >(
-        &self,
-        planner: &mut Planner<'_, T, AXES, BLOCKS, F, OVERLAYS>,
-        program: &Program,
-    ) -> bool {
-        let Some(last) = self.found.last().filter(|_| self.found.len() < self.most) else { return false };
-        if let Error::Motion(place, _) | Error::SoftwareLimit(place, ..) = last {
-            let here = |at: &glidepath::nc::Place| (at.file, at.line) == (place.file, place.line);
-            let target = program.motions().find(|segment| here(&segment.place)).map(|segment| &segment.end);
-            for (axis, &end) in target.into_iter().flatten().enumerate() {
-                // Beyond what a position can be: the axis stays.
-                let _ = planner.set_position(axis, Position::from_num(end));
-            }
-        }
-        planner.go_on().is_ok()
+    /// Whether the program goes on behind the last refusal.
+    pub fn goes_on(&self) -> bool {
+        !self.found.is_empty() && self.found.len() < self.most
+    }
+
+    /// Whether the last refused line leads somewhere all the same: a motion that is understood.
+    pub fn leads_on(&self) -> bool {
+        matches!(self.found.last(), Some(Error::Motion(..) | Error::SoftwareLimit(..)))
     }
 
     /// The messages, in the order of the text.

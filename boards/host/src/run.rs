@@ -9,17 +9,17 @@ use crate::events::{Event, Schedule, Script, What, function_name};
 use crate::files::{Delayed, Files};
 use crate::filtered::Filtered;
 use crate::machine::{Machine, with_axes};
-use crate::mistakes::Mistakes;
 use crate::monitor::Monitor;
 use crate::output;
 use crate::plc::{self, Plc};
 use crate::plot::Picture;
-use crate::program::Program;
+use crate::program::{self, Program};
 use crate::report::Tape;
 use crate::statistics::{Pause, Statistics};
-use crate::trace::Trace;
+use crate::trace::{Extract, Trace};
+use crate::usage::Usage;
 use crate::vcd::Vcd;
-use glidepath::channel::{Channel, FilteredHandles, Inquiry, Planner, Progress};
+use glidepath::channel::{Channel, Error, FilteredHandles, Inquiry, Planner, Progress};
 use glidepath::contour_log::ContourMemory;
 use glidepath::fir::{Bank, Filters};
 use glidepath::kinematics::{Chain, Kinematic};
@@ -37,7 +37,7 @@ use std::time::{Duration, Instant};
 pub const BLOCKS: usize = 500;
 
 /// Samples of the filter of an axis: the highest order is 200.
-const TAPS: usize = 202;
+pub const TAPS: usize = 202;
 
 /// Elements and entries that a PLC may read.
 pub const KEPT: usize = 1 << 12;
@@ -50,6 +50,8 @@ pub const OVERLAYS: usize = 6;
 pub struct Wanted<'a> {
     /// Receives a row per tick.
     pub trace: Option<(&'a Path, Box<dyn Write>)>,
+    /// What of the rows it receives.
+    pub extract: Extract,
     /// Receives the words of the step output, in so many slots per tick.
     pub vcd: Option<(&'a Path, Box<dyn Write>, usize)>,
     /// A [`Picture`] is recorded.
@@ -64,8 +66,6 @@ pub struct Wanted<'a> {
     pub plc: Option<&'a plc::Script>,
     /// No progress is shown.
     pub quiet: bool,
-    /// So many refused lines are told before the run ends; at least one.
-    pub mistakes: usize,
 }
 
 /// Runs the program to its end.
@@ -112,7 +112,13 @@ fn simulate_axes<const AXES: usize>(
     }
     let trace_path = wanted.trace.as_ref().map_or(Path::new(""), |(path, _)| path).to_path_buf();
     let unwritable = |error: io::Error| output::refused(&trace_path, error);
-    let trace = wanted.trace.map(|(_, file)| Trace::new(file, machine)).transpose().map_err(unwritable)?;
+    let trace = match wanted.trace {
+        Some(file) => {
+            let trace = Trace::new(file, machine, &wanted.extract).map_err(|error| vec![error])?;
+            Some(trace.map_err(unwritable)?)
+        }
+        None => None,
+    };
     let vcd_path = wanted.vcd.as_ref().map_or(Path::new(""), |(path, ..)| path).to_path_buf();
     let vcd = match wanted.vcd {
         Some((path, file, slots)) => {
@@ -127,6 +133,7 @@ fn simulate_axes<const AXES: usize>(
     statistics.deviation = (!wanted.quiet).then(|| Deviation::new(machine, program));
     statistics.filtered = Filtered::new(machine);
     statistics.beside = Beside::new(machine);
+    statistics.usage = Usage::new(machine, program);
     let recorder = Recorder {
         tool: None,
         chain: machine.kinematics.usual().copied(),
@@ -148,10 +155,9 @@ fn simulate_axes<const AXES: usize>(
     let patience = PATIENCE + (program.dwell_s() / machine.cycle_s()).ceil() as u64;
     let bar = Bar::new(program.motions, wanted.quiet);
     let automatic = Automatic::new(wanted.acknowledge, machine.channel.cycle_us);
-    let mistakes = Mistakes::new(wanted.mistakes);
-    let rules = Rules { schedule, automatic, patience, late: &late, files, program, mistakes, plc };
+    let rules = Rules { schedule, automatic, patience, late: &late, program, plc };
     drive(handles, recorder, rules, (bar, &kinematics)).map_err(|stop| match stop {
-        Stop::Refused(mistakes) => mistakes.tell(files),
+        Stop::Refused(error) => vec![program::refusal(files, &error)],
         Stop::Unwritable(error) => unwritable(error),
         Stop::UnwritableSteps(error) => output::refused(&vcd_path, error),
         Stop::Starved => vec![Diagnostic::error(
@@ -197,8 +203,8 @@ fn widened(axes: &[Position]) -> [Position; 6] {
 const PATIENCE: u64 = 1000;
 
 enum Stop {
-    /// At least one line.
-    Refused(Mistakes),
+    /// A line. The check tells the others too.
+    Refused(Error),
     Unwritable(io::Error),
     /// The dump of the step output.
     UnwritableSteps(io::Error),
@@ -225,10 +231,8 @@ struct Rules<'a> {
     patience: u64,
     /// The program text is late.
     late: &'a Cell<bool>,
-    files: &'a Files,
-    /// As decoded, to know where a refused line leads.
+    /// As decoded, to know where the transformation changes.
     program: &'a Program,
-    mistakes: Mistakes,
     plc: Option<Plc<'a>>,
 }
 
@@ -244,16 +248,7 @@ fn drive<const AXES: usize>(
     rules: Rules<'_>,
     (mut bar, kinematics): (Bar, &[Kinematic]),
 ) -> Result<(Statistics, Option<Picture>), Stop> {
-    let Rules {
-        mut schedule,
-        mut automatic,
-        patience,
-        late: text_is_late,
-        files,
-        program,
-        mut mistakes,
-        mut plc,
-    } = rules;
+    let Rules { mut schedule, mut automatic, patience, late: text_is_late, program, mut plc } = rules;
     let FilteredHandles { mut planner, mut interpolator, operator } = handles;
     let mut done = false;
     let mut idle = 0;
@@ -277,15 +272,7 @@ fn drive<const AXES: usize>(
         // Also when all is handed over: a command may change what the queue holds.
         done &= stalled;
         while !done && !stalled {
-            let progress = match planner.poll() {
-                Ok(progress) => progress,
-                Err(error) => {
-                    if mistakes.add(error, files) {
-                        continue;
-                    }
-                    return Err(Stop::Refused(mistakes));
-                }
-            };
+            let progress = planner.poll().map_err(Stop::Refused)?;
             recorder.curves(&planner, program, kinematics);
             recorder.statistics.monitor.beside(recorder.statistics.ticks, planner.beside());
             match progress {
@@ -323,14 +310,7 @@ fn drive<const AXES: usize>(
         let mut telemetry = interpolator.telemetry();
         if state == State::Idle {
             if done {
-                if mistakes.is_empty() {
-                    break;
-                }
-                if !mistakes.go_on(&mut planner, program) {
-                    return Err(Stop::Refused(mistakes));
-                }
-                done = false;
-                continue;
+                break;
             }
             if !late && !held && !waiting {
                 idle += 1;
@@ -470,6 +450,7 @@ impl Recorder {
     ) -> Result<(), Stop> {
         self.statistics.digest.add(drives);
         self.statistics.add(telemetry, set_points, curve, pause);
+        self.statistics.usage.add(telemetry, pause);
         let statistics = &self.statistics;
         if let Some(picture) = &mut self.picture {
             let off = statistics.filtered.off();

@@ -7,6 +7,7 @@ use crate::filtered::Filtered;
 use crate::machine::Machine;
 use crate::monitor::Monitor;
 use crate::report::Tape;
+use crate::usage::Usage;
 use glidepath::channel::PlannedBlock;
 use glidepath::digest::Digest;
 use glidepath::nc::NcWarning;
@@ -129,6 +130,8 @@ pub struct Statistics {
     pub filtered: Filtered,
     /// Those that move beside the path.
     pub beside: Beside,
+    /// How fast the feed was, and for how long.
+    pub usage: Usage,
     /// Rows at rest up to now.
     pub rest: u64,
     /// The last row in which any axis moved, also beside the path.
@@ -238,6 +241,7 @@ impl Statistics {
             deviation: None,
             filtered: Filtered::default(),
             beside: Beside::default(),
+            usage: Usage::default(),
             transitions: Vec::new(),
             stands: None,
             reaches: Vec::new(),

@@ -10,6 +10,7 @@ use crate::machine::{Machine, slope_name};
 use crate::monitor::Step;
 use crate::program::{Program, Segment, plural};
 use crate::statistics::{Effect, Statistics};
+use crate::usage;
 use crate::why::{Told, Why};
 use anstyle::Style;
 use glidepath::machine::AxisKind;
@@ -53,6 +54,9 @@ pub struct Summary {
     shape: Option<deviation::Told>,
     /// Over all set points of all ticks behind the first row of the trace, 16 hexadecimal digits.
     digest: String,
+    /// Time per tool, spindle, feed.
+    #[serde(flatten)]
+    usage: usage::Told,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     filtered: Vec<FilteredAxis>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -299,6 +303,7 @@ impl Summary {
                 .as_ref()
                 .map(|seen| deviation::Told::new(seen, machine, statistics.blocks())),
             digest: format!("{:016x}", statistics.digest.value()),
+            usage: statistics.usage.tell(&statistics.functions, statistics.time_s(machine)),
             filtered: statistics.filtered.axes(),
             oscillations: statistics.beside.oscillations(&program.beside, machine),
             axes: axes.collect(),
@@ -396,6 +401,7 @@ impl Summary {
             };
             writeln!(out, "  functions      {}{more}", names.join(" "))?;
         }
+        self.usage.write(out)?;
         writeln!(out, "  digest         {}", self.digest)?;
         writeln!(out)?;
         writeln!(
@@ -428,6 +434,7 @@ impl Summary {
                 "  {count} {joints} with a step of acceleration, the largest one {largest:.1} {unit} of {axis} at N{n}"
             )?;
         }
+        self.usage.write_feeds(out)?;
         Filtered::write(&self.filtered, out)?;
         Beside::write(&self.oscillations, out)?;
         if !self.events.is_empty() {

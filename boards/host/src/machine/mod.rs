@@ -4,19 +4,28 @@
 //! Axes take part in the order of the file. What is left out has the ISG default; what is not known is
 //! refused.
 
+mod explain;
+mod from;
 mod kinematics;
 mod later;
 mod load;
+mod new;
+mod plain;
+mod sheet;
 mod steps;
+mod words;
 
 use crate::diagnose::Diagnostic;
 use crate::dialect::Choice;
 use crate::smooth::Smooth;
+pub use explain::explain;
+pub use from::from;
 use glidepath::machine::{AxisData, AxisKind, AxisName, ChannelData, MachineData};
 use glidepath::nc::SlopeType;
 use glidepath_steps::AxisSteps;
 pub use kinematics::Kinematics;
 pub use load::{Overrides, load};
+pub use new::{Options, new};
 
 /// A machine whose number of axes is known at run time only.
 pub struct Machine {
@@ -36,6 +45,8 @@ pub struct Machine {
     pub smooth: Option<Smooth>,
     /// Its transformations.
     pub kinematics: Kinematics,
+    /// Parameters that the file gives, with their line.
+    pub given: Vec<(String, usize)>,
 }
 
 /// The largest number of axes this board is compiled for.
@@ -76,6 +87,7 @@ impl Machine {
             dialect: Choice::Auto,
             smooth: None,
             kinematics: Kinematics::default(),
+            given: Vec::new(),
         }
     }
 
@@ -90,6 +102,7 @@ impl Machine {
             dialect: self.dialect,
             smooth,
             kinematics: self.kinematics.clone(),
+            given: Vec::new(),
         }
     }
 

@@ -42,6 +42,19 @@ pub enum Format {
     Png,
 }
 
+/// What a picture shows of the path: two of the axes shown, or all in space.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum Plane {
+    /// The first two axes.
+    Xy,
+    /// The first and the third axis.
+    Xz,
+    /// The second and the third axis.
+    Yz,
+    /// All three.
+    Space,
+}
+
 /// The format of a file name.
 pub fn parse_target(name: &str) -> Result<Target, String> {
     let path = PathBuf::from(name);
@@ -73,6 +86,8 @@ pub struct Scene<'a> {
     pub picture: &'a Picture,
     /// What happened from outside.
     pub events: &'a [Event],
+    /// Planes that are asked for; none: those in which something moves.
+    pub planes: &'a [Plane],
 }
 
 /// Draws a run, as the bytes of a file.
@@ -188,6 +203,7 @@ mod tests {
             statistics: &statistics,
             picture: &picture,
             events: &[],
+            planes: &[],
         };
         draw(format, &source, &scene)
     }

@@ -1,9 +1,9 @@
 //! The path: programmed thin and grey, moved coloured by speed, with equal scales.
-use super::Scene;
 use super::canvas::{Anchor, Canvas, Colour, GRID, INK, PROGRAMMED, Point, Rect, SOFT, Stroke, TextStyle};
 use super::font::Font;
 use super::record::Place;
 use super::scale::{label, round_up, ticks};
+use super::{Plane, Scene};
 use crate::program::Stretch;
 
 /// Shades of the speed scale.
@@ -42,8 +42,18 @@ impl View {
         }
     }
 
-    /// The planes in which there is something to see: the first two axes, or others if one of these hardly moves.
-    fn all(extent: [f64; 3]) -> Vec<Self> {
+    /// The planes that are asked for; else those in which there is something to see: the first two axes, or others if
+    /// one of these hardly moves.
+    fn all(extent: [f64; 3], asked: &[Plane]) -> Vec<Self> {
+        if !asked.is_empty() {
+            let view = |plane: &Plane| match plane {
+                Plane::Xy => Self::Plan(0, 1),
+                Plane::Xz => Self::Plan(0, 2),
+                Plane::Yz => Self::Plan(1, 2),
+                Plane::Space => Self::Isometric,
+            };
+            return asked.iter().map(view).collect();
+        }
         // Of the largest: less is seen as a line.
         const HARDLY: f64 = 0.01;
         let most = extent.into_iter().fold(0.0, f64::max);
@@ -93,9 +103,13 @@ pub fn draw(canvas: &mut dyn Canvas, area: &Rect, scene: &Scene<'_>) {
         low = std::array::from_fn(|k| low[k].min(at[k]));
         high = std::array::from_fn(|k| high[k].max(at[k]));
     }
-    let views = View::all(std::array::from_fn(|k| (high[k] - low[k]).max(0.0)));
+    let views = View::all(std::array::from_fn(|k| (high[k] - low[k]).max(0.0)), scene.planes);
     let legend = 44.0;
-    let frames: Vec<Rect> = if views.len() > 1 {
+    let frames: Vec<Rect> = if !scene.planes.is_empty() {
+        let count = views.len() as f64;
+        let height = (area.height - legend - 30.0 * (count - 1.0)) / count;
+        (0..views.len()).map(|k| Rect { y: area.y + (height + 30.0) * k as f64, height, ..*area }).collect()
+    } else if views.len() > 1 {
         let plan = (area.height - legend) * 0.56;
         let below = Rect { y: area.y + plan + 30.0, height: area.height - legend - plan - 30.0, ..*area };
         vec![Rect { height: plan, ..*area }, below]

@@ -1,0 +1,55 @@
+//! A program is checked without a plan: takes its text, and gives what a run would refuse or warn about.
+//!
+//! Commands go the same way as in a run, up to the look-ahead. What only a plan can refuse is not found: a defect of
+//! the planner, and a reduced speed (P-AXIS-00214) that is too low.
+use super::Planner;
+use crate::fir::FilterPlan;
+use crate::nc::{Command, NcError, Step, Text};
+
+impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, const OVERLAYS: usize>
+    Planner<'a, T, AXES, BLOCKS, F, OVERLAYS>
+{
+    /// Makes [`Self::poll`] check programs instead of planning them. Call it before the first [`Self::poll`]; there is
+    /// no way back.
+    ///
+    /// The calls of this handle give the same refusals and warnings as in a run. The path does not move, a dwell takes
+    /// no time, and functions are acknowledged at once. Tick the interpolator where [`Self::poll`] returns
+    /// [`Progress::Waiting`](super::Progress::Waiting): filters and single axes need it.
+    ///
+    /// An axis whose oscillation ends by `OFF INSTANT` or `OFF FEED` stands elsewhere than in a run.
+    ///
+    /// ```
+    /// use glidepath::{AxisData, AxisKind, AxisName, Channel, ChannelData, MachineData, Position, Progress};
+    ///
+    /// let axis = AxisData::new(AxisName::new("X").unwrap(), AxisKind::Linear);
+    /// let machine = MachineData { axes: [axis], channel: ChannelData::new() };
+    /// let program: &[u8] = b"G00 X10\nG04 S5\nM30\n";
+    /// let mut memory = Channel::<1, 120>::new();
+    /// let mut planner = memory.split(&machine, [Position::ZERO], program).unwrap().planner;
+    /// planner.examine();
+    /// let refused = loop {
+    ///     match planner.poll() {
+    ///         Ok(Progress::Done) => break None,
+    ///         Ok(_) => {}
+    ///         Err(error) => break Some(error),
+    ///     }
+    /// };
+    /// let known = "G04 S (revolutions) is known, not available in this version";
+    /// assert_eq!(refused.unwrap().to_string(), known);
+    /// ```
+    pub fn examine(&mut self) {
+        self.planning.begin_to_examine();
+    }
+
+    /// The command that the last [`Self::poll`] read, once, refused or not. Only after [`Self::examine`].
+    pub fn seen(&mut self) -> Option<Command<AXES>> {
+        self.seen.take()
+    }
+
+    /// Keeps a command for [`Self::seen`].
+    pub(super) fn see(&mut self, step: &Result<Step<AXES>, NcError>) {
+        if let (true, Ok(Step::Command(command))) = (self.planning.examines(), step) {
+            self.seen = Some(*command);
+        }
+    }
+}

@@ -1,0 +1,38 @@
+//! A program is checked without a plan: takes motion blocks as [`Planning::take`] does, and gives their refusals.
+//!
+//! Blocks pass all that may refuse them: path, feed, software limits, smoothing. Where the look-ahead begins, the
+//! element is dropped. Nothing comes into the queue, and a stop or a dwell takes no time.
+use super::{Planning, Work};
+use crate::smooth::Smoother;
+
+impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
+    /// From now on blocks are only examined. Only before the first block.
+    pub fn begin_to_examine(&mut self) {
+        self.lookahead.ring.begin_to_examine();
+    }
+
+    /// Whether blocks are only examined.
+    pub fn examines(&self) -> bool {
+        self.lookahead.ring.examines()
+    }
+
+    /// A piece of work in place of a plan.
+    pub(super) fn examine(&mut self) -> Work {
+        self.functions.drop_passed(self.queue.control);
+        if !self.intake.smoothing.is_empty() && self.round_off() {
+            return if self.intake.refused.is_some() { Work::Refused } else { Work::Working };
+        }
+        if !self.task.flush {
+            return Work::Hungry;
+        }
+        if self.intake.smoothing.holds() {
+            self.intake.smoothing.flush(false);
+            return Work::Working;
+        }
+        self.let_go();
+        // All comes to rest here: functions come out, and are acknowledged.
+        self.functions.clear(self.queue.control);
+        (self.task.flush, self.task.rest) = (false, 0);
+        Work::Working
+    }
+}
