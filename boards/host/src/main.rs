@@ -61,7 +61,7 @@ enum Command {
     Run(Box<Run>),
     /// Run programs without output: tells all that `run` would refuse, and nothing else.
     Check(Input),
-    /// List the G and M words of a dialect; without one, those of LinuxCNC and Grbl.
+    /// List the G and M words of a dialect; without one, those of all.
     Words {
         /// The dialect.
         #[arg(value_enum)]

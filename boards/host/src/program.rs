@@ -282,7 +282,7 @@ fn decode_axes<const AXES: usize>(
                 });
                 program.messages.push(Diagnostic::note(format!("line {}: {text}", head.place.line)));
             }
-            Step::Command(Command::Pause(..)) => program.stop(),
+            Step::Command(Command::Pause(..) | Command::WaitInput(..)) => program.stop(),
             Step::Command(Command::Spline(..)) => program.through_points = true,
             Step::Command(Command::Hsc(_, hsc)) => {
                 program.through_points = true;
