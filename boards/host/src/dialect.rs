@@ -399,7 +399,7 @@ impl Line {
             return Some(self.at_start(body));
         }
         let far = self
-            .any('G', &[541, 501, 511, 690, 500, 150])
+            .any('G', &[541, 501, 511])
             .or_else(|| self.any('M', &[290]).filter(|_| self.first('S').is_some()));
         let dwell = self.any('G', &[40]).filter(|_| {
             self.first('P').is_none() && (self.first('X').is_some() || self.first('U').is_some())

@@ -254,7 +254,8 @@ fn no_macro(c: &mut Cursor<'_>) -> Result<(), Fault> {
     let mark = c.mark();
     let word = c.letters();
     let statement = ["IF", "GOTO", "WHILE", "DO", "END", "THEN", "POPEN", "DPRNT", "BPRNT"];
-    let is_macro = c.peek() == b'#' || statement.iter().any(|statement| word.is(statement));
+    let is_macro =
+        word.bytes().is_empty() && c.peek() == b'#' || statement.iter().any(|statement| word.is(statement));
     c.back_to(mark);
     if is_macro {
         return c.here().fault(MACRO);

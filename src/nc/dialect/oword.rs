@@ -244,9 +244,12 @@ impl<const AXES: usize> Interpreter<AXES> {
         let key = KEYS.into_iter().find(|key| word.is(key));
         if (fanuc || key.is_none()) && !word.bytes().is_empty() {
             c.back_to(mark);
-            return c
-                .here()
-                .fault(NcErrorKind::Expected("sub, call, if, while, do or repeat behind the O number"));
+            let wanted = if fanuc {
+                "the O number alone in its block"
+            } else {
+                "sub, call, if, while, do or repeat behind the O number"
+            };
+            return c.here().fault(NcErrorKind::Expected(wanted));
         }
         Ok(Head { label, name: spelled, span, key: key.unwrap_or("") })
     }

@@ -138,9 +138,15 @@ pub mod group {
     pub const OUTPUT: u8 = 21;
     /// G80, which the heads of programs have beside G0.
     pub const CYCLE_END: u8 = 22;
-    /// G9.
+    /// G9, and modes of the controller.
     pub const ONCE: u8 = 23;
-    pub const COUNT: usize = 24;
+    pub const POLAR: u8 = 24;
+    pub const ROTATION: u8 = 25;
+    pub const SCALING: u8 = 26;
+    pub const MIRRORING: u8 = 27;
+    pub const MACRO: u8 = 28;
+    pub const CHECK: u8 = 29;
+    pub const COUNT: usize = 30;
 }
 
 /// A word of a dialect.
@@ -246,8 +252,8 @@ pub static WORDS: &[WordEntry] = &[
     g(90, FANUC, group::ONCE, Meaning::StopOnce, "exact stop at the end of this block"),
     g(100, ALL, group::NON_MODAL, Meaning::Store, "L2, L20: store a zero offset"),
     g(110, FANUC, group::ONCE, Meaning::Nothing, "end of data setting"),
-    g(150, FANUC, group::LATHE, Meaning::Nothing, "no polar coordinates"),
-    g(160, FANUC, group::LATHE, Meaning::Later(PLAIN), "polar coordinates"),
+    g(150, ALL, group::POLAR, Meaning::Nothing, "no polar coordinates"),
+    g(160, FANUC, group::POLAR, Meaning::Later(PLAIN), "polar coordinates"),
     g(170, ALL, group::PLANE, Meaning::Plane(Plane::G17), "plane XY"),
     g(180, ALL, group::PLANE, Meaning::Plane(Plane::G18), "plane ZX"),
     g(190, ALL, group::PLANE, Meaning::Plane(Plane::G19), "plane YZ"),
@@ -260,7 +266,7 @@ pub static WORDS: &[WordEntry] = &[
         Meaning::Later("software limits of the machine data"),
         "stored stroke check on",
     ),
-    g(230, FANUC, group::ONCE, Meaning::Nothing, "stored stroke check off"),
+    g(230, FANUC, group::CHECK, Meaning::Nothing, "stored stroke check off"),
     g(270, FANUC, group::NON_MODAL, Meaning::Later("G28"), "check of the reference point"),
     g(280, ALL, group::NON_MODAL, Meaning::Home(0), "rapid to the first stored place"),
     g(281, BOTH, group::NON_MODAL, Meaning::StoreHome(0), "store the first place"),
@@ -284,12 +290,11 @@ pub static WORDS: &[WordEntry] = &[
     g(432, BOTH, group::LENGTH, Meaning::Later("one tool length, G43"), "a further tool length"),
     g(440, FANUC, group::LENGTH, Meaning::LengthMinus, "tool length of H, the other way"),
     g(490, ALL, group::LENGTH, Meaning::NoLength, "no tool length"),
-    g(500, FANUC, group::ONCE, Meaning::Nothing, "no scaling"),
-    g(501, FANUC, group::ONCE, Meaning::Nothing, "no mirroring"),
-    g(510, FANUC, group::ONCE, Meaning::Later(PLAIN), "scaling"),
-    g(511, FANUC, group::ONCE, Meaning::Later(PLAIN), "mirroring"),
-    g(500, GRBL, group::LATHE, Meaning::Later("coordinates of the final size"), "no scaling"),
-    g(510, GRBL, group::LATHE, Meaning::Later("coordinates of the final size"), "scaling"),
+    g(500, ALL, group::SCALING, Meaning::Nothing, "no scaling"),
+    g(501, FANUC, group::MIRRORING, Meaning::Nothing, "no mirroring"),
+    g(510, FANUC, group::SCALING, Meaning::Later(PLAIN), "scaling"),
+    g(511, FANUC, group::MIRRORING, Meaning::Later(PLAIN), "mirroring"),
+    g(510, BOTH, group::SCALING, Meaning::Later("coordinates of the final size"), "scaling"),
     g(520, FULL, group::NON_MODAL, Meaning::Local, "temporary offset"),
     g(530, ALL, group::NON_MODAL, Meaning::Machine, "machine coordinates in this block"),
     g(540, ALL, group::OFFSET, Meaning::Offset(0), "zero offset 1"),
@@ -310,9 +315,9 @@ pub static WORDS: &[WordEntry] = &[
     g(640, FANUC, group::PATH, Meaning::ExactPath, "no stop between blocks; corners as programmed"),
     g(650, FANUC, group::NON_MODAL, Meaning::Later(MACRO), "macro call"),
     g(660, FANUC, group::NON_MODAL, Meaning::Later(MACRO), "modal macro call"),
-    g(670, FANUC, group::ONCE, Meaning::Nothing, "no modal macro call"),
-    g(680, FANUC, group::LATHE, Meaning::Later(PLAIN), "rotation"),
-    g(690, FANUC, group::LATHE, Meaning::Nothing, "no rotation"),
+    g(670, FANUC, group::MACRO, Meaning::Nothing, "no modal macro call"),
+    g(680, FANUC, group::ROTATION, Meaning::Later(PLAIN), "rotation"),
+    g(690, ALL, group::ROTATION, Meaning::Nothing, "no rotation"),
     g(730, ALL, group::MOTION, Meaning::Cycle(CycleKind::Break), "drill with chip breaking"),
     g(740, FULL, group::MOTION, Meaning::Cycle(CycleKind::TapLeft), "left-hand tapping, not synchronised"),
     g(760, BOTH, group::MOTION, Meaning::Later(SYNCHRONISED), "threading"),

@@ -358,7 +358,7 @@ pub const CORPUS: &[Sample] = &[
     (
         "linuxcnc_spiral",
         "linuxcnc",
-        "(spiral bore)\n#<depth>=-3\n#<z>=0\nG21 G17 G90 G40 G49 G80\nG64 P0.01\nT1 M6\nM3 S3000\nG0 X5 Y0 Z1\nG1 Z0 F100\nG3 I-5 Z-1 P1\nG3 I-5 Z-3 P2\nG3 I-5\nG0 Z5\nM2\n",
+        "(spiral bore)\nG21 G17 G90 G40 G49 G80\nG64 P0.01\nT1 M6\nM3 S3000\nG0 X5 Y0 Z1\nG1 Z0 F100\nG3 I-5 Z-1 P1\nG3 I-5 Z-3 P2\nG3 I-5\nG0 Z5\nM2\n",
     ),
     (
         "linuxcnc_outputs",
@@ -388,7 +388,7 @@ pub const CORPUS: &[Sample] = &[
     (
         "linuxcnc_overrides",
         "linuxcnc",
-        "G21 G80\nM48\nM49\nM50 P0\nM51 P1\nM53 P1\nG0 X1\nM48\nM61 Q7\nG43\nM2\n",
+        "G21 G80\nM48\nM49\nM50 P0\nM51 P1\nM53 P1\nG0 X1\nM48\nM61 Q2\nG43\nM2\n",
     ),
     (
         "linuxcnc_fraction",
@@ -426,7 +426,7 @@ pub const CORPUS: &[Sample] = &[
         "linuxcnc",
         "%\nG21\nG17 G90 G94\nG10 P0 L20 X0 Y0 Z0\nG0 Z5\nG91\nG1 X10 Y10 F1000\nG1 X-10 Y-10\nG90\nM5\nM30\n%\n",
     ),
-    ("fluidnc_numbers", "linuxcnc", "G21 G90 G40\n#5=10\nG0 X3\nG1 X4 F300\nM2\n"),
+    ("fluidnc_numbers", "linuxcnc", "G21 G90 G40\nG0 X3\nG1 X4 F300\nM2\n"),
 ];
 
 /// Programs that are refused: dialect, text, and what the refusal names.
@@ -552,7 +552,7 @@ pub const REFUSED: &[Sample] = &[
     ("linuxcnc", "G44 H1", "G44"),
     ("grbl", "G96 S100 D2000", "G96"),
     ("grbl", "G74 X1 Z-1 R1 F5", "G74"),
-    ("fanuc", "G0 X#1", "#1"),
+    ("fanuc", "G0 X#1", "#"),
     ("fanuc", "#100=5.", "#"),
     ("fanuc", "X[1+2]", "["),
     ("fanuc", "IF [#1 EQ 2] GOTO 10", "I"),
@@ -580,8 +580,8 @@ pub const REFUSED: &[Sample] = &[
     ("fanuc", "G0 U5.", "U5."),
     ("fanuc", "G61.1", "G61.1"),
     ("fanuc", "G38.2 Z-1. F5.", "G38.2"),
-    ("fanuc", "O0001 G21", "G"),
-    ("fanuc", "O100 sub", "s"),
+    ("fanuc", "O0001 G21", "O0001"),
+    ("fanuc", "O100 sub", "O100"),
     ("fanuc", "G4 P100 X1.", "X1."),
     ("fanuc", "M1000", "M1000"),
     ("fanuc", "G92.1", "G92.1"),

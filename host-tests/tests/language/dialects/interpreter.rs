@@ -331,6 +331,10 @@ impl Machine {
             self.events.push(Event::Tool(self.tool));
         }
         self.ports(words);
+        if m(61) && !self.fanuc {
+            self.tool = v('Q').unwrap() as u32;
+            self.events.push(Event::Tool(self.tool));
+        }
         if m(6) {
             self.events.push(Event::Pause(6));
         }

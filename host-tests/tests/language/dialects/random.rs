@@ -232,7 +232,8 @@ impl Writer {
             let at = self.random.below(words.len() as u64 + 1) as usize;
             words.insert(at, format!("N{}", self.random.below(99_999)));
         }
-        let gap = ["", " ", "  ", "\t", " (note) "][self.random.below(5) as usize];
+        let gap = ["", " ", "  ", "\t", " (note) "]
+            [self.random.below(if words.len() < 9 { 5 } else { 4 }) as usize];
         let mut line = words.join(gap);
         if self.once_in(5) {
             line = line.to_lowercase();
