@@ -399,7 +399,7 @@ pub const CORPUS: &[Sample] = &[
     (
         "grbl_stream",
         "grbl",
-        "G17 G21 G90 G94 G54\nG91.1\nG61\nG40\nG49\nM3S8000\nG4P0.1\nG0X1Y1\nG1X2F100\nG38.2\nM5\n",
+        "G17 G21 G90 G94 G54\nG91.1\nG61\nG40\nG49\nM3S8000\nG4P0.1\nG0X1Y1\nG1X2F100\nM5\n",
     ),
     (
         "grbl_modal",
