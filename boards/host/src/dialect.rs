@@ -585,6 +585,22 @@ mod tests {
     }
 
     #[test]
+    fn a_text_of_two_dialects_is_asked_about() {
+        for (text, one, other) in [
+            ("%\nO0001\nG21\nG0 X1.5\nG64 P0.1\nM30", "fanuc", "linuxcnc"),
+            ("O0001\nG21\nG0 X10 Y5.\nM30", "fanuc", "linuxcnc"),
+            ("O0001 (grbl)\nG21\nG0 X1.\nM30", "fanuc", "grbl"),
+            ("$H\nG21\nG61.1\nG0 X1", "linuxcnc", "grbl"),
+        ] {
+            let Shown::Two([(first, _), (second, _)]) = shown(text) else { panic!("{text}: {:?}", shown(text)) };
+            assert_eq!((first.name(), second.name()), (one, other), "{text}");
+        }
+        for text in ["%\nO1234\nG21\nG0 X0 Y1.\nM30\n%", ":10\nG20\nG0 X.5\nM30", "G21\nG4 X1.5\nM30"] {
+            assert_eq!(dialect(text), Some(Dialect::Fanuc), "{text}");
+        }
+    }
+
+    #[test]
     fn the_list_of_words_is_that_of_the_decoder() {
         let all = list(None);
         assert_eq!(all.lines().count(), WORDS.len() + ADDRESSES.len());

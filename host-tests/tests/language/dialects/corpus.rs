@@ -178,7 +178,7 @@ pub const CORPUS: &[Sample] = &[
     (
         "fusion_grbl_now",
         "linuxcnc",
-        "(1001)\n(Machine)\n(  vendor: somebody)\n(T1  D=3.175 CR=0 - ZMIN=-2 - flat end mill)\nG90 G94\nG17\nG21\n(When using Fusion for Personal Use, the feedrate of rapid)\n(moves is reduced)\nG28 G91 Z0\nG90\n\n(2D Pocket1)\nT1\nS12000 M3\nG17 G90 G94\nG54\nG0 X10.012 Y4.5\nZ15\nZ5\nG1 Z1 F333\nG18 G3 X10.1 Z-0.2 I0.65 K0\nG17\nG2 X11 Y4.6 Z-0.4 I0.4 J0.05\nG1 X20 F1000\nG19 G2 Y5 Z-0.2 J0.2 K0.05\nG17\nG0 Z15\nM5\nG28 G91 Z0\nG90\nG28 G91 X0 Y0\nG90\nM30\n",
+        "(1001)\n(Machine)\n(  vendor: somebody)\n(T1  D=3.175 CR=0 - ZMIN=-2 - flat end mill)\nG90 G94\nG17\nG21\n(When using Fusion for Personal Use, the feedrate of rapid)\n(moves is reduced)\nG28 G91 Z0\nG90\n\n(2D Pocket1)\nT1\nS12000 M3\nG17 G90 G94\nG54\nG0 X10.012 Y4.5\nZ15\nZ5\nG1 Z1 F333\nG18 G3 X10.662 Z0.35 I0.65 K0\nG17\nG2 X11.462 Y4.5 Z-0.4 I0.4 J0\nG1 X20 F1000\nG19 G2 Y4.7 Z-0.2 J0.2 K0\nG17\nG0 Z15\nM5\nG28 G91 Z0\nG90\nG28 G91 X0 Y0\nG90\nM30\n",
     ),
     (
         "fusion_fanuc",
@@ -272,7 +272,7 @@ pub const CORPUS: &[Sample] = &[
     ),
     (
         "lightburn",
-        "linuxcnc",
+        "grbl",
         "; LightBurn 1.2.01\n; GRBL-M3 device profile, absolute coords\n; Bounds: X0 Y0 to X20 Y20\nG00 G17 G40 G21 G54\nG90\nM3\n; Cut @ 1000 mm/min, 20% power\nM8\nG0 X5Y5\n; Layer C00\nG1 X15 S200F1000\nG1 Y15\nG1 X5\nG1 Y5\nM9\nG1 S0\nM5\nG90\n; return to user-defined finish pos\nG0 X0 Y0\nM2\n",
     ),
     (
@@ -287,7 +287,7 @@ pub const CORPUS: &[Sample] = &[
     ),
     (
         "t2laser",
-        "grbl",
+        "linuxcnc",
         "( T2Laser )\nG21\nG90\nF2000\nM4 S0\nG0 X0.000 Y0.000\nG1 X1.000 S100\nX1.100 S0\nG1 X2.000 S150\nG0 X0 Y0.1\nM5\nM30\n",
     ),
     (
@@ -303,7 +303,7 @@ pub const CORPUS: &[Sample] = &[
     (
         "hsmworks",
         "linuxcnc",
-        "%\n(HSMWORKS PART)\n(T5 D=8. CR=0. - ZMIN=-12. - FLAT END MILL)\nG90 G94 G17 G91.1\nG21\nG53 G0 Z0.\n(ADAPTIVE1)\nM5\nM9\nT5 M6\nS8000 M3\nG54\nM8\nG0 X30.25 Y-4.125\nG43 Z15. H1\nZ5.\nG1 Z0.8 F1000.\nG3 X30.1 Y-4. Z0.6 I-0.2 J0.05\nX29.9 Y-4.3 Z0.4 I0.02 J-0.2\nG1 Y10. Z-0.8\nG0 Z15.\nM9\nG53 G0 Z0.\nG53 G0 X0. Y0.\nM30\n%\n",
+        "%\n(HSMWORKS PART)\n(T5 D=8. CR=0. - ZMIN=-12. - FLAT END MILL)\nG90 G94 G17 G91.1\nG21\nG53 G0 Z0.\n(ADAPTIVE1)\nM5\nM9\nT5 M6\nS8000 M3\nG54\nM8\nG0 X30.25 Y-4.125\nG43 Z15. H1\nZ5.\nG1 Z0.8 F1000.\nG3 X30.05 Y-3.925 Z0.6 I-0.2 J0.\nX29.85 Y-4.125 Z0.4 I0. J-0.2\nG1 Y10. Z-0.8\nG0 Z15.\nM9\nG53 G0 Z0.\nG53 G0 X0. Y0.\nM30\n%\n",
     ),
     (
         "cambam_mm",
@@ -352,7 +352,7 @@ pub const CORPUS: &[Sample] = &[
     ),
     (
         "openbuilds_multi",
-        "linuxcnc",
+        "grbl",
         "(Made in : Fusion 360)\n(G-Code optimized for OpenBuilds with GRBL 1.1 control)\n(Drawing : plate)\n(Tool 1 : Flat end mill 2 flutes, Diam = 6mm)\nG90 G94 G17 G21\nG54\nG53 G0 Z-10\nM3 S10000\nG4 P2.0\nM7\nG0 X10 Y10\nZ4\nG1 Z-1 F200\nG1 X30 F800\nG53 G0 Z-10\nM9\nM5\nG53 G0 X-10 Y-10\nM30\n",
     ),
     (
@@ -414,7 +414,7 @@ pub const CORPUS: &[Sample] = &[
     (
         "onshape_kiri_bom",
         "linuxcnc",
-        "G21 (mm)\nM6 T1 (Flat)\nM7\nG0 Z5\nG0 X1 Y2\nG2 X8 Y10 i2 j4 z-2 F120\nG1 x9\nM9\nM30\n",
+        "G21 (mm)\nM6 T1 (Flat)\nM7\nG0 Z5\nG0 X1 Y2\nG2 X5 Y6 i2 j2 z-2 F120\nG1 x9\nM9\nM30\n",
     ),
     (
         "makercam",
