@@ -74,6 +74,7 @@ pub mod refusal;
 
 pub mod splines;
 
+pub mod mutate;
 pub mod never_slower;
 
 pub mod unlike;

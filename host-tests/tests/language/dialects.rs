@@ -287,6 +287,16 @@ fn numbers_and_subprograms_of_fanuc_come_to_plain_programs() {
     assert_eq!(warnings.iter().map(|w| w.kind).collect::<Vec<_>>(), [NcWarningKind::LeastIncrement]);
 }
 
+/// The long form: `cargo run --release -p host-tests --example mutate`.
+#[test]
+fn mutated_lines_come_to_an_end_and_no_value_does_nothing() {
+    for dialect in Dialect::ALL {
+        let found = host_tests::mutate::search(*dialect, 0, 250_000);
+        assert_eq!(found.silent, Vec::<String>::new());
+        assert!(*dialect == Dialect::Isg || found.values > 500, "{found:?}");
+    }
+}
+
 #[test]
 fn a_spiral_has_its_programmed_end_and_grows_evenly() {
     let text = "G90 G17\nG0 X0 Y0\nG2 X1000.9 Y0 Z9 I500 J0 F1000\nM2";
