@@ -17,7 +17,7 @@ const CORES: [&str; 5] = [
 ];
 
 /// Functions that a build may leave out: the library is checked with each alone.
-const FUNCTIONS: [&str; 9] =
+const FUNCTIONS: [&str; 10] =
     ["contour", "surface", "splines", "hsc", "expressions", "filters", "beside", "dialects", "fanuc", "plc"];
 
 /// Tools for the package that may be installed, and what they are asked: to compare with the last version in the history, and

@@ -592,7 +592,9 @@ mod tests {
             ("O0001 (grbl)\nG21\nG0 X1.\nM30", "fanuc", "grbl"),
             ("$H\nG21\nG61.1\nG0 X1", "linuxcnc", "grbl"),
         ] {
-            let Shown::Two([(first, _), (second, _)]) = shown(text) else { panic!("{text}: {:?}", shown(text)) };
+            let Shown::Two([(first, _), (second, _)]) = shown(text) else {
+                panic!("{text}: {:?}", shown(text))
+            };
             assert_eq!((first.name(), second.name()), (one, other), "{text}");
         }
         for text in ["%\nO1234\nG21\nG0 X0 Y1.\nM30\n%", ":10\nG20\nG0 X.5\nM30", "G21\nG4 X1.5\nM30"] {

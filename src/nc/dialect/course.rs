@@ -225,6 +225,17 @@ impl<const AXES: usize> Spiral<AXES> {
 /// A peck that ends so near to the bottom is the last one: a nanometre, which rounding may leave.
 const NEAR: Position = Position::from_bits(1 << 12);
 
+/// What the spindle does in a hole.
+#[derive(Clone, Copy)]
+pub struct Acts {
+    /// M3 or M4, as the spindle turns behind the hole.
+    pub turn: u16,
+    /// Tapping goes out at feed to R alone, and the spindle turns there.
+    pub to_level: bool,
+    /// How many acts at the bottom, or behind the hole, are done.
+    pub done: u8,
+}
+
 /// Holes of a canned cycle, in machine coordinates.
 #[derive(Clone, Copy)]
 pub struct Holes<const AXES: usize> {
@@ -245,12 +256,7 @@ pub struct Holes<const AXES: usize> {
     pub rest: i32,
     pub back: Position,
     pub dwell: Position,
-    /// M3 or M4, as the spindle turns behind the hole.
-    pub turn: u16,
-    /// Tapping goes out at feed to R alone, and the spindle turns there.
-    pub taps_to_level: bool,
-    /// How many acts at the bottom, or behind the hole, are done.
-    pub act: u8,
+    pub acts: Acts,
     /// Holes still to come.
     pub left: u32,
     /// How deep this one is.
@@ -318,28 +324,28 @@ impl<const AXES: usize> Holes<AXES> {
     /// The next thing that is done while the axes stand, at the bottom or outside; `None` when there is no more.
     fn do_act(&mut self) -> Option<Part<AXES>> {
         let dwell = || Some(Part::Dwell(self.dwell));
-        let back = if self.turn == 3 { 4 } else { 3 };
-        let act = self.act;
-        self.act += 1;
+        let back = if self.acts.turn == 3 { 4 } else { 3 };
+        let act = self.acts.done;
+        self.acts.done += 1;
         let part = match (self.stage, self.kind, act) {
             (Stage::Bottom, kind, 0) if kind.taps() => Some(Part::M(5)),
             (Stage::Bottom, kind, 1) if kind.taps() => Some(Part::M(back)),
             (Stage::Bottom, kind, 2) if kind.taps() && self.dwell > Position::ZERO => dwell(),
             (Stage::Bottom, CycleKind::BoreStop, 0) if self.dwell > Position::ZERO => dwell(),
             (Stage::Bottom, CycleKind::BoreStop, 0) => {
-                self.act = 2;
+                self.acts.done = 2;
                 Some(Part::M(5))
             }
             (Stage::Bottom, CycleKind::BoreStop, 1) => Some(Part::M(5)),
             (Stage::Bottom, CycleKind::Dwell | CycleKind::BoreDwell, 0) => dwell(),
             (Stage::Bottom, kind, 0) if kind.pecks() && self.dwell > Position::ZERO => dwell(),
             (Stage::Outside, kind, 0) if kind.taps() => Some(Part::M(5)),
-            (Stage::Outside, kind, 1) if kind.taps() => Some(Part::M(self.turn)),
-            (Stage::Outside, CycleKind::BoreStop, 0) => Some(Part::M(self.turn)),
+            (Stage::Outside, kind, 1) if kind.taps() => Some(Part::M(self.acts.turn)),
+            (Stage::Outside, CycleKind::BoreStop, 0) => Some(Part::M(self.acts.turn)),
             _ => None,
         };
         if part.is_none() {
-            self.act = 0;
+            self.acts.done = 0;
             self.stage = if self.stage == Stage::Bottom { Stage::Out } else { Stage::Clear };
         }
         part
@@ -387,7 +393,7 @@ impl<const AXES: usize> Holes<AXES> {
                 CycleKind::BoreDwell => (self.clear, false, Stage::End),
                 CycleKind::BoreStop => (self.clear, true, Stage::Outside),
                 kind if kind.taps() => {
-                    (if self.taps_to_level { self.r } else { self.clear }, false, Stage::Outside)
+                    (if self.acts.to_level { self.r } else { self.clear }, false, Stage::Outside)
                 }
                 _ => (self.clear, true, Stage::End),
             },

@@ -1,7 +1,7 @@
 //! Canned cycles: what their words make.
 use super::Cycle;
 use super::block::Block;
-use super::course::{Course, CycleKind, Holes, Stage};
+use super::course::{Acts, Course, CycleKind, Holes, Stage};
 use crate::nc::block::Given;
 use crate::nc::compose::in_range;
 use crate::nc::interpreter::Interpreter;
@@ -85,9 +85,7 @@ impl<const AXES: usize> Interpreter<AXES> {
             dwell: cycle.dwell,
             left: repeats,
             depth: r,
-            turn,
-            taps_to_level: fanuc,
-            act: 0,
+            acts: Acts { turn, to_level: fanuc, done: 0 },
             stage: if from < r && !fanuc { Stage::Lift } else { Stage::Over },
         }))
     }

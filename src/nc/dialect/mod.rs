@@ -120,10 +120,8 @@ pub(super) struct State<const AXES: usize> {
     pub spindle: u16,
     /// 1 for M7, 2 for M8.
     pub coolant: u8,
-    /// G64 rounds corners.
-    pub blends: bool,
-    /// By so much at most.
-    pub blend: Position,
+    /// G64 rounds corners, by so much at most.
+    pub blend: Option<Position>,
     /// F as a number of degrees, where inches scale that of lengths.
     pub degrees: Option<Feed>,
     /// T.
@@ -158,8 +156,7 @@ impl<const AXES: usize> State<AXES> {
         speed: Position::ZERO,
         spindle: 0,
         coolant: 0,
-        blends: false,
-        blend: Position::ZERO,
+        blend: None,
         degrees: None,
         tool: 0,
     };
@@ -331,7 +328,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         let moved = target.iter().zip(&self.position).enumerate().filter(|(_, (to, from))| to != from);
         let named = moved.fold(0_u32, |bits, (axis, _)| bits | 1_u32.wrapping_shl(axis as u32));
         // Corners of a cycle are not rounded.
-        let stops = matches!(self.foreign.course, Course::Holes(_)) && self.foreign.now.blends;
+        let stops = matches!(self.foreign.course, Course::Holes(_)) && self.foreign.now.blend.is_some();
         Motion {
             n: self.n,
             place,
@@ -364,7 +361,8 @@ impl<const AXES: usize> Interpreter<AXES> {
 
     /// M2 and M30: spindle and coolant off, and what holds at program start. Line is the motion behind it.
     fn end_program(&mut self, span: Span) {
-        let State { spindle, coolant, blends, .. } = self.foreign.now;
+        let State { spindle, coolant, blend, .. } = self.foreign.now;
+        let blends = blend.is_some();
         let off =
             [(spindle != 0, ItemKind::M(5)), (coolant != 0, ItemKind::M(9)), (blends, ItemKind::Switch(260))];
         for (_, kind) in off.into_iter().filter(|(on, _)| *on) {

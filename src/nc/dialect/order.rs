@@ -390,7 +390,7 @@ impl<const AXES: usize> Interpreter<AXES> {
 
     /// G61 and G61.1: corners as programmed, with or without a standstill.
     pub(super) fn path_mode(&mut self, stops: bool, span: Span) -> Result<(), Fault> {
-        if core::mem::take(&mut self.foreign.now.blends) {
+        if self.foreign.now.blend.take().is_some() {
             self.push(ItemKind::Switch(260), span)?;
         }
         if core::mem::replace(&mut self.modal.exact_stop, stops) != stops {
@@ -430,7 +430,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         if core::mem::take(&mut self.modal.exact_stop) {
             self.push(ItemKind::Switch(359), span)?;
         }
-        (self.foreign.now.blends, self.foreign.now.blend) = (true, deviation);
+        self.foreign.now.blend = Some(deviation);
         self.push(ItemKind::Blend(deviation), span)
     }
 

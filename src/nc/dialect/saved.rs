@@ -8,10 +8,9 @@ use crate::nc::modal::Modal;
 use crate::nc::{Fault, NcErrorKind, Plane, Span};
 use crate::quantity::{Feed, Position};
 
-/// What M70 keeps: all but the motion word and the offsets of G92.
+/// What is on or off.
 #[derive(Clone, Copy)]
-pub(super) struct Saved<const AXES: usize> {
-    plane: Plane,
+struct Modes {
     relative: bool,
     centre_absolute: bool,
     inch: bool,
@@ -19,14 +18,20 @@ pub(super) struct Saved<const AXES: usize> {
     to_level: bool,
     by_time: bool,
     per_turn: bool,
-    blends: bool,
+}
+
+/// What M70 keeps: all but the motion word and the offsets of G92.
+#[derive(Clone, Copy)]
+pub(super) struct Saved<const AXES: usize> {
+    modes: Modes,
+    plane: Plane,
     coolant: u8,
     spindle: u16,
     zero_set: Option<usize>,
     feed: Option<Feed>,
     degrees: Option<Feed>,
     speed: Position,
-    blend: Position,
+    blend: Option<Position>,
     surface: Option<Surface>,
     length: [Position; AXES],
 }
@@ -63,18 +68,13 @@ impl<const AXES: usize> Interpreter<AXES> {
             Meaning::Save(comes_back) => {
                 let Modal { plane, relative, centre_absolute, inch, exact_stop, zero_set, feed, .. } =
                     self.modal;
-                let State { to_level, by_time, per_turn, blends, coolant, spindle, .. } = self.foreign.now;
-                let State { degrees, speed, blend, surface, length, .. } = self.foreign.now;
+                let State { to_level, by_time, per_turn, blend, coolant, spindle, .. } = self.foreign.now;
+                let State { degrees, speed, surface, length, .. } = self.foreign.now;
+                let modes =
+                    Modes { relative, centre_absolute, inch, exact_stop, to_level, by_time, per_turn };
                 let saved = Saved {
+                    modes,
                     plane,
-                    relative,
-                    centre_absolute,
-                    inch,
-                    exact_stop,
-                    to_level,
-                    by_time,
-                    per_turn,
-                    blends,
                     coolant,
                     spindle,
                     zero_set,
@@ -119,7 +119,7 @@ impl<const AXES: usize> Interpreter<AXES> {
 
     fn bring_back(&mut self, saved: &Saved<AXES>, span: Span) -> Result<(), Fault> {
         let State { speed, spindle, coolant, .. } = self.foreign.now;
-        let Saved { blends, exact_stop, blend, .. } = *saved;
+        let Modes { relative, centre_absolute, inch, exact_stop, to_level, by_time, per_turn } = saved.modes;
         if speed != saved.speed {
             self.push(ItemKind::Spindle(saved.speed), span)?;
         }
@@ -135,14 +135,13 @@ impl<const AXES: usize> Interpreter<AXES> {
                 self.push(ItemKind::M(code), span)?;
             }
         }
-        if !blends {
-            self.path_mode(exact_stop, span)?;
-        } else if !self.foreign.now.blends || self.foreign.now.blend != blend {
-            self.blend_by(blend, span)?;
+        match saved.blend {
+            None => self.path_mode(exact_stop, span)?,
+            Some(blend) if self.foreign.now.blend != Some(blend) => self.blend_by(blend, span)?,
+            Some(_) => {}
         }
-        let Saved { plane, relative, centre_absolute, inch, feed, zero_set, .. } = *saved;
+        let Saved { plane, feed, zero_set, degrees, surface, length, .. } = *saved;
         self.modal = Modal { plane, relative, centre_absolute, inch, feed, zero_set, ..self.modal };
-        let Saved { to_level, by_time, per_turn, degrees, surface, length, .. } = *saved;
         let (speed, spindle, coolant) = (saved.speed, saved.spindle, saved.coolant);
         let now = State { to_level, by_time, per_turn, degrees, surface, length, ..self.foreign.now };
         self.foreign.now = State { speed, spindle, coolant, ..now };
