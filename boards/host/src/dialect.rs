@@ -263,7 +263,7 @@ impl Line {
                 b';' if !comment => break,
                 b'(' => comment = true,
                 b')' => comment = false,
-                b' ' | b'\t' => {}
+                b' ' | b'\t' | b'\r' => {}
                 _ if comment => {}
                 _ => {
                     text.push(char::from(byte.to_ascii_uppercase()));
@@ -339,6 +339,7 @@ impl Line {
 
     /// What only ISG's language has.
     fn isg(&self) -> Option<Mark> {
+        const HAAS: [u32; 3] = [1030, 1540, 1870];
         let text = self.text.as_str();
         let body = text.trim_start_matches('N').trim_start_matches(|c: char| c.is_ascii_digit() || c == ':');
         let named = |lead: char, of: fn(char) -> bool| {
@@ -358,7 +359,9 @@ impl Line {
             let behind = rest.trim_start_matches(|c: char| c.is_ascii_digit());
             behind.len() < rest.len() && behind.starts_with('=')
         });
-        let high = self.words.iter().find(|word| word.letter == 'G' && (1000..10_000).contains(&word.tenths));
+        let high = self.words.iter().find(|word| {
+            word.letter == 'G' && (1000..10_000).contains(&word.tenths) && !HAAS.contains(&word.tenths)
+        });
         let own = high.map(|word| self.mark("a G word of ISG", *word));
         let assigned = assigns.then(|| self.at_start("a P parameter"));
         own.or(assigned).or_else(|| self.any('G', &[600, 700, 710])).or_else(|| self.any('M', &[170]))

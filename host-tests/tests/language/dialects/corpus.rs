@@ -408,7 +408,7 @@ pub const CORPUS: &[Sample] = &[
     ),
     (
         "grblhal_cycles",
-        "linuxcnc",
+        "grbl",
         "(grblhal)\nG21 G90 G17\nG0 X0 Y0 Z5\nM3 S500\nG99 G81 X1 Y1 Z-1 R1 F100\nX2\nG98 G82 X3 Z-1 R1 P0.1\nG80\nG53 G0 Z0\nM30\n",
     ),
     (
