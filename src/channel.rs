@@ -530,6 +530,18 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
                 return Ok(self.output(held));
             }
             #[cfg(feature = "dialects")]
+            Command::Output(head, function, at_once) => {
+                if *at_once {
+                    self.planning.keep_corner();
+                }
+                return Ok(self.output(Held::new(head, *function)));
+            }
+            #[cfg(feature = "dialects")]
+            Command::WaitInput(head, wait) => {
+                let held = Held { pauses: true, ..Held::new(head, Function::Input(*wait)) };
+                return Ok(self.output(held));
+            }
+            #[cfg(feature = "dialects")]
             Command::Message(_) => {}
             _ => return refuse(command.name()),
         }
@@ -648,6 +660,8 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
             Function::M(code) => setup.m_synch.of(code),
             Function::H(code) => setup.h_synch.of(code),
             Function::Spindle(_) | Function::Tool(_) => Synch::Mos,
+            #[cfg(feature = "dialects")]
+            Function::Digital(..) | Function::Analog(..) | Function::Input(_) => Synch::Mos,
         };
         #[cfg(feature = "dialects")]
         let synch = if held.pauses { Synch::MnsSns } else { synch };

@@ -69,6 +69,7 @@
 //! | `filters` | FIR filters of the axes |
 //! | `fast` | fewer instructions for more flash, with `opt-level = 3` |
 //! | `dialects` | programs of LinuxCNC and Grbl |
+//! | `fanuc` | programs of Fanuc's controllers |
 //! | `plc` | elements of the path ahead, for a PLC |
 //! | `kinematics` | transformations of machines with rotary axes: `#KIN ID`, `#TRAFO` |
 //! | `examine` | a check that refuses what a run refuses, without planning; for desktop tools |

@@ -38,6 +38,30 @@ pub enum Function {
     Spindle(#[cfg_attr(feature = "defmt", defmt(Debug2Format))] Position),
     /// T: tool number.
     Tool(u32),
+    /// M62 to M65 of LinuxCNC: digital output with this port, on or off.
+    #[cfg(feature = "dialects")]
+    Digital(u8, bool),
+    /// M67 and M68 of LinuxCNC: analogue output with this port, and its value.
+    #[cfg(feature = "dialects")]
+    Analog(u8, #[cfg_attr(feature = "defmt", defmt(Debug2Format))] Position),
+    /// M66 of LinuxCNC: the axes stand until this function is acknowledged.
+    #[cfg(feature = "dialects")]
+    Input(InputWait),
+}
+
+/// What M66 waits for. The application acknowledges it when the input has done so, or when the time is over.
+#[cfg(feature = "dialects")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct InputWait {
+    /// The input's number.
+    pub port: u8,
+    /// An analogue input (E), else a digital one (P).
+    pub is_analog: bool,
+    /// L: 0 at once, 1 the input rises, 2 it falls, 3 it is high, 4 it is low.
+    pub mode: u8,
+    /// Q: longest wait, ms; 0 for L0.
+    pub timeout_ms: u32,
 }
 
 /// The number of an acknowledgement that the motion waits for, or none.

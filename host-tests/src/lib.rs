@@ -81,6 +81,7 @@ pub mod requests;
 
 pub mod splines;
 
+pub mod mutate;
 pub mod never_slower;
 
 pub mod unlike;

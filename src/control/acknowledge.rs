@@ -55,6 +55,15 @@ const fn word(function: Function) -> Option<u32> {
         Function::M(code) => Some((code as u32) << CODE),
         Function::H(code) => Some((code as u32) << CODE | OF_H),
         Function::Spindle(_) | Function::Tool(_) => None,
+        #[cfg(feature = "dialects")]
+        Function::Digital(..) | Function::Analog(..) => None,
+        // Above all numbers of M functions.
+        #[cfg(feature = "dialects")]
+        Function::Input(wait) => {
+            let code =
+                1 << 15 | (wait.is_analog as u32) << 12 | (wait.mode as u32 & 7) << 8 | wait.port as u32;
+            Some(code << CODE)
+        }
     }
 }
 

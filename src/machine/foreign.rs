@@ -13,18 +13,37 @@ pub enum Dialect {
     LinuxCnc,
     /// Grbl 1.1, with words of grblHAL and FluidNC.
     Grbl,
+    /// Fanuc's controllers for mills, without macro B.
+    #[cfg(feature = "fanuc")]
+    Fanuc,
 }
 
 impl Dialect {
     /// All dialects.
-    pub const ALL: [Self; 3] = [Self::Isg, Self::LinuxCnc, Self::Grbl];
+    pub const ALL: &'static [Self] = &[
+        Self::Isg,
+        Self::LinuxCnc,
+        Self::Grbl,
+        #[cfg(feature = "fanuc")]
+        Self::Fanuc,
+    ];
 
-    /// The name in machine data and on command lines: `isg`, `linuxcnc`, `grbl`.
+    /// Whether it is Fanuc's.
+    pub const fn is_fanuc(self) -> bool {
+        #[cfg(feature = "fanuc")]
+        return matches!(self, Self::Fanuc);
+        #[cfg(not(feature = "fanuc"))]
+        false
+    }
+
+    /// The name in machine data and on command lines: `isg`, `linuxcnc`, `grbl`, `fanuc`.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Isg => "isg",
             Self::LinuxCnc => "linuxcnc",
             Self::Grbl => "grbl",
+            #[cfg(feature = "fanuc")]
+            Self::Fanuc => "fanuc",
         }
     }
 }

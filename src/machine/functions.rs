@@ -1,4 +1,4 @@
-//! Functions that a build may leave out. Each one is a Cargo feature; all but `dialects` are on by default.
+//! Functions that a build may leave out. Each one is a Cargo feature; all but the last three are on by default.
 //!
 //! Programs and machine data that need a missing function are refused with its name. Words that switch the function off are
 //! accepted. The code tests one of these constants where a function starts, so that the linker drops the rest.
@@ -13,6 +13,7 @@
 //! | `filters` | `#FILTER`, P-AXIS-00586 | |
 //! | `beside` | `[OSC …]`, `[INDP …]`, `#WAIT INDP` | |
 //! | `dialects` (off by default) | the words of LinuxCNC and Grbl | programs are ISG's |
+//! | `fanuc` (off by default) | the words of Fanuc's controllers | needs `dialects` |
 //! | `kinematics` (off by default) | `#KIN ID`, `#TRAFO` | they are refused |
 //! | `plc` (off by default) | `#CONTOUR LOOKAHEAD LOG`, `#DISTANCE PROG START CLEAR` | they are refused |
 //!

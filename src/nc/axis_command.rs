@@ -184,6 +184,9 @@ impl<const AXES: usize> Interpreter<AXES> {
             c.since(mark).needs(functions::BESIDE)?;
             return Ok(false);
         }
+        if word.is("INDP") {
+            return c.since(mark).fault(NcErrorKind::Missing("INDP_SYN or INDP_ASYN"));
+        }
         if word.is("OSC") {
             self.oscillation(c, line, axis, mark)?;
             return Ok(true);

@@ -44,6 +44,9 @@ pub(super) enum ItemKind {
     /// M0, M1, M6, M60 of other dialects.
     #[cfg(feature = "dialects")]
     Pause(u16),
+    /// M62 to M68 of other dialects; which one waits in the interpreter.
+    #[cfg(feature = "dialects")]
+    Output,
     /// G38.n: the digit behind the point.
     #[cfg(feature = "dialects")]
     Probe(u8),

@@ -4,6 +4,8 @@ use super::dialect::ForeignSetup;
 use super::function::*;
 use crate::machine::{AxisKind, AxisName, MachineData, SynchTable, ZERO_OFFSETS, of_tenths};
 use crate::quantity::{Feed, Position};
+#[cfg(feature = "dialects")]
+use crate::technology::{Function, InputWait};
 
 /// A place in the program text: the origin of a command or an error.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -232,6 +234,13 @@ pub enum Command<const AXES: usize> {
     /// M0, M1, M6 and M60 of LinuxCNC and Grbl: the axes stop until this M function is acknowledged.
     #[cfg(feature = "dialects")]
     Pause(Head, u16),
+    /// M62 to M65, M67, M68 of LinuxCNC. `true`: at once, and the corner before it keeps its point; `false`: with the
+    /// motion behind it.
+    #[cfg(feature = "dialects")]
+    Output(Head, Function, bool),
+    /// M66 of LinuxCNC: the axes stop until [`Function::Input`] is acknowledged.
+    #[cfg(feature = "dialects")]
+    WaitInput(Head, InputWait),
     /// A comment for the operator, `(MSG, text)`: the place is that of the text.
     #[cfg(feature = "dialects")]
     Message(Head),
@@ -289,6 +298,8 @@ impl<const AXES: usize> Command<AXES> {
             | Self::ProgramEnd(h, _) => Some(h),
             #[cfg(feature = "dialects")]
             Self::Pause(h, _) | Self::Message(h) | Self::Probe(h, _) => Some(h),
+            #[cfg(feature = "dialects")]
+            Self::Output(h, ..) | Self::WaitInput(h, _) => Some(h),
         }
     }
 
@@ -368,6 +379,10 @@ impl<const AXES: usize> Command<AXES> {
             Self::ProgramEnd(..) => "program end",
             #[cfg(feature = "dialects")]
             Self::Pause(..) => "pause",
+            #[cfg(feature = "dialects")]
+            Self::Output(..) => "output (M62 to M68)",
+            #[cfg(feature = "dialects")]
+            Self::WaitInput(..) => "wait for an input (M66)",
             #[cfg(feature = "dialects")]
             Self::Message(_) => "message",
             #[cfg(feature = "dialects")]

@@ -8,6 +8,8 @@ use super::line::{Fill, Line, LineReader, Mark};
 use super::modal::Before;
 use super::*;
 use crate::machine::MachineData;
+#[cfg(feature = "dialects")]
+use crate::technology::Function;
 
 /// A command that changes what the blocks behind it may do.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -474,6 +476,11 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
             ItemKind::ProgramEnd(code) => Command::ProgramEnd(head, code),
             #[cfg(feature = "dialects")]
             ItemKind::Pause(code) => Command::Pause(head, code),
+            #[cfg(feature = "dialects")]
+            ItemKind::Output => match i.foreign.output {
+                (Function::Input(wait), _) => Command::WaitInput(head, wait),
+                (function, at_once) => Command::Output(head, function, at_once),
+            },
             #[cfg(feature = "dialects")]
             ItemKind::Message => Command::Message(Head { place: i.foreign.message, ..head }),
             #[cfg(feature = "dialects")]

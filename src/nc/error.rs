@@ -440,6 +440,18 @@ pub enum NcWarningKind {
     /// G43 on a machine without tool lengths.
     #[cfg(feature = "dialects")]
     NoToolTable,
+    /// A length without a decimal point in a program of Fanuc.
+    #[cfg(feature = "dialects")]
+    LeastIncrement,
+    /// G95: the feed counts by the programmed spindle speed.
+    #[cfg(feature = "dialects")]
+    FeedOfSpindle,
+    /// G96: the spindle speed changes from block to block.
+    #[cfg(feature = "dialects")]
+    SpeedByBlock,
+    /// A mode of the controller without effect here.
+    #[cfg(feature = "dialects")]
+    ModeWithoutEffect,
 }
 
 impl NcWarningKind {
@@ -560,6 +572,16 @@ impl fmt::Display for NcWarning {
             NcWarningKind::NoToolTable => {
                 "the machine data have no tool lengths: the length is 0; expected tool_length in the machine data"
             }
+            #[cfg(feature = "dialects")]
+            NcWarningKind::LeastIncrement => {
+                "numbers without a decimal point count 0.001 mm or degrees, or 0.0001 inch; expected a point behind millimetres and inches"
+            }
+            #[cfg(feature = "dialects")]
+            NcWarningKind::FeedOfSpindle => "G95: the feed is F times the programmed S, whatever the spindle does",
+            #[cfg(feature = "dialects")]
+            NcWarningKind::SpeedByBlock => "G96: the spindle speed is put out at the start of each block, and stays inside of it",
+            #[cfg(feature = "dialects")]
+            NcWarningKind::ModeWithoutEffect => "this mode of the controller has no effect here: the path is the programmed one",
             NcWarningKind::EndInSubroutine => "program end inside a subroutine ends the whole program",
         })
     }

@@ -236,7 +236,7 @@ impl<const AXES: usize> Interpreter<AXES> {
     /// none.
     pub fn line(&mut self, line: &Line, bounds: Bounds, goes_on: bool) -> Result<Next, Refusal> {
         #[cfg(feature = "dialects")]
-        let goes_on = goes_on || !self.takes_plain();
+        let goes_on = goes_on || !self.takes_plain(line);
         if !goes_on
             && self.phase == Phase::Running
             && self.flow.passing == Passing::No

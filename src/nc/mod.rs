@@ -58,7 +58,7 @@ pub use command::*;
 pub(crate) use decoder::Restriction;
 pub use decoder::{Decoder, DecoderMemory, Step};
 #[cfg(feature = "dialects")]
-pub use dialect::{ADDRESSES, ForeignSetup, InForce, StoredOffsets, WORDS, WordEntry};
+pub use dialect::{ADDRESSES, AddressEntry, ForeignSetup, InForce, StoredOffsets, WORDS, WordEntry};
 use error::{Fault, Span};
 pub use error::{NcError, NcErrorKind, NcWarning, NcWarningKind};
 pub use expression::EXPRESSION_DEPTH;

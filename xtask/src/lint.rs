@@ -17,7 +17,7 @@ const CORES: [&str; 5] = [
 ];
 
 /// Functions that a build may leave out: the library is checked with each alone.
-const FUNCTIONS: [&str; 10] = [
+const FUNCTIONS: [&str; 12] = [
     "contour",
     "surface",
     "splines",
@@ -26,6 +26,8 @@ const FUNCTIONS: [&str; 10] = [
     "filters",
     "beside",
     "dialects",
+    "fanuc",
+    "kinematics",
     "plc",
     "examine",
 ];

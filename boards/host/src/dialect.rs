@@ -16,12 +16,19 @@ pub enum Choice {
     Linuxcnc,
     /// Grbl 1.1, with words of grblHAL and FluidNC.
     Grbl,
+    /// Fanuc's controllers for mills, without macro B.
+    Fanuc,
 }
 
 impl Choice {
     /// All of them with their names.
-    pub const ALL: [(&str, Self); 4] =
-        [("auto", Self::Auto), ("isg", Self::Isg), ("linuxcnc", Self::Linuxcnc), ("grbl", Self::Grbl)];
+    pub const ALL: [(&str, Self); 5] = [
+        ("auto", Self::Auto),
+        ("isg", Self::Isg),
+        ("linuxcnc", Self::Linuxcnc),
+        ("grbl", Self::Grbl),
+        ("fanuc", Self::Fanuc),
+    ];
 
     /// The dialect, where it is chosen.
     pub const fn dialect(self) -> Option<Dialect> {
@@ -30,6 +37,7 @@ impl Choice {
             Self::Isg => Some(Dialect::Isg),
             Self::Linuxcnc => Some(Dialect::LinuxCnc),
             Self::Grbl => Some(Dialect::Grbl),
+            Self::Fanuc => Some(Dialect::Fanuc),
         }
     }
 }
@@ -40,16 +48,31 @@ impl Choice {
 /// The text is a program for a 3-D printer.
 pub fn choose(choice: Choice, program: &Source) -> Result<Dialect, Vec<Diagnostic>> {
     if let Some(dialect) = choice.dialect() {
+        if dialect == Dialect::Isg {
+            let found = Found::of(program);
+            tell_traps(if found.isg.is_none() { found.traps } else { Vec::new() });
+        }
         return Ok(dialect);
     }
     let mut found = Found::of(program);
     let traps = if found.isg.is_none() { core::mem::take(&mut found.traps) } else { Vec::new() };
     match found.decide() {
         Shown::Isg => {
-            for (Mark { word, line, .. }, meaning) in traps {
-                anstream::eprintln!("note: line {line}: {word} {meaning}");
-            }
+            tell_traps(traps);
             Ok(Dialect::Isg)
+        }
+        Shown::Two([(first, one), (second, two)]) => {
+            let message = format!(
+                "{} shows {}, and {} in line {} shows {}",
+                two.word,
+                second.name(),
+                one.word,
+                one.line,
+                first.name()
+            );
+            let error = Diagnostic::error(message).at(program, two.line, two.column, two.length);
+            let wanted = format!("expected --dialect {} or --dialect {}", first.name(), second.name());
+            Err(vec![error.expected(wanted)])
         }
         Shown::Printer(mark) => {
             let message = format!("{} is a word of 3-D printers (Marlin)", mark.word);
@@ -61,6 +84,13 @@ pub fn choose(choice: Choice, program: &Source) -> Result<Dialect, Vec<Diagnosti
             anstream::eprintln!("note: dialect {name}: {word} in line {line} (--dialect chooses another)");
             Ok(dialect)
         }
+    }
+}
+
+/// Words that the controller of another dialect carries out otherwise, each once.
+fn tell_traps(traps: Vec<(Mark, &'static str)>) {
+    for (Mark { word, line, .. }, meaning) in traps {
+        anstream::eprintln!("note: line {line}: {word} {meaning}");
     }
 }
 
@@ -80,6 +110,11 @@ struct Found {
     isg: Option<Mark>,
     linuxcnc: Option<Mark>,
     grbl: Option<Mark>,
+    fanuc: Option<Mark>,
+    /// LinuxCNC and Fanuc have it, Grbl has not.
+    full: Option<Mark>,
+    /// A length without a decimal point, which Fanuc counts in least increments.
+    whole: Option<Mark>,
     /// LinuxCNC and Grbl have it, ISG's language has not.
     either: Option<Mark>,
     printer: Option<Mark>,
@@ -95,6 +130,8 @@ struct Found {
 enum Shown {
     Isg,
     Is(Dialect, Mark),
+    /// Words of two dialects.
+    Two([(Dialect, Mark); 2]),
     Printer(Mark),
 }
 
@@ -127,11 +164,28 @@ impl Found {
         if let Some(mark) = self.printer {
             return Shown::Printer(mark);
         }
+        if let Some(mark) = self.fanuc {
+            // Where the two would drive different ways, nothing is guessed.
+            let other = self.linuxcnc.or(self.whole).map(|other| (Dialect::LinuxCnc, other));
+            let other = other.or(self.grbl.map(|other| (Dialect::Grbl, other)));
+            return match other {
+                Some(other) => Shown::Two([(Dialect::Fanuc, mark), other]),
+                None => Shown::Is(Dialect::Fanuc, mark),
+            };
+        }
         if let Some(mark) = self.linuxcnc {
-            return Shown::Is(Dialect::LinuxCnc, mark);
+            return match self.grbl {
+                Some(grbl) if grbl.word.starts_with('$') => {
+                    Shown::Two([(Dialect::LinuxCnc, mark), (Dialect::Grbl, grbl)])
+                }
+                _ => Shown::Is(Dialect::LinuxCnc, mark),
+            };
         }
         if let Some(mark) = self.grbl {
             return Shown::Is(Dialect::Grbl, mark);
+        }
+        if let Some(mark) = self.full {
+            return Shown::Is(Dialect::LinuxCnc, mark);
         }
         match self.either {
             Some(mark) if self.ends => Shown::Is(Dialect::LinuxCnc, mark),
@@ -148,7 +202,9 @@ impl Found {
         let text = String::from_utf8_lossy(line).to_lowercase();
         let Some(at) = text.find(['(', ';']) else { return };
         let comment = &text[at..];
-        for (name, slot) in [("grbl", &mut self.grbl), ("linuxcnc", &mut self.linuxcnc)] {
+        let fanuc = if comment.contains("haas") { "haas" } else { "fanuc" };
+        let named = [("grbl", &mut self.grbl), ("linuxcnc", &mut self.linuxcnc), (fanuc, &mut self.fanuc)];
+        for (name, slot) in named {
             if comment.contains(name) && slot.is_none() {
                 let word = format!("\"{name}\" in a comment");
                 *slot = Some(Mark { word, line: number, column: 1, length: 1 });
@@ -164,13 +220,16 @@ impl Found {
         self.ends |= line.has('M', 20) || line.has('M', 300) || plain == "%";
         let slot = |slot: &mut Option<Mark>, mark: Option<Mark>| *slot = slot.take().or(mark);
         for (mark, meaning) in line.traps() {
-            if !self.traps.iter().any(|(_, known)| *known == meaning) {
+            if !self.traps.iter().any(|(known, _)| known.word == mark.word) {
                 self.traps.push((mark, meaning));
             }
         }
         slot(&mut self.isg, line.isg());
         slot(&mut self.linuxcnc, line.linuxcnc());
         slot(&mut self.grbl, line.grbl());
+        slot(&mut self.fanuc, line.fanuc());
+        slot(&mut self.full, line.full());
+        slot(&mut self.whole, line.whole());
         slot(&mut self.either, line.either());
         slot(&mut self.printer, line.printer());
     }
@@ -182,6 +241,8 @@ struct Word {
     letter: char,
     /// Number times ten, cut; words without a number have `u32::MAX`.
     tenths: u32,
+    /// The number has a decimal point.
+    point: bool,
     at: usize,
     length: usize,
 }
@@ -202,7 +263,7 @@ impl Line {
                 b';' if !comment => break,
                 b'(' => comment = true,
                 b')' => comment = false,
-                b' ' | b'\t' => {}
+                b' ' | b'\t' | b'\r' => {}
                 _ if comment => {}
                 _ => {
                     text.push(char::from(byte.to_ascii_uppercase()));
@@ -221,7 +282,8 @@ impl Line {
             if letter.is_ascii_alphabetic() {
                 let number: String = letters[at + 1..end].iter().collect();
                 let tenths = number.parse::<f64>().map_or(u32::MAX, |value| (value * 10.0).round() as u32);
-                words.push(Word { letter, tenths, at: places[at], length: end - at });
+                let point = number.contains('.');
+                words.push(Word { letter, tenths, point, at: places[at], length: end - at });
             }
             at = end;
         }
@@ -269,11 +331,15 @@ impl Line {
         traps.extend(switch.map(|mark| (mark, order)));
         let end = "ends a subroutine in ISG; LinuxCNC and Grbl do not know it";
         traps.extend(self.any('M', &[170, 290]).map(|mark| (mark, end)));
+        let plain = "is a plain function in ISG; LinuxCNC and Grbl do more by it: --dialect chooses them";
+        let codes = [190, 480, 490, 500, 510, 520, 530, 600, 620, 630, 640, 650, 660, 670, 680, 980, 990];
+        traps.extend(codes.iter().filter_map(|code| self.any('M', &[*code])).map(|mark| (mark, plain)));
         traps
     }
 
     /// What only ISG's language has.
     fn isg(&self) -> Option<Mark> {
+        const HAAS: [u32; 3] = [1030, 1540, 1870];
         let text = self.text.as_str();
         let body = text.trim_start_matches('N').trim_start_matches(|c: char| c.is_ascii_digit() || c == ':');
         let named = |lead: char, of: fn(char) -> bool| {
@@ -293,18 +359,17 @@ impl Line {
             let behind = rest.trim_start_matches(|c: char| c.is_ascii_digit());
             behind.len() < rest.len() && behind.starts_with('=')
         });
-        let high = self.words.iter().find(|word| word.letter == 'G' && (1000..10_000).contains(&word.tenths));
+        let high = self.words.iter().find(|word| {
+            word.letter == 'G' && (1000..10_000).contains(&word.tenths) && !HAAS.contains(&word.tenths)
+        });
         let own = high.map(|word| self.mark("a G word of ISG", *word));
         let assigned = assigns.then(|| self.at_start("a P parameter"));
-        own.or(assigned).or_else(|| self.any('G', &[600, 700, 710])).or_else(|| self.any('M', &[170, 290]))
+        own.or(assigned).or_else(|| self.any('G', &[600, 700, 710])).or_else(|| self.any('M', &[170]))
     }
 
     /// What LinuxCNC has, and Grbl has not.
     fn linuxcnc(&self) -> Option<Mark> {
-        const CODES: &[u32] = &[
-            50, 51, 52, 331, 410, 411, 420, 421, 520, 591, 592, 593, 611, 730, 760, 810, 820, 830, 840, 850,
-            860, 870, 880, 890, 901, 922, 923, 980, 990,
-        ];
+        const CODES: &[u32] = &[52, 331, 411, 421, 591, 592, 593, 611, 901, 922, 923];
         let text = self.text.as_str();
         let body = text.trim_start_matches('N').trim_start_matches(|c: char| c.is_ascii_digit());
         if text.contains("#<") || text.contains("#[") || body.starts_with('#') && body.contains('=') {
@@ -315,9 +380,58 @@ impl Line {
             return Some(self.at_start("an O word"));
         }
         let blend = self.any('G', &[640]).filter(|_| self.first('P').is_some());
+        let outputs = self
+            .any('M', &[620, 630, 640, 650, 660, 670, 680])
+            .filter(|_| ['P', 'E'].iter().any(|&letter| self.first(letter).is_some()));
+        blend.or_else(|| self.any('G', CODES)).or(outputs)
+    }
+
+    /// What LinuxCNC and Fanuc have, and Grbl has not.
+    fn full(&self) -> Option<Mark> {
+        const CODES: &[u32] =
+            &[410, 420, 520, 730, 740, 760, 810, 820, 830, 840, 850, 860, 870, 880, 890, 960, 980, 990];
         let length = self.any('G', &[430]).filter(|_| self.first('H').is_some());
-        let outputs = self.any('M', &[610, 620, 630, 640, 650, 660, 670, 680]);
-        blend.or(length).or_else(|| self.any('G', CODES)).or(outputs)
+        length.or_else(|| self.any('G', CODES))
+    }
+
+    /// What Fanuc has, and the others have not.
+    fn fanuc(&self) -> Option<Mark> {
+        let body = self.body();
+        let digits = |text: &str| !text.is_empty() && text.chars().all(|c| c.is_ascii_digit());
+        if body.strip_prefix(['O', ':']).is_some_and(digits) {
+            return Some(self.at_start(body));
+        }
+        let far = self
+            .any('G', &[541, 501, 511])
+            .or_else(|| self.any('M', &[290]).filter(|_| self.first('S').is_some()));
+        let dwell = self.any('G', &[40]).filter(|_| {
+            self.first('P').is_none() && (self.first('X').is_some() || self.first('U').is_some())
+        });
+        let call = self.any('M', &[980]).filter(|_| self.first('P').is_some_and(|p| p.tenths >= 100_000));
+        let mode = self.any('G', &[51]).filter(|_| self.first('Q').is_some());
+        far.or(dwell).or(call).or(mode)
+    }
+
+    /// A length without a decimal point, other than 0.
+    fn whole(&self) -> Option<Mark> {
+        if self.any('G', &[40, 100]).is_some() {
+            return None;
+        }
+        let word = self.words.iter().find(|word| {
+            matches!(word.letter, 'X' | 'Y' | 'Z' | 'I' | 'J' | 'R')
+                && !word.point
+                && !matches!(word.tenths, 0 | u32::MAX)
+        })?;
+        Some(self.mark(format!("{} without a decimal point", word.letter), *word))
+    }
+
+    /// Without the line number.
+    fn body(&self) -> &str {
+        let text = self.text.trim_start_matches('/');
+        match text.strip_prefix('N') {
+            Some(rest) => rest.trim_start_matches(|c: char| c.is_ascii_digit() || c == '.'),
+            None => text,
+        }
     }
 
     /// What Grbl has alone.
@@ -344,6 +458,15 @@ impl Line {
     }
 }
 
+/// A word as it is written: `G38.2`.
+fn written(word: &WordEntry) -> String {
+    let (whole, tenth) = (word.tenths / 10, word.tenths % 10);
+    format!("{}{whole}{}", word.letter, if tenth > 0 { format!(".{tenth}") } else { String::new() })
+}
+
+/// The dialects that have a table.
+const TABLES: [Dialect; 3] = [Dialect::LinuxCnc, Dialect::Grbl, Dialect::Fanuc];
+
 /// The words of a dialect, or of all that have a table.
 pub fn list(choice: Option<Choice>) -> String {
     let wanted = choice.and_then(Choice::dialect);
@@ -351,24 +474,27 @@ pub fn list(choice: Option<Choice>) -> String {
     if wanted == Some(Dialect::Isg) {
         return "The words of ISG's language stand in docs/conformance.md.\n".into();
     }
-    let heads = |word: &WordEntry| -> String {
-        let in_dialect = |dialect| if word.is_in(dialect) { Dialect::name(dialect) } else { "" };
-        let (first, second) = (in_dialect(Dialect::LinuxCnc), in_dialect(Dialect::Grbl));
-        if wanted.is_some() { String::new() } else { format!("{first:<10}{second:<6}") }
+    let heads = |is_in: &dyn Fn(Dialect) -> bool| -> String {
+        if wanted.is_some() {
+            return String::new();
+        }
+        TABLES.iter().fold(String::new(), |mut head, dialect| {
+            let name = if is_in(*dialect) { dialect.name() } else { "" };
+            let _ = write!(head, "{name:<10}");
+            head
+        })
     };
     for word in WORDS.iter().filter(|word| wanted.is_none_or(|dialect| word.is_in(dialect))) {
-        let (whole, tenth) = (word.tenths / 10, word.tenths % 10);
-        let name =
-            format!("{}{whole}{}", word.letter, if tenth > 0 { format!(".{tenth}") } else { String::new() });
         let built = match word.is_built() {
             Ok(()) => String::new(),
             Err(hint) => format!(" - not available; expected {hint}"),
         };
-        let _ = writeln!(text, "{name:<7}{}{}{built}", heads(word), word.text);
+        let head = heads(&|dialect| word.is_in(dialect));
+        let _ = writeln!(text, "{:<7}{head}{}{built}", written(word), word.text);
     }
-    for (letter, what) in ADDRESSES {
-        let blank = if wanted.is_some() { 0 } else { 16 };
-        let _ = writeln!(text, "{letter:<7}{:blank$}{what}", "");
+    for address in ADDRESSES.iter().filter(|address| wanted.is_none_or(|dialect| address.is_in(dialect))) {
+        let head = heads(&|dialect| address.is_in(dialect));
+        let _ = writeln!(text, "{:<7}{head}{}", address.letter, address.text);
     }
     text
 }
@@ -389,7 +515,7 @@ mod tests {
         match shown(text) {
             Shown::Isg => Some(Dialect::Isg),
             Shown::Is(dialect, _) => Some(dialect),
-            Shown::Printer(_) => None,
+            Shown::Printer(_) | Shown::Two(_) => None,
         }
     }
 
@@ -462,12 +588,32 @@ mod tests {
     }
 
     #[test]
+    fn a_text_of_two_dialects_is_asked_about() {
+        for (text, one, other) in [
+            ("%\nO0001\nG21\nG0 X1.5\nG64 P0.1\nM30", "fanuc", "linuxcnc"),
+            ("O0001\nG21\nG0 X10 Y5.\nM30", "fanuc", "linuxcnc"),
+            ("O0001 (grbl)\nG21\nG0 X1.\nM30", "fanuc", "grbl"),
+            ("$H\nG21\nG61.1\nG0 X1", "linuxcnc", "grbl"),
+        ] {
+            let Shown::Two([(first, _), (second, _)]) = shown(text) else {
+                panic!("{text}: {:?}", shown(text))
+            };
+            assert_eq!((first.name(), second.name()), (one, other), "{text}");
+        }
+        for text in ["%\nO1234\nG21\nG0 X0 Y1.\nM30\n%", ":10\nG20\nG0 X.5\nM30", "G21\nG4 X1.5\nM30"] {
+            assert_eq!(dialect(text), Some(Dialect::Fanuc), "{text}");
+        }
+    }
+
+    #[test]
     fn the_list_of_words_is_that_of_the_decoder() {
         let all = list(None);
         assert_eq!(all.lines().count(), WORDS.len() + ADDRESSES.len());
         let grbl = list(Some(Choice::Grbl));
         assert!(grbl.contains("G20    inch") && !grbl.contains("G61.1"), "{grbl}");
         assert!(list(Some(Choice::Linuxcnc)).contains("G5.2   NURBS - not available"));
-        assert!(all.contains("G61.1  linuxcnc        exact stop"), "{all}");
+        assert!(all.contains("G61.1  linuxcnc                      exact stop"), "{all}");
+        let fanuc = list(Some(Choice::Fanuc));
+        assert!(fanuc.contains("G61    exact stop") && !fanuc.contains("G38.2"), "{fanuc}");
     }
 }

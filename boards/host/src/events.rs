@@ -423,6 +423,11 @@ pub fn function_name(function: Function) -> String {
         Function::H(code) => format!("H{code}"),
         Function::Spindle(speed) => format!("S{speed}"),
         Function::Tool(tool) => format!("T{tool}"),
+        Function::Digital(port, on) => format!("P{port}={}", u8::from(on)),
+        Function::Analog(port, value) => format!("E{port}={value}"),
+        Function::Input(wait) => {
+            format!("M66 {}{} L{}", if wait.is_analog { 'E' } else { 'P' }, wait.port, wait.mode)
+        }
     }
 }
 

@@ -64,7 +64,7 @@ enum Command {
     Run(Box<Run>),
     /// Tell all that `run` would refuse, without planning the motion.
     Check(Check),
-    /// List the G and M words of a dialect; without one, those of LinuxCNC and Grbl.
+    /// List the G and M words of a dialect; without one, those of all.
     Words {
         /// The dialect.
         #[arg(value_enum)]

@@ -20,13 +20,13 @@ use glidepath::quantity::Position;
 use glidepath::queue::Function;
 use host_tests::cases::machines;
 use host_tests::trace::run_text;
-use interpreter::{Event, Machine, Shape};
+use interpreter::{Event, Final, Machine, Shape};
 
 /// Tools of the machine, mm.
 const TOOLS: [(u32, f64); 3] = [(1, 52.5), (2, 40.25), (3, -3.125)];
 
 fn dialect_of(name: &str) -> Dialect {
-    Dialect::ALL.into_iter().find(|dialect| dialect.name() == name).expect("a dialect")
+    *Dialect::ALL.iter().find(|dialect| dialect.name() == name).expect("a dialect")
 }
 
 fn machine_of(names: [(&str, AxisKind); 3], dialect: Dialect) -> MachineData<3> {
@@ -87,6 +87,15 @@ fn event(command: &Command<3>, text: &[u8]) -> Event {
             Some(ContourSwitch::Off) => Event::NoBlend,
             other => panic!("{other:?}"),
         },
+        Command::Output(_, Function::Digital(port, on), at_once) => {
+            Event::Digital(u32::from(*port), *on, *at_once)
+        }
+        Command::Output(_, Function::Analog(port, value), at_once) => {
+            Event::Analog(u32::from(*port), mm(*value), *at_once)
+        }
+        Command::WaitInput(_, wait) => {
+            Event::Input(u32::from(wait.port), wait.is_analog, u32::from(wait.mode), wait.timeout_ms)
+        }
         other => panic!("unexpected {}", other.name()),
     }
 }
@@ -115,6 +124,7 @@ fn is_alike(a: &Event, b: &Event) -> bool {
         (Event::Dwell(a), Event::Dwell(b))
         | (Event::Speed(a), Event::Speed(b))
         | (Event::Blend(a), Event::Blend(b)) => near(*a, *b),
+        (Event::Analog(p, a, once), Event::Analog(q, b, other)) => p == q && near(*a, *b) && once == other,
         _ => a == b,
     }
 }
@@ -134,13 +144,45 @@ fn is_part_of_spiral(arc: &Event, next: &Event) -> bool {
     matches!((radius(arc), radius(next)), (Some(a), Some(b)) if one == other && a > 45.0 && (0.01..0.5).contains(&(a - b).abs()))
 }
 
+/// What is in force at the end, beside what the own interpreter says.
+fn compare_end(name: &str, dialect: Dialect, text: &[u8], wanted: &Final) {
+    let mut memory = DecoderMemory::new();
+    let mut decoder: Decoder<_, 3> = Decoder::new(&mut memory, setup(dialect), text);
+    while decoder.step() != Ok(Step::End) {}
+    let force = decoder.in_force().expect("between lines");
+    let found = Final {
+        motion: u32::from(force.motion()),
+        plane: u32::from(force.plane()),
+        inch: force.is_inch(),
+        incremental: force.is_relative(),
+        by_time: force.is_by_time(),
+        per_turn: force.is_per_turn(),
+        system: force.zero_offset(),
+        tool: force.tool(),
+        spindle: u32::from(force.spindle()),
+        coolant: force.coolant(),
+        here: force.here().map(mm),
+        length: force.tool_length().map(mm),
+        feed: mm(force.feed()),
+        speed: mm(force.speed()),
+    };
+    let near = |a: f64, b: f64| (a - b).abs() <= 2e-9 + 1e-12 * b.abs();
+    let lengths = found.here.iter().chain(&found.length).chain([&found.feed, &found.speed]);
+    let others = wanted.here.iter().chain(&wanted.length).chain([&wanted.feed, &wanted.speed]);
+    let alike = lengths.zip(others).all(|(a, b)| near(*a, *b));
+    let Final { here, length, feed, speed, .. } = *wanted;
+    let rest = Final { here, length, feed, speed, ..found.clone() };
+    let text = String::from_utf8_lossy(text);
+    assert!(alike && rest == *wanted, "{name}: {found:?}, expected {wanted:?}\n{text}");
+}
+
 /// What both make of a text, event by event.
 fn compare(name: &str, dialect: Dialect, text: &[u8]) -> Vec<NcWarningKind> {
     let (commands, warnings, error, _) = decode_text(setup(dialect), text, 1_000_000);
     if let Some(error) = error {
         panic!("{name}: line {}: {error}\n{}", error.place.line, String::from_utf8_lossy(text));
     }
-    let mut machine = Machine::new(dialect == Dialect::Grbl, &TOOLS);
+    let mut machine = Machine::new(dialect.name(), &TOOLS);
     machine.run(&String::from_utf8_lossy(text));
     let mut events: Vec<Event> = commands.iter().map(|command| event(command, text)).collect();
     for index in (1..events.len()).rev() {
@@ -157,6 +199,7 @@ fn compare(name: &str, dialect: Dialect, text: &[u8]) -> Vec<NcWarningKind> {
         );
     }
     assert_eq!(events.len(), machine.events.len(), "{name}: {events:?}\n{:?}", machine.events);
+    compare_end(name, dialect, text, &machine.state());
     warnings.iter().map(|warning| warning.kind).collect()
 }
 
@@ -201,7 +244,7 @@ fn variants(text: &str) -> Vec<Vec<u8>> {
 
 #[test]
 fn programs_do_what_an_own_interpreter_says() {
-    assert!(CORPUS.len() >= 30);
+    assert!(CORPUS.len() >= 90);
     for (name, dialect, text) in CORPUS {
         for (number, variant) in variants(text).iter().enumerate() {
             compare(&format!("{name}, variant {number}"), dialect_of(dialect), variant);
@@ -222,6 +265,35 @@ fn values_loops_and_subroutines_come_to_plain_programs() {
             let alike = own.len() == wanted.len() && own.iter().zip(&wanted).all(|(a, b)| is_alike(a, b));
             assert!(alike, "{program}\n{own:?}\n{plain}\n{wanted:?}");
         }
+    }
+}
+
+#[test]
+fn numbers_and_subprograms_of_fanuc_come_to_plain_programs() {
+    let pairs = values::FANUC.iter().map(|pair| (Dialect::Fanuc, pair));
+    for (dialect, (program, plain)) in pairs.chain(values::STATE.iter().map(|pair| (Dialect::LinuxCnc, pair)))
+    {
+        let events = |text: &str| {
+            let (commands, _, error, _) = decode_text(setup(dialect), text.as_bytes(), 100_000);
+            assert!(error.is_none(), "{error:?} in\n{text}");
+            commands.iter().map(|command| event(command, text.as_bytes())).collect::<Vec<_>>()
+        };
+        let (own, wanted) = (events(program), events(plain));
+        let alike = own.len() == wanted.len() && own.iter().zip(&wanted).all(|(a, b)| is_alike(a, b));
+        assert!(alike, "{program}\n{own:?}\n{plain}\n{wanted:?}");
+    }
+    // Told once, not in each line.
+    let (_, warnings, ..) = decode_text(setup(Dialect::Fanuc), &b"G0 X1\nX2\nX3.\nM30"[..], 1000);
+    assert_eq!(warnings.iter().map(|w| w.kind).collect::<Vec<_>>(), [NcWarningKind::LeastIncrement]);
+}
+
+/// The long form: `cargo run --release -p host-tests --example mutate`.
+#[test]
+fn mutated_lines_come_to_an_end_and_no_value_does_nothing() {
+    for dialect in Dialect::ALL {
+        let found = host_tests::mutate::search(*dialect, 0, 250_000);
+        assert_eq!(found.silent, Vec::<String>::new());
+        assert!(*dialect == Dialect::Isg || found.values > 500, "{found:?}");
     }
 }
 
@@ -270,8 +342,8 @@ fn probing_is_a_command_with_its_kind_and_target() {
 #[test]
 fn random_programs_do_what_an_own_interpreter_says() {
     for seed in host_tests::seeds::seeds(0..600, 60) {
-        for dialect in [Dialect::LinuxCnc, Dialect::Grbl] {
-            let text = random::program(seed, dialect == Dialect::Grbl);
+        for dialect in [Dialect::LinuxCnc, Dialect::Grbl, Dialect::Fanuc] {
+            let text = random::program(seed, dialect.name());
             compare(&format!("seed {seed}"), dialect, text.as_bytes());
         }
     }
@@ -307,8 +379,8 @@ fn what_is_not_built_or_wrong_is_refused_by_name() {
 
 #[test]
 fn every_word_of_the_table_is_known_and_no_other() {
-    for dialect in [Dialect::LinuxCnc, Dialect::Grbl] {
-        for (letter, most) in [('G', 1200_u16), ('M', 2100)] {
+    for dialect in [Dialect::LinuxCnc, Dialect::Grbl, Dialect::Fanuc] {
+        for (letter, most) in [('G', 1200_u16), ('M', 10_100)] {
             for tenths in 0..most {
                 let listed = WORDS.iter().filter(|word| word.letter == letter && word.tenths == tenths);
                 let here: Vec<_> = listed.filter(|word| word.is_in(dialect)).collect();
@@ -316,10 +388,12 @@ fn every_word_of_the_table_is_known_and_no_other() {
                 let text = format!("{letter}{}.{}", tenths / 10, tenths % 10);
                 let (_, _, error, _) = decode_text(setup(dialect), text.as_bytes(), 1000);
                 let kind = error.map(|error| error.kind);
-                let user = letter == 'M'
-                    && (1000..=1990).contains(&tenths)
-                    && tenths % 10 == 0
-                    && dialect == Dialect::LinuxCnc;
+                let own = match dialect {
+                    Dialect::LinuxCnc => 1000..=1990,
+                    Dialect::Fanuc => 100..=9990,
+                    _ => 1..=0,
+                };
+                let user = letter == 'M' && own.contains(&tenths) && tenths % 10 == 0;
                 let unknown = matches!(kind, Some(NcErrorKind::UnknownCode(_)));
                 assert_eq!(unknown, here.is_empty() && !user, "{text}: {kind:?}");
                 if let Some(Err(_)) = here.first().map(|word| word.is_built()) {
@@ -382,6 +456,21 @@ fn the_same_geometry_has_one_digest() {
     for dialect in [Dialect::LinuxCnc, Dialect::Grbl] {
         assert_eq!(run(dialect, words), wanted, "{dialect:?}");
     }
+    // Fanuc counts numbers without a decimal point in thousandths.
+    let points = words.replace("P0.25", "X0.25");
+    let points: String = points
+        .split(' ')
+        .map(|word| {
+            if word.starts_with(['X', 'Y', 'Z', 'I', 'J']) && !word.contains('.') {
+                word.replacen('\n', ".\n", 1) + if word.contains('\n') { "" } else { "." }
+            } else {
+                word.to_owned()
+            }
+        })
+        .collect::<Vec<_>>()
+        .join(" ");
+    assert_eq!(run(Dialect::Fanuc, &points), wanted, "{points}");
+    assert_ne!(run(Dialect::Fanuc, words), wanted);
 }
 
 #[test]
@@ -514,7 +603,7 @@ fn the_next_program_begins_as_it_should() {
     let second = "X1 Y1 Z1\nG1 X2\nM2\n";
     let mut memory = DecoderMemory::new();
     let mut decoder: Decoder<_, 3> = Decoder::new(&mut memory, setup(Dialect::LinuxCnc), first.as_bytes());
-    let mut machine = Machine::new(false, &TOOLS);
+    let mut machine = Machine::new("linuxcnc", &TOOLS);
     machine.run(first);
     let mut events = Vec::new();
     for _ in 0..1000 {

@@ -1,5 +1,6 @@
 //! The documents, the examples and the requirements are true.
 mod conformance;
+mod dialects;
 mod examples;
 mod front_page;
 mod programs;

@@ -9,7 +9,7 @@ const TOWER: [(&str, &str); 22] = [
     ("quantity", "math"),
     ("machine", "math quantity"),
     ("technology", "quantity"),
-    ("nc", "math quantity machine"),
+    ("nc", "math quantity machine technology"),
     ("path", "math quantity machine nc"),
     ("kinematics", "math quantity machine path"),
     ("control", "machine technology"),

@@ -28,6 +28,8 @@ pub(super) struct Block<const AXES: usize> {
     /// `#n=`: which parameter, and its value. Written once the whole line is read.
     pub assigned: Vec<(u32, f64), ASSIGNED>,
     said: [Option<Said>; group::COUNT],
+    /// Letters whose number has no decimal point, a bit each; for Fanuc's programs.
+    pub pointless: u32,
 }
 
 /// Work of a word, as [`crate::nc::calculator`] counts it.
@@ -47,6 +49,7 @@ impl<const AXES: usize> Block<AXES> {
             values: [None; LETTERS],
             assigned: Vec::new(),
             said: [None; group::COUNT],
+            pointless: 0,
         }
     }
 
@@ -69,6 +72,16 @@ impl<const AXES: usize> Block<AXES> {
         self.values.get(usize::from(letter.wrapping_sub(b'A'))).copied().flatten()
     }
 
+    /// The same, to be changed.
+    pub fn value_mut(&mut self, letter: u8) -> Option<&mut Given> {
+        self.slot(letter)?.as_mut()
+    }
+
+    /// Whether the number behind a letter has no decimal point.
+    pub const fn is_pointless(&self, letter: u8) -> bool {
+        self.pointless & 1_u32.wrapping_shl(letter.wrapping_sub(b'A') as u32) != 0
+    }
+
     /// That every value was used by something.
     pub fn is_used_up(&self) -> Result<(), Fault> {
         let left = self.values.iter().flatten().map(|given| given.span).min_by_key(|span| span.at);
@@ -87,6 +100,9 @@ impl<const AXES: usize> Interpreter<AXES> {
         while !c.at_end() {
             let mark = c.mark();
             let letter = c.peek_upper();
+            if self.setup.foreign.dialect.is_fanuc() {
+                no_macro(c)?;
+            }
             if letter == b'#' {
                 self.read_assignment(c, &mut block)?;
                 continue;
@@ -110,17 +126,35 @@ impl<const AXES: usize> Interpreter<AXES> {
                     return c.here().fault(NcErrorKind::NotAlone("an O word"));
                 }
                 b'A' | b'B' | b'C' | b'U'..=b'Z' => self.read_axis(c, mark, letter, &mut block)?,
-                _ => {
-                    let given = self.read_value(c, mark)?;
-                    match block.slot(letter) {
-                        Some(slot) if slot.is_none() => *slot = Some(given),
-                        _ => return given.span.fault(NcErrorKind::Twice("a letter")),
-                    }
-                }
+                _ => self.read_letter(c, mark, letter, &mut block)?,
             }
             self.calculator.charge(WORD);
         }
         Ok(block)
+    }
+
+    /// A letter that is no axis, with its value.
+    fn read_letter(
+        &self,
+        c: &mut Cursor<'_>,
+        mark: usize,
+        letter: u8,
+        block: &mut Block<AXES>,
+    ) -> Result<(), Fault> {
+        let given = self.read_value(c, mark)?;
+        self.note_point(c, given, letter, block);
+        match block.slot(letter) {
+            Some(slot) if slot.is_none() => *slot = Some(given),
+            _ => return given.span.fault(NcErrorKind::Twice("a letter")),
+        }
+        Ok(())
+    }
+
+    /// Remembers whether the number has a decimal point.
+    fn note_point(&self, c: &Cursor<'_>, given: Given, letter: u8, block: &mut Block<AXES>) {
+        if self.setup.foreign.dialect.is_fanuc() && !c.part(given.span).contains(&b'.') {
+            block.pointless |= 1_u32.wrapping_shl(u32::from(letter.wrapping_sub(b'A')));
+        }
     }
 
     /// What does not begin with a letter.
@@ -143,9 +177,13 @@ impl<const AXES: usize> Interpreter<AXES> {
         block: &mut Block<AXES>,
     ) -> Result<(), Fault> {
         let Some(axis) = self.letters.axis(letter) else {
+            if letter == b'U' && self.setup.foreign.dialect.is_fanuc() {
+                return self.read_letter(c, mark, letter, block);
+            }
             return c.since(mark).fault(NcErrorKind::AxisNotHere);
         };
         let given = self.read_value(c, mark)?;
+        self.note_point(c, given, letter, block);
         block.first.get_or_insert(given.span);
         match block.axes.get_mut(axis) {
             Some(slot) if slot.is_none() => *slot = Some(given),
@@ -177,6 +215,9 @@ impl<const AXES: usize> Interpreter<AXES> {
         if matches!(c.peek_upper(), b'#' | b'[')
             || c.peek().is_ascii_alphabetic() && c.next().is_ascii_alphabetic()
         {
+            if self.setup.foreign.dialect.is_fanuc() {
+                return c.here().fault(MACRO);
+            }
             c.back_to(at);
             let value = self.evaluate(c)?;
             return Ok(Given { number: Number::Real(value), span: c.since(mark) });
@@ -207,6 +248,23 @@ impl<const AXES: usize> Interpreter<AXES> {
         Ok(())
     }
 }
+
+/// That no statement of macro B stands here.
+fn no_macro(c: &mut Cursor<'_>) -> Result<(), Fault> {
+    let mark = c.mark();
+    let word = c.letters();
+    let statement = ["IF", "GOTO", "WHILE", "DO", "END", "THEN", "POPEN", "DPRNT", "BPRNT"];
+    let is_macro =
+        word.bytes().is_empty() && c.peek() == b'#' || statement.iter().any(|statement| word.is(statement));
+    c.back_to(mark);
+    if is_macro {
+        return c.here().fault(MACRO);
+    }
+    Ok(())
+}
+
+/// What macro B is refused with.
+const MACRO: NcErrorKind = NcErrorKind::Known { what: "macro B", hint: "a program without macros" };
 
 /// A number without a sign.
 pub(super) fn literal(c: &mut Cursor<'_>, mark: usize, negative: bool) -> Result<Given, Fault> {

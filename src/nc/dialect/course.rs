@@ -19,12 +19,28 @@ pub enum CycleKind {
     Bore,
     /// G89.
     BoreDwell,
+    /// G86.
+    BoreStop,
+    /// G84.
+    Tap,
+    /// G74.
+    TapLeft,
 }
 
 impl CycleKind {
     /// It has a dwell at the bottom.
     pub const fn dwells(self) -> bool {
+        matches!(self, Self::Dwell | Self::BoreDwell | Self::BoreStop | Self::Tap | Self::TapLeft)
+    }
+
+    /// It needs P.
+    pub const fn needs_dwell(self) -> bool {
         matches!(self, Self::Dwell | Self::BoreDwell)
+    }
+
+    /// The spindle turns the other way on the way out.
+    const fn taps(self) -> bool {
+        matches!(self, Self::Tap | Self::TapLeft)
     }
 
     /// It goes down in pecks.
@@ -53,6 +69,8 @@ pub enum Part<const AXES: usize> {
     Motion(MotionKind, [Position; AXES]),
     /// Seconds.
     Dwell(Position),
+    /// Of the spindle.
+    M(u16),
 }
 
 impl<const AXES: usize> Course<AXES> {
@@ -207,6 +225,17 @@ impl<const AXES: usize> Spiral<AXES> {
 /// A peck that ends so near to the bottom is the last one: a nanometre, which rounding may leave.
 const NEAR: Position = Position::from_bits(1 << 12);
 
+/// What the spindle does in a hole.
+#[derive(Clone, Copy)]
+pub struct Acts {
+    /// M3 or M4, as the spindle turns behind the hole.
+    pub turn: u16,
+    /// Tapping goes out at feed to R alone, and the spindle turns there.
+    pub to_level: bool,
+    /// How many acts at the bottom, or behind the hole, are done.
+    pub done: u8,
+}
+
 /// Holes of a canned cycle, in machine coordinates.
 #[derive(Clone, Copy)]
 pub struct Holes<const AXES: usize> {
@@ -227,6 +256,7 @@ pub struct Holes<const AXES: usize> {
     pub rest: i32,
     pub back: Position,
     pub dwell: Position,
+    pub acts: Acts,
     /// Holes still to come.
     pub left: u32,
     /// How deep this one is.
@@ -252,6 +282,8 @@ pub enum Stage {
     Break,
     Bottom,
     Out,
+    /// What the spindle does outside.
+    Outside,
     /// From R to where the hole ends.
     Clear,
     End,
@@ -268,10 +300,9 @@ impl<const AXES: usize> Holes<AXES> {
                     self.stage = Stage::Down;
                     true
                 }
-                Stage::Bottom => {
-                    self.stage = Stage::Out;
-                    if self.kind.dwells() {
-                        return Some(Part::Dwell(self.dwell));
+                Stage::Bottom | Stage::Outside => {
+                    if let Some(part) = self.do_act() {
+                        return Some(part);
                     }
                     continue;
                 }
@@ -288,6 +319,36 @@ impl<const AXES: usize> Holes<AXES> {
                 return Some(Part::Motion(if rapid { MotionKind::Rapid } else { MotionKind::Line }, target));
             }
         }
+    }
+
+    /// The next thing that is done while the axes stand, at the bottom or outside; `None` when there is no more.
+    fn do_act(&mut self) -> Option<Part<AXES>> {
+        let dwell = || Some(Part::Dwell(self.dwell));
+        let back = if self.acts.turn == 3 { 4 } else { 3 };
+        let act = self.acts.done;
+        self.acts.done += 1;
+        let part = match (self.stage, self.kind, act) {
+            (Stage::Bottom, kind, 0) if kind.taps() => Some(Part::M(5)),
+            (Stage::Bottom, kind, 1) if kind.taps() => Some(Part::M(back)),
+            (Stage::Bottom, kind, 2) if kind.taps() && self.dwell > Position::ZERO => dwell(),
+            (Stage::Bottom, CycleKind::BoreStop, 0) if self.dwell > Position::ZERO => dwell(),
+            (Stage::Bottom, CycleKind::BoreStop, 0) => {
+                self.acts.done = 2;
+                Some(Part::M(5))
+            }
+            (Stage::Bottom, CycleKind::BoreStop, 1) => Some(Part::M(5)),
+            (Stage::Bottom, CycleKind::Dwell | CycleKind::BoreDwell, 0) => dwell(),
+            (Stage::Bottom, kind, 0) if kind.pecks() && self.dwell > Position::ZERO => dwell(),
+            (Stage::Outside, kind, 0) if kind.taps() => Some(Part::M(5)),
+            (Stage::Outside, kind, 1) if kind.taps() => Some(Part::M(self.acts.turn)),
+            (Stage::Outside, CycleKind::BoreStop, 0) => Some(Part::M(self.acts.turn)),
+            _ => None,
+        };
+        if part.is_none() {
+            self.acts.done = 0;
+            self.stage = if self.stage == Stage::Bottom { Stage::Out } else { Stage::Clear };
+        }
+        part
     }
 
     /// The next hole.
@@ -330,6 +391,10 @@ impl<const AXES: usize> Holes<AXES> {
             Stage::Out => match self.kind {
                 CycleKind::Bore => (self.r, false, Stage::Clear),
                 CycleKind::BoreDwell => (self.clear, false, Stage::End),
+                CycleKind::BoreStop => (self.clear, true, Stage::Outside),
+                kind if kind.taps() => {
+                    (if self.acts.to_level { self.r } else { self.clear }, false, Stage::Outside)
+                }
                 _ => (self.clear, true, Stage::End),
             },
             _ => (self.clear, true, Stage::End),

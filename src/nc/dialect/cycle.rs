@@ -1,7 +1,7 @@
 //! Canned cycles: what their words make.
 use super::Cycle;
 use super::block::Block;
-use super::course::{Course, CycleKind, Holes, Stage};
+use super::course::{Acts, Course, CycleKind, Holes, Stage};
 use crate::nc::block::Given;
 use crate::nc::compose::in_range;
 use crate::nc::interpreter::Interpreter;
@@ -29,10 +29,12 @@ impl<const AXES: usize> Interpreter<AXES> {
         let known = self.foreign.now.cycle.filter(|cycle| cycle.kind == kind);
         let from = self.foreign.now.cycle.map_or(here, |cycle| cycle.from);
         let cycle = self.cycle_of(kind, block, (known, from, axis), span)?;
-        let repeats = match block.take(b'L') {
+        let fanuc = self.setup.foreign.dialect.is_fanuc();
+        let by_k = if fanuc { block.take(b'K') } else { None };
+        let repeats = match by_k.or_else(|| block.take(b'L')) {
             Some(given) => {
                 let count = self.whole(given, "L", REPEATS)?;
-                if count == 0 {
+                if count == 0 && !fanuc {
                     return given.span.fault(NcErrorKind::Expected("L of 1 and more"));
                 }
                 count
@@ -52,8 +54,19 @@ impl<const AXES: usize> Interpreter<AXES> {
         if self.modal.feed.is_none() {
             return span.fault(NcErrorKind::NoFeed);
         }
+        self.needs_turning(span)?;
+        let turn = self.turn_of(kind, span)?;
+        if repeats == 0 {
+            // Fanuc keeps the words, and drills nothing.
+            self.foreign.now.cycle = Some(cycle);
+            return Ok(Course::None);
+        }
         let (hole, step) = self.first_hole(block, axes, repeats)?;
-        let clear = if self.foreign.now.to_level { r } else { from.max(r) };
+        let clear = match (self.foreign.now.to_level, fanuc) {
+            (true, _) => r,
+            (false, true) => from,
+            (false, false) => from.max(r),
+        };
         self.foreign.now.cycle = Some(cycle);
         if let Some(rest) = self.rests.get_mut(axis) {
             *rest = 0;
@@ -72,8 +85,30 @@ impl<const AXES: usize> Interpreter<AXES> {
             dwell: cycle.dwell,
             left: repeats,
             depth: r,
-            stage: if from < r { Stage::Lift } else { Stage::Over },
+            acts: Acts { turn, to_level: fanuc, done: 0 },
+            stage: if from < r && !fanuc { Stage::Lift } else { Stage::Over },
         }))
+    }
+
+    /// How the spindle is to turn behind the hole.
+    fn turn_of(&self, kind: CycleKind, span: Span) -> Result<u16, Fault> {
+        let spindle = self.foreign.now.spindle;
+        let fanuc = self.setup.foreign.dialect.is_fanuc();
+        match kind {
+            CycleKind::Tap | CycleKind::TapLeft => {
+                let (wanted, missing) = match kind {
+                    CycleKind::Tap => (3, "M3 before tapping"),
+                    _ => (4, "M4 before left-hand tapping"),
+                };
+                // Fanuc starts the spindle itself.
+                if spindle != wanted && !fanuc {
+                    return span.fault(NcErrorKind::Missing(missing));
+                }
+                Ok(wanted)
+            }
+            CycleKind::BoreStop if spindle == 0 => span.fault(NcErrorKind::Missing("M3 or M4 before G86")),
+            _ => Ok(spindle),
+        }
     }
 
     /// Axes of the plane in force, and the one across.
@@ -126,9 +161,13 @@ impl<const AXES: usize> Interpreter<AXES> {
         {
             cycle.back = self.above_zero(given, axis, "D")?;
         }
-        if kind.dwells() {
-            let dwell = block.take(b'P').map(|given| self.seconds(given)).transpose()?;
-            cycle.dwell = dwell.or(known.map(|cycle| cycle.dwell)).ok_or(missing("P, seconds"))?;
+        let fanuc = self.setup.foreign.dialect.is_fanuc();
+        if kind.dwells() || fanuc && kind.pecks() {
+            let is_ms = block.is_pointless(b'P');
+            let dwell = block.take(b'P').map(|given| self.seconds(given, is_ms)).transpose()?;
+            let least = if kind.needs_dwell() { None } else { Some(Position::ZERO) };
+            let dwell = dwell.or(known.map(|cycle| cycle.dwell)).or(least);
+            cycle.dwell = dwell.ok_or(missing("P, seconds"))?;
         }
         Ok(cycle)
     }
@@ -140,9 +179,10 @@ impl<const AXES: usize> Interpreter<AXES> {
         value.ok_or(Fault { span: given.span, kind })
     }
 
-    /// Seconds of P.
-    pub(super) fn seconds(&self, given: Given) -> Result<Position, Fault> {
-        let value = given.number.fixed(Factor::ONE).filter(|v| *v >= Position::ZERO && in_range(*v));
+    /// Seconds of P; `is_ms`: it counts milliseconds.
+    pub(super) fn seconds(&self, given: Given, is_ms: bool) -> Result<Position, Fault> {
+        let factor = if is_ms { Factor::new(1, 1000) } else { Factor::ONE };
+        let value = given.number.fixed(factor).filter(|v| *v >= Position::ZERO && in_range(*v));
         let kind = NcErrorKind::Range { what: "P", min: 0, max: 100_000, unit: "s", above: false };
         value.ok_or(Fault { span: given.span, kind })
     }

@@ -51,6 +51,9 @@ impl<const AXES: usize> InForce<AXES> {
                 CycleKind::Break => 730,
                 CycleKind::Bore => 850,
                 CycleKind::BoreDwell => 890,
+                CycleKind::BoreStop => 860,
+                CycleKind::Tap => 840,
+                CycleKind::TapLeft => 740,
             },
             (None, true, _) => 800,
             (None, false, Mode::Rapid) => 0,
@@ -92,6 +95,21 @@ impl<const AXES: usize> InForce<AXES> {
     /// F, mm/min; 0 without one.
     pub fn feed(&self) -> Feed {
         self.modal.feed.unwrap_or(Feed::ZERO)
+    }
+
+    /// G95.
+    pub const fn is_per_turn(&self) -> bool {
+        self.now.per_turn
+    }
+
+    /// S, 1/min.
+    pub const fn speed(&self) -> Position {
+        self.now.speed
+    }
+
+    /// M7, and M8.
+    pub const fn coolant(&self) -> [bool; 2] {
+        [self.now.coolant & 1 != 0, self.now.coolant & 2 != 0]
     }
 
     /// T.

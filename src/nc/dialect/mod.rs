@@ -1,8 +1,8 @@
-//! Lines of programs of LinuxCNC and Grbl.
+//! Lines of programs of LinuxCNC, Grbl and Fanuc.
 //!
 //! ```text
 //!  Line → block ──words by group──→ order ─fixed order─→ items of the queue, one motion
-//!                   words: the table of both dialects    └ course: blocks that make several motions
+//!                   words: the table of all dialects     └ course: blocks that make several motions
 //! ```
 //!
 //! Plain lines (N, G0, G1, F and axes) go through [`super::plain`], as those of ISG's language do. What is in
@@ -11,16 +11,20 @@ mod block;
 mod course;
 mod cycle;
 mod expression;
+mod fanuc;
 mod force;
 mod offset;
 mod order;
+mod output;
 mod oword;
 mod parameter;
+mod saved;
+mod spindle;
 mod time;
 mod words;
 
 pub use force::{InForce, StoredOffsets};
-pub use words::{ADDRESSES, WORDS, WordEntry};
+pub use words::{ADDRESSES, AddressEntry, WORDS, WordEntry};
 
 use super::block::{Item, ItemKind};
 use super::interpreter::{Gathered, Interpreter, Next, Phase, Refusal};
@@ -29,9 +33,12 @@ use super::modal::{Before, Modal, Mode};
 use super::{DwellTime, Motion, MotionKind, NcWarningKind, Place, Span};
 use crate::machine::{AxisKind, Dialect, MORE_OFFSETS, MachineData, ToolLengths, of_tenths};
 use crate::quantity::{Feed, Position};
+use crate::technology::Function;
 use core::cell::Cell;
 use course::{Course, CycleKind, Part};
 use oword::Calls;
+use saved::SavedStates;
+use spindle::Surface;
 
 /// What programs of other dialects need of the machine.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -103,11 +110,18 @@ pub(super) struct State<const AXES: usize> {
     pub to_level: bool,
     /// G93.
     pub by_time: bool,
+    /// G95.
+    pub per_turn: bool,
+    /// G96.
+    pub surface: Option<Surface>,
+    /// S, 1/min.
+    pub speed: Position,
     /// M3 or M4; 0 when off.
     pub spindle: u16,
-    pub coolant: bool,
-    /// G64 rounds corners.
-    pub blends: bool,
+    /// 1 for M7, 2 for M8.
+    pub coolant: u8,
+    /// G64 rounds corners, by so much at most.
+    pub blend: Option<Position>,
     /// F as a number of degrees, where inches scale that of lengths.
     pub degrees: Option<Feed>,
     /// T.
@@ -137,9 +151,12 @@ impl<const AXES: usize> State<AXES> {
         no_motion: false,
         to_level: false,
         by_time: false,
+        per_turn: false,
+        surface: None,
+        speed: Position::ZERO,
         spindle: 0,
-        coolant: false,
-        blends: false,
+        coolant: 0,
+        blend: None,
         degrees: None,
         tool: 0,
     };
@@ -172,6 +189,13 @@ pub(super) struct Foreign<const AXES: usize> {
     course: Course<AXES>,
     /// M word that ends the block behind its motions.
     tail: Option<(u16, Span)>,
+    /// M5 and M9 of Fanuc's programs, which come behind the motion of their block.
+    behind: [Option<(u16, Span)>; 2],
+    /// Output or input of the line at hand; outputs: whether at once.
+    pub output: (Function, bool),
+    saved: SavedStates<AXES>,
+    /// The warning about least increments has been given.
+    told_increments: bool,
     /// The words that made the course.
     span: Span,
     calls: Calls,
@@ -190,6 +214,10 @@ impl<const AXES: usize> Foreign<AXES> {
         message: Place::NONE,
         course: Course::None,
         tail: None,
+        behind: [None; 2],
+        output: (Function::M(0), false),
+        saved: SavedStates::BLANK,
+        told_increments: false,
         span: Span { at: 0, len: 0 },
         calls: Calls::BLANK,
         called: (0, 0),
@@ -197,7 +225,7 @@ impl<const AXES: usize> Foreign<AXES> {
 
     /// Parts of the block at hand are still to come.
     pub const fn is_under_way(&self) -> bool {
-        self.course.is_some() || self.tail.is_some()
+        self.course.is_some() || self.tail.is_some() || matches!(self.behind, [Some(_), _] | [_, Some(_)])
     }
 }
 
@@ -208,8 +236,12 @@ impl<const AXES: usize> Interpreter<AXES> {
     }
 
     /// Whether a plain line means the same in the dialect at hand.
-    pub fn takes_plain(&self) -> bool {
-        self.is_isg() || self.foreign.plain && self.foreign.note.is_none() && !self.foreign.calls.skips()
+    pub fn takes_plain(&self, line: &Line) -> bool {
+        self.is_isg()
+            || self.foreign.plain
+                && self.foreign.note.is_none()
+                && !self.foreign.calls.skips()
+                && (!self.setup.foreign.dialect.is_fanuc() || fanuc::has_points(line.bytes()))
     }
 
     /// A channel begins.
@@ -224,13 +256,16 @@ impl<const AXES: usize> Interpreter<AXES> {
     pub fn begin_program(&mut self, mode: Mode) {
         let Modal { inch, shift, .. } = self.modal;
         // In inverse time F is of its block alone.
-        let feed = self.modal.feed.filter(|_| !self.foreign.now.by_time);
+        let feed = self.modal.feed.filter(|_| !self.foreign.now.by_time && !self.foreign.now.per_turn);
         self.modal = Modal { mode, inch, feed, shift, zero_set: Some(0), ..Modal::BLANK };
-        let State { here, here_off, length, degrees, tool, .. } = self.foreign.now;
-        self.foreign.now = State { here, here_off, length, degrees, tool, ..State::START };
+        let State { here, here_off, length, degrees, tool, speed, .. } = self.foreign.now;
+        self.foreign.now = State { here, here_off, length, degrees, tool, speed, ..State::START };
         let Foreign { percent, course, tail, note, .. } = &mut self.foreign;
         (*percent, *course, *tail, *note) = (false, Course::None, None, None);
+        self.foreign.behind = [None; 2];
+        self.foreign.told_increments = false;
         self.foreign.calls.clear();
+        self.foreign.saved.clear_all();
         self.settle_plain();
     }
 
@@ -241,9 +276,10 @@ impl<const AXES: usize> Interpreter<AXES> {
 
     /// Whether plain lines may be read as such: no cycle, no G80, and no axis whose F counts in another unit.
     fn settle_plain(&mut self) {
-        let State { cycle, no_motion, by_time, degrees, .. } = &self.foreign.now;
+        let State { cycle, no_motion, by_time, per_turn, surface, degrees, .. } = &self.foreign.now;
         let turns = self.setup.kinds.contains(&AxisKind::Rotary) && (self.modal.inch || degrees.is_some());
-        self.foreign.plain = cycle.is_none() && !no_motion && !by_time && !turns;
+        let by_spindle = *per_turn || surface.is_some();
+        self.foreign.plain = cycle.is_none() && !no_motion && !by_time && !by_spindle && !turns;
     }
 
     /// G92 and the tool length make one shift.
@@ -261,7 +297,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         if self.foreign.is_under_way() || matches!(self.before, Before::All(_)) {
             self.foreign.now = self.foreign.before;
         }
-        (self.foreign.course, self.foreign.tail) = (Course::None, None);
+        (self.foreign.course, self.foreign.tail, self.foreign.behind) = (Course::None, None, [None; 2]);
     }
 
     /// The next part of a block that makes several, or what stands behind its motions.
@@ -276,6 +312,7 @@ impl<const AXES: usize> Interpreter<AXES> {
                 ItemKind::Motion
             }
             Some(Part::Dwell(time)) => ItemKind::Dwell(DwellTime::Seconds(time)),
+            Some(Part::M(code)) => ItemKind::M(code),
             None => {
                 self.foreign.course = Course::None;
                 self.end_block();
@@ -291,14 +328,14 @@ impl<const AXES: usize> Interpreter<AXES> {
         let moved = target.iter().zip(&self.position).enumerate().filter(|(_, (to, from))| to != from);
         let named = moved.fold(0_u32, |bits, (axis, _)| bits | 1_u32.wrapping_shl(axis as u32));
         // Corners of a cycle are not rounded.
-        let stops = matches!(self.foreign.course, Course::Holes(_)) && self.foreign.now.blends;
+        let stops = matches!(self.foreign.course, Course::Holes(_)) && self.foreign.now.blend.is_some();
         Motion {
             n: self.n,
             place,
             centre: place,
             kind,
             target,
-            feed: self.modal.feed.unwrap_or(Feed::ZERO),
+            feed: self.path_feed(),
             exact_stop: self.modal.exact_stop || stops,
             named,
         }
@@ -306,6 +343,11 @@ impl<const AXES: usize> Interpreter<AXES> {
 
     /// M0, M1, M2, M30 and M60 behind the motions of their block.
     fn end_block(&mut self) {
+        for slot in &mut self.foreign.behind {
+            if let Some((code, span)) = slot.take() {
+                let _ = self.queue.push_back(Item { span, kind: ItemKind::M(code) });
+            }
+        }
         let Some((code, span)) = self.foreign.tail.take() else { return };
         let kind = match code {
             2 | 30 => {
@@ -319,9 +361,10 @@ impl<const AXES: usize> Interpreter<AXES> {
 
     /// M2 and M30: spindle and coolant off, and what holds at program start. Line is the motion behind it.
     fn end_program(&mut self, span: Span) {
-        let State { spindle, coolant, blends, .. } = self.foreign.now;
+        let State { spindle, coolant, blend, .. } = self.foreign.now;
+        let blends = blend.is_some();
         let off =
-            [(spindle != 0, ItemKind::M(5)), (coolant, ItemKind::M(9)), (blends, ItemKind::Switch(260))];
+            [(spindle != 0, ItemKind::M(5)), (coolant != 0, ItemKind::M(9)), (blends, ItemKind::Switch(260))];
         for (_, kind) in off.into_iter().filter(|(on, _)| *on) {
             let _ = self.queue.push_back(Item { span, kind });
         }
@@ -342,7 +385,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         if let Some(next) = self.end_of_called_file() {
             return Ok(next);
         }
-        if self.phase == Phase::Running && self.setup.foreign.dialect == Dialect::LinuxCnc {
+        if self.phase == Phase::Running && self.setup.foreign.dialect != Dialect::Grbl {
             self.warn_at(here, NcWarningKind::NoProgramEnd);
         }
         self.phase = Phase::Ended;

@@ -104,10 +104,23 @@ impl<const AXES: usize> Interpreter<AXES> {
             let what = "tool table (G10 L1, L10, L11)";
             return kind.1.fault(NcErrorKind::Known { what, hint: "G10 L2 or L20" });
         }
-        if let Some(given) = block.take(b'R') {
+        if let Some(given) = block.take(b'R')
+            && given.number.real() != 0.0
+        {
             return given.span.fault(NcErrorKind::Known { what: "rotation", hint: "G10 without R" });
         }
+        let fanuc = self.setup.foreign.dialect.is_fanuc();
+        if fanuc && kind.0 == 20 {
+            return kind.1.fault(NcErrorKind::Known { what: "further zero offsets", hint: "G10 L2" });
+        }
         let set = match block.take(b'P') {
+            Some(given) if fanuc => match self.whole(given, "P of G10", 6)? {
+                0 => {
+                    let what = "zero offset of all systems";
+                    return given.span.fault(NcErrorKind::Known { what, hint: "P1 to P6" });
+                }
+                set => set,
+            },
             Some(given) => self.whole(given, "P of G10", SETS)?,
             None => return span.fault(NcErrorKind::Missing("P0 to P9")),
         };
@@ -124,7 +137,10 @@ impl<const AXES: usize> Interpreter<AXES> {
             let position = self.position.get(axis).copied().unwrap_or_default();
             let shift = self.modal.shift.get(axis).copied().unwrap_or_default();
             let here = position.saturating_sub(shift).saturating_sub(value);
-            let wanted = if kind.0 == 20 { here } else { value };
+            let adds = fanuc && self.modal.relative;
+            let known = self.zero_offsets(set).and_then(|offsets| offsets.get(axis)).copied();
+            let base = known.filter(|_| adds).unwrap_or_default();
+            let wanted = if kind.0 == 20 { here } else { value.saturating_add(base) };
             if !in_range(wanted) {
                 return given.span.fault(self.coordinate_of(axis));
             }
@@ -145,7 +161,7 @@ impl<const AXES: usize> Interpreter<AXES> {
     ) -> Result<(), Fault> {
         match said.word.meaning {
             Meaning::NoLength => self.foreign.now.length = [Position::ZERO; AXES],
-            Meaning::Length => {
+            Meaning::Length | Meaning::LengthMinus => {
                 let number = match block.take(b'H') {
                     Some(given) => (self.whole(given, "H", u32::MAX)?, given.span),
                     None => (self.foreign.now.tool, said.span),
@@ -154,7 +170,8 @@ impl<const AXES: usize> Interpreter<AXES> {
                 self.foreign.now.length = [Position::ZERO; AXES];
                 let applicate = self.setup.main.last().copied().flatten();
                 if let Some(slot) = applicate.and_then(|axis| self.foreign.now.length.get_mut(axis)) {
-                    *slot = length;
+                    let minus = said.word.meaning == Meaning::LengthMinus;
+                    *slot = if minus { Position::ZERO.saturating_sub(length) } else { length };
                 }
             }
             _ => {

@@ -1,4 +1,4 @@
-//! What the words of a line do, in the order that LinuxCNC and Grbl share: the order of the text does not count.
+//! What the words of a line do, in the order that the dialects share: the order of the text does not count.
 use super::block::{Block, Said};
 use super::course::{Course, Spiral, Turns};
 use super::words::{Meaning, group};
@@ -62,6 +62,10 @@ impl<const AXES: usize> Interpreter<AXES> {
                 self.warn(line, c.here(), NcWarningKind::BlockSkip);
             }
             c.bump();
+            if self.setup.foreign.dialect.is_fanuc() && matches!(c.peek(), b'1'..=b'9') {
+                // The number of the switch.
+                c.bump();
+            }
         }
         if let Some(next) = self.o_word(&mut c, line, bounds)? {
             self.take_note()?;
@@ -115,11 +119,14 @@ impl<const AXES: usize> Interpreter<AXES> {
         let Some(given) = block.take(b'P') else {
             return said.span.fault(NcErrorKind::Missing("P, the number of the subprogram"));
         };
-        let number = self.whole(given, "P", 1_000_000_000)?;
-        let times = match block.take(b'L') {
-            Some(given) => self.whole(given, "L", 10_000)?,
-            None => 1,
-        };
+        let mut number = self.whole(given, "P", 1_000_000_000)?;
+        let mut times = 1;
+        if self.setup.foreign.dialect.is_fanuc() {
+            (number, times) = Self::called_by(number);
+        }
+        if let Some(given) = block.take(b'L') {
+            times = self.whole(given, "L", 10_000)?;
+        }
         if times == 0 {
             return said.span.fault(NcErrorKind::Expected("L of 1 and more"));
         }
@@ -143,20 +150,29 @@ impl<const AXES: usize> Interpreter<AXES> {
         Ok(Next::Line)
     }
 
-    fn push(&mut self, kind: ItemKind, span: Span) -> Result<(), Fault> {
+    pub(super) fn push(&mut self, kind: ItemKind, span: Span) -> Result<(), Fault> {
         self.queue.push_back(Item { span, kind }).map_err(|_| Fault { span, kind: NcErrorKind::BlockTooFull })
     }
 
     fn carry_out(&mut self, block: &mut Block<AXES>, line: &Line) -> Result<(), Fault> {
         let converts =
             block.said(group::UNITS).is_some_and(|said| said.word.meaning != Meaning::Inch(self.modal.inch));
-        let grbl = self.setup.foreign.dialect == Dialect::Grbl;
-        if let Some(Said { word, .. }) = block.said(group::FEED) {
-            let by_time = word.meaning == Meaning::ByTime(true);
-            if core::mem::replace(&mut self.foreign.now.by_time, by_time) != by_time {
-                (self.modal.feed, self.foreign.now.degrees) = (None, None);
+        let grbl = self.setup.foreign.dialect != Dialect::LinuxCnc;
+        if let Some(Said { word, span, .. }) = block.said(group::FEED) {
+            let (by_time, per_turn) =
+                (word.meaning == Meaning::ByTime(true), word.meaning == Meaning::PerTurn);
+            let now = &mut self.foreign.now;
+            if (now.by_time, now.per_turn) != (by_time, per_turn) {
+                (now.by_time, now.per_turn, now.degrees, self.modal.feed) = (by_time, per_turn, None, None);
+                if per_turn {
+                    self.warn(line, span, NcWarningKind::FeedOfSpindle);
+                }
             }
         }
+        if let Some(said) = block.said(group::ONCE).filter(|said| said.word.meaning == Meaning::Mode) {
+            self.warn(line, said.span, NcWarningKind::ModeWithoutEffect);
+        }
+        self.least_increments(block, self.modal.inch != converts, line);
         let feed = block.take(b'F');
         if let (Some(given), false) = (feed, grbl) {
             // LinuxCNC takes F before the unit.
@@ -172,7 +188,13 @@ impl<const AXES: usize> Interpreter<AXES> {
         if let (Some(given), true) = (feed, grbl) {
             self.set_feed(given)?;
         }
+        let stops = self.modal.exact_stop;
+        self.modal.exact_stop |=
+            block.said(group::ONCE).is_some_and(|said| said.word.meaning == Meaning::StopOnce);
+        self.follow_surface(block)?;
         let course = self.moves_of(block, line)?;
+        self.modal.exact_stop = stops;
+        self.drop_unused(block);
         block.is_used_up()?;
         if self.foreign.now.by_time {
             // F is of its block alone.
@@ -208,22 +230,19 @@ impl<const AXES: usize> Interpreter<AXES> {
             return Ok(());
         }
         self.modal.feed = some(feed);
-        self.foreign.now.degrees = if self.modal.inch { some(degrees) } else { None };
+        self.foreign.now.degrees =
+            if self.modal.inch && !self.foreign.now.per_turn { some(degrees) } else { None };
         Ok(())
     }
 
     /// S, T, M6, spindle, coolant, other M.
     fn functions(&mut self, block: &mut Block<AXES>, line: &Line) -> Result<(), Fault> {
-        if let Some(given) = block.take(b'S') {
-            let speed = given.number.fixed(Factor::ONE).filter(|speed| *speed >= Position::ZERO);
-            let kind =
-                NcErrorKind::Range { what: "S", min: 0, max: 2_147_483_647, unit: "1/min", above: false };
-            self.push(ItemKind::Spindle(speed.ok_or(Fault { span: given.span, kind })?), given.span)?;
-        }
+        self.speed(block, line)?;
         if let Some(given) = block.take(b'T') {
             self.foreign.now.tool = self.whole(given, "T", 999_999_999)?;
             self.push(ItemKind::Tool(self.foreign.now.tool), given.span)?;
         }
+        self.outputs(block)?;
         if let Some(said) = block.said(group::OVERRIDE).filter(|said| said.word.meaning == Meaning::Override)
         {
             let _ = block.take(b'P');
@@ -234,11 +253,26 @@ impl<const AXES: usize> Interpreter<AXES> {
             let now = &mut self.foreign.now;
             match word.meaning {
                 Meaning::Spindle => now.spindle = if number == 5 { 0 } else { number },
-                Meaning::Coolant => now.coolant = number != 9,
+                Meaning::Orient => now.spindle = 0,
+                Meaning::Coolant if number == 9 => now.coolant = 0,
+                Meaning::Coolant => now.coolant |= if number == 7 { 1 } else { 2 },
                 _ => {}
             }
             match word.meaning {
                 Meaning::Call | Meaning::Return => continue,
+                Meaning::Save(_) | Meaning::Forget | Meaning::Restore => {
+                    self.keep_state(word.meaning, span)?;
+                    continue;
+                }
+                Meaning::Spindle | Meaning::Coolant
+                    if matches!(number, 5 | 9) && self.setup.foreign.dialect.is_fanuc() =>
+                {
+                    // M5 and M9 are of different groups.
+                    let [spindle, coolant] = &mut self.foreign.behind;
+                    *(if number == 5 { spindle } else { coolant }) = Some((number, span));
+                    continue;
+                }
+                Meaning::Orient => self.no_angle(block)?,
                 Meaning::ToolNumber => {
                     let Some(given) = block.take(b'Q') else {
                         return span.fault(NcErrorKind::Missing("Q, the tool"));
@@ -256,16 +290,66 @@ impl<const AXES: usize> Interpreter<AXES> {
         Ok(())
     }
 
+    /// S: with G96 a speed of the surface, of which the spindle speed is put out.
+    fn speed(&mut self, block: &mut Block<AXES>, line: &Line) -> Result<(), Fault> {
+        if let Some(said) = block.said(group::SPINDLE_MODE) {
+            let on = said.word.meaning == Meaning::Surface(true);
+            if on && self.foreign.now.surface.is_none() {
+                self.warn(line, said.span, NcWarningKind::SpeedByBlock);
+            }
+            self.choose_surface(on, block, said.span)?;
+        }
+        let Some(given) = block.take(b'S') else { return Ok(()) };
+        let speed = given.number.fixed(Factor::ONE).filter(|speed| *speed >= Position::ZERO);
+        let kind = NcErrorKind::Range { what: "S", min: 0, max: 2_147_483_647, unit: "1/min", above: false };
+        let mut speed = speed.ok_or(Fault { span: given.span, kind })?;
+        if let Some(surface) = &mut self.foreign.now.surface {
+            // Metres, or feet.
+            let unit = block
+                .said(group::UNITS)
+                .map_or(self.modal.inch, |said| said.word.meaning == Meaning::Inch(true));
+            surface.speed = given.number.real() * if unit { 304.8 } else { 1000.0 };
+            let surface = *surface;
+            speed = self.speed_of_surface(surface, given.span)?;
+        }
+        self.foreign.now.speed = speed;
+        self.push(ItemKind::Spindle(speed), given.span)
+    }
+
+    /// With G96 a block with axis words begins with the spindle speed for the place where it begins.
+    fn follow_surface(&mut self, block: &Block<AXES>) -> Result<(), Fault> {
+        let (Some(surface), Some(span)) = (self.foreign.now.surface, block.first) else { return Ok(()) };
+        let speed = self.speed_of_surface(surface, span)?;
+        if core::mem::replace(&mut self.foreign.now.speed, speed) != speed {
+            self.push(ItemKind::Spindle(speed), span)?;
+        }
+        Ok(())
+    }
+
+    /// M19 without an angle, or to 0.
+    fn no_angle(&self, block: &mut Block<AXES>) -> Result<(), Fault> {
+        match block.take(b'R') {
+            Some(given) if given.number.real() != 0.0 => given
+                .span
+                .fault(NcErrorKind::Known { what: "orientation to an angle", hint: "M19 without R" }),
+            _ => Ok(()),
+        }
+    }
+
     /// G4.
     fn dwell(&mut self, block: &mut Block<AXES>, line: &Line) -> Result<(), Fault> {
         let Some(said) = block.said(group::NON_MODAL) else { return Ok(()) };
         if said.word.meaning != Meaning::Dwell {
             return Ok(());
         }
-        let Some(given) = block.take(b'P') else {
+        let by_letter = block.take(b'P').map(|given| (given, block.is_pointless(b'P')));
+        let Some((given, is_ms)) = by_letter.or_else(|| self.dwell_by_axis(block)) else {
             return said.span.fault(NcErrorKind::Missing("P, seconds"));
         };
-        let time = self.seconds(given)?;
+        if let (Some(first), true) = (block.first, self.setup.foreign.dialect.is_fanuc()) {
+            return first.fault(NcErrorKind::Conflict("G4"));
+        }
+        let time = self.seconds(given, is_ms)?;
         if time > LONG_DWELL {
             self.warn(line, given.span, NcWarningKind::LongDwell);
         }
@@ -288,7 +372,7 @@ impl<const AXES: usize> Interpreter<AXES> {
             match said.word.meaning {
                 Meaning::Plane(plane) => self.modal.plane = plane,
                 Meaning::Inch(inch) => self.modal.inch = inch,
-                Meaning::Length | Meaning::LengthNow | Meaning::NoLength => {
+                Meaning::Length | Meaning::LengthMinus | Meaning::LengthNow | Meaning::NoLength => {
                     self.set_length(said, block, line)?;
                 }
                 Meaning::Offset(set) => self.modal.zero_set = Some(usize::from(set)),
@@ -305,8 +389,8 @@ impl<const AXES: usize> Interpreter<AXES> {
     }
 
     /// G61 and G61.1: corners as programmed, with or without a standstill.
-    fn path_mode(&mut self, stops: bool, span: Span) -> Result<(), Fault> {
-        if core::mem::take(&mut self.foreign.now.blends) {
+    pub(super) fn path_mode(&mut self, stops: bool, span: Span) -> Result<(), Fault> {
+        if self.foreign.now.blend.take().is_some() {
             self.push(ItemKind::Switch(260), span)?;
         }
         if core::mem::replace(&mut self.modal.exact_stop, stops) != stops {
@@ -338,10 +422,15 @@ impl<const AXES: usize> Interpreter<AXES> {
             let um = (i128::from(deviation.to_bits()) * 1000 + (1 << 31)) >> 32;
             self.warn(line, span, NcWarningKind::BlendTolerance(um as u32));
         }
+        self.blend_by(deviation, span)
+    }
+
+    /// Corners are rounded by so much at most.
+    pub(super) fn blend_by(&mut self, deviation: Position, span: Span) -> Result<(), Fault> {
         if core::mem::take(&mut self.modal.exact_stop) {
             self.push(ItemKind::Switch(359), span)?;
         }
-        self.foreign.now.blends = true;
+        self.foreign.now.blend = Some(deviation);
         self.push(ItemKind::Blend(deviation), span)
     }
 
@@ -372,13 +461,18 @@ impl<const AXES: usize> Interpreter<AXES> {
             };
         }
         let machine = single.filter(|said| said.word.meaning == Meaning::Machine);
-        if let (Some(said), Some(_)) = (machine, block.first)
-            && (self.foreign.now.cycle.is_some()
+        if let (Some(said), Some(_)) = (machine, block.first) {
+            let fanuc = self.setup.foreign.dialect.is_fanuc();
+            if self.foreign.now.cycle.is_some()
                 || self.foreign.now.no_motion
-                || !matches!(self.modal.mode, Mode::Rapid | Mode::Line)
-                || motion.is_some_and(|said| matches!(said.word.meaning, Meaning::Cycle(_))))
-        {
-            return said.span.fault(NcErrorKind::Missing("G0 or G1"));
+                || !fanuc && !matches!(self.modal.mode, Mode::Rapid | Mode::Line)
+                || motion.is_some_and(|said| matches!(said.word.meaning, Meaning::Cycle(_)))
+            {
+                return said.span.fault(NcErrorKind::Missing("G0 or G1"));
+            }
+            if fanuc && self.modal.relative {
+                return said.span.fault(NcErrorKind::Missing("G90, without which Fanuc passes over G53"));
+            }
         }
         let said = motion.map(|said| said.word.meaning);
         let cycle = match (said, self.foreign.now.cycle) {
@@ -427,7 +521,11 @@ impl<const AXES: usize> Interpreter<AXES> {
                 (now.cycle, now.no_motion) = (None, false);
             }
             Meaning::NoMotion => {
-                (now.cycle, now.no_motion) = (None, true);
+                // Fanuc goes on with the motion word that held before the cycle.
+                (now.cycle, now.no_motion) = (None, !self.setup.foreign.dialect.is_fanuc());
+                if !now.no_motion {
+                    return Ok(());
+                }
                 let user = block.said(group::NON_MODAL);
                 if let (Some(first), None) = (block.first, user) {
                     return first.fault(NcErrorKind::Missing("G0, G1, G2 or G3 behind G80"));
@@ -489,8 +587,17 @@ impl<const AXES: usize> Interpreter<AXES> {
                 None => Ok(Course::None),
             };
         }
-        if !arc {
-            self.move_straight(&mut words, machine, line)?;
+        if !arc || machine {
+            // Fanuc's G53 is rapid motion.
+            let mode = self.modal.mode;
+            if machine && self.setup.foreign.dialect.is_fanuc() {
+                self.modal.mode = Mode::Rapid;
+            }
+            let moved = self.move_straight(&mut words, machine, line);
+            if machine {
+                self.modal.mode = mode;
+            }
+            moved?;
             return Ok(Course::None);
         }
         if block.first.is_none() && !has_centre {
@@ -524,7 +631,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         moved?;
         self.feed_in_degrees(&start);
         self.feed_of_time(&start);
-        Ok(())
+        self.feed_of_turns(words.first.unwrap_or_default())
     }
 
     /// With G93 the motion gets the feed at which it takes its time.
@@ -574,6 +681,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         self.modal.radius = None;
         moved?;
         self.feed_of_time(&start);
+        self.feed_of_turns(span)?;
         let Some(given) = turns else { return Ok(self.spiral(&start, span)) };
         let turns = self.whole(given, "P", TURNS)?;
         if turns == 0 {

@@ -200,7 +200,8 @@ impl<const AXES: usize> Interpreter<AXES> {
                 c.bump();
             }
         }
-        if c.peek_upper() != b'O' {
+        let fanuc = self.setup.foreign.dialect.is_fanuc();
+        if c.peek_upper() != b'O' && !(fanuc && c.peek() == b':') {
             c.back_to(start);
             return Ok(None);
         }
@@ -238,13 +239,17 @@ impl<const AXES: usize> Interpreter<AXES> {
             });
         }
         let span = c.since(mark);
+        let fanuc = self.setup.foreign.dialect.is_fanuc();
         let word = c.letters();
         let key = KEYS.into_iter().find(|key| word.is(key));
-        if key.is_none() && !word.bytes().is_empty() {
+        if (fanuc || key.is_none()) && !word.bytes().is_empty() {
             c.back_to(mark);
-            return c
-                .here()
-                .fault(NcErrorKind::Expected("sub, call, if, while, do or repeat behind the O number"));
+            let wanted = if fanuc {
+                "the O number alone in its block"
+            } else {
+                "sub, call, if, while, do or repeat behind the O number"
+            };
+            return c.here().fault(NcErrorKind::Expected(wanted));
         }
         Ok(Head { label, name: spelled, span, key: key.unwrap_or("") })
     }
@@ -514,7 +519,10 @@ impl<const AXES: usize> Interpreter<AXES> {
         let calls = &mut self.foreign.calls;
         let (back, blocks, locals) = (packed(back), calls.blocks.len() as u8, calls.locals);
         let frame = Frame { label, back, program, blocks, locals, again, seeks };
-        calls.frames.push(frame).map_err(|_| Fault { span, kind: NcErrorKind::CallTooDeep })
+        calls.frames.push(frame).map_err(|_| Fault { span, kind: NcErrorKind::CallTooDeep })?;
+        let level = calls.level();
+        self.foreign.saved.clear(level);
+        Ok(())
     }
 
     /// A call whose file is not there has not begun.
@@ -549,6 +557,7 @@ impl<const AXES: usize> Interpreter<AXES> {
             self.flow.leave_call();
         }
         self.flow.program = frame.program;
+        self.end_of_level(level);
         Next::At(mark(frame.back))
     }
 

@@ -155,7 +155,22 @@ impl<const AXES: usize> Interpreter<AXES> {
             b"_ABSOLUTE" => truth(!self.modal.relative),
             b"_INCREMENTAL" => truth(self.modal.relative),
             b"_INVERSE_TIME" => truth(now.by_time),
-            b"_UNITS_PER_MINUTE" => truth(!now.by_time),
+            b"_UNITS_PER_MINUTE" => truth(!now.by_time && !now.per_turn),
+            b"_UNITS_PER_REV" => truth(now.per_turn),
+            b"_SPINDLE_RPM_MODE" => truth(now.surface.is_none()),
+            b"_SPINDLE_CSS_MODE" => truth(now.surface.is_some()),
+            b"_CCOMP" => Some(400.0),
+            b"_LATHE_DIAMETER_MODE" => Some(0.0),
+            b"_LATHE_RADIUS_MODE" | b"_SPEED_OVERRIDE" | b"_FEED_OVERRIDE" | b"_FEED_HOLD" => Some(1.0),
+            b"_ADAPTIVE_FEED" => Some(0.0),
+            b"_TOOL_OFFSET" => truth(now.length.iter().any(|length| *length != Position::ZERO)),
+            b"_RETRACT_R_PLANE" => truth(now.to_level),
+            b"_RETRACT_OLD_Z" => truth(!now.to_level),
+            b"_MIST" => truth(now.coolant & 1 != 0),
+            b"_FLOOD" => truth(now.coolant & 2 != 0),
+            b"_RPM" => Some(now.speed.to_bits() as f64 / 4_294_967_296.0),
+            b"_MOTION_MODE" => Some(f64::from(self.in_force().motion())),
+            b"_FEED" => self.feed_in_unit(),
             b"_IJK_ABSOLUTE_MODE" => truth(self.modal.centre_absolute),
             b"_SPINDLE_ON" => truth(now.spindle != 0),
             b"_SPINDLE_CW" => truth(now.spindle == 3),
@@ -171,7 +186,9 @@ impl<const AXES: usize> Interpreter<AXES> {
             b"_CALL_LEVEL" => Some(self.foreign.calls.level() as f64),
             b"_VALUE" => Some(self.foreign.calls.value),
             b"_VALUE_RETURNED" => truth(self.foreign.calls.returned),
-            b"_CURRENT_TOOL" | b"_SELECTED_TOOL" => Some(f64::from(now.tool)),
+            b"_CURRENT_TOOL" | b"_SELECTED_TOOL" | b"_CURRENT_POCKET" | b"_SELECTED_POCKET" => {
+                Some(f64::from(now.tool))
+            }
             b"_VMAJOR" => Some(2.9),
             b"_VMINOR" => Some(0.0),
             [b'_', letter] if AXES_IN_ORDER.contains(letter) => self.place_along(*letter),
@@ -180,6 +197,12 @@ impl<const AXES: usize> Interpreter<AXES> {
             }
             _ => None,
         }
+    }
+
+    /// F as it is programmed.
+    fn feed_in_unit(&self) -> Option<f64> {
+        let feed = self.modal.feed?.to_bits() as f64 / 4_294_967_296.0;
+        Some(if self.modal.inch && !self.foreign.now.by_time { feed / 25.4 } else { feed })
     }
 
     /// A length of an axis in the unit in force; 0 where the machine lacks the axis.

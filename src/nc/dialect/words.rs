@@ -1,4 +1,4 @@
-//! The G and M words of LinuxCNC and Grbl: one table for the decoder and for whoever lists them.
+//! The G and M words of LinuxCNC, Grbl and Fanuc: one table for the decoder and for whoever lists them.
 use super::course::CycleKind;
 use crate::machine::Dialect;
 use crate::nc::Plane;
@@ -49,8 +49,32 @@ pub enum Meaning {
     ByTime(bool),
     /// G38.2…G38.5, by the digit behind the point.
     Probe(u8),
+    /// G95.
+    PerTurn,
+    /// G96 (true), G97.
+    Surface(bool),
+    /// G9: exact stop at the end of this block.
+    StopOnce,
+    /// G44.
+    LengthMinus,
+    /// A mode of the controller that changes no programmed path; its values are not used.
+    Mode,
     /// M49…M53, M56: overrides stay as they are, which is told.
     Override,
+    /// M62…M65: digital output on (true) or off, at once (true) or with the motion.
+    Digital(bool, bool),
+    /// M67, M68: analogue output, at once (true) or with the motion.
+    Analog(bool),
+    /// M66.
+    Input,
+    /// M19.
+    Orient,
+    /// M70, and M73 (true), which restores where the subroutine ends.
+    Save(bool),
+    /// M71.
+    Forget,
+    /// M72.
+    Restore,
     /// M61 Q: the tool number, without a change.
     ToolNumber,
     /// M98.
@@ -114,7 +138,15 @@ pub mod group {
     pub const OUTPUT: u8 = 21;
     /// G80, which the heads of programs have beside G0.
     pub const CYCLE_END: u8 = 22;
-    pub const COUNT: usize = 23;
+    /// G9, and modes of the controller.
+    pub const ONCE: u8 = 23;
+    pub const POLAR: u8 = 24;
+    pub const ROTATION: u8 = 25;
+    pub const SCALING: u8 = 26;
+    pub const MIRRORING: u8 = 27;
+    pub const MACRO: u8 = 28;
+    pub const CHECK: u8 = 29;
+    pub const COUNT: usize = 30;
 }
 
 /// A word of a dialect.
@@ -133,13 +165,18 @@ pub struct WordEntry {
 
 const LINUXCNC: u8 = 1;
 const GRBL: u8 = 2;
+const FANUC: u8 = 4;
 const BOTH: u8 = LINUXCNC | GRBL;
+const ALL: u8 = BOTH | FANUC;
+const FULL: u8 = LINUXCNC | FANUC;
 
 const fn bit(dialect: Dialect) -> u8 {
     match dialect {
         Dialect::Isg => 0,
         Dialect::LinuxCnc => LINUXCNC,
         Dialect::Grbl => GRBL,
+        #[cfg(feature = "fanuc")]
+        Dialect::Fanuc => FANUC,
     }
 }
 
@@ -165,8 +202,13 @@ impl WordEntry {
 pub(super) fn find(dialect: Dialect, letter: u8, tenths: u16) -> Option<&'static WordEntry> {
     let same = |word: &&WordEntry| word.letter == char::from(letter) && word.tenths == tenths;
     let word = WORDS.iter().find(|word| same(word) && word.is_in(dialect));
-    let user = letter == b'M' && (1000..=1990).contains(&tenths) && tenths.is_multiple_of(10);
-    word.or(if user && dialect == Dialect::LinuxCnc { Some(&USER) } else { None })
+    let range = match dialect {
+        Dialect::LinuxCnc => 1000..=1990,
+        _ if dialect.is_fanuc() => 100..=9990,
+        _ => 1..=0,
+    };
+    let user = letter == b'M' && range.contains(&tenths) && tenths.is_multiple_of(10);
+    word.or(if user { Some(&USER) } else { None })
 }
 
 const fn g(tenths: u16, dialects: u8, group: u8, meaning: Meaning, text: &'static str) -> WordEntry {
@@ -177,109 +219,155 @@ const fn m(number: u16, dialects: u8, group: u8, meaning: Meaning, text: &'stati
     WordEntry { letter: 'M', tenths: number * 10, text, dialects, group, meaning }
 }
 
-/// LinuxCNC's M100…M199: the first one stands for all of them.
-const USER: WordEntry = m(100, LINUXCNC, group::USER, Meaning::User, "user function (M100 to M199)");
+/// LinuxCNC's M100…M199, and Fanuc's M10…M999: the first one stands for all of them.
+const USER: WordEntry = m(
+    100,
+    FULL,
+    group::USER,
+    Meaning::User,
+    "function of the machine (LinuxCNC: to M199; Fanuc: all others to M999)",
+);
 
 const COMPENSATED: &str = "a path that the CAM has compensated for the tool radius";
 const SYNCHRONISED: &str = "a cycle without synchronisation to the spindle";
-const OUTPUTS: &str = "M functions of the machine data";
-const STATE: &str = "the modal words written out";
+const PLAIN: &str = "coordinates as they are to be driven";
+const ORIENTED: &str = "G85 or G89";
+const MACRO: &str = "a program without macros";
 
 /// All words, by letter and number.
 pub static WORDS: &[WordEntry] = &[
-    g(0, BOTH, group::MOTION, Meaning::Motion(Mode::Rapid), "rapid motion"),
-    g(10, BOTH, group::MOTION, Meaning::Motion(Mode::Line), "straight motion at feed"),
-    g(20, BOTH, group::MOTION, Meaning::Motion(Mode::Clockwise), "arc clockwise: I J K or R, P turns"),
-    g(30, BOTH, group::MOTION, Meaning::Motion(Mode::Counterclockwise), "arc counter-clockwise"),
-    g(40, BOTH, group::NON_MODAL, Meaning::Dwell, "dwell of P seconds"),
+    g(0, ALL, group::MOTION, Meaning::Motion(Mode::Rapid), "rapid motion"),
+    g(10, ALL, group::MOTION, Meaning::Motion(Mode::Line), "straight motion at feed"),
+    g(20, ALL, group::MOTION, Meaning::Motion(Mode::Clockwise), "arc clockwise: I J K or R, P turns"),
+    g(30, ALL, group::MOTION, Meaning::Motion(Mode::Counterclockwise), "arc counter-clockwise"),
+    g(40, ALL, group::NON_MODAL, Meaning::Dwell, "dwell of P seconds"),
     g(50, BOTH, group::MOTION, Meaning::Later("short lines"), "cubic spline"),
+    g(50, FANUC, group::ONCE, Meaning::Mode, "high-speed mode (P): no effect"),
     g(51, BOTH, group::MOTION, Meaning::Later("short lines"), "quadratic spline"),
+    g(51, FANUC, group::ONCE, Meaning::Mode, "contour control (Q): no effect"),
     g(52, LINUXCNC, group::MOTION, Meaning::Later("short lines"), "NURBS"),
     g(70, BOTH, group::LATHE, Meaning::Later("radii, G8"), "X is a diameter"),
     g(80, BOTH, group::LATHE, Meaning::Nothing, "X is a radius"),
-    g(100, BOTH, group::NON_MODAL, Meaning::Store, "L2, L20: store a zero offset"),
-    g(170, BOTH, group::PLANE, Meaning::Plane(Plane::G17), "plane XY"),
-    g(180, BOTH, group::PLANE, Meaning::Plane(Plane::G18), "plane ZX"),
-    g(190, BOTH, group::PLANE, Meaning::Plane(Plane::G19), "plane YZ"),
-    g(200, BOTH, group::UNITS, Meaning::Inch(true), "inch"),
-    g(210, BOTH, group::UNITS, Meaning::Inch(false), "millimetre"),
-    g(280, BOTH, group::NON_MODAL, Meaning::Home(0), "rapid to the first stored place"),
+    g(80, FANUC, group::ONCE, Meaning::Mode, "look-ahead (P): no effect"),
+    g(90, FANUC, group::ONCE, Meaning::StopOnce, "exact stop at the end of this block"),
+    g(100, ALL, group::NON_MODAL, Meaning::Store, "L2, L20: store a zero offset"),
+    g(110, FANUC, group::ONCE, Meaning::Nothing, "end of data setting"),
+    g(150, ALL, group::POLAR, Meaning::Nothing, "no polar coordinates"),
+    g(160, FANUC, group::POLAR, Meaning::Later(PLAIN), "polar coordinates"),
+    g(170, ALL, group::PLANE, Meaning::Plane(Plane::G17), "plane XY"),
+    g(180, ALL, group::PLANE, Meaning::Plane(Plane::G18), "plane ZX"),
+    g(190, ALL, group::PLANE, Meaning::Plane(Plane::G19), "plane YZ"),
+    g(200, ALL, group::UNITS, Meaning::Inch(true), "inch"),
+    g(210, ALL, group::UNITS, Meaning::Inch(false), "millimetre"),
+    g(
+        220,
+        FANUC,
+        group::ONCE,
+        Meaning::Later("software limits of the machine data"),
+        "stored stroke check on",
+    ),
+    g(230, FANUC, group::CHECK, Meaning::Nothing, "stored stroke check off"),
+    g(270, FANUC, group::NON_MODAL, Meaning::Later("G28"), "check of the reference point"),
+    g(280, ALL, group::NON_MODAL, Meaning::Home(0), "rapid to the first stored place"),
     g(281, BOTH, group::NON_MODAL, Meaning::StoreHome(0), "store the first place"),
-    g(300, BOTH, group::NON_MODAL, Meaning::Home(1), "rapid to the second stored place"),
+    g(290, FANUC, group::NON_MODAL, Meaning::Later("G0"), "back from the reference point"),
+    g(300, ALL, group::NON_MODAL, Meaning::Home(1), "rapid to the second stored place"),
     g(301, BOTH, group::NON_MODAL, Meaning::StoreHome(1), "store the second place"),
-    g(330, BOTH, group::MOTION, Meaning::Later(SYNCHRONISED), "motion with the spindle"),
+    g(310, FANUC, group::NON_MODAL, Meaning::Later("G1"), "skip signal"),
+    g(330, ALL, group::MOTION, Meaning::Later(SYNCHRONISED), "motion with the spindle"),
     g(331, BOTH, group::MOTION, Meaning::Later(SYNCHRONISED), "rigid tapping"),
     g(382, BOTH, group::MOTION, Meaning::Probe(2), "probe towards, with an error"),
     g(383, BOTH, group::MOTION, Meaning::Probe(3), "probe towards"),
     g(384, BOTH, group::MOTION, Meaning::Probe(4), "probe away, with an error"),
     g(385, BOTH, group::MOTION, Meaning::Probe(5), "probe away"),
-    g(400, BOTH, group::RADIUS, Meaning::Nothing, "no tool radius compensation"),
-    g(410, BOTH, group::RADIUS, Meaning::Later(COMPENSATED), "tool radius compensation, left"),
+    g(400, ALL, group::RADIUS, Meaning::Nothing, "no tool radius compensation"),
+    g(410, ALL, group::RADIUS, Meaning::Later(COMPENSATED), "tool radius compensation, left"),
     g(411, BOTH, group::RADIUS, Meaning::Later(COMPENSATED), "tool radius compensation, left"),
-    g(420, BOTH, group::RADIUS, Meaning::Later(COMPENSATED), "tool radius compensation, right"),
+    g(420, ALL, group::RADIUS, Meaning::Later(COMPENSATED), "tool radius compensation, right"),
     g(421, BOTH, group::RADIUS, Meaning::Later(COMPENSATED), "tool radius compensation, right"),
-    g(430, BOTH, group::LENGTH, Meaning::Length, "tool length of H"),
+    g(430, ALL, group::LENGTH, Meaning::Length, "tool length of H"),
     g(431, BOTH, group::LENGTH, Meaning::LengthNow, "tool length from this block"),
     g(432, BOTH, group::LENGTH, Meaning::Later("one tool length, G43"), "a further tool length"),
-    g(490, BOTH, group::LENGTH, Meaning::NoLength, "no tool length"),
-    g(500, GRBL, group::LATHE, Meaning::Later("coordinates of the final size"), "no scaling"),
-    g(510, GRBL, group::LATHE, Meaning::Later("coordinates of the final size"), "scaling"),
-    g(520, LINUXCNC, group::NON_MODAL, Meaning::Local, "temporary offset"),
-    g(530, BOTH, group::NON_MODAL, Meaning::Machine, "machine coordinates in this block"),
-    g(540, BOTH, group::OFFSET, Meaning::Offset(0), "zero offset 1"),
-    g(550, BOTH, group::OFFSET, Meaning::Offset(1), "zero offset 2"),
-    g(560, BOTH, group::OFFSET, Meaning::Offset(2), "zero offset 3"),
-    g(570, BOTH, group::OFFSET, Meaning::Offset(3), "zero offset 4"),
-    g(580, BOTH, group::OFFSET, Meaning::Offset(4), "zero offset 5"),
-    g(590, BOTH, group::OFFSET, Meaning::Offset(5), "zero offset 6"),
+    g(440, FANUC, group::LENGTH, Meaning::LengthMinus, "tool length of H, the other way"),
+    g(490, ALL, group::LENGTH, Meaning::NoLength, "no tool length"),
+    g(500, ALL, group::SCALING, Meaning::Nothing, "no scaling"),
+    g(501, FANUC, group::MIRRORING, Meaning::Nothing, "no mirroring"),
+    g(510, FANUC, group::SCALING, Meaning::Later(PLAIN), "scaling"),
+    g(511, FANUC, group::MIRRORING, Meaning::Later(PLAIN), "mirroring"),
+    g(510, BOTH, group::SCALING, Meaning::Later("coordinates of the final size"), "scaling"),
+    g(520, FULL, group::NON_MODAL, Meaning::Local, "temporary offset"),
+    g(530, ALL, group::NON_MODAL, Meaning::Machine, "machine coordinates in this block"),
+    g(540, ALL, group::OFFSET, Meaning::Offset(0), "zero offset 1"),
+    g(541, FANUC, group::OFFSET, Meaning::Later("G54 to G59"), "further zero offsets"),
+    g(550, ALL, group::OFFSET, Meaning::Offset(1), "zero offset 2"),
+    g(560, ALL, group::OFFSET, Meaning::Offset(2), "zero offset 3"),
+    g(570, ALL, group::OFFSET, Meaning::Offset(3), "zero offset 4"),
+    g(580, ALL, group::OFFSET, Meaning::Offset(4), "zero offset 5"),
+    g(590, ALL, group::OFFSET, Meaning::Offset(5), "zero offset 6"),
     g(591, BOTH, group::OFFSET, Meaning::Offset(6), "zero offset 7"),
     g(592, BOTH, group::OFFSET, Meaning::Offset(7), "zero offset 8"),
     g(593, BOTH, group::OFFSET, Meaning::Offset(8), "zero offset 9"),
+    g(600, FANUC, group::ONCE, Meaning::Later("G0 from the wanted side"), "approach from one side"),
     g(610, BOTH, group::PATH, Meaning::ExactPath, "exact path"),
+    g(610, FANUC, group::PATH, Meaning::ExactStop, "exact stop"),
     g(611, LINUXCNC, group::PATH, Meaning::ExactStop, "exact stop"),
     g(640, BOTH, group::PATH, Meaning::Blend, "rounded corners, P the largest deviation"),
-    g(730, BOTH, group::MOTION, Meaning::Cycle(CycleKind::Break), "drill with chip breaking"),
-    g(740, LINUXCNC, group::MOTION, Meaning::Later(SYNCHRONISED), "left-hand tapping"),
+    g(640, FANUC, group::PATH, Meaning::ExactPath, "no stop between blocks; corners as programmed"),
+    g(650, FANUC, group::NON_MODAL, Meaning::Later(MACRO), "macro call"),
+    g(660, FANUC, group::NON_MODAL, Meaning::Later(MACRO), "modal macro call"),
+    g(670, FANUC, group::MACRO, Meaning::Nothing, "no modal macro call"),
+    g(680, FANUC, group::ROTATION, Meaning::Later(PLAIN), "rotation"),
+    g(690, ALL, group::ROTATION, Meaning::Nothing, "no rotation"),
+    g(730, ALL, group::MOTION, Meaning::Cycle(CycleKind::Break), "drill with chip breaking"),
+    g(740, FULL, group::MOTION, Meaning::Cycle(CycleKind::TapLeft), "left-hand tapping, not synchronised"),
     g(760, BOTH, group::MOTION, Meaning::Later(SYNCHRONISED), "threading"),
-    g(800, BOTH, group::CYCLE_END, Meaning::NoMotion, "end of cycles"),
-    g(810, BOTH, group::MOTION, Meaning::Cycle(CycleKind::Drill), "drill"),
-    g(820, BOTH, group::MOTION, Meaning::Cycle(CycleKind::Dwell), "drill with dwell P"),
-    g(830, BOTH, group::MOTION, Meaning::Cycle(CycleKind::Peck), "deep drill in pecks of Q"),
-    g(840, BOTH, group::MOTION, Meaning::Later(SYNCHRONISED), "tapping"),
-    g(850, BOTH, group::MOTION, Meaning::Cycle(CycleKind::Bore), "bore, out at feed"),
-    g(860, BOTH, group::MOTION, Meaning::Later("G85 or G89"), "bore, spindle stop"),
-    g(870, LINUXCNC, group::MOTION, Meaning::Later("G85 or G89"), "back boring"),
-    g(880, LINUXCNC, group::MOTION, Meaning::Later("G85 or G89"), "bore, out by hand"),
-    g(890, BOTH, group::MOTION, Meaning::Cycle(CycleKind::BoreDwell), "bore with dwell P, out at feed"),
-    g(900, BOTH, group::DISTANCE, Meaning::Relative(false), "absolute coordinates"),
+    g(760, FANUC, group::MOTION, Meaning::Later(ORIENTED), "fine boring"),
+    g(800, ALL, group::CYCLE_END, Meaning::NoMotion, "end of cycles"),
+    g(810, ALL, group::MOTION, Meaning::Cycle(CycleKind::Drill), "drill"),
+    g(820, ALL, group::MOTION, Meaning::Cycle(CycleKind::Dwell), "drill with dwell P"),
+    g(830, ALL, group::MOTION, Meaning::Cycle(CycleKind::Peck), "deep drill in pecks of Q"),
+    g(840, ALL, group::MOTION, Meaning::Cycle(CycleKind::Tap), "tapping, not synchronised, P dwell"),
+    g(850, ALL, group::MOTION, Meaning::Cycle(CycleKind::Bore), "bore, out at feed"),
+    g(860, ALL, group::MOTION, Meaning::Cycle(CycleKind::BoreStop), "bore, dwell P, spindle stop, rapid out"),
+    g(870, FULL, group::MOTION, Meaning::Later(ORIENTED), "back boring"),
+    g(880, FULL, group::MOTION, Meaning::Later(ORIENTED), "bore, out by hand"),
+    g(890, ALL, group::MOTION, Meaning::Cycle(CycleKind::BoreDwell), "bore with dwell P, out at feed"),
+    g(1870, FANUC, group::ONCE, Meaning::Mode, "smoothness (P): no effect"),
+    g(900, ALL, group::DISTANCE, Meaning::Relative(false), "absolute coordinates"),
     g(901, LINUXCNC, group::CENTRE, Meaning::CentreAbsolute(true), "absolute arc centres"),
-    g(910, BOTH, group::DISTANCE, Meaning::Relative(true), "incremental coordinates"),
+    g(910, ALL, group::DISTANCE, Meaning::Relative(true), "incremental coordinates"),
     g(911, BOTH, group::CENTRE, Meaning::CentreAbsolute(false), "arc centres from the start"),
-    g(920, BOTH, group::NON_MODAL, Meaning::Here, "this place has these coordinates"),
+    g(920, ALL, group::NON_MODAL, Meaning::Here, "this place has these coordinates"),
     g(921, BOTH, group::NON_MODAL, Meaning::HereClear, "clear the offsets of G92"),
     g(922, LINUXCNC, group::NON_MODAL, Meaning::HereOff, "suspend the offsets of G92"),
     g(923, LINUXCNC, group::NON_MODAL, Meaning::HereBack, "bring the offsets of G92 back"),
-    g(930, BOTH, group::FEED, Meaning::ByTime(true), "inverse time feed: F blocks per minute"),
-    g(940, BOTH, group::FEED, Meaning::ByTime(false), "feed per minute"),
-    g(950, BOTH, group::FEED, Meaning::Later("F per minute, G94"), "feed per revolution"),
-    g(960, BOTH, group::SPINDLE_MODE, Meaning::Later("S in 1/min, G97"), "constant surface speed"),
-    g(970, BOTH, group::SPINDLE_MODE, Meaning::Nothing, "S in 1/min"),
-    g(980, BOTH, group::LEVEL, Meaning::ToLevel(false), "cycles end at the old level"),
-    g(990, BOTH, group::LEVEL, Meaning::ToLevel(true), "cycles end at R"),
-    m(0, BOTH, group::STOP, Meaning::Pause, "pause"),
-    m(1, BOTH, group::STOP, Meaning::OptionalPause, "pause if the switch is on"),
-    m(2, BOTH, group::STOP, Meaning::End, "program end"),
-    m(3, BOTH, group::SPINDLE, Meaning::Spindle, "spindle clockwise"),
-    m(4, BOTH, group::SPINDLE, Meaning::Spindle, "spindle counter-clockwise"),
-    m(5, BOTH, group::SPINDLE, Meaning::Spindle, "spindle off"),
-    m(6, BOTH, group::TOOL, Meaning::Change, "tool change, waits"),
-    m(7, BOTH, group::MIST, Meaning::Coolant, "mist on"),
-    m(8, BOTH, group::FLOOD, Meaning::Coolant, "flood on"),
-    m(9, BOTH, group::FLOOD, Meaning::Coolant, "coolant off"),
-    m(19, LINUXCNC, group::SPINDLE, Meaning::Later("M5"), "spindle orientation"),
-    m(30, BOTH, group::STOP, Meaning::End, "program end"),
-    m(48, BOTH, group::OVERRIDE, Meaning::Nothing, "overrides on"),
-    m(49, BOTH, group::OVERRIDE, Meaning::Override, "overrides off"),
+    g(930, ALL, group::FEED, Meaning::ByTime(true), "inverse time feed: F blocks per minute"),
+    g(940, ALL, group::FEED, Meaning::ByTime(false), "feed per minute"),
+    g(950, ALL, group::FEED, Meaning::PerTurn, "feed per revolution, from the programmed S"),
+    g(
+        960,
+        FULL,
+        group::SPINDLE_MODE,
+        Meaning::Surface(true),
+        "constant surface speed S, at most D: put out block by block",
+    ),
+    g(970, ALL, group::SPINDLE_MODE, Meaning::Surface(false), "S in 1/min"),
+    g(980, ALL, group::LEVEL, Meaning::ToLevel(false), "cycles end at the old level"),
+    g(990, ALL, group::LEVEL, Meaning::ToLevel(true), "cycles end at R"),
+    m(0, ALL, group::STOP, Meaning::Pause, "pause"),
+    m(1, ALL, group::STOP, Meaning::OptionalPause, "pause if the switch is on"),
+    m(2, ALL, group::STOP, Meaning::End, "program end"),
+    m(3, ALL, group::SPINDLE, Meaning::Spindle, "spindle clockwise"),
+    m(4, ALL, group::SPINDLE, Meaning::Spindle, "spindle counter-clockwise"),
+    m(5, ALL, group::SPINDLE, Meaning::Spindle, "spindle off"),
+    m(6, ALL, group::TOOL, Meaning::Change, "tool change, waits"),
+    m(7, ALL, group::MIST, Meaning::Coolant, "mist on"),
+    m(8, ALL, group::FLOOD, Meaning::Coolant, "flood on"),
+    m(9, ALL, group::FLOOD, Meaning::Coolant, "coolant off"),
+    m(19, FULL, group::SPINDLE, Meaning::Orient, "spindle orientation"),
+    m(30, ALL, group::STOP, Meaning::End, "program end"),
+    m(48, ALL, group::OVERRIDE, Meaning::Nothing, "overrides on"),
+    m(49, ALL, group::OVERRIDE, Meaning::Override, "overrides off"),
     m(50, BOTH, group::OVERRIDE, Meaning::Override, "feed override on or off"),
     m(51, BOTH, group::OVERRIDE, Meaning::Override, "spindle override on or off"),
     m(52, LINUXCNC, group::OVERRIDE, Meaning::Override, "adaptive feed"),
@@ -287,36 +375,87 @@ pub static WORDS: &[WordEntry] = &[
     m(56, GRBL, group::OVERRIDE, Meaning::Override, "parking override"),
     m(60, BOTH, group::STOP, Meaning::Pause, "pause for a pallet"),
     m(61, BOTH, group::TOOL, Meaning::ToolNumber, "set the tool number"),
-    m(62, BOTH, group::OUTPUT, Meaning::Later(OUTPUTS), "output on with the motion"),
-    m(63, BOTH, group::OUTPUT, Meaning::Later(OUTPUTS), "output off with the motion"),
-    m(64, BOTH, group::OUTPUT, Meaning::Later(OUTPUTS), "output on"),
-    m(65, BOTH, group::OUTPUT, Meaning::Later(OUTPUTS), "output off"),
-    m(66, BOTH, group::OUTPUT, Meaning::Later(OUTPUTS), "wait for an input"),
-    m(67, BOTH, group::OUTPUT, Meaning::Later(OUTPUTS), "analogue output with the motion"),
-    m(68, BOTH, group::OUTPUT, Meaning::Later(OUTPUTS), "analogue output"),
-    m(70, BOTH, group::USER, Meaning::Later(STATE), "save modal state"),
-    m(71, BOTH, group::USER, Meaning::Later(STATE), "forget saved modal state"),
-    m(72, BOTH, group::USER, Meaning::Later(STATE), "restore modal state"),
-    m(73, BOTH, group::USER, Meaning::Later(STATE), "save and restore modal state"),
-    m(98, BOTH, group::USER, Meaning::Call, "call the subprogram with number P, L times"),
-    m(99, BOTH, group::USER, Meaning::Return, "return from the subprogram"),
+    m(62, BOTH, group::OUTPUT, Meaning::Digital(true, false), "digital output P on with the motion"),
+    m(63, BOTH, group::OUTPUT, Meaning::Digital(false, false), "digital output P off with the motion"),
+    m(64, BOTH, group::OUTPUT, Meaning::Digital(true, true), "digital output P on"),
+    m(65, BOTH, group::OUTPUT, Meaning::Digital(false, true), "digital output P off"),
+    m(66, BOTH, group::OUTPUT, Meaning::Input, "wait for input P or E: L0 to L4, at most Q seconds"),
+    m(67, BOTH, group::OUTPUT, Meaning::Analog(false), "analogue output E with the motion, value Q"),
+    m(68, BOTH, group::OUTPUT, Meaning::Analog(true), "analogue output E, value Q"),
+    m(70, BOTH, group::USER, Meaning::Save(false), "save modal state"),
+    m(71, BOTH, group::USER, Meaning::Forget, "forget saved modal state"),
+    m(72, BOTH, group::USER, Meaning::Restore, "restore modal state"),
+    m(
+        73,
+        BOTH,
+        group::USER,
+        Meaning::Save(true),
+        "save modal state, and restore it where the subroutine ends",
+    ),
+    m(96, FANUC, group::USER, Meaning::Later(MACRO), "interruption by a macro"),
+    m(97, FANUC, group::USER, Meaning::Later("M98 and an O number"), "call of a block number"),
+    m(98, ALL, group::USER, Meaning::Call, "call the subprogram with number P, L times"),
+    m(99, ALL, group::USER, Meaning::Return, "return from the subprogram"),
+    m(
+        198,
+        FANUC,
+        group::USER,
+        Meaning::Later("M98 and the subprogram in the same text"),
+        "call of another file",
+    ),
     USER,
 ];
 
-/// Letters with values, and what they mean: both dialects have them all.
-pub static ADDRESSES: &[(char, &str)] = &[
-    ('A', "axis (also B C U V W X Y Z, as the machine has them)"),
-    ('D', "back-off of G73"),
-    ('F', "feed per minute"),
-    ('H', "tool of G43"),
-    ('I', "arc centre along X (J along Y, K along Z)"),
-    ('L', "repeats of a cycle, kind of G10"),
-    ('N', "line number"),
-    ('O', "program number, or label of sub, call, if, while, do, repeat"),
-    ('#', "parameter: number, or name in < >"),
-    ('P', "seconds, turns of an arc, tolerance of G64, zero offset of G10"),
-    ('Q', "peck of G73 and G83, merging of G64"),
-    ('R', "radius of an arc, level of a cycle"),
-    ('S', "spindle speed"),
-    ('T', "tool"),
+/// A letter with a value.
+#[derive(Clone, Copy)]
+pub struct AddressEntry {
+    /// The letter.
+    pub letter: char,
+    /// What its value means, in plain words.
+    pub text: &'static str,
+    dialects: u8,
+}
+
+impl AddressEntry {
+    /// Whether the dialect has it.
+    pub const fn is_in(&self, dialect: Dialect) -> bool {
+        self.dialects & bit(dialect) != 0
+    }
+}
+
+const fn letter(letter: char, dialects: u8, text: &'static str) -> AddressEntry {
+    AddressEntry { letter, text, dialects }
+}
+
+/// Letters with values, and what they mean.
+pub static ADDRESSES: &[AddressEntry] = &[
+    letter('A', ALL, "axis (also B C U V W X Y Z, as the machine has them)"),
+    letter('D', BOTH, "back-off of G73, highest spindle speed of G96"),
+    letter('D', FANUC, "tool radius: no effect without G41, which is refused"),
+    letter('E', BOTH, "analogue port of M66 to M68"),
+    letter('F', ALL, "feed per minute; G93: blocks per minute; G95: per revolution"),
+    letter('H', ALL, "tool of G43"),
+    letter('I', ALL, "arc centre along X (J along Y, K along Z)"),
+    letter('K', FANUC, "repeats of a cycle"),
+    letter('L', ALL, "repeats of a cycle and of M98, kind of G10"),
+    letter('L', BOTH, "what M66 waits for"),
+    letter('N', ALL, "line number"),
+    letter('O', BOTH, "program number, or label of sub, call, if, while, do, repeat"),
+    letter('O', FANUC, "program number; `:` means the same"),
+    letter('#', BOTH, "parameter: number, or name in < >"),
+    letter(
+        'P',
+        BOTH,
+        "seconds, turns of an arc, tolerance of G64, zero offset of G10, port of M62 to M66, subprogram of M98",
+    ),
+    letter(
+        'P',
+        FANUC,
+        "milliseconds, or seconds with a decimal point; zero offset of G10; subprogram of M98, its last four digits, with repeats before them",
+    ),
+    letter('Q', BOTH, "peck of G73 and G83, merging of G64, value of M67 and M68, time of M66"),
+    letter('Q', FANUC, "peck of G73 and G83"),
+    letter('R', ALL, "radius of an arc, level of a cycle"),
+    letter('S', ALL, "spindle speed"),
+    letter('T', ALL, "tool"),
 ];

@@ -146,7 +146,7 @@ impl<const AXES: usize> Reading<'_, AXES> {
                     dynamics: program.latest_dynamics(),
                 });
             }
-            Command::FlushWait(_) | Command::Pause(..) => program.stop(),
+            Command::FlushWait(_) | Command::Pause(..) | Command::WaitInput(..) => program.stop(),
             Command::Message(head) => program.messages.push(message(self.files, head)),
             Command::Kinematics(head, kinematics) => {
                 let (Some(id), Some(to)) = self.switch.take(*kinematics, &self.at) else { return None };

@@ -60,3 +60,28 @@ pub const VALUES: &[(&str, &str)] = &[
     ("N10 o1 repeat [2]\n/N20 #1=[#1+1] G0 X#1\nN30 o1 endrepeat", "N20 G0 X0\nN20 X1"),
     ("G17 G2 X10 I5 K0 F100", "G17 G2 X10 I5 F100"),
 ];
+
+/// Programs of Fanuc beside plain ones.
+pub const FANUC: &[(&str, &str)] = &[
+    ("G0 X10 Y1. Z-500", "G0 X0.01 Y1. Z-0.5"),
+    ("G20\nG0 X10 Y1.\nG1 X5. F100", "G20\nG0 X0.001 Y1.\nG1 X5. F1."),
+    ("G20 G0 X10000", "G20 G0 X1."),
+    ("G2 X10. I5000 F100", "G2 X10. I5. F100"),
+    ("G3 X10. R5000 F100", "G3 X10. R5. F100"),
+    ("O1\nM98 P30100\nG90 G0 Y5.\nM30\nO0100\nG91 G0 X1.\nM99", "G91 G0 X1.\nX1.\nX1.\nG90 Y5.\nM30"),
+    ("O1\nM98 P100 L2\nM30\n:100\nG91 G0 X1.\nM99", "G91 G0 X1.\nX1.\nM30"),
+    (
+        "O1\nM98 P0020200\nM30\n%\nO200\nG91 G0 X1.\nM98 P300\nM99\nO300\nG0 Y1.\nM99",
+        "G91 G0 X1.\nY1.\nX1.\nY1.\nM30",
+    ),
+    ("G81 Z-5. R2000 F100\nG80\nX5.", "G81 Z-5. R2. F100\nG80\nG0 X5."),
+    ("G83 X1. Z-5. R1. Q2000 F100", "G83 X1. Z-5. R1. Q2. F100"),
+];
+
+/// M70 to M73 in subroutines.
+pub const STATE: &[(&str, &str)] = &[
+    ("o1 sub\nM73\nG91 G20\nG0 X1\no1 endsub\nG90 G21\no1 call\nG0 X1", "G91 G20 G0 X1\nG90 G21 X1"),
+    ("o1 sub\nM70\nG91\nG0 X1\nM72\nX5\no1 endsub\no1 call\nG0 X1", "G91 G0 X1\nG90 X5\nX1"),
+    ("o1 sub\nM73\nM3 S5\no1 return\no1 endsub\no1 call\nG0 X1", "S5 M3\nS0\nM5\nG0 X1"),
+    ("o1 sub\nM73\nG64 P0.5\nM71\no1 endsub\no1 call\nG0 X1", "G64 P0.5\nG0 X1"),
+];

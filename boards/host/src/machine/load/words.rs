@@ -67,7 +67,7 @@ impl Loader<'_> {
                 None => {
                     let meant = value.as_str().and_then(|word| nearest(word, names));
                     let meant = meant.map_or_else(String::new, |name| format!("; is \"{name}\" meant?"));
-                    let expected = format!("\"auto\", \"isg\", \"linuxcnc\" or \"grbl\"{meant}");
+                    let expected = format!("\"auto\", \"isg\", \"linuxcnc\", \"grbl\" or \"fanuc\"{meant}");
                     self.refuse(&span, format!("channel.dialect = {text}: no such dialect"), &expected);
                 }
             }

@@ -1,0 +1,130 @@
+//! What Fanuc's controllers read otherwise: numbers without a decimal point, and the order of some functions.
+use super::block::Block;
+use super::words::{Meaning, group};
+use crate::machine::AxisKind;
+use crate::nc::block::Given;
+use crate::nc::interpreter::Interpreter;
+use crate::nc::line::Line;
+use crate::nc::number::Number;
+use crate::nc::{NcWarningKind, Span};
+
+/// Whether all numbers of a line but 0 have a decimal point, those of G, M and N aside. Lines with others are not plain.
+pub(super) fn has_points(bytes: &[u8]) -> bool {
+    let (mut counts, mut digits, mut point) = (false, false, false);
+    for byte in bytes.iter().chain(b" ") {
+        match byte {
+            b'.' => point = true,
+            b'0' | b'+' | b'-' => {}
+            b'1'..=b'9' => digits = true,
+            _ => {
+                if counts && digits && !point {
+                    return false;
+                }
+                counts = !matches!(byte.to_ascii_uppercase(), b'G' | b'M' | b'N');
+                (digits, point) = (false, false);
+            }
+        }
+    }
+    true
+}
+
+/// The decimal point goes some places to the left.
+fn shift(given: &mut Given, places: u8) -> bool {
+    match &mut given.number {
+        Number::Decimal { mantissa, scale: scale @ 0, .. } => {
+            *scale = places;
+            *mantissa != 0
+        }
+        _ => false,
+    }
+}
+
+impl<const AXES: usize> Interpreter<AXES> {
+    /// Lengths without a decimal point count in 0.001 mm or 0.0001 inch, angles in 0.001 degrees. `inch`: the unit that
+    /// holds in the block.
+    pub(super) fn least_increments(&mut self, block: &mut Block<AXES>, inch: bool, line: &Line) {
+        if !self.setup.foreign.dialect.is_fanuc() || block.pointless == 0 {
+            return;
+        }
+        let places = if inch { 4 } else { 3 };
+        let dwells = block.said(group::NON_MODAL).is_some_and(|said| said.word.meaning == Meaning::Dwell);
+        let motion = block.said(group::MOTION).map(|said| said.word.meaning);
+        let drills = match motion {
+            Some(motion) => matches!(motion, Meaning::Cycle(_)),
+            None => self.foreign.now.cycle.is_some() && block.said(group::CYCLE_END).is_none(),
+        };
+        let mode = block.said(group::ONCE).is_some_and(|said| said.word.meaning == Meaning::Mode);
+        let mut told: Option<Span> = None;
+        for letter in b'A'..=b'Z' {
+            if !block.is_pointless(letter) {
+                continue;
+            }
+            let places = match letter {
+                b'I' | b'J' | b'R' => places,
+                b'K' if !drills => places,
+                b'Q' if !mode => places,
+                b'F' if self.foreign.now.by_time => continue,
+                b'F' if self.foreign.now.per_turn => places - if inch { 0 } else { 1 },
+                b'F' if inch => 2,
+                // P and X of G4 are milliseconds.
+                b'A'..=b'C' | b'U'..=b'Z' if !dwells => places,
+                _ => continue,
+            };
+            let axis = self.letters.axis(letter);
+            let rotary = axis.and_then(|axis| self.setup.kinds.get(axis)) == Some(&AxisKind::Rotary);
+            let slot = match axis {
+                Some(axis) => block.axes.get_mut(axis).and_then(Option::as_mut),
+                None => block.value_mut(letter),
+            };
+            if let Some(given) = slot
+                && shift(given, if rotary { 3 } else { places })
+            {
+                told = told.or(Some(given.span));
+            }
+        }
+        if let (Some(span), false) = (told, self.foreign.told_increments) {
+            self.foreign.told_increments = true;
+            self.warn(line, span, NcWarningKind::LeastIncrement);
+        }
+    }
+
+    /// Letters that Fanuc takes in blocks that do not use them: D without G41, and H0.
+    pub(super) fn drop_unused(&mut self, block: &mut Block<AXES>) {
+        if !self.setup.foreign.dialect.is_fanuc() {
+            return;
+        }
+        let _ = block.take(b'D');
+        if block.value(b'H').is_some_and(|given| given.number.real() == 0.0) {
+            let _ = block.take(b'H');
+        }
+        if block.said(group::ONCE).is_some_and(|said| said.word.meaning == Meaning::Mode) {
+            let _ = (block.take(b'P'), block.take(b'Q'));
+        }
+    }
+
+    /// X or U of G4, and whether it counts milliseconds.
+    pub(super) fn dwell_by_axis(&self, block: &mut Block<AXES>) -> Option<(Given, bool)> {
+        if !self.setup.foreign.dialect.is_fanuc() {
+            return None;
+        }
+        for letter in [b'X', b'U'] {
+            let given = match self.letters.axis(letter) {
+                Some(axis) => block.axes.get_mut(axis).and_then(Option::take),
+                None => block.take(letter),
+            };
+            if let Some(given) = given {
+                if block.axes.iter().all(Option::is_none) {
+                    block.first = None;
+                }
+                return Some((given, block.is_pointless(letter)));
+            }
+        }
+        None
+    }
+
+    /// P of M98: the program, and how often it is called, as the digits before the last four say.
+    pub(super) const fn called_by(number: u32) -> (u32, u32) {
+        let (times, program) = (number / 10_000, number % 10_000);
+        (program, if times == 0 { 1 } else { times })
+    }
+}
