@@ -49,7 +49,8 @@ fn homing_finds_the_switches() {
     let probed = talk.ask("G38.2 Z-150 F600");
     assert_eq!(probed.last().map(String::as_str), Some("ok"));
     // The plate is 20 mm below the start.
-    let place = probed[0].strip_prefix("[PRB:-99.000,-99.000,-121.0").and_then(|rest| rest.strip_suffix(":1]"));
+    let place =
+        probed[0].strip_prefix("[PRB:-99.000,-99.000,-121.0").and_then(|rest| rest.strip_suffix(":1]"));
     assert!(place.is_some_and(|rest| rest == "00" || rest == "01"), "{probed:?}");
     assert_eq!(talk.ask("G0 X-1"), ["ok"]);
     assert_eq!(talk.ask("G1 X10 F1000"), ["ok"]);

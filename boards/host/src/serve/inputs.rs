@@ -35,7 +35,8 @@ impl Switch {
 
     /// Whether it is closed at a true place.
     fn shows(&self, place: Position) -> bool {
-        let beyond = if self.is_above { place.saturating_sub(self.at) } else { self.at.saturating_sub(place) };
+        let beyond =
+            if self.is_above { place.saturating_sub(self.at) } else { self.at.saturating_sub(place) };
         beyond >= 0 || self.is_closed && beyond > Position::saturating_from_num(-HYSTERESIS)
     }
 }
@@ -94,7 +95,8 @@ impl Inputs {
 
     /// Switches that have closed stay so within their hysteresis.
     fn keep(&mut self, position: &[Position; AXES]) {
-        for ((at, shift), (ends, axis)) in position.iter().zip(&self.shift).zip(self.ends.iter_mut().zip(0..)) {
+        for ((at, shift), (ends, axis)) in position.iter().zip(&self.shift).zip(self.ends.iter_mut().zip(0..))
+        {
             let place = at.saturating_add(*shift);
             let plate = self.plate.iter_mut().filter(|_| axis == 2);
             for switch in ends.iter_mut().chain(plate) {
@@ -134,7 +136,8 @@ impl Inputs {
     pub fn names_of(&self, signals: Signals) -> Vec<String> {
         let limits = self.names.iter().zip(0..).filter(|(_, axis)| signals.has(Signals::limit(*axis)));
         let limits = limits.map(|(name, _)| name.as_str().to_ascii_lowercase());
-        let others = BY_HAND.iter().filter(|(_, signal)| signals.has(*signal)).map(|(name, _)| (*name).to_owned());
+        let others =
+            BY_HAND.iter().filter(|(_, signal)| signals.has(*signal)).map(|(name, _)| (*name).to_owned());
         limits.chain(others).collect()
     }
 
@@ -155,7 +158,11 @@ impl Inputs {
             ["release", name] => self.pressed = Signals(self.pressed.0 & !self.named(name)?.0),
             ["plate", "off"] => self.plate = None,
             ["plate", height] => self.plate = Some(self.plate_at(height)?),
-            _ => return Err(format!("`{text}`: expected `press INPUT`, `release INPUT`, `plate MM` or `plate off`")),
+            _ => {
+                return Err(format!(
+                    "`{text}`: expected `press INPUT`, `release INPUT`, `plate MM` or `plate off`"
+                ));
+            }
         }
         Ok(())
     }
@@ -174,7 +181,8 @@ impl Inputs {
         let by_hand = BY_HAND.iter().find(|(known, _)| known.eq_ignore_ascii_case(name));
         let signal = axis.map(|axis| Signals::limit(axis as u8)).or(by_hand.map(|(_, signal)| *signal));
         signal.ok_or_else(|| {
-            let axes: Vec<String> = self.names.iter().map(|name| name.as_str().to_ascii_lowercase()).collect();
+            let axes: Vec<String> =
+                self.names.iter().map(|name| name.as_str().to_ascii_lowercase()).collect();
             format!("`{name}`: expected {}, probe, door, hold, reset or start", axes.join(", "))
         })
     }

@@ -8,6 +8,7 @@ mod inputs;
 mod settings;
 mod wire;
 
+pub use control::Control;
 use glidepath::channel::Channel;
 use glidepath::fir::Unfiltered;
 use glidepath::machine::MachineData;
@@ -15,10 +16,9 @@ use glidepath::quantity::Position;
 use glidepath::tick::Interpolator;
 use glidepath_controller::machine::{Carried, Latch, Machine, MachineMemory, controller_data};
 use glidepath_controller::{Config, Controller, Look, Receiver, Serial, Signals};
+use inputs::Inputs;
 use std::io;
 use std::time::{Duration, Instant};
-pub use control::Control;
-use inputs::Inputs;
 pub use wire::Wire;
 
 /// Axes that it is built for.
