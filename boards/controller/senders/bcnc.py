@@ -76,9 +76,10 @@ class Talk:
         s = self.sender
         s.load(path)
         s.initRun()
+        # In the order of the program: its thread sends and counts from here on.
+        s._runLines, s._gcount = sys.maxsize, 0
         paths = s.gcode.compile(s.queue, lambda: False)
         s._runLines = len(paths) + 1
-        s._gcount = 0
         s.queue.put((self.cnc.WAIT,))
         return s._runLines
 

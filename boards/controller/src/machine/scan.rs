@@ -63,6 +63,8 @@ pub struct Scan {
     axes: u32,
     /// Answered at rest: G4, M0, M1, M2, M6, M30, M60.
     pub synchronises: bool,
+    /// M0, M1, M6, M60: waits for a start.
+    pub pauses: bool,
     /// M2, M30 or M0, M1, M60.
     pub program: Option<u8>,
     /// S, rpm.
@@ -147,6 +149,7 @@ impl Scan {
 
     fn take_m(&mut self, milli: i64, before: (bool, bool)) {
         let (mist, flood) = self.coolant.unwrap_or(before);
+        self.pauses |= matches!(milli, 0 | 1000 | 6000 | 60_000);
         match milli {
             0 | 1000 | 2000 | 30_000 | 60_000 => {
                 (self.synchronises, self.program) = (true, Some((milli / 1000) as u8));

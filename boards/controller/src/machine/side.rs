@@ -1,5 +1,5 @@
 //! The machine as the protocol sees it.
-use super::offered::End;
+use super::offered::{End, Offered};
 use super::refusal::refusal;
 use super::{Kept, Machine, ProbeCycle, Scan};
 use crate::motion::{
@@ -129,7 +129,9 @@ impl<const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Motion<AXES>
             self.cycles.probe = Some(ProbeCycle::Moving(probing));
             return Taken::NotYet;
         }
-        self.line.waits = scan.synchronises;
+        // M1 is nothing where its switch is off.
+        let is_off = scan.program == Some(1) && !self.data.channel.foreign.optional_stop;
+        (self.line.waits, self.line.pauses) = (scan.synchronises, scan.pauses && !is_off);
         self.answer_at_rest()
     }
 
@@ -309,8 +311,7 @@ impl<const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Machine<'_, 
         self.operator.resume();
         self.operator.abort();
         self.spool.clear();
-        (self.line.offered, self.line.waits, self.line.error) = (false, false, None);
-        self.line.end = Some(End::Aborted);
+        self.line = Offered { end: Some(End::Aborted), ..Offered::NONE };
         self.switched.paused = None;
         self.cycles.probe = None;
         self.work();
