@@ -23,15 +23,6 @@ fn damaged_bytes_move_no_axis_beyond_its_travel() {
     }
 }
 
-/// A million bytes, a minute.
-#[test]
-#[ignore = "a million bytes"]
-fn a_million_damaged_bytes_for_a_real_machine() {
-    for seed in 0..20 {
-        real_machine(seed, 50_000);
-    }
-}
-
 fn real_machine(seed: u64, bytes: u64) -> bench::corruption::Damaged {
     let mut settings = settings();
     settings.soft_limits = true;

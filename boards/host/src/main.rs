@@ -128,6 +128,12 @@ struct Serve {
     /// Port on 127.0.0.1 for lines that press inputs: `press door`; 0: any free one.
     #[arg(long, value_name = "PORT")]
     control: Option<u16>,
+    /// Port on 127.0.0.1 for a page with state, position, path and inputs to press; 0: any free one.
+    #[arg(long, value_name = "PORT")]
+    page: Option<u16>,
+    /// Every byte of the serial line with its time.
+    #[arg(long, value_name = "FILE")]
+    log: Option<PathBuf>,
 }
 
 /// Where the plate is, if there is one.
@@ -359,7 +365,12 @@ fn serve(arguments: &Serve) -> Result<(), Refusal> {
     if let Some(control) = &control {
         say(&format!("{}\n", control.name().map_err(failed)?))?;
     }
-    let mut lines = serve::Lines { wire, control };
+    let page = arguments.page.map(serve::Page::new).transpose().map_err(failed)?;
+    if let Some(page) = &page {
+        say(&format!("{}\n", page.name()))?;
+    }
+    let log = arguments.log.as_deref().map(serve::Log::new).transpose().map_err(failed)?;
+    let mut lines = serve::Lines { wire, control, page, log };
     let options = serve::Options { speed: arguments.speed, once: arguments.once, plate: arguments.plate.0 };
     serve::run(&data, &mut lines, &options).map_err(failed)
 }

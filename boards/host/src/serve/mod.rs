@@ -5,6 +5,8 @@
 //! faster. A sender is connected to one of them at a time.
 mod control;
 mod inputs;
+mod log;
+mod page;
 mod settings;
 mod wire;
 
@@ -15,8 +17,11 @@ use glidepath::machine::MachineData;
 use glidepath::quantity::Position;
 use glidepath::tick::Interpolator;
 use glidepath_controller::machine::{Carried, Latch, Machine, MachineMemory, controller_data};
-use glidepath_controller::{Config, Controller, Look, Receiver, Serial, Signals};
+use glidepath_controller::{Config, Controller, Look, Motion, Receiver, Serial, Signals};
 use inputs::Inputs;
+pub use log::Log;
+pub use page::Page;
+use page::Shown;
 use std::io;
 use std::time::{Duration, Instant};
 pub use wire::Wire;
@@ -46,6 +51,10 @@ pub struct Lines {
     pub wire: Wire,
     /// Who presses inputs.
     pub control: Option<Control>,
+    /// Who looks, and presses inputs.
+    pub page: Option<Page>,
+    /// Every byte.
+    pub log: Option<Log>,
 }
 
 /// Ticks that go by before senders are looked after again.
@@ -141,7 +150,8 @@ impl Desk<'_> {
                 // Too slow for that speed, or asleep: what is late is not made up for.
                 self.ticks = now_us / cycle_us;
             }
-            self.lines.wire.write(&mut self.out)?;
+            self.show(&machine);
+            self.write()?;
             if self.options.once && self.lines.wire.has_gone() {
                 return Ok(None);
             }
@@ -167,13 +177,47 @@ impl Desk<'_> {
         let before = *interpolator.set_points();
         interpolator.tick();
         let after = interpolator.set_points();
-        if is_relocating {
+        if is_relocating && before != *after {
             self.inputs.relocate(&before, after);
+            if let Some(page) = &mut self.lines.page {
+                page.restart(after);
+            }
             self.inputs.tick(after, after, &mut self.latch);
         } else {
             self.inputs.tick(&before, after, &mut self.latch);
         }
+        if let Some(page) = &mut self.lines.page {
+            page.mark(after);
+        }
         self.ticks += 1;
+    }
+
+    /// What the page shows.
+    fn show(&mut self, machine: &Mill<'_>) {
+        let Some(page) = &mut self.lines.page else { return };
+        let signals = self.latch.signals().and(self.inputs.others());
+        let controller = &self.controller;
+        page.serve(&mut self.inputs, |inputs| {
+            let status = machine.status();
+            Shown {
+                state: controller.state(&status).to_string(),
+                position: status.position,
+                offset: machine.offsets().work(machine.modal().system),
+                feed: status.feed.to_num(),
+                inputs: inputs.names_of(signals),
+                plate: inputs.plate(),
+            }
+        });
+    }
+
+    /// What the line takes of the answers.
+    fn write(&mut self) -> io::Result<()> {
+        let before = self.lines.log.is_some().then(|| self.out.clone());
+        self.lines.wire.write(&mut self.out)?;
+        if let (Some(log), Some(before)) = (&mut self.lines.log, before) {
+            log.row('<', before.get(..before.len() - self.out.len()).unwrap_or_default())?;
+        }
+        Ok(())
     }
 
     /// What the sender has sent, as much as finds room: the rest stays with its side of the line. Whether there was
@@ -182,8 +226,12 @@ impl Desk<'_> {
         let mut bytes = [0; 256];
         let room = self.receiver.room().min(bytes.len());
         let count = self.lines.wire.read(bytes.get_mut(..room).unwrap_or_default())?;
-        for byte in bytes.iter().take(count) {
+        let bytes = bytes.get(..count).unwrap_or_default();
+        for byte in bytes {
             self.receiver.push(*byte);
+        }
+        if let Some(log) = &mut self.lines.log {
+            log.row('>', bytes)?;
         }
         Ok(count > 0)
     }
