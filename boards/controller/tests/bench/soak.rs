@@ -38,8 +38,9 @@ fn may_follow(from: State, to: State) -> bool {
         // A resume, or a reset that has come to rest.
         (Hold(_), Hold(_) | Run | Idle | Door(0..=2) | Alarm) => true,
         (Jog, Idle | Run | Hold(_) | Door(0..=2) | Alarm) => true,
-        (Door(2), Door(0 | 1)) | (Door(1), Door(0)) | (Door(0), Door(1 | 3)) => true,
-        (Door(3), Run | Idle | Door(0 | 1)) | (Door(0), Run | Idle) => true,
+        (Door(2), Door(0 | 1)) => true,
+        // The door is closed and the start comes in one look.
+        (Door(0 | 1 | 3), Door(0 | 1 | 3) | Run | Idle) => true,
         (Door(_), Hold(_)) | (Check | Home | Sleep | Alarm, Idle) => true,
         (Home, Alarm) | (Alarm, Home) => true,
         _ => false,
