@@ -39,8 +39,10 @@ cargo xtask COMMAND
   cores --accept  makes what is measured the accepted figures and writes docs/cores.md; also with NAMEs before it
   rtos          only the programs in an operating system and in C: RTIC, Embassy, C, FreeRTOS; digests
   rtos NAME     only that of one of them: rtic, embassy, c, freertos
-  senders       two real senders of the desktop stream a job of 5,000 lines to `glidepath serve`; needs Python
+  senders       real senders stream jobs of up to 5,000 lines to `glidepath serve`: pygrbl-streamer, grbl-streamer, bCNC,
+                cncjs; needs Python, Node and a network for the first installation
   senders LINES  the same with another number of lines
+  senders --short  the first two with 300 lines, as `test` has them; skipped where they cannot be installed
   header        writes the header of boards/c anew
   bench         instruction counts and memory, against the accepted ones
   bench --accept  makes the measured figures the accepted ones and writes docs/figures.md
@@ -68,6 +70,7 @@ fn main() -> ExitCode {
         ["cores", words @ ..] => cores::all(words),
         ["rtos"] => rtos::all(None),
         ["rtos", name] => rtos::all(Some(name)),
+        ["senders", "--short"] => senders::short(),
         ["senders"] => senders::all("5000"),
         ["senders", lines] => senders::all(lines),
         ["header"] => rtos::header(),
@@ -105,5 +108,5 @@ fn host_tests() -> Result<(), String> {
         command.args(["test", "--release", "--features", features]);
         shell::run(command.env("CARGO_TARGET_DIR", shell::root().join("target")))?;
     }
-    Ok(())
+    senders::short()
 }

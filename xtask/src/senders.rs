@@ -1,23 +1,97 @@
 //! Real senders against `glidepath serve`.
-use crate::shell::{cargo, root, run, step};
+use crate::shell::{capture, cargo, root, run, step};
+use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::time::Duration;
 
-/// The senders, as their registry has them.
-const PACKAGES: [&str; 2] = ["pygrbl-streamer==1.0.5", "grbl-streamer==2.0.2"];
+/// The senders in Python that need a few seconds, as their registry has them.
+const PYTHON: [&str; 2] = ["pygrbl-streamer==1.0.5", "grbl-streamer==2.0.2"];
 
-/// The conversation.
-const SCRIPT: &str = "boards/controller/senders/python.py";
+/// The one in Python that needs a minute.
+const BCNC: [&str; 1] = ["bCNC==0.9.16"];
 
-/// Installs them beside the build's files, and lets each send a job of so many lines.
+/// The one for Node, and what drives it.
+const NODE: [&str; 3] = ["cncjs@1.11.5", "socket.io-client@2", "jsonwebtoken@9"];
+
+/// The conversations.
+const SCRIPTS: &str = "boards/controller/senders";
+
+/// Longest time for an installation.
+const INSTALLING: Duration = Duration::from_secs(600);
+
+/// Jobs of bCNC and cncjs.
+const JOBS: &str = "10";
+
+/// Lines of a job in the short form.
+const SHORT: &str = "300";
+
+/// All four; what cannot be installed is an error. The jobs have up to so many lines.
 pub fn all(lines: &str) -> Result<(), String> {
-    let root = root();
     step("senders");
-    let folder = root.join("target/senders");
-    let python = folder.join("bin/python");
-    if !python.exists() {
-        run(Command::new("python3").args(["-m", "venv"]).arg(&folder))?;
+    let python = python(&[PYTHON.as_slice(), &BCNC].concat())?;
+    let modules = node()?;
+    let program = serve()?;
+    let script = |name: &str| root().join(SCRIPTS).join(name);
+    run(Command::new(&python).arg(script("python.py")).arg(&program).arg(lines))?;
+    run(Command::new(&python).arg(script("bcnc.py")).arg(&program).args([lines, JOBS]))?;
+    run(Command::new("node").arg(script("cncjs.mjs")).arg(&program).arg(modules).args([lines, JOBS]))
+}
+
+/// The two quick ones, for every run of the tests: about 10 s, and 10 s more where they are installed first. Where they
+/// cannot be installed (no network, no Python), that is told, and is no error.
+pub fn short() -> Result<(), String> {
+    step("senders (short)");
+    match python(&PYTHON) {
+        Ok(python) => {
+            let script = root().join(SCRIPTS).join("python.py");
+            run(Command::new(python).arg(script).arg(serve()?).arg(SHORT))
+        }
+        Err(reason) => {
+            eprintln!("   SKIPPED: the senders cannot be installed: {reason}");
+            Ok(())
+        }
     }
-    run(Command::new(&python).args(["-m", "pip", "install", "-q"]).args(PACKAGES))?;
+}
+
+fn folder() -> PathBuf {
+    root().join("target/senders")
+}
+
+/// A Python that has these packages.
+fn python(packages: &[&str]) -> Result<PathBuf, String> {
+    let python = folder().join("bin/python");
+    if !python.exists() {
+        quiet(Command::new("python3").args(["-m", "venv"]).arg(folder()))?;
+    }
+    // What is there already asks no network.
+    let pip =
+        ["-m", "pip", "install", "-q", "--disable-pip-version-check", "--retries", "1", "--timeout", "10"];
+    quiet(Command::new(&python).args(pip).args(packages))?;
+    Ok(python)
+}
+
+/// The folder whose modules are those of [`NODE`].
+fn node() -> Result<PathBuf, String> {
+    let modules = folder().join("node");
+    if !Path::new(&modules).join("node_modules/cncjs/package.json").exists() {
+        std::fs::create_dir_all(&modules).map_err(|e| format!("{}: {e}", modules.display()))?;
+        quiet(
+            Command::new("npm").args(["install", "--no-audit", "--no-fund"]).args(NODE).current_dir(&modules),
+        )?;
+    }
+    Ok(modules)
+}
+
+/// The controller on the desktop.
+fn serve() -> Result<PathBuf, String> {
+    let root = root();
     run(cargo(&root).args(["build", "--release", "-p", "glidepath-host"]))?;
-    run(Command::new(&python).arg(root.join(SCRIPT)).arg(root.join("target/release/glidepath")).arg(lines))
+    Ok(root.join("target/release/glidepath"))
+}
+
+/// Runs to the end; an error has the last line of what was said.
+fn quiet(command: &mut Command) -> Result<(), String> {
+    let output = capture(command, INSTALLING)?;
+    let last = output.err.trim().lines().last().unwrap_or_default().to_owned();
+    if output.success { Ok(()) } else { Err(last) }
 }

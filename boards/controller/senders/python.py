@@ -44,10 +44,57 @@ def pygrbl(path, lines):
     with tempfile.NamedTemporaryFile("w", suffix=".nc", delete=False) as file:
         file.write("\n".join(job(lines)) + "\n")
     done = sender.send_file(file.name)
-    sender.disconnect()
     os.unlink(file.name)
-    acknowledged = sum(line.strip() == "ok" for line in heard)
-    return done and not errors and acknowledged >= len(job(lines)), errors[:3], acknowledged, place("\n".join(heard))
+    acknowledged, end = sum(line.strip() == "ok" for line in heard), place("\n".join(heard))
+    functions(sender, heard)
+    sender.disconnect()
+    return done and not errors and acknowledged >= len(job(lines)), errors[:3], acknowledged, end
+
+
+def functions(sender, heard):
+    """Hold, resume, an override wrapped in UTF-8, jog, cancel, a reset in motion. Raises what does not hold."""
+    def report(begins, has=""):
+        until = time.time() + 10
+        while time.time() < until:
+            before = len(heard)
+            sender.realtime(b"?")
+            time.sleep(0.03)
+            for line in heard[before:]:
+                if line.startswith("<" + begins) and has in line:
+                    return place(line)
+        raise AssertionError(f"never {begins} {has}: {heard[-3:]}")
+
+    job = threading.Thread(target=sender.stream, args=(["G21 G90", "G1 X100 F400", "G1 X0 F400"],))
+    job.start()
+    report("Run")
+    sender.pause()
+    held = report("Hold:0")
+    time.sleep(0.2)
+    assert report("Hold:0") == held, "moves in a hold"
+    sender.resume()
+    report("Run")
+    for byte in (b"\xc2", b"\x91", b"\xc2", b"\x96", b"\xc2", b"\x9b"):
+        sender.realtime(byte)
+    report("Run", "|Ov:110,50,90")
+    job.join()
+    for byte in (b"\x90", b"\x95", b"\x99"):
+        sender.realtime(byte)
+    assert report("Idle")[0] == 0
+    assert sender.command("$J=G91 X50 F200")
+    report("Jog")
+    sender.realtime(b"\x85")
+    jogged = report("Idle")
+    assert 0 < jogged[0] < 50, jogged
+    job = threading.Thread(target=sender.stream, args=(["G1 X120 F400"],))
+    job.start()
+    report("Run")
+    sender.stop()
+    job.join()
+    stopped = report("Idle")
+    assert jogged[0] < stopped[0] < 120, stopped
+    for line in ("G91", "G0 X1", "G90", "G4 P0"):
+        assert sender.command(line)
+    assert abs(report("Idle")[0] - stopped[0] - 1) < 0.0015, "the position is lost"
 
 
 def streamer(path, lines):

@@ -205,3 +205,33 @@ fn rapid_override() {
         assert!(time(rig, "G0X50").abs_diff(full) < 20);
     });
 }
+
+/// Each of two pauses in a row waits for a start of its own.
+#[test]
+fn two_pauses_in_a_row() {
+    for lines in ["G1X1F3000\nM0\nM0\nG1X2\n", "M0\nM0\nG1X2F3000\n", "M0\nM6T1\nM60\nG1X2F3000\n"] {
+        rig(|rig| {
+            rig.send(lines);
+            let (mut said, mut starts) = (String::new(), 0);
+            for ticks in 0..20_000 {
+                rig.tick();
+                said += &rig.read();
+                if ticks % 1000 == 999 {
+                    // A pause is answered behind its start, not before.
+                    let answers = said.matches("ok\r\n").count();
+                    let before = lines.lines().take_while(|line| !line.starts_with('M')).count();
+                    if starts < lines.matches('M').count() {
+                        assert_eq!(answers, before + starts, "{lines}");
+                        rig.send("~");
+                        starts += 1;
+                    }
+                }
+            }
+            assert_eq!(said.matches("ok\r\n").count(), lines.lines().count(), "{lines}");
+            // The switch of M1 is off.
+            assert_eq!(rig.ask("M1"), "ok\n");
+            assert_eq!(rig.state(), "Idle");
+            assert_eq!(rig.points[0], mm(2.0), "{lines}");
+        });
+    }
+}

@@ -169,7 +169,23 @@ struct Serve {
     /// End when the sender has gone (TCP).
     #[arg(long)]
     once: bool,
+    /// Height of the plate that the probe touches, mm below the start (negative), or `off`.
+    #[arg(long, value_name = "MM", default_value = "-20", allow_hyphen_values = true, value_parser = parse_plate)]
+    plate: Plate,
+    /// Port on 127.0.0.1 for lines that press inputs: `press door`; 0: any free one.
+    #[arg(long, value_name = "PORT")]
+    control: Option<u16>,
+    /// Port on 127.0.0.1 for a page with state, position, path and inputs to press; 0: any free one.
+    #[arg(long, value_name = "PORT")]
+    page: Option<u16>,
+    /// Every byte of the serial line with its time.
+    #[arg(long, value_name = "FILE")]
+    log: Option<PathBuf>,
 }
+
+/// Where the plate is, if there is one.
+#[derive(Clone, Copy)]
+struct Plate(Option<f64>);
 
 #[derive(clap::Args)]
 struct Check {
@@ -268,6 +284,14 @@ fn main() -> ExitCode {
 
 /// What stops a run, at least one.
 type Refusal = Vec<Diagnostic>;
+
+fn parse_plate(text: &str) -> Result<Plate, String> {
+    if text == "off" {
+        return Ok(Plate(None));
+    }
+    let height = text.parse().ok().filter(|height| (-1e5..=1e5).contains(height));
+    height.map(|height| Plate(Some(height))).ok_or_else(|| "expected a height in mm, or `off`".into())
+}
 
 fn parse_slots(text: &str) -> Result<usize, String> {
     let slots = text.parse().ok().filter(|slots| vcd::SLOTS.contains(slots));
@@ -488,10 +512,20 @@ fn serve(arguments: &Serve) -> Result<(), Refusal> {
         let message = format!("serve: {} has {} axes", machine.name, machine.axes.len());
         vec![Diagnostic::error(message).expected("three: `serve` is built for them")]
     })?;
-    let mut wire = open(arguments).map_err(failed)?;
+    let wire = open(arguments).map_err(failed)?;
     say(&format!("{}\n", wire.name().map_err(failed)?))?;
-    let options = serve::Options { speed: arguments.speed, once: arguments.once };
-    serve::run(&data, &mut wire, &options).map_err(failed)
+    let control = arguments.control.map(serve::Control::new).transpose().map_err(failed)?;
+    if let Some(control) = &control {
+        say(&format!("{}\n", control.name().map_err(failed)?))?;
+    }
+    let page = arguments.page.map(serve::Page::new).transpose().map_err(failed)?;
+    if let Some(page) = &page {
+        say(&format!("{}\n", page.name()))?;
+    }
+    let log = arguments.log.as_deref().map(serve::Log::new).transpose().map_err(failed)?;
+    let mut lines = serve::Lines { wire, control, page, log };
+    let options = serve::Options { speed: arguments.speed, once: arguments.once, plate: arguments.plate.0 };
+    serve::run(&data, &mut lines, &options).map_err(failed)
 }
 
 /// The connection that is asked for.

@@ -1,83 +1,9 @@
 //! `glidepath serve`: a conversation over TCP.
-use std::io::{BufRead, BufReader, Read, Write};
+mod talk;
+
+use std::io::Read;
 use std::net::TcpStream;
-use std::process::{Child, Command, Stdio};
-
-/// The command and a sender; both end with the test.
-struct Talk {
-    child: Child,
-    stream: TcpStream,
-    lines: BufReader<TcpStream>,
-    address: String,
-}
-
-impl Talk {
-    fn new() -> Self {
-        let mut child = Command::new(env!("CARGO_BIN_EXE_glidepath"))
-            .args(["serve", "--tcp", "0", "--speed", "20", "--once"])
-            .stdout(Stdio::piped())
-            .spawn()
-            .expect("the command starts");
-        let mut name = String::new();
-        let out = child.stdout.take().expect("its output");
-        BufReader::new(out).read_line(&mut name).expect("a line");
-        let address = name.trim().strip_prefix("tcp ").expect("an address").to_owned();
-        let stream = TcpStream::connect(&address).expect("it listens");
-        let lines = BufReader::new(stream.try_clone().expect("a second handle"));
-        let mut talk = Self { child, stream, lines, address };
-        // The first banner may have gone to nobody: a sender asks for another one.
-        talk.send(b"\x18");
-        let said = talk.ask("$X");
-        assert!(said.ends_with(&["", "Grbl 1.1h ['$' for help]", "ok"].map(String::from)), "{said:?}");
-        talk
-    }
-
-    fn send(&mut self, bytes: &[u8]) {
-        self.stream.write_all(bytes).expect("it reads");
-    }
-
-    fn line(&mut self) -> String {
-        let mut line = String::new();
-        self.lines.read_line(&mut line).expect("it answers");
-        line.trim_end().to_owned()
-    }
-
-    /// Lines up to the answer, and that.
-    fn ask(&mut self, line: &str) -> Vec<String> {
-        self.send(format!("{line}\n").as_bytes());
-        let mut said = Vec::new();
-        loop {
-            let line = self.line();
-            let is_answer = line == "ok" || line.starts_with("error:");
-            said.push(line);
-            if is_answer {
-                return said;
-            }
-        }
-    }
-
-    fn report(&mut self) -> String {
-        self.send(b"?");
-        self.line()
-    }
-
-    /// Asks again until the report begins so.
-    fn until(&mut self, begin: &str) -> String {
-        loop {
-            let report = self.report();
-            if report.starts_with(begin) {
-                return report;
-            }
-        }
-    }
-}
-
-impl Drop for Talk {
-    fn drop(&mut self) {
-        let _ = self.child.kill();
-        let _ = self.child.wait();
-    }
-}
+use talk::Talk;
 
 #[test]
 fn a_program_runs_and_its_end_is_exact() {

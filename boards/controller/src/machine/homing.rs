@@ -96,6 +96,12 @@ impl<const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Machine<'_, 
         self.work();
     }
 
+    /// Whether the timer interrupt takes new coordinates for axes that stand: what changes in the set points of the next
+    /// tick is no motion.
+    pub fn is_relocating(&self) -> bool {
+        self.cycles.homing.is_some_and(|homing| homing.step == Step::Take)
+    }
+
     /// Axes whose switch is on brake.
     fn stop_at_switches(&mut self, homing: &mut Homing<AXES>) {
         for axis in homing.axes() {

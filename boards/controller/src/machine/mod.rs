@@ -258,6 +258,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Machine<
     /// Functions whose point of the path is reached.
     fn switch(&mut self) {
         while let Some(output) = self.operator.output() {
+            self.line.pauses &= !matches!(output.function, Function::M(0 | 1 | 6 | 60));
             let switched = &mut self.switched;
             match output.function {
                 Function::M(3) => switched.spindle = Spindle::Clockwise,
@@ -302,9 +303,10 @@ impl<'a, const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Machine<
         self.moves() || self.line.end.is_some()
     }
 
-    /// Whether something moves, or will by lines that are taken.
+    /// Whether something moves, or will by lines that are taken. A pause at the end of all motion is one of them.
     fn moves(&self) -> bool {
-        self.operator.status().state != State::Idle || !self.planner.is_at_rest() || self.line.offered
+        let is_moving = self.operator.status().state != State::Idle || !self.planner.is_at_rest();
+        is_moving || self.line.offered || self.line.pauses || self.switched.paused.is_some()
     }
 
     fn work(&mut self) {

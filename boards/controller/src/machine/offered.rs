@@ -21,6 +21,8 @@ pub struct Offered {
     pub offered: bool,
     /// It is taken, and answered at rest: `G4`, the end of a program.
     pub waits: bool,
+    /// It is taken, and its pause is not put out yet.
+    pub pauses: bool,
     /// The decoder has come to an end, or will: no line is taken until it goes on at rest.
     pub end: Option<End>,
     /// What the planner said of the line.
@@ -29,7 +31,7 @@ pub struct Offered {
 
 impl Offered {
     /// None is at hand.
-    pub const NONE: Self = Self { offered: false, waits: false, end: None, error: None };
+    pub const NONE: Self = Self { offered: false, waits: false, pauses: false, end: None, error: None };
 }
 
 impl<const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Machine<'_, AXES, BLOCKS, OVERLAYS> {

@@ -53,8 +53,18 @@ pub struct Scan {
     pub stores: bool,
     /// Axis words.
     pub has_axes: bool,
+    /// G2 or G3.
+    pub is_arc: bool,
+    /// G17, G18, G19.
+    pub plane: Option<u8>,
+    /// G43.1.
+    sets_tool_length: bool,
+    /// Axis words, bit i for axis i.
+    axes: u32,
     /// Answered at rest: G4, M0, M1, M2, M6, M30, M60.
     pub synchronises: bool,
+    /// M0, M1, M6, M60: waits for a start.
+    pub pauses: bool,
     /// M2, M30 or M0, M1, M60.
     pub program: Option<u8>,
     /// S, rpm.
@@ -86,10 +96,26 @@ impl Scan {
                     scan.line = u32::try_from(line).unwrap_or(0);
                     scan.number_at = Some(span);
                 }
-                _ => scan.has_axes |= names.iter().any(|name| name.0 == [*letter, 0, 0, 0]),
+                _ => {
+                    let axis = names.iter().position(|name| name.0 == [*letter, 0, 0, 0]);
+                    scan.axes |= axis.map_or(0, |axis| 1_u32.checked_shl(axis as u32).unwrap_or(0));
+                    scan.has_axes = scan.axes != 0;
+                }
             }
         }
         scan
+    }
+
+    /// Whether an arc has no end in its plane: the motion word in force is G2 or G3, or not, and so is the plane.
+    /// Grbl takes no full circle without an end point.
+    pub fn lacks_end(&self, (is_arc, plane): (bool, u8)) -> bool {
+        let in_plane = match self.plane.unwrap_or(plane) {
+            18 => 0b101,
+            19 => 0b110,
+            _ => 0b011,
+        };
+        let is_arc = self.is_arc || is_arc && self.moves_by_modal_word() && self.probing.is_none();
+        is_arc && self.axes & in_plane == 0
     }
 
     /// Whether its axis words are moved by the motion word in force.
@@ -97,13 +123,21 @@ impl Scan {
         self.has_axes && self.motion.is_none() && !self.stores
     }
 
+    /// Whether it has G43.1 with other axis words than that of the third axis: Grbl knows one tool length.
+    pub const fn has_foreign_tool_length(&self) -> bool {
+        self.sets_tool_length && self.axes != 0b100
+    }
+
     fn take_g(&mut self, milli: i64, span: (usize, usize)) {
         match milli {
             0 => self.motion = Some(true),
-            1000 | 2000 | 3000 | 73_000 | 80_000..=89_000 => self.motion = Some(false),
+            2000 | 3000 => (self.motion, self.is_arc) = (Some(false), true),
+            17_000..=19_000 if milli % 1000 == 0 => self.plane = Some((milli / 1000) as u8),
+            1000 | 73_000 | 80_000..=89_000 => self.motion = Some(false),
             4000 => self.synchronises = true,
             28_000 | 30_000 => (self.is_home, self.stores) = (true, true),
-            10_000 | 28_100 | 30_100 | 43_100 | 92_000 => self.stores = true,
+            43_100 => (self.sets_tool_length, self.stores) = (true, true),
+            10_000 | 28_100 | 30_100 | 92_000 => self.stores = true,
             38_200 | 38_300 | 38_400 | 38_500 if self.probing.is_none() => {
                 let toward = milli <= 38_300;
                 self.probing = Some(Probing { toward, alarms: milli == 38_200 || milli == 38_400 });
@@ -115,6 +149,7 @@ impl Scan {
 
     fn take_m(&mut self, milli: i64, before: (bool, bool)) {
         let (mist, flood) = self.coolant.unwrap_or(before);
+        self.pauses |= matches!(milli, 0 | 1000 | 6000 | 60_000);
         match milli {
             0 | 1000 | 2000 | 30_000 | 60_000 => {
                 (self.synchronises, self.program) = (true, Some((milli / 1000) as u8));

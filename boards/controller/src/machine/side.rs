@@ -1,5 +1,5 @@
 //! The machine as the protocol sees it.
-use super::offered::End;
+use super::offered::{End, Offered};
 use super::refusal::refusal;
 use super::{Kept, Machine, ProbeCycle, Scan};
 use crate::motion::{
@@ -20,7 +20,9 @@ const TOO_LONG: u8 = 11;
 const BEYOND_JOG: u8 = 15;
 const NO_AXES: u8 = 26;
 const LINE_NUMBER: u8 = 27;
+const NO_END: u8 = 32;
 const TARGET: u8 = 33;
+const TOOL_LENGTH: u8 = 37;
 const OUT_OF_RANGE: u8 = 52;
 
 impl<const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Machine<'_, AXES, BLOCKS, OVERLAYS> {
@@ -31,6 +33,19 @@ impl<const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Machine<'_, 
     /// Whether a line moves rapidly.
     fn is_rapid(&self, scan: &Scan, force: &InForce<AXES>) -> bool {
         scan.is_home || scan.motion.unwrap_or(force.motion() == 0 && scan.probing.is_none())
+    }
+
+    /// What Grbl refuses and the decoder takes, or has another number for.
+    fn refuse(scan: &Scan, force: &InForce<AXES>) -> Result<(), Refusal> {
+        let is_arc = matches!(force.motion(), 20 | 30);
+        Err(Refusal::new(match scan.lacks_end((is_arc, force.plane())) {
+            _ if scan.bad_number => LINE_NUMBER,
+            true if scan.has_axes => NO_END,
+            true => NO_AXES,
+            false if scan.probing.is_some() && !scan.has_axes => NO_AXES,
+            false if scan.has_foreign_tool_length() => TOOL_LENGTH,
+            false => return Ok(()),
+        }))
     }
 
     /// What a line that was taken leaves.
@@ -88,11 +103,8 @@ impl<const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Motion<AXES>
             return self.answer_probe();
         }
         let scan = self.scan(line);
-        if scan.bad_number {
-            return Taken::Refused(Refusal::new(LINE_NUMBER));
-        }
-        if scan.probing.is_some() && !scan.has_axes {
-            return Taken::Refused(Refusal::new(NO_AXES));
+        if let Err(refusal) = Self::refuse(&scan, &self.kept.force) {
+            return Taken::Refused(refusal);
         }
         let probing = self.probing_of(&scan);
         if let (Some(probing), false) = (probing, self.line.offered)
@@ -117,16 +129,16 @@ impl<const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Motion<AXES>
             self.cycles.probe = Some(ProbeCycle::Moving(probing));
             return Taken::NotYet;
         }
-        self.line.waits = scan.synchronises;
+        // M1 is nothing where its switch is off.
+        let is_off = scan.program == Some(1) && !self.data.channel.foreign.optional_stop;
+        (self.line.waits, self.line.pauses) = (scan.synchronises, scan.pauses && !is_off);
         self.answer_at_rest()
     }
 
     fn check(&mut self, line: &[u8]) -> Result<(), Refusal> {
         let scan = self.scan(line);
-        if scan.bad_number {
-            return Err(Refusal::new(LINE_NUMBER));
-        }
         let force = self.checked.unwrap_or(self.kept.force);
+        Self::refuse(&scan, &force)?;
         let text = scan.numbered(line, false).ok_or(Refusal::new(TOO_LONG))?;
         let mut setup = *self.planner.setup();
         setup.start = *self.planner.position();
@@ -299,8 +311,7 @@ impl<const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Machine<'_, 
         self.operator.resume();
         self.operator.abort();
         self.spool.clear();
-        (self.line.offered, self.line.waits, self.line.error) = (false, false, None);
-        self.line.end = Some(End::Aborted);
+        self.line = Offered { end: Some(End::Aborted), ..Offered::NONE };
         self.switched.paused = None;
         self.cycles.probe = None;
         self.work();

@@ -149,7 +149,9 @@ impl World {
             let at = to[axis].to_num::<f64>();
             self.seen[axis] = (self.seen[axis].0.min(at), self.seen[axis].1.max(at));
         }
-        for slot in 1..SLOTS {
+        // Without switches nothing changes inside a tick.
+        let slots = if self.limits.iter().all(Option::is_none) && self.probe.is_none() { 0 } else { SLOTS };
+        for slot in 1..slots {
             let position = between(&from, to, slot, SLOTS);
             let signals = self.sample(&position);
             latch.edge(signals, &position);
@@ -217,6 +219,20 @@ impl Rig<'_> {
         let Ok(()) = self.controller.poll(look, &mut self.sink);
         self.machine.service(&self.latch);
         self.now_ms += 1;
+    }
+
+    /// A tick in which the task does something else: nothing is planned, nothing is answered.
+    pub fn late_tick(&mut self) {
+        self.interpolator.tick();
+        let points = *self.interpolator.set_points();
+        let before = core::mem::replace(&mut self.points, points);
+        self.raw = self.world.tick(&before, &points, &mut self.latch);
+        self.now_ms += 1;
+    }
+
+    /// Bytes of text that find room.
+    pub fn room(&self) -> usize {
+        self.receiver.room()
     }
 
     pub fn ticks(&mut self, count: u32) {

@@ -3,14 +3,25 @@
 //!
 //! The protocol is [`glidepath_controller`]'s. Behind it run the planner and the interrupt of the library, in real time or
 //! faster. A sender is connected to one of them at a time.
+mod control;
+mod inputs;
+mod log;
+mod page;
 mod settings;
 mod wire;
 
+pub use control::Control;
 use glidepath::channel::Channel;
+use glidepath::fir::Unfiltered;
 use glidepath::machine::MachineData;
 use glidepath::quantity::Position;
+use glidepath::tick::Interpolator;
 use glidepath_controller::machine::{Carried, Latch, Machine, MachineMemory, controller_data};
-use glidepath_controller::{Config, Controller, Look, Receiver, Serial, Signals};
+use glidepath_controller::{Config, Controller, Look, Motion, Receiver, Serial, Signals};
+use inputs::Inputs;
+pub use log::Log;
+pub use page::Page;
+use page::Shown;
 use std::io;
 use std::time::{Duration, Instant};
 pub use wire::Wire;
@@ -30,15 +41,37 @@ pub struct Options {
     pub speed: u32,
     /// It ends when its sender has gone.
     pub once: bool,
+    /// Height of the probe's plate, mm.
+    pub plate: Option<f64>,
+}
+
+/// What it is connected to.
+pub struct Lines {
+    /// The sender.
+    pub wire: Wire,
+    /// Who presses inputs.
+    pub control: Option<Control>,
+    /// Who looks, and presses inputs.
+    pub page: Option<Page>,
+    /// Every byte.
+    pub log: Option<Log>,
 }
 
 /// Ticks that go by before senders are looked after again.
 const TICKS_PER_TURN: u64 = 200;
 
+/// Planner and operator of this build.
+type Mill<'a> = Machine<'a, AXES, BLOCKS, AXES>;
+
+/// The timer interrupt of this build.
+type Ticks<'a> = Interpolator<'a, AXES, Unfiltered, AXES>;
+
 /// What outlives a change of the settings.
 struct Desk<'a> {
     options: &'a Options,
-    wire: &'a mut Wire,
+    lines: &'a mut Lines,
+    inputs: Inputs,
+    latch: Latch<AXES>,
     receiver: Receiver<'a, BUFFER>,
     controller: Controller<'a, AXES, BUFFER>,
     out: Vec<u8>,
@@ -50,7 +83,7 @@ struct Desk<'a> {
 ///
 /// # Errors
 /// Machine data refused; the connection fails.
-pub fn run(machine: &MachineData<AXES>, wire: &mut Wire, options: &Options) -> io::Result<()> {
+pub fn run(machine: &MachineData<AXES>, lines: &mut Lines, options: &Options) -> io::Result<()> {
     let mut data = controller_data(machine);
     let mut serial = Box::new(Serial::<BUFFER>::new());
     let (receiver, inbox) = serial.split();
@@ -61,7 +94,8 @@ pub fn run(machine: &MachineData<AXES>, wire: &mut Wire, options: &Options) -> i
     let mut carried = Carried::new([Position::ZERO; AXES], config.settings, stored);
     let controller = Controller::new(inbox, config);
     let (begun, out) = (Instant::now(), Vec::new());
-    let mut desk = Desk { options, wire, receiver, controller, out, begun, ticks: 0 };
+    let (inputs, latch) = (Inputs::new(&data, options.plate), Latch::new(1));
+    let mut desk = Desk { options, lines, inputs, latch, receiver, controller, out, begun, ticks: 0 };
     // Large for a stack.
     let mut memory = Box::new(MachineMemory::new());
     let mut channel = Box::new(Channel::<AXES, BLOCKS, AXES>::new());
@@ -91,31 +125,34 @@ impl Desk<'_> {
         let handles =
             handles.map_err(|error| io::Error::new(io::ErrorKind::InvalidInput, error.to_string()))?;
         let (mut machine, mut interpolator) = Machine::new(handles, parts, data, carried);
-        let mut latch = Latch::new(1);
         let cycle_us = u64::from(data.channel.cycle_us);
         loop {
             let mut is_quiet = !self.receive()?;
             let now_us = self.begun.elapsed().as_micros() as u64 * u64::from(self.options.speed);
             let now_ms = (now_us / 1000) as u32;
-            let signals = Signals::default();
-            let look = Look { now_ms, signals, motion: &mut machine, store: &mut () };
+            if let Some(control) = &mut self.lines.control {
+                control.serve(&mut self.inputs);
+            }
             let before = self.out.len();
-            let Ok(()) = self.controller.poll(look, &mut Text(&mut self.out));
+            let mut shown = self.poll(&mut machine, now_ms);
             is_quiet &= self.out.len() == before;
-            machine.service(&latch);
+            machine.service(&self.latch);
             let due = (now_us / cycle_us).saturating_sub(self.ticks).min(TICKS_PER_TURN);
             for _ in 0..due {
-                interpolator.tick();
-                latch.look(signals, interpolator.set_points());
-                machine.service(&latch);
-                self.ticks += 1;
+                self.tick(&mut interpolator, machine.is_relocating());
+                machine.service(&self.latch);
+                if self.latch.signals() != shown {
+                    // A limit switch acts in the tick that sees it, however fast the simulation is.
+                    shown = self.poll(&mut machine, now_ms);
+                }
             }
             if now_us / cycle_us > self.ticks + 10 * TICKS_PER_TURN {
                 // Too slow for that speed, or asleep: what is late is not made up for.
                 self.ticks = now_us / cycle_us;
             }
-            self.wire.write(&mut self.out)?;
-            if self.options.once && self.wire.has_gone() {
+            self.show(&machine);
+            self.write()?;
+            if self.options.once && self.lines.wire.has_gone() {
                 return Ok(None);
             }
             if let Some(next) = machine.successor() {
@@ -127,14 +164,74 @@ impl Desk<'_> {
         }
     }
 
+    /// A look of the controller at everything. The latched inputs that it saw.
+    fn poll(&mut self, machine: &mut Mill<'_>, now_ms: u32) -> Signals {
+        let signals = self.latch.signals().and(self.inputs.others());
+        let look = Look { now_ms, signals, motion: machine, store: &mut () };
+        let Ok(()) = self.controller.poll(look, &mut Text(&mut self.out));
+        self.latch.signals()
+    }
+
+    /// The timer interrupt.
+    fn tick(&mut self, interpolator: &mut Ticks<'_>, is_relocating: bool) {
+        let before = *interpolator.set_points();
+        interpolator.tick();
+        let after = interpolator.set_points();
+        if is_relocating && before != *after {
+            self.inputs.relocate(&before, after);
+            if let Some(page) = &mut self.lines.page {
+                page.restart(after);
+            }
+            self.inputs.tick(after, after, &mut self.latch);
+        } else {
+            self.inputs.tick(&before, after, &mut self.latch);
+        }
+        if let Some(page) = &mut self.lines.page {
+            page.mark(after);
+        }
+        self.ticks += 1;
+    }
+
+    /// What the page shows.
+    fn show(&mut self, machine: &Mill<'_>) {
+        let Some(page) = &mut self.lines.page else { return };
+        let signals = self.latch.signals().and(self.inputs.others());
+        let controller = &self.controller;
+        page.serve(&mut self.inputs, |inputs| {
+            let status = machine.status();
+            Shown {
+                state: controller.state(&status).to_string(),
+                position: status.position,
+                offset: machine.offsets().work(machine.modal().system),
+                feed: status.feed.to_num(),
+                inputs: inputs.names_of(signals),
+                plate: inputs.plate(),
+            }
+        });
+    }
+
+    /// What the line takes of the answers.
+    fn write(&mut self) -> io::Result<()> {
+        let before = self.lines.log.is_some().then(|| self.out.clone());
+        self.lines.wire.write(&mut self.out)?;
+        if let (Some(log), Some(before)) = (&mut self.lines.log, before) {
+            log.row('<', before.get(..before.len() - self.out.len()).unwrap_or_default())?;
+        }
+        Ok(())
+    }
+
     /// What the sender has sent, as much as finds room: the rest stays with its side of the line. Whether there was
     /// something.
     fn receive(&mut self) -> io::Result<bool> {
         let mut bytes = [0; 256];
         let room = self.receiver.room().min(bytes.len());
-        let count = self.wire.read(bytes.get_mut(..room).unwrap_or_default())?;
-        for byte in bytes.iter().take(count) {
+        let count = self.lines.wire.read(bytes.get_mut(..room).unwrap_or_default())?;
+        let bytes = bytes.get(..count).unwrap_or_default();
+        for byte in bytes {
             self.receiver.push(*byte);
+        }
+        if let Some(log) = &mut self.lines.log {
+            log.row('>', bytes)?;
         }
         Ok(count > 0)
     }
