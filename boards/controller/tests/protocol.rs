@@ -598,7 +598,7 @@ fn startup_lines_run_behind_the_banner() {
     talk.settle();
     talk.said("\r\nGrbl 1.1h ['$' for help]\r\n>G55:ok\r\n>M3S100:ok\r\n");
     assert_eq!(talk.mock.modal.system, 55);
-    assert_eq!(talk.memory.kept, ["N0=G55", "N1=M3S100"]);
+    assert_eq!(talk.memory.kept, ["N0=G55 N1= I=", "N0=G55 N1=M3S100 I="]);
     // Behind a restore they are gone.
     talk.ask("$RST=*", "[MSG:Restoring defaults]\nok\n\nGrbl 1.1h ['$' for help]\n");
     talk.ask("$N", "$N0=\n$N1=\nok\n");

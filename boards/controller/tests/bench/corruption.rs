@@ -141,6 +141,7 @@ fn in_step(talk: &mut Talk<'_>, seed: u64) {
 }
 
 /// Seeded numbers (xorshift64*).
+#[derive(Clone)]
 pub struct Random(pub u64);
 
 impl Random {

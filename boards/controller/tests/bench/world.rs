@@ -6,6 +6,7 @@ use glidepath::machine::{AxisData, AxisKind, ChannelData, MachineData};
 use glidepath::quantity::Position;
 use glidepath::tick::Interpolator;
 use glidepath_controller::machine::{Carried, Latch, Machine, MachineMemory, between, controller_data};
+use glidepath_controller::store::{MemoryFlash, Parameters};
 use glidepath_controller::{Config, Controller, Look, Receiver, Settings, Signals};
 
 pub const BLOCKS: usize = 40;
@@ -169,24 +170,39 @@ pub struct Rig<'a> {
     pub world: World,
     latch: Latch<AXES>,
     sink: Sink,
+    pub store: Parameters<MemoryFlash<8192>, AXES>,
     pub now_ms: u32,
     raw: Signals,
     pub points: [Position; AXES],
+    /// What was said at power-up.
+    pub banner: String,
 }
 
 /// A conversation with a machine of these settings, at machine coordinate 0.
 pub fn with_rig<R>(settings: &Settings<AXES>, world: World, talk: impl FnOnce(&mut Rig<'_>) -> R) -> R {
+    let mut config = Config::new(names());
+    (config.settings, config.defaults) = (*settings, *settings);
+    with_store(config, MemoryFlash::new(), world, talk)
+}
+
+/// The same with what a store holds.
+pub fn with_store<R>(
+    mut config: Config<AXES>,
+    flash: MemoryFlash<8192>,
+    world: World,
+    talk: impl FnOnce(&mut Rig<'_>) -> R,
+) -> R {
+    let mut store = Parameters::open(flash).expect("large enough");
+    let stored = store.load(&mut config);
+    let settings = &config.settings;
     let data = data(settings);
     let mut channel = Box::new(Channel::<AXES, BLOCKS, AXES>::new());
     let mut memory = Box::new(MachineMemory::new());
-    let stored = glidepath::nc::StoredOffsets::ZERO;
     let carried = Carried::new([Position::ZERO; AXES], *settings, stored);
     let parts = memory.split();
     let handles = channel.split(&data, carried.position, parts.0).expect("machine data");
     let (machine, interpolator) = Machine::new(handles, parts, &data, &carried);
     let (receiver, inbox) = serial().split();
-    let mut config = Config::new(names());
-    config.settings = *settings;
     let mut rig = Rig {
         machine,
         interpolator,
@@ -195,12 +211,14 @@ pub fn with_rig<R>(settings: &Settings<AXES>, world: World, talk: impl FnOnce(&m
         world,
         latch: Latch::new(3),
         sink: Sink::default(),
+        store,
         now_ms: 0,
         raw: Signals::default(),
         points: [Position::ZERO; AXES],
+        banner: String::new(),
     };
     rig.tick();
-    rig.read();
+    rig.banner = rig.read();
     talk(&mut rig)
 }
 
@@ -213,7 +231,7 @@ impl Rig<'_> {
         self.raw = self.world.tick(&before, &points, &mut self.latch);
         self.machine.service(&self.latch);
         let signals = self.latch.signals().and(self.world.signals);
-        let look = Look { now_ms: self.now_ms, signals, motion: &mut self.machine, store: &mut () };
+        let look = Look { now_ms: self.now_ms, signals, motion: &mut self.machine, store: &mut self.store };
         let Ok(()) = self.controller.poll(look, &mut self.sink);
         self.machine.service(&self.latch);
         self.now_ms += 1;
