@@ -21,7 +21,8 @@ const PARTS: usize = 4;
 #[derive(Clone)]
 struct Flash<const BLOCK: usize> {
     bytes: Vec<u8>,
-    left: u32,
+    /// Changes until power goes; `None`: it has gone.
+    left: Option<u32>,
     random: Random,
 }
 
@@ -36,18 +37,18 @@ impl NorFlashError for Off {
 
 impl<const BLOCK: usize> Flash<BLOCK> {
     fn new(seed: u64) -> Self {
-        Self { bytes: vec![0xff; 2 * BLOCK], left: u32::MAX, random: Random(seed) }
+        Self { bytes: vec![0xff; 2 * BLOCK], left: Some(u32::MAX), random: Random(seed) }
     }
 
     /// Changes bytes in one go, or tears them where power goes.
     fn change(&mut self, at: usize, to: &[u8]) -> Result<(), Off> {
-        let is_torn = self.left == 0;
+        let left = self.left.ok_or(Off)?;
         for (byte, to) in self.bytes[at..].iter_mut().zip(to) {
-            let changed = if is_torn { self.random.next() as u8 } else { 0xff };
+            let changed = if left == 0 { self.random.next() as u8 } else { 0xff };
             *byte = (*byte & !changed) | (to & changed);
         }
-        self.left = self.left.checked_sub(1).ok_or(Off)?;
-        Ok(())
+        self.left = left.checked_sub(1);
+        self.left.map(|_| ()).ok_or(Off)
     }
 }
 
@@ -172,18 +173,18 @@ fn cut<const BLOCK: usize>(updates: u32, seed: u64) -> (u32, u32) {
         changed.change(set, &mut random);
         for words in 0.. {
             let mut torn = flash.clone();
-            (torn.left, torn.random) = (words, Random(random.next()));
+            (torn.left, torn.random) = (Some(words), Random(random.next()));
             let (before, mut store) = Sets::read(torn);
             assert_eq!(before, sets, "seed {seed}");
             if changed.write(set, &mut store) {
                 let mut whole = store.into_flash();
-                whole.left = u32::MAX;
+                whole.left = Some(u32::MAX);
                 flash = whole;
                 break;
             }
             cuts += 1;
             let mut torn = store.into_flash();
-            torn.left = u32::MAX;
+            torn.left = Some(u32::MAX);
             let (found, mut store) = Sets::read(torn);
             assert!(found == sets || found == changed, "seed {seed}: mixed or lost behind {words} words");
             new += u32::from(found == changed);
@@ -230,12 +231,12 @@ fn many_cuts_in_a_row_lose_nothing() {
         let set = random.below(3) as u8;
         let mut changed = sets.clone();
         changed.change(set, &mut random);
-        flash.left = random.below(40) as u32;
+        flash.left = Some(random.below(40) as u32);
         let (before, mut store) = Sets::read(flash);
         assert_eq!(before, sets, "seed {seed}");
         changed.write(set, &mut store);
         flash = store.into_flash();
-        flash.left = u32::MAX;
+        flash.left = Some(u32::MAX);
         let (found, store) = Sets::read(flash);
         flash = store.into_flash();
         assert!(found == sets || found == changed, "seed {seed}");
@@ -293,7 +294,8 @@ fn what_is_stored_outlives_a_restart() {
         rig.send("G1F600X4.5\nG10L2P3Z-1\n");
         rig.ticks(3);
         rig.until("Idle");
-        std::mem::replace(&mut rig.store, Parameters::open(MemoryFlash::new()).expect("large enough")).into_flash()
+        std::mem::replace(&mut rig.store, Parameters::open(MemoryFlash::new()).expect("large enough"))
+            .into_flash()
     });
     let flash = with_store(config.clone(), flash, World::new(1), |rig| {
         assert_eq!(rig.banner, "\r\nGrbl 1.1h ['$' for help]\r\n>G55:ok\r\n");
@@ -309,16 +311,21 @@ fn what_is_stored_outlives_a_restart() {
             rig.ticks(5);
             rig.read();
         }
-        std::mem::replace(&mut rig.store, Parameters::open(MemoryFlash::new()).expect("large enough")).into_flash()
+        std::mem::replace(&mut rig.store, Parameters::open(MemoryFlash::new()).expect("large enough"))
+            .into_flash()
     });
     let flash = with_store(config.clone(), flash, World::new(1), |rig| {
         let said = rig.ask("$#");
-        assert!(said.contains("[G55:0.000,0.000,0.000]") && said.contains("[G28:0.000,0.000,0.000]"), "{said}");
+        assert!(
+            said.contains("[G55:0.000,0.000,0.000]") && said.contains("[G28:0.000,0.000,0.000]"),
+            "{said}"
+        );
         let said = rig.ask("$$");
         assert!(said.contains("$0=10\n") && said.contains("$110=6000.000\n"), "{said}");
         assert!(rig.ask("$N").contains("$N1=G55\n"));
         assert!(rig.ask("$RST=*").starts_with("[MSG:Restoring defaults]\n"));
-        std::mem::replace(&mut rig.store, Parameters::open(MemoryFlash::new()).expect("large enough")).into_flash()
+        std::mem::replace(&mut rig.store, Parameters::open(MemoryFlash::new()).expect("large enough"))
+            .into_flash()
     });
     with_store(config, flash, World::new(1), |rig| {
         assert_eq!(rig.ask("$N"), "$N0=\n$N1=\nok\n");

@@ -26,7 +26,10 @@ impl FileFlash {
         let mut file = File::options().read(true).write(true).create(true).truncate(false).open(path)?;
         let length = file.metadata()?.len();
         if length > BYTES as u64 {
-            return Err(io::Error::new(io::ErrorKind::InvalidData, "the file is longer than a parameter store"));
+            return Err(io::Error::new(
+                io::ErrorKind::InvalidData,
+                "the file is longer than a parameter store",
+            ));
         }
         file.seek(SeekFrom::End(0))?;
         let missing = BYTES.saturating_sub(length as usize);

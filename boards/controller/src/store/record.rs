@@ -71,7 +71,9 @@ pub fn texts(startup: [&[u8]; 2], info: &[u8]) -> Option<Content> {
     let mut content = Content::new();
     let [first, second] = startup;
     for text in [first, second, info] {
-        content.push(u8::try_from(text.len()).ok().filter(|length| usize::from(*length) <= STORED_BYTES)?).ok()?;
+        content
+            .push(u8::try_from(text.len()).ok().filter(|length| usize::from(*length) <= STORED_BYTES)?)
+            .ok()?;
         content.extend_from_slice(text).ok()?;
     }
     Some(content)
