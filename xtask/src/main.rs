@@ -1,5 +1,6 @@
 //! The project's commands. Each prints what it does and leaves with a code other than 0 when something is
 //! wrong.
+mod controller;
 mod document;
 mod elf;
 mod figures;
@@ -37,6 +38,8 @@ cargo xtask COMMAND
   rtos NAME     only that of one of them: rtic, embassy, c, freertos
   senders       two real senders of the desktop stream a job of 5,000 lines to `glidepath serve`; needs Python
   senders LINES  the same with another number of lines
+  controller    the controller's firmware in the emulator: a sender streams a job of 1,000 lines to its serial line
+  controller LINES  the same with another number of lines
   header        writes the header of boards/c anew
   bench         instruction counts and memory, against the accepted ones
   bench --accept  makes the measured figures the accepted ones and writes docs/figures.md
@@ -65,6 +68,8 @@ fn main() -> ExitCode {
         ["rtos", name] => rtos::all(Some(name)),
         ["senders"] => senders::all("5000"),
         ["senders", lines] => senders::all(lines),
+        ["controller"] => controller::all(&controller::LINES.to_string()),
+        ["controller", lines] => controller::all(lines),
         ["header"] => rtos::header(),
         ["bench"] => hil::bench(false),
         ["bench", "--accept"] => hil::bench(true),

@@ -34,8 +34,6 @@ use glidepath_controller::{Config, Controller, Look, Message, Motion, Serial, Se
 use glidepath_copy as _;
 use glidepath_steps::Drive;
 use machine::{AXES, BLOCKS};
-#[cfg(not(any(feature = "rtt", feature = "qemu")))]
-use panic_never as _;
 #[cfg(any(feature = "rtt", feature = "qemu"))]
 use panic_probe as _;
 use serial::{BUFFER, Line};

@@ -16,6 +16,16 @@ fn stop() {
     crate::outputs::all_off();
 }
 
+/// A check of the program failed.
+#[cfg(not(any(feature = "rtt", feature = "qemu")))]
+#[panic_handler]
+fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
+    stop();
+    loop {
+        cortex_m::asm::nop();
+    }
+}
+
 #[cortex_m_rt::exception]
 unsafe fn HardFault(_: &cortex_m_rt::ExceptionFrame) -> ! {
     stop();
