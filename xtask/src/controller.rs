@@ -53,7 +53,8 @@ pub fn run(firmware: &Firmware, lines: usize) -> Result<u64, String> {
             output.err
         ));
     }
-    let values = target::fields(&output.err);
+    let figures = output.err.lines().rev().find(|line| line.starts_with("ticks ")).unwrap_or_default();
+    let values = target::fields(figures);
     let value = |key| target::number(&values, key, &output.err);
     for (axis, end) in ["x", "y", "z"].iter().zip(END) {
         let counted = values.get(axis).and_then(|value| value.parse::<i64>().ok());

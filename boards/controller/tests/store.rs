@@ -333,3 +333,23 @@ fn what_is_stored_outlives_a_restart() {
         assert_eq!(rig.points, [mm(0.0); AXES]);
     });
 }
+
+/// The same sets in a file, which is opened again.
+#[cfg(feature = "file")]
+#[test]
+fn a_file_keeps_the_sets() {
+    use glidepath_controller::store::FileFlash;
+    let path = std::env::temp_dir().join(format!("glidepath-store-{}", std::process::id()));
+    let mut random = Random(fresh_seed());
+    let mut sets = Sets::new();
+    for round in 0..40 {
+        let (found, mut store) = Sets::read(FileFlash::open(&path).expect("a file"));
+        assert_eq!(found, sets, "round {round}");
+        let set = random.below(3) as u8;
+        sets.change(set, &mut random);
+        assert!(sets.write(set, &mut store));
+    }
+    std::fs::write(&path, vec![0; 9000]).expect("a file");
+    assert!(FileFlash::open(&path).is_err());
+    std::fs::remove_file(&path).expect("a file");
+}

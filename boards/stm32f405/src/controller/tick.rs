@@ -21,7 +21,7 @@ pub struct Polarity {
 }
 
 /// Counts of the interrupt.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Default)]
 pub struct Counts {
     /// Ticks.
     pub ticks: u32,
@@ -38,6 +38,10 @@ pub struct Tick {
     interpolator: Interpolator<'static, AXES, Unfiltered, AXES>,
     drive: Drive<AXES, SLOTS>,
     latch: Latch<AXES>,
+    /// Limits that were on.
+    limits: Signals,
+    /// Times that a limit switch has cut the steps.
+    cuts: u32,
     /// What the task has set.
     pub polarity: Polarity,
     /// What the task reads.
@@ -45,23 +49,33 @@ pub struct Tick {
 }
 
 impl Tick {
-    /// At rest.
+    /// At rest; `counts` go on.
     pub fn new(
         interpolator: Interpolator<'static, AXES, Unfiltered, AXES>,
         drive: Drive<AXES, SLOTS>,
         polarity: Polarity,
+        counts: Counts,
     ) -> Self {
-        let counts = Counts { ticks: 0, active: 0, missed: 0, longest: 0 };
-        Self { interpolator, drive, latch: Latch::new(LOOKS), polarity, counts }
+        let (latch, limits) = (Latch::new(LOOKS), Signals::default());
+        Self { interpolator, drive, latch, limits, cuts: 0, polarity, counts }
+    }
+
+    /// Other step data, at rest.
+    pub fn change(&mut self, drive: Drive<AXES, SLOTS>) {
+        (self.drive, self.cuts) = (drive, 0);
     }
 
     /// A tick: the words for the next one, the set points behind them, and a look at the inputs.
     pub fn run(&mut self, words: &mut [u32; SLOTS], inputs: impl FnOnce(Polarity) -> Signals) {
         let done = self.drive.tick(&mut self.interpolator, words);
         self.latch.look(inputs(self.polarity), self.drive.here());
-        if self.polarity.limits_cut && self.latch.signals().has_limit() {
+        let limits = self.latch.signals();
+        if limits.since(self.limits).has_limit() && self.polarity.limits_cut {
+            let before = self.drive.losses();
             self.drive.cut();
+            self.cuts = self.cuts.wrapping_add(self.drive.losses().wrapping_sub(before));
         }
+        self.limits = limits;
         self.counts.ticks = self.counts.ticks.wrapping_add(1);
         self.counts.active = self.counts.active.wrapping_add(u32::from(done.motion != State::Idle));
     }
@@ -78,12 +92,13 @@ impl Tick {
         self.latch.edge(inputs(self.polarity), &at);
     }
 
-    /// For the task: what was latched, and how often steps were cut.
+    /// For the task: what was latched, and how often steps had no room. A cut by a limit switch is no such fault.
     pub fn seen(&self) -> (Latch<AXES>, u32, Counts) {
-        (self.latch, self.drive.losses(), self.counts)
+        (self.latch, self.drive.losses().wrapping_sub(self.cuts), self.counts)
     }
 
     /// Steps put out by each axis, counts.
+    #[cfg(feature = "qemu")]
     pub fn positions(&self) -> [i64; AXES] {
         core::array::from_fn(|axis| self.drive.steps().count(axis))
     }
