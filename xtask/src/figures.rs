@@ -9,7 +9,7 @@ use std::fmt::Write;
 use std::path::PathBuf;
 
 /// Hard limits of the project, whatever is accepted: key, largest value.
-pub(crate) const LIMITS: [(&str, u64); 46] = [
+pub(crate) const LIMITS: [(&str, u64); 45] = [
     ("total.block_mean_plain_3_axes", 7850),
     ("total.block_mean_3_axes", 13_000),
     ("case.surface.block_mean", 20_000),
@@ -55,8 +55,6 @@ pub(crate) const LIMITS: [(&str, u64); 46] = [
     ("beside.tick_oscillating_axis", 120),
     ("beside.bytes_per_tap", 10),
     ("beside.bytes_per_overlay", 3584),
-    // 40 % of a millisecond at 168 MHz.
-    ("controller.interrupt_max", 67_200),
 ];
 
 /// Bytes of stack that are never in use.
@@ -137,8 +135,6 @@ pub struct MemoryFigures {
     pub slim: BTreeMap<String, u64>,
     /// Largest calls of the planner by program, with commands of the operator all the time.
     pub commands: BTreeMap<String, Commanded>,
-    /// Instructions of the controller's longest interrupt: tick, steps of three axes, inputs.
-    pub controller: u64,
 }
 
 /// What filters behind the path and axes beside it cost: instructions per tick and axis beyond those of the
@@ -317,7 +313,6 @@ fn add_memory(values: &mut BTreeMap<String, u64>, memory: &MemoryFigures) -> Res
     memory.beside.each(|key, value| {
         values.insert(key.into(), value);
     });
-    values.insert("controller.interrupt_max".into(), memory.controller);
     values.extend(memory.slim.iter().map(|(key, value)| (key.clone(), *value)));
     for (name, worst) in &memory.commands {
         values.insert(format!("command.{name}.poll_max"), worst.poll);

@@ -2,10 +2,10 @@
 use crate::figures::{self, Beside, Commanded, Figures, MemoryFigures};
 use crate::firmware::{CORES, Firmware, Place, artifact, small};
 use crate::host::{self, HostRun};
+use crate::rtos;
 use crate::shell::step;
 use crate::stack::Calls;
 use crate::target::{self, TargetRun};
-use crate::{controller, rtos};
 use crate::{elf, shell};
 use std::collections::BTreeMap;
 
@@ -78,9 +78,6 @@ pub fn all(place: Place) -> Result<(), String> {
     if place == Place::Emulator {
         step("lines, arcs and contour mode alone");
         memory.slim = slim(&firmware)?;
-        step("a controller and its sender");
-        controller::build(&firmware)?;
-        memory.controller = controller::run(&firmware, controller::LINES)?;
     }
     step("interpolator in the timer interrupt");
     let report = firmware.report("interrupt")?;
@@ -117,8 +114,6 @@ pub fn bench(accept: bool) -> Result<(), String> {
     memory.beside = beside(&firmware.report("beside")?)?;
     memory.commands = commands(&firmware)?;
     memory.slim = slim(&firmware)?;
-    controller::build(&firmware)?;
-    memory.controller = controller::run(&firmware, controller::LINES)?;
     memory.interrupted = target::read_memory(&firmware.report("interrupt")?)?;
     let measured = Figures::measured(firmware.compiler(), &runs, &memory)?;
     step("figures");
