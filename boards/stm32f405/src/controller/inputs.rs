@@ -14,7 +14,7 @@ use embedded_hal::digital::{ErrorType, InputPin};
 use glidepath_controller::Signals;
 use glidepath_controller::pins::Input;
 #[cfg(feature = "hardware")]
-use stm32f4::stm32f405::GPIOB;
+use stm32f4::stm32f405::{GPIOB, interrupt};
 
 /// First pin of the limits, and the probe.
 const LIMITS: u32 = 12;
@@ -111,7 +111,7 @@ pub fn start(_: &stm32f4::stm32f405::Peripherals) {}
 
 /// An edge of a limit or of the probe. It has the priority of the tick, so neither interrupts the other.
 #[cfg(feature = "hardware")]
-#[stm32f4::stm32f405::interrupt]
+#[interrupt]
 fn EXTI15_10() {
     // SAFETY: this interrupt alone clears these flags, by writing ones.
     unsafe { (*stm32f4::stm32f405::EXTI::ptr()).pr().write(|w| w.bits(0xf000)) };

@@ -64,10 +64,10 @@ impl Watchdog {
         #[cfg(feature = "hardware")]
         {
             board.IWDG.kr().write(|w| w.key().start());
-            board.IWDG.kr().write(|w| w.key().enable());
+            board.IWDG.kr().write(|w| w.key().unlock());
             board.IWDG.pr().write(|w| w.pr().divide_by64());
             board.IWDG.rlr().write(|w| w.rl().set(RELOAD));
-            board.IWDG.kr().write(|w| w.key().reset());
+            board.IWDG.kr().write(|w| w.key().feed());
         }
         Self { ticks: 0 }
     }
@@ -77,7 +77,7 @@ impl Watchdog {
         if core::mem::replace(&mut self.ticks, ticks) != ticks {
             #[cfg(feature = "hardware")]
             // SAFETY: a write of the key that reloads the counter.
-            unsafe { &*IWDG::ptr() }.kr().write(|w| w.key().reset());
+            unsafe { &*IWDG::ptr() }.kr().write(|w| w.key().feed());
         }
     }
 }
