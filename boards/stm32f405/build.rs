@@ -9,6 +9,12 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         fs::copy(&from, Path::new(&out).join(to)).map_err(|e| format!("{}: {e}", from.display()))?;
         println!("cargo:rerun-if-changed={}", from.display());
     }
+    if env::var_os("CARGO_FEATURE_CONTROLLER").is_some() {
+        // Vectors in sector 0, the store in sectors 2 and 3, the program from sector 4 on.
+        let map = Path::new(&out).join("memory.x");
+        let text = fs::read_to_string(&map)?;
+        fs::write(&map, text + "\n_stext = ORIGIN(FLASH) + 64K;\n")?;
+    }
     println!("cargo:rerun-if-env-changed=PROGRAM");
     println!("cargo:rustc-link-search={out}");
     if env::var_os("CARGO_FEATURE_RTT").is_some() || env::var_os("CARGO_FEATURE_QEMU").is_some() {

@@ -20,10 +20,10 @@ mod acknowledge;
 mod change;
 mod committed;
 mod descent;
-#[cfg(feature = "plc")]
-mod forecast;
 #[cfg(feature = "examine")]
 mod examine;
+#[cfg(feature = "plc")]
+mod forecast;
 mod functions;
 mod held_line;
 mod hold;

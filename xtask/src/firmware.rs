@@ -164,15 +164,20 @@ impl Firmware {
     /// The text a binary wrote that gets bytes over its first serial line: what `sender` says, each time something was
     /// written.
     pub fn talk(&self, name: &str, sender: impl FnMut(&[u8]) -> Option<Vec<u8>>) -> Result<String, String> {
-        let mut command = Command::new(&self.runner);
-        command.args(["-M", "netduinoplus2", "-nographic", "-monitor", "none", "-serial", "stdio"]);
-        command.args(["-semihosting-config", "enable=on,target=native", "-icount", "shift=0,sleep=off"]);
-        let output = shell::talk(command.arg("-kernel").arg(artifact(name)), TALK_LIMIT, sender)?;
+        let output = self.speak(name, sender)?;
         let text = String::from_utf8_lossy(&output.out).into_owned();
         if output.success {
             return Ok(text);
         }
         Err(format!("{name} failed on the target:\n{text}\n{}", output.err))
+    }
+
+    /// The same with what it wrote besides, whether it failed or not.
+    pub fn speak(&self, name: &str, sender: impl FnMut(&[u8]) -> Option<Vec<u8>>) -> Result<Output, String> {
+        let mut command = Command::new(&self.runner);
+        command.args(["-M", "netduinoplus2", "-nographic", "-monitor", "none", "-serial", "stdio"]);
+        command.args(["-semihosting-config", "enable=on,target=native", "-icount", "shift=0,sleep=off"]);
+        shell::talk(command.arg("-kernel").arg(artifact(name)), TALK_LIMIT, sender)
     }
 
     /// The text a binary wrote; an error if it failed.

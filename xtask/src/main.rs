@@ -1,5 +1,6 @@
 //! The project's commands. Each prints what it does and leaves with a code other than 0 when something is
 //! wrong.
+mod controller;
 mod cores;
 mod document;
 mod elf;
@@ -43,6 +44,8 @@ cargo xtask COMMAND
                 cncjs; needs Python, Node and a network for the first installation
   senders LINES  the same with another number of lines
   senders --short  the first two with 300 lines, as `test` has them; skipped where they cannot be installed
+  controller    the controller's firmware in the emulator: a sender streams a job of 1,000 lines to its serial line
+  controller LINES  the same with another number of lines
   header        writes the header of boards/c anew
   bench         instruction counts and memory, against the accepted ones
   bench --accept  makes the measured figures the accepted ones and writes docs/figures.md
@@ -73,6 +76,8 @@ fn main() -> ExitCode {
         ["senders", "--short"] => senders::short(),
         ["senders"] => senders::all("5000"),
         ["senders", lines] => senders::all(lines),
+        ["controller"] => controller::all(&controller::LINES.to_string()),
+        ["controller", lines] => controller::all(lines),
         ["header"] => rtos::header(),
         ["bench"] => hil::bench(false),
         ["bench", "--accept"] => hil::bench(true),

@@ -1,19 +1,21 @@
 //! The state machine: one [`Controller::poll`] looks at everything once.
+mod keeping;
 mod lines;
 mod outputs;
 mod requests;
 
-pub(crate) use lines::{Reply, Waiting};
+pub(crate) use lines::{NOT_STORED, Reply, Waiting};
 pub use outputs::Outputs;
 
 use crate::inbox::{Inbox, Request};
 use crate::line::{Assembler, LineText};
-use crate::motion::{Motion, Overrides, Refusal};
+use crate::motion::{Message, Motion, Overrides};
 use crate::report::{self, Due, Text};
 use crate::settings::Settings;
 use crate::state::Signals;
 use crate::store::Store;
 use glidepath::machine::AxisName;
+use glidepath::nc::StoredOffsets;
 use heapless::Vec;
 
 /// Bytes of a startup line and of the text of `$I`.
@@ -35,6 +37,12 @@ pub struct Config<const AXES: usize> {
     pub line_numbers: bool,
     /// `$` settings.
     pub settings: Settings<AXES>,
+    /// What `$RST=$` brings back.
+    pub defaults: Settings<AXES>,
+    /// It begins in Alarm, as with `$22=1`: the position may be lost.
+    pub is_locked: bool,
+    /// Told once, behind the first banner.
+    pub notice: Message,
     /// `$N0` and `$N1`.
     pub startup: [Stored; 2],
     /// Text of `$I`.
@@ -50,6 +58,9 @@ impl<const AXES: usize> Config<AXES> {
             has_pwm: true,
             line_numbers: false,
             settings: Settings::new(),
+            defaults: Settings::new(),
+            is_locked: false,
+            notice: Message::new(),
             startup: [Stored::new(), Stored::new()],
             info: Stored::new(),
         }
@@ -123,6 +134,8 @@ pub struct Controller<'a, const AXES: usize, const N: usize> {
     signals: Signals,
     program_ends: u8,
     offset: [glidepath::Position; AXES],
+    /// Offsets and places that the store has.
+    kept: StoredOffsets<AXES>,
     outputs: Outputs,
     /// When something moved last.
     moved_ms: u32,
@@ -149,6 +162,7 @@ impl<'a, const AXES: usize, const N: usize> Controller<'a, AXES, N> {
             signals: Signals::default(),
             program_ends: 0,
             offset: [glidepath::Position::ZERO; AXES],
+            kept: StoredOffsets::ZERO,
             outputs: Outputs::default(),
             moved_ms: 0,
             is_started: false,
@@ -191,16 +205,20 @@ impl<'a, const AXES: usize, const N: usize> Controller<'a, AXES, N> {
             self.report(around);
         }
         self.lines(around);
+        self.keep_offsets(around);
         self.put_out(around);
     }
 
     fn power_up<M: Motion<AXES>, S, W: embedded_io::Write>(&mut self, around: &mut Around<'_, '_, M, S, W>) {
         self.is_started = true;
         self.program_ends = around.motion.status().program_ends;
+        self.kept = around.motion.offsets().stored();
         // A machine that the settings do not fit is told; the motion side keeps what it had.
         let refused = around.motion.configure(&self.config.settings).err();
-        self.greet(around, self.config.settings.homing);
-        if let Some(Refusal { message, .. }) = refused {
+        self.greet(around, self.config.settings.homing || self.config.is_locked);
+        let notice = core::mem::take(&mut self.config.notice);
+        let refused = refused.map(|refusal| refusal.message);
+        for message in [Some(notice), refused].iter().flatten().filter(|message| !message.is_empty()) {
             around.out.line(format_args!("[MSG:{message}]"));
         }
     }

@@ -28,7 +28,7 @@ mod state;
 
 mod settings;
 
-mod store;
+pub mod store;
 
 mod motion;
 

@@ -44,6 +44,9 @@ pub struct Settings<const AXES: usize> {
     pub soft_limits: bool,
     /// `$21`: hard limits.
     pub hard_limits: bool,
+    /// `$21=2`: a limit switch cuts the steps at once. With 1 the axes brake inside their limits, and the position stays
+    /// known.
+    pub limits_cut_steps: bool,
     /// `$22`: homing.
     pub homing: bool,
     /// `$23`: axes that home in the negative direction.
@@ -86,7 +89,32 @@ const NUMBERS: [u8; 22] = [0, 1, 2, 3, 4, 5, 6, 10, 11, 12, 13, 20, 21, 22, 23, 
 enum Value<'a> {
     Byte(&'a mut u8),
     Flag(&'a mut bool),
+    /// Off, on, and on with more.
+    Two(&'a mut bool, &'a mut bool),
     Milli(&'a mut u32),
+}
+
+impl Value<'_> {
+    const fn raw(&self) -> u32 {
+        match self {
+            Self::Byte(value) => **value as u32,
+            Self::Flag(flag) => **flag as u32,
+            Self::Two(first, second) => **first as u32 + (**first && **second) as u32,
+            Self::Milli(value) => **value,
+        }
+    }
+
+    /// `None`: it cannot have that value.
+    fn put(self, raw: u32) -> Option<()> {
+        match self {
+            Self::Byte(value) => *value = u8::try_from(raw).ok()?,
+            Self::Flag(flag) if raw < 2 => *flag = raw == 1,
+            Self::Two(first, second) if raw < 3 => (*first, *second) = (raw > 0, raw == 2),
+            Self::Milli(value) => *value = raw,
+            Self::Flag(_) | Self::Two(..) => return None,
+        }
+        Some(())
+    }
 }
 
 impl<const AXES: usize> Settings<AXES> {
@@ -112,6 +140,7 @@ impl<const AXES: usize> Settings<AXES> {
             inch: false,
             soft_limits: false,
             hard_limits: false,
+            limits_cut_steps: false,
             homing: false,
             homing_mask: 0,
             locate_milli: 25_000,
@@ -140,7 +169,7 @@ impl<const AXES: usize> Settings<AXES> {
             12 => Value::Milli(&mut self.arc_milli),
             13 => Value::Flag(&mut self.inch),
             20 => Value::Flag(&mut self.soft_limits),
-            21 => Value::Flag(&mut self.hard_limits),
+            21 => Value::Two(&mut self.hard_limits, &mut self.limits_cut_steps),
             22 => Value::Flag(&mut self.homing),
             23 => Value::Byte(&mut self.homing_mask),
             24 => Value::Milli(&mut self.locate_milli),
@@ -169,17 +198,38 @@ impl<const AXES: usize> Settings<AXES> {
     /// That of `show`.
     pub fn each<E>(&self, mut show: impl FnMut(u8, Fixed) -> Result<(), E>) -> Result<(), E> {
         let mut copy = *self;
-        let of_axes = (100..=130_u8).step_by(10).flat_map(|first| (first..).take(AXES));
-        for number in NUMBERS.into_iter().chain(of_axes) {
-            let fixed = match copy.value(number) {
-                Some(Value::Byte(value)) => Fixed { value: i64::from(*value), places: 0 },
-                Some(Value::Flag(value)) => Fixed { value: i64::from(*value), places: 0 },
-                Some(Value::Milli(value)) => Fixed { value: i64::from(*value), places: 3 },
-                None => continue,
-            };
-            show(number, fixed)?;
+        for number in Self::numbers() {
+            if let Some(value) = copy.value(number) {
+                let places = if matches!(value, Value::Milli(_)) { 3 } else { 0 };
+                show(number, Fixed { value: i64::from(value.raw()), places })?;
+            }
         }
         Ok(())
+    }
+
+    /// Settings that belong to no axis.
+    pub(crate) const COUNT: usize = NUMBERS.len();
+
+    fn numbers() -> impl Iterator<Item = u8> {
+        NUMBERS.into_iter().chain((100..=130_u8).step_by(10).flat_map(|first| (first..).take(AXES)))
+    }
+
+    /// Calls `take` with number and value of each setting, values as they are kept.
+    pub(crate) fn each_raw(&self, mut take: impl FnMut(u8, u32) -> Option<()>) -> Option<()> {
+        let mut copy = *self;
+        Self::numbers().try_for_each(|number| take(number, copy.value(number)?.raw()))
+    }
+
+    /// Puts a value of [`Self::each_raw`] back, if there is such a setting and it can have that value.
+    pub(crate) fn put_raw(&mut self, number: u8, value: u32) -> Option<()> {
+        self.value(number)?.put(value)
+    }
+
+    /// Whether all of them together are ones that [`Self::set`] leads to.
+    pub(crate) fn is_permitted(&self) -> bool {
+        self.pulse_us >= 3
+            && (self.homing || !self.soft_limits)
+            && (0..AXES).all(|axis| self.check_axis(axis).is_ok())
     }
 
     /// Changes one of them: `text` is what stands behind `$`, `110=500.0`. `has_pwm`: the spindle has a variable speed.
@@ -201,11 +251,12 @@ impl<const AXES: usize> Settings<AXES> {
         if milli < 0 {
             return Err(NEGATIVE);
         }
-        match value {
-            Value::Byte(byte) => *byte = u8::try_from(milli / 1000).map_err(|_| OUT_OF_RANGE)?,
-            Value::Flag(flag) => *flag = milli >= 1000,
-            Value::Milli(value) => *value = u32::try_from(milli).map_err(|_| OUT_OF_RANGE)?,
-        }
+        let raw = match &value {
+            Value::Byte(_) | Value::Two(..) => milli / 1000,
+            Value::Flag(_) => i64::from(milli >= 1000),
+            Value::Milli(_) => milli,
+        };
+        u32::try_from(raw).ok().and_then(|raw| value.put(raw)).ok_or(OUT_OF_RANGE)?;
         match number {
             0 if changed.pulse_us < 3 => return Err(SHORT_PULSE),
             20 if changed.soft_limits && !changed.homing => return Err(NEEDS_HOMING),

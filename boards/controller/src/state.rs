@@ -78,7 +78,7 @@ impl Signals {
     }
 
     /// Those that were off before.
-    pub(crate) const fn since(self, before: Self) -> Self {
+    pub const fn since(self, before: Self) -> Self {
         Self(self.0 & !before.0)
     }
 }

@@ -1,5 +1,5 @@
 //! Lines that begin with `$`.
-use crate::controller::{Around, Controller, Mode, Reply, Stored, Waiting};
+use crate::controller::{Around, Controller, Mode, NOT_STORED, Reply, Stored, Waiting};
 use crate::jog;
 use crate::motion::Motion;
 use crate::report::{self, RECEIVE_BYTES};
@@ -9,7 +9,6 @@ use crate::store::Store;
 
 const UNKNOWN: u8 = 3;
 const HOMING_OFF: u8 = 5;
-const STORE: u8 = 7;
 const NOT_IDLE: u8 = 8;
 const DOOR_OPEN: u8 = 13;
 const STORED_TOO_LONG: u8 = 14;
@@ -24,8 +23,13 @@ impl<const AXES: usize, const N: usize> Controller<'_, AXES, N> {
         around: &mut Around<'_, '_, M, S, W>,
         command: &[u8],
     ) -> Reply {
-        let state = self.state(&around.motion.status());
-        let is_idle = matches!(state, State::Idle | State::Alarm);
+        let status = around.motion.status();
+        let state = self.state(&status);
+        // In an alarm the axes may still brake: a store that writes would stall the interrupt.
+        let is_idle = match state {
+            State::Alarm => status.is_at_rest,
+            _ => state == State::Idle,
+        };
         match command {
             [] => {
                 let text = "[HLP:$$ $# $G $I $N $x=val $Nx=line $J=line $SLP $C $X $H ~ ! ? ctrl-x]";
@@ -170,14 +174,10 @@ impl<const AXES: usize, const N: usize> Controller<'_, AXES, N> {
         {
             return Reply::Now(Err(refusal));
         }
-        let number = number & 1;
-        if !around.store.startup(number, line) {
-            return Reply::error(STORE);
-        }
-        if let Some(place) = self.config.startup.get_mut(usize::from(number)) {
-            *place = stored;
-        }
-        Reply::OK
+        let [first, second] = &self.config.startup;
+        let startup = if number & 1 == 0 { [&stored, second] } else { [first, &stored] }.map(Stored::clone);
+        let info = self.config.info.clone();
+        self.take_texts(around.store, startup, info)
     }
 
     fn set_info<M, S: Store<AXES>, W: embedded_io::Write>(
@@ -186,10 +186,16 @@ impl<const AXES: usize, const N: usize> Controller<'_, AXES, N> {
         text: &[u8],
     ) -> Reply {
         let Ok(stored) = Stored::from_slice(text) else { return Reply::error(STORED_TOO_LONG) };
-        if !around.store.info(text) {
-            return Reply::error(STORE);
+        self.take_texts(around.store, self.config.startup.clone(), stored)
+    }
+
+    /// Texts are in force when the store has them.
+    fn take_texts(&mut self, store: &mut impl Store<AXES>, startup: [Stored; 2], info: Stored) -> Reply {
+        let [first, second] = &startup;
+        if !store.texts([first, second], &info) {
+            return Reply::error(NOT_STORED);
         }
-        self.config.info = stored;
+        (self.config.startup, self.config.info) = (startup, info);
         Reply::OK
     }
 
@@ -217,7 +223,7 @@ impl<const AXES: usize, const N: usize> Controller<'_, AXES, N> {
         if !around.store.settings(&settings) {
             // What was in force is in force again: the machine had it before.
             let _ = around.motion.configure(&self.config.settings);
-            return Reply::error(STORE);
+            return Reply::error(NOT_STORED);
         }
         self.config.settings = settings;
         Reply::OK
@@ -234,19 +240,20 @@ impl<const AXES: usize, const N: usize> Controller<'_, AXES, N> {
             b'*' => (true, true),
             _ => return Reply::error(UNKNOWN),
         };
-        if settings && let failed @ Reply::Now(Err(_)) = self.take_settings(around, Settings::new()) {
+        if settings && let failed @ Reply::Now(Err(_)) = self.take_settings(around, self.config.defaults) {
             return failed;
         }
         if offsets {
             around.motion.clear_offsets();
-        }
-        if what == b'*' {
-            let [first, second] = [0, 1].map(|number| around.store.startup(number, b""));
-            if !(first && second && around.store.info(b"")) {
-                return Reply::error(STORE);
+            if !self.store_offsets(around) {
+                return Reply::error(NOT_STORED);
             }
-            self.config.startup = [Stored::new(), Stored::new()];
-            self.config.info = Stored::new();
+        }
+        let none = [const { Stored::new() }; 2];
+        if what == b'*'
+            && let failed @ Reply::Now(Err(_)) = self.take_texts(around.store, none, Stored::new())
+        {
+            return failed;
         }
         around.out.line(format_args!("[MSG:Restoring defaults]"));
         Reply::Restart

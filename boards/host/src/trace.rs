@@ -3,9 +3,9 @@ use crate::decimal::{PLACES, per_second, per_second_squared, push_exact, push_sc
 use crate::diagnose::{Diagnostic, nearest};
 use crate::filtered::Filtered;
 use crate::machine::Machine;
-use glidepath::kinematics::Vector;
 use flate2::Compression;
 use flate2::write::GzEncoder;
+use glidepath::kinematics::Vector;
 use glidepath::quantity::Position;
 use glidepath::tick::Telemetry;
 use std::fmt::Write as _;

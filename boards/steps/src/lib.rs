@@ -25,6 +25,7 @@
 
 pub use backlash::Backlash;
 pub use data::{AxisSteps, MOTORS, Motor, Pin, StepData};
+pub use drive::{Done, Drive};
 pub use levels::Levels;
 pub use port::{State, Steps};
 pub use unfit::Unfit;
@@ -36,6 +37,8 @@ mod backlash;
 mod counter;
 
 mod data;
+
+mod drive;
 
 mod levels;
 

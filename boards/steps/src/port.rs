@@ -108,6 +108,23 @@ impl<const AXES: usize, const SLOTS: usize> Steps<AXES, SLOTS> {
         self.is_stopped = false;
     }
 
+    /// An axis that rests has another coordinate for the same place, and gets no step for that.
+    pub fn shift(&mut self, axis: usize, set_point: Position) {
+        if let Some(axis) = self.axes.get_mut(axis) {
+            axis.stand_at(set_point.to_bits());
+        }
+    }
+
+    /// No axis gets steps any more until [`Self::stand_at`]; a pulse that has begun ends.
+    pub fn stop(&mut self) {
+        self.is_stopped = true;
+    }
+
+    /// Whether no axis gets steps.
+    pub const fn is_stopped(&self) -> bool {
+        self.is_stopped
+    }
+
     /// Steps put out by an axis until the end of the last words, as a position in counts; 0 for an axis that does
     /// not exist.
     pub fn count(&self, axis: usize) -> i64 {

@@ -29,6 +29,9 @@ impl Reply {
     }
 }
 
+/// The store has failed.
+pub(crate) const NOT_STORED: u8 = 7;
+
 /// Bytes that a poll reads at most.
 const BYTES_PER_POLL: usize = 256;
 
@@ -98,14 +101,20 @@ impl<const AXES: usize, const N: usize> Controller<'_, AXES, N> {
         self.answer(around, reply);
     }
 
-    fn program_line<M: Motion<AXES>, S, W: embedded_io::Write>(
+    fn program_line<M: Motion<AXES>, S: Store<AXES>, W: embedded_io::Write>(
         &mut self,
         around: &mut Around<'_, '_, M, S, W>,
         text: &[u8],
     ) -> Reply {
         match self.mode {
             Mode::Check => Reply::Now(around.motion.check(text)),
-            Mode::Ready | Mode::Hold | Mode::Door(_) => Reply::of(around.motion.take(text)),
+            Mode::Ready | Mode::Hold | Mode::Door(_) => {
+                let taken = around.motion.take(text);
+                if taken == Taken::Yes && !self.store_offsets(around) {
+                    return Reply::error(NOT_STORED);
+                }
+                Reply::of(taken)
+            }
             _ => Reply::error(9),
         }
     }

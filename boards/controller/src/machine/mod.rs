@@ -21,7 +21,7 @@ pub use latch::{Edge, Latch, between};
 pub use scan::{Probing, Scan};
 pub use spool::Spool;
 
-use crate::motion::{Overrides, Spindle};
+use crate::motion::{Message, Overrides, Spindle};
 use crate::settings::Settings;
 use glidepath::channel::{Handles, Planner, Progress};
 use glidepath::fir::Unfiltered;
@@ -177,7 +177,11 @@ pub struct Machine<'a, const AXES: usize, const BLOCKS: usize, const OVERLAYS: u
     cycles: Cycles<AXES>,
     inputs: Latch<AXES>,
     overrides: Overrides,
+    fits: Fits<AXES>,
 }
+
+/// Whether a board can do what settings ask for, and in words why not. The machine data are those of the settings.
+pub type Fits<const AXES: usize> = fn(&Settings<AXES>, &MachineData<AXES>) -> Result<(), Message>;
 
 impl<'a, const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Machine<'a, AXES, BLOCKS, OVERLAYS> {
     /// Of the handles of a channel that was split for `data` with the spool of the same memory, at
@@ -212,6 +216,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Machine<
             },
             inputs: Latch::new(1),
             overrides: Overrides::FULL,
+            fits: |_, _| Ok(()),
         };
         // Offsets out of range are left out: the store had others.
         let _ = machine.planner.put_stored(stored);
@@ -233,6 +238,16 @@ impl<'a, const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Machine<
             settings,
             switched: self.switched,
         })
+    }
+
+    /// What a board can do beside the planner: settings that it cannot have are refused with `error:12` and these words.
+    pub fn set_fits(&mut self, fits: Fits<AXES>) {
+        self.fits = fits;
+    }
+
+    /// A fault of the drives: `ALARM:17`, and everything brakes.
+    pub fn fault(&mut self) {
+        self.cycles.alarm = Some(17);
     }
 
     /// What G10, G28.1 and G30.1 have stored, for the parameter store.

@@ -17,6 +17,7 @@ const FREE_BLOCKS: u8 = 15;
 
 /// Numbers of the refusals.
 const TOO_LONG: u8 = 11;
+const STEP_RATE: u8 = 12;
 const BEYOND_JOG: u8 = 15;
 const NO_AXES: u8 = 26;
 const LINE_NUMBER: u8 = 27;
@@ -235,6 +236,9 @@ impl<const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Motion<AXES>
             // A text that is too long is cut.
             let _ = write!(super::refusal::Ascii(&mut message), "{error}");
             return Err(Refusal { code: OUT_OF_RANGE, message });
+        }
+        if let Err(message) = (self.fits)(settings, &data) {
+            return Err(Refusal { code: STEP_RATE, message });
         }
         if data == *self.data {
             self.settings = *settings;

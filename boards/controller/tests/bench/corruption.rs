@@ -247,6 +247,7 @@ fn in_step(far: &mut impl Far, seed: u64) {
 }
 
 /// Seeded numbers (xorshift64*).
+#[derive(Clone)]
 pub struct Random(pub u64);
 
 impl Random {

@@ -5,6 +5,7 @@ pub mod soak;
 pub mod world;
 
 use glidepath::machine::AxisName;
+use glidepath::nc::StoredOffsets;
 use glidepath::quantity::{Feed, Position};
 use glidepath_controller::{
     Config, Controller, Homing, Inbox, Jog, Look, Message, Modal, Motion, Offsets, Overrides, Receiver,
@@ -281,13 +282,15 @@ impl Store<AXES> for Memory {
         !self.fails
     }
 
-    fn startup(&mut self, number: u8, line: &[u8]) -> bool {
-        self.kept.push(format!("N{number}={}", String::from_utf8_lossy(line)));
+    fn offsets(&mut self, offsets: &StoredOffsets<AXES>) -> bool {
+        let [x, ..] = offsets.zero[0];
+        self.kept.push(format!("offsets {x}"));
         !self.fails
     }
 
-    fn info(&mut self, text: &[u8]) -> bool {
-        self.kept.push(format!("I={}", String::from_utf8_lossy(text)));
+    fn texts(&mut self, startup: [&[u8]; 2], info: &[u8]) -> bool {
+        let [first, second, info] = [startup[0], startup[1], info].map(String::from_utf8_lossy);
+        self.kept.push(format!("N0={first} N1={second} I={info}"));
         !self.fails
     }
 }

@@ -2,11 +2,14 @@
 use super::corruption::Random;
 use super::{AXES, BUFFER, Sink, names, serial};
 use glidepath::channel::Channel;
+use glidepath::fir::FilterTick;
 use glidepath::machine::{AxisData, AxisKind, ChannelData, MachineData};
 use glidepath::quantity::Position;
 use glidepath::tick::Interpolator;
 use glidepath_controller::machine::{Carried, Latch, Machine, MachineMemory, between, controller_data};
+use glidepath_controller::store::{MemoryFlash, Parameters};
 use glidepath_controller::{Config, Controller, Look, Receiver, Settings, Signals};
+use glidepath_steps::{AxisSteps, Drive, Levels, Motor, StepData, Steps};
 
 pub const BLOCKS: usize = 40;
 
@@ -171,24 +174,82 @@ pub struct Rig<'a> {
     pub world: World,
     latch: Latch<AXES>,
     sink: Sink,
+    /// Step output, where a test looks at the motors.
+    pub motors: Option<Motors>,
+    pub store: Parameters<MemoryFlash<8192>, AXES>,
     pub now_ms: u32,
     raw: Signals,
     pub points: [Position; AXES],
+    /// What was said at power-up.
+    pub banner: String,
+}
+
+/// Slots of the step output.
+const STEP_SLOTS: usize = 200;
+
+/// Counts per mm.
+pub const COUNTS: u32 = 400;
+
+/// The step output, and where it has turned the motors to.
+pub struct Motors {
+    pub drive: Drive<AXES, STEP_SLOTS>,
+    words: [u32; STEP_SLOTS],
+    levels: Levels,
+    pub counts: [i64; AXES],
+}
+
+impl Motors {
+    pub fn new(data: &MachineData<AXES>) -> Self {
+        let axes = core::array::from_fn(|axis| {
+            AxisSteps::new(COUNTS, 1, Motor::new(2 * axis as u8, 2 * axis as u8 + 1))
+        });
+        let start = [Position::ZERO; AXES];
+        let steps = Steps::new(&StepData { slot_ns: 5000, axes }, data, &start).expect("slow enough");
+        let levels = Levels::default().behind(steps.rest_word());
+        Self { drive: Drive::new(steps, data, start), words: [0; STEP_SLOTS], levels, counts: [0; AXES] }
+    }
+
+    fn tick<F: FilterTick<AXES>>(&mut self, interpolator: &mut Interpolator<'_, AXES, F, AXES>) {
+        // What the tick before has written goes out.
+        for word in self.words {
+            let levels = self.levels.behind(word);
+            for (axis, count) in self.counts.iter_mut().enumerate() {
+                let [step, direction] = [0, 1].map(|pin| 2 * axis as u8 + pin);
+                if levels.is_high(step) && !self.levels.is_high(step) {
+                    *count += if levels.is_high(direction) { 1 } else { -1 };
+                }
+            }
+            self.levels = levels;
+        }
+        self.drive.tick(interpolator, &mut self.words);
+    }
 }
 
 /// A conversation with a machine of these settings, at machine coordinate 0.
 pub fn with_rig<R>(settings: &Settings<AXES>, world: World, talk: impl FnOnce(&mut Rig<'_>) -> R) -> R {
+    let mut config = Config::new(names());
+    (config.settings, config.defaults) = (*settings, *settings);
+    with_store(config, MemoryFlash::new(), world, talk)
+}
+
+/// The same with what a store holds.
+pub fn with_store<R>(
+    mut config: Config<AXES>,
+    flash: MemoryFlash<8192>,
+    world: World,
+    talk: impl FnOnce(&mut Rig<'_>) -> R,
+) -> R {
+    let mut store = Parameters::open(flash).expect("large enough");
+    let stored = store.load(&mut config);
+    let settings = &config.settings;
     let data = data(settings);
     let mut channel = Box::new(Channel::<AXES, BLOCKS, AXES>::new());
     let mut memory = Box::new(MachineMemory::new());
-    let stored = glidepath::nc::StoredOffsets::ZERO;
     let carried = Carried::new([Position::ZERO; AXES], *settings, stored);
     let parts = memory.split();
     let handles = channel.split(&data, carried.position, parts.0).expect("machine data");
     let (machine, interpolator) = Machine::new(handles, parts, &data, &carried);
     let (receiver, inbox) = serial().split();
-    let mut config = Config::new(names());
-    config.settings = *settings;
     let mut rig = Rig {
         machine,
         interpolator,
@@ -197,25 +258,31 @@ pub fn with_rig<R>(settings: &Settings<AXES>, world: World, talk: impl FnOnce(&m
         world,
         latch: Latch::new(3),
         sink: Sink::default(),
+        motors: None,
+        store,
         now_ms: 0,
         raw: Signals::default(),
         points: [Position::ZERO; AXES],
+        banner: String::new(),
     };
     rig.tick();
-    rig.read();
+    rig.banner = rig.read();
     talk(&mut rig)
 }
 
 impl Rig<'_> {
     /// A tick of a millisecond, with one look of the controller.
     pub fn tick(&mut self) {
-        self.interpolator.tick();
+        match &mut self.motors {
+            Some(motors) => motors.tick(&mut self.interpolator),
+            None => _ = self.interpolator.tick(),
+        }
         let points = *self.interpolator.set_points();
         let before = core::mem::replace(&mut self.points, points);
         self.raw = self.world.tick(&before, &points, &mut self.latch);
         self.machine.service(&self.latch);
         let signals = self.latch.signals().and(self.world.signals);
-        let look = Look { now_ms: self.now_ms, signals, motion: &mut self.machine, store: &mut () };
+        let look = Look { now_ms: self.now_ms, signals, motion: &mut self.machine, store: &mut self.store };
         let Ok(()) = self.controller.poll(look, &mut self.sink);
         self.machine.service(&self.latch);
         self.now_ms += 1;

@@ -345,7 +345,7 @@ mod tests {
     #[test]
     fn the_plane_is_the_one_in_which_the_path_lies() {
         let seen = |extent| {
-            let planes = View::all(extent).into_iter().map(|view| match view {
+            let planes = View::all(extent, &[]).into_iter().map(|view| match view {
                 View::Plan(right, up) => Some((right, up)),
                 View::Isometric => None,
             });

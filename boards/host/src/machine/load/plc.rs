@@ -1,6 +1,6 @@
 //! Machine data of what the interpolator does for a PLC, by their names of the channel list and of the start-up list.
-use super::{Diagnostic, Entry, LOOK_AHEAD, Loader, flatten, label, suggestion};
 use super::value::milli;
+use super::{Diagnostic, Entry, LOOK_AHEAD, Loader, flatten, label, suggestion};
 use crate::diagnose::nearest;
 use glidepath::machine::parameter::{CHANNEL_PLC, Parameter};
 use glidepath::machine::{ChannelData, FB_STORAGE_MIN, INTERPOLATOR_FUNCTIONS, InterpolatorFunctions};
@@ -93,7 +93,12 @@ impl Loader<'_> {
                 }
                 Some(LOG_MAX) if !twice(&[LOG_MAX]) => {
                     let of = Parameter { id: "P-STUP-00076", name: LOG_MAX, ..*parameter("P-CHAN-00658") };
-                    let named = Entry { name: LOG_MAX.into(), key: entry.key.clone(), value: entry.value, plain: None };
+                    let named = Entry {
+                        name: LOG_MAX.into(),
+                        key: entry.key.clone(),
+                        value: entry.value,
+                        plain: None,
+                    };
                     let table = format!("startup.{}", START_UP.trim_end_matches('.'));
                     self.set(&table, &named, &[of], &[], channel);
                 }

@@ -1,8 +1,9 @@
 //! What the loader makes of machine files.
-use super::value::exact_milli;
+use super::value::{Unfit, exact_milli};
 use super::*;
 use glidepath::machine::{
-    AccelerationUnit, Dialect, ForeignAxis, ForeignChannel, MODE_LINEAR, MODE_MASTER, SynchTable, ToolLengths,
+    AccelerationUnit, Dialect, ForeignAxis, ForeignChannel, MODE_LINEAR, MODE_MASTER, Synch, SynchTable,
+    ToolLengths,
 };
 
 #[test]
