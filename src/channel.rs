@@ -34,6 +34,8 @@ mod force;
 #[cfg(feature = "plc")]
 mod log;
 mod memory;
+#[cfg(feature = "plc")]
+mod repeat;
 mod rest;
 
 use beside::Beside;
@@ -53,6 +55,8 @@ use crate::nc::{
     NcWarning, NcWarningKind, Place, SlopeType, Spline, Step, Text,
 };
 pub use crate::plan::PlannedBlock;
+#[cfg(feature = "plc")]
+use crate::rt_loop::LoopError;
 use crate::plan::{MotionError, Planning, Work};
 use crate::slope::profile::Unplannable;
 use crate::technology::Function;
@@ -167,6 +171,9 @@ pub struct Planner<
     filters: F,
     /// Motions of single axes.
     beside: Beside<'a, OVERLAYS>,
+    /// Real-time loops.
+    #[cfg(feature = "plc")]
+    loops: repeat::Loops<'a, AXES>,
 }
 
 impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, const OVERLAYS: usize>
@@ -247,6 +254,10 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         }
         if !self.beside.is_free() && (self.beside.pending.is_some() || self.source != Source::Open) {
             return self.wait_beside();
+        }
+        #[cfg(feature = "plc")]
+        if self.loops.repeat() {
+            return self.repeat();
         }
         match self.source {
             Source::Open => self.decode(),
@@ -362,6 +373,10 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
             Ok(Step::Working | Step::Late) => Ok(Progress::Working),
             Ok(Step::Warning(warning)) => Ok(Progress::Warning(*warning)),
             Ok(Step::Command(command)) => self.execute(command),
+            #[cfg(feature = "plc")]
+            Ok(Step::End) if let Some(place) = self.unclosed_loop() => {
+                Err(Error::Loop(place, LoopError::Unclosed))
+            }
             Ok(Step::End) => {
                 self.end();
                 Ok(Progress::Working)
@@ -378,6 +393,8 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
     #[cold]
     fn refuse(&mut self) {
         self.decoder.refuse();
+        #[cfg(feature = "plc")]
+        self.break_loop();
         self.held = None;
         self.end();
     }
@@ -409,6 +426,8 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
     #[cold]
     fn lose(&mut self) {
         self.beside.stop();
+        #[cfg(feature = "plc")]
+        self.loops.forget();
         self.source = Source::Ended;
         self.held = None;
         self.lost = true;
@@ -423,6 +442,10 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
     }
 
     fn execute(&mut self, command: &Command<AXES>) -> Result<Progress, Error> {
+        #[cfg(feature = "plc")]
+        if self.loops.read() {
+            return self.keep(command);
+        }
         let Command::Motion(motion) = command else { return self.carry_out(command) };
         if self.moves_released(motion) {
             self.planning.drop_motion();
@@ -497,6 +520,10 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
             Command::Kinematics(_, Kinematics::Off) => {}
             #[cfg(feature = "plc")]
             Command::ContourLog(..) | Command::DistanceClear(_) => self.log(command)?,
+            #[cfg(feature = "plc")]
+            Command::RtWhile(head, modulo) => self.begin_loop(head, Some(*modulo))?,
+            #[cfg(feature = "plc")]
+            Command::RtEndWhile(head) => self.begin_loop(head, None)?,
             #[cfg(feature = "dialects")]
             Command::Pause(head, code) => {
                 let held = Held { pauses: true, ..Held::new(head, Function::M(*code)) };

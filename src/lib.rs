@@ -198,6 +198,9 @@ pub mod smooth;
 #[cfg(feature = "plc")]
 pub mod contour_log;
 
+#[cfg(feature = "plc")]
+pub mod rt_loop;
+
 #[doc(hidden)]
 pub mod lookahead;
 

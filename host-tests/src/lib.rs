@@ -78,6 +78,7 @@ pub mod requests;
 
 pub mod splines;
 
+pub mod loops;
 pub mod never_slower;
 
 pub mod unlike;

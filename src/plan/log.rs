@@ -55,6 +55,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         let path = self.queue.segments.end().to_bits();
         if let Some(recorder) = &mut self.intake.recorder {
             recorder.cut(path);
+            recorder.leave_loop();
         }
     }
 

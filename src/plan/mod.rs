@@ -13,6 +13,7 @@
 //! | `late` | what happens when text or room for functions is missing |
 //! | `forecast` | what a PLC asks about what comes (feature `plc`) |
 //! | `log` | what the PLC is told of the path ahead (feature `plc`) |
+//! | `seam` | how long a real-time loop waits with its decision (feature `plc`) |
 //! | `stand` | where the axes stand at rest, and what a new program begins with |
 mod acknowledge;
 mod change;
@@ -30,6 +31,8 @@ mod law;
 mod log;
 mod pace;
 mod reserve;
+#[cfg(feature = "plc")]
+mod seam;
 mod search;
 mod short_stop;
 mod slower;
@@ -38,6 +41,8 @@ mod turning;
 
 #[cfg(feature = "plc")]
 use crate::contour_log::Recorder;
+#[cfg(feature = "plc")]
+pub use crate::contour_log::Turn;
 use crate::control::{Commands, Control};
 use crate::dynamics::Dynamics;
 use crate::lookahead::{Lookahead, LookaheadMemory, Pace};
@@ -62,6 +67,8 @@ use held_line::HeldLine;
 use hold::{Mode, REACTION};
 pub use intake::MotionError;
 use reserve::{FAR, Reserve};
+#[cfg(feature = "plc")]
+pub use seam::Seam;
 use search::Search;
 use turning::Turning;
 

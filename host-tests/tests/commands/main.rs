@@ -11,6 +11,7 @@ mod lives_on;
 mod operator;
 mod pace;
 mod pieces;
+mod rt_loops;
 mod sequences;
 mod stall;
 mod taken_back;
