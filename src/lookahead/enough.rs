@@ -2,10 +2,12 @@
 use super::law::length_mm;
 use super::ring::Ring;
 
+/// Ways to a standstill that have to be known: the transition behind the last block may take a part of its limits.
+pub const WAYS: f32 = 2.0;
+
 impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
-    /// Whether a plan of now hands on its first blocks as fast as a longer path would let them be: behind them is twice
-    /// the path to a standstill from the highest speed. Twice, because the transition behind the last block may take a
-    /// part of its limits. Looks at each block once.
+    /// Whether a plan of now hands on its first blocks as fast as a longer path would let them be: behind them is [`WAYS`]
+    /// times the path to a standstill from the highest speed. Looks at each block once.
     pub fn is_long_enough(&self) -> bool {
         let batch = self.batch();
         let Some(first) = self.blocks.get(batch) else { return false };
@@ -14,6 +16,13 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             block.join_to(&mut limits);
             length += length_mm(block);
         }
-        limits.brake().reach(0.0, length * 0.5) >= limits.v
+        limits.brake().reach(0.0, length / WAYS) >= limits.v
+    }
+
+    /// The last block is a part of the curve of the one before it.
+    pub(crate) fn continue_last(&mut self) {
+        if let Some(block) = self.blocks.back_mut() {
+            block.go_on();
+        }
     }
 }

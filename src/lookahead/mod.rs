@@ -51,6 +51,8 @@ mod worth;
 
 pub use block::Block;
 use blocks::Blocks;
+#[cfg(feature = "plc")]
+pub(crate) use enough::WAYS;
 pub use pace::Pace;
 pub(crate) use pace::SLOWEST;
 pub use release::{Gain, GoingOn, ReleasedSpan};

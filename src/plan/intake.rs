@@ -63,14 +63,14 @@ pub(super) struct Pass {
 
 /// The way into the look-ahead.
 pub(super) struct Entrance<'a, 'q, const AXES: usize, const BLOCKS: usize> {
-    ring: &'a mut Ring<'q, AXES, BLOCKS>,
+    pub(super) ring: &'a mut Ring<'q, AXES, BLOCKS>,
     functions: &'a mut Functions,
     dynamics: &'a mut Dynamics<AXES>,
     pub(super) segments: &'a mut CurveProducer<'q, AXES>,
     actions: &'a mut Scheduler<'q>,
     entered: &'a mut [Position; AXES],
     #[cfg(feature = "plc")]
-    pub(super) recorder: &'a mut Option<crate::contour_log::Recorder<'q>>,
+    pub(super) plc: &'a mut super::log::Plc<'q>,
 }
 
 impl<const AXES: usize, const BLOCKS: usize> Entrance<'_, '_, AXES, BLOCKS> {
@@ -124,6 +124,10 @@ impl<const AXES: usize, const BLOCKS: usize> Entrance<'_, '_, AXES, BLOCKS> {
         due: u32,
         end: Option<&[Position; AXES]>,
     ) {
+        #[cfg(feature = "plc")]
+        if self.push_parted(piece, limits, pass, due, end) {
+            return;
+        }
         self.push_here(piece, limits, pass, (due, false), end);
     }
 
@@ -568,7 +572,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
     pub(super) fn entrance(&mut self) -> (Entrance<'_, 'q, AXES, BLOCKS>, &HeldLine<AXES>) {
         let Self { lookahead, functions, dynamics, intake, queue, .. } = self;
         #[cfg(feature = "plc")]
-        let recorder = &mut intake.recorder;
+        let plc = &mut intake.plc;
         let super::Intake { entered, held, .. } = intake;
         let (segments, actions) = (&mut queue.segments, &mut queue.actions);
         let ring = &mut lookahead.ring;
@@ -580,7 +584,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
             actions,
             entered,
             #[cfg(feature = "plc")]
-            recorder,
+            plc,
         };
         (entrance, held)
     }
@@ -590,7 +594,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
     pub(super) fn pass_smoothed(&mut self) -> bool {
         let Self { lookahead, functions, dynamics, intake, queue, .. } = self;
         #[cfg(feature = "plc")]
-        let recorder = &mut intake.recorder;
+        let plc = &mut intake.plc;
         let super::Intake { entered, smoothing, travel, .. } = intake;
         let (segments, actions) = (&mut queue.segments, &mut queue.actions);
         let ring = &mut lookahead.ring;
@@ -602,7 +606,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
             actions,
             entered,
             #[cfg(feature = "plc")]
-            recorder,
+            plc,
         };
         let mut beyond = None;
         let emitted = smoothing.emit(|smoothed| {

@@ -40,8 +40,6 @@ mod stand;
 mod turning;
 
 #[cfg(feature = "plc")]
-use crate::contour_log::Recorder;
-#[cfg(feature = "plc")]
 pub use crate::contour_log::Turn;
 use crate::control::{Commands, Control};
 use crate::dynamics::Dynamics;
@@ -182,7 +180,7 @@ struct Intake<'a, const AXES: usize> {
     refused: Option<(Place, Beyond)>,
     uniform: Uniform,
     #[cfg(feature = "plc")]
-    recorder: Option<Recorder<'a>>,
+    plc: log::Plc<'a>,
     /// Memory for the question of the standstill.
     #[cfg(feature = "plc")]
     inquiry: Option<&'a mut Inquiry>,
@@ -412,7 +410,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
                 turning: Turning::NONE,
                 uniform: Uniform { since: 0, by_ramps: machine.channel.check_jerk_on_poly_path == 2 },
                 #[cfg(feature = "plc")]
-                recorder: None,
+                plc: log::Plc::NONE,
                 #[cfg(feature = "plc")]
                 inquiry: None,
             },
