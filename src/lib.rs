@@ -168,6 +168,9 @@ pub mod machine;
 
 pub mod technology;
 
+#[cfg(feature = "plc")]
+pub mod variable;
+
 pub mod nc;
 
 #[doc(hidden)]

@@ -17,7 +17,8 @@
 //! ```
 use crate::nc::{Command, ContourLog, Head, Motion, MotionKind, Place, Spline};
 use crate::quantity::Position;
-use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+use crate::variable::LoopFlag;
+use core::sync::atomic::{AtomicU32, Ordering};
 use heapless::{Vec, VecView};
 
 /// A command of a loop.
@@ -41,28 +42,11 @@ impl<const AXES: usize> Stored<AXES> {
     }
 }
 
-/// What is shared with the PLC. Each word has one writer.
+/// What is shared with the PLC.
 struct Shared {
-    /// The PLC's value of V.RTG.LOOP.ENABLED.
-    enabled: AtomicBool,
-    /// `written` as the PLC has found it when it wrote last. Written by the PLC.
-    seen: AtomicU32,
-    /// How often the program has written V.RTG.LOOP.ENABLED, times two, and its value. Written by the planner.
-    written: AtomicU32,
+    flag: LoopFlag,
     /// Passes decided on. Written by the planner.
     passes: AtomicU32,
-}
-
-impl Shared {
-    /// The value that was written last.
-    fn is_enabled(&self) -> bool {
-        let written = self.written.load(Ordering::Acquire);
-        if self.seen.load(Ordering::Acquire) == written {
-            self.enabled.load(Ordering::Acquire)
-        } else {
-            written & 1 != 0
-        }
-    }
 }
 
 /// Memory of real-time loops with room for `COMMANDS` commands: motion blocks and commands of the log.
@@ -82,8 +66,7 @@ impl<const AXES: usize, const COMMANDS: usize> LoopMemory<AXES, COMMANDS> {
 
     /// Nothing is in it, and V.RTG.LOOP.ENABLED is false.
     pub const fn new() -> Self {
-        let [seen, written, passes] = [const { AtomicU32::new(0) }; 3];
-        let shared = Shared { enabled: AtomicBool::new(false), seen, written, passes };
+        let shared = Shared { flag: LoopFlag::new(), passes: AtomicU32::new(0) };
         Self { commands: Vec::new(), shared }
     }
 
@@ -110,23 +93,17 @@ pub struct LoopSwitch<'a> {
 impl LoopSwitch<'_> {
     /// V.RTG.LOOP.ENABLED becomes true: loops are entered and repeat.
     pub fn enable(self) {
-        self.set(true);
+        self.shared.flag.set(true);
     }
 
     /// V.RTG.LOOP.ENABLED becomes false: the motion leaves the loop at the end of the last pass that is planned.
     pub fn disable(self) {
-        self.set(false);
-    }
-
-    fn set(self, on: bool) {
-        let Shared { enabled, seen, written, .. } = self.shared;
-        enabled.store(on, Ordering::Release);
-        seen.store(written.load(Ordering::Acquire), Ordering::Release);
+        self.shared.flag.set(false);
     }
 
     /// V.RTG.LOOP.ENABLED, as the PLC or the program has set it last.
     pub fn is_enabled(self) -> bool {
-        self.shared.is_enabled()
+        self.shared.flag.get()
     }
 
     /// Passes that are decided on since [`LoopMemory::split`], over all loops. It wraps.
@@ -141,7 +118,12 @@ pub struct LoopStore<'a, const AXES: usize> {
     shared: &'a Shared,
 }
 
-impl<const AXES: usize> LoopStore<'_, AXES> {
+impl<'a, const AXES: usize> LoopStore<'a, AXES> {
+    /// V.RTG.LOOP.ENABLED, for the decoder.
+    pub(crate) const fn flag(&self) -> &'a LoopFlag {
+        &self.shared.flag
+    }
+
     /// No command.
     pub(crate) fn clear(&mut self) {
         self.commands.clear();
@@ -149,13 +131,7 @@ impl<const AXES: usize> LoopStore<'_, AXES> {
 
     /// V.RTG.LOOP.ENABLED.
     pub(crate) fn is_enabled(&self) -> bool {
-        self.shared.is_enabled()
-    }
-
-    /// The program writes V.RTG.LOOP.ENABLED.
-    pub(crate) fn write(&self, on: bool) {
-        let count = (self.shared.written.load(Ordering::Relaxed) >> 1).wrapping_add(1);
-        self.shared.written.store(count << 1 | u32::from(on), Ordering::Release);
+        self.shared.flag.get()
     }
 
     /// Another pass is decided on.

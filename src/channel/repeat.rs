@@ -4,6 +4,7 @@ use crate::fir::FilterPlan;
 use crate::nc::{Command, Head, Place, Text};
 use crate::plan::{Seam, Turn};
 use crate::rt_loop::{LoopError, LoopStore};
+use crate::variable::Variable;
 
 /// Where the loop at hand stands.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -54,7 +55,16 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
     /// Real-time loops are kept in this memory from now on: [`LoopMemory::split`](crate::rt_loop::LoopMemory::split). It
     /// is called once, before the first [`Self::poll`]. Without it, the planner refuses `#RT WHILE`.
     pub fn real_time_loops(&mut self, store: LoopStore<'a, AXES>) {
+        self.decoder.externals.flag = Some(store.flag());
         self.loops.store = Some(store);
+    }
+
+    /// The variables V.E. of programs from now on. It is called once, before the first [`Self::poll`].
+    ///
+    /// A program reads a variable when the planner reads its line, ahead of the motion, and writes it then. Behind
+    /// `#FLUSH WAIT` the motion has come to the line.
+    pub fn variables(&mut self, variables: &'a [Variable]) {
+        self.decoder.externals.variables = variables;
     }
 
     /// #RT WHILE and #RT ENDWHILE outside of a loop.

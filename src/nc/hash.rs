@@ -295,9 +295,19 @@ impl<const AXES: usize> Interpreter<AXES> {
                     }
                     bracket
                 };
+                #[cfg(feature = "plc")]
+                {
+                    self.in_loop = true;
+                }
                 Command::RtWhile(head, modulo)
             }
-            Hash::RtEndWhile => Command::RtEndWhile(head),
+            Hash::RtEndWhile => {
+                #[cfg(feature = "plc")]
+                {
+                    self.in_loop = false;
+                }
+                Command::RtEndWhile(head)
+            }
             Hash::DistanceClear => Command::DistanceClear(head),
             Hash::FlushWait => Command::FlushWait(head),
             Hash::WaitIndependent => Command::WaitIndependent(head, self.axis_list(c)?),
