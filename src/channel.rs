@@ -529,8 +529,10 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
                 let held = Held { pauses: true, ..Held::new(head, Function::M(*code)) };
                 return Ok(self.output(held));
             }
-            #[cfg(feature = "dialects")]
+            #[cfg(any(feature = "dialects", feature = "plc"))]
             Command::Message(_) => {}
+            #[cfg(feature = "plc")]
+            Command::Flush(_) => self.planning.keep_corner(),
             _ => return refuse(command.name()),
         }
         Ok(Progress::Working)
