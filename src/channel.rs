@@ -55,9 +55,9 @@ use crate::nc::{
     NcWarning, NcWarningKind, Place, SlopeType, Spline, Step, Text,
 };
 pub use crate::plan::PlannedBlock;
+use crate::plan::{MotionError, Planning, Work};
 #[cfg(feature = "plc")]
 use crate::rt_loop::LoopError;
-use crate::plan::{MotionError, Planning, Work};
 use crate::slope::profile::Unplannable;
 use crate::technology::Function;
 

@@ -69,7 +69,7 @@
 //! | `filters` | FIR filters of the axes |
 //! | `fast` | fewer instructions for more flash, with `opt-level = 3` |
 //! | `dialects` | programs of LinuxCNC and Grbl |
-//! | `plc` | elements of the path ahead, for a PLC |
+//! | `plc` | elements of the path ahead, real-time loops and V. variables, for a PLC |
 //! | `kinematics` | transformations of machines with rotary axes; no command uses them yet |
 //! | `defmt` | `defmt::Format` for errors and events |
 //!

@@ -189,7 +189,9 @@ impl<'a, const AXES: usize> LoopStore<'a, AXES> {
     /// Whether an axis moves on the way from `start` back to it.
     pub(crate) fn moves(&self, start: &[Position; AXES]) -> bool {
         self.commands.iter().any(|stored| match stored {
-            Stored::Motion(motion) => matches!(motion.kind, MotionKind::Arc { .. }) || motion.target != *start,
+            Stored::Motion(motion) => {
+                matches!(motion.kind, MotionKind::Arc { .. }) || motion.target != *start
+            }
             _ => false,
         })
     }
@@ -258,7 +260,7 @@ impl core::fmt::Display for LoopError {
                 "the real-time loop has more than {room} commands; expected fewer, or more storage (P-STUP-00033, fb_storage_size)"
             ),
             Self::NoMemory => f.write_str(
-                "real-time loops are not enabled; expected storage for them (P-STUP-00033, fb_storage_size)",
+                "#RT WHILE is not enabled; expected storage for real-time loops (P-STUP-00033, fb_storage_size)",
             ),
             Self::Unopened => f.write_str("#RT ENDWHILE without #RT WHILE; expected #RT WHILE before it"),
             Self::Unclosed => f.write_str("#RT WHILE without #RT ENDWHILE; expected #RT ENDWHILE behind it"),

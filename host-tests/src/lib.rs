@@ -19,6 +19,7 @@
 //! | [`filtered`] | what becomes of it behind filters |
 //! | [`rounded`] | what becomes of a text with rounded corners |
 //! | [`splines`] | random runs with splines |
+//! | [`loops`] | and what comes of a loop of many passes |
 //! | [`mod@refusal`] | what is refused |
 //! | [`deviation`] | is all of a contour inside it |
 //! | [`every_tick`] | and when a hold or a planner without time comes before each tick |
@@ -79,6 +80,7 @@ pub mod requests;
 pub mod splines;
 
 pub mod loops;
+
 pub mod never_slower;
 
 pub mod unlike;

@@ -7,6 +7,7 @@ use glidepath::operator::{Operator, Status};
 use glidepath::quantity::Position;
 use glidepath::rt_loop::{LoopMemory, LoopSwitch};
 use glidepath::tick::State;
+use glidepath::variable::Variable;
 
 /// What a run is at a tick.
 pub struct Now<'a, 'b> {
@@ -24,9 +25,25 @@ pub struct Now<'a, 'b> {
 
 /// Runs a program, from zero, with room for `COMMANDS` commands of a loop; `each` behind every tick. The digest of all
 /// set points, and the error, if the program is refused.
+///
+/// # Panics
+/// The planner does not come to an end.
 pub fn run<const COMMANDS: usize>(
     text: &str,
     machine: &MachineData<3>,
+    each: impl FnMut(&Now<'_, '_>),
+) -> (u64, Option<String>) {
+    run_with::<COMMANDS>(text, machine, &[], each)
+}
+
+/// The same with variables V.E.
+///
+/// # Panics
+/// As [`run`].
+pub fn run_with<const COMMANDS: usize>(
+    text: &str,
+    machine: &MachineData<3>,
+    variables: &[Variable],
     mut each: impl FnMut(&Now<'_, '_>),
 ) -> (u64, Option<String>) {
     let mut memory = Box::new(ContourMemory::<512, 128>::new());
@@ -37,7 +54,10 @@ pub fn run<const COMMANDS: usize>(
     let handles = channel.split(machine, [Position::ZERO; 3], text.as_bytes()).expect("machine data");
     let Handles { mut planner, mut interpolator, operator } = handles;
     planner.log_contour(recorder);
-    planner.real_time_loops(store);
+    if COMMANDS > 0 {
+        planner.real_time_loops(store);
+    }
+    planner.variables(variables);
     let (mut refused, mut digest) = (None, Digest::new());
     switch.enable();
     for tick in 0.. {
@@ -70,8 +90,12 @@ fn mm(position: Position) -> f64 {
 pub const CIRCLE: &str = "N10 G01 X30 F6000\nN20 #RT WHILE\nN30 G03 X40 Y10 I0 J10\nN40 X30 Y20 I-10 J0\nN50 X20 Y10 I0 J-10\n\
     N60 X30 Y0 I10 J0\nN70 #RT ENDWHILE\nN80 G01 X60\nM30\n";
 
-/// Ends the loop in its `pass`-th pass, where the motion comes to the block `n`. The passes driven, the lowest speed
-/// (mm/s) from the first to the last pass, and the last position.
+/// Ends the loop in its `pass`-th pass, where the motion comes to the block `n`; a pass begins with N30. The passes
+/// driven, the lowest speed (mm/s) between the start of the first pass and the end of the last one, and the last
+/// position.
+///
+/// # Panics
+/// The program is refused.
 pub fn drive(text: &str, machine: &MachineData<3>, pass: u64, n: u32) -> (u64, f64, [f64; 3]) {
     let (mut passes, mut last_n, mut slowest, mut end) = (0, 0, f64::MAX, [0.0; 3]);
     let cycle = f64::from(machine.channel.cycle_us) * 1e-6;

@@ -120,7 +120,8 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
     #[inline(never)]
     pub(super) fn repeat(&mut self) -> Result<Progress, Error> {
         let Stage::Within(next) = self.loops.stage else { return self.pass_seam() };
-        let command = self.loops.store.as_ref().and_then(|store| store.get(next)).map(|stored| stored.command());
+        let command =
+            self.loops.store.as_ref().and_then(|store| store.get(next)).map(|stored| stored.command());
         let Some(command) = command else {
             self.loops.stage = Stage::Seam;
             return Ok(Progress::Working);

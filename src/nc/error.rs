@@ -251,14 +251,18 @@ impl fmt::Display for NcError {
             }
             K::NotBuilt(needs) => f.write_str(needs),
             #[cfg(feature = "plc")]
-            K::VariableUnset => write!(f, "variable {found} has no value yet: expected an assignment before it"),
+            K::VariableUnset => {
+                write!(f, "variable {found} has no value yet: expected an assignment before it")
+            }
             #[cfg(feature = "plc")]
             K::NoVariable => write!(
                 f,
                 "no variable {found}: expected V.E. and a name of the application (up to 8 in a line), V.P., V.L., V.RTG.LOOP.ENABLED, V.G.BLOCK_NR or V.G.FEEDRATE"
             ),
             #[cfg(feature = "plc")]
-            K::VariableReadOnly => write!(f, "variable {found} is read only: expected one that a program may write"),
+            K::VariableReadOnly => {
+                write!(f, "variable {found} is read only: expected one that a program may write")
+            }
             #[cfg(feature = "plc")]
             K::InLoop => write!(
                 f,

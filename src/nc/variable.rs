@@ -196,8 +196,12 @@ impl<const AXES: usize> Interpreter<AXES> {
             () => super::expression::expression(c, &self.calculator)?.real(),
         };
         match place {
-            Place::Own(index) => self.calculator.parameters.set(index, value).map_err(|kind| Fault { span, kind }),
-            Place::Outside(_) if self.written.is_some() => span.fault(NcErrorKind::Twice("a variable outside")),
+            Place::Own(index) => {
+                self.calculator.parameters.set(index, value).map_err(|kind| Fault { span, kind })
+            }
+            Place::Outside(_) if self.written.is_some() => {
+                span.fault(NcErrorKind::Twice("a variable outside"))
+            }
             Place::Outside(_) => {
                 self.written = Some(Write { span, value });
                 Ok(())

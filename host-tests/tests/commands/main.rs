@@ -15,4 +15,5 @@ mod rt_loops;
 mod sequences;
 mod stall;
 mod taken_back;
+mod variables;
 mod ways;
