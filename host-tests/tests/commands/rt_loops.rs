@@ -264,6 +264,28 @@ fn a_log_around_has_the_loop_three_times() {
     }
 }
 
+/// The programs of `programs/loops`: a ring that is logged once, and a rounded square that is logged three times, with
+/// the curve to the way out behind the last pass alone.
+#[test]
+fn shipped_programs() {
+    let ring = logged(include_str!("../../../programs/loops/polish.nc"), 12);
+    let kinds: Vec<_> = ring.iter().map(|entry| (entry.block_type as u8, entry.n)).collect();
+    assert_eq!(kinds, [(3, 40), (1, 50), (2, 60), (1, 70), (2, 80), (5, 90)]);
+    // From (20, -30)/40 upward: 45° to the ring's first line.
+    assert!((ring[1].knee - PI / 4.0).abs() < 1e-6, "{:?}", ring[1]);
+    for arc in [&ring[2], &ring[4]] {
+        assert!((arc.angle - PI).abs() < 1e-6 && (arc.radius_mm - 20.0).abs() < 1e-6, "{arc:?}");
+        assert!((arc.length.to_mm() - 20.0 * PI).abs() < 1e-6 && arc.knee < 1e-6, "{arc:?}");
+    }
+    let square = logged(include_str!("../../../programs/loops/warm_up.nc"), 12);
+    let marks: Vec<_> = square.iter().map(|entry| entry.n).filter(|n| [40, 120].contains(n)).collect();
+    assert_eq!(marks, [40, 120]);
+    let sides = |n: u32| square.iter().filter(|e| e.n == n && e.block_type == BlockType::Line).count();
+    assert_eq!([60, 70, 80, 90, 100].map(sides), [3; 5], "{square:?}");
+    let gaps = square.windows(2).filter(|pair| pair[0].end() != pair[1].start).count();
+    assert_eq!(gaps, 1, "between the second pass and the last one");
+}
+
 /// G-09, G-10: with MODULO the distance from program start is set back at the end of each pass; without, it counts on.
 #[test]
 fn modulo_sets_the_distance_back() {
