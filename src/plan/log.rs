@@ -63,6 +63,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
 
     /// What was read ahead is forgotten, and the path is known up to where it will stand.
     pub fn cut_log(&mut self) {
+        self.intake.plc.parts = false;
         let path = self.queue.segments.end().to_bits();
         if let Some(recorder) = &mut self.intake.plc.recorder {
             recorder.cut(path);

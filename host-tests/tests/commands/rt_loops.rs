@@ -264,14 +264,13 @@ fn a_log_around_has_the_loop_three_times() {
     }
 }
 
-/// The programs of `programs/loops`: a ring that is logged once, and a rounded square that is logged three times, with
-/// the curve to the way out behind the last pass alone.
+/// The programs of `programs/loops`: a ring that is logged once, and a rounded square that is logged three times.
 #[test]
 fn shipped_programs() {
     let ring = logged(include_str!("../../../programs/loops/polish.nc"), 12);
     let kinds: Vec<_> = ring.iter().map(|entry| (entry.block_type as u8, entry.n)).collect();
     assert_eq!(kinds, [(3, 40), (1, 50), (2, 60), (1, 70), (2, 80), (5, 90)]);
-    // From (20, -30)/40 upward: 45° to the ring's first line.
+    // From the lower left to straight up.
     assert!((ring[1].knee - PI / 4.0).abs() < 1e-6, "{:?}", ring[1]);
     for arc in [&ring[2], &ring[4]] {
         assert!((arc.angle - PI).abs() < 1e-6 && (arc.radius_mm - 20.0).abs() < 1e-6, "{arc:?}");
