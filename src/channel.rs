@@ -240,7 +240,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
             }
         }
         #[cfg(feature = "plc")]
-        if self.planning.waits_for_log() {
+        if self.planning.waits_for_log() || self.still_moves() {
             return Ok(Progress::Waiting);
         }
         if let Some(axis) = self.filters.beyond() {
@@ -505,6 +505,8 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
             Command::FlushWait(_) => {
                 self.planning.rest(0);
                 self.join(u32::MAX);
+                #[cfg(feature = "plc")]
+                self.wait_for_standstill();
             }
             Command::Oscillation(..) | Command::Independent(..) if OVERLAYS > 0 => self.hold_back(command),
             Command::WaitIndependent(_, axes) => self.wait_independent(*axes),

@@ -25,17 +25,20 @@ pub(super) struct Loops<'a, const AXES: usize> {
     stage: Stage,
     /// #RT WHILE MODULO.
     modulo: bool,
-    /// Passes of the loop at hand, up to a few.
+    /// Passes of the loop at hand.
     passes: u32,
+    /// #FLUSH WAIT: what follows may read a variable, and waits until the axes stand.
+    waits: bool,
 }
 
 impl<const AXES: usize> Loops<'_, AXES> {
     /// No loop, and no memory for one.
-    pub(super) const NONE: Self = Self { store: None, stage: Stage::Outside, modulo: false, passes: 0 };
+    pub(super) const NONE: Self =
+        Self { store: None, stage: Stage::Outside, modulo: false, passes: 0, waits: false };
 
     /// The loop at hand is forgotten.
     pub(super) const fn forget(&mut self) {
-        self.stage = Stage::Outside;
+        (self.stage, self.waits) = (Stage::Outside, false);
     }
 
     /// Whether commands come from a loop instead of the text.
@@ -65,6 +68,17 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
     /// `#FLUSH WAIT` the motion has come to the line.
     pub fn variables(&mut self, variables: &'a [Variable]) {
         self.decoder.externals.variables = variables;
+    }
+
+    /// #FLUSH WAIT: with variables from outside, the lines behind it are read when the axes stand.
+    pub(super) const fn wait_for_standstill(&mut self) {
+        self.loops.waits = self.decoder.externals.exist();
+    }
+
+    /// Whether #FLUSH WAIT still waits. Only after [`crate::plan::Work::Hungry`].
+    pub(super) fn still_moves(&mut self) -> bool {
+        self.loops.waits &= !self.planning.is_at_rest();
+        self.loops.waits
     }
 
     /// #RT WHILE and #RT ENDWHILE outside of a loop.
@@ -141,7 +155,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
             Seam::Working => return Ok(Progress::Working),
             Seam::Decide => {}
         }
-        let Loops { store, stage, modulo, passes } = &mut self.loops;
+        let Loops { store, stage, modulo, passes, .. } = &mut self.loops;
         let again = store.as_ref().is_some_and(LoopStore::is_enabled);
         let turn = match (again, *passes) {
             (true, 0) => Turn::Begin,

@@ -105,6 +105,11 @@ pub(crate) struct Externals<'a> {
 impl<'a> Externals<'a> {
     pub const NONE: Self = Self { variables: &[], flag: None };
 
+    /// Whether there are any.
+    pub const fn exist(&self) -> bool {
+        !self.variables.is_empty() || self.flag.is_some()
+    }
+
     fn find(&self, name: &[u8]) -> Option<&'a Variable> {
         self.variables.iter().find(|variable| variable.is(name))
     }

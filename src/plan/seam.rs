@@ -1,11 +1,11 @@
 //! The seam between two passes of a real-time loop: how long the planner can do without knowing what follows.
 //!
 //! What was taken in waits in the look-ahead. Of it the planner hands on only what a longer path would not make
-//! faster: behind the blocks handed on there is always enough path to stop from the highest speed. When there is
-//! not enough any more, and the queue runs low, the flag decides on the next pass.
+//! faster: behind the blocks handed on there is always enough path to stop. When there is not enough any more, and the
+//! queue runs low, the flag decides on the next pass.
 //!
-//! So the decision comes [`SOON`] ticks and twice the path to a standstill ahead, in whole blocks of the look-ahead. A
-//! line or an arc that is longer becomes two blocks.
+//! So the decision comes [`SOON`] ticks and about twice the path to a standstill ahead, in whole blocks of the
+//! look-ahead. A line or an arc that is longer becomes two blocks.
 use super::intake::{Entrance, Pass};
 use super::{Planning, clock};
 use crate::contour_log::{Crowded, Turn};
