@@ -510,11 +510,7 @@ fn operand(c: &mut Cursor<'_>, e: &mut Evaluation<'_>, start: usize) -> Result<(
                 }
                 if word.is("V") && c.raw() == b'.' {
                     c.back_to(mark);
-                    #[cfg(feature = "plc")]
-                    if !after_p && super::variable::is_here(c) {
-                        return variable(c, e);
-                    }
-                    return c.rest_of_word().fault(NcErrorKind::NotAvailable("variable"));
+                    return variable(c, e);
                 }
                 if word.is("NOT") && !after_p {
                     e.wait(Op::Not).map_err(|kind| fault(c, kind))?;
@@ -539,6 +535,13 @@ fn operand(c: &mut Cursor<'_>, e: &mut Evaluation<'_>, start: usize) -> Result<(
             _ => return c.expected("a number, P, a function or ["),
         }
     }
+}
+
+/// V. variables belong to the feature `plc`.
+#[cfg(not(feature = "plc"))]
+#[inline(always)]
+fn variable(c: &mut Cursor<'_>, _: &mut Evaluation<'_>) -> Result<(), Fault> {
+    c.rest_of_word().fault(NcErrorKind::NotAvailable("variable"))
 }
 
 /// The value of a V. variable.
