@@ -2,7 +2,7 @@
 use glidepath::channel::{Channel, Handles, Progress};
 use glidepath::contour_log::{ContourMemory, ContourReader};
 use glidepath::digest::Digest;
-use glidepath::machine::MachineData;
+use glidepath::machine::{InterpolatorData, MachineData};
 use glidepath::operator::{Operator, Status};
 use glidepath::quantity::Position;
 use glidepath::rt_loop::{LoopMemory, LoopSwitch};
@@ -46,12 +46,14 @@ pub fn run_with<const COMMANDS: usize>(
     variables: &[Variable],
     mut each: impl FnMut(&Now<'_, '_>),
 ) -> (u64, Option<String>) {
+    let mut machine = machine.clone();
+    machine.channel.interpolator = InterpolatorData { log_max: u32::MAX, ..InterpolatorData::ALL };
     let mut memory = Box::new(ContourMemory::<512, 128>::new());
     let mut loops = Box::new(LoopMemory::<3, COMMANDS>::new());
     let mut channel: Box<Channel<3, 120>> = Box::new(Channel::new());
     let (recorder, contour) = memory.split();
     let (store, switch) = loops.split();
-    let handles = channel.split(machine, [Position::ZERO; 3], text.as_bytes()).expect("machine data");
+    let handles = channel.split(&machine, [Position::ZERO; 3], text.as_bytes()).expect("machine data");
     let Handles { mut planner, mut interpolator, operator } = handles;
     planner.log_contour(recorder);
     if COMMANDS > 0 {
