@@ -46,7 +46,7 @@ pub fn run_with<const COMMANDS: usize>(
     variables: &[Variable],
     mut each: impl FnMut(&Now<'_, '_>),
 ) -> (u64, Option<String>) {
-    let mut machine = machine.clone();
+    let mut machine = *machine;
     machine.channel.interpolator = InterpolatorData { log_max: u32::MAX, ..InterpolatorData::ALL };
     let mut memory = Box::new(ContourMemory::<512, 128>::new());
     let mut loops = Box::new(LoopMemory::<3, COMMANDS>::new());
