@@ -38,6 +38,8 @@ mod kinematics;
 #[cfg(feature = "plc")]
 mod log;
 mod memory;
+#[cfg(feature = "plc")]
+mod repeat;
 mod rest;
 
 use beside::Beside;
@@ -58,6 +60,8 @@ use crate::nc::{
 };
 pub use crate::plan::PlannedBlock;
 use crate::plan::{MotionError, Planning, Work};
+#[cfg(feature = "plc")]
+use crate::rt_loop::LoopError;
 use crate::slope::profile::Unplannable;
 use crate::technology::Function;
 
@@ -174,6 +178,9 @@ pub struct Planner<
     /// The last command, while a program is examined.
     #[cfg(feature = "examine")]
     seen: Option<Command<AXES>>,
+    /// Real-time loops.
+    #[cfg(feature = "plc")]
+    loops: repeat::Loops<'a, AXES>,
 }
 
 impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, const OVERLAYS: usize>
@@ -244,7 +251,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
             return Ok(Progress::Working);
         }
         #[cfg(feature = "plc")]
-        if self.planning.waits_for_log() {
+        if self.planning.waits_for_log() || self.still_moves() {
             return Ok(Progress::Waiting);
         }
         if let Some(axis) = self.filters.beyond() {
@@ -258,6 +265,10 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         }
         if !self.beside.is_free() && (self.beside.pending.is_some() || self.source != Source::Open) {
             return self.wait_beside();
+        }
+        #[cfg(feature = "plc")]
+        if self.loops.repeat() {
+            return self.repeat();
         }
         match self.source {
             Source::Open => self.decode(),
@@ -375,6 +386,10 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
             Ok(Step::Working | Step::Late) => Ok(Progress::Working),
             Ok(Step::Warning(warning)) => Ok(Progress::Warning(*warning)),
             Ok(Step::Command(command)) => self.execute(command),
+            #[cfg(feature = "plc")]
+            Ok(Step::End) if let Some(place) = self.unclosed_loop() => {
+                Err(Error::Loop(place, LoopError::Unclosed))
+            }
             Ok(Step::End) => {
                 self.end();
                 Ok(Progress::Working)
@@ -391,6 +406,8 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
     #[cold]
     fn refuse(&mut self) {
         self.decoder.refuse();
+        #[cfg(feature = "plc")]
+        self.break_loop();
         self.held = None;
         self.end();
     }
@@ -431,6 +448,8 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
     #[cold]
     fn lose(&mut self) {
         self.beside.stop();
+        #[cfg(feature = "plc")]
+        self.loops.forget();
         self.source = Source::Ended;
         self.held = None;
         self.lost = true;
@@ -445,6 +464,10 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
     }
 
     fn execute(&mut self, command: &Command<AXES>) -> Result<Progress, Error> {
+        #[cfg(feature = "plc")]
+        if self.loops.read() {
+            return self.keep(command);
+        }
         let Command::Motion(motion) = command else { return self.carry_out(command) };
         if self.moves_released(motion) {
             self.planning.drop_motion();
@@ -506,6 +529,8 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
             Command::FlushWait(_) => {
                 self.planning.rest(0);
                 self.join(u32::MAX);
+                #[cfg(feature = "plc")]
+                self.wait_for_standstill();
             }
             Command::Oscillation(..) | Command::Independent(..) if OVERLAYS > 0 => self.hold_back(command),
             Command::WaitIndependent(_, axes) => self.wait_independent(*axes),
@@ -524,6 +549,10 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
             Command::Kinematics(_, crate::nc::Kinematics::Off) => {}
             #[cfg(feature = "plc")]
             Command::ContourLog(..) | Command::DistanceClear(_) => self.log(command)?,
+            #[cfg(feature = "plc")]
+            Command::RtWhile(head, modulo) => self.begin_loop(head, Some(*modulo))?,
+            #[cfg(feature = "plc")]
+            Command::RtEndWhile(head) => self.begin_loop(head, None)?,
             #[cfg(feature = "dialects")]
             Command::Pause(head, code) => {
                 let held = Held { pauses: true, ..Held::new(head, Function::M(*code)) };
@@ -541,8 +570,10 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
                 let held = Held { pauses: true, ..Held::new(head, Function::Input(*wait)) };
                 return Ok(self.output(held));
             }
-            #[cfg(feature = "dialects")]
+            #[cfg(any(feature = "dialects", feature = "plc"))]
             Command::Message(_) => {}
+            #[cfg(feature = "plc")]
+            Command::Flush(_) => self.planning.keep_corner(),
             _ => return refuse(command.name()),
         }
         Ok(Progress::Working)

@@ -70,7 +70,7 @@
 //! | `fast` | fewer instructions for more flash, with `opt-level = 3` |
 //! | `dialects` | programs of LinuxCNC and Grbl |
 //! | `fanuc` | programs of Fanuc's controllers |
-//! | `plc` | elements of the path ahead, for a PLC |
+//! | `plc` | elements of the path ahead, real-time loops and V. variables, for a PLC |
 //! | `kinematics` | transformations of machines with rotary axes: `#KIN ID`, `#TRAFO` |
 //! | `examine` | a check that refuses what a run refuses, without planning; for desktop tools |
 //! | `defmt` | `defmt::Format` for errors and events |
@@ -170,6 +170,9 @@ pub mod machine;
 
 pub mod technology;
 
+#[cfg(feature = "plc")]
+pub mod variable;
+
 pub mod nc;
 
 #[doc(hidden)]
@@ -199,6 +202,9 @@ pub mod smooth;
 
 #[cfg(feature = "plc")]
 pub mod contour_log;
+
+#[cfg(feature = "plc")]
+pub mod rt_loop;
 
 #[doc(hidden)]
 pub mod lookahead;

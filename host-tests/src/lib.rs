@@ -20,6 +20,7 @@
 //! | [`filtered`] | what becomes of it behind filters |
 //! | [`rounded`] | what becomes of a text with rounded corners |
 //! | [`splines`] | random runs with splines |
+//! | [`loops`] | and what comes of a loop of many passes |
 //! | [`mod@refusal`] | what is refused |
 //! | [`deviation`] | is all of a contour inside it |
 //! | [`every_tick`] | and when a hold or a planner without time comes before each tick |
@@ -82,6 +83,9 @@ pub mod requests;
 pub mod splines;
 
 pub mod mutate;
+
+pub mod loops;
+
 pub mod never_slower;
 
 pub mod unlike;

@@ -9,6 +9,8 @@ use crate::nc::{NcError, Place};
 use crate::plan::SwitchError;
 use crate::plan::{MotionError, SplineError};
 use crate::quantity::Decimal;
+#[cfg(feature = "plc")]
+use crate::rt_loop::LoopError;
 
 /// Why machine data are refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -90,6 +92,9 @@ pub enum Error {
     Filter(Place, AxisName, FilterError),
     /// A spline command is not permitted here.
     Spline(Place, SplineError),
+    /// A real-time loop is refused.
+    #[cfg(feature = "plc")]
+    Loop(Place, LoopError),
     /// ACC or DEC of #VECTOR LIMIT is below 1 mm/s², or VEL is 0.
     PathAcceleration(Place),
     /// A block takes more than 2^27 ticks at reduced speed (P-AXIS-00214).
@@ -112,6 +117,8 @@ impl Error {
             | Self::PathAcceleration(place) => *place,
             #[cfg(feature = "kinematics")]
             Self::NoTransformation(place, ..) | Self::Transformation(place, _) => *place,
+            #[cfg(feature = "plc")]
+            Self::Loop(place, _) => *place,
             Self::ReducedTooSlow | Self::Unplannable => Place::default(),
         }
     }
@@ -127,6 +134,8 @@ impl Error {
             Self::Spline(_, SplineError::InHsc) => 120_370,
             #[cfg(feature = "kinematics")]
             Self::Transformation(_, SwitchError::Active(_)) => 20_687,
+            #[cfg(feature = "plc")]
+            Self::Loop(_, error) => error.id(),
             _ => 0,
         }
     }
@@ -147,6 +156,8 @@ impl core::fmt::Display for Error {
                 f.write_str("an arc while a B-spline is on; expected G00, G01, or G150 before it")
             }
             Self::Spline(_, error) => spline(f, error),
+            #[cfg(feature = "plc")]
+            Self::Loop(_, error) => error.fmt(f),
             Self::Motion(_, MotionError::Beyond(beyond)) => software_limit(f, "the axis", beyond),
             Self::SoftwareLimit(_, axis, beyond) => {
                 f.write_str("axis ")?;

@@ -77,4 +77,4 @@ const NEEDS: &str = "the log of the contour is not enabled; expected FCT_CONTOUR
 const NO_STORAGE: &str =
     "there is no storage for the log of the contour; expected fb_storage_size[0] above 0 (P-STUP-00033)";
 
-const CROWDED: &str = "more than 8 commands of #CONTOUR LOOKAHEAD LOG wait for one motion block; expected fewer between two blocks";
+pub(super) const CROWDED: &str = "more than 8 commands of #CONTOUR LOOKAHEAD LOG wait for one motion block; expected fewer between two blocks";

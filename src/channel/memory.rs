@@ -150,6 +150,8 @@ impl<const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Channel<AXES
                 released: 0,
                 lost: false,
                 filters,
+                #[cfg(feature = "plc")]
+                loops: super::repeat::Loops::NONE,
                 beside: Beside::new(singles.write([Single::NONE; OVERLAYS]), to_overlays, &machine.channel),
                 #[cfg(feature = "examine")]
                 seen: None,

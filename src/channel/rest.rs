@@ -92,6 +92,8 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
     /// Whether the axes stand and everything that was read is executed. Then [`Self::load`] and the calls beside it work.
     pub fn is_at_rest(&self) -> bool {
         let reads = self.held.is_some() || !self.decoder.is_between_lines();
+        #[cfg(feature = "plc")]
+        let reads = reads || self.loops.repeat() || self.loops.read();
         !reads && self.planning.is_at_rest() && self.beside.is_free() && self.filters.is_settled()
     }
 

@@ -27,6 +27,8 @@ pub use entry::{BlockType, Entry, ProgramDistance};
 pub use question::{Moment, Question, QuestionUnit, Unknown};
 pub use reader::{ContourReader, Elements, Forgotten, LogState};
 pub(crate) use recorder::Passed;
+#[doc(hidden)]
+pub use recorder::Turn;
 pub use recorder::{Crowded, Recorder};
 pub use unit::{ControlUnit, Pending, UnitState};
 

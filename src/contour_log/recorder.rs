@@ -32,6 +32,30 @@ pub(super) const MARKS: usize = 8;
 enum Mark {
     Log(ContourLog),
     Distance,
+    /// A pass of a real-time loop begins or ends; with MODULO.
+    Turn(Turn, bool),
+}
+
+/// Where a real-time loop stands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Turn {
+    /// The first pass begins.
+    Begin,
+    /// Another pass begins.
+    Again,
+    /// The last pass ends.
+    End,
+}
+
+/// What is known of the real-time loop at hand.
+#[derive(Clone, Copy, Debug, Default)]
+struct Repeat {
+    /// Passes begun, 3 at most.
+    passes: u32,
+    /// Program distance at the start of the loop, as `Recorder::end`.
+    start: (i64, i64),
+    /// From the third pass on, if it is logged: end of the log before the pass, and entries without room by then.
+    kept: Option<(u32, u32)>,
 }
 
 /// A command that acts before the curves of the motion block `number`.
@@ -66,6 +90,7 @@ pub struct Recorder<'a> {
     most: usize,
     /// By what the path is measured. `None`: no planner has it yet.
     measure: Option<Measure>,
+    repeat: Repeat,
 }
 
 impl<'a> Recorder<'a> {
@@ -81,6 +106,7 @@ impl<'a> Recorder<'a> {
             marks: heapless::Deque::new(),
             most: usize::MAX,
             measure: None,
+            repeat: Repeat::default(),
         }
     }
 
@@ -97,6 +123,7 @@ impl<'a> Recorder<'a> {
     /// A program starts where the path is at `path`: its distance is 0, and the log is empty.
     pub(crate) fn start(&mut self, path: i64) {
         self.marks.clear();
+        self.repeat = Repeat::default();
         self.path = Some(path);
         self.forget();
         self.end = (0, 0);
@@ -111,6 +138,7 @@ impl<'a> Recorder<'a> {
             return;
         }
         self.marks.clear();
+        self.repeat = Repeat::default();
         self.forget();
         self.extend(path.wrapping_sub(known));
         self.show();
@@ -144,7 +172,11 @@ impl<'a> Recorder<'a> {
             (row.reach, row.path) = (end.0, path.unwrap_or(0));
         }
         window.show(w);
-        log.show(l);
+        let mut shown = *l;
+        if let Some((end, without_room)) = self.repeat.kept {
+            (shown.end, shown.mark) = (end, without_room);
+        }
+        log.show(&shown);
     }
 
     /// A command of the log, for the place before the motion block `number`.
@@ -161,6 +193,14 @@ impl<'a> Recorder<'a> {
     /// Too many commands wait for one.
     pub(crate) fn clear_distance(&mut self, n: u32, number: u32) -> Result<(), Crowded> {
         self.marks.push_back(Waiting { number, n, mark: Mark::Distance }).map_err(|_| Crowded)
+    }
+
+    /// A real-time loop: before the motion block `number` a pass begins or ends.
+    ///
+    /// # Errors
+    /// Too many commands wait for one motion block.
+    pub(crate) fn turn(&mut self, number: u32, turn: Turn, modulo: bool) -> Result<(), Crowded> {
+        self.marks.push_back(Waiting { number, n: 0, mark: Mark::Turn(turn, modulo) }).map_err(|_| Crowded)
     }
 
     /// Commands that belong before the motion block `number` get their place.
@@ -196,17 +236,8 @@ impl<'a> Recorder<'a> {
 
     fn set(&mut self, n: u32, id: u32, mark: Mark) {
         match mark {
-            Mark::Distance => {
-                let entry = Entry { id, ..Entry::mark(BlockType::Clear, n, None) };
-                let start = ProgramDistance::from_bits(self.end.0);
-                self.window.push(
-                    &mut self.rows[0],
-                    &Entry { start, ..entry },
-                    self.window.room().min(self.most),
-                );
-                self.end = (0, 0);
-                self.rows[0].mark = self.rows[0].end;
-            }
+            Mark::Distance => self.count_from((0, 0), n, id),
+            Mark::Turn(turn, modulo) => self.go_round(turn, modulo, id),
             Mark::Log(ContourLog::On(parameter)) if self.rows[1].flags == 0 => {
                 self.rows[1].flags = ACTIVE;
                 self.put(Entry { id, ..Entry::mark(BlockType::LogOn, n, parameter) });
@@ -221,6 +252,48 @@ impl<'a> Recorder<'a> {
             // Only the first area is provided: what marks another one does nothing before CLEAR, which does not come here.
             Mark::Log(_) => {}
         }
+    }
+
+    /// Distances count from `start` on.
+    fn count_from(&mut self, start: (i64, i64), n: u32, id: u32) {
+        let entry = Entry { id, ..Entry::mark(BlockType::Clear, n, None) };
+        let end = ProgramDistance::from_bits(self.end.0);
+        self.window.push(
+            &mut self.rows[0],
+            &Entry { start: end, ..entry },
+            self.window.room().min(self.most),
+        );
+        self.end = start;
+        self.rows[0].mark = self.rows[0].end;
+    }
+
+    /// A pass of a real-time loop begins or ends. A log that is active around the loop has three of its passes: the
+    /// first, the second and the last. So from the third one on, each takes the place of the one before, and the log
+    /// shows it when the loop ends.
+    fn go_round(&mut self, turn: Turn, modulo: bool, id: u32) {
+        if turn == Turn::Begin {
+            self.repeat = Repeat { start: self.end, ..Repeat::default() };
+        } else if modulo {
+            self.count_from(self.repeat.start, 0, id);
+        }
+        let Repeat { passes, kept, .. } = &mut self.repeat;
+        if turn == Turn::End {
+            *kept = None;
+            return;
+        }
+        *passes = passes.saturating_add(1).min(3);
+        let log = &mut self.rows[1];
+        match *kept {
+            Some((end, without_room)) => (log.end, log.mark) = (end, without_room),
+            None if *passes == 3 && log.flags == ACTIVE => *kept = Some((log.end, log.mark)),
+            None => {}
+        }
+    }
+
+    /// The loop at hand is forgotten.
+    pub(crate) fn leave_loop(&mut self) {
+        self.repeat = Repeat::default();
+        self.show();
     }
 
     /// An entry of the log, at the end. One without room is counted.

@@ -28,12 +28,15 @@
 //! | `law` | the speed profile of a span |
 //! | `pace` | the speed of a block under override and reduced speed |
 //! | `release` | which blocks leave the ring |
+//! | `enough` | how much may leave while it is not known what follows |
 //! | `ring`, `blocks`, `block`, `planned` | the ring, its places, a block, a planned speed |
 mod append;
 mod block;
 mod blocks;
 mod brief;
 mod ease;
+#[cfg(feature = "plc")]
+mod enough;
 mod knees;
 mod law;
 mod pace;
@@ -48,6 +51,8 @@ mod worth;
 
 pub use block::Block;
 use blocks::Blocks;
+#[cfg(feature = "plc")]
+pub(crate) use enough::WAYS;
 pub use pace::Pace;
 pub(crate) use pace::SLOWEST;
 pub use release::{Gain, GoingOn, ReleasedSpan};

@@ -223,6 +223,10 @@ impl<const AXES: usize> Interpreter<AXES> {
     /// Reads one word. An axis bracket command puts itself into [`Gathered::Single`]; its span comes back.
     fn word(&mut self, c: &mut Cursor<'_>, line: &Line, w: &mut Words<AXES>) -> Result<Option<Span>, Fault> {
         let mark = c.mark();
+        #[cfg(feature = "plc")]
+        if self.is_calculation(c)? {
+            return Ok(None);
+        }
         if let Some(axis) = self.axis_here(c) {
             if c.peek() == b'[' && self.axis_command(c, line, axis, mark)? {
                 return Ok(Some(c.since(mark)));
@@ -320,6 +324,24 @@ impl<const AXES: usize> Interpreter<AXES> {
         Ok(None)
     }
 
+    /// An assignment to a V. variable, which is carried out. Neither it nor one to a P parameter, nor a return, may be in
+    /// a real-time loop, whose lines are read once.
+    #[cfg(feature = "plc")]
+    #[inline(never)]
+    fn is_calculation(&mut self, c: &mut Cursor<'_>) -> Result<bool, Fault> {
+        let is_variable = super::variable::is_here(c);
+        if self.in_loop && (is_variable || c.peek_upper() == b'P') {
+            return c.rest_of_word().fault(NcErrorKind::InLoop);
+        }
+        if is_variable {
+            if !functions::EXPRESSIONS.is_built() {
+                c.rest_of_word().needs(functions::EXPRESSIONS)?;
+            }
+            self.assign_variable(c)?;
+        }
+        Ok(is_variable)
+    }
+
     /// The axis whose name stands here; names of more than one letter need `=` or `[` behind them.
     pub fn axis_here(&self, c: &mut Cursor<'_>) -> Option<usize> {
         let mark = c.mark();
@@ -393,6 +415,10 @@ impl<const AXES: usize> Interpreter<AXES> {
             17 | 29 => Some(Ending::Subroutine),
             _ => None,
         };
+        #[cfg(feature = "plc")]
+        if ending == Some(Ending::Subroutine) && self.in_loop {
+            return span.fault(NcErrorKind::InLoop);
+        }
         if let Some(ending) = ending {
             w.end_span = span;
             if w.ends.replace(ending).is_some() {

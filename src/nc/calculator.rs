@@ -44,6 +44,9 @@ pub(super) struct Calculator {
     aside: Cell<Option<Aside>>,
     /// Where that begins.
     aside_start: Cell<usize>,
+    /// Variables from outside, for the line at hand.
+    #[cfg(feature = "plc")]
+    pub looked: super::variable::Looked,
 }
 
 /// No place in a line.
@@ -61,6 +64,8 @@ impl Calculator {
             count: Cell::new(0),
             aside: Cell::new(None),
             aside_start: Cell::new(0),
+            #[cfg(feature = "plc")]
+            looked: super::variable::Looked::new(),
         }
     }
 

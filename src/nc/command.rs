@@ -241,9 +241,12 @@ pub enum Command<const AXES: usize> {
     /// M66 of LinuxCNC: the axes stop until [`Function::Input`] is acknowledged.
     #[cfg(feature = "dialects")]
     WaitInput(Head, InputWait),
-    /// A comment for the operator, `(MSG, text)`: the place is that of the text.
-    #[cfg(feature = "dialects")]
+    /// A text for the operator, `#MSG ["text"]` or the comment `(MSG, text)`: the place is that of the text.
+    #[cfg(any(feature = "dialects", feature = "plc"))]
     Message(Head),
+    /// #FLUSH: what is held back for the block behind goes on.
+    #[cfg(feature = "plc")]
+    Flush(Head),
     /// G38.2…G38.5 of other dialects. The planner refuses it by name: an application with a probe carries it out.
     #[cfg(feature = "dialects")]
     Probe(Head, Probe<AXES>),
@@ -297,9 +300,11 @@ impl<const AXES: usize> Command<AXES> {
             | Self::WaitIndependent(h, _)
             | Self::ProgramEnd(h, _) => Some(h),
             #[cfg(feature = "dialects")]
-            Self::Pause(h, _) | Self::Message(h) | Self::Probe(h, _) => Some(h),
-            #[cfg(feature = "dialects")]
-            Self::Output(h, ..) | Self::WaitInput(h, _) => Some(h),
+            Self::Pause(h, _) | Self::Probe(h, _) | Self::Output(h, ..) | Self::WaitInput(h, _) => Some(h),
+            #[cfg(any(feature = "dialects", feature = "plc"))]
+            Self::Message(h) => Some(h),
+            #[cfg(feature = "plc")]
+            Self::Flush(h) => Some(h),
         }
     }
 
@@ -383,8 +388,10 @@ impl<const AXES: usize> Command<AXES> {
             Self::Output(..) => "output (M62 to M68)",
             #[cfg(feature = "dialects")]
             Self::WaitInput(..) => "wait for an input (M66)",
-            #[cfg(feature = "dialects")]
+            #[cfg(any(feature = "dialects", feature = "plc"))]
             Self::Message(_) => "message",
+            #[cfg(feature = "plc")]
+            Self::Flush(_) => "#FLUSH",
             #[cfg(feature = "dialects")]
             Self::Probe(..) => "probing (G38.2 to G38.5)",
         }

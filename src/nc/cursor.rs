@@ -146,6 +146,16 @@ impl<'a> Cursor<'a> {
         Span { at: mark as u16, len: (end - mark) as u16 }
     }
 
+    /// From `mark` to the next blank behind the cursor.
+    #[cfg(feature = "plc")]
+    pub fn rest_from(&self, mark: usize) -> Span {
+        let mut end = self.at;
+        while self.bytes.get(end).is_some_and(|b| *b != b' ') {
+            end += 1;
+        }
+        Span { at: mark as u16, len: (end - mark) as u16 }
+    }
+
     /// Refuses what is at the cursor.
     pub fn expected<V>(&mut self, what: &'static str) -> Result<V, Fault> {
         self.here().fault(NcErrorKind::Expected(what))

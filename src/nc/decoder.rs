@@ -79,6 +79,9 @@ pub struct Decoder<'a, T: Text, const AXES: usize> {
     interpreter: &'a mut Interpreter<AXES>,
     /// The line at hand is refused.
     refused: bool,
+    /// Variables outside of the decoder.
+    #[cfg(feature = "plc")]
+    pub(crate) externals: super::Externals<'a>,
 }
 
 impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
@@ -94,7 +97,14 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
         {
             reader.foreign.is_on = !interpreter.is_isg();
         }
-        Self { reader, line, interpreter, refused: false }
+        Self {
+            reader,
+            line,
+            interpreter,
+            refused: false,
+            #[cfg(feature = "plc")]
+            externals: super::Externals::NONE,
+        }
     }
 
     /// The same for a machine that stands at `start`.
@@ -366,6 +376,14 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
                 Phase::Ended => Ok(Next::Line),
             },
         };
+        #[cfg(feature = "plc")]
+        let next = match next {
+            Ok(_) if !self.interpreter.calculator.is_halted() => {
+                let written = self.interpreter.write_out(self.line.bytes(), &self.externals);
+                written.map_err(Refusal::Here).and(next)
+            }
+            next => next,
+        };
         match next {
             _ if self.interpreter.calculator.is_halted() => {}
             Ok(Next::Line) => {}
@@ -406,6 +424,10 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
         #[cfg(feature = "dialects")]
         if fill == Fill::Line {
             self.interpreter.foreign.note = self.reader.foreign.take();
+        }
+        #[cfg(feature = "plc")]
+        if fill == Fill::Line {
+            self.interpreter.look_up(self.line.bytes(), &self.externals);
         }
         if let (Fill::Line, Some(place)) = (fill, self.reader.unclosed()) {
             self.interpreter.warn_at(place, NcWarningKind::UnclosedComment);

@@ -164,6 +164,18 @@ pub enum NcErrorKind {
     Missing(&'static str),
     /// `*nn` at the end of a numbered line: a checksum of serial transmission.
     Checksum,
+    /// A V. variable that was not written yet.
+    #[cfg(feature = "plc")]
+    VariableUnset,
+    /// A V. variable that neither language nor application has.
+    #[cfg(feature = "plc")]
+    NoVariable,
+    /// A V. variable that a program may not write.
+    #[cfg(feature = "plc")]
+    VariableReadOnly,
+    /// 22073: not in a real-time loop.
+    #[cfg(feature = "plc")]
+    InLoop,
     /// Known to the dialect of the program, and not built: what it is, and what to write.
     #[cfg(feature = "dialects")]
     Known {
@@ -204,6 +216,8 @@ impl NcErrorKind {
             Self::OscillationSpeed => 50593,
             Self::OscillationModulo => 22277,
             Self::Independent(_) => 50603,
+            #[cfg(feature = "plc")]
+            Self::InLoop => 22073,
             Self::UnknownKeyword { command, .. } if matches!(command.as_bytes(), b"INDP") => 50603,
             _ => 0,
         }
@@ -236,6 +250,24 @@ impl fmt::Display for NcError {
                 write!(f, "{what} \"{found}\" is known, not available in this version")
             }
             K::NotBuilt(needs) => f.write_str(needs),
+            #[cfg(feature = "plc")]
+            K::VariableUnset => {
+                write!(f, "variable {found} has no value yet: expected an assignment before it")
+            }
+            #[cfg(feature = "plc")]
+            K::NoVariable => write!(
+                f,
+                "no variable {found}: expected V.E. and a name of the application (up to 8 in a line), V.P., V.L., V.RTG.LOOP.ENABLED, V.G.BLOCK_NR or V.G.FEEDRATE"
+            ),
+            #[cfg(feature = "plc")]
+            K::VariableReadOnly => {
+                write!(f, "variable {found} is read only: expected one that a program may write")
+            }
+            #[cfg(feature = "plc")]
+            K::InLoop => write!(
+                f,
+                "\"{found}\" in a real-time loop: expected G00 to G03, #SPLINE ON or OFF, #CONTOUR LOOKAHEAD LOG ON, OFF or [PARAM=…]"
+            ),
             K::AxisNotHere => {
                 write!(f, "axis {found} is known, not available on this machine (axes {})", self.axes)
             }

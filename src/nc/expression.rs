@@ -198,6 +198,8 @@ const READING: u32 = 7;
 
 struct Evaluation<'p> {
     parameters: &'p Parameters,
+    #[cfg(feature = "plc")]
+    looked: &'p super::variable::Looked,
     values: Vec<f64, EXPRESSION_DEPTH>,
     ops: Vec<Op, EXPRESSION_DEPTH>,
 }
@@ -353,7 +355,13 @@ pub(super) fn expression(c: &mut Cursor<'_>, calculator: &Calculator) -> Result<
         return Ok(Number::Real(value));
     }
     let parameters = &calculator.parameters;
-    let mut e = Evaluation { parameters, values: Vec::new(), ops: Vec::new() };
+    let mut e = Evaluation {
+        parameters,
+        #[cfg(feature = "plc")]
+        looked: &calculator.looked,
+        values: Vec::new(),
+        ops: Vec::new(),
+    };
     let fault = |c: &Cursor<'_>, kind| Fault { span: c.since(start), kind };
     if calculator.has_aside(start)
         && let Some(at) = e.take_up(calculator)
@@ -502,7 +510,7 @@ fn operand(c: &mut Cursor<'_>, e: &mut Evaluation<'_>, start: usize) -> Result<(
                 }
                 if word.is("V") && c.raw() == b'.' {
                     c.back_to(mark);
-                    return c.rest_of_word().fault(NcErrorKind::NotAvailable("variable"));
+                    return variable(c, e);
                 }
                 if word.is("NOT") && !after_p {
                     e.wait(Op::Not).map_err(|kind| fault(c, kind))?;
@@ -527,6 +535,29 @@ fn operand(c: &mut Cursor<'_>, e: &mut Evaluation<'_>, start: usize) -> Result<(
             _ => return c.expected("a number, P, a function or ["),
         }
     }
+}
+
+/// V. variables belong to the feature `plc`.
+#[cfg(not(feature = "plc"))]
+#[inline(always)]
+fn variable(c: &mut Cursor<'_>, _: &mut Evaluation<'_>) -> Result<(), Fault> {
+    c.rest_of_word().fault(NcErrorKind::NotAvailable("variable"))
+}
+
+/// The value of a V. variable.
+#[cfg(feature = "plc")]
+#[inline(never)]
+fn variable(c: &mut Cursor<'_>, e: &mut Evaluation<'_>) -> Result<(), Fault> {
+    use super::variable::Place;
+    let mark = c.mark();
+    let name = super::variable::name(c)?;
+    let span = c.since(mark);
+    let value = match name.place(e.looked.level.get()) {
+        Some(Place::Own(index)) => e.parameters.get(index).map_err(|_| NcErrorKind::VariableUnset),
+        Some(Place::Outside(hash)) => e.looked.get(hash).ok_or(NcErrorKind::NoVariable),
+        None => Err(NcErrorKind::NoVariable),
+    };
+    value.and_then(|value| e.push(value)).map_err(|kind| Fault { span, kind })
 }
 
 /// Steps over an operator between operands.

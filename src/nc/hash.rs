@@ -41,6 +41,10 @@ enum Hash {
     RtEndWhile,
     DistanceClear,
     FlushWait,
+    #[cfg(feature = "plc")]
+    Flush,
+    #[cfg(feature = "plc")]
+    Message,
     WaitIndependent,
     Time,
 }
@@ -110,6 +114,12 @@ const COMMANDS: &[(&str, Hash)] = &[
     ("DISTANCE PROG START CLEAR", Hash::DistanceClear),
     ("DISTANCE PROGRAM START CLEAR", Hash::DistanceClear),
     ("FLUSH&WAIT", Hash::FlushWait),
+    #[cfg(feature = "plc")]
+    ("FLUSH WAIT", Hash::FlushWait),
+    #[cfg(feature = "plc")]
+    ("FLUSH", Hash::Flush),
+    #[cfg(feature = "plc")]
+    ("MSG", Hash::Message),
     ("WAIT INDP", Hash::WaitIndependent),
     ("TIME", Hash::Time),
 ];
@@ -240,7 +250,13 @@ impl<const AXES: usize> Interpreter<AXES> {
         let span = c.since(mark);
         id.function().map_or(Ok(()), |function| span.needs(function))?;
         let head = self.head_of(line, span);
-        self.arguments(c, *id, head)?;
+        self.arguments(
+            c,
+            *id,
+            head,
+            #[cfg(feature = "plc")]
+            line,
+        )?;
         let end = c.require_end("a # command");
         if end.is_err() {
             self.gathered = Gathered::Nothing;
@@ -253,7 +269,13 @@ impl<const AXES: usize> Interpreter<AXES> {
         Units { length: self.length_factor(), feed: Factor::ONE }
     }
 
-    fn arguments(&mut self, c: &mut Cursor<'_>, id: Hash, head: Head) -> Result<(), Fault> {
+    fn arguments(
+        &mut self,
+        c: &mut Cursor<'_>,
+        id: Hash,
+        head: Head,
+        #[cfg(feature = "plc")] line: &Line,
+    ) -> Result<(), Fault> {
         self.gathered = Gathered::Single(Cell::new(match id {
             Hash::Contour(switch) => Command::Contour(head, self.contour(c, switch)?),
             Hash::LogClear => Command::ContourLog(head, ContourLog::Clear),
@@ -295,11 +317,25 @@ impl<const AXES: usize> Interpreter<AXES> {
                     }
                     bracket
                 };
+                #[cfg(feature = "plc")]
+                {
+                    self.in_loop = true;
+                }
                 Command::RtWhile(head, modulo)
             }
-            Hash::RtEndWhile => Command::RtEndWhile(head),
+            Hash::RtEndWhile => {
+                #[cfg(feature = "plc")]
+                {
+                    self.in_loop = false;
+                }
+                Command::RtEndWhile(head)
+            }
             Hash::DistanceClear => Command::DistanceClear(head),
             Hash::FlushWait => Command::FlushWait(head),
+            #[cfg(feature = "plc")]
+            Hash::Flush => Command::Flush(head),
+            #[cfg(feature = "plc")]
+            Hash::Message => Command::Message(Head { place: line.place(message(c)?), ..head }),
             Hash::WaitIndependent => Command::WaitIndependent(head, self.axis_list(c)?),
             Hash::Time => {
                 let mark = c.mark();
@@ -536,4 +572,19 @@ fn is_list(c: &mut Cursor<'_>, switched: bool) -> Result<bool, Fault> {
         0 => Ok(false),
         _ => c.expected("[ and keywords, or nothing behind the switch"),
     }
+}
+
+/// `["text"]`: the text.
+#[cfg(feature = "plc")]
+fn message(c: &mut Cursor<'_>) -> Result<super::Span, Fault> {
+    c.require(b'[', "[\"text\"]")?;
+    c.require(b'"', "\" and a text")?;
+    let mark = c.mark();
+    while !matches!(c.raw(), b'"' | 0) {
+        c.bump();
+    }
+    let text = c.since(mark);
+    c.require(b'"', "\" behind the text")?;
+    c.require(b']', "] behind the text, without values")?;
+    Ok(text)
 }

@@ -89,6 +89,12 @@ pub(super) struct Interpreter<const AXES: usize> {
     pub headless: bool,
     /// Lines carried out since the last command.
     pub quiet: u32,
+    /// A write of the line at hand to a variable outside of the decoder.
+    #[cfg(feature = "plc")]
+    pub written: Option<super::variable::Write>,
+    /// The line at hand is in a real-time loop.
+    #[cfg(feature = "plc")]
+    pub in_loop: bool,
     /// What only programs of other dialects have.
     #[cfg(feature = "dialects")]
     pub foreign: Foreign<AXES>,
@@ -170,6 +176,10 @@ impl<const AXES: usize> Interpreter<AXES> {
             computed: None,
             headless: false,
             quiet: 0,
+            #[cfg(feature = "plc")]
+            written: None,
+            #[cfg(feature = "plc")]
+            in_loop: false,
             #[cfg(feature = "dialects")]
             foreign: Foreign::BLANK,
         }
@@ -373,6 +383,10 @@ impl<const AXES: usize> Interpreter<AXES> {
             while !c.at_end() && !c.eat(b']') {
                 c.bump();
             }
+        }
+        #[cfg(feature = "plc")]
+        if self.in_loop && matches!(c.peek_upper(), b'$' | b'L') {
+            return c.rest_of_word().fault(NcErrorKind::InLoop);
         }
         match c.peek_upper() {
             0 => Ok(Next::Line),

@@ -20,6 +20,7 @@
 //!                                          ├ plain           lines of N, G00, G01, F and axes alone, at once
 //!                                          ├ block           words: G, axes, F, M …, and the motion they make
 //!                                          ├ hash, keyword   # commands and axis[…] with their keywords
+//!                                          ├ variable        V. variables (feature `plc`)
 //!                                          └ dialect         lines of programs of Grbl and LinuxCNC
 //! ```
 //!
@@ -53,6 +54,8 @@ mod restart;
 mod smoothing;
 mod stream;
 mod text;
+#[cfg(feature = "plc")]
+mod variable;
 
 pub use command::*;
 pub(crate) use decoder::Restriction;
@@ -70,5 +73,7 @@ pub use modal::COORDINATE_MAX;
 pub use parameter::PARAMETERS;
 pub use stream::{Feeder, Stream, Window};
 pub use text::*;
+#[cfg(feature = "plc")]
+pub(crate) use variable::Externals;
 
 use crate::quantity::Position;

@@ -30,7 +30,7 @@ impl Parameters {
     }
 
     /// Parameters with an index from `first` to `last` have no value any more.
-    #[cfg(feature = "dialects")]
+    #[cfg(any(feature = "dialects", feature = "plc"))]
     pub fn forget(&mut self, first: u32, last: u32) {
         self.entries.retain(|entry| !(first..=last).contains(&{ entry.index }));
     }
@@ -68,5 +68,10 @@ impl Parameters {
 
 /// A parameter index from the result of an expression: cut to a whole number above 0.
 pub(super) fn index(value: f64) -> Result<u32, NcErrorKind> {
+    // V.P. and V.L. lie above.
+    #[cfg(feature = "plc")]
+    if value >= f64::from(super::variable::NAMED) {
+        return Err(NcErrorKind::ParameterIndex);
+    }
     if (1.0..4e9).contains(&value) { Ok(value as u32) } else { Err(NcErrorKind::ParameterIndex) }
 }

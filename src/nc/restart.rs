@@ -45,6 +45,10 @@ impl<const AXES: usize> Interpreter<AXES> {
 
     /// Nothing more comes of the line at hand.
     fn drop_line(&mut self) {
+        #[cfg(feature = "plc")]
+        {
+            (self.written, self.in_loop) = (None, false);
+        }
         self.queue.clear();
         self.warnings.clear();
         self.gathered = Gathered::Nothing;

@@ -155,7 +155,13 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             let (timed, bent, trades, flows, through) = (false, false, false, false, false);
             let (length, continued, entry, exit) = (shape.length, false, ends, ends);
             let piece = Piece { shape, length, continued, entry, exit, timed, bent, trades, flows, through };
-            entrance.push_here(&piece, limits, pass, (pass.number, *long), None);
+            #[cfg(feature = "plc")]
+            let is_done = entrance.push_parted(&piece, limits, pass, pass.number, None);
+            #[cfg(not(feature = "plc"))]
+            let is_done = false;
+            if !is_done {
+                entrance.push_here(&piece, limits, pass, (pass.number, *long), None);
+            }
         }
         self.intake.held.clear();
     }

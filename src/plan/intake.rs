@@ -68,14 +68,14 @@ pub(super) struct Pass {
 
 /// The way into the look-ahead.
 pub(super) struct Entrance<'a, 'q, const AXES: usize, const BLOCKS: usize> {
-    ring: &'a mut Ring<'q, AXES, BLOCKS>,
+    pub(super) ring: &'a mut Ring<'q, AXES, BLOCKS>,
     functions: &'a mut Functions,
     dynamics: &'a mut Dynamics<AXES>,
     pub(super) segments: &'a mut CurveProducer<'q, AXES>,
     actions: &'a mut Scheduler<'q>,
     entered: &'a mut [Position; AXES],
     #[cfg(feature = "plc")]
-    pub(super) recorder: &'a mut Option<crate::contour_log::Recorder<'q>>,
+    pub(super) plc: &'a mut super::log::Plc<'q>,
 }
 
 impl<const AXES: usize, const BLOCKS: usize> Entrance<'_, '_, AXES, BLOCKS> {
@@ -133,6 +133,10 @@ impl<const AXES: usize, const BLOCKS: usize> Entrance<'_, '_, AXES, BLOCKS> {
         due: u32,
         end: Option<&[Position; AXES]>,
     ) {
+        #[cfg(feature = "plc")]
+        if self.push_parted(piece, limits, pass, due, end) {
+            return;
+        }
         self.push_here(piece, limits, pass, (due, false), end);
     }
 
@@ -626,7 +630,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
     pub(super) fn entrance(&mut self) -> (Entrance<'_, 'q, AXES, BLOCKS>, &HeldLine<AXES>) {
         let Self { lookahead, functions, dynamics, intake, queue, .. } = self;
         #[cfg(feature = "plc")]
-        let recorder = &mut intake.recorder;
+        let plc = &mut intake.plc;
         let super::Intake { entered, held, .. } = intake;
         let (segments, actions) = (&mut queue.segments, &mut queue.actions);
         let ring = &mut lookahead.ring;
@@ -638,7 +642,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
             actions,
             entered,
             #[cfg(feature = "plc")]
-            recorder,
+            plc,
         };
         (entrance, held)
     }
@@ -652,7 +656,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         }
         let Self { lookahead, functions, dynamics, intake, queue, .. } = self;
         #[cfg(feature = "plc")]
-        let recorder = &mut intake.recorder;
+        let plc = &mut intake.plc;
         let super::Intake { entered, smoothing, travel, .. } = intake;
         let (segments, actions) = (&mut queue.segments, &mut queue.actions);
         let ring = &mut lookahead.ring;
@@ -664,7 +668,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
             actions,
             entered,
             #[cfg(feature = "plc")]
-            recorder,
+            plc,
         };
         let mut beyond = None;
         let emitted = smoothing.emit(|smoothed| {

@@ -7,11 +7,22 @@ use crate::nc::ContourLog;
 use crate::path::Piece;
 use crate::quantity::Position;
 
+/// What the intake has of the PLC's side.
+pub(super) struct Plc<'q> {
+    pub recorder: Option<Recorder<'q>>,
+    /// A real-time loop is being taken in: long curves become two blocks.
+    pub parts: bool,
+}
+
+impl Plc<'_> {
+    pub const NONE: Self = Self { recorder: None, parts: false };
+}
+
 impl<const AXES: usize, const BLOCKS: usize> Entrance<'_, '_, AXES, BLOCKS> {
     /// The curve that was put into the queue last.
     #[inline(never)]
     pub(super) fn record(&mut self, element: &Piece<'_, AXES>, base: &[Position; AXES], pass: &Pass) {
-        let Some(recorder) = self.recorder else { return };
+        let Some(recorder) = &mut self.plc.recorder else { return };
         let Piece { shape, entry, exit, .. } = *element;
         let path = self.segments.end().to_bits();
         let Pass { n, number, .. } = *pass;
@@ -29,7 +40,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         recorder.keep(interpolator.log_max);
         recorder.set_measure(self.measure);
         recorder.start(self.queue.segments.end().to_bits());
-        self.intake.recorder = Some(recorder);
+        self.intake.plc.recorder = Some(recorder);
     }
 
     /// Whether blocks can be kept for a log by index: P-STUP-00033.
@@ -39,22 +50,24 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
 
     /// Whether there is a log.
     pub fn has_recorder(&self) -> bool {
-        self.intake.recorder.is_some()
+        self.intake.plc.recorder.is_some()
     }
 
     /// A program starts.
     pub fn start_log(&mut self) {
         let path = self.queue.segments.end().to_bits();
-        if let Some(recorder) = &mut self.intake.recorder {
+        if let Some(recorder) = &mut self.intake.plc.recorder {
             recorder.start(path);
         }
     }
 
     /// What was read ahead is forgotten, and the path is known up to where it will stand.
     pub fn cut_log(&mut self) {
+        self.intake.plc.parts = false;
         let path = self.queue.segments.end().to_bits();
-        if let Some(recorder) = &mut self.intake.recorder {
+        if let Some(recorder) = &mut self.intake.plc.recorder {
             recorder.cut(path);
+            recorder.leave_loop();
         }
     }
 
@@ -63,7 +76,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         use crate::smooth::Smoother;
         if self.intake.held.is_none() && self.intake.smoothing.is_empty() {
             let taken = self.intake.taken;
-            if let Some(recorder) = &mut self.intake.recorder {
+            if let Some(recorder) = &mut self.intake.plc.recorder {
                 recorder.settle(taken);
             }
         }
@@ -80,10 +93,10 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
 
     /// Whether CLEAR waits for the standstill. Only after [`super::Work::Hungry`].
     pub fn waits_for_log(&mut self) -> bool {
-        let waits = self.intake.recorder.as_ref().is_some_and(Recorder::waits_for_rest);
+        let waits = self.intake.plc.recorder.as_ref().is_some_and(Recorder::waits_for_rest);
         if waits && self.is_at_rest() {
             let taken = self.intake.taken;
-            if let Some(recorder) = &mut self.intake.recorder {
+            if let Some(recorder) = &mut self.intake.plc.recorder {
                 recorder.clear_at_rest(taken);
             }
             return false;
@@ -98,7 +111,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
     pub fn log(&mut self, n: u32, log: ContourLog) -> Result<(), Crowded> {
         self.let_go();
         let taken = self.intake.taken;
-        self.intake.recorder.as_mut().map_or(Ok(()), |recorder| recorder.command(n, taken, log))?;
+        self.intake.plc.recorder.as_mut().map_or(Ok(()), |recorder| recorder.command(n, taken, log))?;
         self.settle_log();
         Ok(())
     }
@@ -110,7 +123,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
     pub fn clear_distance(&mut self, n: u32) -> Result<(), Crowded> {
         self.let_go();
         let taken = self.intake.taken;
-        self.intake.recorder.as_mut().map_or(Ok(()), |recorder| recorder.clear_distance(n, taken))?;
+        self.intake.plc.recorder.as_mut().map_or(Ok(()), |recorder| recorder.clear_distance(n, taken))?;
         self.settle_log();
         Ok(())
     }

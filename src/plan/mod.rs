@@ -15,6 +15,7 @@
 //! | `examine` | how a program is checked without a plan (feature `examine`) |
 //! | `log` | what the PLC is told of the path ahead (feature `plc`) |
 //! | `transform` | how elements of tip and angles become those of the axes (feature `kinematics`) |
+//! | `seam` | how long a real-time loop waits with its decision (feature `plc`) |
 //! | `stand` | where the axes stand at rest, and what a new program begins with |
 mod acknowledge;
 mod change;
@@ -34,6 +35,8 @@ mod law;
 mod log;
 mod pace;
 mod reserve;
+#[cfg(feature = "plc")]
+mod seam;
 mod search;
 mod short_stop;
 mod slower;
@@ -43,7 +46,7 @@ mod transform;
 mod turning;
 
 #[cfg(feature = "plc")]
-use crate::contour_log::Recorder;
+pub use crate::contour_log::Turn;
 use crate::control::{Commands, Control};
 use crate::dynamics::Dynamics;
 use crate::lookahead::{Lookahead, LookaheadMemory, Pace};
@@ -68,6 +71,8 @@ use held_line::HeldLine;
 use hold::{Mode, REACTION};
 pub use intake::MotionError;
 use reserve::{FAR, Reserve};
+#[cfg(feature = "plc")]
+pub use seam::Seam;
 use search::Search;
 #[cfg(feature = "kinematics")]
 pub use transform::{Split, SwitchError};
@@ -183,7 +188,7 @@ struct Intake<'a, const AXES: usize> {
     refused: Option<(Place, Beyond)>,
     uniform: Uniform,
     #[cfg(feature = "plc")]
-    recorder: Option<Recorder<'a>>,
+    plc: log::Plc<'a>,
     /// Memory for the question of the standstill.
     #[cfg(feature = "plc")]
     inquiry: Option<&'a mut Inquiry>,
@@ -424,7 +429,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
                 turning: Turning::NONE,
                 uniform: Uniform { since: 0, by_ramps: machine.channel.check_jerk_on_poly_path == 2 },
                 #[cfg(feature = "plc")]
-                recorder: None,
+                plc: log::Plc::NONE,
                 #[cfg(feature = "plc")]
                 inquiry: None,
                 #[cfg(feature = "kinematics")]

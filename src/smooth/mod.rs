@@ -330,6 +330,12 @@ impl<const AXES: usize> Smoothing<AXES> {
         if fed > 3 { Err(SplineError::FeedAxes) } else { Ok(()) }
     }
 
+    /// Whether a direct spline is on.
+    #[cfg(feature = "plc")]
+    pub fn has_spline(&self) -> bool {
+        self.selected == Selected::Spline
+    }
+
     /// Whether contour mode is in force.
     fn rounds_corners(&self) -> bool {
         self.rounding().is_on()

@@ -165,7 +165,6 @@ fn what_is_not_available_is_refused_where_it_stands() {
         "#MCS ON",
         "#CYL [Z,C,100]",
         "#ROTATION ON [ANGLE=30]",
-        "#RT WHILE",
     ];
     for command in commands {
         let error = refusal::refused(&format!("N10 G01 X1 F600\nN20 {command}\nN30 X3\n"), &machine());
@@ -185,6 +184,9 @@ fn what_is_not_available_is_refused_where_it_stands() {
         assert_eq!(error.place().line, 2, "{command}: {error}");
         assert!(error.to_string().contains("expected trafo[]"), "{command}: {error}");
     }
+    let error = refusal::refused("N10 G01 X1 F600\nN20 #RT WHILE\nN30 X3\n", &machine());
+    assert_eq!(error.place().line, 2, "{error}");
+    assert!(error.to_string().contains("expected storage for real-time loops"), "{error}");
     for command in [
         "#FILTER ON [ORDER=20]",
         "X[OSC ON 1ST_POS=1 2ND_POS=2 FEED=100]",

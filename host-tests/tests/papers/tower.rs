@@ -4,12 +4,13 @@ use std::path::{Path, PathBuf};
 
 /// Every module with those it uses, lowest first: a module uses only modules above its own row. The order is
 /// that of `src/lib.rs`.
-const TOWER: [(&str, &str); 22] = [
+const TOWER: [(&str, &str); 24] = [
     ("math", ""),
     ("quantity", "math"),
     ("machine", "math quantity"),
     ("technology", "quantity"),
-    ("nc", "math quantity machine technology"),
+    ("variable", ""),
+    ("nc", "math quantity machine technology variable"),
     ("path", "math quantity machine nc"),
     ("kinematics", "math quantity machine path"),
     ("control", "machine technology"),
@@ -20,6 +21,7 @@ const TOWER: [(&str, &str); 22] = [
     ("single", "math quantity queue slope"),
     ("smooth", "math quantity nc path slope dynamics"),
     ("contour_log", "math quantity nc path"),
+    ("rt_loop", "quantity variable nc"),
     ("lookahead", "math quantity machine nc path control queue slope dynamics"),
     (
         "plan",
@@ -31,7 +33,7 @@ const TOWER: [(&str, &str); 22] = [
     ("digest", "quantity"),
     (
         "channel",
-        "math quantity machine technology nc path kinematics queue fir slope single contour_log plan tick operator",
+        "math quantity machine technology nc path kinematics queue fir slope single contour_log rt_loop variable plan tick operator",
     ),
 ];
 

@@ -43,15 +43,8 @@ pub fn refusal(files: &Files, error: &Error) -> Diagnostic {
     match error {
         Error::Nc(error) => refused(files, error),
         Error::ReducedTooSlow | Error::Unplannable => Diagnostic::error(error.to_string()),
-        Error::NotAvailable(at, _)
-        | Error::NotEnabled(at, _)
-        | Error::Motion(at, _)
-        | Error::SoftwareLimit(at, ..)
-        | Error::Filter(at, ..)
-        | Error::Spline(at, _)
-        | Error::NoTransformation(at, ..)
-        | Error::Transformation(at, _)
-        | Error::PathAcceleration(at) => explained(files, *at, &error.to_string(), id(error.id())),
+        // All others have a place.
+        _ => explained(files, error.place(), &error.to_string(), id(error.id())),
     }
 }
 

@@ -1,0 +1,57 @@
+//! How much of the ring may leave while it is not known what follows (feature `plc`).
+use super::block::{Block, Marks};
+use super::law::length_mm;
+use super::ring::Ring;
+use crate::math::float::min;
+
+/// Ways to a standstill that have to be known at the end: the transition behind the last block may take a part of its
+/// limits.
+pub const WAYS: f32 = 2.0;
+
+/// Spans looked at in one call: each of them costs about as much as a block of the plan.
+const SPANS: usize = 48;
+
+impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
+    /// Whether a plan of now hands on its first blocks as fast as a longer path would let them be.
+    ///
+    /// From the end to the front it follows two speeds: that of a stop at the end, and that of a path that goes on. Where
+    /// they meet, the end does not matter any more.
+    pub fn is_long_enough(&self) -> bool {
+        let (batch, mut end) = (self.batch(), self.blocks.len());
+        let (mut speeds, mut part) = ([0.0, f32::MAX], 1.0 / WAYS);
+        for _ in 0..SPANS {
+            if end <= batch {
+                return false;
+            }
+            let mut at = end - 1;
+            let Some(mut first) = self.blocks.get(at) else { return false };
+            let (mut limits, mut length) = (first.limits_by_call(), length_mm(first));
+            while at > batch
+                && !first.is(Marks::ANCHOR)
+                && let Some(before) = self.blocks.get(at - 1)
+            {
+                before.join_to(&mut limits);
+                length += length_mm(before);
+                (first, at) = (before, at - 1);
+            }
+            let (brake, most) = (limits.brake(), min(Block::cap(first), limits.v));
+            speeds = speeds.map(|v_out| {
+                let v_out = min(v_out, limits.v);
+                min(most, v_out + brake.reach(v_out, length * part))
+            });
+            let [stops, goes_on] = speeds;
+            if stops >= goes_on {
+                return true;
+            }
+            (end, part) = (at, 1.0);
+        }
+        false
+    }
+
+    /// The last block is a part of the curve of the one before it.
+    pub(crate) fn continue_last(&mut self) {
+        if let Some(block) = self.blocks.back_mut() {
+            block.go_on();
+        }
+    }
+}

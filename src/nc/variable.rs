@@ -1,0 +1,235 @@
+//! V. variables of the ISG dialect (feature `plc`).
+//!
+//! | name | what it is | how long |
+//! |---|---|---|
+//! | `V.E.name` | a variable of the application ([`crate::variable`]) | as the application keeps it |
+//! | `V.P.name` | a variable of the program | to the end of the program |
+//! | `V.L.name` | a variable of the subroutine at hand, or of the main program | to its return |
+//! | `V.RTG.LOOP.ENABLED` | whether real-time loops repeat | |
+//! | `V.G.BLOCK_NR`, `V.G.FEEDRATE` | N number of the block before; F in mm/min. Read only | |
+//!
+//! V.P. and V.L. lie in the table of P parameters, above all numbers. The others are looked up before a line is
+//! interpreted, for all of the line, and written behind it.
+use super::cursor::Cursor;
+use super::flow::hash;
+use super::interpreter::Interpreter;
+use super::{Fault, NcErrorKind, Span};
+use crate::variable::{LoopFlag, Variable};
+use core::cell::Cell;
+use heapless::Vec;
+
+/// Longest name behind `V.`.
+const NAME: usize = 63;
+
+/// Variables V.E., V.RTG. and V.G. that a line may read.
+const READS: usize = 8;
+
+/// V.P. and V.L. lie in the table of parameters from here on.
+pub(super) const NAMED: u32 = 1 << 31;
+
+/// Bits of a name's hash. With some ten names in a program, two with one hash are not expected.
+const HASH: u32 = (1 << 27) - 1;
+
+/// Subroutine calls that may be open, and the main program, below V.P.
+const LEVELS: u32 = 15;
+
+/// What stands behind `V.`, in upper case.
+pub(super) struct Name {
+    letters: Vec<u8, NAME>,
+}
+
+/// Where a variable lies.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Place {
+    /// In the table of parameters.
+    Own(u32),
+    /// Outside of the decoder: hash of its name.
+    Outside(u32),
+}
+
+/// Whether a V. variable stands here, and not an axis V.
+pub(super) fn is_here(c: &mut Cursor<'_>) -> bool {
+    let mut ahead = *c;
+    if ahead.peek_upper() != b'V' || ahead.next() != b'.' {
+        return false;
+    }
+    ahead.bump();
+    ahead.next().is_ascii_alphabetic()
+}
+
+/// Reads the name of a variable.
+pub(super) fn name(c: &mut Cursor<'_>) -> Result<Name, Fault> {
+    let mark = c.mark();
+    c.require(b'V', "V. and a name").or_else(|_| c.require(b'v', "V. and a name"))?;
+    c.bump();
+    let mut letters = Vec::new();
+    while c.raw().is_ascii_alphanumeric() || matches!(c.raw(), b'_' | b'.') {
+        if letters.push(c.raw().to_ascii_uppercase()).is_err() {
+            return c.since(mark).fault(NcErrorKind::NameTooLong);
+        }
+        c.bump();
+    }
+    if c.raw() == b'[' {
+        return c.rest_from(mark).fault(NcErrorKind::NotAvailable("array of V. variables"));
+    }
+    Ok(Name { letters })
+}
+
+impl Name {
+    fn hash(&self) -> u32 {
+        let hash = hash(&self.letters);
+        (hash ^ hash >> 32) as u32
+    }
+
+    /// Where the variable lies. `level`: calls that are open.
+    pub fn place(&self, level: u8) -> Option<Place> {
+        let level = u32::from(level).min(LEVELS - 1);
+        match self.letters.as_slice() {
+            [b'P', b'.', _, ..] => Some(Place::Own(NAMED | self.hash() & HASH)),
+            [b'L', b'.', _, ..] => Some(Place::Own(NAMED | (level + 1) << 27 | self.hash() & HASH)),
+            [b'E', b'.', _, ..] | b"RTG.LOOP.ENABLED" | b"G.BLOCK_NR" | b"G.FEEDRATE" => {
+                Some(Place::Outside(self.hash()))
+            }
+            _ => None,
+        }
+    }
+}
+
+/// What the decoder knows of variables outside of it.
+#[derive(Clone, Copy)]
+pub(crate) struct Externals<'a> {
+    pub variables: &'a [Variable],
+    pub flag: Option<&'a LoopFlag>,
+}
+
+impl<'a> Externals<'a> {
+    pub const NONE: Self = Self { variables: &[], flag: None };
+
+    /// Whether there are any.
+    pub const fn exist(&self) -> bool {
+        !self.variables.is_empty() || self.flag.is_some()
+    }
+
+    fn find(&self, name: &[u8]) -> Option<&'a Variable> {
+        self.variables.iter().find(|variable| variable.is(name))
+    }
+}
+
+/// Values of the line at hand.
+pub(super) struct Looked {
+    /// Calls that are open.
+    pub level: Cell<u8>,
+    values: [Cell<(u32, f64)>; READS],
+    count: Cell<usize>,
+}
+
+impl Looked {
+    pub const fn new() -> Self {
+        Self { level: Cell::new(0), values: [const { Cell::new((0, 0.0)) }; READS], count: Cell::new(0) }
+    }
+
+    fn put(&self, hash: u32, value: f64) {
+        if let Some(slot) = self.values.get(self.count.get()) {
+            slot.set((hash, value));
+            self.count.set(self.count.get() + 1);
+        }
+    }
+
+    /// The value of a variable outside of the decoder.
+    pub fn get(&self, hash: u32) -> Option<f64> {
+        let mut values = self.values.iter().take(self.count.get()).map(Cell::get);
+        values.find(|(known, _)| *known == hash).map(|(_, value)| value)
+    }
+}
+
+/// A write of the line at hand to a variable outside of the decoder.
+#[derive(Clone, Copy)]
+pub(super) struct Write {
+    /// The name in the line, `V.` included.
+    span: Span,
+    value: f64,
+}
+
+impl<const AXES: usize> Interpreter<AXES> {
+    /// Before a line: variables of subroutines that have returned are forgotten, and values from outside are read.
+    pub fn look_up(&mut self, line: &[u8], externals: &Externals<'_>) {
+        let looked = &self.calculator.looked;
+        let level = self.flow.frames.len() as u8;
+        let before = looked.level.replace(level);
+        looked.count.set(0);
+        if level < before {
+            let first = NAMED | (u32::from(level) + 2).min(LEVELS) << 27;
+            self.calculator.parameters.forget(first, u32::MAX);
+        }
+        let looked = &self.calculator.looked;
+        let mut c = Cursor::new(line);
+        while !c.at_end() {
+            if !is_here(&mut c) {
+                c.bump();
+                continue;
+            }
+            let Ok(name) = name(&mut c) else { continue };
+            let value = match name.letters.as_slice() {
+                b"RTG.LOOP.ENABLED" => externals.flag.map(|flag| f64::from(u8::from(flag.get()))),
+                b"G.BLOCK_NR" => Some(f64::from(self.n)),
+                b"G.FEEDRATE" => {
+                    let feed = self.modal.feed.map_or(0, |feed| feed.to_bits());
+                    Some(feed as f64 / 4_294_967_296.0)
+                }
+                [b'E', b'.', rest @ ..] => externals.find(rest).map(Variable::get),
+                _ => None,
+            };
+            if let Some(value) = value {
+                looked.put(name.hash(), value);
+            }
+        }
+    }
+
+    /// `V.… = value`: the write, or what becomes of it behind the line.
+    #[inline(never)]
+    pub fn assign_variable(&mut self, c: &mut Cursor<'_>) -> Result<(), Fault> {
+        let mark = c.mark();
+        let name = name(c)?;
+        let span = c.since(mark);
+        let Some(place) = name.place(self.calculator.looked.level.get()) else {
+            return span.fault(NcErrorKind::NoVariable);
+        };
+        c.require(b'=', "= behind the variable")?;
+        let value = match () {
+            () if c.eat_words("TRUE") => 1.0,
+            () if c.eat_words("FALSE") => 0.0,
+            () => super::expression::expression(c, &self.calculator)?.real(),
+        };
+        match place {
+            Place::Own(index) => {
+                self.calculator.parameters.set(index, value).map_err(|kind| Fault { span, kind })
+            }
+            Place::Outside(_) if self.written.is_some() => {
+                span.fault(NcErrorKind::Twice("a variable outside"))
+            }
+            Place::Outside(_) => {
+                self.written = Some(Write { span, value });
+                Ok(())
+            }
+        }
+    }
+
+    /// Behind a line: its write.
+    pub fn write_out(&mut self, line: &[u8], externals: &Externals<'_>) -> Result<(), Fault> {
+        let Some(Write { span, value }) = self.written.take() else { return Ok(()) };
+        let mut c = Cursor::new(line);
+        c.back_to(usize::from(span.at));
+        let name = name(&mut c)?;
+        match (name.letters.as_slice(), externals.flag) {
+            (b"RTG.LOOP.ENABLED", Some(flag)) => flag.assign(value >= 0.5),
+            ([b'E', b'.', rest @ ..], _) => match externals.find(rest) {
+                Some(variable) if variable.is_writable() => variable.assign(value),
+                Some(_) => return span.fault(NcErrorKind::VariableReadOnly),
+                None => return span.fault(NcErrorKind::NoVariable),
+            },
+            ([b'G', ..], _) => return span.fault(NcErrorKind::VariableReadOnly),
+            _ => return span.fault(NcErrorKind::NoVariable),
+        }
+        Ok(())
+    }
+}

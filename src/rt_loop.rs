@@ -1,0 +1,271 @@
+//! Real-time loops: the blocks between `#RT WHILE` and `#RT ENDWHILE`, driven again until a PLC ends them.
+//!
+//! The planner reads the loop once and keeps its commands here. Then it plans them pass after pass, as long as
+//! V.RTG.LOOP.ENABLED is true. So the look-ahead sees one long path: the motion passes the seam between two passes
+//! as it passes any other transition.
+//!
+//! ```
+//! use glidepath::rt_loop::LoopMemory;
+//!
+//! let mut memory = LoopMemory::<3, 64>::new(); // in firmware: a static
+//! let (store, switch) = memory.split();
+//! // planner.real_time_loops(store); once, before the first poll
+//! switch.enable(); // the PLC: loops repeat
+//! assert!(switch.is_enabled());
+//! switch.disable(); // the PLC: the pass at hand is the last one
+//! # let _ = store;
+//! ```
+use crate::nc::{Command, ContourLog, Head, Motion, MotionKind, Place, Spline};
+use crate::quantity::Position;
+use crate::variable::LoopFlag;
+use core::sync::atomic::{AtomicU32, Ordering};
+use heapless::{Vec, VecView};
+
+/// A command of a loop.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Stored<const AXES: usize> {
+    Motion(Motion<AXES>),
+    Log(Head, ContourLog),
+    /// #SPLINE ON and OFF.
+    Spline(Head, bool),
+}
+
+impl<const AXES: usize> Stored<AXES> {
+    /// The same command.
+    pub const fn command(&self) -> Command<AXES> {
+        match *self {
+            Self::Motion(motion) => Command::Motion(motion),
+            Self::Log(head, log) => Command::ContourLog(head, log),
+            Self::Spline(head, true) => Command::Spline(head, Spline::On),
+            Self::Spline(head, false) => Command::Spline(head, Spline::Off),
+        }
+    }
+}
+
+/// What is shared with the PLC.
+struct Shared {
+    flag: LoopFlag,
+    /// Passes decided on. Written by the planner.
+    passes: AtomicU32,
+}
+
+/// Memory of real-time loops with room for `COMMANDS` commands: motion blocks and commands of the log.
+///
+/// [`Self::BYTES`] is what P-STUP-00033 (fb_storage_size) counts. All bits but unused ones are zero when new, so that a
+/// static one lies in `.bss`.
+pub struct LoopMemory<const AXES: usize, const COMMANDS: usize> {
+    commands: Vec<Stored<AXES>, COMMANDS>,
+    shared: Shared,
+}
+
+impl<const AXES: usize, const COMMANDS: usize> LoopMemory<AXES, COMMANDS> {
+    /// Bytes of the commands.
+    pub const BYTES: usize = COMMANDS * Self::COMMAND_BYTES;
+    /// Bytes of one command.
+    pub const COMMAND_BYTES: usize = size_of::<Stored<AXES>>();
+
+    /// Nothing is in it, and V.RTG.LOOP.ENABLED is false.
+    pub const fn new() -> Self {
+        let shared = Shared { flag: LoopFlag::new(), passes: AtomicU32::new(0) };
+        Self { commands: Vec::new(), shared }
+    }
+
+    /// The planner's end, for [`crate::Planner::real_time_loops`], and the PLC's. V.RTG.LOOP.ENABLED is false.
+    pub fn split(&mut self) -> (LoopStore<'_, AXES>, LoopSwitch<'_>) {
+        *self = Self::new();
+        let Self { commands, shared } = self;
+        (LoopStore { commands: commands.as_mut_view(), shared }, LoopSwitch { shared })
+    }
+}
+
+impl<const AXES: usize, const COMMANDS: usize> Default for LoopMemory<AXES, COMMANDS> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+/// The PLC's end. `Copy`, `Send` and `Sync`; one context calls [`Self::enable`] and [`Self::disable`].
+#[derive(Clone, Copy)]
+pub struct LoopSwitch<'a> {
+    shared: &'a Shared,
+}
+
+impl LoopSwitch<'_> {
+    /// V.RTG.LOOP.ENABLED becomes true: loops are entered and repeat.
+    pub fn enable(self) {
+        self.shared.flag.set(true);
+    }
+
+    /// V.RTG.LOOP.ENABLED becomes false: the motion leaves the loop at the end of the last pass that is planned.
+    pub fn disable(self) {
+        self.shared.flag.set(false);
+    }
+
+    /// V.RTG.LOOP.ENABLED, as the PLC or the program has set it last.
+    pub fn is_enabled(self) -> bool {
+        self.shared.flag.get()
+    }
+
+    /// Passes that are decided on since [`LoopMemory::split`], over all loops. It wraps.
+    pub fn passes(self) -> u32 {
+        self.shared.passes.load(Ordering::Acquire)
+    }
+}
+
+/// The planner's end: the commands of a loop.
+pub struct LoopStore<'a, const AXES: usize> {
+    commands: &'a mut VecView<Stored<AXES>>,
+    shared: &'a Shared,
+}
+
+impl<'a, const AXES: usize> LoopStore<'a, AXES> {
+    /// V.RTG.LOOP.ENABLED, for the decoder.
+    pub(crate) const fn flag(&self) -> &'a LoopFlag {
+        &self.shared.flag
+    }
+
+    /// No command.
+    pub(crate) fn clear(&mut self) {
+        self.commands.clear();
+    }
+
+    /// V.RTG.LOOP.ENABLED.
+    pub(crate) fn is_enabled(&self) -> bool {
+        self.shared.flag.get()
+    }
+
+    /// Another pass is decided on.
+    pub(crate) fn pass(&self) {
+        let passes = self.shared.passes.load(Ordering::Relaxed);
+        self.shared.passes.store(passes.wrapping_add(1), Ordering::Release);
+    }
+
+    /// The command with that number.
+    pub(crate) fn get(&self, number: usize) -> Option<&Stored<AXES>> {
+        self.commands.get(number)
+    }
+
+    /// Where the first command stands.
+    pub(crate) fn place(&self) -> Option<Place> {
+        self.get(0).map(|stored| stored.command().place())
+    }
+
+    /// Takes in a command.
+    ///
+    /// # Errors
+    /// A loop cannot have it, or there is no room for it.
+    pub(crate) fn push(&mut self, command: &Command<AXES>) -> Result<(), LoopError> {
+        let stored = match command {
+            Command::Motion(motion) if !motion.exact_stop => Stored::Motion(*motion),
+            Command::Motion(_) => return Err(LoopError::NotInside("an exact stop (G60, G360)")),
+            Command::ContourLog(_, ContourLog::Clear) => return Err(LoopError::NotInside("LOG CLEAR")),
+            Command::ContourLog(head, log) => Stored::Log(*head, *log),
+            Command::Spline(head, Spline::On) => Stored::Spline(*head, true),
+            Command::Spline(head, Spline::Off) => Stored::Spline(*head, false),
+            Command::RtWhile(..) => return Err(LoopError::Nested),
+            other => return Err(LoopError::NotInside(other.name())),
+        };
+        let room = self.commands.capacity();
+        self.commands.push(stored).map_err(|_| LoopError::TooLong(room))
+    }
+
+    /// Whether a spline is on behind the last command, if one was on before the first: `before`.
+    pub(crate) fn spline(&self, before: bool) -> bool {
+        let last = self.commands.iter().rev().find_map(|stored| match stored {
+            Stored::Spline(_, on) => Some(*on),
+            _ => None,
+        });
+        last.unwrap_or(before)
+    }
+
+    /// Where the last motion ends.
+    pub(crate) fn end(&self) -> Option<[Position; AXES]> {
+        self.commands.iter().rev().find_map(|stored| match stored {
+            Stored::Motion(motion) => Some(motion.target),
+            _ => None,
+        })
+    }
+
+    /// Whether an axis moves on the way from `start` back to it.
+    pub(crate) fn moves(&self, start: &[Position; AXES]) -> bool {
+        self.commands.iter().any(|stored| match stored {
+            Stored::Motion(motion) => {
+                matches!(motion.kind, MotionKind::Arc { .. }) || motion.target != *start
+            }
+            _ => false,
+        })
+    }
+}
+
+/// Why a real-time loop is refused. Numbers in the descriptions are those of ISG's messages.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum LoopError {
+    /// 22073: a loop cannot have this command.
+    NotInside(&'static str),
+    /// 22181: a loop inside of a loop.
+    Nested,
+    /// 22128: a spline is on where the loop begins.
+    SplineBefore,
+    /// 22129: a spline is on where the loop ends.
+    SplineBehind,
+    /// 50991: the loop does not end where it begins.
+    NotClosed,
+    /// No axis moves in the loop.
+    NoMotion,
+    /// The loop has more commands than the memory has room for.
+    TooLong(usize),
+    /// The planner has no memory for loops.
+    NoMemory,
+    /// `#RT ENDWHILE` without `#RT WHILE`.
+    Unopened,
+    /// `#RT WHILE` without `#RT ENDWHILE`; the place is that of `#RT WHILE`.
+    Unclosed,
+}
+
+impl LoopError {
+    /// ISG's number of this message, 0 where none is known.
+    pub const fn id(self) -> u32 {
+        match self {
+            Self::NotInside(_) => 22073,
+            Self::Nested => 22181,
+            Self::SplineBefore => 22128,
+            Self::SplineBehind => 22129,
+            Self::NotClosed => 50991,
+            _ => 0,
+        }
+    }
+}
+
+impl core::fmt::Display for LoopError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::NotInside(name) => write!(
+                f,
+                "{name} in a real-time loop; expected G00 to G03, #SPLINE ON or OFF, #CONTOUR LOOKAHEAD LOG ON, OFF or [PARAM=…]"
+            ),
+            Self::Nested => f.write_str("a real-time loop in a real-time loop; expected #RT ENDWHILE before it"),
+            Self::SplineBefore => {
+                f.write_str("a spline is on where the real-time loop begins; expected #SPLINE OFF before #RT WHILE")
+            }
+            Self::SplineBehind => {
+                f.write_str("a spline is on where the real-time loop ends; expected #SPLINE OFF before #RT ENDWHILE")
+            }
+            Self::NotClosed => f.write_str(
+                "the real-time loop ends elsewhere than it begins; expected all axes at the position of #RT WHILE",
+            ),
+            Self::NoMotion => f.write_str("no axis moves in the real-time loop; expected a motion block"),
+            Self::TooLong(room) => write!(
+                f,
+                "the real-time loop has more than {room} commands; expected fewer, or more storage (P-STUP-00033, fb_storage_size)"
+            ),
+            Self::NoMemory => f.write_str(
+                "#RT WHILE is not enabled; expected storage for real-time loops (P-STUP-00033, fb_storage_size)",
+            ),
+            Self::Unopened => f.write_str("#RT ENDWHILE without #RT WHILE; expected #RT WHILE before it"),
+            Self::Unclosed => f.write_str("#RT WHILE without #RT ENDWHILE; expected #RT ENDWHILE behind it"),
+        }
+    }
+}
+
+impl core::error::Error for LoopError {}

@@ -1,0 +1,157 @@
+//! Variables that a program shares with the application: V.E. names, and V.RTG.LOOP.ENABLED.
+//!
+//! The application declares its variables, and gives them to the planner once
+//! ([`Planner::variables`](crate::Planner::variables)). Any context may read them; the PLC writes on one side, the
+//! program on the other. The value written last counts.
+//!
+//! ```
+//! use glidepath::variable::{Access, Variable};
+//!
+//! static VARIABLES: [Variable; 2] =
+//!     [Variable::new("THICKNESS", Access::Read), Variable::new("PARTS", Access::ReadWrite)];
+//!
+//! VARIABLES[0].set(2.5); // the PLC: V.E.THICKNESS is 2.5 for the lines read from now on
+//! assert_eq!(VARIABLES[0].get(), 2.5);
+//! ```
+use core::sync::atomic::{AtomicBool, AtomicU32, Ordering, fence};
+
+/// What a program may do with a variable.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Access {
+    /// Read it.
+    Read,
+    /// Read and write it.
+    ReadWrite,
+}
+
+/// A number with one writer, which no reader sees half written.
+///
+/// The writer fills the place that is not shown, and then shows it. A reader beside the writer reads again.
+struct Side {
+    shown: AtomicU32,
+    /// Both halves of the number, and a stamp that grows with each value of both sides.
+    places: [[AtomicU32; 3]; 2],
+}
+
+impl Side {
+    const fn new() -> Self {
+        Self { shown: AtomicU32::new(0), places: [const { [const { AtomicU32::new(0) }; 3] }; 2] }
+    }
+
+    fn place(&self, turn: u32) -> &[AtomicU32; 3] {
+        let [even, odd] = &self.places;
+        if turn & 1 == 0 { even } else { odd }
+    }
+
+    fn write(&self, value: f64, stamp: u32) {
+        let turn = self.shown.load(Ordering::Relaxed).wrapping_add(1);
+        let bits = value.to_bits();
+        fence(Ordering::Release);
+        let words = [bits as u32, (bits >> 32) as u32, stamp];
+        self.place(turn).iter().zip(words).for_each(|(to, word)| to.store(word, Ordering::Relaxed));
+        self.shown.store(turn, Ordering::Release);
+    }
+
+    /// Value and stamp.
+    fn read(&self) -> (f64, u32) {
+        loop {
+            let turn = self.shown.load(Ordering::Acquire);
+            let mut words = [0; 3];
+            let place = self.place(turn);
+            words.iter_mut().zip(place).for_each(|(to, word)| *to = word.load(Ordering::Relaxed));
+            fence(Ordering::Acquire);
+            if self.shown.load(Ordering::Relaxed) == turn {
+                let [low, high, stamp] = words;
+                return (f64::from_bits(u64::from(high) << 32 | u64::from(low)), stamp);
+            }
+            core::hint::spin_loop();
+        }
+    }
+}
+
+/// A variable V.E. of the program.
+pub struct Variable {
+    name: &'static str,
+    access: Access,
+    plc: Side,
+    program: Side,
+}
+
+impl Variable {
+    /// V.E.`name`, 0 at first. Upper and lower case are the same. Letters, digits, `_` and `.`, at most 63.
+    pub const fn new(name: &'static str, access: Access) -> Self {
+        Self { name, access, plc: Side::new(), program: Side::new() }
+    }
+
+    /// For the PLC, one context at a time: writes the variable. A program sees the value in the lines that the planner
+    /// reads from now on.
+    pub fn set(&self, value: f64) {
+        self.write(&self.plc, value);
+    }
+
+    /// The value that PLC or program have written last; of both at the same time, the PLC's.
+    pub fn get(&self) -> f64 {
+        let ((plc, stamp), (program, other)) = (self.plc.read(), self.program.read());
+        if (stamp.wrapping_sub(other) as i32) >= 0 { plc } else { program }
+    }
+
+    /// For the program.
+    pub(crate) fn assign(&self, value: f64) {
+        self.write(&self.program, value);
+    }
+
+    fn write(&self, side: &Side, value: f64) {
+        let (a, b) = (self.plc.read().1, self.program.read().1);
+        let last = if (a.wrapping_sub(b) as i32) >= 0 { a } else { b };
+        side.write(value, last.wrapping_add(1));
+    }
+
+    /// Whether it has that name, in upper case.
+    pub(crate) fn is(&self, name: &[u8]) -> bool {
+        self.name.as_bytes().eq_ignore_ascii_case(name)
+    }
+
+    /// Whether a program may write it.
+    pub(crate) const fn is_writable(&self) -> bool {
+        matches!(self.access, Access::ReadWrite)
+    }
+}
+
+/// V.RTG.LOOP.ENABLED. Each word has one writer.
+pub(crate) struct LoopFlag {
+    /// The PLC's value.
+    enabled: AtomicBool,
+    /// `written` as the PLC has found it when it wrote last. Written by the PLC.
+    seen: AtomicU32,
+    /// How often the program has written the flag, times two, and its value. Written by the planner.
+    written: AtomicU32,
+}
+
+impl LoopFlag {
+    /// False.
+    pub const fn new() -> Self {
+        Self { enabled: AtomicBool::new(false), seen: AtomicU32::new(0), written: AtomicU32::new(0) }
+    }
+
+    /// The value that was written last.
+    pub fn get(&self) -> bool {
+        let written = self.written.load(Ordering::Acquire);
+        if self.seen.load(Ordering::Acquire) == written {
+            self.enabled.load(Ordering::Acquire)
+        } else {
+            written & 1 != 0
+        }
+    }
+
+    /// For the PLC.
+    pub fn set(&self, on: bool) {
+        self.enabled.store(on, Ordering::Release);
+        self.seen.store(self.written.load(Ordering::Acquire), Ordering::Release);
+    }
+
+    /// For the program.
+    pub fn assign(&self, on: bool) {
+        let count = (self.written.load(Ordering::Relaxed) >> 1).wrapping_add(1);
+        self.written.store(count << 1 | u32::from(on), Ordering::Release);
+    }
+}
