@@ -66,8 +66,6 @@ const ACROSS: f64 = ARC_HIGHEST * ARC_HIGHEST;
 const SMOOTH: f64 = 1.0 / 20_000.0;
 /// The same for STEP.
 const STEP_SMOOTH: f64 = 1.0 / 4_194_304.0;
-/// A change of the direction of an axis from which on a joint is a corner.
-const CORNER: f64 = 1e-3;
 
 /// Path limits of one block, per tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -442,13 +440,6 @@ impl Machine {
         axes.iter()
             .zip(end.iter().zip(&begin))
             .all(|(axis, (t0, t1))| a * (t1 - t0).abs() <= TURN * axis.jerk)
-    }
-
-    /// Whether the direction changes at a joint by more than rounding explains: that of an axis by a
-    /// thousandth.
-    pub fn is_corner(&self, before: &Element, after: &Element) -> bool {
-        let (end, begin) = (direction(before, 1.0).tangent, direction(after, 0.0).tangent);
-        end.iter().zip(&begin).any(|(t0, t1)| (t1 - t0).abs() > CORNER)
     }
 
     /// Highest speed at which the steps of speed and of acceleration at a joint never show on any axis.

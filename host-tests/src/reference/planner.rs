@@ -95,7 +95,7 @@ pub fn decided(
             let unseen = unseen.min(joint.unwrap_or(unseen));
             let standing = match joint {
                 Some(_) if !left && last.is_hasty() => true,
-                Some(v) if v < cap && (arc < f64::INFINITY || machine.is_corner(before, element)) => {
+                Some(v) if v < cap => {
                     match worth([(last.limits, last.length), (limits, length)], v) {
                         Worth::Passing => false,
                         Worth::Standing => true,
