@@ -554,21 +554,8 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
             #[cfg(feature = "plc")]
             Command::RtEndWhile(head) => self.begin_loop(head, None)?,
             #[cfg(feature = "dialects")]
-            Command::Pause(head, code) => {
-                let held = Held { pauses: true, ..Held::new(head, Function::M(*code)) };
-                return Ok(self.output(held));
-            }
-            #[cfg(feature = "dialects")]
-            Command::Output(head, function, at_once) => {
-                if *at_once {
-                    self.planning.keep_corner();
-                }
-                return Ok(self.output(Held::new(head, *function)));
-            }
-            #[cfg(feature = "dialects")]
-            Command::WaitInput(head, wait) => {
-                let held = Held { pauses: true, ..Held::new(head, Function::Input(*wait)) };
-                return Ok(self.output(held));
+            Command::Pause(..) | Command::Output(..) | Command::WaitInput(..) => {
+                return self.put_out(command);
             }
             #[cfg(any(feature = "dialects", feature = "plc"))]
             Command::Message(_) => {}
@@ -577,6 +564,25 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
             _ => return refuse(command.name()),
         }
         Ok(Progress::Working)
+    }
+
+    /// A pause, an output or a wait for an input of other dialects.
+    #[cfg(feature = "dialects")]
+    fn put_out(&mut self, command: &Command<AXES>) -> Result<Progress, Error> {
+        let held = match command {
+            Command::Pause(head, code) => Held { pauses: true, ..Held::new(head, Function::M(*code)) },
+            Command::WaitInput(head, wait) => {
+                Held { pauses: true, ..Held::new(head, Function::Input(*wait)) }
+            }
+            Command::Output(head, function, at_once) => {
+                if *at_once {
+                    self.planning.keep_corner();
+                }
+                Held::new(head, *function)
+            }
+            _ => return Ok(Progress::Working),
+        };
+        Ok(self.output(held))
     }
 
     fn contour(&mut self, head: &Head, contour: &Contour) -> Result<(), Error> {

@@ -120,6 +120,8 @@ fn homing_that_fails() {
         rig.ticks(10);
         assert_eq!(rig.read(), "ALARM:7\r\nerror:9\r\n");
         rig.world.signals = Signals::default();
+        // The axes still brake.
+        rig.ticks(300);
         assert_eq!(rig.ask("$H"), "ok\n");
     });
     rig_without_homing();

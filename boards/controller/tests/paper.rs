@@ -275,9 +275,11 @@ fn a_stored_line_that_is_too_long() {
 
 /// Whether a test of this crate has that name.
 fn is_test(name: &str) -> bool {
-    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/tests");
-    let files = std::fs::read_dir(folder).expect("a folder").flatten();
-    let mut texts = files.filter_map(|file| std::fs::read_to_string(file.path()).ok());
+    let folder = std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/tests"));
+    let files = [folder.to_path_buf(), folder.join("protocol")]
+        .map(|folder| std::fs::read_dir(folder).expect("a folder"));
+    let mut texts =
+        files.into_iter().flatten().flatten().filter_map(|file| std::fs::read_to_string(file.path()).ok());
     texts.any(|text| text.contains(&format!("#[test]\nfn {name}(")))
 }
 

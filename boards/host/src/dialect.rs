@@ -111,6 +111,8 @@ struct Found {
     linuxcnc: Option<Mark>,
     grbl: Option<Mark>,
     fanuc: Option<Mark>,
+    /// G4 with X or U: Fanuc's and ISG's dwell.
+    dwell: Option<Mark>,
     /// LinuxCNC and Fanuc have it, Grbl has not.
     full: Option<Mark>,
     /// A length without a decimal point, which Fanuc counts in least increments.
@@ -164,7 +166,9 @@ impl Found {
         if let Some(mark) = self.printer {
             return Shown::Printer(mark);
         }
-        if let Some(mark) = self.fanuc {
+        // Beside a word that ISG does not have, it is Fanuc's.
+        let foreign = self.full.is_some() || self.either.is_some();
+        if let Some(mark) = self.fanuc.or(self.dwell.filter(|_| foreign)) {
             // Where the two would drive different ways, nothing is guessed.
             let other = self.linuxcnc.or(self.whole).map(|other| (Dialect::LinuxCnc, other));
             let other = other.or(self.grbl.map(|other| (Dialect::Grbl, other)));
@@ -228,6 +232,7 @@ impl Found {
         slot(&mut self.linuxcnc, line.linuxcnc());
         slot(&mut self.grbl, line.grbl());
         slot(&mut self.fanuc, line.fanuc());
+        slot(&mut self.dwell, line.dwell());
         slot(&mut self.full, line.full());
         slot(&mut self.whole, line.whole());
         slot(&mut self.either, line.either());
@@ -404,12 +409,15 @@ impl Line {
         let far = self
             .any('G', &[541, 501, 511])
             .or_else(|| self.any('M', &[290]).filter(|_| self.first('S').is_some()));
-        let dwell = self.any('G', &[40]).filter(|_| {
-            self.first('P').is_none() && (self.first('X').is_some() || self.first('U').is_some())
-        });
         let call = self.any('M', &[980]).filter(|_| self.first('P').is_some_and(|p| p.tenths >= 100_000));
         let mode = self.any('G', &[51]).filter(|_| self.first('Q').is_some());
-        far.or(dwell).or(call).or(mode)
+        far.or(call).or(mode)
+    }
+
+    /// A dwell that neither LinuxCNC nor Grbl has.
+    fn dwell(&self) -> Option<Mark> {
+        self.any('G', &[40])
+            .filter(|_| self.first('P').is_none() && (self.first('X').is_some() || self.first('U').is_some()))
     }
 
     /// A length without a decimal point, other than 0.

@@ -95,13 +95,11 @@ pub fn decided(
             let unseen = unseen.min(joint.unwrap_or(unseen));
             let standing = match joint {
                 Some(_) if !left && last.is_hasty() => true,
-                Some(v) if v < cap => {
-                    match worth([(last.limits, last.length), (limits, length)], v) {
-                        Worth::Passing => false,
-                        Worth::Standing => true,
-                        Worth::Tie(standing) => stands(number, unseen, standing),
-                    }
-                }
+                Some(v) if v < cap => match worth([(last.limits, last.length), (limits, length)], v) {
+                    Worth::Passing => false,
+                    Worth::Standing => true,
+                    Worth::Tie(standing) => stands(number, unseen, standing),
+                },
                 _ => false,
             };
             // With STEP, blocks that may pass within a tick count as joints.

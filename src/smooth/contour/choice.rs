@@ -63,6 +63,11 @@ impl Approach {
         })
     }
 
+    /// A curve is to be quicker than a standstill by that part: times of ramps are known to it. STEP has none.
+    pub fn known(&self) -> f32 {
+        if self.along.iter().all(Option::is_some) { KNOWN } else { 1.0 }
+    }
+
     /// Whether stopping in the corner takes fewer ticks than that.
     pub fn stops_within(&self, most: f32) -> bool {
         let sides = self.slopes.iter().zip(self.v).zip(self.room);
@@ -121,6 +126,9 @@ const LITTLE: f32 = 0.25;
 const VARYING: f32 = 0.512;
 /// STEP: the first of those steps, where the curve limits the speed at all.
 const VARYING_STEPPED: f32 = 0.64;
+
+/// See [`Approach::known`].
+const KNOWN: f32 = 1.0 + 1.0 / 256.0;
 
 /// For rounding.
 const SURELY: f32 = 0.999;

@@ -33,9 +33,6 @@ const ELEMENTS: usize = 8;
 /// Elements whose speed is looked at.
 const TIMED: u32 = 4;
 
-/// A curve is to be quicker than a standstill by that part.
-const KNOWN: f32 = 1.0 + 1.0 / 256.0;
-
 /// Settings of a corner, in addition to its blocks and their rule.
 pub struct Setting<'a, const AXES: usize> {
     /// Main axes and feed axes.
@@ -238,7 +235,9 @@ impl Joining {
         // Blocks left out have no corner to stand still in, and a constant speed is none.
         let may_stop = rule.may_stand() && setting.skipped.is_none() && !setting.const_vel;
         if let Some(Candidate { way, only: true, full }) = candidate {
-            let stands = may_stop && full && approach.stops_within(approach.overlapping(&way) * KNOWN + 1.0);
+            let stands = may_stop
+                && full
+                && approach.stops_within(approach.overlapping(&way) * approach.known() + 1.0);
             *stage = if stands { JoinStep::Sharp } else { JoinStep::Overlapping(way) };
             return;
         }
@@ -346,7 +345,7 @@ impl Joining {
         let over_time = may_win.map(|candidate| approach.overlapping(&candidate.way));
         let quickest = min(even, over_time.unwrap_or(f32::MAX));
         // Times are known to a tick, and to the speeds at which the parts of other corners begin.
-        if may_stop && approach.stops_within(quickest * KNOWN + 1.0) {
+        if may_stop && approach.stops_within(quickest * approach.known() + 1.0) {
             return Quickest::Standing;
         }
         match candidate.as_ref().filter(|_| over_time == Some(quickest)) {
