@@ -297,6 +297,7 @@ fn wanted(name: &str, without: u64) -> u64 {
     std::env::var(name).ok().and_then(|text| text.parse().ok()).unwrap_or(without)
 }
 
+/// D3-009: elements are split until the tip keeps to its path.
 #[test]
 fn random_programs_keep_to_their_path_and_limits() {
     random(0, 18);
@@ -401,6 +402,7 @@ fn smoothed(from: u64, count: u64) {
     println!("{count} smoothed programs: tip off by {worst:?} mm at most");
 }
 
+/// D3-125: corners under a transformation have their distance.
 #[test]
 fn smoothed_programs_keep_to_their_tolerance_and_limits() {
     smoothed(0, 24);

@@ -538,7 +538,15 @@ fn every_example_of_the_sources_runs_or_is_refused() {
                             format!("ends at {last:?}")
                         })
                     })
-                    .and_then(|()| and(&run))
+                    .and_then(|()| {
+                        // With STEP and 60 m/min stops take 1.791 s, the curves 1.847 s.
+                        let stands = slope == "default" && example.name == "D3-EX09_contour_on_off";
+                        if stands {
+                            sharp(&run, &[[100.0, 0.0], [100.0, 100.0], [0.0, 100.0]])
+                        } else {
+                            and(&run)
+                        }
+                    })
                     .and_then(|()| {
                         let cuts = example.name.contains("bspline") && slope != "default";
                         if !cuts {
