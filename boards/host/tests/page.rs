@@ -134,8 +134,14 @@ fn every_byte_is_logged() {
     let (mut talk, _) = talk(&["--log", file]);
     talk.send(b"\xc2\x91");
     assert_eq!(talk.ask("G4 P0 \\").last().map(String::as_str), Some("error:1"));
+    // A row is written behind its bytes.
+    let told = || std::fs::read_to_string(file).expect("a log");
+    let until = std::time::Instant::now() + Duration::from_secs(20);
+    while !told().contains("error:1") && std::time::Instant::now() < until {
+        std::thread::sleep(Duration::from_millis(5));
+    }
     drop(talk);
-    let text = std::fs::read_to_string(file).expect("a log");
+    let text = told();
     std::fs::remove_file(file).expect("it is there");
     let side = |direction: &str| -> String {
         let rows = text.lines().filter_map(|row| row.split_once(direction));

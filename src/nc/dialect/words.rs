@@ -203,9 +203,9 @@ pub(super) fn find(dialect: Dialect, letter: u8, tenths: u16) -> Option<&'static
     let same = |word: &&WordEntry| word.letter == char::from(letter) && word.tenths == tenths;
     let word = WORDS.iter().find(|word| same(word) && word.is_in(dialect));
     let range = match dialect {
-        Dialect::LinuxCnc => 1000..=1990,
-        _ if dialect.is_fanuc() => 100..=9990,
-        _ => 1..=0,
+        Dialect::LinuxCnc => 1000..1991,
+        _ if dialect.is_fanuc() => 100..9991,
+        _ => 0..0,
     };
     let user = letter == b'M' && range.contains(&tenths) && tenths.is_multiple_of(10);
     word.or(if user { Some(&USER) } else { None })
