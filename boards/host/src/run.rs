@@ -114,7 +114,7 @@ fn simulate_axes<const AXES: usize>(
     let unwritable = |error: io::Error| output::refused(&trace_path, error);
     let trace = match wanted.trace {
         Some(file) => {
-            let trace = Trace::new(file, machine, &wanted.extract).map_err(|error| vec![error])?;
+            let trace = Trace::new(file, machine, &wanted.extract)?;
             Some(trace.map_err(unwritable)?)
         }
         None => None,

@@ -82,7 +82,7 @@ fn all(machine: &Machine) -> Vec<(String, Column)> {
 
 impl Extract {
     /// The columns that are wanted of those of a machine.
-    fn of(&self, machine: &Machine) -> Result<Vec<(String, Column)>, Diagnostic> {
+    fn of(&self, machine: &Machine) -> Result<Vec<(String, Column)>, Vec<Diagnostic>> {
         let all = all(machine);
         if self.columns.is_empty() {
             return Ok(all);
@@ -94,7 +94,7 @@ impl Extract {
                 let meant = nearest(name, names.iter().copied());
                 let meant = meant.map_or_else(String::new, |name| format!("; is {name} meant?"));
                 let message = format!("--columns: no column `{name}`");
-                Diagnostic::error(message).expected(format!("expected {}{meant}", names.join(", ")))
+                vec![Diagnostic::error(message).expected(format!("expected {}{meant}", names.join(", ")))]
             })
         };
         self.columns.iter().map(find).collect()
@@ -113,7 +113,7 @@ impl Trace {
         (path, file): (&Path, Box<dyn Write>),
         machine: &Machine,
         extract: &Extract,
-    ) -> Result<io::Result<Self>, Diagnostic> {
+    ) -> Result<io::Result<Self>, Vec<Diagnostic>> {
         let columns = extract.of(machine)?;
         let names: Vec<&str> = columns.iter().map(|(name, _)| name.as_str()).collect();
         let file = BufWriter::with_capacity(1 << 20, file);
@@ -174,7 +174,7 @@ impl Trace {
             }
         }
         row.push('\n');
-        self.is_open = tick % self.every != 0;
+        self.is_open = !tick.is_multiple_of(self.every);
         if self.is_open { Ok(()) } else { self.out.put(self.row.as_bytes()) }
     }
 

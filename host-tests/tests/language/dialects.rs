@@ -389,9 +389,9 @@ fn every_word_of_the_table_is_known_and_no_other() {
                 let (_, _, error, _) = decode_text(setup(dialect), text.as_bytes(), 1000);
                 let kind = error.map(|error| error.kind);
                 let own = match dialect {
-                    Dialect::LinuxCnc => 1000..=1990,
-                    Dialect::Fanuc => 100..=9990,
-                    _ => 1..=0,
+                    Dialect::LinuxCnc => 1000..1991,
+                    Dialect::Fanuc => 100..9991,
+                    _ => 0..0,
                 };
                 let user = letter == 'M' && own.contains(&tenths) && tenths % 10 == 0;
                 let unknown = matches!(kind, Some(NcErrorKind::UnknownCode(_)));

@@ -449,9 +449,9 @@ impl Machine {
             self.events.push(Event::M(9));
             on = [false; 2];
         }
-        for k in 0..2 {
-            if s.coolant[k] && !on[k] {
-                self.events.push(Event::M(7 + k as u32));
+        for (code, (then, now)) in (7..).zip(s.coolant.into_iter().zip(on)) {
+            if then && !now {
+                self.events.push(Event::M(code));
             }
         }
         let [by_time, per_turn, to_r, blends, stops] = s.modes;
