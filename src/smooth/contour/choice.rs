@@ -343,11 +343,14 @@ const KERNEL: f32 = 1.33;
 pub fn shallow_distance<const AXES: usize>(choice: &Choice<'_, AXES>) -> Option<f32> {
     let Choice { corner, rule, setting, most, tolerance, approach, .. } = *choice;
     let dev = rule.method == ContourMethod::Dev && !setting.const_vel;
+    if !dev || setting.dynamics.slope() != SlopeType::Hsc {
+        return None;
+    }
     let [Some([_, a, j]), Some(_)] = approach.along else { return None };
     if BRIEF * most * j * j > a * a * a {
         return None;
     }
-    choice.lines().filter(|_| dev && setting.dynamics.slope() == SlopeType::Hsc)?;
+    choice.lines()?;
     let change = plus(corner.behind.tangent(), -1.0, corner.before.tangent());
     let off = off_corner(&setting.measure.main, &change, tolerance);
     (size(&setting.measure.main, &change) <= SHALLOW && 6.0 * off >= most).then_some(most)

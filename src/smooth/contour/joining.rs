@@ -243,9 +243,13 @@ impl Joining {
         }
         let position = rule.method == ContourMethod::Pos;
         if position || (tolerance.path.is_none() && tolerance.track <= 0.0 && candidate.is_none()) {
-            let even = may_stop.then(|| Self::whole(corner, &room, held.is_rapid(), setting));
-            let found = [Some((1.0, f32::MAX)), even];
-            stage.take([held, next], rule, &room, Self::compare(&room, (&approach, &None, may_stop), found));
+            if may_stop {
+                // Nothing bounds its distances: the search finds all of them, and compares.
+                *stage = JoinStep::Reaching;
+                Self::search(&room, tolerance, (&approach, &None, may_stop), into);
+            } else {
+                stage.take([held, next], rule, &room, Quickest::Even((1.0, f32::MAX)));
+            }
             return;
         }
         let compares = Self::compares(rule, corner, &candidate, may_stop);
@@ -272,18 +276,6 @@ impl Joining {
         // With a curve over time to choose instead: the same search.
         *stage = JoinStep::Reaching;
         Self::search(&room, tolerance, (&approach, &candidate, may_stop), into);
-    }
-
-    /// Path length of the curve over all of the distances, and the speed over its parameter with which it is passed.
-    #[inline(never)]
-    fn whole<const AXES: usize>(
-        corner: &Corner<'_, AXES>,
-        room: &Room,
-        rapid: bool,
-        setting: &Setting<'_, AXES>,
-    ) -> (f32, f32) {
-        let curve = corner.between(room.distances);
-        (corner.path(&curve), passes(&bends(&curve), rapid, setting))
     }
 
     /// Corner distances are searched for. A call of its own: it is there twice.
@@ -422,7 +414,8 @@ impl Joining {
         if let Some((part, made)) = all {
             let reached = room.distances.map(|c| c * part);
             // More of the blocks than leaves them a way to change their speed is no gain.
-            if let Some(less) = approach.loosened(reached) {
+            if let Some(less) = approach.loosened(reached).filter(|_| rule.method != ContourMethod::DistSoft)
+            {
                 let loose = reached.map(|c| c * less);
                 if approach.even(even(part * less), loose) < approach.even(made, reached) {
                     room.distances = loose;
