@@ -13,5 +13,6 @@ pub fn channel() -> Option<&'static mut Channel<3, SHORT>> {
     }
     TAKEN.store(true, Relaxed);
     // SAFETY: nobody has a reference to it yet, and nobody gets another one.
-    Some(unsafe { &mut *(&raw mut CHANNEL) })
+    let channel = &raw mut CHANNEL;
+    Some(unsafe { &mut *channel })
 }
