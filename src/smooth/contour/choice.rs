@@ -124,7 +124,7 @@ const LITTLE: f32 = 0.25;
 /// Otherwise that is about the part of the highest speed that the curve is passed with: three of the steps of
 /// four fifths in which that is lowered.
 const VARYING: f32 = 0.512;
-/// STEP: the first of those steps, where the curve limits the speed at all.
+/// STEP: two of those steps, where the curve limits the speed at all.
 const VARYING_STEPPED: f32 = 0.64;
 
 /// See [`Approach::known`].
@@ -246,7 +246,7 @@ impl<const AXES: usize> Sharing<'_, AXES> {
         [a_along, j_along]: [f32; 2],
         [off, reach]: [f32; 2],
     ) -> Overlap {
-        let &Self { dynamics, rapid, of, v, most, tangents: [t1, t2], .. } = self;
+        let &Self { dynamics, rapid, of, v, most, tangents: [t1, t2] } = self;
         let whole = Rise::within(most, v, a, j);
         let quickest = |a: Overlap, b: Overlap| {
             if approach.overlapping(&b) < approach.overlapping(&a) { b } else { a }
