@@ -105,8 +105,9 @@ impl Case {
         match method {
             "none" => String::new(),
             "DIST_SOFT" => format!("#CONTOUR MODE ON [DIST_SOFT PATH_DIST={size:.6}]"),
-            "Surface" => format!("#HSC ON [SURFACE PATH_DEV={size:.6}]"),
-            "B-spline" => format!("#HSC ON [BSPLINE PATH_DEV={size:.6}]"),
+            // As large as that of contour mode is without the word.
+            "Surface" => format!("#HSC ON [SURFACE PATH_DEV={size:.6} MAX_ANGLE=178]"),
+            "B-spline" => format!("#HSC ON [BSPLINE PATH_DEV={size:.6} MAX_ANGLE=178]"),
             _ => format!("#CONTOUR MODE ON [{method} PATH_DEV={size:.6}]"),
         }
     }
@@ -140,6 +141,26 @@ impl Case {
         let text = self.text(slope, on, [feed, stops]);
         let run = run_text::<3, 120>(&text, self.start, &machine, 1).ok()?;
         Some(run.trace.ticks() as f64)
+    }
+
+    /// Trace.
+    pub fn trace(&self, slope: usize, method: &str, part: f64) -> (crate::trace::Trace, [[u32; 3]; 3]) {
+        let mut machine = self.machine;
+        machine.channel.slope_profile = SLOPES[slope].1;
+        let text = self.text(slope, &Self::on(method, part * self.tolerance), [1.0, 0.0]);
+        let run = run_text::<3, 120>(&text, self.start, &machine, 1).unwrap();
+        (run.trace, self.machine.axes.map(|axis| [axis.a_beschl, axis.tr_beschl_zu, axis.tr_geom]))
+    }
+
+    /// Times with a method.
+    pub fn times(&self, slope: usize, method: &str) -> Vec<f64> {
+        let mut all = Vec::new();
+        for feed in FEEDS {
+            for part in TOLERANCES {
+                all.push(self.ticks(slope, &Self::on(method, part * self.tolerance), [feed, 0.0]).unwrap_or(0.0));
+            }
+        }
+        all
     }
 
     /// Takes what a slope and a method make of it into account.

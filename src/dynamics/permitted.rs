@@ -77,6 +77,17 @@ impl Limits {
         override_range
     }
 
+    /// Elements of one curve go on in one another with TRAPEZ as with HSC.
+    pub(crate) fn flow_on(&mut self) {
+        if functions::HSC.is_built()
+            && let SlopeLaw::JerkLimited { joins, j, .. } = &mut self.law
+            && *joins == Joins::Alike
+            && j.iter().all(|jerk| jerk == j.first().unwrap_or(jerk))
+        {
+            *joins = Joins::Any;
+        }
+    }
+
     /// Leaves a transition its part.
     ///
     /// What could be planned with less jerk must be possible with more. Of SIN2 all jerks go down by one

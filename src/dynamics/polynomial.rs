@@ -233,6 +233,7 @@ impl<const AXES: usize> Dynamics<AXES> {
         }
         let mut slow = false;
         if bounds.flows() {
+            limits.flow_on();
             let jerk = (0..4).fold(0.0, |most, ramp| max(most, limits.jerk(ramp)));
             let near = curving.near.speed(jerk);
             slow = near < limits.v;

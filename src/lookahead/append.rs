@@ -165,6 +165,8 @@ impl<const AXES: usize> Next<'_, AXES> {
             // less.
             SlopeType::Hsc => limits.is_as_strong(before, self.piece.flows || last.flows),
             SlopeType::Trapez | SlopeType::Sin2 if self.is_one_curve(last, before, limits) => true,
+            // One curve in many elements.
+            SlopeType::Trapez | SlopeType::Sin2 if limits.varies() && before.varies() => limits.is_as_strong(before, true),
             // As if it were one block.
             SlopeType::Trapez | SlopeType::Sin2 => {
                 limits.are(before) && v.is_none_or(|v| v >= cap && slight())
@@ -287,7 +289,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         marks.set(Marks::GATE, gate);
         marks.set(Marks::LONG, long);
         self.counts.long += usize::from(long);
-        let hsc = slope == SlopeType::Hsc;
+        let hsc = slope == SlopeType::Hsc || limits.varies();
         let (numbers, law) = limits.kept();
         // There is room: the caller asked.
         let _ = self.blocks.push_back(Block {
