@@ -77,7 +77,8 @@ impl Limits {
         override_range
     }
 
-    /// Elements of one curve go on in one another with TRAPEZ as with HSC.
+    /// With TRAPEZ and SIN2 acceleration passes the elements of one curve, as with HSC: the program knows nothing of them.
+    /// Not where the ramps of an axis differ.
     pub(crate) fn flow_on(&mut self) {
         if functions::HSC.is_built()
             && let SlopeLaw::JerkLimited { joins, j, .. } = &mut self.law

@@ -165,8 +165,10 @@ impl<const AXES: usize> Next<'_, AXES> {
             // less.
             SlopeType::Hsc => limits.is_as_strong(before, self.piece.flows || last.flows),
             SlopeType::Trapez | SlopeType::Sin2 if self.is_one_curve(last, before, limits) => true,
-            // One curve in many elements.
-            SlopeType::Trapez | SlopeType::Sin2 if limits.varies() && before.varies() => limits.is_as_strong(before, true),
+            // Parts of one curve of many elements.
+            SlopeType::Trapez | SlopeType::Sin2 if limits.varies() && before.varies() => {
+                limits.is_as_strong(before, true)
+            }
             // As if it were one block.
             SlopeType::Trapez | SlopeType::Sin2 => {
                 limits.are(before) && v.is_none_or(|v| v >= cap && slight())

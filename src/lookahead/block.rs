@@ -256,7 +256,7 @@ impl Block {
         self.marks.has(mark)
     }
 
-    /// Whether blocks with other speeds may be in one span with it: HSC.
+    /// Whether blocks with other speeds may be in one span with it: `Joins::Any`.
     pub fn varies(&self) -> bool {
         self.kind.law().varies()
     }

@@ -11,9 +11,9 @@
 //! the end speed is lowered when the block leaves the ring.
 //!
 //! Acceleration may pass a transition with HSC. With TRAPEZ and SIN2 it may pass if the transition is tangential and both
-//! blocks have the same limits, as in a circle of several arcs. The blocks on both sides then belong to one *span*: one
-//! speed profile runs across them. Transitions between spans are *anchors*: acceleration is zero there. `span` decides
-//! which transitions are anchors, and `ease` removes some of them.
+//! blocks have the same limits, as in a circle of several arcs, or if both are elements of one curve. The blocks on both
+//! sides then belong to one *span*: one speed profile runs across them. Transitions between spans are *anchors*:
+//! acceleration is zero there. `span` decides which transitions are anchors, and `ease` removes some of them.
 //!
 //! The backward pass runs when the ring is full, a few blocks per call, and ends early at the first transition whose speed
 //! did not change. Then a quarter of the ring leaves.

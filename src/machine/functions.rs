@@ -6,15 +6,15 @@
 //! | feature | commands | without it |
 //! |---|---|---|
 //! | `contour` | G61, G261, `#CONTOUR MODE`, `#HSC` | blocks end at their programmed points |
-//! | `surface` | `#HSC [SURFACE]` | needs `contour` |
-//! | `splines` | G151, `#SPLINE`, `#AKIMA`, `#HSC [BSPLINE]`, `#HSC [OPMODE=2]` | needs `contour` |
+//! | `surface` | `#HSC [SURFACE]` | needs `contour` and `hsc` |
+//! | `splines` | G151, `#SPLINE`, `#AKIMA`, `#HSC [BSPLINE]`, `#HSC [OPMODE=2]` | needs `contour` and `hsc` |
 //! | `hsc` | the slope HSC: `#SLOPE [TYPE=HSC]`, P-CHAN-00071 = 3 | |
 //! | `expressions` | `P` parameters, operators and functions, `$` statements | words have plain numbers; subroutines stay |
 //! | `filters` | `#FILTER`, P-AXIS-00586 | |
 //! | `beside` | `[OSC …]`, `[INDP …]`, `#WAIT INDP` | |
 //! | `dialects` (off by default) | the words of LinuxCNC and Grbl | programs are ISG's |
 //! | `fanuc` (off by default) | the words of Fanuc's controllers | needs `dialects` |
-//! | `kinematics` (off by default) | `#KIN ID`, `#TRAFO` | they are refused |
+//! | `kinematics` (off by default) | `#KIN ID`, `#TRAFO` | needs `hsc` |
 //! | `plc` (off by default) | `#CONTOUR LOOKAHEAD LOG`, `#DISTANCE PROG START CLEAR` | they are refused |
 //!
 //! The feature `fast` is no function: with it the compiler copies more functions into their callers, and the table of sines

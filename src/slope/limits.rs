@@ -42,7 +42,7 @@ pub type Ramps = [f32; 4];
 pub enum Joins {
     /// With the same limits: TRAPEZ, SIN2.
     Alike = 0,
-    /// All: HSC.
+    /// All: HSC, and elements of one curve with TRAPEZ and SIN2.
     Any = 4,
     /// All, and slow ones may be entered and left with acceleration: HSC with NO_OPT=0.
     Valleys = 8,
@@ -372,7 +372,7 @@ impl Limits {
         matches!(self.law, SlopeLaw::JerkLimited { joins: Joins::Valleys, .. })
     }
 
-    /// Whether blocks with other speeds may be in one span with it: HSC.
+    /// Whether blocks with other speeds may be in one span with it: [`Joins::Any`].
     pub fn varies(&self) -> bool {
         matches!(self.law, SlopeLaw::JerkLimited { joins: Joins::Any | Joins::Valleys, .. })
     }

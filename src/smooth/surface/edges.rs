@@ -6,6 +6,7 @@ use super::parameters::{Parameters, Tolerance, Used};
 use super::window::{Programmed, Space};
 use crate::dynamics::Dynamics;
 use crate::math::float::{max, min};
+use crate::nc::SlopeType;
 use crate::path::Measure;
 use crate::smooth::contour::Edge;
 use crate::smooth::{Data, Form, ProgrammedBlock};
@@ -22,8 +23,11 @@ const SHARP: f32 = 1.2;
 
 /// Widths of the kernel that its turn has alone, from which on a line can be an edge: in a smooth contour or a sharp turn,
 /// and between both. Kernels of shorter lines are one smooth curve.
-const APART: f32 = 2.5;
+const APART: f32 = 1.8;
 const ONE_CURVE: f32 = 0.34;
+/// The same with STEP for every turn: only far shorter lines gain by kernels. Acceleration has no ramps there, so a curve
+/// alone costs little.
+const STEPPED_APART: f32 = 0.05;
 /// Sharp turns of shorter lines belong to a row that turns back: there a kernel is compared with a standstill alone.
 const ALONE: f32 = 4.0;
 
@@ -63,8 +67,14 @@ impl<'a> Edges<'a> {
             width = min(width, track / max(max(*x, -*x), f32::MIN_POSITIVE));
         }
         let (length, most) = (min(before.length, next.length), 6.0 * width);
-        if length <= if turn < EDGE { APART } else { ONE_CURVE } * most {
-            return false;
+        let stepped = dynamics.slope() == SlopeType::Step;
+        let apart = match turn {
+            _ if stepped => STEPPED_APART,
+            smooth if smooth < EDGE => APART,
+            _ => ONE_CURVE,
+        };
+        if stepped || length <= apart * most {
+            return length > apart * most;
         }
         let half = min(most, min(self.parameters.widest(), length));
         let (second, mut third) = (change.map(|x| x / half), change.map(|x| x / (half * half)));
