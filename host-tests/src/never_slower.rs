@@ -157,9 +157,7 @@ impl Case {
         let mut all = Vec::new();
         for feed in FEEDS {
             for part in TOLERANCES {
-                all.push(
-                    self.ticks(slope, &Self::on(method, part * self.tolerance), [feed, 0.0]).unwrap_or(0.0),
-                );
+                all.push(self.ticks(slope, &Self::on(method, part * self.tolerance), [feed, 0.0]).unwrap_or(0.0));
             }
         }
         all

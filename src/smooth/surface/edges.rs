@@ -29,7 +29,7 @@ const ONE_CURVE: f32 = 0.34;
 /// alone costs little.
 const STEPPED_APART: f32 = 0.05;
 /// Sharp turns of shorter lines belong to a row that turns back: there a kernel is compared with a standstill alone.
-const ALONE: f32 = 4.0;
+const ALONE: f32 = 0.0;
 
 /// Conditions under which a corner is an edge.
 #[derive(Clone, Copy)]
