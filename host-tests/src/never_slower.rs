@@ -143,26 +143,6 @@ impl Case {
         Some(run.trace.ticks() as f64)
     }
 
-    /// Trace.
-    pub fn trace(&self, slope: usize, method: &str, part: f64) -> (crate::trace::Trace, [[u32; 3]; 3]) {
-        let mut machine = self.machine;
-        machine.channel.slope_profile = SLOPES[slope].1;
-        let text = self.text(slope, &Self::on(method, part * self.tolerance), [1.0, 0.0]);
-        let run = run_text::<3, 120>(&text, self.start, &machine, 1).unwrap();
-        (run.trace, self.machine.axes.map(|axis| [axis.a_beschl, axis.tr_beschl_zu, axis.tr_geom]))
-    }
-
-    /// Times with a method.
-    pub fn times(&self, slope: usize, method: &str) -> Vec<f64> {
-        let mut all = Vec::new();
-        for feed in FEEDS {
-            for part in TOLERANCES {
-                all.push(self.ticks(slope, &Self::on(method, part * self.tolerance), [feed, 0.0]).unwrap_or(0.0));
-            }
-        }
-        all
-    }
-
     /// Takes what a slope and a method make of it into account.
     pub fn measure(&self, seed: u64, slope: usize, method: usize, worst: &mut Worst) {
         let mut before: Option<[f64; 3]> = None;
