@@ -41,8 +41,9 @@ const SHARP_PART: f32 = 0.85;
 const NEARLY: f32 = 0.9;
 /// A law with less jerk and any acceleration may take so many times longer than one with less acceleration.
 const SLOWER: f32 = 1.2;
-/// Where acceleration passes both ends of an element: parts of `a_max` and of `B` for its curvature.
-const THROUGH_PARTS: [f32; 3] = [NORMAL_PART, 0.8, 0.0];
+/// Where acceleration passes both ends of an element: parts of `a_max` and of `B` for its curvature. With 0.8 of `B` steady
+/// speeds are 2 % higher in rows of chords, and random programs take 1.3 % longer, up to half: speed hardly changes there.
+const THROUGH_PARTS: [f32; 3] = [NORMAL_PART, 0.6, 0.0];
 /// With STEP a lower speed of an element is worth it if that takes so much of the time from rest to rest.
 const GAINS: f32 = 0.8;
 /// With CONST_VEL, of `B`, and what is left of it to the slope.
