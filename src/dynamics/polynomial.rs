@@ -44,6 +44,8 @@ const SLOWER: f32 = 1.2;
 /// Where acceleration passes both ends of an element: parts of `a_max` and of `B` for its curvature. With 0.8 of `B` steady
 /// speeds are 2 % higher in rows of chords, and random programs take 1.3 % longer, up to half: speed hardly changes there.
 const THROUGH_PARTS: [f32; 3] = [NORMAL_PART, 0.6, 0.0];
+/// The part of `B` with which a curve is at its highest speed.
+const PASSING_PART: f32 = 0.8;
 /// With STEP a lower speed of an element is worth it if that takes so much of the time from rest to rest.
 const GAINS: f32 = 0.8;
 /// With CONST_VEL, of `B`, and what is left of it to the slope.
@@ -401,7 +403,7 @@ impl<const AXES: usize> Dynamics<AXES> {
 
     /// The highest speed of a curve that acceleration passes, with these second and third derivatives.
     pub fn passing(&self, [second, third]: [&[f32; AXES]; 2], rapid: bool, check: u8) -> f32 {
-        let [normal_part, curve_part, _] = THROUGH_PARTS;
+        let (normal_part, curve_part) = (NORMAL_PART, PASSING_PART);
         let (mut square, mut cube) = (NO_LIMIT, NO_LIMIT);
         for (axis, (second, third)) in self.axes.iter().zip(second.iter().zip(third)) {
             let (set, second, third) = (axis.set(rapid), magnitude(*second), magnitude(*third));

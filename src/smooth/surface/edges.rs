@@ -23,13 +23,13 @@ const SHARP: f32 = 1.2;
 
 /// Widths of the kernel that its turn has alone, from which on a line can be an edge: in a smooth contour or a sharp turn,
 /// and between both. Kernels of shorter lines are one smooth curve.
-const APART: f32 = 1.2;
+const APART: f32 = 2.5;
 const ONE_CURVE: f32 = 0.34;
 /// The same with STEP for every turn: only far shorter lines gain by kernels. Acceleration has no ramps there, so a curve
 /// alone costs little.
 const STEPPED_APART: f32 = 0.05;
 /// Sharp turns of shorter lines belong to a row that turns back: there a kernel is compared with a standstill alone.
-const ALONE: f32 = 1.5;
+const ALONE: f32 = 4.0;
 
 /// Conditions under which a corner is an edge.
 #[derive(Clone, Copy)]
