@@ -1,4 +1,4 @@
-//! Functions that a build may leave out. Each one is a Cargo feature; all but the last three are on by default.
+//! Functions that a build may leave out. Each function is a Cargo feature; all but the last four are on by default.
 //!
 //! Programs and machine data that need a missing function are refused with its name. Words that switch the function off are
 //! accepted. The code tests one of these constants where a function starts, so that the linker drops the rest.
@@ -6,16 +6,16 @@
 //! | feature | commands | without it |
 //! |---|---|---|
 //! | `contour` | G61, G261, `#CONTOUR MODE`, `#HSC` | blocks end at their programmed points |
-//! | `surface` | `#HSC [SURFACE]` | needs `contour` and `hsc` |
-//! | `splines` | G151, `#SPLINE`, `#AKIMA`, `#HSC [BSPLINE]`, `#HSC [OPMODE=2]` | needs `contour` and `hsc` |
+//! | `surface` (needs `contour` and `hsc`) | `#HSC [SURFACE]` | |
+//! | `splines` (needs `contour` and `hsc`) | G151, `#SPLINE`, `#AKIMA`, `#HSC [BSPLINE]`, `#HSC [OPMODE=2]` | |
 //! | `hsc` | the slope HSC: `#SLOPE [TYPE=HSC]`, P-CHAN-00071 = 3 | |
 //! | `expressions` | `P` parameters, operators and functions, `$` statements | words have plain numbers; subroutines stay |
 //! | `filters` | `#FILTER`, P-AXIS-00586 | |
 //! | `beside` | `[OSC …]`, `[INDP …]`, `#WAIT INDP` | |
 //! | `dialects` (off by default) | the words of LinuxCNC and Grbl | programs are ISG's |
-//! | `fanuc` (off by default) | the words of Fanuc's controllers | needs `dialects` |
-//! | `kinematics` (off by default) | `#KIN ID`, `#TRAFO` | needs `hsc` |
-//! | `plc` (off by default) | `#CONTOUR LOOKAHEAD LOG`, `#DISTANCE PROG START CLEAR` | they are refused |
+//! | `fanuc` (off by default, needs `dialects`) | the words of Fanuc's controllers | |
+//! | `kinematics` (off by default, needs `hsc`) | `#KIN ID`, `#TRAFO` | |
+//! | `plc` (off by default) | `#CONTOUR LOOKAHEAD LOG`, `#DISTANCE PROG START CLEAR`, `#RT WHILE`, `#FLUSH`, `V.` variables | |
 //!
 //! The feature `fast` is no function: with it the compiler copies more functions into their callers, and the table of sines
 //! is larger. Set points are the same bits with and without `fast`.
