@@ -7,7 +7,7 @@
 //! | the program has | the oscillation |
 //! |---|---|
 //! | a motion that moves the axis (P-CHAN-00451), another command for it, `#PUT AX`, `#CALL AX`, `#FLUSH&WAIT`, `#FILTER`, the program end, a refused line | ends on the second position, with its cycle |
-//! | `OFF` | the same, but the program goes on |
+//! | `OFF` | the same, but the program continues |
 //! | `OFF FEED` | brakes, then goes to the second position |
 //! | `OFF INSTANT`, an abort | brakes, and stands there |
 //!

@@ -19,7 +19,7 @@ use crate::quantity::{DISTANCE_LSB, speed_bits, speed_f32};
 /// Longest duration of a profile at a part of its speed: 2^26 ticks.
 const LONGEST: Time = Time::from_bits(1 << (26 + 36));
 
-/// How far a new law follows the planned one.
+/// How far a new profile follows the planned one.
 #[derive(Clone, Copy, PartialEq)]
 enum Fit {
     /// Up to the planned end speed, or to the current one.

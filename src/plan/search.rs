@@ -128,7 +128,7 @@ impl Search {
         (self.spent, self.goes_on) = (Cell::new(0), false);
     }
 
-    /// Whether the search goes on in the next call.
+    /// Whether the search continues in the next call.
     pub const fn goes_on(&self) -> bool {
         self.goes_on
     }

@@ -146,7 +146,7 @@ impl Start {
     }
 }
 
-/// Static memory of the ring: `BLOCKS` curves of the look-ahead, and those handed on.
+/// Static memory of the ring: `BLOCKS` curves of the look-ahead, and the released curves.
 pub struct CurveRing<const AXES: usize, const BLOCKS: usize> {
     slots: Both<Place<AXES>, BLOCKS, { BEFORE + SLOTS }>,
     starts: Both<Start, BLOCKS, STARTS>,
