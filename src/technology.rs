@@ -67,7 +67,7 @@ pub struct InputWait {
     pub timeout_ms: u32,
 }
 
-/// The number of an acknowledgement that the motion waits for, or [`Self::NONE`].
+/// The number of an acknowledgement that the motion waits for, or none.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Ticket(pub(crate) u32);
