@@ -78,42 +78,43 @@ pub enum Progress {
     Planned,
     /// The same span has a faster profile, because an acknowledgement came in time.
     Replanned,
-    /// The program has something doubtful, and goes on.
+    /// The program contains a doubtful word. The program continues.
     Warning(NcWarning),
-    /// Program text is late: the axes stop at the end of the known path, and go on when text arrives. Each such stop is
-    /// reported once.
+    /// Program text is late: the axes stop at the end of the known path, and resume when text arrives. Each such stop
+    /// is reported once.
     Starved,
-    /// The planner got too little time: the axes stopped on the path, and go on now. Each such stop is reported once.
+    /// The planner got too little time: the axes stopped on the path, and resume now. Each such stop is
+    /// reported once.
     Late,
-    /// The motion is slower than programmed, because a stop from the programmed speed would need more than 126 pieces (30
-    /// in a small build) or lead further than the interpolator knows the path. This is reported once, and again after the
-    /// programmed speed has been possible in between.
+    /// The motion is slower than programmed. A stop from the programmed speed would need more than 126 pieces (30 in a
+    /// small build), or would lead further than the interpolator knows the path. The planner reports this once, and
+    /// again after the programmed speed has been possible in between.
     Slower,
-    /// A defect of the planner: the filter of the axis with this index exceeded AX_DEV of #FILTER, or the axis exceeded
-    /// 0.25 mm per cycle² and was not filtered. This is reported once until #FILTER changes the filters.
-    /// [`Planner::filter_deviation`] gives the deviation.
+    /// A defect of the planner: the filter of the axis with this index exceeded AX_DEV of `#FILTER`, or the axis
+    /// exceeded 0.25 mm per cycle² and was not filtered. The planner reports this once until `#FILTER` changes the
+    /// filters. [`Planner::filter_deviation`] gives the deviation.
     Deviated(usize),
-    /// The program has ended and everything is planned. Keep calling as long as the axes move: commands of the operator
+    /// The program has ended and all motion is planned. Keep calling while the axes move: commands of the operator
     /// still act.
     Done,
 }
 
-/// Where the program stands.
+/// Progress of the program.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Source {
     Open,
-    /// The last standstill is being planned.
+    /// The last stop is being planned.
     Ending,
     Ended,
 }
 
-/// A function that waits for its place.
+/// A function that waits for room in the queue.
 #[derive(Clone, Copy)]
 struct Held {
     n: u32,
     function: Function,
     in_motion: bool,
-    /// The motion waits for it, whatever the machine data say.
+    /// The motion waits for this function, whatever the machine data say.
     #[cfg(feature = "dialects")]
     pauses: bool,
 }
@@ -130,12 +131,12 @@ impl Held {
     }
 }
 
-/// Reads the program and plans the motion; the handle for a task or the main loop.
+/// Reads the program and plans the motion. This handle belongs to a task or to the main loop.
 ///
-/// One channel lives from power-up to power-off. It is *at rest* ([`Self::is_at_rest`]) when the axes stand and everything
-/// that was read is executed: before the first program, at the end of a program, after a refused line, after an abort,
-/// and where a stream has no text. At rest the planner takes the next text. The new motion begins where the axes stand, to
-/// the last bit.
+/// One channel lives from power-up to power-off. The channel is *at rest* ([`Self::is_at_rest`]) when the axes stand
+/// and all commands read so far are carried out. This is the case before the first program, at the end of a program,
+/// after a refused line, after an abort, and while a stream has no text. At rest the planner takes the next text. The
+/// new motion begins where the axes stand, to the last bit.
 ///
 /// | call | text | modal functions, F, G92, P parameters, contour mode, slope, weights |
 /// |---|---|---|
@@ -148,8 +149,9 @@ impl Held {
 /// slope of P-CHAN-00071; no weights, no limits along the path; all axes belong to the channel. Zero offsets, positions,
 /// override and reduced speed belong to the machine: no program resets them.
 ///
-/// An abort, or a plan that failed, stops the axes before lines that are read already. The modal state of these lines is
-/// void, so [`Self::continue_with`] then begins as at program start. An abort at rest does the same.
+/// An abort, or a plan that failed, stops the axes before some lines that are already read. The modal state of these
+/// lines is void, so [`Self::continue_with`] then begins with the state of program start. An abort at rest has the same
+/// effect.
 pub struct Planner<
     'a,
     T: Text,
@@ -161,21 +163,22 @@ pub struct Planner<
     decoder: Decoder<'a, T, AXES>,
     planning: Planning<'a, AXES, BLOCKS>,
     cycle_us: u32,
-    /// FCT_PTP of P-CHAN-00600.
+    /// P-CHAN-00600 has FCT_PTP.
     ptp: bool,
-    /// FCT_SURFACE of P-CHAN-00600.
+    /// P-CHAN-00600 has FCT_SURFACE.
     surface: bool,
     source: Source,
-    /// A function that the ring of actions did not take.
+    /// A function for which the ring of actions has no room.
     held: Option<Held>,
-    /// Axes given away by #PUT AX, bit i for axis i.
+    /// Axes given away by `#PUT AX`, bit i for axis i.
     released: u32,
-    /// What is in force does not belong to where the axes stand: an abort, or a plan that failed.
+    /// The modal state does not belong to the position of the axes: after an abort, or after a plan that
+    /// failed.
     lost: bool,
     filters: F,
     /// Motions of single axes.
     beside: Beside<'a, OVERLAYS>,
-    /// The last command, while a program is examined.
+    /// The last command, while a program is only checked.
     #[cfg(feature = "examine")]
     seen: Option<Command<AXES>>,
     /// Real-time loops.
@@ -186,27 +189,28 @@ pub struct Planner<
 impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, const OVERLAYS: usize>
     Planner<'a, T, AXES, BLOCKS, F, OVERLAYS>
 {
-    /// Carries `command` out before the first line, as if the program began with it. To be called before the first
-    /// [`Self::poll`]; [`Self::load`] begins without it.
+    /// Carries `command` out before the first line, as if the program began with it. Call `begin_with` before the
+    /// first [`Self::poll`]. A program that [`Self::load`] starts begins without `command`.
     #[cfg(feature = "dialects")]
     pub fn begin_with(&mut self, command: Command<AXES>) {
         self.decoder.begin_with(command);
     }
 
-    /// Does a bounded piece of work. Call it until it returns [`Progress::Waiting`] or [`Progress::Done`]. `docs/figures.md`
-    /// has the instructions of the longest call.
+    /// Does a bounded amount of work. Call `poll` until it returns [`Progress::Waiting`] or [`Progress::Done`].
+    /// `docs/figures.md` has the instruction count of the longest call.
     ///
     /// # Errors
-    /// A line is refused. The motion before it stays valid and ends in a stop: further calls plan that motion and end in
-    /// [`Progress::Done`]. At rest [`Self::go_on`] continues after the line, and [`Self::load`] takes another program.
+    /// A line is refused. The motion before the line stays valid and ends in a stop: further calls plan this motion and
+    /// end in [`Progress::Done`]. At rest [`Self::go_on`] continues after the line, and [`Self::load`] takes another
+    /// program.
     pub fn poll(&mut self) -> Result<Progress, Error> {
         if OVERLAYS > 0 { self.poll_both() } else { self.poll_path() }
     }
 
-    /// A piece of work for the path.
+    /// Does one piece of work for the path.
     #[cfg_attr(feature = "fast", inline(always))]
     fn poll_path(&mut self) -> Result<Progress, Error> {
-        // After an abort there is nothing to hold, and nothing to abort.
+        // At rest there is nothing to hold and nothing to abort.
         if self.source == Source::Ended && self.planning.is_idle() {
             if self.filters.is_pending() {
                 return Ok(self.change_filters());
@@ -280,7 +284,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         }
     }
 
-    /// All is done; what is to be said about the last curves comes before.
+    /// All work is done. Reports about the last curves come first.
     #[cold]
     fn done(&mut self) -> Progress {
         match self.planning.last_remark() {
@@ -289,56 +293,58 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         }
     }
 
-    /// Whether the axes stand in a feed hold.
+    /// Whether the axes are stopped by a feed hold.
     pub fn is_holding(&self) -> bool {
         self.planning.is_holding() && self.filters.is_settled()
     }
 
-    /// Whether the axes stand because a function is not acknowledged:
+    /// Whether the axes are stopped because a function is not acknowledged:
     /// [`Operator::awaited`](crate::operator::Operator::awaited).
     pub fn is_waiting(&self) -> bool {
         self.planning.is_waiting() && self.filters.is_settled()
     }
 
-    /// After how many ticks [`Self::poll`] should be called again once it has said [`Progress::Waiting`], for a task that
-    /// sleeps in between: 1 at least. The motion is the same as with a call after each tick, and is not slowed down.
+    /// Number of ticks, at least 1, after which [`Self::poll`] should be called again. The value is valid after
+    /// [`Progress::Waiting`], for a task that sleeps in between. The motion is the same as with a call after each tick;
+    /// its speed is not reduced.
     ///
-    /// A command of the operator, an acknowledgement or new program text acts when the planner is called: whoever gives it
-    /// wakes the task. `None`: the motion stands, and goes on only with one of them.
+    /// A command of the operator, an acknowledgement or new program text acts at the planner's next call, so their
+    /// source wakes the task. `None`: the axes stand, and only one of these three events lets them move again.
     pub fn wakes_after(&self) -> Option<u32> {
         let stands =
             self.is_waiting() || self.is_holding() || (self.is_at_rest() && self.filters.is_settled());
         (!stands).then(|| if self.beside.is_free() { self.planning.ticks_of_reserve() } else { 1 })
     }
 
-    /// The span of motion blocks that was planned last. The value is valid after [`Progress::Planned`] or
-    /// [`Progress::Replanned`], until the next call of [`Self::poll`].
+    /// The span of motion blocks that was planned last. The value is valid from [`Progress::Planned`] or
+    /// [`Progress::Replanned`] until the next call of [`Self::poll`].
     pub fn planned(&self) -> PlannedBlock {
         self.planning.planned()
     }
 
-    /// Curves handed on to the interrupt since the split. For simulators: a controller does not need it.
+    /// Number of curves written into the queue since the split. For simulators: a controller does not need
+    /// this call.
     #[doc(hidden)]
     pub fn curves(&self) -> u32 {
         self.planning.curves()
     }
 
-    /// What the last call has cost for the search of a way to a standstill, in about 100 instructions of a Cortex-M4. For
-    /// tests: a controller does not need it.
+    /// Cost of the search for a stop in the last call, in units of about 100 instructions of a Cortex-M4. For tests: a
+    /// controller does not need this call.
     #[doc(hidden)]
     pub fn searched(&self) -> u32 {
         self.planning.searched()
     }
 
-    /// The point of a curve at `part` 2^16ths of its length, and its motion block; none where the curve is
-    /// no longer there.
+    /// The point of a curve at `part` 2^16ths of the curve's length, and the motion block. `None` if the
+    /// curve is no longer in the queue.
     #[doc(hidden)]
     pub fn point(&self, curve: u32, part: u32) -> Option<(u32, [crate::quantity::Position; AXES])> {
         self.planning.point(curve, part)
     }
 
-    /// Understanding a line and handing its first command out are two steps of the decoder: one call, if the
-    /// line is short. A call of its own: what it has on the stack is not below the planning.
+    /// Decodes a line. Reading a line and returning its first command are two steps of the decoder; a short
+    /// line takes one call. A separate function, so that its stack frame does not lie below the planning.
     #[inline(never)]
     fn decode(&mut self) -> Result<Progress, Error> {
         for _ in 0..2 {
@@ -358,8 +364,8 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         Ok(Progress::Working)
     }
 
-    /// What is held back before a command that changes the dynamics runs with what was in force there. Whether it goes
-    /// on first.
+    /// Ends the run of blocks that smoothing holds back, before a command that changes the dynamics. The blocks keep
+    /// the dynamics that were in force. Returns whether the run must be planned first.
     #[cold]
     #[inline(never)]
     fn ends_row(&mut self) -> bool {
@@ -367,7 +373,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         changes && self.planning.end_row()
     }
 
-    /// The text is not there yet.
+    /// Program text is late.
     #[inline(never)]
     fn go_without(&mut self) -> Progress {
         match self.planning.go_without() {
@@ -377,7 +383,8 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         }
     }
 
-    /// By reference: a command is large. Not inlined: what it has on the stack is not there while text is decoded.
+    /// Carries out a step of the decoder. The step is a reference because a command is large. Not inlined, so
+    /// that its stack frame is gone while text is decoded.
     #[inline(never)]
     fn perform(&mut self, step: &Result<Step<AXES>, NcError>) -> Result<Progress, Error> {
         #[cfg(feature = "examine")]
@@ -402,7 +409,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         result
     }
 
-    /// The line at hand is refused: a standstill behind what was taken in before.
+    /// Refuses the current line: the motion stops after the last block before it.
     #[cold]
     fn refuse(&mut self) {
         self.decoder.refuse();
@@ -412,7 +419,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         self.end();
     }
 
-    /// The curve of a corner is refused for a software limit.
+    /// Refuses the curve of a corner because of a software limit.
     #[cold]
     #[inline(never)]
     fn refuse_curve(&mut self) -> Error {
@@ -427,7 +434,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         }
     }
 
-    /// Why a motion is refused.
+    /// The error for a refused motion.
     #[cold]
     fn error(&self, place: Place, error: MotionError) -> Error {
         match error {
@@ -444,7 +451,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         }
     }
 
-    /// What was read ahead of where the axes will stand is forgotten.
+    /// Drops the lines that were read ahead of the coming stop.
     #[cold]
     fn lose(&mut self) {
         self.beside.stop();
@@ -457,7 +464,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         self.decoder.refuse();
     }
 
-    /// Stands still after what was taken in, for the one tick that shows it.
+    /// Stops after the last block, for the one tick that shows the end.
     fn end(&mut self) {
         self.planning.rest(1);
         self.source = Source::Ending;
@@ -486,7 +493,8 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         Ok(Progress::Working)
     }
 
-    /// Any command but a motion: what that needs of the stack is not below motions.
+    /// Carries out any command but a motion. A separate function, so that its stack frame does not lie below
+    /// motions.
     #[inline(never)]
     fn carry_out(&mut self, command: &Command<AXES>) -> Result<Progress, Error> {
         let refuse = |name| Err(Error::NotAvailable(command.place(), name));
@@ -495,7 +503,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         match command {
             Command::Dwell(head, DwellTime::Seconds(time)) => {
                 let at_corner = self.planning.rounds();
-                // 2^-32 s to µs to ticks, up
+                // From 2^-32 s to µs to ticks, rounded up.
                 let us = mul_shift(time.to_bits().max(0), 1_000_000, 32).unsigned_abs();
                 let cycle = u64::from(self.cycle_us);
                 self.planning.rest(div_wide(0, us + cycle - 1, cycle) + self.settling());
@@ -534,7 +542,8 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
             }
             Command::Oscillation(..) | Command::Independent(..) if OVERLAYS > 0 => self.hold_back(command),
             Command::WaitIndependent(_, axes) => self.wait_independent(*axes),
-            // Exact stop came with the motion; the others switch off what this version cannot switch on.
+            // An exact stop came together with the motion. The other commands switch off functions that this
+            // version cannot switch on.
             Command::ExactStop(..) | Command::ProgramEnd(..) => {}
             Command::Contour(head, contour) => self.contour(head, contour)?,
             Command::Spline(head, spline) => return self.spline(head, spline),
@@ -566,7 +575,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         Ok(Progress::Working)
     }
 
-    /// A pause, an output or a wait for an input of other dialects.
+    /// A pause, an output or a wait for an input, in a dialect other than ISG's.
     #[cfg(feature = "dialects")]
     fn put_out(&mut self, command: &Command<AXES>) -> Result<Progress, Error> {
         let held = match command {
@@ -605,7 +614,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
     }
 
     fn hsc(&mut self, head: &Head, hsc: &Hsc) -> Result<Progress, Error> {
-        // To switch it off, or to prepare it, needs nothing.
+        // Switching off and setting parameters have no precondition.
         if hsc.switch == Some(true) {
             self.check_method(self.planning.hsc_method(hsc))
                 .map_err(|needs| Error::NotEnabled(head.place, needs))?;
@@ -618,7 +627,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         Ok(Progress::Warning(NcWarning { place: head.place, kind }))
     }
 
-    /// That a method of #HSC is there. What it needs, if not.
+    /// Checks that a method of `#HSC` is available. The error names what the method needs.
     fn check_method(&self, method: HscMethod) -> Result<(), &'static str> {
         match method {
             HscMethod::Surface => {
@@ -633,7 +642,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         }
     }
 
-    /// Slope, weights and limits along the path, for the blocks that follow.
+    /// Sets slope, weights and limits along the path, for the following blocks.
     fn restrict(&mut self, command: &Command<AXES>) -> Result<(), Error> {
         match command {
             Command::Slope(_, slope) => {
@@ -670,13 +679,13 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         self.error(if of_centre { motion.centre } else { motion.place }, error)
     }
 
-    /// Whether the motion moves an axis that is released.
+    /// Whether the motion moves an axis that the program has given away.
     fn moves_released(&self, motion: &Motion<AXES>) -> bool {
         self.released != 0 && self.released & self.planning.moved(motion) != 0
     }
 
-    /// A command that changes what is in force, in a line with a motion: if that is refused, the command must
-    /// not be carried out.
+    /// Checks the motion of a line that also has a command which changes modal state. If the motion is
+    /// refused, the command must not be carried out.
     #[inline(never)]
     fn look_ahead(&self, head: &Head) -> Result<(), Error> {
         match self.decoder.motion() {
@@ -709,8 +718,8 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         Progress::Working
     }
 
-    /// The same of a function that there was no room for: motion and acknowledgements make some. Not at once in
-    /// [`Self::output`], which has the command on the stack.
+    /// Outputs a function for which there was no room before: motion and acknowledgements make room. A separate
+    /// call, because [`Self::output`] has the command on the stack.
     #[inline(never)]
     fn output_held(&mut self, held: Held) -> Progress {
         let progress = self.output(held);

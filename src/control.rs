@@ -1,8 +1,9 @@
-//! The words in which the operator's commands and acknowledgements lie: override, feed hold, resume, abort, reduced speed.
+//! The memory words of the operator's commands and acknowledgements: override, feed hold, resume, abort,
+//! reduced speed.
 //!
-//! [`crate::operator::Operator`] writes them. Each word has one writer, the operator or the planner. So commands can be given
-//! at any time, without a lock, without waiting, and without compare-and-swap, which small cores do not have. The planner
-//! reads the words in each call and acts a few ticks later ([`crate::plan`]).
+//! [`crate::operator::Operator`] writes the commands. Each word has one writer, the operator or the planner. So the
+//! operator gives commands at any time, without a lock and without waiting. Compare-and-swap, which small cores lack,
+//! is not needed. The planner reads the words in each call and acts a few ticks later ([`crate::plan`]).
 mod acknowledge;
 
 pub(crate) use acknowledge::OPEN;
@@ -18,55 +19,55 @@ pub const MAX_OVERRIDE: u16 = 2000;
 /// 100 %.
 pub const FULL_OVERRIDE: u16 = 1000;
 
-/// The commands in one word: the override is in its lower half.
+/// Commands share one word. The override is in the lower half of this word.
 const FEED: u32 = 0xffff;
 const HOLD: u32 = 1 << 16;
 const ABORT: u32 = 2 << 16;
 const REDUCED: u32 = 4 << 16;
-/// An acknowledgement came that the planner has not looked at.
+/// An acknowledgement came that the planner has not read.
 const ANSWERED: u32 = 8 << 16;
-/// As the operator gives them, in place of [`ABORT`]: a count of the aborts.
+/// In the operator's word these bits replace [`ABORT`]: the number of aborts given.
 const ABORTS: u32 = 0xff << 24;
 const ONE_ABORT: u32 = 1 << 24;
 
 /// The commands and acknowledgements that operator and planner share.
 pub struct Control {
-    /// The commands. This and the next two are written by the operator.
+    /// The commands. The operator writes this word and the next two.
     given: AtomicU32,
     /// Acknowledgements given.
     answers: AtomicU32,
-    /// Changes of the above.
+    /// Number of changes of the two words above.
     changes: AtomicU32,
-    /// Changes looked at. This and the next three are written by the planner.
+    /// Number of changes that the planner has read. The planner writes this word and the next three.
     looked: AtomicU32,
-    /// Acknowledgements looked at.
+    /// Acknowledgements that the planner has read.
     heard: AtomicU32,
-    /// Aborts carried out, as in `given`.
+    /// Number of aborts carried out, in the format of `given`.
     aborted: AtomicU32,
-    /// All commands as they were seen last.
+    /// All commands as the planner read them last.
     seen: AtomicU32,
     acknowledgements: Acknowledgements,
 }
 
-/// The commands as they stand.
+/// The commands in force.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Commands {
     /// Feed override, 0…2000, LSB 0.1 %.
     pub feed: u16,
-    /// The motion is to stand still on the path.
+    /// The motion is to stop on the path.
     pub hold: bool,
-    /// The rest of the program is not wanted.
+    /// The rest of the program is to be dropped.
     pub abort: bool,
     /// Every axis keeps its reduced speed (P-AXIS-00214).
     pub reduced: bool,
 }
 
 impl Control {
-    /// The commands in the word.
+    /// The commands within the planner's word.
     pub(crate) const COMMANDS: u32 = !ANSWERED;
 
-    /// The word of [`Self::new`].
+    /// The planner's word with full override and no command.
     pub(crate) const NORMAL: u32 = FULL_OVERRIDE as u32;
 
     /// Full override, no hold.
@@ -75,14 +76,14 @@ impl Control {
         Self { given, seen, ..Self::blank() }
     }
 
-    /// Memory for one; all bits zero.
+    /// Blank memory for the words; all bits zero.
     pub(crate) const fn blank() -> Self {
         let [given, answers, changes, looked, heard, aborted, seen] = [const { AtomicU32::new(0) }; 7];
         let acknowledgements = Acknowledgements::new();
         Self { given, answers, changes, looked, heard, aborted, seen, acknowledgements }
     }
 
-    /// The open acknowledgements, for all.
+    /// The open acknowledgements. Planner and operator both use this table.
     pub(crate) const fn acknowledgements(&self) -> &Acknowledgements {
         &self.acknowledgements
     }
@@ -96,7 +97,7 @@ impl Control {
     }
 }
 
-/// For the operator.
+/// Calls of the operator.
 impl Control {
     /// Feed override, LSB 0.1 %.
     pub(crate) fn set_override(&self, feed: u16) {
@@ -114,7 +115,7 @@ impl Control {
     pub(crate) fn abort(&self) {
         let next = |aborts: u32| aborts.wrapping_add(ONE_ABORT) & ABORTS;
         let aborts = next(self.given.load(Ordering::Relaxed));
-        // A count that has come round must not look carried out.
+        // The count of aborts must not wrap to the value of `aborted`: the abort would look carried out.
         let is_carried_out = aborts == self.aborted.load(Ordering::Relaxed);
         self.give(HOLD | ABORTS, if is_carried_out { next(aborts) } else { aborts });
     }
@@ -126,7 +127,7 @@ impl Control {
         Ok(())
     }
 
-    /// The commands as they stand.
+    /// The commands in force.
     pub(crate) fn commands(&self) -> Commands {
         Commands::of(self.gather())
     }
@@ -142,9 +143,9 @@ impl Control {
     }
 }
 
-/// For the planner.
+/// Calls of the planner.
 impl Control {
-    /// All of them in one word, to see whether something has changed.
+    /// All commands and acknowledgements in one word. A different value means a change.
     #[inline(always)]
     pub(crate) fn word(&self) -> u32 {
         if self.changes.load(Ordering::Relaxed) != self.looked.load(Ordering::Relaxed) {
@@ -155,24 +156,24 @@ impl Control {
 
     #[inline(never)]
     fn look(&self) {
-        // What is given behind this is another change.
+        // A command that is given after this line counts as another change.
         self.looked.store(self.changes.load(Ordering::Acquire), Ordering::Relaxed);
         self.seen.store(self.gather(), Ordering::Relaxed);
     }
 
-    /// Whether an acknowledgement is to be looked at.
+    /// Whether an acknowledgement is unread.
     pub(crate) fn is_answered(&self) -> bool {
         self.answers.load(Ordering::Relaxed) != self.heard.load(Ordering::Relaxed)
     }
 
-    /// The tickets acknowledged, which are free again.
+    /// The acknowledged tickets, one bit each. These tickets become free.
     pub(crate) fn take_answers(&self) -> u32 {
         self.heard.store(self.answers.load(Ordering::Acquire), Ordering::Relaxed);
         self.look();
         self.acknowledgements.take_answers()
     }
 
-    /// The rest of the program is forgotten.
+    /// Marks the abort as carried out: the rest of the program is dropped.
     pub(crate) fn aborted(&self) {
         self.aborted.store(self.given.load(Ordering::Relaxed) & ABORTS, Ordering::Relaxed);
         self.look();
@@ -189,7 +190,7 @@ impl Commands {
         }
     }
 
-    /// Whether the motion is to stand still.
+    /// Whether the motion is to stop.
     pub(crate) const fn standstill(&self) -> bool {
         self.hold || self.abort || self.feed == 0
     }

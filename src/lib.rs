@@ -56,11 +56,11 @@
 //!
 //! # Cargo features
 //!
-//! The last five features are off by default. Without a feature its commands are refused by name.
+//! The last six features are off by default. A build without a feature refuses the commands of that feature by name.
 //!
 //! | feature | adds |
 //! |---|---|
-//! | `contour` | rounding of corners: G61, G261, `#CONTOUR MODE` |
+//! | `contour` | curves at corners: G61, G261, `#CONTOUR MODE` |
 //! | `surface` | `#HSC [SURFACE]`: one smooth curve through many short blocks |
 //! | `splines` | Akima, B-spline, HSC B-spline |
 //! | `hsc` | the slope HSC |
@@ -68,29 +68,29 @@
 //! | `beside` | single axes: oscillation, independent axes |
 //! | `filters` | FIR filters of the axes |
 //! | `fast` | fewer instructions for more flash, with `opt-level = 3` |
-//! | `dialects` | programs of LinuxCNC and Grbl |
-//! | `fanuc` | programs of Fanuc's controllers |
-//! | `plc` | elements of the path ahead, real-time loops and V. variables, for a PLC |
+//! | `dialects` | programs in the languages of LinuxCNC and Grbl |
+//! | `fanuc` | programs in the language of Fanuc controllers |
+//! | `plc` | for a PLC: elements of the path ahead, real-time loops, `V.` variables |
 //! | `kinematics` | transformations of machines with rotary axes: `#KIN ID`, `#TRAFO` |
-//! | `examine` | a check that refuses what a run refuses, without planning; for desktop tools |
+//! | `examine` | a check without planning, which reports what a run would refuse; for desktop tools |
 //! | `defmt` | `defmt::Format` for errors and events |
 //!
 //! # Where to look in the sources
 //!
 //! | question | file |
 //! |---|---|
-//! | how fast a corner may be taken | `dynamics/transition.rs`; as a curve: `dynamics/polynomial.rs` |
+//! | which speed a corner permits | `dynamics/transition.rs`; a corner with a curve: `dynamics/polynomial.rs` |
 //! | whether the motion passes a corner without a curve or stops there | `lookahead/worth.rs` |
 //! | which curve a corner gets | `smooth/contour/choice.rs` |
 //! | which curve a run of short blocks gets | `smooth/surface/mod.rs` |
 //! | which curve the points of a spline get | `smooth/spline/mod.rs` |
-//! | how fast an arc may be taken | `dynamics/permitted.rs` |
+//! | which speed an arc permits | `dynamics/arc.rs` |
 //! | which speeds the look-ahead plans | `lookahead/plan.rs`, `lookahead/span.rs` |
 //! | what a feed hold does | `plan/hold.rs`, `plan/descent.rs`, `plan/short_stop.rs` |
-//! | at which point an M function comes out, and where the motion waits for it | `plan/functions.rs`, `plan/acknowledge.rs` |
-//! | in which tick an M function comes out | `queue/actions.rs` |
+//! | at which point an M function is output, and where the motion waits for its acknowledgement | `plan/functions.rs`, `plan/acknowledge.rs` |
+//! | in which tick an M function is output | `queue/actions.rs` |
 //! | how an axis moves independently of the path | `single/mod.rs`, `channel/beside.rs` |
-//! | what a tick does, and so costs | `tick.rs`, `queue/curves.rs`, `queue/cells.rs`; the counts: `docs/figures.md` |
+//! | what a tick does, and what it costs | `tick.rs`, `queue/curves.rs`, `queue/cells.rs`; the counts: `docs/figures.md` |
 //! | what happens when the planner gets no time | `plan/reserve.rs` |
 //! | how planner and interrupt agree on a change | `queue/time.rs`, `queue/clock.rs` |
 //! | unit, LSB, range and rounding of a number | `quantity.rs` |
@@ -99,38 +99,38 @@
 //!
 //! | word | meaning |
 //! |---|---|
-//! | acknowledgement | The operator's message that a function is carried out. |
-//! | action | An output at a point of the path: a function. |
+//! | acknowledgement | The operator's message that a function has been carried out. |
+//! | action | A function of the program, output at a point of the path. |
 //! | anchor | An end of a span: acceleration is zero there. |
-//! | barrier | The end marker in the queue; only a change of plan leads past it. |
+//! | barrier | The end marker in the queue; the interrupt passes this marker only with a change of plan. |
 //! | block | A motion of the program, or a part of one, in the look-ahead. |
 //! | brief block | A block that the motion passes within a tick. |
 //! | channel | All memory of one path, for planner, interpolator and operator. |
-//! | committed span | A span that has left the look-ahead and is not yet passed; its profile may still change. |
+//! | committed span | A span that the look-ahead has released and the motion has not passed. A command may still change its profile. |
 //! | contour mode | Rounding of corners inside a tolerance (#CONTOUR MODE, G61, G261). |
 //! | corner | A transition where the direction changes. |
 //! | curve | Geometry in the queue: a line, an arc or a polynomial; a `Segment` in the code. |
 //! | cut | The tick at which the interrupt changes from one plan to another. |
 //! | dwell | A programmed pause (G04). |
-//! | ease | How much a span stays below its limits so that acceleration may pass its end. |
+//! | ease | The margin below its limits that a span keeps, so that acceleration may pass its end. |
 //! | element | A curve over its own path length, with direction and curvature at both ends. |
 //! | feed hold | A stop on the path that the operator asks for. |
 //! | frontier | The end of the planned pieces in the queue. |
-//! | gate | A synchronisation point: the motion passes it only after acknowledgements. |
-//! | instant | A tick of path motion, counted twice, so that odd numbers are free for marks. |
-//! | joint | The point where two curves meet. |
-//! | knee | A corner without a curve, and the step of speed that it causes in an axis. |
-//! | law | A speed profile: the speed of a span over time. |
+//! | gate | A synchronisation point: the motion waits there until all demanded acknowledgements have come. |
+//! | instant | The number of a tick of path motion, times two. Odd numbers are free for marks. |
+//! | joint | In names of the code: a transition. |
+//! | knee | A corner without a curve; also the step of speed that such a corner causes in an axis. |
+//! | law | In names of the code: a speed profile. |
 //! | level | The slowly following copy of the override that the look-ahead is planned for. |
 //! | limits | Speed, acceleration and jerk permitted along the path. |
 //! | look-ahead | The ring of blocks whose speeds may still change. |
 //! | overlay | The motion of a single axis, as the interrupt takes it. |
 //! | path distance | Length along the path since the start. |
 //! | piece | A cubic of path distance over whole ticks; a `Phase` in the code. |
-//! | profile | A law as ramps, with times and lengths. |
+//! | profile | The path speed of a span over time: ramps with times and lengths. |
 //! | programmed block | A motion block as the program has it. |
 //! | ramp | A part of a profile in which acceleration rises or falls. |
-//! | reserve | The stop that lies ready for a planner that gets no time. |
+//! | reserve | The stop that the interrupt uses if the planner gets no time. |
 //! | row | Consecutive short blocks that Surface or a spline turns into one curve. |
 //! | set point | The position of an axis for one tick. |
 //! | slope | The kind of speed profile: STEP, TRAPEZ, SIN2 or HSC. |
@@ -141,9 +141,9 @@
 //! | stage | A step of the pipeline, which takes one type and returns the next. |
 //! | stroke | A motion of a single axis from stop to stop. |
 //! | tick | One cycle of the timer interrupt. |
-//! | transition | The point where two blocks meet. |
+//! | transition | The point where two blocks or two curves meet. |
 //! | valley | A slow block that is entered braking and left accelerating. |
-//! | way | The motion to a stop. |
+//! | way | In names of the code: a braking path, the motion to a stop. |
 #![no_std]
 // Six files of `queue` have unsafe code, and each says why: `ring`, `curves`, `reserve`, `actions`, and their memory,
 // `cells` and `word`.

@@ -1,7 +1,7 @@
 //! The operator: commands, functions that are due, acknowledgements, and the status.
 //!
-//! The operator is the third handle of a channel. It belongs to a PLC task, a serial task or another core. Its calls
-//! do not wait for the planner or the interrupt, and neither waits for the operator.
+//! The operator is the third handle of a channel. One task owns this handle: a PLC task, a serial task or another
+//! core. No call waits for the planner or the interrupt. Planner and interrupt never wait for the operator.
 //!
 //! ```
 //! use glidepath::{AxisData, AxisKind, AxisName, Channel, ChannelData, Function, Handles};
@@ -41,32 +41,33 @@ use crate::tick::State;
 use core::cell::Cell;
 use core::marker::PhantomData;
 
-/// What the last tick did. All fields belong to the same tick.
+/// The result of the last tick. All fields belong to the same tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Status<const AXES: usize> {
     /// The set point of every axis.
     pub set_points: [Position; AXES],
     /// Programmed N number.
     pub n: u32,
-    /// Motion blocks since the split, from 0.
+    /// Number of the motion block, counted from 0 since `Channel::split`.
     pub block: u32,
-    /// Path distance as planned; wraps at ±2^19 mm. A curve over time counts the time that it takes at the feed.
+    /// Path distance as planned; wraps at ±2^19 mm. Inside a curve over time, the distance counts the time
+    /// that the curve takes at the feed.
     pub distance: Distance,
-    /// Speed of the set points along the feed axes, the mean over the last tick; 0 at rest. Where no feed axis moves it
-    /// is that along the main axes, and where none of these moves that of all axes. To 2^-44 mm per tick.
+    /// Mean speed of the set points over the last tick, along the feed axes; 0 at rest. If no feed axis moves, the main
+    /// axes count; if no main axis moves, all axes count. Resolution 2^-44 mm per tick.
     pub speed: Speed,
     /// The state that the last tick returned.
     pub state: State,
-    /// Pieces of the speed profile that are planned and not yet used, 0…128 (0…32 in a small build). While the planner
-    /// adds pieces, the count may be two too low.
+    /// Number of planned and unused pieces of the speed profile, 0…128 (0…32 in a small build). While the planner adds
+    /// pieces, the count may be two too low.
     pub queued: u16,
-    /// Ticks since the split, whether the path moved in them or not; modulo 2^31. The last one has the number
+    /// Ticks since the split, with and without motion of the path; modulo 2^31. The last tick has the number
     /// `ticks` − 1, as in [`Output::tick`].
     pub ticks: u32,
 }
 
-/// Gives commands to a channel and shows what the channel does. It is `Send`, not `Sync`: one context at a time holds
-/// it.
+/// Gives commands to a channel and shows the state of the motion. The handle is `Send`, not `Sync`: one context at a
+/// time owns the operator.
 ///
 /// A task calls [`Self::output`] as often as it can and acknowledges the functions that wait. An application without
 /// such a task moves the operator into the timer interrupt and calls [`Self::deliver`] after every tick.
@@ -77,8 +78,8 @@ pub struct Operator<'a, const AXES: usize> {
 }
 
 impl<'a, const AXES: usize> Operator<'a, AXES> {
-    /// An operator for the queue between planner and interrupt. `measure`: the axes along which the speed counts.
-    /// Applications get theirs from [`crate::channel::Channel::split`].
+    /// Makes an operator for the queue between planner and interrupt. `measure` selects the axes along which the
+    /// speed counts. An application gets its operator from [`crate::channel::Channel::split`].
     pub const fn new(panel: Panel<'a, AXES>, measure: Measure) -> Self {
         Self { panel, measure, sole: PhantomData }
     }
@@ -87,18 +88,18 @@ impl<'a, const AXES: usize> Operator<'a, AXES> {
         self.panel.control
     }
 
-    /// Sets the feed override, in steps of 0.1 %: 500 is 50 %. Values above 2000 count as 2000. The override acts on feed
-    /// and rapid motion; P-CHAN-00066 says how. With 0 the axes stop on the path, as in a feed hold.
+    /// Sets the feed override, in steps of 0.1 %: 500 is 50 %. Values above 2000 count as 2000. The override acts on
+    /// feed and rapid motion; P-CHAN-00066 selects how. With 0 the axes stop on the path, as in a feed hold.
     pub fn set_override(&self, feed: u16) {
         self.control().set_override(feed);
     }
 
-    /// Stops the axes on the path, as soon as their limits permit.
+    /// Stops the axes on the path, as soon as the limits of the axes permit.
     pub fn feed_hold(&self) {
         self.control().set_hold(true);
     }
 
-    /// Ends a [`Self::feed_hold`]: the motion goes on.
+    /// Ends a [`Self::feed_hold`]: the motion resumes.
     pub fn resume(&self) {
         self.control().set_hold(false);
     }
@@ -119,9 +120,10 @@ impl<'a, const AXES: usize> Operator<'a, AXES> {
         self.control().commands()
     }
 
-    /// Takes the next function whose point of the path has been reached. Call it until it returns `None`.
+    /// Returns the next function whose point of the path has been reached. Call `output` until it returns
+    /// `None`.
     ///
-    /// At most 32 functions can be pending, 16 in a small build. When that room runs out, the look-ahead gets shorter;
+    /// At most 32 functions can be pending, 16 in a small build. With less free room the look-ahead gets shorter;
     /// without any room the axes stop.
     pub fn output(&self) -> Option<Output> {
         let outlet: &Outlet<'a> = &self.panel.actions;
@@ -131,28 +133,29 @@ impl<'a, const AXES: usize> Operator<'a, AXES> {
         Some(Output { tick, n: placed.n, function, waits: ticket.waits() })
     }
 
-    /// Hands all functions that are due to `technology`.
+    /// Passes all due functions to `technology`.
     pub fn deliver(&self, technology: &mut impl Technology) {
         while let Some(output) = self.output() {
             technology.output(&output);
         }
     }
 
-    /// Acknowledges a function. If the same function was put out several times, the first output is acknowledged.
+    /// Acknowledges a function. If the same function was output several times, the call acknowledges the
+    /// first output.
     ///
     /// # Errors
-    /// [`Unexpected`] if no output of the function waits; the call changes nothing.
+    /// Returns [`Unexpected`] if no output of the function waits; the call then changes nothing.
     pub fn acknowledge(&self, function: Function) -> Result<(), Unexpected> {
         self.control().acknowledge(function)
     }
 
-    /// The oldest function that was put out and is not acknowledged.
+    /// The oldest function that was output and is not acknowledged.
     pub fn awaited(&self) -> Option<Function> {
         self.control().acknowledgements().awaited()
     }
 
-    /// What the last tick did. The call reads again if a tick comes in between: once or twice on the interrupt's core, as
-    /// long as a tick runs on another core.
+    /// The result of the last tick. If a tick comes during the call, the call reads again: once or twice on the
+    /// interrupt's core, and as long as the tick runs on another core.
     pub fn status(&self) -> Status<AXES> {
         let seen = self.panel.status.read();
         let state = match (seen.moved, seen.settles) {
@@ -169,7 +172,7 @@ impl<'a, const AXES: usize> Operator<'a, AXES> {
             n: seen.n,
             block: seen.block,
             distance: seen.distance,
-            // 2^-44 to 2^-58 mm per tick
+            // From 2^-44 to 2^-58 mm per tick.
             speed: Speed::from_bits(self.measure.path(&travel).to_bits().saturating_mul(1 << 14)),
             state,
             queued: seen.queued,

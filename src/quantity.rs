@@ -19,8 +19,8 @@
 //! | [`Jerk`] | mm/tick³ | I6F58 | 2^-58 | ±32 | limits down |
 //! | [`Time`] | ticks | U28F36 | 2^-36 | 0…2^28 | down, what is left goes to the cruise |
 //!
-//! Speeds are per tick so that the interrupt needs no multiplication by time. A path speed of a block without
-//! motion of the main axes counts degrees instead of millimetres.
+//! Speeds are per tick, so the interrupt needs no multiplication by time. A block that moves no main axis
+//! counts degrees instead of millimetres.
 use crate::math::float::{to_bits, to_f32};
 use fixed::types::{I6F58, I20F44, I32F32, U28F36};
 
@@ -61,7 +61,8 @@ macro_rules! quantity {
 }
 
 quantity!(
-    /// Length along the path, mm, LSB 2^-44; wraps at ±2^19 mm, only differences count.
+    /// Length along the path, mm, LSB 2^-44. The value wraps at ±2^19 mm, so only differences of two
+    /// distances have a meaning.
     Distance, I20F44, i64);
 quantity!(
     /// Path speed, mm/tick, LSB 2^-58.
@@ -82,7 +83,7 @@ pub const DISTANCE_LSB: f32 = 1.0 / (1u64 << 44) as f32;
 /// The LSB of [`Speed`], [`Accel`] and [`Jerk`], 2^-58, as a factor.
 pub const SPEED_LSB: f32 = 1.0 / (1u64 << 58) as f32;
 
-/// Speed in units of 2^-58, cut to the integer below.
+/// Speed in units of 2^-58, rounded down to an integer.
 pub fn speed_bits(v: f32) -> i64 {
     to_bits::<58>(v)
 }
@@ -92,13 +93,13 @@ pub fn speed_f32(bits: i64) -> f32 {
     to_f32(bits) * SPEED_LSB
 }
 
-/// A position with so many decimals, 18 at most, rounded to nearest, ties to even: the text that its `Display` makes with an
-/// index that could panic.
+/// A position with a fixed number of decimals, at most 18, rounded to nearest, ties to even. `Display` of the `fixed`
+/// crate would contain an index that could panic.
 #[doc(hidden)]
 pub struct Decimal {
     /// LSB 2^-32.
     pub bits: i64,
-    /// Digits behind the point.
+    /// Digits after the decimal point.
     pub decimals: usize,
 }
 

@@ -1,6 +1,8 @@
-//! Technology functions M, H, S and T, put out at their point of the path.
+//! Technology functions M, H, S and T. The planner places each function at a point of the path; the operator
+//! outputs the function when the motion reaches that point.
 //!
-//! An application takes them by [`Operator::output`](crate::operator::Operator::output), or implements [`Technology`]:
+//! An application reads due functions by [`Operator::output`](crate::operator::Operator::output), or
+//! implements [`Technology`]:
 //!
 //! ```
 //! use glidepath::{Function, Output, Technology};
@@ -38,10 +40,10 @@ pub enum Function {
     Spindle(#[cfg_attr(feature = "defmt", defmt(Debug2Format))] Position),
     /// T: tool number.
     Tool(u32),
-    /// M62 to M65 of LinuxCNC: digital output with this port, on or off.
+    /// M62 to M65 of LinuxCNC: digital output with this port number, switched on or off.
     #[cfg(feature = "dialects")]
     Digital(u8, bool),
-    /// M67 and M68 of LinuxCNC: analogue output with this port, and its value.
+    /// M67 and M68 of LinuxCNC: analogue output with this port number, and the value.
     #[cfg(feature = "dialects")]
     Analog(u8, #[cfg_attr(feature = "defmt", defmt(Debug2Format))] Position),
     /// M66 of LinuxCNC: the axes stand until this function is acknowledged.
@@ -49,18 +51,19 @@ pub enum Function {
     Input(InputWait),
 }
 
-/// What M66 waits for. The application acknowledges it when the input has done so, or when the time is over.
+/// The condition of M66. The application acknowledges the function when the input fulfils the condition, or
+/// when the time is over.
 #[cfg(feature = "dialects")]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct InputWait {
-    /// The input's number.
+    /// Number of the input.
     pub port: u8,
-    /// An analogue input (E), else a digital one (P).
+    /// `true`: an analogue input (word E). `false`: a digital input (word P).
     pub is_analog: bool,
-    /// L: 0 at once, 1 the input rises, 2 it falls, 3 it is high, 4 it is low.
+    /// Word L. 0: at once. 1: the input rises. 2: the input falls. 3: the input is high. 4: the input is low.
     pub mode: u8,
-    /// Q: longest wait, ms; 0 for L0.
+    /// Word Q: longest wait in ms; 0 for L0.
     pub timeout_ms: u32,
 }
 
@@ -79,11 +82,11 @@ impl Ticket {
     }
 }
 
-/// An action at a point of the path.
+/// Something to do at a point of the path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Action {
-    /// The operator puts out a function. The ticket names its acknowledgement, if the motion waits for one.
+    /// The operator outputs a function. The ticket names the acknowledgement, if the motion waits for one.
     Out(Function, Ticket),
 }
 
@@ -91,7 +94,7 @@ pub enum Action {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Output {
-    /// The number of the tick that reached the point. All ticks since `Channel::split` count, from 0, modulo 2^31.
+    /// The number of the tick that reached the point. Ticks count from 0 since `Channel::split`, modulo 2^31.
     pub tick: u32,
     /// Programmed N number.
     pub n: u32,

@@ -23,18 +23,20 @@
 //! assert_eq!(to_the_drives.last(), Some(&Position::from_num(1)));
 //! ```
 //!
-//! A tick works in integers: no division, no square root, no loop without a fixed bound.
+//! A tick calculates in integers: no division, no square root, no loop without a fixed bound.
 //!
-//! 1. It takes the next piece of the speed profile when the current one is used up ([`crate::queue::Timeline`]), also
-//!    where the planner has asked for a change or is late. Without a piece the set points stay.
-//! 2. It evaluates the cubic of the piece: that is the path distance.
-//! 3. It drops the curves that the distance has passed ([`crate::queue::CurveConsumer::follow`]) and evaluates the
-//!    current one ([`crate::queue::Track::at`]).
-//! 4. Axes that move on their own get their set points from their own motion ([`crate::queue::Overlay`]).
-//! 5. It marks the functions that are due and shows its result to the operator ([`crate::operator::Operator`]).
+//! 1. When the current piece of the speed profile is used up, the tick takes the next one
+//!    ([`crate::queue::Timeline`]). The same step takes a change of plan, or the reserve if the planner is late.
+//!    Without a piece the set points stay.
+//! 2. The tick evaluates the cubic of the piece. The value is the path distance.
+//! 3. The tick drops the curves that the distance has passed ([`crate::queue::CurveConsumer::follow`]) and
+//!    evaluates the current curve ([`crate::queue::Track::at`]).
+//! 4. Single axes get their set points from their own motion ([`crate::queue::Overlay`]).
+//! 5. The tick marks the functions that are due and writes its result for the operator
+//!    ([`crate::operator::Operator`]).
 //!
-//! The planner guarantees what the tick relies on: a piece lasts at least one tick, its curve is in the ring, and at
-//! most [`crate::queue::MAX_CURVES_PER_TICK`] curves begin within a tick.
+//! The planner guarantees the preconditions of the tick: a piece lasts at least one tick, its curve is in the ring,
+//! and at most [`crate::queue::MAX_CURVES_PER_TICK`] curves begin within a tick.
 use crate::fir::{FilterTick, Unfiltered};
 use crate::quantity::{Accel, Distance, Position, Speed};
 use crate::queue::{OverlayReceiver, Receiver};
@@ -43,9 +45,10 @@ use crate::queue::{OverlayReceiver, Receiver};
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum State {
-    /// The axes stand still: nothing is planned, or the motion is in a feed hold or waits for an acknowledgement.
+    /// The axes stand: nothing is planned, or the motion is stopped by a feed hold or waits for an
+    /// acknowledgement.
     Idle,
-    /// The path stands still, and axes may still move: filters settle, or single axes move.
+    /// The path rests, and axes may still move: filters settle, or single axes move.
     Settling,
     /// The tick gave a set point of the planned motion. Dwell time counts as motion.
     Active,
@@ -56,30 +59,30 @@ pub enum State {
 pub struct Telemetry {
     /// Programmed N number.
     pub n: u32,
-    /// Motion blocks since the split, from 0.
+    /// Number of the motion block, counted from 0 since the split.
     pub block: u32,
     /// Path distance; wraps at ±2^19 mm.
     pub distance: Distance,
-    /// Path speed. In a curve that is planned over time the axes are slower than this speed says:
+    /// Path speed. In a curve over time the axes are slower than this value: see
     /// [`Interpolator::path_slope`].
     pub speed: Speed,
     /// Path acceleration.
     pub accel: Accel,
 }
 
-/// Computes set points; the handle for the timer interrupt.
+/// Computes set points. This handle belongs to the timer interrupt.
 pub struct Interpolator<'a, const AXES: usize, F = Unfiltered, const OVERLAYS: usize = 0> {
     queue: Receiver<'a, AXES>,
-    /// Of the path.
+    /// Set points of the path.
     set_points: [Position; AXES],
     filters: F,
     overlays: [OverlayReceiver<'a>; OVERLAYS],
 }
 
 impl<'a, const AXES: usize> Interpolator<'a, AXES> {
-    /// An interpolator that stands at `start` and reads from `queue`. Applications get theirs from
-    /// [`crate::channel::Channel::split`]. Alone it serves a [`crate::plan::Planning`] whose motions do not come from an NC
-    /// program.
+    /// An interpolator whose axes stand at `start`, and which reads from `queue`. An application gets its interpolator
+    /// from [`crate::channel::Channel::split`]. Without a channel, the interpolator serves a [`crate::plan::Planning`]
+    /// whose motions do not come from an NC program.
     pub fn new(queue: Receiver<'a, AXES>, start: [Position; AXES]) -> Self {
         Self::filtered(queue, start, Unfiltered)
     }
@@ -104,10 +107,10 @@ impl<'a, const AXES: usize, F: FilterTick<AXES>, const OVERLAYS: usize> Interpol
         Self { queue, set_points: start, filters, overlays }
     }
 
-    /// Computes the next set points, marks the functions that are due, and shows both to the operator.
+    /// Computes the next set points, marks the functions that are due, and writes both for the operator.
     ///
-    /// Cost: `docs/figures.md` counts the instructions on a Cortex-M4F. Each function that becomes due takes about a dozen
-    /// more.
+    /// Cost: `docs/figures.md` counts the instructions on a Cortex-M4F. Each function that becomes due takes about a
+    /// dozen more instructions.
     ///
     /// The planner must not interrupt this call. Call it from an interrupt of higher priority than the planner, or on
     /// another core.
@@ -128,7 +131,7 @@ impl<'a, const AXES: usize, F: FilterTick<AXES>, const OVERLAYS: usize> Interpol
         State::Active
     }
 
-    /// Nothing to do for the path.
+    /// Ends a tick in which the path does not move.
     #[inline(never)]
     fn rest(&mut self) -> State {
         let moves = if self.overlay() {
@@ -145,8 +148,8 @@ impl<'a, const AXES: usize, F: FilterTick<AXES>, const OVERLAYS: usize> Interpol
         if moves { State::Settling } else { State::Idle }
     }
 
-    /// Axes that move beside the path go where their own motions have them; whether one has a motion. Of a
-    /// channel without overlays nothing is left of it.
+    /// Writes the set points of single axes. Returns whether an axis has a motion of its own. A channel
+    /// without overlays compiles this call to nothing.
     #[inline(always)]
     fn overlay(&mut self) -> bool {
         self.overlays.iter_mut().fold(false, |moves, overlay| overlay.step(&mut self.set_points) | moves)
@@ -162,11 +165,11 @@ impl<'a, const AXES: usize, F: FilterTick<AXES>, const OVERLAYS: usize> Interpol
         &self.set_points
     }
 
-    /// The travel of each axis per path distance at the last set point, LSB 2^-40. It is `None` on a line or an arc, where
+    /// The travel of each axis per path distance at the last set point, LSB 2^-40. `None` on a line or an arc, where
     /// path distance is the travel of the feed axes.
     ///
-    /// In a curve that is planned over time the driven speed is [`Telemetry::speed`] times the length of this vector over the
-    /// feed axes. The value is computed on demand, not in the tick.
+    /// In a curve over time the driven speed is [`Telemetry::speed`] times the length of this vector over the feed
+    /// axes. The value is computed on demand, not in the tick.
     pub fn path_slope(&self) -> Option<[i64; AXES]> {
         let (track, along) = self.queue.segments.at_hand(self.queue.distance())?;
         track.slope(along)

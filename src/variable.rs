@@ -1,8 +1,8 @@
-//! Variables that a program shares with the application: V.E. names, and V.RTG.LOOP.ENABLED.
+//! Variables that a program shares with the application: `V.E.name` and `V.RTG.LOOP.ENABLED`.
 //!
-//! The application declares its variables, and gives them to the planner once
-//! ([`Planner::variables`](crate::Planner::variables)). Any context may read them; the PLC writes on one side, the
-//! program on the other. The value written last counts.
+//! The application declares its variables, and passes them to the planner once
+//! ([`Planner::variables`](crate::Planner::variables)). Any context may read them. The PLC writes on one side, the
+//! program on the other; the value written last counts.
 //!
 //! ```
 //! use glidepath::variable::{Access, Variable};
@@ -24,12 +24,12 @@ pub enum Access {
     ReadWrite,
 }
 
-/// A number with one writer, which no reader sees half written.
+/// A number with one writer. No reader sees it half written.
 ///
-/// The writer fills the place that is not shown, and then shows it. A reader beside the writer reads again.
+/// The writer fills the hidden place and then shows it. A reader that runs during a write reads again.
 struct Side {
     shown: AtomicU32,
-    /// Both halves of the number, and a stamp that grows with each value of both sides.
+    /// Both halves of the number, and a stamp that increases with each value of either side.
     places: [[AtomicU32; 3]; 2],
 }
 
@@ -69,7 +69,7 @@ impl Side {
     }
 }
 
-/// A variable V.E. of the program.
+/// A variable `V.E.…` of the program.
 pub struct Variable {
     name: &'static str,
     access: Access,
@@ -78,24 +78,25 @@ pub struct Variable {
 }
 
 impl Variable {
-    /// V.E.`name`, 0 at first. Upper and lower case are the same. Letters, digits, `_` and `.`, at most 63.
+    /// The variable `V.E.name` with the value 0. Case does not matter. Letters, digits, `_` and `.`, at most
+    /// 63 characters.
     pub const fn new(name: &'static str, access: Access) -> Self {
         Self { name, access, plc: Side::new(), program: Side::new() }
     }
 
-    /// For the PLC, one context at a time: writes the variable. A program sees the value in the lines that the planner
+    /// Writes the variable. For the PLC, one context at a time. A program sees the value in the lines that the planner
     /// reads from now on.
     pub fn set(&self, value: f64) {
         self.write(&self.plc, value);
     }
 
-    /// The value that PLC or program have written last; of both at the same time, the PLC's.
+    /// The value that PLC or program wrote last; if both wrote at the same time, the PLC's.
     pub fn get(&self) -> f64 {
         let ((plc, stamp), (program, other)) = (self.plc.read(), self.program.read());
         if (stamp.wrapping_sub(other) as i32) >= 0 { plc } else { program }
     }
 
-    /// For the program.
+    /// Writes the variable, for the program.
     pub(crate) fn assign(&self, value: f64) {
         self.write(&self.program, value);
     }
@@ -106,7 +107,7 @@ impl Variable {
         side.write(value, last.wrapping_add(1));
     }
 
-    /// Whether it has that name, in upper case.
+    /// Whether the variable has this name, in upper case.
     pub(crate) fn is(&self, name: &[u8]) -> bool {
         self.name.as_bytes().eq_ignore_ascii_case(name)
     }
@@ -117,13 +118,13 @@ impl Variable {
     }
 }
 
-/// V.RTG.LOOP.ENABLED. Each word has one writer.
+/// `V.RTG.LOOP.ENABLED`. Each word has one writer.
 pub(crate) struct LoopFlag {
     /// The PLC's value.
     enabled: AtomicBool,
-    /// `written` as the PLC has found it when it wrote last. Written by the PLC.
+    /// The value of `written` that the PLC read at its last write. The PLC writes this word.
     seen: AtomicU32,
-    /// How often the program has written the flag, times two, and its value. Written by the planner.
+    /// Number of writes by the program, times two, plus the value. The planner writes this word.
     written: AtomicU32,
 }
 
@@ -143,13 +144,13 @@ impl LoopFlag {
         }
     }
 
-    /// For the PLC.
+    /// Writes the flag, for the PLC.
     pub fn set(&self, on: bool) {
         self.enabled.store(on, Ordering::Release);
         self.seen.store(self.written.load(Ordering::Acquire), Ordering::Release);
     }
 
-    /// For the program.
+    /// Writes the flag, for the program.
     pub fn assign(&self, on: bool) {
         let count = (self.written.load(Ordering::Relaxed) >> 1).wrapping_add(1);
         self.written.store(count << 1 | u32::from(on), Ordering::Release);

@@ -1,18 +1,18 @@
 //! Motions of single axes, independent of the path: oscillations, independent axes, jog.
 //!
-//! A command for a single axis waits until the path stands at the programmed point. Then the axis gets a motion of its own
-//! (an overlay), and the path planner counts with the axis at its target at once. The next command of the program for that
-//! axis waits for the end of its motion.
+//! A command for a single axis waits until the path stops at the programmed point. Then the axis gets a separate motion
+//! (an overlay), and the path planner assumes at once that the axis is at its target. The next command of the program
+//! for that axis waits for the end of this motion.
 //!
 //! | the program has | the oscillation |
 //! |---|---|
 //! | a motion that moves the axis (P-CHAN-00451), another command for it, `#PUT AX`, `#CALL AX`, `#FLUSH&WAIT`, `#FILTER`, the program end, a refused line | ends on the second position, with its cycle |
-//! | `OFF` | the same, but the program goes on |
+//! | `OFF` | the same, but the program continues |
 //! | `OFF FEED` | brakes, then goes to the second position |
 //! | `OFF INSTANT`, an abort | brakes, and stands there |
 //!
-//! A feed hold stops all single axes; after it each goes on to its target. The override acts on independent axes, and not
-//! on oscillations, whose time is programmed. Reduced speed (P-AXIS-00214) acts on all.
+//! A feed hold stops all single axes; on resume each axis continues to its target. The override acts on independent
+//! axes, not on oscillations, whose time is programmed. Reduced speed (P-AXIS-00214) acts on all single axes.
 use super::{Error, Held, Planner, Progress, Source};
 use crate::fir::FilterPlan;
 use crate::machine::{AxisKind, ChannelData};
@@ -28,30 +28,31 @@ use crate::queue::OverlaySender;
 use crate::single::{AxisLimits, Oscillating, Pace, Single, Wishes};
 use crate::technology::Function;
 
-/// What the program waits with until the path stands.
+/// What the program waits for, while the path is about to stop.
 #[derive(Clone, Copy)]
 pub(super) enum Pending {
     Oscillation(Head, Oscillation),
     Independent(Head, Independent),
-    /// The motion of this axis is to be seen by the interrupt; it ends there. Then these axes are waited for.
+    /// Waits until the interrupt has taken the motion of this axis, which ends at this position. Then waits
+    /// for the axes of the last field.
     Start(usize, Position, u32),
-    /// The motions of these axes are to end.
+    /// Waits for the ends of the motions of these axes.
     End(u32),
-    /// The same before the motion of the line at hand.
+    /// The same, before the motion of the current line.
     Join(u32),
 }
 
-/// Why [`Planner::move_axis`] did nothing.
+/// The reason why [`Planner::move_axis`] refuses a motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum MoveError {
-    /// The path or the axis moves, or blocks that are read are not executed.
+    /// The path or the axis moves, or some blocks are read and not yet carried out.
     NotAtRest,
-    /// The machine has no such axis, or position or feed are out of range.
+    /// The machine has no such axis, or position or feed is out of range.
     Range,
     /// The motion leads beyond a software limit, or takes too long.
     Motion(MotionError),
-    /// As many axes move alone as the channel has `OVERLAYS`.
+    /// `OVERLAYS` axes already have a motion of their own.
     Full,
 }
 
@@ -78,7 +79,7 @@ pub(super) struct Beside<'a, const OVERLAYS: usize> {
     joins_named: bool,
     /// P-CHAN-00297.
     exact_stop: u8,
-    /// The next piece of work is theirs.
+    /// The next piece of work goes to a single axis.
     turn: bool,
 }
 
@@ -92,12 +93,12 @@ impl<'a, const OVERLAYS: usize> Beside<'a, OVERLAYS> {
         Self { singles, overlays, pending: None, joins_named, exact_stop, turn: false }
     }
 
-    /// Nothing moves beside the path, or will.
+    /// Whether no single axis moves or waits to move.
     pub(super) fn is_free(&self) -> bool {
         OVERLAYS == 0 || self.pending.is_none() && self.axes() == 0
     }
 
-    /// Axes that have an overlay: bit i for axis i.
+    /// Axes with a motion of their own: bit i for axis i.
     fn axes(&self) -> u32 {
         let bits = self.singles.iter().filter_map(Single::axis).map(bit);
         bits.fold(0, |axes, bit| axes | bit)
@@ -111,18 +112,18 @@ impl<'a, const OVERLAYS: usize> Beside<'a, OVERLAYS> {
         self.singles.iter_mut().find(|single| single.axis().is_none())
     }
 
-    /// The axis whose motion is to begin.
+    /// The axis whose motion is about to begin.
     const fn starting(&self) -> u32 {
         if let Some(Pending::Start(axis, ..)) = self.pending { bit(axis) } else { 0 }
     }
 
-    /// All of them come to a standstill, and what was to come is forgotten.
+    /// All single axes brake to a stop, and pending commands are dropped.
     pub(super) fn stop(&mut self) {
         self.pending = None;
         self.singles.iter_mut().filter(|single| single.axis().is_some()).for_each(Single::stop);
     }
 
-    /// Oscillations of these axes end with their cycle.
+    /// Oscillations of these axes end with their current cycle.
     fn finish(&mut self, axes: u32) {
         let of = |single: &&mut Single| single.axis().is_some_and(|axis| bit(axis) & axes != 0);
         self.singles.iter_mut().filter(of).for_each(Single::finish);
@@ -136,7 +137,7 @@ const fn bit(axis: usize) -> u32 {
 impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, const OVERLAYS: usize>
     Planner<'a, T, AXES, BLOCKS, F, OVERLAYS>
 {
-    /// A piece of work: for the path, or for an axis beside it, in turn.
+    /// Does one piece of work, in turn for the path and for a single axis.
     pub(super) fn poll_both(&mut self) -> Result<Progress, Error> {
         if self.beside.axes() != 0 && self.planning.commands().abort {
             self.beside.stop();
@@ -152,15 +153,16 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         Ok(progress)
     }
 
-    /// Axes that move beside the path, bit i for axis i. For simulators: a controller does not need it.
+    /// Axes that move independently of the path, bit i for axis i. For simulators: a controller does not need
+    /// this call.
     #[doc(hidden)]
     pub fn beside(&self) -> u32 {
         self.beside.axes()
     }
 
-    /// A piece of work for an axis; `false` if there is none.
+    /// Does one piece of work for a single axis; returns `false` if there is none.
     fn tend(&mut self) -> Result<bool, Error> {
-        // A jog behind a position that was set: the filters begin anew before it.
+        // A jog after a set position: the filters start again before the jog begins.
         if self.filters.is_pending() && self.beside.starting() != 0 {
             return Ok(false);
         }
@@ -185,7 +187,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         }
     }
 
-    /// Axes whose motion is over go back to the path; whether there is one.
+    /// Returns axes whose motion is over to the path. Returns whether there was such an axis.
     fn settle_beside(&mut self) -> bool {
         let settling = self.filters.window();
         let Beside { singles, overlays, pending, .. } = &mut self.beside;
@@ -213,14 +215,14 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         done
     }
 
-    /// The decoder learns where an axis was brought by a motion of its own.
+    /// Tells the decoder the position where the single motion of an axis has ended.
     #[cfg(not(feature = "kinematics"))]
     #[inline(always)]
     fn learn(&mut self, axis: usize, position: Position) {
         self.decoder.set_position(axis, position);
     }
 
-    /// A command for a single axis waits until the path stands.
+    /// Keeps a command for a single axis until the path stops.
     pub(super) fn hold_back(&mut self, command: &Command<AXES>) {
         match command {
             Command::Oscillation(head, oscillation) => {
@@ -233,21 +235,21 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         }
     }
 
-    /// The program goes on when the path stands.
+    /// Lets the program continue when the path stops.
     pub(super) fn wait_for(&mut self, pending: Pending) {
         self.beside.pending = Some(pending);
         self.planning.rest(1);
     }
 
-    /// Waits for the ends of motions of these axes, if there are any.
+    /// Waits for the ends of the motions of these axes, if there are any.
     pub(super) fn join(&mut self, axes: u32) {
         if OVERLAYS > 0 && self.beside.axes() & axes != 0 {
             self.wait_for(Pending::End(axes));
         }
     }
 
-    /// Whether the motion moves axes that have a motion of their own, or names them (P-CHAN-00451): then it
-    /// waits for their ends.
+    /// Whether the motion moves or names (P-CHAN-00451) axes that have a motion of their own. The path motion
+    /// then waits for their ends.
     pub(super) fn joins(&mut self, motion: &Motion<AXES>) -> bool {
         let axes = self.beside.axes();
         if self.beside.joins_named && axes & motion.named != 0 {
@@ -261,8 +263,8 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         joins
     }
 
-    /// Axes beside the path come to the ends of their motions; whether there are none. A jog that has not
-    /// begun waits.
+    /// Lets single axes reach the ends of their motions. Returns whether no axis moves any more. A jog that
+    /// has not begun waits.
     pub(super) fn ends_beside(&mut self) -> bool {
         let begun = self.beside.axes() & !self.beside.starting();
         let free = OVERLAYS == 0 || begun == 0;
@@ -272,7 +274,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         free
     }
 
-    /// Goes on with what waits for the path or for axes beside it.
+    /// Continues work that waits for the path or for single axes.
     pub(super) fn wait_beside(&mut self) -> Result<Progress, Error> {
         if !self.planning.is_at_rest() {
             return Ok(Progress::Waiting);
@@ -304,7 +306,8 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         done
     }
 
-    /// The path has the axis where its motion ends, once the interrupt sees that motion.
+    /// Sets the path's position of the axis to the end of the single motion, once the interrupt has taken
+    /// that motion.
     fn start(&mut self, axis: usize, end: Position, awaited: u32) -> Progress {
         let shows = self.beside.of(axis).is_none_or(|single| single.is_shown());
         if !shows {
@@ -340,7 +343,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         }
         let pace = match speed {
             OscillationSpeed::Feed(feed) => Pace::Speed(self.planning.speed_of(feed)),
-            // 2^-32 Hz to ticks of 2^-32
+            // From 2^-32 Hz to ticks with LSB 2^-32.
             OscillationSpeed::Frequency(frequency) => {
                 let cycles =
                     u64::try_from(frequency.to_bits()).unwrap_or(0).saturating_mul(self.cycle_us.into());
@@ -359,7 +362,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         Ok(said(within, head.place, NcWarningKind::OscillationLimited))
     }
 
-    /// OFF.
+    /// Carries out OFF.
     fn end_oscillation(&mut self, axis: usize, action: &OscillationAction) -> Progress {
         self.beside.pending = None;
         let v = match action {
@@ -405,12 +408,12 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
             .map_err(|_| Error::Motion(head.place, MotionError::StrokeTooSlow))?;
         let awaited = if independent.synchronous { bit(axis) } else { 0 };
         self.beside.pending = Some(Pending::Start(axis, target, awaited));
-        // A feed above that of the axis is lowered, as on the path.
+        // A feed above the limit of the axis is lowered, as on the path.
         let is_time = independent.time.is_some();
         Ok(said(within || !is_time, head.place, NcWarningKind::MotionLimited))
     }
 
-    /// A function that comes out before the motion of an independent axis, once.
+    /// Returns the next function that is output before the motion of an independent axis, each one once.
     fn next_function(&mut self, head: &Head, independent: &Independent) -> Option<Held> {
         let mut left = *independent;
         let function = match (left.m.take(), left.h) {
@@ -425,13 +428,13 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         Some(Held::new(head, function))
     }
 
-    /// #WAIT INDP: of these axes, or of all (P-CHAN-00297 = 2).
+    /// `#WAIT INDP` of these axes, or of all axes (P-CHAN-00297 = 2).
     pub(super) fn wait_independent(&mut self, axes: u32) {
         self.await_independent(if self.beside.exact_stop == WAITS_FOR_ALL { u32::MAX } else { axes });
     }
 
-    /// Exact stop behind the motion taken in: filters settle, and with P-CHAN-00297 = 1 independent axes
-    /// come to the ends of their motions.
+    /// Exact stop after the last motion: filters settle, and with P-CHAN-00297 = 1 independent axes reach the
+    /// ends of their motions.
     #[inline(never)]
     pub(super) fn stop_exactly(&mut self) {
         if self.beside.exact_stop == STOPS_WITH_PATH {
@@ -442,14 +445,15 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         }
     }
 
-    /// The program goes on when these axes, but those that oscillate, have come to the ends of their motions.
+    /// Lets the program continue when these axes have reached the ends of their motions. Oscillating axes do
+    /// not count.
     fn await_independent(&mut self, axes: u32) {
         let awaited = self.beside.singles.iter().filter(|single| !single.is_swinging());
         let moving = awaited.filter_map(Single::axis).fold(0, |axes, axis| axes | bit(axis));
         self.join(axes & moving);
     }
 
-    /// Where an axis stands that is to move alone.
+    /// The start position of an axis that is about to move alone.
     fn from(&self, axis: usize, place: Place) -> Result<Position, Error> {
         if self.released & bit(axis) != 0 {
             return Err(Error::Motion(place, MotionError::Released));
@@ -474,7 +478,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         AxisLimits { limits, v_reduced }
     }
 
-    /// A time in s, LSB 2^-32, as ticks of the same LSB.
+    /// A time in s, LSB 2^-32, as ticks with the same LSB.
     fn ticks_of(&self, time: Position) -> u64 {
         let (hi, lo) = mul_wide(u64::try_from(time.to_bits()).unwrap_or(0), 1_000_000);
         div_wide(hi, lo, self.cycle_us.into())
@@ -483,20 +487,20 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
     /// Moves one axis while the path stands: jog, homing. `target` is in machine coordinates, `feed` in mm/min or
     /// degrees/min; without a feed the axis moves at rapid speed.
     ///
-    /// [`Self::poll`] carries the motion out and returns [`Progress::Waiting`] until the axis stands. Feed hold, override,
-    /// reduced speed and abort act on it. Other axes may be moved at the same time.
+    /// [`Self::poll`] carries the motion out and returns [`Progress::Waiting`] until the axis stops. Feed hold,
+    /// override, reduced speed and abort act on this motion. Several axes may move at the same time.
     ///
     /// # Errors
-    /// [`MoveError`] says why; nothing changes.
+    /// Returns [`MoveError`] with the reason; nothing changes.
     pub fn move_axis(&mut self, axis: usize, target: Position, feed: Option<Feed>) -> Result<(), MoveError> {
         self.start_alone(axis, target, feed, true)
     }
 
-    /// The same without a look at the software limits: a machine that seeks its switches does not know yet where it
-    /// stands.
+    /// As [`Self::move_axis`], without a check of the software limits. A machine that searches its switches does
+    /// not know its position yet.
     ///
     /// # Errors
-    /// Nothing has changed.
+    /// Returns [`MoveError`] with the reason; nothing changes.
     #[cfg(feature = "dialects")]
     pub fn seek_axis(&mut self, axis: usize, target: Position, feed: Option<Feed>) -> Result<(), MoveError> {
         self.start_alone(axis, target, feed, false)
@@ -530,14 +534,14 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         single
             .go(axis as u8, [from, target], pace, &limits)
             .map_err(|_| MoveError::Motion(MotionError::StrokeTooSlow))?;
-        // One that came before does not end this motion.
+        // An abort from before this call does not end this motion.
         self.forget_abort();
         self.beside.pending = Some(Pending::Start(axis, target, 0));
         Ok(())
     }
 
-    /// An abort at rest that is not carried out yet ends what was to be read: what follows does not depend on
-    /// when the planner is called.
+    /// Carries out an abort at rest now: the rest of the program is dropped. The result then does not depend
+    /// on the time of the planner's next call.
     fn end_by_abort(&mut self) {
         let rests = self.planning.is_at_rest() && self.beside.is_free();
         if self.source != Source::Ended && rests && self.planning.commands().abort {
@@ -545,7 +549,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         }
     }
 
-    /// Stops an axis that [`Self::move_axis`] moves. The axis brakes inside its limits and stays there.
+    /// Stops an axis that [`Self::move_axis`] moves. The axis brakes inside its limits and stays at the stop.
     pub fn stop_axis(&mut self, axis: usize) {
         if self.source == Source::Ended
             && let Some(single) = self.beside.of(axis)
@@ -558,12 +562,12 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
     }
 }
 
-/// What is to be said about a motion that is not within the limits.
+/// Returns the warning about a motion that exceeds the limits.
 const fn said(within: bool, place: Place, kind: NcWarningKind) -> Progress {
     if within { Progress::Working } else { Progress::Warning(NcWarning { place, kind }) }
 }
 
-/// The place nearest to `from` that is whole turns away from `position`.
+/// The position nearest to `from` that differs from `position` by whole turns.
 fn nearest(from: Position, position: Position) -> Position {
     const TURN: i64 = 360 << 32;
     let way = (position.to_bits() - from.to_bits()).rem_euclid(TURN);
@@ -571,7 +575,7 @@ fn nearest(from: Position, position: Position) -> Position {
     Position::from_bits(from.to_bits() + way)
 }
 
-/// P-CHAN-00297: exact stop on the path is one of independent axes too.
+/// P-CHAN-00297: an exact stop on the path also waits for independent axes.
 const STOPS_WITH_PATH: u8 = 1;
 
 /// P-CHAN-00297: `#WAIT INDP` waits for all independent axes.

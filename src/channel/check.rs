@@ -1,4 +1,4 @@
-//! Whether a channel can work with machine data.
+//! Checks whether a channel can work with machine data.
 use super::MachineError;
 use crate::machine::parameter::{CHANNEL, RangeError, check_all, check_axis};
 use crate::machine::{AxisKind, MachineData, functions};
@@ -7,7 +7,7 @@ use crate::path::measure::FEED_AXES;
 /// P-CHAN-00071: HSC.
 const SLOPE_HSC: u8 = 3;
 
-/// Every parameter is in its range, and no two of them contradict each other.
+/// Checks that every parameter is in its range, and that no two parameters contradict each other.
 pub(super) fn check<const AXES: usize, const BLOCKS: usize>(
     machine: &MachineData<AXES>,
 ) -> Result<(), MachineError> {

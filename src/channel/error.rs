@@ -12,7 +12,7 @@ use crate::quantity::Decimal;
 #[cfg(feature = "plc")]
 use crate::rt_loop::LoopError;
 
-/// Why machine data are refused.
+/// The reason why machine data are refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum MachineError {
@@ -20,11 +20,12 @@ pub enum MachineError {
     Axis(usize, RangeError),
     /// A parameter of the channel is out of range.
     Channel(RangeError),
-    /// The machine data need a function that this build leaves out: its name and what to do.
+    /// The machine data need a function that this build leaves out. The text names the function and the
+    /// feature to enable.
     NotBuilt(&'static str),
     /// Two axes have this name.
     Name(AxisName),
-    /// The axis name begins with another address of the language.
+    /// The axis name begins with an address letter that has another meaning in the language.
     Reserved(AxisName),
     /// This parameter gives the function of this number a synchronisation that Glidepath does not have.
     Synch(&'static str, u16, Synch),
@@ -32,7 +33,7 @@ pub enum MachineError {
     TooManySynch(&'static str),
     /// The filter of the axis with this index is refused.
     Filter(usize, FilterError),
-    /// P-CHAN-00650: what is wrong with its names, and what is expected.
+    /// P-CHAN-00650 names a wrong function. The texts say what is wrong and what is expected.
     #[cfg(feature = "plc")]
     Interpolator(&'static str, &'static str),
 }
@@ -68,27 +69,29 @@ impl core::fmt::Display for MachineError {
 
 impl core::error::Error for MachineError {}
 
-/// Why a program was refused.
+/// The reason why a program is refused.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Error {
     /// The text is not a program.
     Nc(NcError),
-    /// The language has this command, and Glidepath does not: place and name.
+    /// The language has this command, Glidepath does not. Place and name of the command.
     NotAvailable(Place, &'static str),
-    /// The machine data do not enable this function: place, and what it needs.
+    /// The machine data do not enable this function. Place, and the parameter that the function needs.
     NotEnabled(Place, &'static str),
     /// A motion block has no path or no speed.
     Motion(Place, MotionError),
-    /// A motion block, or the curve of the corner before it, leads the axis of this name beyond its software limit.
+    /// A motion block, or the curve of the corner before the block, leads this axis beyond its software
+    /// limit.
     SoftwareLimit(Place, AxisName, Beyond),
-    /// The curve of a motion block has no transformation: for the axis of this name, where it is one.
+    /// The curve of a motion block cannot be transformed. The name is that of the axis, if one axis is the
+    /// reason.
     #[cfg(feature = "kinematics")]
     NoTransformation(Place, AxisName, SplitError),
-    /// The transformation does not change.
+    /// The transformation cannot change here.
     #[cfg(feature = "kinematics")]
     Transformation(Place, SwitchError),
-    /// #FILTER fails for the axis of this name.
+    /// `#FILTER` fails for this axis.
     Filter(Place, AxisName, FilterError),
     /// A spline command is not permitted here.
     Spline(Place, SplineError),
@@ -104,7 +107,7 @@ pub enum Error {
 }
 
 impl Error {
-    /// Line and column of the refused word; line 0 if the error belongs to no word.
+    /// Line and column of the refused word. Line 0 if no word belongs to the error.
     pub fn place(&self) -> Place {
         match self {
             Self::Nc(e) => e.place,
@@ -125,7 +128,7 @@ impl Error {
 }
 
 impl Error {
-    /// ISG's number of this message, 0 where none is known.
+    /// ISG's number of this message; 0 if no number is known.
     pub const fn id(&self) -> u32 {
         match self {
             Self::Nc(error) => error.kind.id(),
@@ -194,7 +197,7 @@ impl core::fmt::Display for Error {
     }
 }
 
-/// Why a command about splines does not go.
+/// The text about a refused spline command.
 fn spline(f: &mut core::fmt::Formatter<'_>, error: &SplineError) -> core::fmt::Result {
     match error {
         SplineError::TooFewPoints { points, needed } => {
@@ -210,13 +213,13 @@ fn spline(f: &mut core::fmt::Formatter<'_>, error: &SplineError) -> core::fmt::R
     }
 }
 
-/// What the sixth decimal of a position counts: 10^-6 in units of 2^-32, rounded up.
+/// The last shown decimal of a position, 10^-6, in units of 2^-32, rounded up.
 const SIXTH_DECIMAL: u64 = 4295;
 
-/// Where an axis would come to, and its limit.
+/// Writes the position that an axis would reach, and its limit.
 fn software_limit(f: &mut core::fmt::Formatter<'_>, axis: &str, beyond: &Beyond) -> core::fmt::Result {
     let (sign, id) = if beyond.is_positive() { ("positive", 178) } else { ("negative", 177) };
-    // As many decimals as tell them apart.
+    // Enough decimals to show the difference.
     let decimals = if beyond.position.abs_diff(beyond.limit) <= SIXTH_DECIMAL { 10 } else { 6 };
     let [position, limit] = [beyond.position, beyond.limit].map(|bits| Decimal { bits, decimals });
     write!(

@@ -1,7 +1,7 @@
-//! A program is checked without a plan: takes its text, and gives what a run would refuse or warn about.
+//! Checks a program without a plan: takes its text, and returns what a run would refuse or warn about.
 //!
-//! Commands go the same way as in a run, up to the look-ahead. What only a plan can refuse is not found: a defect of
-//! the planner, and a reduced speed (P-AXIS-00214) that is too low.
+//! Commands take the same route as in a run, up to the look-ahead. The check misses refusals that need a plan: a
+//! defect of the planner, and a reduced speed (P-AXIS-00214) that is too low.
 use super::Planner;
 use crate::fir::FilterPlan;
 use crate::nc::{Command, NcError, Step, Text};
@@ -9,14 +9,15 @@ use crate::nc::{Command, NcError, Step, Text};
 impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, const OVERLAYS: usize>
     Planner<'a, T, AXES, BLOCKS, F, OVERLAYS>
 {
-    /// Makes [`Self::poll`] check programs instead of planning them. Call it before the first [`Self::poll`]; there is
-    /// no way back.
+    /// Makes [`Self::poll`] check programs instead of planning them. Call `examine` before the first [`Self::poll`];
+    /// the check cannot be switched off again.
     ///
-    /// The calls of this handle give the same refusals and warnings as in a run. The path does not move, a dwell takes
-    /// no time, and functions are acknowledged at once. Tick the interpolator where [`Self::poll`] returns
-    /// [`Progress::Waiting`](super::Progress::Waiting): filters and single axes need it.
+    /// The calls of this handle return the same refusals and warnings as in a run. The path does not move, a dwell
+    /// takes no time, and functions are acknowledged at once. Call the interpolator's tick when [`Self::poll`] returns
+    /// [`Progress::Waiting`](super::Progress::Waiting): filters and single axes need the ticks.
     ///
-    /// An axis whose oscillation ends by `OFF INSTANT` or `OFF FEED` stands elsewhere than in a run.
+    /// If an oscillation ends by `OFF INSTANT` or `OFF FEED`, the check assumes another end position of the
+    /// axis than a run.
     ///
     /// ```
     /// use glidepath::{AxisData, AxisKind, AxisName, Channel, ChannelData, MachineData, Position, Progress};
@@ -41,7 +42,8 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         self.planning.begin_to_examine();
     }
 
-    /// The command that the last [`Self::poll`] read, once, refused or not. Only after [`Self::examine`].
+    /// The command that the last [`Self::poll`] read, whether accepted or refused. Each command is returned
+    /// once. Only after [`Self::examine`].
     pub fn seen(&mut self) -> Option<Command<AXES>> {
         self.seen.take()
     }

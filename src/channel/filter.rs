@@ -1,5 +1,4 @@
-//! #FILTER: at a standstill, when all axes stand too, those beside the path as well, other kernels are put in
-//! force.
+//! `#FILTER`: the planner changes the filter coefficients while all axes stand, single axes included.
 use super::{Error, Planner, Progress};
 use crate::fir::{Fate, FilterPlan};
 use crate::nc::{Filter, Head, NcWarning, NcWarningKind, Text};
@@ -8,7 +7,7 @@ use crate::quantity::Position;
 impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, const OVERLAYS: usize>
     Planner<'a, T, AXES, BLOCKS, F, OVERLAYS>
 {
-    /// Takes a #FILTER command: the motion comes to a standstill, and goes on with other kernels.
+    /// Takes a `#FILTER` command: the motion stops, and resumes with other coefficients.
     pub(super) fn filter(&mut self, head: &Head, filter: &Filter) -> Result<Progress, Error> {
         let fate = self.filters.command(filter).map_err(|error| {
             let names = &self.decoder.setup().names;
@@ -30,7 +29,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         Ok(Progress::Working)
     }
 
-    /// A part of the change to other kernels, once everything taken in is in the queue.
+    /// Does a part of the change to other coefficients, once all blocks are in the queue.
     #[inline(never)]
     pub(super) fn change_filters(&mut self) -> Progress {
         if !self.planning.is_at_rest() || !self.planning.is_shown() || !self.ends_beside() {
@@ -45,7 +44,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         Progress::Working
     }
 
-    /// What the filters need of the plan, anew.
+    /// Recomputes what the filters need from the plan.
     pub(super) fn watch_filters(&mut self) {
         if !F::EXIST {
             return;
@@ -58,25 +57,26 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         }
     }
 
-    /// Behind an exact stop the axes come to stand too, and behind a dwell they have stood so long.
+    /// Ticks for the axes to come to rest after an exact stop. After a dwell the axes have already stood for
+    /// the dwell time.
     pub(super) fn settling(&self) -> u64 {
         self.filters.window().into()
     }
 
-    /// The motion stands for an acknowledgement, and the axes are still to come to rest: it does not go on
-    /// before.
+    /// Whether the path stops for an acknowledgement while filtered axes still move: the motion does not
+    /// resume before the axes rest.
     pub(super) fn settles_at_gate(&self) -> bool {
         F::EXIST && !self.filters.is_settled() && self.planning.is_waiting()
     }
 
-    /// Half cycles by which all axes are delayed, and AX_DEV. For simulators: a controller does not need it.
+    /// Delay of all axes in half cycles, and AX_DEV. For simulators: a controller does not need this call.
     #[doc(hidden)]
     pub fn filter_in_force(&self) -> (u32, Position) {
         self.filters.in_force()
     }
 
-    /// Largest deviation of every axis from its set point delayed by the filters, since #FILTER changed them,
-    /// mm or degrees, up. Counts while AX_DEV is given.
+    /// Largest deviation of every axis from its set point delayed by the filters, mm or degrees, rounded up.
+    /// Counts since the last change of `#FILTER`, while AX_DEV is given.
     pub fn filter_deviation(&self) -> [Position; AXES] {
         core::array::from_fn(|axis| self.filters.deviation(axis))
     }

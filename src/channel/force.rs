@@ -1,4 +1,4 @@
-//! What a controller shows of the decoder, and brings back: modal words, offsets, stored places.
+//! Modal words, offsets and stored places of the decoder: a controller shows and restores them.
 use super::Planner;
 use super::rest::Busy;
 use crate::fir::FilterPlan;
@@ -7,35 +7,35 @@ use crate::nc::{InForce, Setup, StoredOffsets, Text};
 impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, const OVERLAYS: usize>
     Planner<'a, T, AXES, BLOCKS, F, OVERLAYS>
 {
-    /// What the lines read so far have put in force; `None` inside of a line. For programs of other dialects than
-    /// ISG's.
+    /// What the lines read so far have put in force; `None` inside a line. Only for programs of dialects other
+    /// than ISG's.
     pub fn in_force(&self) -> Option<InForce<AXES>> {
         if self.held.is_some() { None } else { self.decoder.in_force() }
     }
 
-    /// Puts in force what was so before, or [`InForce::START`]. It counts from the next line on; motion that is read
-    /// already stays as it is.
+    /// Restores an earlier state, or [`InForce::START`]. The state counts from the next line on; motion that is
+    /// already read does not change.
     ///
     /// # Errors
-    /// A line is at hand: nothing has changed.
+    /// A line is being read: nothing has changed.
     pub fn put_in_force(&mut self, force: &InForce<AXES>) -> Result<(), Busy<()>> {
         let is_put = self.held.is_none() && self.decoder.put_in_force(force);
         if is_put { Ok(()) } else { Err(Busy { text: () }) }
     }
 
-    /// Zero offsets and the places of G28 and G30 as programs have stored them.
+    /// Zero offsets and the places of G28 and G30, as programs have stored them.
     pub fn stored(&self) -> StoredOffsets<AXES> {
         self.decoder.stored()
     }
 
-    /// Zero offsets and places as they were before. They count from the next line on. `false`: one of them is beyond
-    /// ±100 000 mm, and nothing has changed.
+    /// Restores zero offsets and places. They count from the next line on. Returns `false` if a value is beyond ±100
+    /// 000 mm; nothing has changed then.
     #[must_use]
     pub fn put_stored(&mut self, stored: &StoredOffsets<AXES>) -> bool {
         self.decoder.put_stored(stored)
     }
 
-    /// The set-up of the decoder, for another one that reads the same lines.
+    /// The set-up of the decoder, for a second decoder that reads the same lines.
     pub fn setup(&self) -> &Setup<AXES> {
         self.decoder.setup()
     }

@@ -1,4 +1,5 @@
-//! Transformations of the program (feature `kinematics`): #KIN ID, #TRAFO, and what is refused under one.
+//! Transformations in the program (feature `kinematics`): `#KIN ID`, `#TRAFO`, and the commands that are
+//! refused while a transformation is active.
 use super::{Error, Planner};
 use crate::fir::FilterPlan;
 use crate::kinematics::Kinematic;
@@ -9,24 +10,25 @@ use crate::quantity::Position;
 impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, const OVERLAYS: usize>
     Planner<'a, T, AXES, BLOCKS, F, OVERLAYS>
 {
-    /// The data sets of the machine, and the default (P-CHAN-00032 `kinematik_id`), 0 for none. To be called before the
-    /// first [`Self::poll`].
+    /// Sets the data sets of the machine, and the default set (P-CHAN-00032 `kinematik_id`), 0 for none. Call it before
+    /// the first [`Self::poll`].
     pub fn transform_with(&mut self, sets: &'a [Kinematic], default_id: u16) {
         self.planning.set_kinematics(sets, default_id);
     }
 
-    /// The data set of the transformation that is active for the lines read next. While one is active,
-    /// [`Self::position`] has the tip of the tool at the place of the main axes.
+    /// The data set of the active transformation, for the lines read next. While a transformation is active,
+    /// [`Self::position`] returns the tool tip in place of the main axes.
     pub fn kinematic(&self) -> Option<&'a Kinematic> {
         self.planning.kinematic()
     }
 
-    /// How many elements of the path were transformed since the split, and how many polynomials they became.
+    /// Number of transformed elements of the path since the split, and of the polynomials that they became.
     pub fn split(&self) -> Split {
         self.planning.split()
     }
 
-    /// The transformation changes, if one is wanted: whether it does.
+    /// Changes the transformation, if the program demands a change. Returns whether the transformation
+    /// changed.
     #[inline(never)]
     pub(super) fn switches(&mut self) -> bool {
         let switches = self.planning.switches();
@@ -36,11 +38,11 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         switches
     }
 
-    /// #KIN ID and #TRAFO.
+    /// Carries out `#KIN ID` and `#TRAFO`.
     #[inline(never)]
     pub(super) fn transform(&mut self, head: &Head, command: Kinematics) -> Result<(), Error> {
         if !self.planning.has_kinematics() {
-            // To switch it off needs nothing.
+            // Switching off has no precondition.
             let off = command == Kinematics::Off;
             return if off { Ok(()) } else { Err(Error::NotEnabled(head.place, NEEDS)) };
         }
@@ -64,10 +66,10 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         Ok(())
     }
 
-    /// Whether a command may be carried out under the transformation that is active.
+    /// Whether a command is permitted while this transformation is active.
     ///
     /// # Errors
-    /// It moves or gives away an axis of the chain.
+    /// The command moves or gives away an axis of the chain.
     #[inline(never)]
     pub(super) fn check_under(&self, command: &Command<AXES>) -> Result<(), Error> {
         let Some(kinematic) = self.planning.kinematic() else { return Ok(()) };
@@ -91,7 +93,8 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         Err(Error::NotEnabled(place, message))
     }
 
-    /// The decoder learns where an axis was brought by a motion of its own, or the tip by that.
+    /// Tells the decoder the end position of a single motion: of the axis, or of the tool tip that the axis
+    /// has moved.
     pub(super) fn learn(&mut self, axis: usize, position: Position) {
         if self.planning.is_transformed() {
             self.decoder.stand_at(*self.planning.position());

@@ -8,37 +8,37 @@ pub use crate::plan::Inquiry;
 impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, const OVERLAYS: usize>
     Planner<'a, T, AXES, BLOCKS, F, OVERLAYS>
 {
-    /// Writes the contour ahead from now on, where a PLC reads it:
-    /// [`ContourMemory::split`](crate::contour_log::ContourMemory::split). Distances count from here. Machine data without
-    /// FCT_CONTOUR_LAH (P-CHAN-00650) have no log: nothing is written. It is called once,
-    /// before the first [`Self::poll`]. Each element then costs the planner a copy of 48 bytes and the angle to the one
-    /// before; a polynomial is measured, too. The interrupt does nothing for it.
+    /// Starts the log of the path ahead for a PLC: [`ContourMemory::split`](crate::contour_log::ContourMemory::split).
+    /// Distances count from this call. Without FCT_CONTOUR_LAH (P-CHAN-00650) in the machine data the planner writes
+    /// nothing. Call `log_contour` once, before the first [`Self::poll`]. Each element then costs the planner a copy of
+    /// 48 bytes and the angle to the element before; for a polynomial the planner also computes the length. The
+    /// interrupt does nothing for the log.
     pub fn log_contour(&mut self, recorder: Recorder<'a>) {
         self.planning.set_recorder(recorder);
     }
 
-    /// Memory for the question where the path would stand still: [`Question::Standstill`]. It is called once, before the
-    /// first [`Self::poll`].
+    /// Supplies memory for the question where the path would stop: [`Question::Standstill`]. Call `foresee` once,
+    /// before the first [`Self::poll`].
     pub fn foresee(&mut self, inquiry: &'a mut Inquiry) {
         self.planning.set_inquiry(inquiry);
     }
 
-    /// Answers a question about what comes, as far as the planner knows it now. To be called between two calls of
-    /// [`Self::poll`], best after [`super::Progress::Waiting`]. The motion does not change. Bounded: it goes through the
-    /// pieces and curves in the queue once; for [`Question::Standstill`] it does as much as a call of [`Self::poll`] for a
-    /// feed hold.
+    /// Answers a question about the coming motion, as far as the planner knows the motion now. Call `forecast` between
+    /// two calls of [`Self::poll`], best after [`super::Progress::Waiting`]. The motion does not change. The cost is
+    /// bounded: one pass over the pieces and curves in the queue. [`Question::Standstill`] costs as much as a call of
+    /// [`Self::poll`] for a feed hold.
     ///
-    /// An answer is for a motion without a command, acknowledgement or late text in between. Filters of the axes come
-    /// behind it.
+    /// The answer assumes a motion without a later command, acknowledgement or late text. Filters of the axes act
+    /// after the answered positions.
     ///
     /// # Errors
-    /// [`Unknown`] says why there is no answer, and when to ask again.
+    /// [`Unknown`] gives the reason for no answer, and when to ask again.
     pub fn forecast(&mut self, question: Question) -> Result<Moment<AXES>, Unknown> {
         self.planning.forecast(question)
     }
 
-    /// Answers the question of another context, if there is one. [`Unknown::Searching`] is not told: the next call goes on.
-    /// Whether a question was answered.
+    /// Answers the question of another context, if there is one. Returns whether a question was answered.
+    /// [`Unknown::Searching`] is not reported: the next call continues the search.
     pub fn answer(&mut self, unit: &QuestionUnit<AXES>) -> bool {
         let Some(question) = unit.pending() else { return false };
         let answer = self.planning.forecast(question);
@@ -49,7 +49,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         true
     }
 
-    /// #CONTOUR LOOKAHEAD LOG and #DISTANCE PROG START CLEAR.
+    /// Carries out `#CONTOUR LOOKAHEAD LOG` and `#DISTANCE PROG START CLEAR`.
     #[inline(never)]
     pub(super) fn log(&mut self, command: &Command<AXES>) -> Result<(), Error> {
         if !self.planning.has_recorder() {

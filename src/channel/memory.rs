@@ -1,4 +1,4 @@
-//! The memory of a channel, and the handles that are made in it.
+//! The memory of a channel, and the handles made from this memory.
 use super::beside::Beside;
 use super::check::check;
 use super::{MachineError, Planner, Source};
@@ -22,8 +22,8 @@ use core::mem::MaybeUninit;
 /// | `BLOCKS` | largest look-ahead, in blocks; at least [`look_ahead`](crate::ChannelData::look_ahead); bytes per block: `docs/memory.md` |
 /// | `OVERLAYS` | axes that may move independently of the path at the same time (oscillation, jog); about 3.5 KB each |
 ///
-/// A new channel is all zero, so in a `static` it lies in `.bss`: it takes RAM and no flash. [`Self::split`] makes the
-/// handles. The planner's handle has less than two kilobytes, the others have less than 200 bytes.
+/// A new channel is all zero. In a `static` the channel lies in `.bss`: it takes RAM and no flash. [`Self::split`]
+/// makes the handles. The planner handle has less than two kilobytes, each other handle less than 200 bytes.
 pub struct Channel<const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize = 0> {
     rings: Rings<AXES, BLOCKS>,
     decoder: DecoderMemory<AXES>,
@@ -32,7 +32,7 @@ pub struct Channel<const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize
     singles: MaybeUninit<[Single; OVERLAYS]>,
 }
 
-/// The three handles of a channel. Each belongs to one context; all are `Send`.
+/// The three handles of a channel. Each handle belongs to one context; all are `Send`.
 pub struct Handles<
     'a,
     T: Text,
@@ -42,15 +42,17 @@ pub struct Handles<
     I = Unfiltered,
     const OVERLAYS: usize = 0,
 > {
-    /// For the main loop, a task or a low-priority interrupt.
+    /// Handle for the main loop, a task or a low-priority interrupt.
     pub planner: Planner<'a, T, AXES, BLOCKS, P, OVERLAYS>,
-    /// For the timer interrupt, which has a higher priority than the planner or runs on another core.
+    /// Handle for the timer interrupt. That interrupt has a higher priority than the planner, or runs on
+    /// another core.
     pub interpolator: Interpolator<'a, AXES, I, OVERLAYS>,
-    /// For the context that gives commands and carries out functions: a PLC task, a serial task, another core.
+    /// Handle for the context that gives commands and carries out functions: a PLC task, a serial task,
+    /// another core.
     pub operator: Operator<'a, AXES>,
 }
 
-/// The handles of a channel with filters of order `TAPS` − 1 at most.
+/// The handles of a channel with filters of an order up to `TAPS` − 1.
 pub type FilteredHandles<
     'a,
     T,
@@ -76,8 +78,8 @@ impl<const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Channel<AXES
         }
     }
 
-    /// Checks machine data before anything starts. Filters are checked by [`Self::split`] and [`Self::split_filtered`],
-    /// which know their memory.
+    /// Checks machine data before anything starts. [`Self::split`] and [`Self::split_filtered`] check the filters,
+    /// because they know the memory for filters.
     ///
     /// # Errors
     /// Machine data are out of range, or this build cannot work with them.
@@ -85,8 +87,8 @@ impl<const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Channel<AXES
         check::<AXES, BLOCKS>(machine)
     }
 
-    /// Makes the three handles, to run the program `text` on `machine`, whose axes stand at `start` (mm or degrees). The
-    /// machine data are not copied: constant data stay in flash.
+    /// Makes the three handles. They run the program `text` on `machine`, whose axes stand at `start` (mm or degrees).
+    /// The machine data are not copied: constant data stay in flash.
     ///
     /// # Errors
     /// Machine data are out of range, or this build cannot work with them.
@@ -123,7 +125,7 @@ impl<const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Channel<AXES
         Ok(handles)
     }
 
-    /// A call of its own, so that they are made where the caller has them.
+    /// A separate function, so that the handles are made in the caller's memory.
     #[inline(never)]
     fn handles<'a, T: Text, P: FilterPlan<AXES>, I: FilterTick<AXES>>(
         &'a mut self,
@@ -137,7 +139,7 @@ impl<const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Channel<AXES
         let (to_overlays, overlays) = overlay_ends(overlays);
         let interpolator = Interpolator::with_overlays(receiver, start, filtered, overlays);
         let operator = Operator::new(panel, Measure::of(machine));
-        // Last, so that it is made where it stays: it is large.
+        // The planner comes last, so that this large value is made in its final place.
         Handles {
             planner: Planner {
                 decoder: Decoder::of_machine(decoder, machine, start, text),
@@ -161,7 +163,7 @@ impl<const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Channel<AXES
         }
     }
 
-    /// Makes a decoder alone, in the memory of this channel, to check `text` before it runs.
+    /// Makes a decoder only, in the memory of this channel, to check `text` before a run.
     pub fn decode<'a, T: Text>(
         &'a mut self,
         machine: &MachineData<AXES>,

@@ -6,10 +6,10 @@ use crate::fir::FilterPlan;
 use crate::nc::{COORDINATE_MAX, Text};
 use crate::quantity::Position;
 
-/// The planner did not take a text, because the channel is not at rest.
+/// The planner did not take a text because the channel is not at rest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Busy<T> {
-    /// The text that was not taken.
+    /// The refused text.
     pub text: T,
 }
 
@@ -21,11 +21,11 @@ impl<T> core::fmt::Display for Busy<T> {
 
 impl<T: core::fmt::Debug> core::error::Error for Busy<T> {}
 
-/// Why [`Planner::go_on`] did nothing.
+/// The reason why [`Planner::go_on`] did nothing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum GoOnError {
-    /// Axes move, or blocks that are read are not executed.
+    /// Axes move, or some commands read so far are not carried out.
     NotAtRest,
     /// No line was refused, or the program was aborted afterwards.
     NothingRefused,
@@ -42,11 +42,11 @@ impl core::fmt::Display for GoOnError {
 
 impl core::error::Error for GoOnError {}
 
-/// Why a position was not set.
+/// The reason why a position was not set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum PositionError {
-    /// Axes move, or blocks that are read are not executed.
+    /// Axes move, or some commands read so far are not carried out.
     NotAtRest,
     /// The machine has no such axis, or the position is outside of ±100 000 mm or degrees.
     Range,
@@ -63,11 +63,11 @@ impl core::fmt::Display for PositionError {
 
 impl core::error::Error for PositionError {}
 
-/// Why a zero offset was not set.
+/// The reason why a zero offset was not set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum ZeroOffsetError {
-    /// Axes move, or blocks that are read are not executed.
+    /// Axes move, or some commands read so far are not carried out.
     NotAtRest,
     /// The set is not 0…5, the machine has no such axis, or the offset is outside of ±100 000 mm or degrees.
     Range,
@@ -89,7 +89,8 @@ impl core::error::Error for ZeroOffsetError {}
 impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, const OVERLAYS: usize>
     Planner<'a, T, AXES, BLOCKS, F, OVERLAYS>
 {
-    /// Whether the axes stand and everything that was read is executed. Then [`Self::load`] and the calls beside it work.
+    /// Whether the axes stand and all commands read so far are carried out. Only then can [`Self::load`] and
+    /// the other calls at rest succeed.
     pub fn is_at_rest(&self) -> bool {
         let reads = self.held.is_some() || !self.decoder.is_between_lines();
         #[cfg(feature = "plc")]
@@ -132,9 +133,10 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
 
     /// Continues after a refused line, from where the axes stand, with the modal state before that line.
     ///
-    /// What the line did before the refused word, in the order of execution, stays done: a motion before a refused M00, for
-    /// example. If the curve of a corner was refused for a software limit, the axes stand inside the limits, and the blocks
-    /// that were read ahead are skipped. With Surface these are up to 64 points, and the error names the place of the last.
+    /// The refused line may have done a part of its work, in the order of execution: a motion before a refused M00, for
+    /// example. This part stays done. If the curve of a corner was refused for a software limit, the axes stop inside
+    /// the limits, and the blocks that were read ahead are skipped. With Surface these are up to 64 points, and the
+    /// error names the place of the last point.
     ///
     /// # Errors
     /// The channel is not at rest, or no line was refused; nothing changes.
@@ -153,9 +155,9 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
 
     /// Redefines the position of an axis that stands: machine coordinates, mm or degrees. Nothing moves.
     ///
-    /// The interpolator has the new set point from its next tick on; that tick is [`crate::tick::State::Active`] with path
-    /// speed 0. A board that counts increments must take the difference as a shift of its origin, not as motion. Offsets and
-    /// software limits stay as they are and apply to the new position.
+    /// The interpolator shows the new set point from its next tick on; this tick returns [`crate::tick::State::Active`]
+    /// with path speed 0. A board that counts increments must treat the difference as a shift of its origin, not as
+    /// motion. Offsets and software limits do not change and apply to the new position.
     ///
     /// # Errors
     /// The channel is not at rest, or the position is out of range; nothing changes.
@@ -167,7 +169,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         if !self.is_at_rest() {
             return Err(PositionError::NotAtRest);
         }
-        // Before the interrupt may see it.
+        // The filters stop before the interrupt can see the new position.
         self.filters.suspend();
         if !self.planning.set_position(axis, position) {
             return Err(PositionError::NotAtRest);
@@ -179,8 +181,8 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         Ok(())
     }
 
-    /// Sets the offset of one axis in a zero offset: `set` 0…5 for G54…G59 (P-ZERO-00003), `offset` in mm or degrees. The
-    /// offset applies from the next line on, also if its set is active, and to all following programs. Nothing moves.
+    /// Sets the offset of one axis in a zero offset: `set` 0…5 for G54…G59 (P-ZERO-00003), `offset` in mm or degrees.
+    /// The offset applies from the next line on, also in the active set, and to all following programs. Nothing moves.
     ///
     /// # Errors
     /// The channel is not at rest, or an argument is out of range; nothing changes.
@@ -196,8 +198,8 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         if self.decoder.set_zero_offset(set, axis, offset) { Ok(()) } else { Err(ZeroOffsetError::Range) }
     }
 
-    /// The position of every axis at the end of the blocks that are read: machine coordinates. At rest it equals the set
-    /// point, to the last bit.
+    /// The position of every axis at the end of the blocks read so far: machine coordinates. At rest this position
+    /// equals the set point, to the last bit.
     pub fn position(&self) -> &[Position; AXES] {
         self.planning.position()
     }
@@ -210,7 +212,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         Ok(self.decoder.load(text, *self.planning.position(), keeps))
     }
 
-    /// Another program.
+    /// Begins another program.
     fn begin(&mut self, keeps: bool) {
         if !keeps {
             self.planning.restart();
@@ -226,13 +228,13 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         self.lost = false;
     }
 
-    /// Whether what is in force does not belong to where the axes stand. An abort that is not carried out yet
-    /// counts: what follows does not depend on when the planner is called.
+    /// Whether the modal state does not belong to the position of the axes. A pending abort counts too, so
+    /// the result does not depend on when the planner is called.
     fn is_lost(&self) -> bool {
         self.lost || self.planning.commands().abort
     }
 
-    /// At rest: there is nothing in motion that an abort could end.
+    /// Drops a pending abort. At rest there is no motion for an abort to end.
     pub(super) fn forget_abort(&mut self) {
         self.lost = self.is_lost();
         self.planning.forget_abort();

@@ -1,14 +1,14 @@
 //! An entry: an element of the contour, or a mark of the log. It takes twelve words.
 
-/// Distance from program start, LSB 2^-24 mm (60 pm), range ±549,755 km: it does not wrap.
+/// Distance from program start, LSB 2^-24 mm (60 pm), range ±549,755 km. The value does not wrap.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub struct ProgramDistance(i64);
 
 /// LSB per millimetre.
 const PER_MM: f64 = (1i64 << 24) as f64;
 
-/// Bits of a path distance below those of a program distance. An arc keeps what they say in a word of its own: the word
-/// for the path distance has its radius.
+/// Bits of a path distance below those of a program distance. An arc keeps these bits in a separate word, because its
+/// word for the path distance holds the radius.
 pub(super) const BELOW: u32 = 20;
 
 /// LSB of an angle per radian.
@@ -18,17 +18,17 @@ impl ProgramDistance {
     /// Program start.
     pub const ZERO: Self = Self(0);
 
-    /// From its bits.
+    /// The distance with these bits.
     pub const fn from_bits(bits: i64) -> Self {
         Self(bits)
     }
 
-    /// Its bits.
+    /// The bits of the distance.
     pub const fn to_bits(self) -> i64 {
         self.0
     }
 
-    /// From millimetres, toward zero; beyond the range its end.
+    /// From millimetres, rounded toward zero and limited to the range.
     pub const fn from_mm(mm: f64) -> Self {
         Self((mm * PER_MM) as i64)
     }
@@ -39,7 +39,7 @@ impl ProgramDistance {
     }
 }
 
-/// What an entry is: `block_type` of C40 with its number.
+/// The kind of an entry: `block_type` of C40 with its number.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[repr(u8)]
 pub enum BlockType {
@@ -58,7 +58,7 @@ pub enum BlockType {
     LogOff = 5,
     /// 6: a polynomial, as smoothing and splines make them.
     Polynomial = 6,
-    /// #DISTANCE PROG START CLEAR: distances behind it count from here. Only [`super::ContourReader`] sees it.
+    /// `#DISTANCE PROG START CLEAR`: later distances count from here. Only [`super::ContourReader`] sees this entry.
     Clear = 7,
 }
 
@@ -76,7 +76,7 @@ impl BlockType {
         }
     }
 
-    /// Whether the path goes along it.
+    /// Whether the entry is a part of the path.
     pub const fn is_element(self) -> bool {
         matches!(self, Self::Line | Self::Arc | Self::Polynomial)
     }
@@ -85,26 +85,27 @@ impl BlockType {
 /// An element of the contour, or a mark of the log.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Entry {
-    /// What it is.
+    /// Kind of the entry.
     pub block_type: BlockType,
     /// Programmed N number.
     pub n: u32,
-    /// Motion blocks since the split that begin before it: `block` of [`crate::Status`].
+    /// Number of motion blocks since the split that begin before the entry: `block` of [`crate::Status`].
     pub id: u32,
-    /// Where it begins, from program start or the last #DISTANCE PROG START CLEAR.
+    /// Start of the entry, counted from program start or from the last `#DISTANCE PROG START CLEAR`.
     pub start: ProgramDistance,
     /// Length along the driven path, 0 for a mark.
     pub length: ProgramDistance,
     /// PARAM of a mark, 0 without.
     pub parameter: f64,
-    /// Radius of an arc at its start, mm; 0 for others. There is no tool radius compensation: the compensated radius
-    /// is the same.
+    /// Radius of an arc at its start, mm; 0 for other entries. There is no tool radius compensation, so the
+    /// compensated radius is the same.
     pub radius_mm: f64,
-    /// Angle of an arc, rad: clockwise −2π..0, counter-clockwise 0..2π; 0 for others.
+    /// Angle of an arc, rad: clockwise −2π..0, counter-clockwise 0..2π; 0 for other entries.
     pub angle: f64,
     /// Angle between the end of the element before and the start of this one, rad, 0..π.
     pub knee: f64,
-    /// Planned path distance along it. On a polynomial this is not quite its length, and on a curve over time it is time.
+    /// Planned path distance of the entry. On a polynomial this differs slightly from its length; on a curve
+    /// over time it is time.
     pub(super) planned: i64,
 }
 
@@ -187,7 +188,7 @@ impl Entry {
         }
     }
 
-    /// Where it ends.
+    /// End of the entry.
     pub const fn end(&self) -> ProgramDistance {
         ProgramDistance(self.start.0.wrapping_add(self.length.0))
     }

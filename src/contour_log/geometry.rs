@@ -8,7 +8,7 @@ use crate::quantity::Position;
 
 const TAU: f64 = core::f64::consts::TAU;
 
-/// √(Σ x²), exact to the LSB below.
+/// √(Σ x²), exact, rounded down to the LSB.
 fn norm<const AXES: usize>(x: &[i64; AXES]) -> u64 {
     let mut sum = (0u64, 0u64);
     for x in x {
@@ -19,11 +19,11 @@ fn norm<const AXES: usize>(x: &[i64; AXES]) -> u64 {
     sqrt_wide(sum.0, sum.1)
 }
 
-/// Angle between the directions `a` and `b`, rad, 0..π; 0 if one of them has none.
+/// Angle between the directions `a` and `b`, rad, 0..π; 0 if a direction is zero.
 pub fn knee<const AXES: usize>(a: &[i64; AXES], b: &[i64; AXES]) -> f64 {
     let unit = |x: &[i64; AXES]| {
         let length = norm(x);
-        // 2^50 long, so that sums of squares keep what the angle needs.
+        // Scaled to a length of 2^50, so that sums of squares are accurate enough for the angle.
         let scale = if length == 0 { 0.0 } else { (1u64 << 50) as f64 / length as f64 };
         x.map(|x| (x as f64 * scale) as i64)
     };
@@ -40,7 +40,7 @@ pub fn knee<const AXES: usize>(a: &[i64; AXES], b: &[i64; AXES]) -> f64 {
 /// Chords of a measured curve. With half as many, the error of their sum is four times as large.
 const CHORDS: i64 = 64;
 
-/// The length of a polynomial, by what measures the path, LSB 2^-44 mm.
+/// The length of a polynomial, by the measure of the path, LSB 2^-44 mm.
 fn driven<const AXES: usize>(shape: &Shape<AXES>, base: &[Position; AXES], measure: &Measure) -> i64 {
     let (mut fine, mut coarse) = (0i64, 0i64);
     let length = shape.length.to_bits();
@@ -67,7 +67,8 @@ fn chord<const AXES: usize>(from: &[Position; AXES], to: &[Position; AXES], meas
     measure.path(&travel).to_bits()
 }
 
-/// Kind, radius, angle and knee of a curve; its length, LSB 2^-44 mm. `exit`: direction at the end of the curve before.
+/// Kind, radius, angle and knee of a curve, and its length, LSB 2^-44 mm. `exit`: direction at the end of the
+/// curve before.
 pub fn describe<const AXES: usize>(
     (shape, base): (&Shape<AXES>, &[Position; AXES]),
     entry: &End<AXES>,

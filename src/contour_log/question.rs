@@ -1,28 +1,29 @@
-//! Questions about what comes, from any context to the planner: one request and its answer, as in the control unit.
+//! Questions about the coming motion, from any context to the planner: one request and its answer, as in the
+//! control unit.
 //!
-//! The PLC asks with [`QuestionUnit::ask`]. The planner's task calls [`crate::Planner::answer`] between two polls. The PLC
-//! then reads [`QuestionUnit::answer`]. Nobody waits for anybody.
+//! The PLC asks with [`QuestionUnit::ask`]. The planner's task calls [`crate::Planner::answer`] between two polls. The
+//! PLC then reads [`QuestionUnit::answer`]. No context waits for another.
 use super::unit::Pending;
 use crate::quantity::{Distance, Position, Speed};
 use core::sync::atomic::{AtomicU32, Ordering};
 
-/// What a PLC asks.
+/// A question of a PLC.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Question {
-    /// FCT_CALC_STATE_AT_T: the state that so many ticks from now will show; 1 is the next tick.
+    /// FCT_CALC_STATE_AT_T: the state at the tick `n` ticks ahead; 1 is the next tick.
     StateAt(u32),
-    /// FCT_CALC_TIME: when the next motion block at feed begins.
+    /// FCT_CALC_TIME: the time at which the next motion block at feed begins.
     NextFeed,
-    /// FCT_CALC_POS_V_0: where and when the path would stand still if a feed hold came now.
+    /// FCT_CALC_POS_V_0: place and time of the standstill if a feed hold came now.
     Standstill,
 }
 
-/// A moment that comes: what [`crate::Status`] will show then, if no command comes in between.
+/// A future moment: the values that [`crate::Status`] will show if no command comes in between.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Moment<const AXES: usize> {
     /// Number of the tick, as in [`crate::Output::tick`].
     pub tick: u32,
-    /// Ticks from now to it; 1 is the next tick.
+    /// Ticks from now to this tick; 1 is the next tick.
     pub ticks: u32,
     /// The set point of every axis, before filters.
     pub set_points: [Position; AXES],
@@ -32,25 +33,25 @@ pub struct Moment<const AXES: usize> {
     pub block: u32,
     /// Path distance as planned.
     pub distance: Distance,
-    /// Speed of the set points along the feed axes, the mean over the tick.
+    /// Mean speed of the set points over the tick, along the feed axes.
     pub speed: Speed,
 }
 
-/// Why there is no answer.
+/// The reason for no answer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unknown {
     /// The machine data do not have this function (P-CHAN-00650).
     NotEnabled(&'static str),
-    /// Only so many ticks from now are planned.
+    /// The plan covers fewer ticks from now on.
     Beyond {
-        /// These ticks.
+        /// Number of planned ticks.
         ticks: u32,
     },
-    /// The planner is changing the plan, or a stop is under way: ask again after a tick.
+    /// The planner is changing the plan, or a stop is in progress: ask again after a tick.
     Busy,
-    /// The answer is being looked for: ask again at once.
+    /// The search for the answer continues: ask again at once.
     Searching,
-    /// It depends on blocks that are not planned yet.
+    /// The answer depends on blocks that are not planned yet.
     NotPlanned,
 }
 
@@ -73,11 +74,11 @@ impl core::fmt::Display for Unknown {
 
 impl core::error::Error for Unknown {}
 
-/// Names of functions that [`Unknown::NotEnabled`] may carry, by their number in an answer.
+/// Names of functions in [`Unknown::NotEnabled`], by their number in an answer.
 const NAMES: [&str; 3] = ["FCT_CALC_STATE_AT_T", "FCT_CALC_TIME", "FCT_CALC_POS_V_0"];
 
 impl Question {
-    /// The function of P-CHAN-00650 that answers it.
+    /// The function of P-CHAN-00650 that answers the question.
     pub const fn function(self) -> &'static str {
         let [state, time, stand] = NAMES;
         match self {
@@ -104,17 +105,17 @@ impl Question {
     }
 }
 
-/// Words of an answer beside set points.
+/// Words of an answer without set points.
 const WORDS: usize = 9;
 
-/// A request and its answer, between a PLC and the planner. A static is good for it: all bits are zero when new.
+/// A request and its answer, between a PLC and the planner. It may be a static: all bits are zero when new.
 ///
-/// One context asks, the planner's answers.
+/// One context asks; the planner's context answers.
 pub struct QuestionUnit<const AXES: usize> {
     /// 0 none, 1 asked, 2 answered.
     state: AtomicU32,
     question: [AtomicU32; 2],
-    /// What kind of answer, and what comes with it.
+    /// Kind of the answer, and its data.
     words: [AtomicU32; WORDS],
     set_points: [[AtomicU32; 2]; AXES],
 }
@@ -133,10 +134,10 @@ impl<const AXES: usize> QuestionUnit<AXES> {
         }
     }
 
-    /// For the PLC: asks. The answer to the question before is lost.
+    /// Asks a question, for the PLC. The answer to the question before is lost.
     ///
     /// # Errors
-    /// The last question is not answered yet: nothing has changed.
+    /// The last question is not answered yet; nothing has changed.
     pub fn ask(&self, question: Question) -> Result<(), Pending> {
         if self.state.load(Ordering::Acquire) == ASKED {
             return Err(Pending);
@@ -149,14 +150,14 @@ impl<const AXES: usize> QuestionUnit<AXES> {
         Ok(())
     }
 
-    /// For the planner: the question that waits for its answer.
+    /// The unanswered question, for the planner.
     pub fn pending(&self) -> Option<Question> {
         let [kind, ticks] = &self.question;
         (self.state.load(Ordering::Acquire) == ASKED)
             .then(|| Question::of_words([kind, ticks].map(|word| word.load(Ordering::Relaxed))))
     }
 
-    /// For the planner: answers.
+    /// Writes an answer, for the planner.
     pub fn put(&self, answer: &Result<Moment<AXES>, Unknown>) {
         let words = match answer {
             Ok(moment) => {
@@ -185,7 +186,7 @@ impl<const AXES: usize> QuestionUnit<AXES> {
         self.state.store(ANSWERED, Ordering::Release);
     }
 
-    /// For the PLC: the answer, if it is there.
+    /// The answer, if there is one, for the PLC.
     pub fn answer(&self) -> Option<Result<Moment<AXES>, Unknown>> {
         if self.state.load(Ordering::Acquire) != ANSWERED {
             return None;

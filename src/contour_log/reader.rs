@@ -1,20 +1,20 @@
-//! The PLC's end: what comes, by distance or by index.
+//! The PLC's end of the log: the path ahead, by distance or by index.
 use super::entry::{BlockType, Entry, ProgramDistance};
 use super::recorder::{ACTIVE, CLOSED};
 use super::table::{Row, Table};
 use crate::quantity::Distance;
 
-/// Reads the log. `Copy`, `Send` and `Sync`: any number of contexts may read, interrupts too.
+/// Reads the log. The type is `Copy`, `Send` and `Sync`: any number of contexts may read, interrupts too.
 #[derive(Clone, Copy)]
 pub struct ContourReader<'a> {
     window: Table<'a>,
     log: Table<'a>,
 }
 
-/// The elements wanted are no longer in the window.
+/// The requested elements are no longer in the window.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Forgotten {
-    /// The first distance that the window still has; all before it is forgotten.
+    /// The first distance in the window; earlier elements are dropped.
     pub first: ProgramDistance,
 }
 
@@ -30,13 +30,13 @@ impl core::error::Error for Forgotten {}
 /// State of the log of mode 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LogState {
-    /// Entries of the log: count_logged_blocks.
+    /// Number of entries in the log: count_logged_blocks.
     pub entries: u32,
-    /// Entries that had no room: give [`super::ContourMemory`] a larger `LOG`.
+    /// Number of entries without room: give [`super::ContourMemory`] a larger `LOG`.
     pub without_room: u32,
-    /// LOG ON is read and LOG OFF is not: f_log_is_active.
+    /// Whether LOG ON is read and LOG OFF is not: f_log_is_active.
     pub active: bool,
-    /// LOG OFF is read. Another LOG ON does nothing before CLEAR.
+    /// Whether LOG OFF is read. Another LOG ON has no effect before CLEAR.
     pub closed: bool,
 }
 
@@ -45,29 +45,30 @@ impl<'a> ContourReader<'a> {
         Self { window, log }
     }
 
-    /// How far the path is known, from program start or the last #DISTANCE PROG START CLEAR that is read:
-    /// max_dist_prog_start. Override, hold, dwell and waiting functions do not change it. It falls only at program
-    /// start, at such a CLEAR, and where an abort takes back what was read.
+    /// Distance up to which the path is known, from program start or from the last `#DISTANCE PROG START CLEAR`
+    /// that is read: max_dist_prog_start. Override, hold, dwell and waiting functions do not change it. It
+    /// decreases only at program start, at such a CLEAR, and by an abort, which drops lines already read.
     pub fn reach(&self) -> ProgramDistance {
         ProgramDistance::from_bits(self.window.row().reach)
     }
 
-    /// The elements that lie in `from..to`, in their order. They count from the last #DISTANCE PROG START CLEAR that is
-    /// read. The answer ends at [`Self::reach`] if `to` is beyond it.
+    /// The elements that overlap `from..to`, in order. Distances count from the last `#DISTANCE PROG START CLEAR` that
+    /// is read. The answer ends at [`Self::reach`] if `to` is beyond it.
     ///
     /// # Errors
-    /// In place of elements that are forgotten comes [`Forgotten`]; the elements behind them follow.
+    /// [`Forgotten`] replaces elements that are dropped; the elements behind them follow.
     pub fn elements(&self, from: ProgramDistance, to: ProgramDistance) -> Elements<'a> {
         let row = self.window.row();
         Elements { window: self.window, next: newest(&row), from, to, end: false, due: ProgramDistance::ZERO }
     }
 
-    /// The entry of the log with this index, from 0 at LOG ON. It stays until CLEAR or the next program start.
+    /// The entry of the log with this index, counted from 0 at LOG ON. The entry stays until CLEAR or the
+    /// next program start.
     pub fn logged(&self, index: u32) -> Option<Entry> {
         let row = self.log.row();
         let number = row.first.wrapping_add(index);
         let entry = self.log.get(number).filter(|_| index < row.end.wrapping_sub(row.first))?;
-        // Cleared meanwhile: numbers of a new log begin elsewhere.
+        // Cleared during the read: the numbers of a new log begin elsewhere.
         (self.log.row().first == row.first).then_some(entry)
     }
 
@@ -82,9 +83,9 @@ impl<'a> ContourReader<'a> {
         }
     }
 
-    /// Distance from program start, or from the last #DISTANCE PROG START CLEAR passed, for the path distance of
-    /// [`crate::Status`]: dist_prog_start. On a polynomial it is exact at both ends and grows as the path
-    /// distance does. Reads the elements from that place to the end of what is known.
+    /// Distance from program start, or from the last passed `#DISTANCE PROG START CLEAR`, for the path distance
+    /// of [`crate::Status`]: dist_prog_start. On a polynomial it is exact at both ends and grows with the path
+    /// distance. The call reads the elements from that place to the end of the known path.
     ///
     /// # Errors
     /// The element there is no longer in the window.
@@ -104,7 +105,7 @@ impl<'a> ContourReader<'a> {
             }
             let planned = entry.planned;
             if ahead <= planned {
-                // The part that is left of it.
+                // The rest of the element.
                 let part = if planned == 0 { 0.0 } else { ahead as f64 / planned as f64 };
                 let left = (entry.length.to_bits() as f64 * part) as i64;
                 return Ok(ProgramDistance::from_bits(entry.end().to_bits().wrapping_sub(left)));
@@ -115,7 +116,7 @@ impl<'a> ContourReader<'a> {
     }
 }
 
-/// The first entry of the newest stretch of the window, behind the last CLEAR.
+/// The first entry of the window's newest part, after the last CLEAR.
 const fn newest(row: &Row) -> u32 {
     let (kept, marked) = (row.end.wrapping_sub(row.first), row.end.wrapping_sub(row.mark));
     if marked < kept { row.mark } else { row.first }
@@ -128,7 +129,7 @@ pub struct Elements<'a> {
     from: ProgramDistance,
     to: ProgramDistance,
     end: bool,
-    /// Where the next element has to begin, or begins later where some are forgotten.
+    /// Start of the next element; a later start means that elements are dropped.
     due: ProgramDistance,
 }
 
@@ -142,7 +143,7 @@ impl Iterator for Elements<'_> {
                 break;
             }
             let Some(entry) = self.window.get(self.next) else {
-                // The writer has gone past it.
+                // The writer has overwritten the element.
                 let row = self.window.row();
                 if self.next.wrapping_sub(row.first) < row.end.wrapping_sub(row.first) {
                     continue;
@@ -156,7 +157,7 @@ impl Iterator for Elements<'_> {
             if entry.block_type == BlockType::Clear || entry.start >= self.to {
                 break;
             }
-            // The first element of a stretch begins at 0.
+            // The first element of a part begins at 0.
             if entry.start > self.due && self.from < entry.start {
                 self.due = entry.start;
                 return Some(Err(Forgotten { first: entry.start }));

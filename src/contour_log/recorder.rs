@@ -1,4 +1,4 @@
-//! The planner's end: which entry goes into which table.
+//! The planner's end of the log: decides which entry goes into which table.
 use super::entry::{BELOW, BlockType, Entry, ProgramDistance};
 use super::geometry::describe;
 use super::table::{Row, Table};
@@ -6,7 +6,7 @@ use crate::nc::ContourLog;
 use crate::path::{End, Measure, Shape};
 use crate::quantity::Position;
 
-/// A curve that goes into the look-ahead.
+/// A curve that enters the look-ahead.
 pub(crate) struct Passed<'a, const AXES: usize> {
     pub shape: &'a Shape<AXES>,
     pub base: &'a [Position; AXES],
@@ -14,9 +14,9 @@ pub(crate) struct Passed<'a, const AXES: usize> {
     pub exit: &'a End<AXES>,
     /// Programmed N number.
     pub n: u32,
-    /// Motion blocks before it.
+    /// Number of motion blocks before the curve.
     pub number: u32,
-    /// Path distance of its end, LSB 2^-44 mm.
+    /// Path distance of the curve's end, LSB 2^-44 mm.
     pub path: i64,
 }
 
@@ -25,18 +25,18 @@ pub(crate) struct Passed<'a, const AXES: usize> {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Crowded;
 
-/// Commands of the log that wait for their place.
+/// Number of log commands that may wait for their place.
 pub(super) const MARKS: usize = 8;
 
 #[derive(Clone, Copy)]
 enum Mark {
     Log(ContourLog),
     Distance,
-    /// A pass of a real-time loop begins or ends; with MODULO.
+    /// A pass of a real-time loop begins or ends; the flag is MODULO.
     Turn(Turn, bool),
 }
 
-/// Where a real-time loop stands.
+/// An event of a real-time loop.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Turn {
     /// The first pass begins.
@@ -47,14 +47,15 @@ pub enum Turn {
     End,
 }
 
-/// What is known of the real-time loop at hand.
+/// State of the current real-time loop.
 #[derive(Clone, Copy, Debug, Default)]
 struct Repeat {
-    /// Passes begun, 3 at most.
+    /// Number of begun passes, at most 3.
     passes: u32,
     /// Program distance at the start of the loop, as `Recorder::end`.
     start: (i64, i64),
-    /// From the third pass on, if it is logged: end of the log before the pass, and entries without room by then.
+    /// From the third pass on, if it is logged: end of the log before the pass, and number of entries without
+    /// room.
     kept: Option<(u32, u32)>,
 }
 
@@ -68,27 +69,27 @@ struct Waiting {
 
 /// State of the log.
 pub(super) const ACTIVE: u32 = 1;
-/// The marked area is complete: another LOG ON does nothing before CLEAR.
+/// The marked part is complete: another LOG ON has no effect before CLEAR.
 pub(super) const CLOSED: u32 = 2;
 
-/// Directions of so many axes are kept for the knee; knees of more axes are those of the first ones.
+/// Directions of so many axes are kept for the knee; the knee of more axes counts only the first ones.
 const DIRECTIONS: usize = 32;
 
-/// Writes the log. The planner has it: [`crate::Planner::log_contour`].
+/// Writes the log. The planner owns the recorder: [`crate::Planner::log_contour`].
 pub struct Recorder<'a> {
     window: Table<'a>,
     log: Table<'a>,
     rows: [Row; 2],
-    /// Program distance of the end, and what is below its LSB: 2^-44 mm.
+    /// Program distance of the end, and the rest below its LSB: 2^-44 mm.
     end: (i64, i64),
-    /// Path distance of the end, as far as it is known.
+    /// Path distance of the end, if known.
     path: Option<i64>,
     /// Direction at the end.
     exit: Option<[i64; DIRECTIONS]>,
     marks: heapless::Deque<Waiting, MARKS>,
-    /// Entries kept of each table at most: P-CHAN-00658.
+    /// Largest number of entries kept in each table: P-CHAN-00658.
     most: usize,
-    /// By what the path is measured. `None`: no planner has it yet.
+    /// Measure of the path. `None`: no planner owns the recorder yet.
     measure: Option<Measure>,
     repeat: Repeat,
 }
@@ -110,17 +111,17 @@ impl<'a> Recorder<'a> {
         }
     }
 
-    /// Keeps that many entries of each table at most.
+    /// Limits the number of entries in each table.
     pub(crate) fn keep(&mut self, most: u32) {
         self.most = usize::try_from(most).unwrap_or(usize::MAX);
     }
 
-    /// By what the path is measured.
+    /// Sets the measure of the path.
     pub(crate) const fn set_measure(&mut self, measure: Measure) {
         self.measure = Some(measure);
     }
 
-    /// A program starts where the path is at `path`: its distance is 0, and the log is empty.
+    /// Starts a program where the path is at `path`: its distance is 0, and the log is empty.
     pub(crate) fn start(&mut self, path: i64) {
         self.marks.clear();
         self.repeat = Repeat::default();
@@ -131,7 +132,7 @@ impl<'a> Recorder<'a> {
         self.show();
     }
 
-    /// What was taken in ahead of `path` is forgotten: it will not be driven.
+    /// Drops elements beyond `path`: they will not be driven.
     pub(crate) fn cut(&mut self, path: i64) {
         let Some(known) = self.path.replace(path) else { return };
         if known == path {
@@ -144,7 +145,7 @@ impl<'a> Recorder<'a> {
         self.show();
     }
 
-    /// The window is empty. Its entries keep their numbers.
+    /// Empties the window. Entry numbers continue.
     const fn forget(&mut self) {
         let [window, _] = &mut self.rows;
         window.first = window.end;
@@ -158,7 +159,7 @@ impl<'a> Recorder<'a> {
         (log.mark, log.flags) = (0, 0);
     }
 
-    /// The end moves by so much, LSB 2^-44 mm.
+    /// Moves the end by a length, LSB 2^-44 mm.
     const fn extend(&mut self, length: i64) {
         let (whole, rest) = self.end;
         let (upper, lower) = (length >> BELOW, length & ((1 << BELOW) - 1));
@@ -179,23 +180,23 @@ impl<'a> Recorder<'a> {
         log.show(&shown);
     }
 
-    /// A command of the log, for the place before the motion block `number`.
+    /// Takes a command of the log, for the place before the motion block `number`.
     ///
     /// # Errors
-    /// Too many of them wait for one.
+    /// Too many commands wait for one motion block.
     pub(crate) fn command(&mut self, n: u32, number: u32, log: ContourLog) -> Result<(), Crowded> {
         self.marks.push_back(Waiting { number, n, mark: Mark::Log(log) }).map_err(|_| Crowded)
     }
 
-    /// #DISTANCE PROG START CLEAR before the motion block `number`.
+    /// Takes `#DISTANCE PROG START CLEAR` before the motion block `number`.
     ///
     /// # Errors
-    /// Too many commands wait for one.
+    /// Too many commands wait for one motion block.
     pub(crate) fn clear_distance(&mut self, n: u32, number: u32) -> Result<(), Crowded> {
         self.marks.push_back(Waiting { number, n, mark: Mark::Distance }).map_err(|_| Crowded)
     }
 
-    /// A real-time loop: before the motion block `number` a pass begins or ends.
+    /// A pass of a real-time loop begins or ends before the motion block `number`.
     ///
     /// # Errors
     /// Too many commands wait for one motion block.
@@ -203,7 +204,7 @@ impl<'a> Recorder<'a> {
         self.marks.push_back(Waiting { number, n: 0, mark: Mark::Turn(turn, modulo) }).map_err(|_| Crowded)
     }
 
-    /// Commands that belong before the motion block `number` get their place.
+    /// Gives commands before the motion block `number` their place.
     pub(crate) fn settle(&mut self, number: u32) {
         let mut changed = false;
         let comes = |waiting: &mut Waiting| {
@@ -219,12 +220,12 @@ impl<'a> Recorder<'a> {
         }
     }
 
-    /// Whether the next command is CLEAR, which waits for a standstill.
+    /// Whether the next command is CLEAR, which waits for a stop.
     pub(crate) fn waits_for_rest(&self) -> bool {
         self.marks.front().is_some_and(|waiting| matches!(waiting.mark, Mark::Log(ContourLog::Clear)))
     }
 
-    /// The axes stand: CLEAR acts, and what was given with it.
+    /// The axes stand: carries out CLEAR, and the commands given with it.
     pub(crate) fn clear_at_rest(&mut self, number: u32) {
         if self.waits_for_rest() {
             self.marks.pop_front();
@@ -249,12 +250,13 @@ impl<'a> Recorder<'a> {
                 self.put(Entry { id, ..Entry::mark(BlockType::LogOff, n, parameter) });
                 self.rows[1].flags = CLOSED;
             }
-            // Only the first area is provided: what marks another one does nothing before CLEAR, which does not come here.
+            // Only the first part can be logged: marks of another part have no effect before CLEAR, which is
+            // handled elsewhere.
             Mark::Log(_) => {}
         }
     }
 
-    /// Distances count from `start` on.
+    /// Lets distances count from `start` on.
     fn count_from(&mut self, start: (i64, i64), n: u32, id: u32) {
         let entry = Entry { id, ..Entry::mark(BlockType::Clear, n, None) };
         let end = ProgramDistance::from_bits(self.end.0);
@@ -268,8 +270,8 @@ impl<'a> Recorder<'a> {
     }
 
     /// A pass of a real-time loop begins or ends. A log that is active around the loop has three of its passes: the
-    /// first, the second and the last. So from the third one on, each takes the place of the one before, and the log
-    /// shows it when the loop ends.
+    /// first, the second and the last. From the third pass on, each pass replaces the one before, and the log shows
+    /// it when the loop ends.
     fn go_round(&mut self, turn: Turn, modulo: bool, id: u32) {
         if turn == Turn::Begin {
             self.repeat = Repeat { start: self.end, ..Repeat::default() };
@@ -290,13 +292,13 @@ impl<'a> Recorder<'a> {
         }
     }
 
-    /// The loop at hand is forgotten.
+    /// Drops the current loop.
     pub(crate) fn leave_loop(&mut self) {
         self.repeat = Repeat::default();
         self.show();
     }
 
-    /// An entry of the log, at the end. One without room is counted.
+    /// Appends an entry to the log. An entry without room is counted.
     fn put(&mut self, entry: Entry) {
         let row = &mut self.rows[1];
         let room = self.log.room().min(self.most);
@@ -309,7 +311,7 @@ impl<'a> Recorder<'a> {
         self.log.push(row, &Entry { start, ..entry }, room);
     }
 
-    /// A curve goes into the look-ahead.
+    /// Records a curve that enters the look-ahead.
     pub(crate) fn pass<const AXES: usize>(&mut self, passed: &Passed<'_, AXES>) {
         let Passed { shape, base, entry, exit, n, number, path } = *passed;
         self.cut(path.wrapping_sub(shape.length.to_bits()));

@@ -1,9 +1,9 @@
 //! Rows of entries with one writer and any number of readers.
 //!
-//! Words are atomic, so none is torn. Entries have numbers that count up and are not used again. The head has two
-//! places: the writer fills the one that is not shown and then shows it. So a reader that interrupts the writer finds
-//! a whole head and does not wait. A reader beside the writer reads again while the head changes. An entry counts as
-//! read only if its number is still in the table after its words were read.
+//! Words are atomic, so no word is torn. Entries have increasing numbers that are not used again. The head has two
+//! places: the writer fills the hidden place and then shows it. So a reader that interrupts the writer finds a
+//! complete head and does not wait. A reader on another core reads again while the head changes. A read entry counts
+//! only if its number is still in the table after the read.
 use super::entry::Entry;
 use core::sync::atomic::{AtomicU32, Ordering, fence};
 
@@ -26,20 +26,20 @@ impl Slot {
     }
 }
 
-/// What belongs to the table as a whole.
+/// Data of the whole table.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Row {
     /// Number of the first entry.
     pub first: u32,
-    /// Number behind the last one.
+    /// Number after the last entry.
     pub end: u32,
-    /// Program distance of its end.
+    /// Program distance of the table's end.
     pub reach: i64,
-    /// Path distance of its end.
+    /// Path distance of the table's end.
     pub path: i64,
-    /// Of the window: the number behind the last #DISTANCE PROG START CLEAR. Of the log: entries without room.
+    /// Window: the number after the last `#DISTANCE PROG START CLEAR`. Log: number of entries without room.
     pub mark: u32,
-    /// Of the log: its state.
+    /// Log: its state.
     pub flags: u32,
 }
 
@@ -58,7 +58,7 @@ impl Row {
     }
 }
 
-/// The head of a table: two places and which of them is shown.
+/// The head of a table: two places, and which of them is shown.
 pub struct Head {
     shown: AtomicU32,
     rows: [[AtomicU32; ROW]; 2],
@@ -76,7 +76,7 @@ impl Head {
 
     fn show(&self, row: Row) {
         let turn = self.shown.load(Ordering::Relaxed).wrapping_add(1);
-        // Whoever sees a word of what follows sees that the place before is shown.
+        // A reader that sees a later word also sees that the place before is shown.
         fence(Ordering::Release);
         self.place(turn)
             .iter()
@@ -114,12 +114,12 @@ impl<'a> Table<'a> {
         Self { head, slots }
     }
 
-    /// How many entries it has room for.
+    /// Number of entries that fit.
     pub const fn room(&self) -> usize {
         self.slots.len()
     }
 
-    /// Entries that count.
+    /// The valid entries.
     pub fn row(&self) -> Row {
         self.head.row()
     }
@@ -129,7 +129,7 @@ impl<'a> Table<'a> {
         self.slots.get((number % room) as usize)
     }
 
-    /// For the writer: an entry behind the last one of `row`. The first one goes where there are `room`.
+    /// Appends an entry to `row`, for the writer. With `room` entries in the table the first one is dropped.
     pub fn push(&self, row: &mut Row, entry: &Entry, room: usize) {
         let Some(slot) = self.slot(row.end).filter(|_| room > 0) else {
             row.end = row.end.wrapping_add(1);
@@ -145,12 +145,12 @@ impl<'a> Table<'a> {
         row.end = row.end.wrapping_add(1);
     }
 
-    /// For the writer: `row` is shown.
+    /// Shows `row`, for the writer.
     pub fn show(&self, row: &Row) {
         self.head.show(*row);
     }
 
-    /// For readers: the entry with that number, if it is in the table.
+    /// The entry with this number, if it is in the table, for readers.
     pub fn get(&self, number: u32) -> Option<Entry> {
         let words = self.slot(number)?.get();
         fence(Ordering::Acquire);

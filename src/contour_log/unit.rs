@@ -7,8 +7,8 @@
 //! | `response.block[i]` | [`ControlUnit::response`] |
 //! | `state` (HLI_CONTOUR_LOOKAHEAD_STATE) | [`ControlUnit::state`] |
 //!
-//! Distances are in 0.1 µm, as in the interface of ISG. One context gives requests, one serves them. They may be the
-//! same.
+//! Distances are in 0.1 µm, as in ISG's interface. One context makes requests, another one serves them; both may be
+//! the same.
 use super::entry::{BlockType, Entry, ProgramDistance};
 use super::reader::ContourReader;
 use super::table::Slot;
@@ -33,14 +33,14 @@ pub struct UnitState {
     pub max_dist_prog_start: f64,
     /// Entries of the log of mode 1.
     pub count_logged_blocks: u32,
-    /// Not all elements between LOG ON and LOG OFF are read in.
+    /// Whether elements between LOG ON and LOG OFF are still to come.
     pub f_log_is_active: bool,
 }
 
 /// 0.1 µm per millimetre.
 const TENTHS: f64 = 10_000.0;
 
-/// The control unit `contour_lookahead` with room for `BLOCKS` blocks in a response (20 where the PLC knows no better).
+/// The control unit `contour_lookahead` with room for `BLOCKS` blocks in a response (usually 20).
 ///
 /// All bits are zero when new.
 pub struct ControlUnit<const BLOCKS: usize> {
@@ -66,11 +66,11 @@ impl<const BLOCKS: usize> ControlUnit<BLOCKS> {
         self.semaphore.load(Ordering::Acquire) != 0
     }
 
-    /// For the PLC. `length` 0 is mode 1: `start_position` is the index of the first entry wanted. Any other `length` is
-    /// mode 2: elements in `start_position .. start_position + length`, 0.1 µm.
+    /// Makes a request, for the PLC. `length` 0 is mode 1: `start_position` is the index of the first entry. Any other
+    /// `length` is mode 2: elements in `start_position .. start_position + length`, 0.1 µm.
     ///
     /// # Errors
-    /// The last request is not answered yet: nothing has changed.
+    /// The last request is not answered yet; nothing has changed.
     pub fn request(&self, start_position: f64, length: f64) -> Result<(), Pending> {
         if self.is_pending() {
             return Err(Pending);
@@ -83,9 +83,9 @@ impl<const BLOCKS: usize> ControlUnit<BLOCKS> {
         Ok(())
     }
 
-    /// For the CNC's side: answers the request, if there is one, and clears the semaphore. Blocks without an element
-    /// have type 0. An answer of mode 2 that begins with forgotten elements begins with those that are left.
-    /// `true` if it has answered. Bounded: it reads at most all entries once.
+    /// Answers the request, if there is one, and clears the semaphore: for the CNC's side. Blocks without an element
+    /// have type 0. If the first elements of mode 2 are dropped, the answer begins with the remaining ones. Returns
+    /// `true` if it has answered. Bounded: it reads each entry at most once.
     #[allow(clippy::double_comparisons)]
     pub fn serve(&self, contour: &ContourReader<'_>) -> bool {
         if !self.is_pending() {
@@ -95,7 +95,7 @@ impl<const BLOCKS: usize> ControlUnit<BLOCKS> {
         words.iter_mut().zip(&self.request).for_each(|(to, from)| *to = from.load(Ordering::Relaxed));
         let [s0, s1, l0, l1] = words.map(u64::from);
         let (start, length) = (f64::from_bits(s1 << 32 | s0), f64::from_bits(l1 << 32 | l0));
-        // A comparison that is false for what is not a number: that is mode 1 from its start.
+        // Both comparisons are false for NaN, which is mode 1 from its start.
         if length > 0.0 || length < 0.0 {
             let [from, to] = [start, start + length].map(|at| ProgramDistance::from_mm(at / TENTHS));
             let mut elements = contour.elements(from, to).filter_map(Result::ok);
@@ -114,7 +114,8 @@ impl<const BLOCKS: usize> ControlUnit<BLOCKS> {
         }
     }
 
-    /// For the PLC: block `i` of the response; `None` while the request is pending and for no such block.
+    /// Block `i` of the response, for the PLC; `None` while the request is pending, or if there is no such
+    /// block.
     pub fn response(&self, i: usize) -> Option<Entry> {
         if self.is_pending() {
             return None;
@@ -127,7 +128,7 @@ impl<const BLOCKS: usize> ControlUnit<BLOCKS> {
         (0..BLOCKS).map_while(|i| self.response(i)).take_while(|entry| entry.block_type != BlockType::None)
     }
 
-    /// State of the unit, of this moment.
+    /// The current state of the unit.
     pub fn state(contour: &ContourReader<'_>) -> UnitState {
         let log = contour.log_state();
         UnitState {

@@ -6,23 +6,22 @@
 //! | `put_out` | the operator, who takes functions out | the last ticket put out |
 //! | `answered` | the operator, who acknowledges | the last ticket acknowledged |
 //!
-//! A function is *open* when it is planned and put out, and not acknowledged. A ticket holds function and
-//! sequence number, and words are compared as a whole. So no order of contexts can take one acknowledgement
-//! for another: neither one that comes early or twice, nor one for what an abort has thrown away. No word is
-//! changed from what it was known to be: that would need a compare-and-swap, which small cores do not have.
+//! A function is *open* while it is planned, output, and not acknowledged. A ticket holds function and
+//! sequence number, and the code compares whole words. So no order of contexts confuses two acknowledgements,
+//! neither an early one, nor a repeated one, nor one for a function that an abort has dropped. No write
+//! depends on the current value of a word: such a write would need compare-and-swap, which small cores lack.
 //!
-//! Places are used in turn, and a place is given no ticket that its other words still hold.
+//! The planner uses the places in turn. A place gets no ticket that its other words still hold.
 use crate::machine::functions;
 use crate::technology::{Function, Ticket};
 use core::sync::atomic::{AtomicU32, Ordering};
 
-/// Acknowledgements open at a time, from reading the program on.
+/// Number of acknowledgements that can be open at a time, counted from the reading of the program.
 pub(crate) const OPEN: usize = if functions::IS_SMALL { 16 } else { 32 };
 
 const FREE: u32 = 0;
 
-/// A ticket: a bit that makes it another word than [`FREE`], M or H, number, which of the places, sequence
-/// number.
+/// A ticket: a bit that distinguishes the word from [`FREE`], M or H, number, place, sequence number.
 const PLANNED: u32 = 1;
 const OF_H: u32 = 1 << 2;
 const CODE: u32 = 3;
@@ -44,7 +43,7 @@ impl core::fmt::Display for Unexpected {
 impl core::error::Error for Unexpected {}
 
 impl Ticket {
-    /// One bit for each that can be open.
+    /// One bit for each acknowledgement that can be open.
     pub(crate) const fn bit(self) -> u32 {
         if self.0 == 0 { 0 } else { 1 << (self.0 >> INDEX & (OPEN as u32 - 1)) }
     }
@@ -57,7 +56,7 @@ const fn word(function: Function) -> Option<u32> {
         Function::Spindle(_) | Function::Tool(_) => None,
         #[cfg(feature = "dialects")]
         Function::Digital(..) | Function::Analog(..) => None,
-        // Above all numbers of M functions.
+        // Numbers above those of M functions.
         #[cfg(feature = "dialects")]
         Function::Input(wait) => {
             let code =
@@ -80,7 +79,7 @@ impl Place {
         Self { planned, put_out, answered }
     }
 
-    /// Its ticket, if it is put out and not acknowledged.
+    /// The ticket of this place, if the function is output and not acknowledged.
     fn open(&self) -> Option<u32> {
         let ticket = self.planned.load(Ordering::Acquire);
         let open = ticket != FREE
@@ -89,13 +88,13 @@ impl Place {
         open.then_some(ticket)
     }
 
-    /// Whether it is acknowledged. For the planner.
+    /// Whether the function is acknowledged. The planner calls it.
     fn is_answered(&self) -> bool {
         let ticket = self.planned.load(Ordering::Relaxed);
         ticket != FREE && self.answered.load(Ordering::Acquire) == ticket
     }
 
-    /// Whether it may hold this ticket. For the planner.
+    /// Whether the place can take this ticket. The planner calls it.
     fn takes(&self, ticket: u32) -> bool {
         let [planned, put_out, answered] =
             [&self.planned, &self.put_out, &self.answered].map(|word| word.load(Ordering::Acquire));
@@ -103,10 +102,10 @@ impl Place {
     }
 }
 
-/// All of them.
+/// The table of all acknowledgements.
 pub(crate) struct Acknowledgements {
     places: [Place; OPEN],
-    /// The place behind the one planned last. Written by the planner.
+    /// The place after the one planned last. The planner writes this word.
     next: AtomicU32,
 }
 
@@ -116,7 +115,8 @@ impl Acknowledgements {
         Self { places: [const { Place::free() }; OPEN], next: AtomicU32::new(0) }
     }
 
-    /// Plans an acknowledgement after all others of lower `sequence`; `None` if there is no room. The planner calls it.
+    /// Plans an acknowledgement after all others of lower `sequence`. Returns `None` without room. The
+    /// planner calls it.
     pub fn plan(&self, function: Function, sequence: u8) -> Option<Ticket> {
         let planned = word(function)? | PLANNED | u32::from(sequence) << SEQUENCE;
         let first = self.next.load(Ordering::Relaxed);
@@ -131,14 +131,14 @@ impl Acknowledgements {
         Some(Ticket(ticket))
     }
 
-    /// Marks the function as put out. After an abort that dropped the function the call has no effect.
+    /// Marks the function as output. If an abort has dropped the function, the call has no effect.
     pub fn put_out(&self, ticket: Ticket) {
         if let Some(place) = self.place(ticket) {
             place.put_out.store(ticket.0, Ordering::Release);
         }
     }
 
-    /// Acknowledges the one put out first.
+    /// Acknowledges the function that was output first.
     pub fn answer(&self, function: Function) -> Result<(), Unexpected> {
         let wanted = word(function).ok_or(Unexpected)?;
         let (place, open) = self.first(|open| open & FUNCTION == wanted).ok_or(Unexpected)?;
@@ -146,7 +146,7 @@ impl Acknowledgements {
         Ok(())
     }
 
-    /// The function of the one put out first.
+    /// The function that was output first and is not acknowledged.
     pub fn awaited(&self) -> Option<Function> {
         let (_, open) = self.first(|_| true)?;
         let code = (open >> CODE) as u16;
@@ -165,13 +165,13 @@ impl Acknowledgements {
         first
     }
 
-    /// The place of a ticket, if it waits.
+    /// The place of a ticket, if the ticket waits.
     fn place(&self, ticket: Ticket) -> Option<&Place> {
         let index = (ticket.0 >> INDEX) as usize % OPEN;
         if ticket.waits() { self.places.get(index) } else { None }
     }
 
-    /// The bits of those that are answered, which are free again. For the planner.
+    /// The bits of answered tickets. These tickets become free. The planner calls it.
     pub fn take_answers(&self) -> u32 {
         let mut answers = 0;
         for (index, place) in self.places.iter().enumerate() {
@@ -183,7 +183,7 @@ impl Acknowledgements {
         answers
     }
 
-    /// Frees the ticket of a function that will not be put out. The planner calls it.
+    /// Frees the ticket of a function that will not be output. The planner calls it.
     pub fn give_back(&self, ticket: Ticket) {
         if let Some(place) = self.place(ticket) {
             place.planned.store(FREE, Ordering::Release);

@@ -1,23 +1,23 @@
-//! What an arc takes of the limits, and what it leaves to a change of speed.
+//! The limits inside an arc: what the curve itself uses, and what is left to a change of speed.
 //!
-//! On a radius r an axis meets every direction. With the speed v, the acceleration a and the jerk j along the arc it
-//! shows up to √(a² + (v²/r)²) and √((j − v³/r²)² + (3·v·a/r)²). At the speed V with V³ = B·r² the curve alone takes all
-//! of the jerk B.
+//! On a radius r each axis of the plane passes through every direction. With the speed v, the acceleration a and the
+//! jerk j along the arc, an axis shows up to √(a² + (v²/r)²) and √((j − v³/r²)² + (3·v·a/r)²). At the speed V with V³ =
+//! B·r² the curve alone uses all of the jerk B.
 //!
-//! A law begins and ends without acceleration, and is nowhere faster than the arc permits. So while it goes on at the
-//! speed w below the arc's speed v, its acceleration is at most √(2·n·(v − w)), n being the highest jerk against the
-//! motion: near its highest speed there is nearly none. The jerk against the motion adds to that of the curve, the one
-//! with the motion takes from it. So both jerks are different: with w, v, n and p in units of V and B
+//! A profile begins and ends without acceleration, and is nowhere faster than the arc permits. So at a speed w below
+//! the arc's speed v, its acceleration is at most √(2·n·(v − w)), where n is the highest jerk against the motion: near
+//! its highest speed there is nearly no acceleration. The jerk against the motion adds to that of the curve, the jerk
+//! with the motion reduces it. So both limits differ: with w, v, n and p in units of V and B
 //!
 //! (n + w³)² + 9·w²·2·n·(v − w) ≤ 1,  max(p − w³, w³)² + 9·w²·2·min(n·(v − w), p·w) ≤ 1
 //!
-//! for every w from 0 to v. [`LEVELS`] has for some speeds the n and p with which a law from rest loses least beside
-//! one that begins at v. They hold for each lower speed too, and for lower jerks.
+//! for every w from 0 to v. [`LEVELS`] lists for some speeds the n and p with which a profile from rest loses least
+//! compared with one that begins at v. These values also hold for each lower speed, and for lower jerks.
 //!
-//! The higher the speed, the longer a law takes to reach it. How far the arc goes on decides: of [`SPEEDS`] the one is
-//! taken with which the turn is quickest. An arc that goes on where another one ends counts with it.
+//! The higher the speed, the longer a profile takes to reach it. So the length of the arc decides: of [`SPEEDS`], the
+//! code takes the speed with which the turn is quickest. An arc that continues another one counts together with it.
 //!
-//! An acceleration that passes the end of an arc is not bound like that: see [`Share::passing`].
+//! These limits do not apply to an acceleration that passes the end of an arc: see [`Share::passing`].
 use super::Share;
 use super::permitted::{ARC_PART, ARC_SLOPE_PART, SURELY};
 use crate::math::float::{max, min};
@@ -25,7 +25,7 @@ use crate::math::root::{cbrt_f32, sqrt_f32};
 use crate::slope::limits::{Limits, SlopeLaw, lower};
 use core::f32::consts::{FRAC_PI_4, PI, TAU};
 
-/// A speed, the highest jerk against the motion and the one with it, in units of V and B.
+/// A speed, the highest jerk against the motion and the highest jerk with the motion, in units of V and B.
 struct Level {
     v: f32,
     against: f32,
@@ -50,20 +50,20 @@ const LEVELS: [Level; 11] = [
     level(0.400, 0.8939, 0.93),
     level(0.300, 0.9535, 0.97),
 ];
-/// Highest part of V, and of the speed at which the curve takes all of the acceleration.
+/// Highest permitted part of V, and of the speed at which the curve uses all of the acceleration.
 pub(super) const HIGHEST: f32 = 0.985;
-/// Parts of the highest speed that are tried; of an arc of two turns the first two.
+/// Parts of the highest speed to try; for an arc of two turns only the first two.
 const SPEEDS: [f32; 8] = [1.0, 0.971, 0.93, 0.88, 0.82, 0.75, 0.68, 0.6];
 const LONG: usize = 2;
-/// Times that differ by less are one: the higher speed is taken.
+/// Times that differ by less count as equal: the higher speed is taken.
 const CLEARLY: f32 = 1.0 - 1.0 / 4096.0;
-/// Radians that count as two turns, and the most.
+/// Radians of two turns, the largest value that counts.
 pub(super) const TWO_TURNS: f32 = 4.0 * PI;
 pub(super) const MOST_TURNS: f32 = 64.0 * PI;
-/// Angles that differ by less than that part are one.
+/// Angles whose ratio is below this value count as equal.
 pub(super) const NEARLY: f32 = 1.001;
 
-/// A circle in the plane of two axes, and what they permit.
+/// A circle in the plane of two axes, and the limits of these axes.
 pub(super) struct Bend {
     /// Curvature of the path, 1/mm; for a helix share²/r.
     pub curvature: f32,
@@ -74,14 +74,15 @@ pub(super) struct Bend {
     /// Acceleration of the slope, and the largest one, mm/tick².
     pub normal: f32,
     pub a_max: f32,
-    /// B, mm/tick³; `None` with a slope that knows no jerk.
+    /// B, mm/tick³; `None` with a slope without jerk limit.
     pub budget: Option<f32>,
-    /// Acceleration may begin at once at a joint: an arc need not be entered at a low speed.
+    /// Whether acceleration may begin at once at a transition, so that the arc need not be entered at a low
+    /// speed.
     pub is_free: bool,
 }
 
 impl Bend {
-    /// A speed of V, mm/tick.
+    /// The speed V, mm/tick.
     fn jerk_speed(&self, budget: f32) -> f32 {
         cbrt_f32(budget * self.share / (self.curvature * self.curvature))
     }
@@ -92,8 +93,7 @@ impl Bend {
         sqrt_f32(max(self.a_max * self.a_max - across * across, 0.0)) / self.share
     }
 
-    /// Radians that count: the next lower one of some angles, so that pieces of one arc have the limits of their
-    /// neighbours.
+    /// Radians that count: the next lower one of some angles, so that pieces of one arc have equal limits.
     fn turns(&self) -> f32 {
         let mut turn = FRAC_PI_4;
         while turn < MOST_TURNS && 2.0 * turn <= self.turn * NEARLY {
@@ -102,7 +102,7 @@ impl Bend {
         turn
     }
 
-    /// Acceleration along the path that may pass the ends of an arc with that speed and jerk, mm/tick²: √((j + v³/r²)² +
+    /// Acceleration along the path that may pass the ends of an arc at this speed and jerk, mm/tick²: √((j + v³/r²)² +
     /// (3·v·a/r)²) is at most B.
     fn passing(&self, v: f32, jerk: f32, budget: f32) -> f32 {
         let twist = self.curvature * self.curvature / self.share;
@@ -112,18 +112,18 @@ impl Bend {
 }
 
 impl Limits {
-    /// Takes in an arc; `share`: what that leaves beside a transition.
+    /// Lowers the limits for an arc; `share`: the limits left beside a transition.
     pub(super) fn bend(&mut self, share: &mut Share, bend: &Bend) {
         let most = min(self.a_up, self.a_down);
         let highest = bend.budget.map_or(f32::MAX, |budget| bend.jerk_speed(budget));
         self.v = min(self.v, HIGHEST * highest);
-        // Roots only where they may be lower.
+        // Roots are computed only where the result may be lower.
         if self.v * self.v * bend.curvature >= SURELY * HIGHEST * HIGHEST * bend.normal {
             let normal = min(bend.normal, HIGHEST * HIGHEST * bend.a_max);
             self.v = min(self.v, sqrt_f32(normal / bend.curvature));
         }
         let turn = bend.turns();
-        // STEP has its acceleration at once, and passes more arcs than it speeds up in.
+        // STEP has its acceleration at once, and passes more arcs than it accelerates in.
         let turn = if bend.budget.is_none() { max(turn, TAU) } else { turn };
         let length = turn * bend.share / bend.curvature;
         let mut best = (f32::MAX, *self);
@@ -136,7 +136,7 @@ impl Limits {
             if time < CLEARLY * best.0 {
                 best = (time, with);
             } else if CLEARLY * time > best.0 {
-                // Times fall and then rise.
+                // Times first fall and then rise.
                 break;
             }
             if k == 0 && with.leaves_all_of(self) {
@@ -153,7 +153,7 @@ impl Limits {
         share.passing = min(share.passing, bend.passing(self.v, jerk, budget));
     }
 
-    /// Those at that speed; `highest` is V.
+    /// The limits at this speed; `highest` is V.
     fn bent(&self, bend: &Bend, v: f32, highest: f32) -> Self {
         let mut limits = Self { v, ..*self };
         limits.lower_accelerations(bend.along(v));
@@ -170,12 +170,12 @@ impl Limits {
         limits
     }
 
-    /// Whether it is as the others but for the speed.
+    /// Whether the limits equal the others except for the speed.
     fn leaves_all_of(&self, other: &Self) -> bool {
         self.a_up >= other.a_up && self.a_down >= other.a_down && self.law == other.law
     }
 
-    /// Ticks over a length from rest to rest, about; `entered`: the one end or the other one at their speed.
+    /// Approximate ticks over a length from rest to rest. `entered`: one end has the full speed instead.
     fn time(&self, length: f32, entered: bool) -> f32 {
         let ramp = self.speed_up();
         let [way, _] = ramp.distance(0.0, self.v);

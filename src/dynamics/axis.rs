@@ -1,4 +1,4 @@
-//! What one axis permits, converted from machine data to ticks.
+//! The limits of one axis, converted from machine data to ticks.
 use super::{JERK_MARGIN, KNEE_PART, MARGIN, SLIGHT, SMOOTH};
 use crate::dynamics::permitted::TRANSITION_PART;
 use crate::machine::{AxisData, ChannelData, Stages};
@@ -8,9 +8,9 @@ use crate::nc::SlopeType;
 use crate::slope::limits::Ramps;
 use crate::slope::ramp_shape::RampShape;
 
-/// What a slight transition takes of the largest acceleration.
+/// Part of the largest acceleration for a slight transition.
 const SLIGHT_KNEE: f32 = KNEE_PART * SLIGHT;
-/// Ramps of that many ticks are not.
+/// Ramps of at least this number of ticks count as long.
 const LONG_RAMP: f32 = 4.0;
 
 /// Dynamics of one axis in one kind of motion (feed or rapid), per tick.
@@ -19,15 +19,16 @@ pub struct Set {
     pub v: f32,
     pub a_up: f32,
     pub a_down: f32,
-    /// STEP: the same above the change-over speed, and that.
+    /// STEP: accelerations above the change-over speed, and this speed.
     pub upper: [f32; 2],
     pub change_over: f32,
-    /// The others: mean jerks.
+    /// Other slopes: mean jerks.
     pub j: Ramps,
     pub joint: TransitionLimits,
-    /// The least a / ramp time, at most `B`.
+    /// The least a / ramp time; at most `B`.
     pub ramp_budget: f32,
-    /// The least a / geometric ramp time: `B`, or less where that is longer than the ramp times.
+    /// The least a / geometric ramp time: `B`, or less if the geometric ramp time is longer than the ramp
+    /// times.
     pub geometric_budget: f32,
     /// Acceleration that a knee leaves to the slope.
     pub a_shared: f32,
@@ -42,12 +43,11 @@ pub struct TransitionLimits {
     pub budget: f32,
     /// Step of speed permitted at a knee (P-AXIS-00013).
     pub knee: f32,
-    /// P-AXIS-00013 is given: the jerk of such a step is not limited.
+    /// Whether P-AXIS-00013 is given: the jerk of such a step is not limited.
     pub is_weighted: bool,
-    /// Jerk permitted to a step of acceleration (P-CHAN-00009, P-AXIS-00154); `f32::MAX` where it is not
-    /// limited.
+    /// Jerk permitted to a step of acceleration (P-CHAN-00009, P-AXIS-00154); `f32::MAX` without limit.
     pub bend: f32,
-    /// Acceleration for knee and curvature together. The slope has the rest, within a tick of the transition.
+    /// Acceleration for knee and curvature together, within a tick of the transition. The slope has the rest.
     pub left: f32,
     /// Speed that the slope gains within a tick of the transition.
     pub gained: f32,
@@ -58,14 +58,14 @@ pub(super) struct Axis {
     pub(super) feed: Set,
     pub(super) rapid: Set,
     pub(super) a_max: f32,
-    /// P-AXIS-00214; none where that is 0.
+    /// P-AXIS-00214; `f32::MAX` if it is 0.
     pub(super) v_reduced: f32,
-    /// What a filter behind it makes of its limits, and the acceleration that AX_DEV leaves.
+    /// Gain of the filter of the axis, and the acceleration that AX_DEV leaves.
     pub(super) gain: f32,
     pub(super) cap: f32,
-    /// Part of its accelerations and jerks that AX_DEV leaves where all jerk is limited.
+    /// Factor for accelerations and jerks by AX_DEV, if all jerk is limited.
     pub(super) share: Option<f32>,
-    /// A filter behind it rounds its set points.
+    /// Whether the axis has a filter that rounds its set points.
     pub(super) is_filtered: bool,
 }
 
@@ -83,9 +83,8 @@ impl TransitionLimits {
 }
 
 impl TransitionLimits {
-    /// Highest speed at which the step of speed at a knee, and the acceleration across the path on either
-    /// side of it, are no more than `left` together. The curvature acts at the speed that the slope has a
-    /// tick later:
+    /// Highest speed at which two values together are at most `left`: the step of speed at a knee, and the
+    /// acceleration across the path on either side of it. The curvature acts at the speed one tick later:
     ///
     /// knee·v + curvature·(v + gained)² ≤ left.
     pub(super) fn beside_turn(&self, knee: f32, curvature: f32) -> f32 {
@@ -95,7 +94,7 @@ impl TransitionLimits {
 }
 
 impl Set {
-    /// The jerk that a curve in a corner may cause.
+    /// The jerk that a corner's curve may cause.
     pub(super) fn curving_budget(&self, check: u8) -> f32 {
         match check {
             0 => f32::MAX,
@@ -111,7 +110,7 @@ impl Set {
 }
 
 impl Axis {
-    /// Nothing is permitted.
+    /// An axis without any permitted motion.
     pub(super) const BLANK: Self = {
         let joint = TransitionLimits {
             budget: 0.0,
@@ -146,13 +145,13 @@ impl Axis {
         }
     };
 
-    /// Feed or rapid.
+    /// Limits of feed or of rapid motion.
     #[cfg_attr(feature = "fast", inline(always))]
     pub(super) fn set(&self, rapid: bool) -> &Set {
         if rapid { &self.rapid } else { &self.feed }
     }
 
-    /// Converts the data of an axis as they are planned with.
+    /// Converts the planned machine data of an axis.
     pub(super) fn new(data: &AxisData, channel: &ChannelData, slope: SlopeType) -> Self {
         let units = Units { cycle_s: channel.cycle_us as f32 * 1e-6 };
         let data = &data.planned(channel);
@@ -191,17 +190,17 @@ struct Units {
 }
 
 impl Units {
-    /// Of µm/s, or 0.001 degrees/s.
+    /// From µm/s, or 0.001 degrees/s.
     fn speed(self, um_s: u32) -> f32 {
         um_s as f32 * 1e-3 * self.cycle_s * MARGIN
     }
 
-    /// Of mm/s².
+    /// From mm/s².
     fn accel(self, a: u32) -> f32 {
         a as f32 * self.cycle_s * self.cycle_s * MARGIN
     }
 
-    /// Of µs.
+    /// From µs.
     fn ticks(self, us: u32) -> f32 {
         us as f32 * 1e-6 / self.cycle_s
     }
@@ -209,7 +208,7 @@ impl Units {
 
 /// Jerks of the four ramps of an axis.
 struct Jerks {
-    /// Mean of each.
+    /// Mean jerk of each ramp.
     j: Ramps,
     /// The least a / min(ramp time, geometric ramp time), a / ramp time and a / geometric ramp time.
     budget: f32,
@@ -255,18 +254,18 @@ impl Set {
         let tr = if slope == SlopeType::Hsc { [tr.into_iter().max().unwrap_or(0); 4] } else { tr };
         let jerks = Jerks::new([a_up, a_down], tr.map(|us| units.ticks(us)), units.ticks(data.tr_geom));
         let Jerks { j, budget, .. } = jerks;
-        // A knee that passes for rounding of coordinates shows beside them.
+        // A knee that counts as rounding of coordinates shows beside these accelerations.
         let beside = if stepped { a_max } else { a_max - SMOOTH * budget };
         let [a_up, a_down] = [min(a_up, beside), min(a_down, beside)];
         let a = min(a_up, a_down);
-        // Of `a`, in 0.1 %; 0: cycle time / ramp time.
+        // Part of `a` in 0.1 %; 0 means cycle time / ramp time.
         let weight = data.a_trans_weight;
         let knee = a * if weight == 0 { 1.0 / jerks.longest } else { weight as f32 * 1e-3 };
-        // Within a tick of the transition, where acceleration is zero, the slope has at most that: a third of
-        // it counts in the middle.
+        // Within a tick of a transition with acceleration zero, the slope has at most this acceleration; a
+        // third of it counts in the middle.
         let peak = if slope == SlopeType::Sin2 { RampShape::SineSquare.peak_jerk() } else { 1.0 };
         let near = min(peak * j.into_iter().fold(0.0, max), TRANSITION_PART * budget);
-        // With HSC acceleration passes a knee.
+        // With HSC, acceleration passes a knee.
         let passes = slope == SlopeType::Hsc;
         let left = if passes { a_max } else { a_max - near * (1.0 / 3.0) };
         let most = if passes || weight == 0 { KNEE_PART * a_max } else { left };
@@ -309,8 +308,8 @@ impl Set {
         set
     }
 
-    /// A knee of STEP: one tick of the acceleration. The weight is for the other slopes. Close knees add up
-    /// as they do there.
+    /// A knee of STEP: the speed that one tick of the acceleration gains. The weight is for the other slopes.
+    /// Close knees add up as with these.
     fn step(&mut self, a_max: f32) {
         let knee = min(self.least(), KNEE_PART * a_max);
         self.joint.budget = knee / TRANSITION_PART;

@@ -1,9 +1,9 @@
-//! What filters behind the path need of it: AX_DEV, ACC_FACT, and the limits of filters with negative taps.
+//! Limits because of filters after the path: AX_DEV, ACC_FACT, and filters with negative taps.
 //!
-//! An axis deviates from its delayed set point by its acceleration and by steps of its speed. Both get a part
-//! of AX_DEV ([`crate::fir::Watch`]): acceleration everywhere, a step that is alone in the window of the
-//! filter what that leaves, steps that are closer a tenth each and together what a curve of the same
-//! acceleration would take.
+//! An axis deviates from its delayed set point because of its acceleration and because of steps of its speed.
+//! Each gets a part of AX_DEV ([`crate::fir::Watch`]). Acceleration has its part everywhere. A step that is
+//! alone in the window of the filter has the rest. Closer steps have a tenth each, and together the part of a
+//! curve with the same acceleration.
 use super::{Axis, Dynamics, LSB_40, Permitted};
 use crate::dynamics::axis::{Set, TransitionLimits};
 use crate::fir::{CLOSE, GOING_ON, REACH, SHORT, Watch};
@@ -14,37 +14,38 @@ use crate::nc::SlopeType;
 use crate::path::End;
 use crate::slope::ramp_shape::RampShape;
 
-/// Part of the acceleration permitted that passes a corner though its law should vanish there: a hold may run
-/// through where its jerk does not show.
+/// Part of the permitted acceleration that may pass a corner although the profile's acceleration is zero
+/// there: a hold may continue through the corner if its jerk does not show.
 const PASSING_JERK: f32 = 0.1;
-/// Part of AX_DEV for a step that acceleration passes, by that for acceleration: 0.46/0.91.
+/// Part of AX_DEV for a step that acceleration passes, relative to the part for acceleration: 0.46/0.91.
 const PASSING: f32 = 0.5;
-/// So much more acceleration is clearly more. Without negative taps it is 0.97/0.91.
+/// Above this ratio an acceleration is clearly higher. Without negative taps it is 0.97/0.91.
 const WORTH: f32 = 1.07;
-/// Speed with which the acceleration across the path is [`SHORT`] times as much: its root, down.
+/// Factor of the speed at which the acceleration across the path is multiplied by [`SHORT`]: its root,
+/// rounded down.
 const SHORT_SPEED: f32 = 0.707;
-/// What a filter's rounding adds to the third difference of a set point, beside what the path's own adds
-/// to it, mm: 9 LSB of 2^-32.
+/// Rounding of a filter in the third difference of a set point, in addition to the rounding of the path, mm:
+/// 9 LSB of 2^-32.
 const ROUNDED: f32 = 9.0 / (1u64 << 32) as f32;
-/// Longest slope that is looked at, ticks of its ramp.
+/// Longest ramp that is considered, as a part of the window.
 const WINDOW_PART: f32 = 0.5;
 
-/// The transitions that AX_DEV restricts.
+/// Transitions that AX_DEV restricts.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Watched {
-    /// Bit i for axis i.
+    /// Restricted axes: bit i for axis i.
     axes: u32,
-    /// Steps of speed that follow each other within so many ticks add up.
+    /// Steps of speed within so many ticks add up.
     window: f32,
-    /// Least Σ|G| / |G(0)| of an axis, ticks.
+    /// Least Σ|G| / |G(0)| of the axes, ticks.
     ratio: f32,
 }
 
 impl Watched {
-    /// None of them.
+    /// No restricted transitions.
     pub(super) const NONE: Self = Self { axes: 0, window: 0.0, ratio: f32::MAX };
 
-    /// There are some.
+    /// Whether there is a restricted axis.
     #[inline(always)]
     pub(super) const fn is_some(&self) -> bool {
         functions::FILTERS.is_built() && self.axes != 0
@@ -52,8 +53,8 @@ impl Watched {
 }
 
 impl Axis {
-    /// Part of accelerations and jerks that AX_DEV leaves, if all jerk is limited and if that is clearly more
-    /// than [`Watch::accel`] leaves.
+    /// Factor for accelerations and jerks by AX_DEV, if all jerk is limited and the factor leaves clearly
+    /// more than [`Watch::accel`].
     fn smooth_share(&self, watch: &Watch, slope: SlopeType) -> Option<f32> {
         let peak = match slope {
             SlopeType::Trapez => 1.0,
@@ -61,7 +62,7 @@ impl Axis {
             SlopeType::Step | SlopeType::Hsc => return None,
         };
         let jerk = max(self.feed.jerk(peak)?, self.rapid.jerk(peak)?);
-        // With the filter's gain they are lower already.
+        // The filter's gain has already lowered them.
         let of = |[by_accel, by_jerk]: [f32; 2]| (by_accel * self.a_max + by_jerk * jerk) / watch.gain;
         let [one, other] = watch.bound?.map(of);
         let deviation = min(one, other);
@@ -69,7 +70,7 @@ impl Axis {
         (share * self.a_max / watch.gain > WORTH * watch.accel?).then_some(share)
     }
 
-    /// An axis that moves alone, with the filter of `other` behind it; whether it has the same slope.
+    /// Limits of an axis that moves alone, with the filter of `other`. `alike`: it has the same slope.
     pub(super) fn filtered_as(mut self, other: &Self, alike: bool) -> Self {
         let part = 1.0 / other.gain;
         for set in [&mut self.feed, &mut self.rapid] {
@@ -90,7 +91,7 @@ impl Axis {
 }
 
 impl Set {
-    /// Jerks have so much less that rounding in the filter keeps the limits; a jerk of a few LSB keeps half.
+    /// Lowers jerks so that rounding in the filter keeps the limits; a jerk of a few LSB is halved.
     fn leave_rounding(&mut self) {
         let TransitionLimits { budget, knee, bend, .. } = &mut self.joint;
         let jerks = [&mut self.ramp_budget, &mut self.geometric_budget, budget, knee, bend];
@@ -99,7 +100,7 @@ impl Set {
         }
     }
 
-    /// Everything that grows with a motion, times `part`.
+    /// Multiplies every value that is proportional to the motion by `part`.
     fn scale(&mut self, part: f32) {
         for value in [&mut self.v, &mut self.a_up, &mut self.a_down, &mut self.change_over] {
             *value *= part;
@@ -121,15 +122,14 @@ impl Set {
         }
     }
 
-    /// All but the speed, times `part`: as with lower accelerations in the machine data and the same ramp times.
+    /// Multiplies all values but the speed by `part`: as with lower accelerations and the same ramp times.
     fn slow_down(&mut self, part: f32) {
         let fast = (self.v, self.change_over);
         self.scale(part);
         (self.v, self.change_over) = fast;
     }
 
-    /// The largest jerk that the axis may show, per tick, `peak` times that of the slope; none if there is no
-    /// limit.
+    /// The largest jerk of the axis, per tick, `peak` times that of the slope; `None` without limit.
     fn jerk(&self, peak: f32) -> Option<f32> {
         if self.joint.is_weighted || self.joint.bend == f32::MAX {
             return None;
@@ -138,7 +138,7 @@ impl Set {
         Some(max(peak * self.j.into_iter().fold(0.0, max), self.geometric_budget * fast / slow))
     }
 
-    /// No acceleration above `accel`.
+    /// Lowers all accelerations to at most `accel`.
     fn cap(&mut self, accel: f32) {
         for value in [&mut self.a_up, &mut self.a_down, &mut self.a_shared, &mut self.a_resting] {
             *value = min(*value, accel);
@@ -150,14 +150,14 @@ impl Set {
 }
 
 impl<const AXES: usize> Dynamics<AXES> {
-    /// The axes anew: none is filtered, so far.
+    /// Resets the axes: no axis is filtered.
     pub fn unwatch(&mut self, machine: &MachineData<AXES>) {
         self.watched = Watched::NONE;
         self.change(machine);
     }
 
-    /// The axis is filtered like that, in the elements that follow. Only behind what makes the axes anew.
-    /// `corner`: part of AX_DEV for a step of speed where acceleration vanishes with that jerk.
+    /// Sets the filter of an axis for the elements that follow. Call it only after the axes are reset.
+    /// `corner`: part of AX_DEV for a step of speed whose acceleration vanishes with this jerk.
     pub fn watch(&mut self, axis: usize, watch: &Watch, corner: impl Fn(f32) -> f32) {
         let slope = self.slope;
         let Some(limits) = self.axes.get_mut(axis) else { return };
@@ -175,11 +175,12 @@ impl<const AXES: usize> Dynamics<AXES> {
             let jerk = match slope {
                 SlopeType::Trapez => fastest,
                 SlopeType::Sin2 => fastest * RampShape::SineSquare.peak_jerk(),
-                // Acceleration may begin or pass there.
+                // Acceleration may begin at the transition, or pass it.
                 SlopeType::Step | SlopeType::Hsc => f32::MAX,
             };
             if set.joint.is_weighted && watch.acc_fact > 1.0 {
-                // What the filter spreads over its window stays inside a_max, beside the slope.
+                // The filter spreads a step over its window. This stays inside a_max, together with the
+                // slope.
                 let beside = min(max(set.a_up, set.a_down), WINDOW_PART * watch.window * jerk);
                 let spread = min(max(a_max - beside, 0.0) / watch.tap, REACH - a_max);
                 set.joint.knee = max(set.joint.knee, min(set.joint.knee * watch.acc_fact, spread));
@@ -206,7 +207,7 @@ impl<const AXES: usize> Dynamics<AXES> {
         }
     }
 
-    /// AX_DEV restricts an axis.
+    /// Whether AX_DEV restricts an axis.
     #[inline(always)]
     pub const fn is_watched(&self) -> bool {
         self.watched.is_some()
@@ -218,7 +219,7 @@ impl<const AXES: usize> Dynamics<AXES> {
         let mut limits = if is_short { *limits } else { return None };
         limits.0.scale_accelerations(SHORT);
         if bends {
-            // So is the acceleration across the path.
+            // The acceleration across the path is lowered too.
             limits.0.v *= SHORT_SPEED;
         }
         Some(limits)
@@ -239,7 +240,7 @@ impl<const AXES: usize> Dynamics<AXES> {
         shorter: f32,
         fastest: f32,
     ) -> f32 {
-        // In a curve every axis of it may accelerate as much as it may, whatever its direction at the end.
+        // In a curve every axis may use all of its acceleration, whatever its direction at the end.
         let bends = |end: &End<AXES>| end.curvature.iter().any(|curvature| *curvature != 0.0);
         let bends = bends(from) || bends(to);
         let along = [self.along(from), self.along(to)];
@@ -265,8 +266,8 @@ impl<const AXES: usize> Dynamics<AXES> {
 }
 
 impl Watched {
-    /// The same of one axis, whose direction changes by `step`. Its speed may change by `knee`, of which
-    /// acceleration on both sides leaves the part `most`; the path has at most the acceleration `along`.
+    /// The same for one axis, whose direction changes by `step`. Its speed may change by `knee`; acceleration
+    /// on both sides leaves the part `most` of it. The path has at most the acceleration `along`.
     fn speed(
         &self,
         (a_max, budget): (f32, f32),
@@ -276,12 +277,12 @@ impl Watched {
     ) -> f32 {
         let passes = a_max * step <= PASSING_JERK * budget;
         let alone = if passes { min(knee, PASSING * a_max * self.ratio) } else { knee } * most / step;
-        // A block that takes the whole window, should it speed up from its end on.
+        // A block that takes the whole window, if it speeds up from its end on.
         let long = (shorter - 0.5 * along * self.window * self.window) / self.window;
         if long >= alone {
             return alone;
         }
-        // Steps v·step every length/√(v² + 2·a·length) ticks at least: v·√(v² + 2·a·length) ≤ s.
+        // There is a step of v·step at most every length/√(v² + 2·a·length) ticks: v·√(v² + 2·a·length) ≤ s.
         let s = SHORT * a_max * shorter / step;
         let gained = along * shorter;
         let both = gained + sqrt_f32(gained * gained + s * s);

@@ -1,22 +1,23 @@
-//! Limits along the path, from the limits of the axes: speed, acceleration and jerk in an element, speed at a transition.
+//! Limits along the path, from the limits of the axes: speed, acceleration and jerk inside an element, speed
+//! at a transition.
 //!
-//! All values are per tick and in `f32`. Three margins cover the rounding of `f32` and of the integers of later stages, so
-//! that the limits of the axes hold exactly:
+//! All values are per tick and in `f32`. Three margins cover the rounding of `f32` and of the integers of later stages,
+//! so the limits of the axes hold exactly:
 //!
 //! | limit | margin | covers |
 //! |---|---|---|
-//! | speed, acceleration | 1 − 2^-19 | ten roundings of 2^-24; as much as sixteen for the plan, and six for its check |
+//! | speed, acceleration | 1 − 2^-19 | ten roundings of 2^-24; sixteen for the plan, and six for its check |
 //! | jerk | 1 − 2^-13 | the same, and third differences of path distances rounded to 2^-44 mm |
-//! | small accelerations | 4 · 2^-37 mm/tick² | rounding of path distances, amplified in axes that move further than the path |
+//! | small accelerations | 4 · 2^-37 mm/tick² | rounding of path distances, amplified in axes that move farther than the path |
 //!
-//! **Jerk.** An axis may show the jerk `B = a / min(ramp time, geometric ramp time)`. On arcs and at transitions that are
-//! not smooth, slope and contour both cause jerk; they get parts whose sum is at most `B`. Ramps of SIN2 count with their
-//! peak jerk, π/2 times the mean, so the axis shows at most the larger one of `B` and π/2 · a / ramp time. The curvature of a
-//! curve with CHECK_JERK=1 may cause the jerk `a / geometric ramp time`, which may be less than `B`.
+//! **Jerk.** An axis may show the jerk `B = a / min(ramp time, geometric ramp time)`. On arcs and at transitions that
+//! are not smooth, slope and contour both cause jerk; each gets a part, and the sum is at most `B`. Ramps of SIN2 count
+//! with their peak jerk, π/2 times the mean, so the axis shows at most the larger one of `B` and π/2 · a / ramp time.
+//! The curvature of a curve with CHECK_JERK=1 may cause the jerk `a / geometric ramp time`, which may be less than `B`.
 //!
-//! **STEP** has no jerk limit. A knee is a step of speed, which adds an acceleration to that of the slope. So a quarter of
-//! `a_max` is kept for knees: on lines beside knees and beside blocks that may pass within a tick, on arcs always. A knee
-//! takes at most the speed that the acceleration of a stage changes in one cycle.
+//! **STEP** has no jerk limit. A knee is a step of speed, which adds an acceleration to that of the slope. So a quarter
+//! of `a_max` is reserved for knees: on lines beside knees and beside blocks that may pass within a tick, on arcs
+//! always. A knee takes at most the speed that the acceleration of a stage gains in one cycle.
 
 mod arc;
 mod axis;
@@ -49,56 +50,54 @@ use vector::PathLimits;
 pub use vector::TooLow;
 pub use weights::Weights;
 
-/// Factor on speeds and accelerations.
+/// Factor for speeds and accelerations.
 pub(super) const MARGIN: f32 = 1.0 - 1.0 / 524_288.0;
-/// Of the acceleration along the path, mm/tick²: a path distance is good to 2^-37 mm, which shows four times in a
-/// second difference. Below the threshold that is more than what [`MARGIN`] leaves for rounding.
+/// Acceleration along the path that rounding can cause, mm/tick²: a path distance is accurate to 2^-37 mm, which
+/// counts four times in a second difference. Below a threshold this is more than [`MARGIN`] covers.
 const ROUGH: f32 = 4.0 / (1u64 << 37) as f32;
 const ROUGH_BELOW: f32 = 1.0 / 65_536.0;
-/// Factor on jerks.
+/// Factor for jerks.
 const JERK_MARGIN: f32 = 1.0 - 1.0 / 8192.0;
 /// Part of the largest acceleration that may act across the path.
 const NORMAL_PART: f32 = 0.8;
-/// Part of the largest acceleration for a knee: Δv shows as a second difference of Δv/T. Slopes vanish at the
-/// ends of a block, which leaves the knee its part, unless their ramps are as short as the difference looks,
-/// or acceleration passes the knee (HSC).
+/// Part of the largest acceleration for a knee: Δv shows as a second difference of Δv/T. Acceleration
+/// vanishes at the ends of a block, which leaves the knee its part. The exceptions are very short ramps, and
+/// acceleration that passes the knee (HSC).
 const KNEE_PART: f32 = 0.25;
-/// Part of what a transition may show that passes for none.
+/// Part of a transition's limit that counts as no transition.
 const SLIGHT: f32 = 1.0 / 64.0;
-/// A step of speed below this part of the jerk budget is rounding of coordinates: the margin of the jerk
-/// covers it, and all of the budget is left to the slope. The slope leaves it its part of the largest
-/// acceleration.
+/// A step of speed below this part of the jerk budget is rounding of coordinates. The margin of the jerk
+/// covers it, so the slope has all of the budget. The slope leaves it its part of the largest acceleration.
 const SMOOTH: f32 = 1.0 / 20_000.0;
 
 const LSB_40: f32 = 1.0 / (1u64 << 40) as f32;
 
-/// A jerk that is none, mm/tick³.
+/// Jerk that counts as no limit, mm/tick³.
 const NO_LIMIT: f32 = 1e20;
 
 /// The dynamics of a machine's axes, converted to ticks once, and again when the program weights them. The machine
-/// data are not kept: whoever changes them gives those of [`Self::new`].
+/// data are not kept: a caller that changes the dynamics passes the data of [`Self::new`] again.
 pub struct Dynamics<const AXES: usize> {
     axes: [Axis; AXES],
-    /// Feed and rapid joints of the axes as they were at the block before, while no block has followed the
-    /// weights.
+    /// Feed and rapid limits at the transition of the block before new weights, until a block follows.
     before: Option<[[TransitionLimits; 2]; AXES]>,
     weights: Weights<AXES>,
     path: PathLimits,
-    /// mm/tick of 1 mm/min.
+    /// 1 mm/min in mm/tick.
     feed_unit: f32,
     slope: SlopeType,
     joins: Joins,
-    /// Elements are to be good for so many times their feed.
+    /// The override level for which elements are planned.
     level: f32,
-    /// How often any of it has changed.
+    /// Number of changes.
     changes: u32,
-    /// An axis has a reduced speed.
+    /// Whether an axis has a reduced speed.
     reduces: bool,
     /// P-CHAN-00009.
     bends_have_jerk: bool,
     /// Filters with AX_DEV.
     watched: Watched,
-    /// The axes of smoothed elements are not those of the machine: a transformation follows.
+    /// Whether the axes of smoothed elements differ from those of the machine: a transformation follows.
     #[cfg(feature = "kinematics")]
     is_transformed: bool,
 }
@@ -109,19 +108,19 @@ pub type Permitted = (Limits, Share, OverrideRange);
 /// Limits of the last element, kept for reuse.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Known {
-    /// Of the dynamics before it.
+    /// Number of changes of the dynamics at that time.
     changes: u32,
     /// See [`Dynamics::element`].
     pub permitted: Permitted,
 }
 
-/// Whether HSC uses jerk as with NO_OPT=0 where the program does not say: FCT_LOOK_AHEAD_OPT.
+/// Whether HSC has NO_OPT=0 by default: FCT_LOOK_AHEAD_OPT.
 #[cfg(feature = "plc")]
 const fn optimises<const AXES: usize>(machine: &MachineData<AXES>) -> bool {
     machine.channel.interpolator.has(crate::machine::InterpolatorFunctions::LOOK_AHEAD_OPT)
 }
 
-/// Whether HSC uses jerk as with NO_OPT=0 where the program does not say.
+/// Whether HSC has NO_OPT=0 by default.
 #[cfg(not(feature = "plc"))]
 const fn optimises<const AXES: usize>(_: &MachineData<AXES>) -> bool {
     false
@@ -148,42 +147,43 @@ impl<const AXES: usize> Dynamics<AXES> {
             #[cfg(feature = "kinematics")]
             is_transformed: false,
         };
-        // One after the other: all of them are large.
+        // One axis after the other, because all of them are large.
         for (axis, data) in new.axes.iter_mut().zip(&machine.axes) {
             *axis = Axis::new(data, &machine.channel, slope);
         }
         new
     }
 
-    /// Elements are transformed between smoothers and axes from now on, or not any more.
+    /// Sets whether a transformation lies between smoothers and axes.
     #[cfg(feature = "kinematics")]
     pub fn set_transformed(&mut self, is_transformed: bool) {
         self.is_transformed = is_transformed;
         self.count();
     }
 
-    /// Whether elements are transformed between smoothers and axes: what the axes permit is not known before.
+    /// Whether a transformation lies between smoothers and axes. Then the limits of the axes are unknown
+    /// before it.
     #[cfg(feature = "kinematics")]
     pub const fn is_transformed(&self) -> bool {
         self.is_transformed
     }
 
-    /// Never in a build without transformations.
+    /// Always false in a build without transformations.
     #[cfg(not(feature = "kinematics"))]
     #[inline(always)]
     pub const fn is_transformed(&self) -> bool {
         false
     }
 
-    /// Weights the axes in the elements that follow. The transition to the first of them belongs to both
-    /// sides.
+    /// Weights the axes in the elements that follow. The transition to the first of them has the limits of
+    /// both sides.
     pub fn weigh(&mut self, machine: &MachineData<AXES>, weight: &Weight<AXES>) {
         self.weights.set(weight);
         self.change(machine);
     }
 
-    /// Elements that follow run with that slope; by default (#SLOPE DEFAULT) with that of P-CHAN-00071.
-    /// `optimised`: NO_OPT=0, which only HSC knows.
+    /// Sets the slope of the elements that follow; by default (`#SLOPE DEFAULT`) that of P-CHAN-00071.
+    /// `optimised`: NO_OPT=0, which only HSC has.
     pub fn set_slope(&mut self, machine: &MachineData<AXES>, command: &Slope) {
         let slope;
         (slope, self.joins) = self.slope_of(machine, command);
@@ -194,7 +194,7 @@ impl<const AXES: usize> Dynamics<AXES> {
         }
     }
 
-    /// The slope behind a command, and how its blocks join.
+    /// The slope after a command, and which blocks it joins.
     fn slope_of(&self, machine: &MachineData<AXES>, command: &Slope) -> (SlopeType, Joins) {
         let &Slope { default, kind, no_opt } = command;
         let given = SlopeType::of_profile(machine.channel.slope_profile);
@@ -213,12 +213,12 @@ impl<const AXES: usize> Dynamics<AXES> {
         self.change(machine);
     }
 
-    /// What is known of an element does not hold any more.
+    /// Invalidates limits that were kept.
     fn count(&mut self) {
         self.changes = self.changes.wrapping_add(1);
     }
 
-    /// The axes anew, for the elements that follow.
+    /// Converts the axes again, for the elements that follow.
     fn change(&mut self, machine: &MachineData<AXES>) {
         self.count();
         if self.before.is_none() {
@@ -239,7 +239,7 @@ impl<const AXES: usize> Dynamics<AXES> {
         self.path.set(command)
     }
 
-    /// Whether a command of the program changes anything.
+    /// Whether a command of the program changes the dynamics.
     #[cold]
     #[inline(never)]
     pub(crate) fn differ(&self, machine: &MachineData<AXES>, command: &Restriction<AXES>) -> bool {
@@ -250,14 +250,14 @@ impl<const AXES: usize> Dynamics<AXES> {
         }
     }
 
-    /// An element with the weights of now has been taken in.
+    /// An element with the current weights has entered.
     pub fn settle(&mut self) {
         self.before = None;
     }
 
     /// Limits of an axis that moves alone, and its reduced speed (P-AXIS-00214). Weights and path limits of the program
     /// do not act; a filter of the axis does. The slope is that of P-CHAN-00071 or `slope`. Its acceleration is
-    /// `percent` of the machine data, at most P-AXIS-00008; ramp times stay.
+    /// `percent` of the machine data, at most P-AXIS-00008; ramp times do not change.
     pub fn single(
         &self,
         machine: &MachineData<AXES>,
@@ -278,12 +278,12 @@ impl<const AXES: usize> Dynamics<AXES> {
         Some((limits, axis.v_reduced))
     }
 
-    /// The law of the slope before any axis restricts it.
+    /// The slope's limits before any axis restricts them.
     fn law(&self, change_over: f32) -> SlopeLaw {
         law_of(self.slope, self.joins, change_over)
     }
 
-    /// Elements that follow are to be good for `level` times their feed, 1…2.
+    /// Sets the override level for which the following elements are planned, 1…2.
     pub fn set_level(&mut self, level: f32) {
         if level != self.level {
             self.level = level;
@@ -291,7 +291,7 @@ impl<const AXES: usize> Dynamics<AXES> {
         }
     }
 
-    /// Path speed of a feed (mm/min); without one there is no limit.
+    /// Path speed of a feed (mm/min); without a feed there is no limit.
     pub fn programmed(&self, feed: Option<f32>) -> f32 {
         feed.map_or(f32::MAX, |feed| feed * self.feed_unit * MARGIN)
     }
@@ -310,7 +310,7 @@ impl<const AXES: usize> Dynamics<AXES> {
         self.permitted(tangent, circle, feed)
     }
 
-    /// The same, to be kept until the element is taken in, and longer while it stays as it is.
+    /// As [`Self::element`], for a caller that keeps the limits while the element does not change.
     pub(crate) fn known(&self, element: &Element<AXES>, feed: Option<f32>) -> Known {
         Known { changes: self.changes, permitted: self.element(element, feed) }
     }
@@ -320,7 +320,7 @@ impl<const AXES: usize> Dynamics<AXES> {
         (known.changes == self.changes).then_some(&known.permitted)
     }
 
-    /// The speed of [`Self::line`] alone.
+    /// The speed limit of [`Self::line`] alone.
     pub(crate) fn speed_of_line(&self, tangent: &[i64; AXES], feed: Option<f32>) -> f32 {
         let rapid = feed.is_none();
         let mut v = self.path.speed(rapid);
@@ -401,11 +401,12 @@ impl<const AXES: usize> Dynamics<AXES> {
         (limits, share_left, override_range)
     }
 
-    /// Part of the largest acceleration that a curve may have across the path with STEP, which leaves knees their part.
+    /// Part of the largest acceleration that a curve may use across the path with STEP, which leaves knees
+    /// their part.
     pub const STEPPED_NORMAL_PART: f32 = NORMAL_PART * (1.0 - KNEE_PART);
 
-    /// Acceleration and jerk with which all axes together may move in proportion to `parts`: as a slope, and
-    /// no more than `of` a_max and of `B`.
+    /// Acceleration and jerk with which all axes together may move in proportion to `parts`: within the
+    /// slope's limits, and at most `of` of a_max and of `B`.
     pub fn together(&self, parts: &[f32; AXES], rapid: bool, of: [f32; 2]) -> [f32; 2] {
         let [mut a, mut j] = [f32::MAX; 2];
         for (axis, part) in self.axes.iter().zip(parts) {
@@ -428,8 +429,8 @@ impl<const AXES: usize> Dynamics<AXES> {
         })
     }
 
-    /// The jerk that a curve in a corner may cause, with this CHECK_JERK, where axes share it in proportion
-    /// to `parts`.
+    /// The jerk that a corner's curve may cause with this CHECK_JERK, if axes share it in proportion to
+    /// `parts`.
     pub fn across(&self, parts: &[f32; AXES], rapid: bool, check: u8) -> f32 {
         let axes = self.axes.iter().zip(parts).filter(|(_, part)| **part != 0.0);
         axes.fold(f32::MAX, |j, (axis, part)| {
@@ -437,7 +438,7 @@ impl<const AXES: usize> Dynamics<AXES> {
         })
     }
 
-    /// Whether the jerk of a step of curvature is limited (P-CHAN-00009, and a slope that knows jerk).
+    /// Whether the jerk of a step of curvature is limited (P-CHAN-00009, and a slope with jerk limit).
     pub fn limits_bends(&self) -> bool {
         self.bends_have_jerk && self.slope != SlopeType::Step
     }
@@ -448,7 +449,7 @@ impl<const AXES: usize> Dynamics<AXES> {
     }
 }
 
-/// The law of a slope before any axis restricts it.
+/// The limits of a slope before any axis restricts them.
 fn law_of(slope: SlopeType, joins: Joins, change_over: f32) -> SlopeLaw {
     match slope {
         SlopeType::Step => {

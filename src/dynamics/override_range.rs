@@ -6,12 +6,12 @@ use crate::slope::limits::ROUNDED;
 /// How the speed of a block follows the override, in two 16-bit numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct OverrideRange {
-    /// [`EVEN`] where feed and machine permit the same. Below, what the machine permits beyond the
-    /// feed, up to twice as much: 1 + n/2^15. Above, by how much the machine permits less than the feed: 1 −
-    /// n/2^15. Both rounded towards the slower.
+    /// [`EVEN`] if feed and machine permit the same speed. Below: how much more the machine permits than the
+    /// feed, up to twice as much: 1 + n/2^15. Above: how much less the machine permits than the feed: 1 −
+    /// n/2^15. Both are rounded towards the lower speed.
     over: u16,
-    /// Root of reduced speed by speed at 100 %, LSB 2^-16, down; the largest value: not reduced. The root, so
-    /// that the lowest reduced speed (1 µm/s) is not 0 beside the highest speed.
+    /// Root of (reduced speed / speed at 100 %), LSB 2^-16, rounded down; the largest value: not reduced. The
+    /// root keeps the lowest reduced speed (1 µm/s) above 0 beside the highest speed.
     reduced: u16,
 }
 
@@ -23,7 +23,7 @@ impl OverrideRange {
     /// Machine and feed permit the same.
     pub const NONE: Self = Self { over: EVEN, reduced: WHOLE };
 
-    /// Of no block; all bits zero.
+    /// For no block; all bits zero.
     pub(crate) const BLANK: Self = Self { over: 0, reduced: 0 };
 
     /// The range for a block with this feed. The machine permits `v_max`, and `v_reduced` while reduced speed is on.
@@ -42,7 +42,7 @@ impl OverrideRange {
         override_range
     }
 
-    /// Whether a reduced speed makes it slower.
+    /// Whether the reduced speed makes the block slower.
     pub(crate) fn is_reduced(self) -> bool {
         self.reduced != WHOLE
     }
@@ -53,25 +53,24 @@ impl OverrideRange {
         (self.reduced != WHOLE).then_some(root * root)
     }
 
-    /// What the machine permits by the feed, 1…2, and by what it is less than the feed, 0…1.
+    /// Limit of the machine relative to the feed, 1…2; and the factor by which it is below the feed, 0…1.
     pub(crate) fn parts(self) -> [f32; 2] {
         let n = |from: u16, to: u16| f32::from(from.saturating_sub(to)) * (1.0 / ONE);
         [1.0 + n(EVEN, self.over), 1.0 - n(self.over, EVEN)]
     }
 
-    /// Speed at a level by that at 100 %: a level below that counts for the feed alone.
+    /// Speed at a level relative to the speed at 100 %. Below 100 % a level counts for the feed alone.
     pub fn raised(self, level: f32) -> f32 {
         let [above, below] = self.parts();
         min(level / below, above)
     }
 
-    /// The highest speed at any level of a block that is planned with `v` for one.
+    /// The highest speed at any level of a block that is planned with `v` for this level.
     pub(crate) fn highest(self, v: f32, level: f32) -> f32 {
         v / self.raised(level) * self.parts()[0]
     }
 
-    /// How a block follows the override that was planned with `v` for a level, where the machine permits no
-    /// more than `most`.
+    /// The range of a block that is planned with `v` for a level, if the machine permits no more than `most`.
     pub(crate) fn lowered(self, v: f32, level: f32, most: f32) -> Self {
         let even = v / self.raised(level);
         let feed = even / max(self.parts()[1], 1.0 / ONE);
@@ -79,7 +78,7 @@ impl OverrideRange {
         Self::new(most, feed, reduced)
     }
 
-    /// What is at least as fast as both.
+    /// A range that is at least as fast as both.
     pub(crate) fn join(&mut self, other: Self) {
         self.over = self.over.max(other.over);
     }

@@ -1,4 +1,4 @@
-//! How the axes of an element restrict its limits, and what a transition leaves of them.
+//! How the axes of an element restrict its limits, and the limits that a transition leaves.
 use super::axis::Set;
 use super::override_range::OverrideRange;
 use super::{ROUGH, ROUGH_BELOW};
@@ -8,15 +8,15 @@ use crate::nc::SlopeType;
 use crate::slope::limits::{Joins, Limits, SlopeLaw, lower};
 use crate::slope::ramp_shape::RampShape;
 
-/// Part of `B` for a transition; as much is left to the slope, and a fifth to transitions closer than three
-/// ticks.
+/// Part of `B` for a transition. The slope has as much, and transitions closer than three ticks have a fifth.
 pub(crate) const TRANSITION_PART: f32 = 0.4;
-/// Parts of `B` beside a joint of an arc, and inside a polynomial: slope, and v³κ²; the rest goes to 3vκ·a.
+/// Parts of `B` at a transition of an arc, and inside a polynomial: for the slope, and for v³κ²; the rest is
+/// for 3vκ·a.
 pub(crate) const ARC_SLOPE_PART: f32 = 0.25;
 pub(crate) const ARC_PART: f32 = 0.5;
-/// What is below that part of another value is below it for any rounding.
+/// A value below this part of another value is below it despite rounding.
 pub(crate) const SURELY: f32 = 0.999;
-/// Two change-over speeds that differ by less are one.
+/// Two change-over speeds whose ratio is below this value count as equal.
 const SAME: f32 = 1.0 + 1.0 / 1_048_576.0;
 
 /// Limits that a transition leaves to the slope.
@@ -26,9 +26,9 @@ pub struct Share {
     pub j: f32,
     /// Acceleration, mm/tick².
     pub a: f32,
-    /// Acceleration where it is zero at the transition, mm/tick².
+    /// Acceleration if it is zero at the transition, mm/tick².
     pub a_resting: f32,
-    /// Speed of an arc that leaves the transition its part, mm/tick; of other elements none.
+    /// Speed of an arc at which the transition has its part, mm/tick; `f32::MAX` for other elements.
     pub v: f32,
     /// Acceleration that may pass the ends of an arc where another profile begins, mm/tick².
     pub passing: f32,
@@ -39,19 +39,19 @@ impl Share {
     pub const WHOLE: Self =
         Self { j: f32::MAX, a: f32::MAX, a_resting: f32::MAX, v: f32::MAX, passing: f32::MAX };
 
-    /// What is left where acceleration is zero at the transition.
+    /// The limits that are left if acceleration is zero at the transition.
     pub(crate) fn resting(self) -> Self {
         Self { a: self.a_resting, ..self }
     }
 }
 
-/// What is left of an acceleration along the path with room for the rounding of path distances; half of it at least.
+/// An acceleration along the path, reduced by the rounding of path distances; at least half of it.
 pub(super) fn less_rough(a: f32) -> f32 {
     if a < ROUGH_BELOW { max(a - ROUGH, 0.5 * a) } else { a }
 }
 
 impl Joins {
-    /// `optimised`: NO_OPT=0, which only HSC knows.
+    /// `optimised`: NO_OPT=0, which only HSC has.
     pub fn of(slope: SlopeType, optimised: bool) -> Self {
         match slope {
             _ if !functions::HSC.is_built() => Self::Alike,
@@ -63,8 +63,7 @@ impl Joins {
 }
 
 impl Limits {
-    /// The speed becomes that of the feed at the level, at most what it was; all of it is known where it is
-    /// reached.
+    /// Lowers the speed to that of the feed at the level. If this speed is reached, the range is exact.
     #[cfg_attr(feature = "fast", inline(always))]
     pub(crate) fn take_feed(&mut self, feed: f32, v_reduced: f32, level: f32) -> OverrideRange {
         if feed == f32::MAX {
@@ -77,8 +76,8 @@ impl Limits {
         override_range
     }
 
-    /// With TRAPEZ and SIN2 acceleration passes the elements of one curve, as with HSC: the program knows nothing of them.
-    /// Not where the ramps of an axis differ.
+    /// With TRAPEZ and SIN2, acceleration passes the elements of one curve, as with HSC: these transitions are not
+    /// part of the program. The ramps of an axis must be equal.
     pub(crate) fn flow_on(&mut self) {
         if functions::HSC.is_built()
             && let SlopeLaw::JerkLimited { joins, j, .. } = &mut self.law
@@ -89,11 +88,11 @@ impl Limits {
         }
     }
 
-    /// Leaves a transition its part.
+    /// Leaves a transition its part of the limits.
     ///
-    /// What could be planned with less jerk must be possible with more. Of SIN2 all jerks go down by one
-    /// factor: with q < 1/6 and a ramp at the lower speed shorter than a third of the other one, a longer one
-    /// alone would shorten the way.
+    /// A plan that is possible with a lower jerk must be possible with a higher one. For SIN2 all jerks are
+    /// lowered by one factor: with q < 1/6 and a ramp at the lower speed shorter than a third of the other
+    /// one, a longer ramp alone would shorten the distance.
     pub(crate) fn share(&mut self, share: &Share) {
         match &mut self.law {
             SlopeLaw::JerkLimited { shape: RampShape::SineSquare, j, .. } => {
@@ -107,8 +106,8 @@ impl Limits {
         self.lower_accelerations(share.a);
     }
 
-    /// Where little acceleration is left along the path, as an axis moves much further than the path does, it leaves
-    /// room for the rounding of path distances. A transition shows that too, so its share leaves as much.
+    /// If an axis moves much farther than the path, little acceleration is left along the path, and the rounding of
+    /// path distances needs a part of it. The same holds at a transition, so its share leaves as much.
     #[cfg_attr(feature = "fast", inline(always))]
     pub(crate) fn leave_rough(&mut self, share: &mut Share) {
         if min(self.a_up, self.a_down) < ROUGH_BELOW {
@@ -119,7 +118,7 @@ impl Limits {
     #[cold]
     #[inline(never)]
     fn lower_by_rough(&mut self, share: &mut Share) {
-        // What is less is halved, too; none stays none.
+        // Lower accelerations are halved too; zero stays zero.
         let least = max(self.least(), ROUGH);
         let part = less_rough(least) / least;
         self.scale_accelerations(part);
@@ -130,7 +129,7 @@ impl Limits {
         share.a_resting *= part;
     }
 
-    /// Whether that leaves them as they are.
+    /// Whether the share leaves the limits unchanged.
     pub(crate) fn are_within(&self, share: &Share) -> bool {
         let most = max(self.a_up, self.a_down);
         match self.law {
@@ -139,13 +138,14 @@ impl Limits {
         }
     }
 
-    /// With a transition's part left to it.
+    /// The limits that are left beside a transition.
     pub(crate) fn shared(mut self, share: &Share) -> Self {
         self.share(share);
         self
     }
 
-    /// Takes in an axis that moves `1 / scale` times as far as the path; `turns`: at times, less.
+    /// Restricts the limits to those of an axis that moves `1 / scale` times as far as the path. `turns`:
+    /// sometimes less far.
     #[cfg_attr(feature = "fast", inline(always))]
     pub(crate) fn restrict(&mut self, share: &mut Share, set: &Set, scale: f32, turns: bool) {
         self.v = min(set.v * scale, self.v);
@@ -158,7 +158,7 @@ impl Limits {
                 peak = 1.0 / shape.peak_jerk();
             }
             SlopeLaw::Stepped { change_over, a_up, a_down, still, .. } => {
-                // The axis may be below its own change-over speed while the path is above its.
+                // The axis may be below its own change-over speed while the path is above that of the path.
                 let both = turns || set.change_over * scale > *change_over * SAME;
                 let above = |lower: f32, upper: f32| scale * if both { min(lower, upper) } else { upper };
                 *a_up = min(*a_up, above(set.a_up, set.upper[0]));

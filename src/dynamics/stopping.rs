@@ -1,7 +1,7 @@
-//! What the axes leave to a way to a standstill, along the part of the path that it takes.
+//! The limits of the axes for a stop, along the part of the path that the stop uses.
 //!
-//! An element is planned for its highest speed, and for the place where it bends most. A motion that comes to a
-//! standstill passes a part of it, slower and slower: there the axes permit more.
+//! An element is planned for its highest speed, and for the place where it bends most. A stop uses only a part
+//! of the element, at falling speed, so the axes permit more.
 use super::axis::{Axis, Set};
 use super::permitted::{TRANSITION_PART, less_rough};
 use super::{Dynamics, KNEE_PART, MARGIN};
@@ -14,11 +14,11 @@ use crate::slope::ramp_shape::RampShape;
 /// Acceleration and jerk of a stop.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Braking {
-    /// Deceleration, mm/tick². The second one is that of STEP from a lower speed on.
+    /// Deceleration, mm/tick². The second value is for STEP from a lower speed on.
     pub a: [f32; 2],
-    /// Jerk with which it rises, and with which it falls, mm/tick³.
+    /// Jerk with which the deceleration rises, and jerk with which it falls, mm/tick³.
     pub j: [f32; 2],
-    /// Mean jerk with which an acceleration falls before.
+    /// Mean jerk with which an acceleration falls before the braking.
     pub ends: f32,
 }
 
@@ -26,8 +26,9 @@ impl Braking {
     /// No limits.
     pub const WIDEST: Self = Self { a: [f32::MAX; 2], j: [f32::MAX; 2], ends: f32::MAX };
 
-    /// Less than `left`, where that is less than `self`: where both meet if they go on as from `before`, what was
-    /// tried then and what was left of it; by as much again, or by a part, at first. `None` where all of it is left.
+    /// Lower limits than `self`, if `left`, the limits that the axes leave, is lower. The new value is where both
+    /// meet if they continue as from `before`, the last try and its result. At first, it is lower by the same
+    /// difference again, or by a part of it. `None` if all of `self` is left.
     #[inline(never)]
     pub fn less(&self, left: &Self, before: Option<&[Self; 2]>) -> Option<Self> {
         if *left == *self {
@@ -61,7 +62,7 @@ impl Braking {
         Some(Self { a: [a, b], j: [rise, fall], ends })
     }
 
-    /// How long a standstill takes from the speed `v` and the deceleration `begun`, ticks.
+    /// Duration of a stop from the speed `v` and the deceleration `begun`, ticks.
     fn time(&self, v: f32, begun: f32) -> f32 {
         let Self { a: [a, _], j: [rise, fall], .. } = *self;
         let [rising, falling] = [0.5 / rise, 0.5 / fall];
@@ -72,8 +73,8 @@ impl Braking {
 }
 
 impl Braking {
-    /// No deceleration above `most` in a part of the path: of it and both jerks the one gives way that costs the
-    /// least time.
+    /// Lowers deceleration or jerks so that the deceleration stays below `most` in a part of the path. The value
+    /// that costs the least time is lowered.
     fn give_way(&mut self, most: f32, passed: &Passed) {
         let Passed { begun: [fastest, begun], change: [lost, left], .. } = *passed;
         let Self { a: [a, b], j: [rise, fall], .. } = *self;
@@ -94,8 +95,8 @@ impl Braking {
         *self = best;
     }
 
-    /// No jerk that an axis which moves `first` times as far as the path does not permit, if a curve leaves
-    /// `budget` to it and takes c·a.
+    /// Lowers the jerks to those that an axis permits. The axis moves `first` times as far as the path. A
+    /// curve leaves it `budget`, and takes c·a.
     fn leave(&mut self, first: f32, (budget, c): (f32, f32), passed: &Passed, peak: f32) {
         let Passed { begun: [_, begun], change: [lost, left], ramps, gains, .. } = *passed;
         if gains > 0.0 {
@@ -116,7 +117,7 @@ impl Braking {
     }
 }
 
-/// A part of the path, for a motion that slows down in it.
+/// A part of the path, for a motion that brakes in it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Passed {
     /// Highest speed, mm/tick.
@@ -127,26 +128,26 @@ pub struct Passed {
     pub by_ramps: bool,
     /// Speed and deceleration at the start of the stop.
     pub begun: [f32; 2],
-    /// Largest distance of its speed below the highest one, and above the end speed.
+    /// Largest difference of its speed to the highest speed, and to the end speed.
     pub change: [f32; 2],
-    /// Whether the deceleration rises in it, and whether it falls.
+    /// Whether the deceleration rises in this part, and whether it falls.
     pub ramps: [bool; 2],
-    /// An acceleration that falls in it, or zero.
+    /// An acceleration that falls in this part, or zero.
     pub gains: f32,
     /// The stage of STEP: 0, or 1 from the lower speed on.
     pub stage: usize,
-    /// A transition is near, which has its part of acceleration and jerk.
+    /// Whether a transition is near, which has its part of acceleration and jerk.
     pub corners: bool,
-    /// The part of a deceleration that passes the transitions near it.
+    /// The part of a deceleration that may pass the transitions nearby.
     pub passing: f32,
 }
 
 impl<const AXES: usize> Dynamics<AXES> {
-    /// Lowers `braking` to what a motion has along a part of the path with these bounds:
+    /// Lowers `braking` to the limits of a motion along a part of the path with these bounds:
     ///
     /// |x''|·v² + |x'|·a ≤ a_max,  |x'''|·v³ + 3·|x''|·v·a + |x'|·j ≤ B,
     ///
-    /// at most what the slope permits. `None` where nothing is left.
+    /// and at most to the limits of the slope. `None` if no motion is possible.
     #[inline(never)]
     pub fn stopping(&self, bounds: &Bounds<AXES>, passed: &Passed, braking: &mut Braking) -> Option<()> {
         let stage = passed.stage;
@@ -163,14 +164,14 @@ impl<const AXES: usize> Dynamics<AXES> {
         (a > LEAST && b > LEAST && rise > LEAST && fall > LEAST && ends > LEAST).then_some(())
     }
 
-    /// Deceleration and jerks of the other slopes. Where the motion has come down by u, its deceleration is at most
-    /// √(d² + 2·j·u), d being that of the begin and j the jerk with which it rises; where it comes down by u yet, it
-    /// is at most √(2·j·u) with the jerk with which it falls. So an axis has all of a_max and of B, with c =
-    /// 3·|x″|·v, for
+    /// Deceleration and jerks of slopes other than STEP. After the speed has dropped by u, the deceleration is at
+    /// most √(d² + 2·j·u). d is its value at the start, and j the jerk with which it rises. If the speed will still
+    /// drop by u, the deceleration is at most √(2·j·u) with the jerk with which it falls. So an axis has all of
+    /// a_max and of B, with c = 3·|x″|·v, for
     ///
-    /// - the least of these three: a, and both roots, at most A = (a_max − |x″|·v²)/|x′|; of a and both jerks the
-    ///   one gives way that costs the least time;
-    /// - |x′|·j + c·a ≤ B − |x‴|·v³ with the a at hand, or with the root of that j.
+    /// - the least of three values: a, and both roots. It is at most A = (a_max − |x″|·v²)/|x′|. Of a and both
+    ///   jerks, the code lowers the one that costs the least time;
+    /// - |x′|·j + c·a ≤ B − |x‴|·v³ with the current a, or with the root for this j.
     #[inline(never)]
     fn ramps(&self, bounds: &Bounds<AXES>, passed: &Passed, rapid: bool, braking: &mut Braking) {
         let Passed { v, corners, by_ramps, .. } = *passed;
@@ -178,7 +179,7 @@ impl<const AXES: usize> Dynamics<AXES> {
         let path = self.path.deceleration(rapid);
         let (mut still, mut most) = (path, path);
         let derivatives = || bounds.first.iter().zip(&bounds.second).zip(&bounds.third);
-        // What the curve leaves of B, and c.
+        // The part of B that the curve leaves, and c.
         let jerk = |axis: &Axis, second: f32, third: f32| {
             let Set { joint, geometric_budget, ramp_budget, .. } = axis.set(rapid);
             let budget = min(joint.budget, if by_ramps { *ramp_budget } else { *geometric_budget });
@@ -203,11 +204,11 @@ impl<const AXES: usize> Dynamics<AXES> {
         }
     }
 
-    /// No jerk above those of an axis that moves `first` times as far as the path.
+    /// Lowers the jerks to those of an axis that moves `first` times as far as the path.
     fn lower(&self, set: &Set, first: f32, rapid: bool, passed: &Passed, braking: &mut Braking) {
         let Set { a_up, a_down, j: [_, ends, rise, fall], joint, .. } = set;
         let near_knee = TRANSITION_PART / self.peak_jerk() * joint.budget / first;
-        // Path limits leave the ramp times.
+        // Path limits do not change the ramp times.
         let part = min(self.path.deceleration(rapid) * first / a_down, 1.0);
         let most = |j: f32, part: f32| {
             let j = j / first * part;
@@ -224,7 +225,7 @@ impl<const AXES: usize> Dynamics<AXES> {
         }
     }
 
-    /// Highest jerk of a ramp, of its mean.
+    /// Highest jerk of a ramp, as a multiple of the mean.
     fn peak_jerk(&self) -> f32 {
         let shape = if self.slope == SlopeType::Sin2 { RampShape::SineSquare } else { RampShape::Linear };
         shape.peak_jerk()
@@ -248,14 +249,14 @@ impl<const AXES: usize> Dynamics<AXES> {
     }
 }
 
-/// What is left of it at least.
+/// Smallest part that one step leaves.
 const LESS: f32 = 0.8;
-/// And a little less than what is seen to be left, as part of it.
+/// Additional reduction below the value that is left.
 const SURPLUS: f32 = 0.002;
-/// So little less at first is only just that: other limits than those of the axes may be as near.
+/// A first reduction below this value stays as it is: limits other than those of the axes may be as near.
 const NEARLY: f32 = 0.01;
 const JUST: f32 = 1.0 - 1.0 / 524_288.0;
-/// Less is none.
+/// Values below this one count as zero.
 const LEAST: f32 = 1e-11;
-/// In place of a zero in a denominator.
+/// Replaces a zero in a denominator.
 const TINY: f32 = 1e-12;

@@ -10,26 +10,25 @@ use crate::path::End;
 
 /// Longest time for [`Dynamics::smoothing`], ticks.
 const LONGEST_SMOOTHING: f32 = 1024.0;
-/// STEP: a step below this part of what a knee may take is rounding of coordinates.
+/// STEP: a step below this part of a knee's limit is rounding of coordinates.
 const STEP_SMOOTH: f32 = 1.0 / 4_194_304.0;
-/// Part of `B` for an acceleration that turns with the path at a transition.
+/// Part of `B` for an acceleration that changes its direction with the path at a transition.
 const TURN_PART: f32 = 0.05;
 
 impl<const AXES: usize> Dynamics<AXES> {
-    /// Highest speed of a transition: per axis, the step of its speed and the step of its acceleration stay
-    /// inside what a knee permits (P-AXIS-00013) and inside the transition's part of the jerk budget. `None`
+    /// Highest speed of a transition. For each axis, the step of speed and the step of acceleration stay
+    /// inside the limit of a knee (P-AXIS-00013) and inside the transition's part of the jerk budget. `None`
     /// if the transition is smooth at the speed `fastest` of its neighbours. `shorter` is the length of the
-    /// shorter one, mm.
+    /// shorter neighbour, mm.
     ///
-    /// Jerk is not limited in two places, because the machine data say so. A step of acceleration is free
-    /// without P-CHAN-00009; with it, it has the part of the transition's jerk that P-AXIS-00154 gives. A
-    /// step of speed is limited by acceleration alone where P-AXIS-00013 is given. Acceleration is limited
+    /// In two cases the machine data permit unlimited jerk. A step of acceleration is free without
+    /// P-CHAN-00009; with it, the step has the part of the transition's jerk that P-AXIS-00154 gives. A step
+    /// of speed is limited by acceleration alone if P-AXIS-00013 is given. Acceleration is limited
     /// everywhere.
     ///
     /// A speed step Δv shows as a third difference of at most Δv/T², an acceleration step Δa as Δa/T. Steps
-    /// that follow each other within three ticks add up: at a distance of h ticks at most 2 + 2/h of them.
-    /// `a` is the largest acceleration beside the transition where it does not vanish there (STEP), otherwise
-    /// 0.
+    /// within three ticks add up: at a distance of h ticks at most 2 + 2/h of them. `a` is the largest
+    /// acceleration beside the transition if it does not vanish there (STEP), otherwise 0.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn transition(
         &self,
@@ -39,14 +38,14 @@ impl<const AXES: usize> Dynamics<AXES> {
         shorter: f32,
         (fastest, a): (f32, f32),
     ) -> Option<f32> {
-        // Between elements of one curve, mostly.
+        // Usually between elements of one curve.
         let ends = from.tangent.iter().zip(&to.tangent).zip(from.curvature.iter().zip(&to.curvature));
         let mut axes = ends.map(|((t0, t1), (c0, c1))| t0 == t1 && c0 == c1);
         let goes_on = axes.all(|is_same| is_same) && !self.watched.is_some();
         if goes_on { None } else { self.turn((from, to), rapid, shorter, (fastest, a)) }
     }
 
-    /// The same where something changes, or an axis is watched.
+    /// The same if direction or curvature changes, or an axis has AX_DEV.
     #[inline(never)]
     fn turn(
         &self,
@@ -94,7 +93,8 @@ impl<const AXES: usize> Dynamics<AXES> {
             }
             let curvature = max(magnitude(c0), magnitude(c1));
             if knee > 0.0 && curvature > 0.0 && !stepped {
-                // Curves leave a part of the acceleration beside them, of which the slope needs some; arcs the least.
+                // Curves leave a part of the acceleration beside them, and the slope needs some of it; arcs
+                // leave the least.
                 let rest = (joint.left - HIGHEST * HIGHEST * axis.a_max) / knee;
                 v = min(v, max(joint.beside_turn(knee, curvature), max(rest, 0.0)));
             }
@@ -109,7 +109,7 @@ impl<const AXES: usize> Dynamics<AXES> {
         if v == f32::MAX { None } else { Some(v * MARGIN) }
     }
 
-    /// Step of speed that one axis may take at a knee, mm/tick.
+    /// Permitted step of speed of one axis at a knee, mm/tick.
     pub fn knee(&self, axis: usize, rapid: bool) -> f32 {
         let Some(of) = self.axes.get(axis) else { return 0.0 };
         let mut joint = of.set(rapid).joint;
@@ -120,8 +120,7 @@ impl<const AXES: usize> Dynamics<AXES> {
     }
 
     /// Highest speed at which the step of acceleration from one end to a later one stays inside the transition's part
-    /// of the jerk budget. Between the two ends lies a block that takes less than a tick, so the steps at its ends show
-    /// as one.
+    /// of the jerk budget. A block between the two ends takes less than a tick, so the steps at both ends show as one.
     pub fn bending(&self, from: &End<AXES>, to: &End<AXES>, rapid: bool) -> f32 {
         let bends = from.curvature.iter().zip(&to.curvature);
         let square = self.axes.iter().zip(bends).fold(f32::MAX, |square, (axis, (c0, c1))| {
@@ -132,8 +131,8 @@ impl<const AXES: usize> Dynamics<AXES> {
         sqrt_f32(square) * MARGIN
     }
 
-    /// Highest speed at which a change of direction is rounding of coordinates: all of the limits are left to
-    /// the slope.
+    /// Highest speed at which a change of direction is rounding of coordinates, so the slope keeps all
+    /// limits.
     pub fn unseen(&self, from: &End<AXES>, to: &End<AXES>, rapid: bool) -> f32 {
         let smooth = if self.slope == SlopeType::Step { STEP_SMOOTH } else { SMOOTH };
         let mut v = f32::MAX;
@@ -158,8 +157,8 @@ impl<const AXES: usize> Dynamics<AXES> {
         min(off / (SMOOTH * least), LONGEST_SMOOTHING)
     }
 
-    /// Whether a transition is tangential but for rounding of coordinates: at the speed `fastest` each axis
-    /// shows far less than what a transition may.
+    /// Whether a transition is tangential except for rounding of coordinates: at the speed `fastest` each
+    /// axis shows far less than a transition may.
     pub fn is_slight(&self, from: &End<AXES>, to: &End<AXES>, rapid: bool, fastest: f32) -> bool {
         let ends = from.tangent.iter().zip(&to.tangent).zip(from.curvature.iter().zip(&to.curvature));
         self.axes.iter().zip(ends).all(|(axis, ((t0, t1), (c0, c1)))| {
@@ -170,7 +169,7 @@ impl<const AXES: usize> Dynamics<AXES> {
         })
     }
 
-    /// Whether the acceleration `a` along the path may turn from the one direction to the other: the step of
+    /// Whether the acceleration `a` along the path may change from one direction to the other: the step of
     /// every axis' acceleration stays inside its part of the jerk budget.
     pub fn turns_little(&self, from: &End<AXES>, to: &End<AXES>, rapid: bool, a: f32) -> bool {
         self.axes.iter().zip(from.tangent.iter().zip(&to.tangent)).all(|(axis, (t0, t1))| {
@@ -179,12 +178,12 @@ impl<const AXES: usize> Dynamics<AXES> {
         })
     }
 
-    /// The part of the deceleration `a` along the path that may pass a knee at the speed `v`: of every axis, the
-    /// step of speed and that deceleration stay inside its largest acceleration together, on either side of it.
+    /// The part of the deceleration `a` along the path that may pass a knee at the speed `v`. For every axis,
+    /// the step of speed and the deceleration together stay inside its largest acceleration, on either side.
     /// Blocks of `shorter` mm that take less than a tick show several knees at once.
     ///
-    /// Where the path bends, a standstill from a lower speed than the planned one has more deceleration than `a`,
-    /// of which a knee has its part and no more.
+    /// Where the path bends, a stop from a speed below the planned one has more deceleration than `a`; the knee
+    /// still has only its part.
     #[inline(never)]
     pub fn passing_knee(
         &self,
@@ -206,7 +205,7 @@ impl<const AXES: usize> Dynamics<AXES> {
             let set = axis.set(rapid);
             let step = knees * size_f32(t1.wrapping_sub(t0).unsigned_abs()) * LSB_40;
             let bend = max(magnitude(*c0), magnitude(*c1));
-            // A slight one has its part of what the limits beside it have left.
+            // A slight knee has its part of the limits beside it.
             if step <= SMOOTH * set.joint.budget || (bend <= 0.0 && step <= KNEE_PART * SLIGHT * axis.a_max) {
                 continue;
             }
@@ -234,30 +233,30 @@ impl Passing {
     pub const ALL: Self = Self(0);
     /// No deceleration passes: it ends before the transition.
     pub const NONE: Self = Self(4);
-    /// The parts, and that of none.
+    /// The parts, and the number of none.
     const PARTS: [f32; 4] = [1.0, 15.0 / 16.0, 3.0 / 4.0, 1.0 / 2.0];
 
-    /// At most so much.
+    /// The largest part that is at most `part`.
     fn of(part: f32) -> Self {
         Self::PARTS.iter().fold(Self::ALL, |Self(k), of| if *of <= part { Self(k) } else { Self(k + 1) })
     }
 
-    /// `most` of the deceleration `a` at most.
+    /// The largest part of the deceleration `a` that is at most `most`.
     pub fn of_part(most: f32, a: f32) -> Self {
         if most >= a { Self::ALL } else { Self::of(most / a) }
     }
 
-    /// No more than either.
+    /// The smaller part.
     pub fn least(self, other: Self) -> Self {
         Self(self.0.max(other.0))
     }
 
-    /// The part with a number of [`Self::number`].
+    /// The part with a number from [`Self::number`].
     pub const fn numbered(number: u8) -> Self {
         Self(number)
     }
 
-    /// 0 to 3, of all to the least; none has the last one.
+    /// The number: 0 to 3, from all to the least; none has the last one.
     pub const fn number(self) -> u8 {
         if self.0 < 3 { self.0 } else { 3 }
     }
@@ -268,14 +267,14 @@ impl Passing {
     }
 }
 
-/// Speed of a transition with steps of speed, `alone` if no other one is within three ticks, where speed
-/// changes by `a` per tick beside it; `quarter` is a fourth of its part by its knee, `length` that of the
-/// shorter block.
+/// Speed of a transition with steps of speed. `alone`: its speed if no other one is within three ticks.
+/// Beside it the speed changes by `a` per tick. `quarter` is a fourth of its part, divided by its knee;
+/// `length` is the length of the shorter block.
 ///
-/// A block that begins or ends with the speed v takes three ticks if it is 3 v + 9/2 a long. Asked in two
-/// steps: a difference of length and a would be known badly where it is small. Otherwise the steps of all
-/// that pass within a tick share a fourth of the part: v·√(v² + a·length) ≤ quarter·length, where the root is
-/// the speed in the middle of a block with v at both ends.
+/// A block that begins or ends with the speed v takes three ticks if its length is 3 v + 9/2 a. The check has
+/// two steps, because a small difference of length and a would be inaccurate. Otherwise the steps of all
+/// transitions within a tick share a fourth of the part: v·√(v² + a·length) ≤ quarter·length. The root is the
+/// speed in the middle of a block with v at both ends.
 fn beside_others(alone: f32, quarter: f32, length: f32, a: f32) -> f32 {
     let part = if length >= 45.0 * a {
         0.3

@@ -1,8 +1,8 @@
-//! Arcs of a circle that has gone on for two turns.
+//! Arcs of a circle that has already turned twice.
 //!
-//! Such an arc may be as fast as a circle that never ends, but for its end: if the circle ends there, too, the motion
-//! slows down from a lower speed. Near the highest speed there is next to no jerk against the motion
-//! ([`super::arc`]), so that loses least.
+//! Such an arc may be as fast as an endless circle, except for its end: if the circle ends there too, the motion
+//! brakes from a lower speed. Near the highest speed there is nearly no jerk against the motion ([`super::arc`]), so
+//! this costs least.
 use super::arc::{MOST_TURNS, NEARLY, TWO_TURNS};
 use super::{Dynamics, Permitted};
 use crate::math::float::{max, size_f32, to_bits};
@@ -10,26 +10,26 @@ use crate::nc::SlopeType;
 use crate::path::{Circle, Element};
 use core::f32::consts::{PI, TAU};
 
-/// Radians of an arc that is worth it.
+/// Shortest arc for which this applies, radians.
 const OWN: f32 = PI / NEARLY;
-/// The end has a speed that is lower than that part of the others, and is so much longer than its ramp.
+/// The end's speed is below this part of the other speed; and the end is longer than its ramp by this factor.
 const LOWER: f32 = 0.97;
 const LONGER: f32 = 1.02;
 const DISTANCE_LSB: f32 = 1.0 / (1u64 << 44) as f32;
 
-/// What such an arc permits.
+/// Limits of such an arc.
 pub struct Turns {
-    /// But for its end.
+    /// Limits without the end.
     pub steady: Permitted,
-    /// At its end.
+    /// Limits of the end.
     pub end: Permitted,
-    /// Length of the end, LSB 2^-44 mm: less than half.
+    /// Length of the end, LSB 2^-44 mm: less than half of the arc.
     pub run_out: i64,
 }
 
 impl<const AXES: usize> Dynamics<AXES> {
-    /// What an arc permits behind two turns of its circle; `None` if it is shorter, or gains nothing by it. `feed`:
-    /// as in [`Self::element`], of which it does the work twice.
+    /// Limits of an arc after two turns of its circle; `None` if the arc is shorter, or gains nothing. `feed`: as
+    /// in [`Self::element`]; this call does that work twice.
     #[inline(never)]
     pub fn turns(&self, element: &Element<AXES>, feed: Option<f32>) -> Option<Turns> {
         let circle = element.circle.as_ref()?;

@@ -1,13 +1,12 @@
-//! #VECTOR LIMIT: limits along the path, for the blocks that follow. They only lower what the axes permit.
+//! `#VECTOR LIMIT`: limits along the path, for the blocks that follow. They only lower the limits of the axes.
 //!
-//! - ACC, DEC and VEL are switched on and off one by one; ALL is the three of them. Without a value they are
-//!   those of the channel: P-CHAN-00002, P-CHAN-00208, P-CHAN-00090.
-//! - Accelerations are in mm/min² or, with P-CHAN-00351, in mm/s²; speeds in mm/min. Where no main axis
-//!   moves, degrees.
-//! - They act at feed; with RAPID in rapid motion instead, with FEED RAPID in both. OFF without either ends
-//!   both.
-//! - A limit of acceleration leaves the ramp times as they are: jerk goes down with it, as it does with a
-//!   weight.
+//! - ACC, DEC and VEL are switched on and off separately; ALL means all three. Without a value they have the
+//!   values of the channel: P-CHAN-00002, P-CHAN-00208, P-CHAN-00090.
+//! - Accelerations are in mm/min² or, with P-CHAN-00351, in mm/s²; speeds in mm/min. If no main axis moves,
+//!   degrees replace millimetres.
+//! - The limits act at feed; with RAPID in rapid motion instead, with FEED RAPID in both. OFF without either
+//!   word ends both.
+//! - A limit of acceleration does not change the ramp times: jerk falls with it, as with a weight.
 //! - ACC acts on lines; on arcs too with P-CHAN-00350.
 use crate::dynamics::MARGIN;
 use crate::machine::{AccelerationUnit, ChannelData};
@@ -19,7 +18,7 @@ use crate::slope::limits::{Limits, SlopeLaw};
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TooLow;
 
-/// Limits along the path of one kind of motion, per tick; `f32::MAX` where there is none.
+/// Limits along the path of one kind of motion, per tick; `f32::MAX` without limit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct PathLimit {
     v: f32,
@@ -31,17 +30,17 @@ impl PathLimit {
     const NONE: Self = Self { v: f32::MAX, a_up: f32::MAX, a_down: f32::MAX };
 }
 
-/// The limits in force, and what is needed to understand a command.
+/// The limits in force, and the units of a command.
 #[derive(Clone, Copy, Debug)]
 pub struct PathLimits {
     feed: PathLimit,
     rapid: PathLimit,
     channel: PathLimit,
-    /// mm/tick of 1 mm/min.
+    /// 1 mm/min in mm/tick.
     speed_unit: f32,
-    /// mm/tick² of a unit of P-CHAN-00351.
+    /// A unit of P-CHAN-00351 in mm/tick².
     acceleration_unit: f32,
-    /// mm/tick² of 1 mm/s².
+    /// 1 mm/s² in mm/tick².
     least: f32,
     /// P-CHAN-00350.
     arcs: bool,
@@ -79,7 +78,7 @@ impl PathLimits {
         other.set(command).is_err() || other.feed != self.feed || other.rapid != self.rapid
     }
 
-    /// Takes in a command.
+    /// Takes a command.
     ///
     /// # Errors
     /// An acceleration is too low or a speed is 0; nothing has changed.
@@ -154,7 +153,7 @@ impl PathLimits {
     }
 }
 
-/// Lowers `a` to a limit; gives the part that is left of it.
+/// Lowers `a` to a limit. Returns the remaining part of it.
 fn lower(a: &mut f32, limit: f32) -> f32 {
     if limit >= *a {
         return 1.0;

@@ -1,9 +1,9 @@
 //! G130…G134, G231…G233, G338, G339: the machine data of an axis, weighted.
 //!
-//! A weight is percent of the machine data, not of a weight before it: 50 % twice is 50 %, an axis that is
-//! not named has 100 %. It acts on the blocks that follow, to the end of the program. What it leads to stays
-//! inside the ranges of the machine data, so that everything that holds for these holds for weighted ones
-//! too:
+//! A weight is a percentage of the machine data, not of an earlier weight: 50 % twice is 50 %, and an axis
+//! that is not named has 100 %. A weight acts on the following blocks, to the end of the program. Weighted
+//! values stay inside the ranges of the machine data, so all statements about machine data hold for weighted
+//! values too:
 //!
 //! | value | from | to |
 //! |---|---|---|
@@ -11,7 +11,7 @@
 //! | ramp times at feed | the larger one of P-AXIS-00201 and P-AXIS-00293 | 2^32 µs |
 //! | rapid and geometric ramp time | P-AXIS-00201, or the machine data where they are below it | 2^32 µs |
 //!
-//! P-CHAN-00001 and P-CHAN-00073 say which accelerations and which ramps at feed. G338 and G339 are taken as
+//! P-CHAN-00001 and P-CHAN-00073 select accelerations and ramps at feed. G338 and G339 have the effect of
 //! G133 and G233.
 use crate::machine::{AxisData, ChannelData};
 use crate::math::divide::div_wide;
@@ -57,7 +57,7 @@ impl<const AXES: usize> Weights<AXES> {
         other != *self
     }
 
-    /// Takes in a command: it replaces all weights of its kind.
+    /// Takes a command, which replaces all weights of its kind.
     pub fn set(&mut self, weight: &Weight<AXES>) {
         for (axis, percent) in self.axes.iter_mut().zip(&weight.percent) {
             let weight_of = match weight.kind {
@@ -87,7 +87,7 @@ impl<const AXES: usize> Weights<AXES> {
             out.a_brems = a(data.a_brems, weights.acceleration);
             out.d_stufe = feed.d.map(|value| a(value, weights.acceleration));
         } else {
-            // Not taken over from weighted accelerations.
+            // Not copied from weighted accelerations.
             out.d_stufe = feed.d;
         }
         out.a_grenz = a(data.a_grenz, weights.rapid_acceleration);
@@ -121,9 +121,9 @@ fn thousandths(percent: Value) -> u32 {
     u32::try_from(mul_shift(percent.to_bits(), 1000, 32)).unwrap_or(FULL)
 }
 
-/// A value times a weight, to nearest; at most 2^32 - 1.
+/// A value times a weight, rounded to nearest; at most 2^32 - 1.
 fn weigh(value: u32, weight: u32) -> u32 {
-    // Both have 32 bits: the product fits, and so does its half more.
+    // Both factors have 32 bits, so the product plus half of it fits.
     let product = u64::from(value).wrapping_mul(u64::from(weight));
     let weighted = div_wide(0, product.saturating_add(u64::from(FULL / 2)), u64::from(FULL));
     u32::try_from(weighted).unwrap_or(u32::MAX)

@@ -1,10 +1,10 @@
-//! The planner's end: what is asked for, what is in force, and the way from one to the other.
+//! The planner's end of the filters: demanded filters, filters in force, and the change between them.
 //!
-//! Kernels change only while the path rests and the filters have settled: then the interrupt reads no kernel,
-//! and nothing but the planner can set the path in motion. The planner writes all words, an axis per call, and
-//! counts on ([`Words::asked`]); the interrupt fills its samples with where the axes stand, some per tick, and
-//! answers ([`Words::done`]). A set point never steps: whatever the kernels, a motion that rests comes out as
-//! it is.
+//! Coefficients change only while the path rests and the filters have settled. Then the interrupt reads no
+//! coefficients, and only the planner can start the path. The planner writes all words, one axis per call, and
+//! then increments [`Words::asked`]. The interrupt fills its samples with the positions of the axes, some per
+//! tick, and answers by [`Words::done`]. A set point never steps, because a resting motion leaves a filter
+//! unchanged whatever the coefficients are.
 use super::design::{self, Design, FilterError};
 use super::kernel;
 use super::shape::{Shape, Watch};
@@ -15,28 +15,28 @@ use crate::nc;
 use crate::quantity::Position;
 use core::sync::atomic::Ordering;
 
-/// From LSB 2^-32 mm to that of the words of deviations, 2^-22 mm.
+/// From LSB 2^-32 mm to the LSB of the words of deviations, 2^-22 mm.
 pub(super) const COARSE: u32 = 10;
 
-/// The effect of a #FILTER command.
+/// The effect of a `#FILTER` command.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Fate {
-    /// Nothing changes.
+    /// No change.
     Same,
-    /// Other kernels are to be put in force, at a standstill.
+    /// Other coefficients have to be put in force, at a stop.
     Changes,
-    /// The same, and there is no axis that they filter: no order is given.
+    /// As `Changes`, but no axis is filtered: no order is given.
     NoOrder,
 }
 
-/// What the machine data say about the filters.
+/// The machine data of the filters.
 pub(super) struct Settings<const AXES: usize> {
     axes: [FilterData; AXES],
     /// Distance of the fastest motion per cycle, mm.
     reach: [f32; AXES],
     /// Largest second difference, mm.
     step: [f32; AXES],
-    /// P-AXIS-00013 is given.
+    /// Whether P-AXIS-00013 is given.
     weighted: [bool; AXES],
     cycle_us: u32,
 }
@@ -62,14 +62,14 @@ impl<const AXES: usize> Settings<AXES> {
         }
     }
 
-    /// The delay of the channel, in half cycles.
+    /// Delay of the channel in half cycles.
     fn delay(&self, given: &nc::Filter) -> u32 {
         (0..AXES).map(|axis| self.design(axis, given).delay()).fold(0, u32::max)
     }
 
-    /// Whether memory of so many taps is enough for it, and every axis may have it.
+    /// Whether `TAPS` samples suffice for these filters, and every axis permits its filter.
     pub fn check<const TAPS: usize>(&self, given: &nc::Filter) -> Result<(), FilterError> {
-        // Samples that can have taps.
+        // Number of samples that can have taps.
         let room = TAPS / 2 * 2;
         let delay = self.delay(given);
         for axis in 0..AXES {
@@ -77,7 +77,7 @@ impl<const AXES: usize> Settings<AXES> {
             if design.order > design.highest() {
                 return Err(FilterError::Order(axis, design.order, design.highest(), false));
             }
-            // The oldest sample is that of the channel's delay and half the own window.
+            // The age of the oldest sample is the channel's delay plus half of the axis's own window.
             if design.order > 0 && (delay + design.delay()).div_ceil(2) as usize >= room {
                 let most = if design.kind == FilterType::Delay { room / 2 } else { room };
                 return Err(FilterError::Order(axis, design.order, most.saturating_sub(1) as u32, true));
@@ -96,14 +96,14 @@ impl<const AXES: usize> Settings<AXES> {
     }
 }
 
-/// How far the change to other kernels is.
+/// Progress of a change of coefficients.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Change {
-    /// They are in force.
+    /// The coefficients are in force.
     None,
-    /// So many axes have theirs.
+    /// So many axes have their new coefficients.
     Writing(usize),
-    /// The interrupt is to take them over.
+    /// The interrupt has to take the coefficients over.
     Asked,
 }
 
@@ -111,16 +111,16 @@ enum Change {
 pub struct Bank<'a, const AXES: usize, const TAPS: usize> {
     words: &'a Words<AXES, TAPS>,
     settings: Settings<AXES>,
-    /// What the program has given: in force, and asked for.
+    /// Values of `#FILTER`: in force, and demanded.
     given: [nc::Filter; 2],
     shapes: [Shape; AXES],
     change: Change,
-    /// [`FilterPlan::beyond`] has been told.
+    /// Whether [`FilterPlan::beyond`] has reported.
     told: bool,
 }
 
 impl<'a, const AXES: usize, const TAPS: usize> Bank<'a, AXES, TAPS> {
-    /// With the filters of the machine data in force, before both sides run.
+    /// With the filters of the machine data in force. Call it before both sides run.
     pub(super) fn new(words: &'a Words<AXES, TAPS>, settings: Settings<AXES>) -> Result<Self, FilterError> {
         let given = [nc::Filter::default(); 2];
         let mut bank =
@@ -133,23 +133,23 @@ impl<'a, const AXES: usize, const TAPS: usize> Bank<'a, AXES, TAPS> {
         Ok(bank)
     }
 
-    /// What is in force, or is to be.
+    /// The filters in force, or the demanded ones.
     const fn wanted(&self) -> &nc::Filter {
         let [_, wanted] = &self.given;
         wanted
     }
 
-    /// Whether there is memory for it, and every axis may have it.
+    /// Whether memory suffices, and every axis permits its filter.
     fn check(&self, given: &nc::Filter) -> Result<(), FilterError> {
         self.settings.check::<TAPS>(given)
     }
 
-    /// The delay of the channel, in half cycles.
+    /// Delay of the channel in half cycles.
     fn delay(&self, given: &nc::Filter) -> u32 {
         self.settings.delay(given)
     }
 
-    /// Writes the kernel of an axis.
+    /// Writes the coefficients of an axis.
     fn write(&mut self, axis: usize) {
         let given = self.wanted();
         let (design, delay) = (self.settings.design(axis, given), self.delay(given));
@@ -163,7 +163,7 @@ impl<'a, const AXES: usize, const TAPS: usize> Bank<'a, AXES, TAPS> {
         }
     }
 
-    /// Writes what all axes share.
+    /// Writes the words that all axes share.
     fn write_channel(&mut self) {
         let given = *self.wanted();
         let (delay, words) = (self.delay(&given), self.words);
@@ -178,7 +178,7 @@ impl<'a, const AXES: usize, const TAPS: usize> Bank<'a, AXES, TAPS> {
         self.told = false;
     }
 
-    /// AX_DEV in force, mm, without what rounding takes; `None` where nothing is monitored.
+    /// AX_DEV in force, mm, less rounding; `None` if not monitored.
     fn tolerance(&self) -> Option<f32> {
         let [in_force, _] = &self.given;
         match design::tolerance(in_force) {
@@ -243,7 +243,7 @@ impl<const AXES: usize, const TAPS: usize> FilterPlan<AXES> for Bank<'_, AXES, T
     fn work(&mut self) -> bool {
         let [asked, done] = [&self.words.asked, &self.words.done].map(|word| word.load(Ordering::Acquire));
         match self.change {
-            // The interrupt still takes over what was written before, with the positions of then.
+            // The interrupt still takes over earlier coefficients, with earlier positions.
             Change::Writing(0) if asked != done => false,
             Change::Writing(axis) if axis < AXES => {
                 self.write(axis);
@@ -271,7 +271,7 @@ impl<const AXES: usize, const TAPS: usize> FilterPlan<AXES> for Bank<'_, AXES, T
     }
 
     fn watch(&self, axis: usize) -> Option<Watch> {
-        // Two taps deviate from no delayed set point, but are rounded as others are.
+        // Two taps do not deviate from a delayed set point, but their output is rounded like others.
         let shape = self.shapes.get(axis).filter(|shape| shape.window > 0.0)?;
         let [in_force, _] = &self.given;
         let tolerance = self.tolerance().filter(|_| shape.peak > 0.0);
@@ -309,7 +309,7 @@ impl<const AXES: usize, const TAPS: usize> FilterPlan<AXES> for Bank<'_, AXES, T
             return None;
         }
         let tolerance = self.words.tolerance.load(Ordering::Relaxed);
-        // Both are rounded. What passes a filter counts without AX_DEV too.
+        // Both are rounded. A second difference that bypasses a filter also counts without AX_DEV.
         let most = if tolerance == 0 { u32::MAX - 1 } else { tolerance.saturating_add(1) };
         let beyond = |words: &super::AxisWords<TAPS>| words.deviation.load(Ordering::Relaxed) > most;
         let axis = self.words.axes.iter().position(beyond);
@@ -324,5 +324,5 @@ impl<const AXES: usize, const TAPS: usize> FilterPlan<AXES> for Bank<'_, AXES, T
     }
 }
 
-/// The layout of an axis that is not filtered in a channel that is not.
+/// The layout of an unfiltered axis in an unfiltered channel.
 pub(super) const PLAIN: Layout = Layout { kind: Kind::Delay, newest: 0, length: 1 };

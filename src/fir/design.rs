@@ -1,10 +1,10 @@
-//! From machine data and #FILTER to what each axis is filtered with.
+//! From machine data and `#FILTER` to the filter of each axis.
 use crate::machine::{FilterData, FilterType};
 use crate::math::float::to_f32;
 use crate::nc::{self, Value};
 use crate::quantity::Position;
 
-/// Why filters cannot be as asked for.
+/// The reason why filters are refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum FilterError {
@@ -12,8 +12,8 @@ pub enum FilterError {
     NoMemory,
     /// No axis has a filter type (P-AXIS-00586).
     NoType,
-    /// The order of the axis with this index is above the highest one: the order, the highest one, and
-    /// whether that is the memory compiled in.
+    /// The order of the axis with this index is too high: the order, the highest order, and whether the
+    /// compiled memory sets this bound.
     Order(usize, u32, u32, bool),
     /// The acceleration of the axis with this index (P-AXIS-00008) is above 0.25 mm or degrees per cycle².
     Acceleration(usize),
@@ -24,7 +24,7 @@ pub enum FilterError {
 }
 
 impl FilterError {
-    /// The axis it is about.
+    /// The axis of the error.
     pub const fn axis(&self) -> Option<usize> {
         match self {
             Self::Order(axis, ..) | Self::Acceleration(axis) | Self::NoTransitionWeight(axis) => Some(*axis),
@@ -59,11 +59,11 @@ impl core::fmt::Display for FilterError {
 
 impl core::error::Error for FilterError {}
 
-/// What one axis is filtered with.
+/// The filter of one axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Design {
     pub kind: FilterType,
-    /// 0: it is not filtered.
+    /// Order; 0: the axis is not filtered.
     pub order: u32,
     /// Effectiveness, 0…1.
     pub share: f32,
@@ -75,7 +75,7 @@ pub(super) struct Design {
 impl Design {
     pub const NONE: Self = Self { kind: FilterType::None, order: 0, share: 1.0, cut_off: 0.5, quality: 1.0 };
 
-    /// The design for an axis from its machine data and the #FILTER command.
+    /// The filter of an axis from its machine data and the `#FILTER` command.
     pub fn of(data: &FilterData, given: &nc::Filter, cycle_us: u32) -> Self {
         let cycles = |us: u32| us.checked_div(cycle_us).unwrap_or(0);
         let order = match (given.order, given.order_time_us) {
@@ -95,7 +95,7 @@ impl Design {
         Self { kind: data.kind, order, share, cut_off, quality }
     }
 
-    /// Group delay, twice, in cycles.
+    /// Group delay in half cycles.
     pub const fn delay(&self) -> u32 {
         match self.kind {
             FilterType::None => 0,
@@ -104,13 +104,13 @@ impl Design {
         }
     }
 
-    /// Highest order of its type.
+    /// Highest order of the filter type.
     pub const fn highest(&self) -> u32 {
         if matches!(self.kind, FilterType::Delay) { super::MAX_DELAY } else { super::MAX_ORDER }
     }
 }
 
-/// What a command gives is added to what was given before.
+/// Merges the values of a command into the earlier ones.
 pub(super) fn merge(given: &mut nc::Filter, command: &nc::Filter) {
     if command.order.is_some() || command.order_time_us.is_some() {
         (given.order, given.order_time_us) = (command.order, command.order_time_us);

@@ -1,4 +1,4 @@
-//! Taps of one axis: from its design and the delay of the channel to integers with the sum one.
+//! Taps of one axis: from the filter and the delay of the channel to integers whose sum is one.
 //!
 //! The weight of a tap at the distance d (cycles) from the centre, for the order N:
 //!
@@ -8,23 +8,23 @@
 //! | Gauss | exp(−d²/2σ²), σ = QUALITY·N/6 |
 //! | windowed sinc | sin(2π·FCUT·T·d)/(π·d) times Blackman's window over N + 2 cycles |
 //!
-//! SHARE p: p times the filter, and 1 − p times the set point delayed as long. What rounding leaves of the
-//! sum goes to the centre. Where another axis has an order of the other parity, both differ by half a cycle:
-//! then the taps are averaged with themselves a cycle later.
+//! SHARE p: p times the filter, plus 1 − p times the set point with the same delay. The rounding of the sum
+//! goes to the centre. If another axis has an order of the other parity, both differ by half a cycle. Then
+//! each tap is averaged with its neighbour, which adds half a cycle.
 use super::design::Design;
 use super::{AxisWords, Kind, Layout, ONE};
 use crate::machine::FilterType;
 use crate::math::float::to_f32;
 use crate::math::trig::sin_cos;
 
-/// Most taps of one side, and the one in the centre; one more for half a cycle.
+/// Largest number of taps on one side, and the centre; one more for half a cycle.
 const SIDE: usize = super::MAX_ORDER as usize / 2 + 2;
 
-/// Distance of the window over which a mean is a running sum, LSB 2^-32 mm: 4096 mm or degrees.
+/// Largest travel within a window whose mean is a running sum: 4096 mm or degrees.
 pub(super) const LONGEST_SUM: f32 = 4096.0;
 
-/// Which samples of an axis count, for a channel that delays by half of `delay` cycles; `reach` is the
-/// distance of its fastest motion per cycle, mm.
+/// The samples that count for an axis, in a channel that delays by `delay` half cycles. `reach` is the axis's
+/// largest travel per cycle, mm.
 pub(super) fn layout(design: &Design, delay: u32, reach: f32) -> Layout {
     let odd = (delay ^ design.delay()) & 1;
     let order = own_order(design);
@@ -38,12 +38,12 @@ pub(super) fn layout(design: &Design, delay: u32, reach: f32) -> Layout {
     Layout { kind: if runs { Kind::Mean } else { Kind::Taps }, newest, length }
 }
 
-/// A time delay has no taps of its own: they are half a cycle wide.
+/// A time delay has no taps, except for half a cycle.
 fn own_order(design: &Design) -> u32 {
     if design.kind == FilterType::Delay { 0 } else { design.order }
 }
 
-/// The same, and writes its taps.
+/// As [`layout`], and writes the taps.
 pub(super) fn build<const TAPS: usize>(
     design: &Design,
     delay: u32,
@@ -60,7 +60,7 @@ pub(super) fn build<const TAPS: usize>(
     layout
 }
 
-/// Weights of the outer taps and the centre; the sum of all.
+/// Weights of the outer taps and of the centre. Returns the sum of all taps.
 fn weigh(design: &Design, order: u32, odd: u32, weights: &mut [f32; SIDE]) -> f32 {
     let side = order / 2 + 1;
     match design.kind {
@@ -84,9 +84,9 @@ fn weigh(design: &Design, order: u32, odd: u32, weights: &mut [f32; SIDE]) -> f3
     sum
 }
 
-/// From the taps w to (w(k) + w(k − 1))/2, one more.
+/// From the taps w to (w(k) + w(k − 1))/2, which is one tap more.
 fn average(order: u32, weights: &mut [f32; SIDE]) {
-    // Behind the centre they come again.
+    // Behind the centre the weights repeat in reverse order.
     let side = (order / 2) as usize;
     let mut before = 0.0;
     for weight in weights.iter_mut().take(side + 1) {
@@ -94,7 +94,7 @@ fn average(order: u32, weights: &mut [f32; SIDE]) {
         *weight = 0.5 * (own + before);
         before = own;
     }
-    // An odd order had two in the centre: what was the second is the centre now.
+    // An odd order had two taps in the centre: the second one is the centre now.
     if order & 1 == 1
         && let Some(centre) = weights.get_mut(side + 1)
     {
@@ -107,7 +107,7 @@ fn gauss(quality: f32, order: u32, weights: &mut [f32; SIDE]) {
     let sigma = quality * (order as f32) * (1.0 / 6.0);
     let half = 0.5 / (sigma * sigma);
     let factor = exponential(2.0 * half);
-    // From one distance to the next the ratio shrinks by the same factor.
+    // The ratio of neighbours shrinks by a constant factor per distance.
     let mut ratio = if order & 1 == 0 { exponential(half) } else { factor };
     let mut weight = 1.0;
     for slot in weights.iter_mut().take((order / 2 + 1) as usize).rev() {
@@ -133,10 +133,10 @@ fn exponential(x: f32) -> f32 {
     e
 }
 
-/// At `twice`/2 cycles from the centre.
+/// Weight at `twice`/2 cycles from the centre.
 fn sinc(cut_off: f32, order: u32, twice: u32) -> f32 {
     const UNIT: f32 = 1.0 / (1u64 << 62) as f32;
-    // Revolutions per half a cycle, LSB 2^-64.
+    // Revolutions per half cycle, LSB 2^-64.
     let turn = u64::from((cut_off * 2_147_483_648.0) as u32) << 32;
     let window = (u64::MAX / (u64::from(order) + 2) / 2).wrapping_mul(u64::from(twice));
     let cosine = to_f32(sin_cos(window).1) * UNIT;
@@ -148,7 +148,7 @@ fn sinc(cut_off: f32, order: u32, twice: u32) -> f32 {
     shape * sine / (core::f32::consts::PI * 0.5 * twice as f32)
 }
 
-/// Integers with the sum [`ONE`].
+/// Integers whose sum is [`ONE`].
 fn quantise<const TAPS: usize>(
     weights: &[f32; SIDE],
     length: u32,
@@ -156,7 +156,7 @@ fn quantise<const TAPS: usize>(
     share: f32,
     words: &AxisWords<TAPS>,
 ) {
-    // All but the pair in the centre, or the single tap that is one of halves.
+    // All pairs but the one in the centre, or the single centre tap, which is two halves.
     let outer = (length.div_ceil(2) as usize).saturating_sub(1);
     let scale = share * ONE as f32 / sum;
     let mut rest = ONE / 2;

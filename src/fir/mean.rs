@@ -1,16 +1,16 @@
-//! The moving average: a running sum that is never summed up.
+//! The moving average as a running sum.
 //!
-//! n·y grows by what the newest sample is more than the oldest one, whatever the length n.
+//! n·y grows by the difference between the newest and the oldest sample, for any length n.
 
-/// Shift of a difference before it is divided: the quotient of the upper bits counts so much.
+/// Shift of a difference before the division: the factor of the upper quotient.
 const SCALE: u32 = 13;
-/// What the quotient of the upper bits is less than it might be: what is left is never negative.
+/// The upper quotient is reduced by this value, so the remainder is never negative.
 const BIAS: i32 = 2;
 
-/// What the mean of one axis remembers. Words that are in use together are one of 64 bits: one access.
+/// The state of one axis. Words that are used together share 64 bits: one access.
 pub(super) struct Mean {
-    /// 2^32 by the length, up, and the length times 2^[`SCALE`]. What a power of two is, is in memory too: a
-    /// multiplication is quicker than shifts.
+    /// 2^32 by the length, rounded up, and the length times 2^[`SCALE`]. Powers of two are stored too,
+    /// because a multiplication is faster than shifts.
     upper: u64,
     /// Remainders of the last set point and of the one before.
     rest: u64,
@@ -19,20 +19,20 @@ pub(super) struct Mean {
 }
 
 impl Mean {
-    /// A mean of no samples.
+    /// A mean without samples.
     pub const ZERO: Self = Self { upper: 0, rest: 0, lower: 0 };
 
-    /// A mean of `length` samples. It divides: call it when kernels change, not in a tick.
+    /// A mean of `length` samples. It divides, so it belongs to a change of filters, not to a tick.
     pub fn of(length: u32) -> Self {
         let length = length.max(1);
         let factor = (u32::MAX / length).wrapping_add(1);
         Self { upper: pair(factor, length << SCALE), rest: 0, lower: pair(1 << SCALE, length) }
     }
 
-    /// The set point after `y`, where the sum of the samples grows by `grows`, below 2^44.
+    /// The set point after `y`, if the sum of the samples grows by `grows`, below 2^44.
     ///
     /// n·y + r = S + r′, with the remainders r of this set point and r′ of the last one: n·Δy = ΔS + 2r′ − r″ − r. The
-    /// quotient is found in two steps: of the upper bits, then of the remainder.
+    /// quotient comes in two steps: from the upper bits, then from the remainder.
     #[inline(always)]
     pub fn follow(&mut self, grows: i64, y: i64) -> i64 {
         let ([factor, long], [last, before], [scale, length]) =

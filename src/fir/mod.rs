@@ -24,24 +24,25 @@
 //!
 //! | file | what it holds |
 //! |---|---|
-//! | `design` | type, order and shape of each axis's filter, from machine data and #FILTER |
+//! | `design` | type, order and shape of each axis's filter, from machine data and `#FILTER` |
 //! | `kernel` | taps: symmetric integers whose sum is one |
-//! | `shape` | the deviation and the limits that a kernel causes |
-//! | `bank` | the planner's side: commands, and the change of kernels at a stop |
+//! | `shape` | the deviation and the limits that the taps cause |
+//! | `bank` | the planner's side: commands, and the change of coefficients at a stop |
 //! | `step` | the interrupt's side: one set point per axis and tick |
 //! | `samples` | memory of the last ticks of an axis |
 //! | `mean`, `taps` | the output of one tick |
 //!
-//! **Delay.** A filter of order N has N + 1 symmetric taps and delays by N/2 cycles; a time delay of order N delays by N.
-//! All axes are delayed as much as the slowest one, so that the contour stays together. After the last motion the axes
-//! reach the end of the path within the length of the filter, to the last bit.
+//! **Delay.** A filter of order N has N + 1 symmetric taps and delays by N/2 cycles; a time delay of order N delays by
+//! N. All axes have the delay of the slowest one, so the path keeps its shape. After the last motion the axes reach the
+//! end of the path within the length of the filter, to the last bit.
 //!
-//! **Memory.** [`Filters`] is static memory of `TAPS` samples per axis. `TAPS` is even, and the highest order is `TAPS` − 1.
-//! Each tap takes 10 bytes per axis: 8 for the sample and 2 for the kernel. A channel without filters uses [`Unfiltered`],
-//! which takes neither memory nor instructions.
+//! **Memory.** [`Filters`] is static memory of `TAPS` samples per axis. `TAPS` is even, and the highest order is `TAPS`
+//! − 1. Each tap takes 10 bytes per axis: 8 for the sample and 2 for the coefficient. A channel without filters uses
+//! [`Unfiltered`], which takes neither memory nor instructions.
 //!
-//! **Rounding.** The remainder of each rounding goes into the next set point. So a set point is off by less than one LSB
-//! (2^-32 mm), and its third difference by less than 8 LSB. The planner keeps that much of the jerk limit free.
+//! **Rounding.** The remainder of each rounding goes into the next set point. So the error of a set point is less than
+//! one LSB (2^-32 mm), and that of its third difference less than 8 LSB. The planner reserves this part of the jerk
+//! limit.
 mod bank;
 mod design;
 mod kernel;
@@ -69,34 +70,33 @@ use step::State;
 /// Sum of the taps of a kernel: one.
 pub const ONE: i32 = 1 << 15;
 
-/// Highest order (P-AXIS-00587), and that of a time delay.
+/// Highest order (P-AXIS-00587).
 pub const MAX_ORDER: u32 = 200;
 /// Highest order of a time delay (type 4).
 pub const MAX_DELAY: u32 = 100;
 
 /// The interrupt's end of the filters.
 pub trait FilterTick<const AXES: usize> {
-    /// A tick: set points of all axes, path distance (LSB 2^-44 mm), and whether an axis moves beside the
-    /// path.
+    /// Filters one tick: set points of all axes, path distance (LSB 2^-44 mm), and whether a single axis
+    /// moves.
     fn step(&mut self, points: &[Position; AXES], distance: i64, beside: bool);
 
-    /// A tick in which no axis has anything to do. Whether set points may still move.
+    /// Handles a tick in which no axis moves. Returns whether set points may still move.
     fn rest(&mut self, path: &[Position; AXES]) -> bool;
 
-    /// What goes to the drives.
+    /// The set points for the drives.
     fn set_points<'b>(&'b self, path: &'b [Position; AXES]) -> &'b [Position; AXES];
 
-    /// By how much actions come later than on the path, and whether the filters have settled; `None` without
-    /// filters.
+    /// Delay of actions behind the path, and whether the filters have settled; `None` without filters.
     fn lag(&mut self) -> Option<(&mut Lag, bool)>;
 }
 
-/// The planner's end of the filters. All of it does nothing without filters.
+/// The planner's end of the filters. Without filters no call has an effect.
 pub trait FilterPlan<const AXES: usize> {
     /// Whether the channel has filters.
     const EXIST: bool;
 
-    /// Takes a #FILTER command, which acts after [`Self::work`].
+    /// Takes a `#FILTER` command, which acts after [`Self::work`].
     ///
     /// # Errors
     /// The command cannot be carried out; nothing changes.
@@ -105,40 +105,40 @@ pub trait FilterPlan<const AXES: usize> {
     /// Returns to the filters of the machine data, as at program start.
     fn restart(&mut self);
 
-    /// Drops the last command that has not acted, after an abort.
+    /// Drops the last command, if it has not acted yet: after an abort.
     fn cancel(&mut self);
 
-    /// Prepares for a position that changes without motion: nothing is filtered until [`Self::work`] is done. Call it only
-    /// while the filters are settled.
+    /// Prepares for a position that changes without motion: the filters are off until [`Self::work`] is done. Call it
+    /// only while the filters are settled.
     fn suspend(&mut self);
 
-    /// Whether new kernels wait to be put in force.
+    /// Whether new coefficients wait to be put in force.
     fn is_pending(&self) -> bool;
 
-    /// Whether the axes stand at the end of the path. Ask only while the path stands.
+    /// Whether the axes stand at the end of the path. Call it only while the path rests.
     fn is_settled(&self) -> bool;
 
-    /// Does a bounded piece of the change to new kernels. Call it only while settled. Returns `false` if a tick must pass
-    /// first.
+    /// Does a bounded step of the change of coefficients. Call it only while settled. Returns `false` if a tick must
+    /// pass first.
     fn work(&mut self) -> bool;
 
-    /// Cycles after the last motion of the path until the axes stand.
+    /// Cycles from the last motion of the path until the axes stand.
     fn window(&self) -> u32;
 
     /// Limits that the filter of an axis imposes on the plan; `None` if there are none.
     fn watch(&self, axis: usize) -> Option<Watch>;
 
-    /// Share of AX_DEV for a step of speed where acceleration begins and ends with the jerk `jerk` (mm/tick³).
+    /// Part of AX_DEV for a step of speed, if acceleration begins and ends with the jerk `jerk` (mm/tick³).
     fn corner(&self, axis: usize, jerk: f32) -> f32;
 
-    /// Delay of all axes in half cycles, and AX_DEV, as they are in force; 0 means none.
+    /// Delay of all axes in half cycles, and AX_DEV, as in force; 0 means none.
     fn in_force(&self) -> (u32, Position);
 
-    /// The first axis that exceeded AX_DEV since the filters were changed; each change reports one axis once.
+    /// The first axis that exceeded AX_DEV since the last change of the filters; one report per change.
     fn beyond(&mut self) -> Option<usize>;
 
-    /// Largest deviation of an axis from its delayed set point since the filters were changed, while AX_DEV
-    /// is given.
+    /// Largest deviation of an axis from its delayed set point since the last change of the filters, while
+    /// AX_DEV is given.
     fn deviation(&self, axis: usize) -> Position;
 }
 
@@ -216,21 +216,21 @@ impl<const AXES: usize> FilterPlan<AXES> for Unfiltered {
     }
 }
 
-/// Memory of the filters of a channel with `AXES` axes, of the order `TAPS` − 1 at most, `TAPS` even. All bits zero when
-/// new, so that a static one lies in `.bss`.
+/// Memory of the filters of a channel with `AXES` axes, up to the order `TAPS` − 1; `TAPS` is even. All bits are zero
+/// when new, so a static value lies in `.bss`.
 pub struct Filters<const AXES: usize, const TAPS: usize> {
     words: Words<AXES, TAPS>,
     state: State<AXES, TAPS>,
 }
 
 impl<const AXES: usize, const TAPS: usize> Filters<AXES, TAPS> {
-    /// No filter is on.
+    /// Memory with all filters off.
     pub const fn new() -> Self {
         Self { words: Words::new(), state: State::new() }
     }
 
-    /// Whether such memory is enough for the filters that machine data switch on, for a loader that tells what is wrong
-    /// before anything starts.
+    /// Whether the memory suffices for the filters that machine data switch on. For a loader that reports faults before
+    /// anything starts.
     ///
     /// # Errors
     /// As [`Self::split`].
@@ -242,7 +242,7 @@ impl<const AXES: usize, const TAPS: usize> Filters<AXES, TAPS> {
     /// `start`.
     ///
     /// # Errors
-    /// Machine data that the memory is too small for.
+    /// The memory is too small for the machine data.
     pub fn split(
         &mut self,
         machine: &MachineData<AXES>,
@@ -265,39 +265,39 @@ impl<const AXES: usize, const TAPS: usize> Default for Filters<AXES, TAPS> {
 /// How an axis is filtered.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) enum Kind {
-    /// Not: it is delayed by [`Layout::newest`].
+    /// Delay by [`Layout::newest`], without a filter.
     #[default]
     Delay,
-    /// By the mean of its window.
+    /// Mean of the window.
     Mean,
-    /// By symmetric taps.
+    /// Symmetric taps.
     Taps,
 }
 
-/// Which samples of an axis count, as ages in ticks.
+/// The samples of an axis that count, as ages in ticks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Layout {
     pub kind: Kind,
-    /// Age of the newest one.
+    /// Age of the newest sample.
     pub newest: u32,
     /// Number of samples.
     pub length: u32,
 }
 
-/// What the planner writes while the interrupt stands still and has settled, word by word, and what the
-/// interrupt writes.
+/// Words that the planner writes one by one, while the path rests and the filters have settled; and words
+/// that the interrupt writes.
 struct Words<const AXES: usize, const TAPS: usize> {
     axes: [AxisWords<TAPS>; AXES],
-    /// Number of the last change of the planner. The next words are the planner's too.
+    /// Number of the planner's last change. The planner also writes the next words.
     asked: AtomicU32,
-    /// Something is filtered or delayed.
+    /// Whether any axis is filtered or delayed.
     runs: AtomicU32,
-    /// Cycles of the longest delay, twice; window.
+    /// Longest delay in half cycles; length of the window.
     delay: AtomicU32,
     window: AtomicU32,
     /// AX_DEV, LSB 2^-32 mm; 0: not monitored.
     tolerance: AtomicU32,
-    /// The interrupt's: number of the change in force, and how long the path has rested.
+    /// Words of the interrupt: number of the change in force, and ticks for which the path has rested.
     done: AtomicU32,
     unsettled: AtomicU32,
 }
@@ -308,7 +308,7 @@ struct AxisWords<const TAPS: usize> {
     length: AtomicU32,
     /// Two bytes for each pair of taps, the outermost first. A single tap in the centre is a pair of halves.
     taps: [AtomicU8; TAPS],
-    /// The interrupt's: largest deviation, LSB 2^-32 mm.
+    /// Word of the interrupt: largest deviation, LSB 2^-32 mm.
     deviation: AtomicU32,
 }
 
@@ -334,7 +334,7 @@ impl<const TAPS: usize> AxisWords<TAPS> {
         Self { kind, newest, length, taps: [const { AtomicU8::new(0) }; TAPS], deviation }
     }
 
-    /// A tap of each pair, from the outside in.
+    /// One tap of each pair, from the outside in.
     fn pairs(&self) -> impl Iterator<Item = i32> {
         let bytes = self.taps.as_chunks::<2>().0.iter();
         let tap = |bytes: &[AtomicU8; 2]| {

@@ -1,16 +1,15 @@
 //! Memory of the last ticks of one axis.
 //!
-//! Positions lie in a ring as long as their window, so that the oldest one leaves the place that the newest one
-//! takes. Second differences lie in it twice, so that any window of them is one piece.
+//! Positions lie in a ring as long as their window: the newest one takes the place of the oldest. Second
+//! differences are stored twice, so any window of them is contiguous.
 
 /// Positions, or second differences. All bits zero when new.
 pub(super) struct Samples<const TAPS: usize>([[i32; 2]; TAPS]);
 
-/// A ring of positions, from its last place to its first one.
+/// A ring of positions, used from its last place to its first.
 #[repr(C)]
 pub(super) struct Ring {
-    /// Where the next position goes, and where the oldest one is; none behind the first one: that is the last
-    /// one again.
+    /// Place of the next position, and place of the oldest one. After the first place the last one follows.
     place: usize,
     /// The last place.
     last: usize,
@@ -23,24 +22,24 @@ impl Ring {
         Self { place: last, last }
     }
 
-    /// The place of the next position, if it is not the last one again.
+    /// The place of the next position, unless it is the last place again.
     #[inline(always)]
     pub const fn place(&self) -> usize {
         self.place
     }
 
-    /// A position is at the place of the next one.
+    /// A position has been written: moves on.
     #[inline(always)]
     pub const fn pass(&mut self) {
         self.place = self.place.wrapping_sub(1);
     }
 
-    /// Goes back to the first place.
+    /// Returns to the first place.
     pub const fn rewind(&mut self) {
         self.place = self.last;
     }
 
-    /// The place of the position of that age, less than the length of the ring.
+    /// The place of the position of this age, which is below the ring's length.
     const fn place_of(&self, age: u32) -> usize {
         let place = self.place.wrapping_add(1 + age as usize);
         if place > self.last { place.wrapping_sub(self.last + 1) } else { place }
@@ -50,12 +49,12 @@ impl Ring {
 impl<const TAPS: usize> Samples<TAPS> {
     pub const ZERO: Self = Self([[0; 2]; TAPS]);
 
-    /// Fills some places from `from` on with a sample.
+    /// Fills `some` places from `from` on with a sample.
     pub fn fill(&mut self, from: usize, some: usize, sample: i64) {
         self.0.iter_mut().skip(from).take(some).for_each(|slot| *slot = split(sample));
     }
 
-    /// Takes in a position; the one that was at its place. `None`: there is no such place.
+    /// Writes a position and returns the old one. `None`: there is no such place.
     #[inline(always)]
     pub fn exchange(&mut self, place: usize, x: i64) -> Option<i64> {
         let slot = self.0.get_mut(place)?;
@@ -64,12 +63,12 @@ impl<const TAPS: usize> Samples<TAPS> {
         Some(oldest)
     }
 
-    /// The position of that age, less than the length of the ring.
+    /// The position of this age, which is below the ring's length.
     pub fn position(&self, ring: &Ring, age: u32) -> i64 {
         self.0.get(ring.place_of(age)).copied().map_or(0, join)
     }
 
-    /// Takes in a second difference.
+    /// Writes a second difference.
     #[inline(always)]
     pub fn put_difference(&mut self, at: usize, second: i32) {
         if let Some((first, again)) = self.0.as_flattened_mut().split_at_mut_checked(TAPS)
@@ -79,7 +78,7 @@ impl<const TAPS: usize> Samples<TAPS> {
         }
     }
 
-    /// The second difference of that age; `at` is the place of the newest.
+    /// The second difference of this age; `at` is the place of the newest one.
     pub fn difference(&self, at: usize, age: u32) -> i32 {
         self.differences().get((at + TAPS).wrapping_sub(age as usize)).copied().unwrap_or(0)
     }

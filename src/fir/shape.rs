@@ -1,26 +1,25 @@
-//! What a kernel does to a motion.
+//! The effect of filter taps on a motion.
 //!
-//! With the taps h, and δ the delay alone, G is the second sum of h − δ. What an axis deviates from its
-//! delayed set point is exactly Σ G·x'', x'' its second differences: at most Σ|G| times its largest
-//! acceleration, and at most |G(0)| times a step of speed. With SHARE p all of it is p times as much.
+//! With the taps h, and δ for the delay alone, G is the second sum of h − δ. The deviation of an axis from
+//! its delayed set point is exactly Σ G·x'', with x'' its second differences: at most Σ|G| times its largest
+//! acceleration, and at most |G(0)| times a step of speed. With SHARE p all values are multiplied by p.
 //!
-//! Where the jerk of the axis is limited everywhere, more is known of all of its motion, steps of speed
-//! included. With any split of G into a part g and the differences of a T, it deviates by Σ|g| times its
-//! largest acceleration and Σ|T| times its largest jerk at most. Two splits are looked at; S(k) is the sum
-//! of G from k outwards:
+//! If the jerk of the axis is limited everywhere, steps of speed included, there are better bounds. Split G
+//! into a part g and the differences of a function T. Then the deviation is at most Σ|g| times the largest
+//! acceleration plus Σ|T| times the largest jerk. The code uses two splits; S(k) is the sum of G from k
+//! outwards:
 //!
 //! | T | Σ\|g\| |
 //! |---|---|
 //! | S up to the centre | \|ΣG\|: of a sinc of the order 100 nearly 0 |
-//! | S up to where it changes its sign last, 0 from there to the centre | \|ΣG\| for orders below that |
+//! | S up to its last change of sign, 0 from there to the centre | \|ΣG\| for orders below that |
 //!
-//! Then accelerations and jerks are lowered alike ([`Watch::bound`]). The worst motion with such an
-//! acceleration and jerk reaches 94 % of the lower bound or more, with ramps of 50 cycles: no better one is
-//! worth its search.
+//! Accelerations and jerks are lowered alike ([`Watch::bound`]). The worst motion with these limits reaches
+//! at least 94 % of the lower bound, with ramps of 50 cycles, so a better bound is not worth its search.
 //!
-//! A corner is one or two pulses of jerk, a sinc of a high order has more lobes than that. So a corner
-//! deviates less than blocks that speed up and slow down as the lobes do, and all blocks have the same
-//! limits. Parts of AX_DEV, corners of 90° at 4000 mm/min, FCUT = 30 Hz, 1 ms, TRAPEZ with ramps of 50 ms:
+//! A corner is one or two pulses of jerk; a sinc of a high order has more lobes. So a corner deviates less
+//! than blocks that speed up and brake as the lobes do, and all blocks have the same limits. Parts of AX_DEV,
+//! for corners of 90° at 4000 mm/min, FCUT = 30 Hz, 1 ms, TRAPEZ with ramps of 50 ms:
 //!
 //! | order | a corner | short blocks, same limits | a corner, with the best of all ratios of acceleration to jerk |
 //! |---|---|---|---|
@@ -32,33 +31,34 @@
 //! | 128 | 0.36 | 0.75 | 0.59 |
 //! | 200 | 0.31 | 0.69 | 0.47 |
 //!
-//! Up to the order 96 longer ramps would use 0.9 at a corner, and mostly take longer.
+//! Up to the order 96 longer ramps would use 0.9 at a corner, but usually take longer.
 //!
-//! Nor can corners between long blocks have limits of their own, as their deviation depends on the speed more than on
-//! what is near: under the same limits other corners of the same square, and one hold, deviate by more. All of it is
-//! in proportion: where limits are so large that a corner at 4000 mm/min has 0.9 of AX_DEV, all of these are beyond it.
+//! Corners between long blocks cannot have limits of their own either, because their deviation depends more on the
+//! speed than on the neighbourhood. Under the same limits, other corners of the same square, and one hold, deviate
+//! more. All values are proportional: if limits give a corner at 4000 mm/min 0.9 of AX_DEV, these motions exceed
+//! AX_DEV.
 //!
-//! | order | 90° at 4000 mm/min | at a lower feed, or override | a reversal there | a hold in a speeding up to 4000 mm/min |
+//! | order | 90° at 4000 mm/min | at a lower feed, or override | a reversal there | a hold while speeding up to 4000 mm/min |
 //! |---|---|---|---|---|
 //! | 100 | 0.42 | 0.88 (173 mm/min) | 0.93 | 0.84 |
 //! | 128 | 0.36 | 0.54 (101 mm/min) | 0.68 | 0.51 |
 //! | 200 | 0.31 | 0.38 (70 mm/min) | 0.55 | 0.40 |
 //!
-//! Longer ramps change that: with 80 to 100 ms, and limits with which a corner has 0.9, slower corners and one hold have at most
-//! 1.07. But then an override that swings by two percent, in time with the lobes, has 1.07 to 1.68. So larger limits would have
-//! to be those of the program's ramps alone, of an axis that rests on the other side of the joint, with the ones of now for all
-//! that a command changes.
+//! Longer ramps change this: with 80 to 100 ms, and limits with which a corner has 0.9, slower corners and one hold
+//! have at most 1.07. But then an override that changes by two percent in time with the lobes has 1.07 to 1.68. So
+//! larger limits would have to belong to the program's ramps alone, for an axis that rests on the other side of the
+//! transition; motions that a command changes would keep the present limits.
 //!
-//! With knees (P-AXIS-00013) acceleration and step share AX_DEV, as either may have any sign: behind the order 100 and above a
-//! corner would use 0.9 only if acceleration had 0.1 of it, a ninth of what it has now.
+//! With knees (P-AXIS-00013) acceleration and step share AX_DEV, because each may have any sign. Above the order 100 a
+//! corner would use 0.9 only if acceleration had 0.1 of AX_DEV, a ninth of the present value.
 //!
-//! Elsewhere AX_DEV is shared so that the sum of all never exceeds it:
+//! Otherwise AX_DEV is shared so that the sum never exceeds it:
 //!
-//! | where | what | part |
+//! | where | quantity | part |
 //! |---|---|---|
 //! | in blocks longer than the window | acceleration of the axis, times Σ\|G\| | 0.91 |
-//! | a step of speed with no other one within the window | the step times \|G(0)\|, beside the acceleration left and right of it | what that leaves: 0.09…1 |
-//! | steps that are closer, blocks between them | each step | 0.09 |
+//! | a step of speed with no other one within the window | the step times \|G(0)\|, beside the acceleration before and after it | the rest: 0.09…1 |
+//! | closer steps, and the blocks between them | each step | 0.09 |
 //! | | acceleration of the axis | 0.455 |
 //! | | all steps, as the acceleration of a curve: steps per time | 0.455 |
 use super::{AxisWords, Kind, Layout, ONE};
@@ -66,28 +66,28 @@ use crate::math::float::{max, min};
 
 /// Part of AX_DEV for acceleration.
 pub(super) const ACCELERATION: f32 = 0.91;
-/// For a step of speed that another one is close to.
+/// Part of AX_DEV for a step of speed with another one close to it.
 pub(crate) const CLOSE: f32 = 0.09;
-/// For acceleration in blocks that may pass within the window, and for the steps between them, which add up as
-/// in a curve: of the part for acceleration.
+/// Parts for acceleration in blocks that may pass within the window, and for the steps between them, which add
+/// up as in a curve. They share the part for acceleration.
 pub(crate) const SHORT: f32 = 0.5;
-/// What the deviation permits an axis that goes on as fast on the other side of a step, of what it permits
-/// an axis that ends there: (1 − 0.91)/(1 − 0.455), rounded down.
+/// Permitted deviation of an axis that continues as fast after a step, as a part of that of an axis that
+/// stops there: (1 − 0.91)/(1 − 0.455), rounded down.
 pub(crate) const GOING_ON: f32 = 0.16;
-/// Part of AX_DEV where jerk is limited everywhere: what limits and set points are rounded by is left.
+/// Part of AX_DEV if jerk is limited everywhere; the rest is for rounding of limits and set points.
 const SMOOTH: f32 = 0.97;
-/// Roundings of f32, and of set points.
+/// Margin for rounding in `f32` and of set points.
 const MARGIN: f32 = 1.0 - 1.0 / 65_536.0;
 
 /// Distances from the centre, 0…100 cycles.
 const SIDE: usize = super::MAX_ORDER as usize / 2 + 2;
 
-/// Limits that a kernel, AX_DEV and ACC_FACT impose on the plan of an axis, per tick.
+/// Limits that the taps, AX_DEV and ACC_FACT impose on the plan of an axis, per tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Watch {
-    /// Σ|h|: the filter makes at most so much of speed, acceleration and jerk. 1 without negative taps.
+    /// Σ|h|: the filter raises speed, acceleration and jerk at most by this factor. 1 without negative taps.
     pub gain: f32,
-    /// Largest acceleration, mm/tick²; none where AX_DEV is not given.
+    /// Largest acceleration, mm/tick²; `None` if AX_DEV is not given.
     pub accel: Option<f32>,
     /// Largest step of speed by AX_DEV alone, mm/tick.
     pub knee: f32,
@@ -97,14 +97,14 @@ pub struct Watch {
     pub ratio: f32,
     /// ACC_FACT.
     pub acc_fact: f32,
-    /// The largest tap: a step of speed shows as so much of itself, per tick.
+    /// The largest tap: a step of speed shows as this part of itself, per tick.
     pub tap: f32,
-    /// Deviation by the largest acceleration and by the largest jerk of an axis, of one where both are limited:
-    /// parts of AX_DEV per mm/tick² and mm/tick³, by two splits; none where AX_DEV is not given.
+    /// Deviation per largest acceleration and per largest jerk of an axis with both limits, for two splits:
+    /// parts of AX_DEV per mm/tick² and mm/tick³. `None` if AX_DEV is not given.
     pub bound: Option<[[f32; 2]; 2]>,
 }
 
-/// The sums of a kernel.
+/// The sums of the taps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Shape {
     /// Σ|h|.
@@ -126,7 +126,7 @@ impl Shape {
     pub const NONE: Self =
         Self { gain: 1.0, area: 0.0, peak: 0.0, window: 0.0, tap: 1.0, smooth: [[0.0; 2]; 2] };
 
-    /// The limits of the taps in force.
+    /// The limits of the current taps.
     pub fn of<const TAPS: usize>(layout: &Layout, words: &AxisWords<TAPS>) -> Self {
         let total = one(layout);
         let window = layout.length.saturating_sub(1) as f32;
@@ -134,7 +134,7 @@ impl Shape {
         if layout.kind == Kind::Taps {
             let (mut gain, mut largest, pairs) = (0, 0, layout.length.div_ceil(2));
             for (k, tap) in (1..=pairs).zip(words.pairs()) {
-                // The centre of an odd number is a pair of halves.
+                // The centre of an odd number of taps is a pair of halves.
                 let size = if k == pairs && !layout.length.is_multiple_of(2) { 2 * tap } else { tap };
                 gain += 2 * tap.abs();
                 largest = largest.max(size.abs());
@@ -147,7 +147,7 @@ impl Shape {
         // Of one side, with T = 0 from the last change of sign on: Σ|g|, and Σ|T| of both sides.
         let (mut inside, mut outside) = (0.0, 0.0);
         second_sums(layout, words, |distance, sum| {
-            // Both sides; from the one in the centre, or from one of the two there, to the others.
+            // Both sides: from the centre, or from one of the two centre taps, outwards.
             let sides = if distance == 0 || two && distance == 1 { 1.0 } else { 2.0 };
             let size = sum.unsigned_abs() as f32 * scale;
             let before = tail;
@@ -171,8 +171,8 @@ impl Shape {
         shape
     }
 
-    /// Part of AX_DEV for a step of speed, where on both sides the axis accelerates from it and to it with
-    /// the jerk `jerk` at most, up to `accel`; `tolerance` is AX_DEV, mm.
+    /// Part of AX_DEV for a step of speed, if the axis accelerates on both sides with at most the jerk
+    /// `jerk`, up to `accel`. `tolerance` is AX_DEV, mm.
     #[inline(never)]
     pub fn corner<const TAPS: usize>(
         &self,
@@ -186,7 +186,7 @@ impl Shape {
         let [mut ends, mut goes_on] = [1.0; 2];
         let reach = (layout.length / 2 + 1) as i32;
         for shift in 0..reach {
-            // Seen so many ticks before the step: acceleration before it, and as much behind it.
+            // Seen so many ticks before the step: acceleration before the step, and behind it.
             let [before, behind] = [-shift, shift].map(|from| {
                 let rises = jerk
                     * (sums.first(from, from + ramp - 1)
@@ -211,13 +211,13 @@ impl Shape {
     }
 }
 
-/// What the taps add up to.
+/// The sum of the taps.
 fn one(layout: &Layout) -> f32 {
     if layout.kind == Kind::Mean { layout.length as f32 } else { ONE as f32 }
 }
 
 /// Calls `each` with G for every distance from the centre, from the outside to the inside, in units of
-/// [`one`]. Of an even number of taps the distances are half a cycle less, and begin with 1.
+/// [`one`]. With an even number of taps the distances are half a cycle less, and begin with 1.
 fn second_sums<const TAPS: usize>(
     layout: &Layout,
     words: &AxisWords<TAPS>,
@@ -234,7 +234,7 @@ fn second_sums<const TAPS: usize>(
     }
 }
 
-/// |G| over the distance from the centre, and its sums from there on.
+/// |G| over the distance from the centre, and its sums outwards.
 struct Sums {
     at: [f32; SIDE],
     zeroth: [f32; SIDE],
@@ -252,7 +252,7 @@ impl Sums {
             }
         });
         if layout.length.is_multiple_of(2) {
-            // Half a cycle closer than they are: no less.
+            // Half a cycle closer than the true distance, so no lower value results.
             at[0] = at[1];
         }
         let (mut zeroth, mut first) = (0.0, 0.0);

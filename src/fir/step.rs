@@ -1,7 +1,7 @@
-//! The interrupt's end: one set point per axis and tick, in integers, without a division.
+//! The interrupt's end of the filters: one set point per axis and tick, in integers, without a division.
 //!
-//! What rounding leaves of a set point is added to the next one: over a motion, the sum of what comes out is
-//! that of what went in, and where the path rests the set point is that of the path to the last bit.
+//! The rounding of a set point is added to the next one. Over a motion, the sum of the output equals the sum
+//! of the input. Where the path rests, the set point equals that of the path to the last bit.
 use super::bank::{COARSE, PLAIN};
 use super::mean::Mean;
 use super::samples::{Ring, Samples};
@@ -14,25 +14,25 @@ use core::sync::atomic::{Ordering, compiler_fence};
 /// Samples per tick and axis that are filled with a new position.
 const FILLED: usize = 8;
 
-/// What the interrupt remembers.
+/// State of the interrupt.
 pub(super) struct State<const AXES: usize, const TAPS: usize> {
     axes: [Axis<TAPS>; AXES],
     out: [Position; AXES],
-    /// Every axis has a mean that begins now.
+    /// Whether every axis has a mean without a delay.
     all_means: bool,
     /// Place of the newest second difference.
     at: usize,
     /// Path distance of the last tick.
     distance: i64,
-    /// Ticks since then in which the path has rested, and how many it takes to settle.
+    /// Ticks for which the path has rested, and ticks that it takes to settle.
     rested: u32,
-    /// Ticks since an axis has moved beside the path.
+    /// Ticks since a single axis has moved.
     alone: u32,
     window: u32,
-    /// AX_DEV as in [`Words::tolerance`]; the ages of the delayed set point.
+    /// AX_DEV as in [`Words::tolerance`]; ages of the delayed set point.
     tolerance: u32,
     delayed: [u32; 2],
-    /// Samples filled since the last change was asked for.
+    /// Samples filled since the last change was demanded.
     filled: usize,
     lag: Lag,
     runs: bool,
@@ -47,12 +47,12 @@ struct Axis<const TAPS: usize> {
     window: Window,
     taps: Taps,
     samples: Samples<TAPS>,
-    /// The taps as [`AxisWords`] has them.
+    /// The taps in the format of [`AxisWords`].
     kernel: [u8; TAPS],
 }
 
 impl<const AXES: usize, const TAPS: usize> State<AXES, TAPS> {
-    /// All bits zero.
+    /// All bits are zero.
     pub const fn new() -> Self {
         Self {
             axes: [const { Axis::ZERO }; AXES],
@@ -71,7 +71,7 @@ impl<const AXES: usize, const TAPS: usize> State<AXES, TAPS> {
         }
     }
 
-    /// An axis moves beside the path.
+    /// Notes that a single axis moves.
     #[cold]
     #[inline(never)]
     const fn accompany(&mut self) {
@@ -86,21 +86,21 @@ pub struct Filtered<'a, const AXES: usize, const TAPS: usize> {
 }
 
 impl<'a, const AXES: usize, const TAPS: usize> Filtered<'a, AXES, TAPS> {
-    /// At rest at `start`.
+    /// Filters at rest at `start`.
     pub(super) fn new(
         words: &'a Words<AXES, TAPS>,
         state: &'a mut State<AXES, TAPS>,
         start: &[Position; AXES],
     ) -> Self {
         let mut filtered = Self { words, state };
-        // At least one call; each fills some.
+        // At least one call; each call fills some samples.
         for _ in 0..=TAPS / FILLED {
             filtered.take_over(start);
         }
         filtered
     }
 
-    /// A part of taking over other kernels, at rest at `path`.
+    /// Does a part of a change of coefficients, at rest at `path`.
     #[cold]
     #[inline(never)]
     fn take_over(&mut self, path: &[Position; AXES]) {
@@ -142,7 +142,7 @@ impl<'a, const AXES: usize, const TAPS: usize> Filtered<'a, AXES, TAPS> {
         words.done.store(asked, Ordering::Release);
     }
 
-    /// The path moves on.
+    /// The path moves again.
     #[cold]
     #[inline(never)]
     fn start(&mut self) {
@@ -192,14 +192,14 @@ impl<'a, const AXES: usize, const TAPS: usize> Filtered<'a, AXES, TAPS> {
         }
     }
 
-    /// Keeps the largest deviations from the delayed set points.
+    /// Updates the largest deviations from the delayed set points.
     #[cold]
     #[inline(never)]
     fn monitor(&mut self) {
         let State { axes, out, at, delayed, .. } = &mut *self.state;
         for ((axis, words), y) in axes.iter_mut().zip(&self.words.axes).zip(out) {
             let [later, earlier] = axis.delayed(*at, *delayed, y.to_bits());
-            // The mean of both: of half cycles.
+            // The mean of both, because of half cycles.
             let twice = later.wrapping_add(earlier).wrapping_sub(y.to_bits().wrapping_mul(2));
             let coarse = twice.unsigned_abs().wrapping_add((2 << COARSE) - 1) >> (COARSE + 1);
             let coarse = u32::try_from(coarse).unwrap_or(u32::MAX);
@@ -218,7 +218,7 @@ impl<const AXES: usize, const TAPS: usize> FilterTick<AXES> for Filtered<'_, AXE
             state.out = *points;
             return;
         }
-        // Of a channel without overlays the compiler knows that it is false.
+        // In a channel without overlays the compiler knows that this is false.
         if beside {
             state.accompany();
         }
@@ -268,7 +268,7 @@ impl<const TAPS: usize> Axis<TAPS> {
         kernel: [0; TAPS],
     };
 
-    /// With the kernel written for it, at rest at `x`.
+    /// Starts with the coefficients written for the axis, at rest at `x`.
     fn begin(&mut self, words: &AxisWords<TAPS>, x: i64) {
         self.layout = words.layout();
         let Layout { kind, newest, length } = self.layout;
@@ -279,7 +279,8 @@ impl<const TAPS: usize> Axis<TAPS> {
         self.taps = Taps::at(x);
     }
 
-    /// Takes in a position; the one that leaves the ring. There is none of a ring longer than the memory.
+    /// Writes a position and returns the one that leaves the ring. `None` if the ring would be longer than
+    /// the memory.
     #[inline(always)]
     fn exchange(&mut self, x: i64) -> Option<i64> {
         let Some(oldest) = self.samples.exchange(self.ring.place(), x) else { return self.exchange_last(x) };
@@ -287,7 +288,7 @@ impl<const TAPS: usize> Axis<TAPS> {
         Some(oldest)
     }
 
-    /// The same behind the first place.
+    /// The same after the first place.
     #[cold]
     #[inline(never)]
     fn exchange_last(&mut self, x: i64) -> Option<i64> {
@@ -297,18 +298,18 @@ impl<const TAPS: usize> Axis<TAPS> {
         Some(oldest)
     }
 
-    /// A tick with a mean that begins now: the set point `y`, with `x` of the path.
+    /// A tick with a mean without a delay: the set point `y`, for the path at `x`.
     #[inline(always)]
     fn average(&mut self, x: i64, y: &mut Position) {
         let Some(oldest) = self.exchange(x) else { return };
         let grows = x.wrapping_sub(oldest);
-        // Without it the compiler loads all of it first, and has no registers for it.
+        // Without this fence the compiler loads all values first, and runs out of registers.
         compiler_fence(Ordering::SeqCst);
         *y = Position::from_bits(self.mean.follow(grows, y.to_bits()));
     }
 
-    /// A tick with taps: how much the set point moves; `at` is the place of the newest second difference. Its
-    /// own function: the tick has no registers left for it.
+    /// A tick with taps: the change of the set point. `at` is the place of the newest second difference. A
+    /// separate function, because the tick has no registers left.
     #[inline(never)]
     fn weigh(&mut self, at: usize, x: i64) -> i64 {
         let second = self.taps.take(x);
@@ -317,7 +318,7 @@ impl<const TAPS: usize> Axis<TAPS> {
         self.taps.give(moved)
     }
 
-    /// The same delayed, and then with a mean or none.
+    /// As [`Self::average`], with a delay, and with a mean or without.
     #[inline(never)]
     fn delay(&mut self, x: i64, y: &mut Position) {
         let Layout { kind, newest, .. } = self.layout;
@@ -332,8 +333,8 @@ impl<const TAPS: usize> Axis<TAPS> {
         });
     }
 
-    /// The positions of these ages, with the set point `y`; `at` is the place of the newest second difference.
-    /// Once per tick.
+    /// The positions of these ages, for the set point `y`; `at` is the place of the newest second difference.
+    /// Call it once per tick.
     fn delayed(&mut self, at: usize, ages: [u32; 2], y: i64) -> [i64; 2] {
         match self.layout.kind {
             Kind::Taps => {
@@ -348,7 +349,7 @@ impl<const TAPS: usize> Axis<TAPS> {
     }
 }
 
-/// A tick of axes that all have a mean that begins now.
+/// A tick of axes that all have a mean without a delay.
 #[inline(always)]
 fn average_all<const TAPS: usize>(axes: &mut [Axis<TAPS>], path: &[Position], out: &mut [Position]) {
     for ((axis, x), y) in axes.iter_mut().zip(path).zip(out) {

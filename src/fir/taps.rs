@@ -1,33 +1,33 @@
-//! Symmetric taps: what the filter makes of a motion, from second differences.
+//! Symmetric taps: the output of the filter, from second differences.
 //!
-//! A set point is Σ h·x. So is its second difference that of the second differences of the path, which fit a
-//! word ([`REACH`]): a pair of samples is added, and multiplied once. Two running sums make the set point of
-//! it. All of them are integers: nothing is lost, and nothing drifts.
+//! A set point is Σ h·x. So the second difference of the set point is the same sum over the second
+//! differences of the path, which fit a word ([`REACH`]). A pair of samples is added and multiplied once. Two
+//! running sums give the set point. All values are integers, so there is no loss and no drift.
 use super::{Layout, ONE};
 use core::sync::atomic::{Ordering, compiler_fence};
 
-/// Bits of a second difference, with its sign: the sum of two fits 32.
+/// Bits of a second difference, including its sign: the sum of two fits 32 bits.
 const BITS: u32 = 31;
 
 /// Largest second difference of an axis with taps, mm or degrees per cycle².
 pub(crate) const REACH: f32 = 0.25;
 
-/// Pairs at a time, as long as so many are left; of what is left then, so many once.
+/// Pairs per block while so many are left; block sizes for the rest, each used at most once.
 const BLOCK: usize = 16;
 const SMALL_BLOCK: usize = 8;
 
-/// What the taps of one axis remember. All bits zero at rest at 0.
+/// State of the taps of one axis. All bits are zero at rest at 0.
 pub(super) struct Taps {
-    /// The path of the last tick: where it was, and how much it had moved.
+    /// Position and change of position of the path in the last tick.
     x: i64,
     dx: i64,
-    /// Σ h·x′: how much the set point moved, times [`ONE`], but for remainders.
+    /// Σ h·x′: the change of the set point, times [`ONE`], without remainders.
     moved: i64,
     /// Remainders of the last set point and of the one before.
     rest: [i32; 2],
-    /// The same as x and dx, half a window ago. Only where that is asked for in every tick.
+    /// The same as x and dx, half a window ago. Only valid if asked for in every tick.
     late: [i64; 2],
-    /// A second difference did not fit.
+    /// Whether a second difference did not fit.
     pub is_passed: bool,
 }
 
@@ -40,7 +40,7 @@ impl Taps {
         Self { x, late: [x, 0], ..Self::ZERO }
     }
 
-    /// Second difference of the path, whose set point is `x` now.
+    /// Second difference of the path, whose set point is now `x`.
     #[inline(always)]
     pub fn take(&mut self, x: i64) -> i32 {
         let dx = x.wrapping_sub(self.x);
@@ -52,8 +52,8 @@ impl Taps {
         second as i32
     }
 
-    /// A second difference that does not fit goes past the filter at once: the axis ends where the path ends,
-    /// whatever comes.
+    /// A second difference that does not fit bypasses the filter at once. So the axis always ends where the
+    /// path ends.
     #[cold]
     #[inline(never)]
     const fn pass(&mut self, second: i64) -> i32 {
@@ -62,16 +62,16 @@ impl Taps {
         0
     }
 
-    /// [`Self::give`] takes it with Σ h·x″ added.
+    /// The input of [`Self::give`], to which Σ h·x″ has to be added.
     #[inline(always)]
     pub const fn moved(&self) -> i64 {
         self.moved
     }
 
-    /// How much the set point moves.
+    /// The change of the set point.
     ///
-    /// ONE·y + r = Σ h·x + r′, with the remainders r of this set point and r′ of the last one: ONE·Δy = Σ h·x′
-    /// + 2r′ − r″ − r.
+    /// ONE·y + r = Σ h·x + r′, with the remainders r of this set point and r′ of the last one. So ONE·Δy = Σ
+    /// h·x′ + 2r′ − r″ − r.
     #[inline(always)]
     pub fn give(&mut self, moved: i64) -> i64 {
         self.moved = moved;
@@ -91,18 +91,18 @@ impl Taps {
     }
 }
 
-/// The window of an axis in the memory of its samples, as places behind that of the newest one.
+/// The window of an axis in its sample memory, as places relative to the newest sample.
 #[derive(Clone, Copy)]
 pub(super) struct Window {
-    /// Where the oldest sample is, and the one behind the newest of the window.
+    /// Place of the oldest sample, and the place behind the newest sample of the window.
     oldest: usize,
     behind: usize,
-    /// Taps of one side. With an odd number of samples the one in the centre is a pair with itself.
+    /// Taps of one side. With an odd number of samples the centre sample is a pair with itself.
     pairs: usize,
 }
 
 impl Window {
-    /// A layout of no axis.
+    /// An empty layout.
     pub const ZERO: Self = Self { oldest: 0, behind: 0, pairs: 0 };
 
     /// The layout in a memory that holds `TAPS` samples twice.
@@ -111,8 +111,8 @@ impl Window {
         Self { oldest: behind.wrapping_sub(length), behind, pairs: length.div_ceil(2) }
     }
 
-    /// `sum` + Σ h·x″. The newest sample is at `at`, and once more in the other half of the memory. Pairs go from
-    /// the outside in.
+    /// `sum` + Σ h·x″. The newest sample is at `at`, and again in the other half of the memory. Pairs go from the
+    /// outside in.
     #[inline(always)]
     pub fn weigh(&self, samples: &[i32], taps: &[u8], at: usize, mut sum: i64) -> i64 {
         let mut left = self.pairs;
@@ -128,7 +128,7 @@ impl Window {
         if left == 0 { sum } else { self.weigh_rest(samples, taps, [at, left], sum) }
     }
 
-    /// The pairs that are `left`, less than a block.
+    /// The remaining `left` pairs, fewer than a block.
     #[cold]
     #[inline(never)]
     fn weigh_rest(&self, samples: &[i32], taps: &[u8], [at, left]: [usize; 2], mut sum: i64) -> i64 {
@@ -147,7 +147,7 @@ impl Window {
     }
 }
 
-/// A block of pairs, the oldest sample at one place, the newest one before another.
+/// A block of pairs: the oldest sample is at one place, the newest before another.
 #[inline(always)]
 fn weigh_block<const N: usize>(
     samples: &[i32],
@@ -168,7 +168,7 @@ fn weigh_block<const N: usize>(
 fn weigh_pair(sum: i64, [older, newer]: [i32; 2], tap: [u8; 2]) -> i64 {
     let both = older.wrapping_add(newer);
     let sum = sum.wrapping_add(i64::from(both) * i64::from(i16::from_ne_bytes(tap)));
-    // Without it the compiler loads all samples of a block first, and has no registers for them.
+    // Without this fence the compiler loads all samples of a block first, and runs out of registers.
     compiler_fence(Ordering::SeqCst);
     sum
 }

@@ -1,19 +1,19 @@
-//! How far a Hermite quintic of the linear axes can stray from what the angles ask for.
+//! How far a Hermite quintic of the linear axes can deviate from the path that the angles demand.
 //!
 //! A `Series` bounds a curve over the parameter 0 to 1: coefficient j is at least the largest magnitude of the
-//! j-th derivative, divided by j!. By Leibniz' rule a product of curves is bounded by the product of the series.
-//! Turning by an angle θ multiplies by exp(Θ), with Θ the series of θ without its first coefficient: the
+//! j-th derivative, divided by j!. By Leibniz' rule the product of the series bounds a product of curves. A turn
+//! by an angle θ multiplies by exp(Θ), with Θ the series of θ without its first coefficient. The reason: the
 //! derivatives of a turn obey the recurrence of the exponential function, and a turn changes no length.
 //!
-//! A quintic that meets value, first and second derivative of a curve at both ends of an interval h is off by at
-//! most h⁶/46080 times the largest sixth derivative. Rotary axes before the linear ones change no length and
-//! those behind follow their angles, so the tip is off by just that. Here that is `c₆/64` for the whole curve and
-//! `c₆/(64·n⁶)` for each of n equal parts.
+//! A quintic that meets value, first and second derivative of a curve at both ends of an interval h deviates by
+//! at most h⁶/46080 times the largest sixth derivative. Rotary axes before the linear ones change no length, and
+//! those behind follow their angles, so the tool tip deviates by exactly this value. Here it is `c₆/64` for the
+//! whole curve and `c₆/(64·n⁶)` for each of n equal parts.
 use super::cells::Course;
 use super::chain::{Chain, ROTARIES, Rotary};
 use super::vector::{RADIANS, Vector};
 
-/// Coefficients that are kept.
+/// Number of coefficients.
 const TERMS: usize = 7;
 
 /// Binomial coefficients C(k, j) of row k = 0 to 5.
@@ -36,7 +36,7 @@ impl Series {
         Self([x, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
     }
 
-    /// That of a polynomial, from the magnitudes of its coefficients.
+    /// The series of a polynomial, from the magnitudes of its coefficients.
     fn polynomial(magnitudes: &[f64; 6]) -> Self {
         let mut series = [0.0; TERMS];
         for (row, magnitude) in BINOMIAL.iter().zip(magnitudes) {
@@ -47,17 +47,17 @@ impl Series {
         Self(series)
     }
 
-    /// That of a product.
+    /// The series of a product.
     fn times(&self, b: &Self) -> Self {
         let mut product = [0.0; TERMS];
         for (n, c) in product.iter_mut().enumerate() {
-            // Coefficients n, n − 1 … 0 of `b` beside 0, 1 … n of this.
+            // Coefficients n, n − 1 … 0 of `b` with 0, 1 … n of this series.
             *c = self.0.iter().zip(b.0.iter().take(n + 1).rev()).map(|(x, y)| x * y).sum();
         }
         Self(product)
     }
 
-    /// exp of it without its first coefficient: n·e_n = Σ k·f_k·e_(n−k), k = 1 to n.
+    /// exp of the series without its first coefficient: n·e_n = Σ k·f_k·e_(n−k), k = 1 to n.
     fn turn(&self) -> Self {
         let mut e = [0.0; TERMS];
         for n in 0..TERMS {
@@ -70,7 +70,7 @@ impl Series {
         Self(e)
     }
 
-    /// The sum with another one.
+    /// The sum of both series.
     fn sum(mut self, b: &Self) -> Self {
         for (c, b) in self.0.iter_mut().zip(&b.0) {
             *c += b;
@@ -78,21 +78,21 @@ impl Series {
         self
     }
 
-    /// With a constant added.
+    /// The series plus a constant.
     fn plus(mut self, x: f64) -> Self {
         self.0[0] += x;
         self
     }
 }
 
-/// How fast the angle of an axis changes along `course`.
+/// The series of an axis's angle along `course`.
 fn turn(course: &Course, rotary: &Rotary) -> Series {
     let none = [0.0; 6];
     let angle = course.angles.get(usize::from(rotary.slot)).unwrap_or(&none);
     Series::polynomial(&angle.map(|c| c.abs() * RADIANS)).turn()
 }
 
-/// The radius of an arc.
+/// The series of an arc's radius.
 fn round(course: &Course) -> Series {
     let Some(round) = &course.round else { return Series::constant(0.0) };
     let turn = [0.0, round.degrees.abs() * RADIANS, 0.0, 0.0, 0.0, 0.0];
@@ -100,20 +100,21 @@ fn round(course: &Course) -> Series {
     Series::polynomial(&radius).times(&Series::polynomial(&turn).turn())
 }
 
-/// What the distance between two centres adds before and after a turn about `u`: the part across it and the part
-/// along it.
+/// Contribution of the distance between two centres before and after a turn about `u`: the component across `u`
+/// and the component along it.
 fn split(r: Vector, u: Vector) -> (f64, f64) {
     let along = u.dot(r);
     (r.minus(u.times(along)).length(), along.abs())
 }
 
-/// 64 times the error of the tip, mm, if one quintic replaced the whole of `course`. With n equal parts it is
-/// n⁶ times smaller. Exact arithmetic is assumed; the sums are raised by 10^-9 for rounding.
+/// 64 times the error of the tool tip, mm, if one quintic replaced the whole of `course`. With n equal parts
+/// the error is n⁶ times smaller. The formula assumes exact arithmetic; the sums are raised by 10^-9 for
+/// rounding.
 pub fn stray(chain: &Chain, course: &Course) -> f64 {
     let [start, rest @ ..] = course.tip;
     let [a, b, c, d, e] = rest.map(Vector::length);
     let mut rotaries = chain.base.iter().flatten();
-    // Without a rotary axis before the linear ones a polynomial of the tip is one of the axes.
+    // Without a rotary axis before the linear ones, a polynomial of the tool tip is one of the axes too.
     let arc = round(course);
     let mut outer = arc;
     if let Some(first) = rotaries.next() {

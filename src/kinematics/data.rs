@@ -2,17 +2,17 @@
 use super::vector::Vector;
 use core::fmt;
 
-/// Machine data that are refused.
+/// Refused machine data.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct DataError {
     /// Id and name of the parameter.
     pub parameter: &'static str,
-    /// Index of the axis or of the place in the chain, where the parameter has one.
+    /// Index of the axis or of the place in the chain, if the parameter has one.
     pub index: Option<u8>,
-    /// What was found, where it is a whole number.
+    /// The value found, if it is a whole number.
     pub found: Option<i64>,
-    /// What was expected.
+    /// The expected value.
     pub expected: &'static str,
 }
 
@@ -34,11 +34,10 @@ impl core::error::Error for DataError {}
 /// Largest magnitude of a length in 0.1 µm: 10 m.
 const FARTHEST: i32 = 100_000_000;
 
-/// A head that carries C and below it A (type 9). Axes X, Y, Z, C, A have the indices 0 to 4.
+/// A head that carries C and below it A (type 9). The axes X, Y, Z, C, A have the indices 0 to 4.
 ///
-/// With C turned by Rz and A by Rx, the tip is
-/// `(X, Y, Z) + (HD7, HD8, 0) + Rz(C + HD4)·[(HD6, HD5, −HD2) + Rx(A + HD3)·(0, HD9, −HD1)]`.
-/// The length of the tool counts to HD1.
+/// With C turned by Rz and A by Rx, the tool tip is `(X, Y, Z) + (HD7, HD8, 0) + Rz(C + HD4)·[(HD6, HD5,
+/// −HD2) + Rx(A + HD3)·(0, HD9, −HD1)]`. HD1 contains the length of the tool.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CaHead {
     /// trafo\[\].param\[0\] to \[8\], HD1 to HD9: lengths in 0.1 µm, but HD3 and HD4 in 10^-4 degree.
@@ -66,20 +65,20 @@ impl CaHead {
 
 const LENGTH: &str = "-100000000 to 100000000 (0.1 um)";
 
-/// An axis of a serial chain, as it stands with all axes at 0.
+/// An axis of a serial chain, described with all axes at 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct UniversalAxis {
     /// P-CHAN-00291 type: 1 linear, 2 rotary.
     pub kind: u8,
-    /// P-CHAN-00292 orientation: how the tool moves against the workpiece when the axis moves in its positive
-    /// direction, or about which vector it turns. Any length but 0.
+    /// P-CHAN-00292 orientation. Linear axis: direction of the tool against the workpiece when the axis moves
+    /// in its positive direction. Rotary axis: the vector about which it turns. Any length but 0.
     pub orientation: [f64; 3],
-    /// P-CHAN-00293 point: a point of a rotary axis, 0.1 µm. It has no effect on a linear one.
+    /// P-CHAN-00293 point: a point of a rotary axis, 0.1 µm. No effect on a linear axis.
     pub point: [i32; 3],
 }
 
-/// A serial chain of axes from the workpiece to the tool (type 91): three linear axes side by side in the chain,
-/// and up to three rotary ones before and behind them.
+/// A serial chain of axes from the workpiece to the tool (type 91): three linear axes side by side, and up to
+/// three rotary axes before and behind them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Universal {
     /// P-CHAN-00289 number_of_axes, 3 to 6.
@@ -88,9 +87,10 @@ pub struct Universal {
     pub chain: [u8; 6],
     /// The axes by their index.
     pub axis: [UniversalAxis; 6],
-    /// P-CHAN-00285 zero_orientation: from the tip to the holder with all axes at 0. Any length but 0.
+    /// P-CHAN-00285 zero_orientation: direction from the tool tip to the holder with all axes at 0. Any
+    /// length but 0.
     pub zero_orientation: [f64; 3],
-    /// P-CHAN-00286 zero_position: the tip with all axes at 0, 0.1 µm.
+    /// P-CHAN-00286 zero_position: the tool tip with all axes at 0, 0.1 µm.
     pub zero_position: [i32; 3],
 }
 
@@ -102,7 +102,7 @@ pub(super) const POINT: &str = "P-CHAN-00293 trafo[].axis[].point";
 pub(super) const ZERO_ORIENTATION: &str = "P-CHAN-00285 trafo[].zero_orientation";
 pub(super) const ZERO_POSITION: &str = "P-CHAN-00286 trafo[].zero_position";
 
-/// An error of the axis or place `index`.
+/// An error of the axis or the place `index`.
 pub(super) const fn at(parameter: &'static str, index: u8, expected: &'static str) -> DataError {
     DataError { parameter, index: Some(index), found: None, expected }
 }

@@ -1,8 +1,8 @@
-//! Elements of the path under a transformation: from the curve of tip and angles to a [`Course`], and from a [`Cell`]
-//! of it to the element of the axes.
+//! Elements of the path under a transformation: from the curve of tool tip and angles to a [`Course`], and from a
+//! [`Cell`] of it to the element of the axes.
 //!
-//! An axis of the channel and an axis of the chain with the same index are the same axis. The tip is programmed with
-//! the main axes; axes behind those of the chain keep their own curves.
+//! An axis of the channel and an axis of the chain with the same index are the same axis. Programs give the tool tip
+//! by the main axes. Axes behind those of the chain keep their own curves.
 use super::cells::{Cell, Course, Round};
 use super::chain::{AXES, Chain, ROTARIES};
 use super::vector::{Vector, number, position};
@@ -12,20 +12,20 @@ use crate::path::powers::{Quintic, Turn};
 use crate::quantity::{Distance, Position};
 use core::fmt;
 
-/// A data set of a transformation: a chain that fits the channel. Made once; it lies where the application keeps it.
+/// A data set of a transformation: a chain that fits the channel. The application makes it once and keeps it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Kinematic {
     /// P-CHAN-00262 trafo\[\].id.
     pub id: u16,
     /// The chain.
     pub chain: Chain,
-    /// Channel axes of the tip's X, Y and Z.
+    /// Channel axes of the tool tip's X, Y and Z.
     main: [usize; 3],
     /// Axes of the chain, bit k for axis k.
     axes: u32,
 }
 
-/// What of a channel does not fit a chain.
+/// The reason why a channel does not fit a chain.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Unfit {
@@ -65,10 +65,10 @@ impl fmt::Display for Unfit {
 impl core::error::Error for Unfit {}
 
 impl Kinematic {
-    /// The chain on the channel of `machine`. Axis k of the chain is axis k of the channel.
+    /// The chain for the channel of `machine`. Axis k of the chain is axis k of the channel.
     ///
     /// # Errors
-    /// What does not fit.
+    /// Returns the property that does not fit.
     pub fn new<const N: usize>(id: u16, chain: &Chain, machine: &MachineData<N>) -> Result<Self, Unfit> {
         let [Some(x), Some(y), Some(z)] = machine.main_axes() else { return Err(Unfit::Main) };
         if id == 0 {
@@ -104,7 +104,7 @@ impl Kinematic {
         axis < AXES && self.axes >> axis & 1 == 1
     }
 
-    /// All axes that move where the program moves these: bit k for axis k.
+    /// All axes that move when the program moves these: bit k for axis k.
     pub fn carried(&self, moved: u32) -> u32 {
         let bits = |axes: &mut dyn Iterator<Item = usize>| axes.fold(0u32, |bits, axis| bits | 1 << axis);
         let linear = bits(&mut self.chain.linear_axes().into_iter());
@@ -113,12 +113,12 @@ impl Kinematic {
         if turns || leans { moved | linear } else { moved }
     }
 
-    /// Whether the linear axes are at right angles and this one is along machine z.
+    /// Whether the linear axes are at right angles, and this axis is along machine z.
     pub fn is_cartesian_z(&self, axis: usize) -> bool {
         self.chain.is_cartesian() && self.chain.is_along_z(axis)
     }
 
-    /// The tip (mm) at the place of the main axes, and all other axes as they are, for positions of the axes.
+    /// The tool tip (mm) in place of the main axes, and all other axes unchanged, for positions of the axes.
     pub fn workpiece<const N: usize>(&self, axes: &[Position; N]) -> Option<[Position; N]> {
         let (tip, _) = self.chain.forward(&widened(axes));
         let mut workpiece = *axes;
@@ -128,7 +128,8 @@ impl Kinematic {
         Some(workpiece)
     }
 
-    /// The positions of all axes that put the tip to the place of the main axes. `None` beyond ±200 000 mm.
+    /// The positions of all axes that put the tool tip at the place of the main axes. `None` beyond ±200 000
+    /// mm.
     pub fn axes<const N: usize>(&self, workpiece: &[Position; N]) -> Option<[Position; N]> {
         let of = |axis: usize| workpiece.get(axis).map(|x| number(*x));
         let [Some(x), Some(y), Some(z)] = self.main.map(of) else { return None };
@@ -182,7 +183,7 @@ impl Kinematic {
     }
 }
 
-/// Where a point of a channel stands in numbers of a chain.
+/// A point of a channel with the axes of a chain.
 pub fn widened<const N: usize>(axes: &[Position; N]) -> [Position; AXES] {
     let mut all = [Position::ZERO; AXES];
     for (place, axis) in all.iter_mut().zip(axes) {
@@ -192,8 +193,8 @@ pub fn widened<const N: usize>(axes: &[Position; N]) -> [Position; AXES] {
 }
 
 impl Cell {
-    /// Becomes `element` over that path length: `fastest` is the speed along the curve per path speed, `is_straight`
-    /// says that its axes move in proportion. `None` where the formats cannot hold it.
+    /// Becomes `element` over this path length. `fastest`: speed along the curve per path speed. `is_straight`: the
+    /// axes move in proportion. `None` if the formats cannot hold it.
     pub fn become_element<const N: usize>(
         &self,
         element: &mut Element<N>,
@@ -208,7 +209,7 @@ impl Cell {
         element.become_quintics(length, &axes, (fastest, is_straight))
     }
 
-    /// Where it begins and ends, for the axes of a channel.
+    /// Start and end, for the axes of a channel.
     pub fn span<const N: usize>(&self) -> [[Position; N]; 2] {
         let (mut start, mut end) = ([Position::ZERO; N], [Position::ZERO; N]);
         for ((start, end), (from, power)) in

@@ -1,5 +1,5 @@
-//! A block at the end of the ring: the speed of the transition before it, what that leaves to the limits on
-//! both sides, and whether acceleration may pass it.
+//! Appends a block to the ring: the speed of the transition before the block, the limits that this transition
+//! leaves on both sides, and whether acceleration may pass it.
 use super::block::{AnchorMarks, Block, Kind, Marks};
 use super::knees::{Between, Knee};
 use super::pace::Slowest;
@@ -14,32 +14,32 @@ use crate::path::{End, Piece};
 use crate::quantity::Speed;
 use crate::slope::limits::Limits;
 
-/// What the next transition needs to know of the last block.
+/// Data of the last block for the next transition.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Last<const AXES: usize> {
     pub exit: End<AXES>,
     pub length: f32,
     pub share: Share,
     pub rapid: bool,
-    /// Whether its limits have left a transition its part.
+    /// Whether a transition has taken its part of the block's limits.
     pub shared: bool,
     pub slope: SlopeType,
-    /// Whether its path is time, not length.
+    /// Whether the block's path is time, not length.
     pub timed: bool,
-    /// Whether it is a part of a curve over arc length.
+    /// Whether the block is a part of a curve over arc length.
     pub bent: bool,
-    /// Acceleration passes both its ends.
+    /// Whether acceleration passes both ends of the block.
     pub through: bool,
-    /// Acceleration inside it is bought with speed.
+    /// Whether the block trades speed for acceleration: a lower speed leaves acceleration inside the block.
     pub trades: bool,
-    /// Whether it is a part of a curve of many elements.
+    /// Whether the block is a part of a curve of many elements.
     pub flows: bool,
     /// End of the last block that is not brief.
     pub behind: End<AXES>,
 }
 
 impl<const AXES: usize> Last<AXES> {
-    /// None yet.
+    /// No block.
     pub(super) const BLANK: Self = Self {
         exit: End::BLANK,
         length: 0.0,
@@ -55,9 +55,10 @@ impl<const AXES: usize> Last<AXES> {
         behind: End::BLANK,
     };
 
-    /// Whether it may take less than two ticks between a knee and a standstill though its speed at the knee is
-    /// low: what its neighbours do then shows together with the knee. From a speed that is a third of its length
-    /// per tick at most it goes a third of it in two ticks, and a quarter of its jerk. STEP has its own rules.
+    /// Whether the block may take less than two ticks between a knee and a standstill although its speed at the
+    /// knee is low. The changes of its neighbours then show together with the knee. From a speed of at most a
+    /// third of its length per tick, the motion covers in two ticks that third and a quarter of the jerk. STEP
+    /// has its own rules.
     #[cfg_attr(feature = "fast", inline(always))]
     fn is_hasty(&self, limits: &Limits) -> bool {
         self.slope != SlopeType::Step && self.length < 0.4 * limits.steepest()
@@ -67,60 +68,62 @@ impl<const AXES: usize> Last<AXES> {
 /// Longest span: 2^18 mm, LSB 2^-44 mm.
 const LONGEST_SPAN: i64 = 1 << 62;
 
-/// An acceleration so many times the speed, per tick: `TURN_PART / SMOOTH` of `dynamics`.
+/// Acceleration per speed, in 1/tick, above which an acceleration is steep: `TURN_PART / SMOOTH` of
+/// `dynamics`.
 const STEEP: f32 = 1000.0;
 
-/// From that part of its feed on, a part of a curve has its acceleration for less speed.
+/// From this part of its feed on, a part of a curve trades speed for acceleration.
 const BOUGHT: f32 = 0.89;
 
-/// A block that comes in.
+/// A new block.
 struct Next<'a, const AXES: usize> {
     piece: &'a Piece<'a, AXES>,
-    /// mm.
+    /// Length, mm.
     length: f32,
-    /// Its speed at 100 %, or at the level if that is higher.
+    /// Speed at 100 %, or at the level if the level is higher.
     full: f32,
     rapid: bool,
-    /// Its feed, mm/min.
+    /// Feed, mm/min.
     feed: f32,
-    /// Nearly at its feed, acceleration inside it is bought with speed.
+    /// Whether the block trades speed for acceleration, at nearly its feed.
     bought: bool,
     share: Share,
-    /// The block before is shorter than a tick takes.
+    /// Whether the block before is shorter than a tick's motion.
     after_brief: bool,
 }
 
-/// Mean acceleration over a length at the speed `v`, mm/tick², where it is zero at both ends.
+/// Mean acceleration over a length up to the speed `v`, mm/tick², with acceleration zero at both ends.
 fn alone(limits: &Limits, length: f32, v: f32) -> f32 {
     let (a, j) = (limits.a_up, limits.jerk(0));
-    // In units of the speed: j·t/4, or a − a²/(j·t) where a is reached.
+    // In units of the speed: j·t/4, or a − a²/(j·t) if the acceleration reaches a.
     let gain = j * length;
     if gain < 2.0 * a * v { 0.25 * gain / v } else { a - a * a * v / gain }
 }
 
-/// The transition to a block that comes in.
+/// The transition to a new block.
 struct Transition {
-    /// Speed of the motion there, at most.
+    /// Highest speed of the motion at the transition.
     cap: f32,
-    /// Speed there, at most, whatever the speeds of both blocks: their feeds may rise with the override.
+    /// Highest speed at the transition whatever the feeds of both blocks are: they may rise with the
+    /// override.
     highest: f32,
-    /// It takes a part of the limits on both sides.
+    /// Whether the transition takes a part of the limits on both sides.
     shared: bool,
-    /// So much of a deceleration may pass it.
+    /// The part of a deceleration that may pass the transition.
     passing: Passing,
-    /// Acceleration is zero there.
+    /// Whether acceleration is zero at the transition.
     anchor: bool,
 }
 
 impl Transition {
-    /// The motion stands still.
+    /// The motion stops.
     const STANDSTILL: Self =
         Self { cap: 0.0, highest: 0.0, shared: false, passing: Passing::NONE, anchor: true };
 }
 
 impl<const AXES: usize> Next<'_, AXES> {
-    /// Speed at which the transition from the last block may be passed; `None` where it shows nothing at the
-    /// speed `fastest`. `a`: acceleration of STEP that acts beside it.
+    /// Speed at which the motion may pass the transition from the last block; `None` if the transition shows
+    /// nothing at the speed `fastest`. `a`: acceleration of STEP that acts beside the transition.
     #[cfg_attr(feature = "fast", inline(always))]
     fn passed(&self, last: &Last<AXES>, fastest: f32, a: f32, dynamics: &Dynamics<AXES>) -> Option<f32> {
         let (entry, rapid) = (self.piece.entry, self.rapid && last.rapid);
@@ -129,26 +132,26 @@ impl<const AXES: usize> Next<'_, AXES> {
         if !self.after_brief {
             return v;
         }
-        // What changes at both its ends shows within a tick.
+        // Changes at both ends of a brief block show within one tick.
         let both = dynamics.bending(&last.behind, entry, rapid);
         if both < fastest { Some(min(both, v.unwrap_or(both))) } else { v }
     }
 
-    /// Whether both are parts of a curve over time, for one speed.
+    /// Whether both blocks are parts of one curve over time, for one speed.
     #[cfg_attr(feature = "fast", inline(always))]
     fn is_one_curve(&self, last: &Last<AXES>, before: &Limits, limits: &Limits) -> bool {
         self.piece.timed && last.timed && limits.v == before.v
     }
 
-    /// What of the deceleration `a` passes the knee at its start. Both sides are planned with all of their acceleration:
-    /// there it is zero at the knee.
+    /// The part of the deceleration `a` that passes the knee at the block's start. Both sides are planned with all of
+    /// their acceleration, because acceleration is zero at the knee.
     fn passing_knee(&self, last: &Last<AXES>, highest: f32, a: f32, dynamics: &Dynamics<AXES>) -> Passing {
         let (rapid, shorter) = (self.rapid && last.rapid, min(last.length, self.length));
         dynamics.passing_knee(&last.exit, self.piece.entry, rapid, shorter, (highest, a))
     }
 
-    /// Whether the slope lets acceleration pass a transition to it, whatever that shows. `cap`: speed of the
-    /// motion there; `v`: as in [`Self::passed`].
+    /// Whether the slope lets acceleration pass the transition to this block. `cap`: speed of the motion
+    /// there; `v`: as in [`Self::passed`].
     #[cfg_attr(feature = "fast", inline(always))]
     fn goes_on(
         &self,
@@ -161,29 +164,30 @@ impl<const AXES: usize> Next<'_, AXES> {
         let rapid = self.rapid && last.rapid;
         let slight = || dynamics.is_slight(&last.exit, self.piece.entry, rapid, cap);
         match dynamics.slope() {
-            // All of a span has its least acceleration: beside a curve with CONST_VEL zero at the joint costs
-            // less.
+            // All of a span has its least acceleration. Beside a curve with CONST_VEL, acceleration zero at
+            // the transition costs less.
             SlopeType::Hsc => limits.is_as_strong(before, self.piece.flows || last.flows),
             SlopeType::Trapez | SlopeType::Sin2 if self.is_one_curve(last, before, limits) => true,
             // Parts of one curve of many elements.
             SlopeType::Trapez | SlopeType::Sin2 if limits.varies() && before.varies() => {
                 limits.is_as_strong(before, true)
             }
-            // As if it were one block.
+            // Both blocks act as one.
             SlopeType::Trapez | SlopeType::Sin2 => {
                 limits.are(before) && v.is_none_or(|v| v >= cap && slight())
             }
-            // Acceleration is zero nowhere.
+            // STEP needs no point where acceleration is zero.
             SlopeType::Step => false,
         }
     }
 }
 
-/// What of the deceleration `a` passes a transition beside arcs. With limits alike nothing binds it: both sides are one
-/// law. A law that begins or ends with acceleration in an arc is bound by less than others are.
+/// The part of the deceleration `a` that passes a transition beside arcs. With equal limits there is no bound, because
+/// one profile covers both sides. A profile that begins or ends with acceleration inside an arc is bound less than
+/// others.
 #[inline(always)]
 fn passing_arcs([before, behind]: [&Share; 2], is_alike: impl FnOnce() -> bool, a: f32) -> Passing {
-    // Asked first: most transitions have no arc beside them.
+    // Checked first, because most transitions have no arc beside them.
     if min(before.v, behind.v) == f32::MAX || is_alike() {
         return Passing::ALL;
     }
@@ -191,18 +195,18 @@ fn passing_arcs([before, behind]: [&Share; 2], is_alike: impl FnOnce() -> bool, 
 }
 
 impl<const AXES: usize> Tail<AXES> {
-    /// Whether the next block goes on with the span of the last one. `sides`: limits before and behind; `cap`: speed
+    /// Whether the next block continues the span of the last block. `sides`: limits before and after; `cap`: speed
     /// at the transition.
     #[cfg_attr(feature = "fast", inline(always))]
     fn takes_in(&self, last: &Last<AXES>, next: &Next<'_, AXES>, sides: [&Limits; 2], cap: f32) -> bool {
         let ([before, limits], piece) = (sides, next.piece);
-        // Beside a curve that takes most of the jerk, acceleration passes the transition only if that is more
-        // than either side has with none at its ends.
+        // Beside a curve that takes most of the jerk, acceleration passes the transition only if more
+        // acceleration passes than either side has alone with zero at its ends.
         let passes = || {
             let run = to_f32(self.span) * (1.0 / (1u64 << 44) as f32);
             alone(before, run, cap) <= limits.a_up && alone(limits, next.length, cap) <= before.a_up
         };
-        // Where acceleration is bought with speed, no law of its span may have a higher feed.
+        // If a block trades speed for acceleration, no profile of its span may have a higher feed.
         let [bought_at, fastest_feed] = self.feeds;
         last.trades == piece.trades
             && (!piece.timed || next.is_one_curve(last, before, limits))
@@ -214,7 +218,7 @@ impl<const AXES: usize> Tail<AXES> {
             && (!next.bought || fastest_feed <= next.feed)
     }
 
-    /// A block with that feed (mm/min) comes in, behind an anchor or not.
+    /// Adds a block with this feed (mm/min), after an anchor or not.
     #[cfg_attr(feature = "fast", inline(always))]
     fn pass(&mut self, anchor: bool, feed: f32, bought: bool) {
         if anchor {
@@ -227,8 +231,8 @@ impl<const AXES: usize> Tail<AXES> {
 }
 
 impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
-    /// Appends a block. Only when not [`Self::is_full`]. `long`: it stands for several, and is longer than
-    /// the way to a standstill from its speed.
+    /// Appends a block. Call it only if not [`Self::is_full`]. `long`: the block stands for several, and is
+    /// longer than a stop from its speed.
     #[cfg_attr(feature = "fast", inline(always))]
     pub(crate) fn push(
         &mut self,
@@ -242,7 +246,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         let distance = piece.length.to_bits();
         let length = to_f32(distance) * (1.0 / (1u64 << 44) as f32);
         let after_brief = self.tail.row.is_brief();
-        // Of the block at 100 % at least: its limits hold for a higher level too.
+        // The speed at 100 % at least: the limits also hold for a higher level.
         self.tail.row.take(length, (&mut limits.v, &mut override_range), max(self.level, 1.0), piece.timed);
         let full = limits.v;
         if self.level < 1.0 {
@@ -267,7 +271,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             self.tail.slowest = Slowest::NONE;
         }
         self.tail.slowest.take(override_range, limits.v, self.level, self.depth);
-        // What follows on nothing starts from rest.
+        // The first block of the ring starts from rest.
         let mut v_in = Planned::NONE;
         if self.blocks.is_empty() {
             (v_in, self.start) = (Planned::ZERO, Speed::ZERO);
@@ -275,7 +279,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         let before = core::mem::replace(&mut self.tail.known, Known::Block);
         let keeps = before == Known::Block && self.tail.row.is_brief();
         let Piece { timed, bent, trades, flows, through, .. } = *piece;
-        // In place: as a whole it would be copied.
+        // In place, because the whole struct would be copied.
         let last = &mut self.tail.last;
         let End { tangent, curvature } = *piece.exit;
         (last.exit.tangent, last.exit.curvature) = (tangent, curvature);
@@ -293,7 +297,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         self.counts.long += usize::from(long);
         let hsc = slope == SlopeType::Hsc || limits.varies();
         let (numbers, law) = limits.kept();
-        // There is room: the caller asked.
+        // There is room: the caller has checked.
         let _ = self.blocks.push_back(Block {
             cap,
             highest,
@@ -309,8 +313,8 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         });
     }
 
-    /// The transition from the last block of the ring. Where it takes its part of the limits, both sides have
-    /// less.
+    /// Plans the transition from the last block of the ring. If the transition takes its part of the limits,
+    /// both sides have less.
     #[cfg_attr(feature = "fast", inline(always))]
     fn join(&mut self, next: &Next<'_, AXES>, limits: &mut Limits, dynamics: &Dynamics<AXES>) -> Transition {
         let known = self.tail.known == Known::Block && !self.tail.stop;
@@ -322,16 +326,16 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         let (slope, piece, rapid) = (dynamics.slope(), next.piece, next.rapid && last.rapid);
         let full_before = before.full(self.level);
         let fastest = min(full_before, next.full);
-        // No more than the double is known.
+        // Values above the double are unknown.
         let (mut cap, mut highest, mut shared) = (fastest, 2.0 * fastest, false);
         let a = if slope == SlopeType::Step { max(limits.most(), kept.most()) } else { 0.0 };
         let arc = min(last.share.v, next.share.v);
         let v = next.passed(last, fastest, a, dynamics).map(|v| min(v, arc));
-        // STEP: what passes within a tick of a knee shows together with it.
+        // STEP: everything within a tick of a knee shows together with the knee.
         let brief = last.length < full_before || next.length < next.full;
         let sides = [(&kept, &last.share, last.length), (&*limits, &next.share, next.length)];
         let way = match v {
-            // The block before it has left nothing to a knee that shows together with its end.
+            // The block before has left nothing to a knee that shows together with its end.
             Some(_) if !last.shared && last.is_hasty(&kept) => Way::Standing,
             Some(v) if v < cap => quickest(sides, v, slope == SlopeType::Hsc),
             _ => Way::Through,
@@ -341,7 +345,8 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             shares = shares.map(Share::resting);
         }
         if way == Way::Standing {
-            // But for rounding: no wait for a tick. The acceleration of STEP does not vanish beside it: that waits.
+            // Except for rounding, no wait for a tick is needed. The acceleration of STEP does not vanish
+            // beside the transition, so STEP waits.
             let unseen = || min(dynamics.unseen(&last.exit, piece.entry, rapid), v.unwrap_or(f32::MAX));
             cap = if slope == SlopeType::Step { 0.0 } else { min(cap, unseen()) };
             highest = cap;
@@ -367,7 +372,8 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         kept.v = before.v();
         cap = min(cap, highest);
         let through = next.goes_on(last, &kept, limits, (cap, v), dynamics);
-        // A transition that shows nothing at `fastest` turns little for accelerations up to a thousand times that.
+        // A transition that shows nothing at `fastest` turns little for accelerations up to a thousand times
+        // that speed.
         let a = limits.fastest(&kept);
         let turns_little = || {
             (v.is_none() && a <= STEEP * fastest) || dynamics.turns_little(&last.exit, piece.entry, rapid, a)

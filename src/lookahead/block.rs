@@ -1,4 +1,5 @@
-//! A block in the ring: its limits, the speeds planned where it begins, and what that transition is.
+//! A block in the ring: its limits, the planned speeds at its start, and the properties of the transition
+//! there.
 use super::ease::Ease;
 use super::planned::Planned;
 use crate::dynamics::{OverrideRange, Passing};
@@ -9,38 +10,39 @@ use crate::slope::limits::Limits;
 /// No speed yet.
 pub(super) const UNPLANNED: Speed = Speed::from_bits(-1);
 
-/// A block in the ring. Its curve is in the queue: [`crate::queue::CurveRing`].
+/// A block in the ring. The curve of the block is in the queue: [`crate::queue::CurveRing`].
 #[derive(Clone, Copy, Debug)]
 pub struct Block {
     /// Path length, LSB 2^-44 mm.
     pub(super) length: i64,
-    /// Its limits but for the kind of their law, see [`Kind`].
+    /// Limits without the kind of their slope, see [`Kind`].
     pub(super) numbers: Numbers,
-    /// Speed at which its start may be passed at most, mm/tick.
+    /// Highest speed at which the motion may pass the block's start, mm/tick.
     pub(super) cap: f32,
-    /// Speed at its start, at most, whatever the speeds of both blocks there: their feeds may rise with the
+    /// Highest speed at the block's start, whatever the feeds of both blocks are: they may rise with the
     /// override. mm/tick.
     pub(super) highest: f32,
-    /// Planned speed at its start. Of the first block [`super::ring::Ring::start`] counts.
+    /// Planned speed at the block's start. For the first block [`super::ring::Ring::start`] is valid instead.
     pub(super) v_in: Planned,
-    /// Speed at its start as far as it can be reached from the first block. Not of an anchor: see
+    /// Speed at the block's start that can be reached from the first block. An anchor has no such speed: see
     /// [`Self::ease`].
     pub(super) v_reached: Planned,
-    /// The speed that the last complete plan had there: it stays possible.
+    /// The speed of the last complete plan at the block's start. This speed stays possible.
     pub(super) v_old: Planned,
-    /// How its speed follows the override.
+    /// How the block's speed follows the override.
     pub(super) override_range: OverrideRange,
     pub(super) joint: AnchorMarks,
     pub(super) marks: Marks,
-    /// See there.
+    /// See [`Kind`].
     pub(super) kind: Kind,
 }
 
-/// Most memory of the look-ahead is blocks.
+/// Blocks take most memory of the look-ahead.
 const _: () = assert!(size_of::<Block>() == 64);
 
-/// The law of its limits, and in the other bits whether it was cut off from the block before, so that their curve
-/// is one, and whether acceleration inside it is bought with speed: v + a²/2j is at most the speed of its limits.
+/// The slope of the limits. The other bits: whether the block was cut off from the block before, so that both
+/// share one curve; and whether the block trades speed for acceleration: v + a²/2j is at most the speed of the
+/// limits.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Kind(u8);
 
@@ -63,10 +65,10 @@ impl Kind {
 
 const _: () = assert!(LawKind::FREE & (Kind::CONTINUED | Kind::TRADES) == Kind::CONTINUED | Kind::TRADES);
 
-/// Whether it may be tried to do without an anchor at the start of a block, and whether the block is *lent*:
-/// it is the piece of a slow block in a faster span, where the speed at the anchor beside it keeps its limit
-/// ([`super::valley`]). Beside that, whether the block is rapid motion, and whether the path turns at its start,
-/// so that a transition has its part of the limits there, and the part of a deceleration that passes its start.
+/// Properties of a block's start. *Open*: the planner may try to remove the anchor there. *Lent*: the block is
+/// the piece of a slow block in a faster span, and the speed at the anchor beside it keeps its limit
+/// ([`super::valley`]). The other bits: whether the block is rapid motion; whether the path turns at its start,
+/// so that a transition has its part of the limits there; and the part of a deceleration that passes its start.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct AnchorMarks(u8);
 
@@ -79,30 +81,30 @@ impl AnchorMarks {
     const BOUGHT: u8 = 32;
     const PASSING: u8 = 64;
 
-    /// Not lent. `flows`: it is between two parts of one curve of many elements.
-    /// `bought`: acceleration inside it is bought with speed, below that of its feed.
+    /// Marks of a block that is not lent. `flows`: the block's start is between two parts of one curve of
+    /// many elements. `bought`: the block trades speed for acceleration, below its feed.
     pub(super) fn new(open: bool, flows: bool, [rapid, knee, bought]: [bool; 3]) -> Self {
         let [open, flows] = [(open, Self::OPEN), (flows, Self::FLOWS)];
         let marks = [open, flows, (rapid, Self::RAPID), (knee, Self::KNEE), (bought, Self::BOUGHT)];
         Self(marks.into_iter().fold(0, |all, (on, mark)| if on { all | mark } else { all }))
     }
 
-    /// That part of a deceleration passes its start.
+    /// Sets the part of a deceleration that passes the block's start.
     pub(super) const fn passed(self, passing: Passing) -> Self {
         Self(self.0 | (passing.number() * Self::PASSING))
     }
 
-    /// The part of a deceleration that passes its start, where it is smooth.
+    /// The part of a deceleration that passes the block's start, if the path is smooth there.
     pub(super) const fn passing(self) -> Passing {
         Passing::numbered(self.0 / Self::PASSING)
     }
 
-    /// What is so of this or the other one.
+    /// Properties of either block.
     pub(super) const fn or(self, other: Self) -> Self {
         Self(self.0 | other.0)
     }
 
-    /// What is so of both.
+    /// Properties that both blocks have.
     pub(super) const fn and(self, other: Self) -> Self {
         Self(self.0 & other.0)
     }
@@ -127,12 +129,12 @@ impl AnchorMarks {
         self.0 & Self::OPEN != 0
     }
 
-    /// The anchor may be tried.
+    /// Permits a trial to remove the anchor.
     pub(super) const fn open(&mut self) {
         self.0 |= Self::OPEN;
     }
 
-    /// The anchor was tried.
+    /// Marks the anchor as tried.
     pub(super) const fn close(&mut self) {
         self.0 &= !Self::OPEN;
     }
@@ -150,26 +152,27 @@ impl AnchorMarks {
     }
 }
 
-/// What is said of a block with yes or no.
+/// Flags of a block.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Marks(u8);
 
 impl Marks {
-    /// The speed at its start was planned for a lower end speed than the one that is planned now.
+    /// The speed at the block's start was planned for a lower end speed than the current one.
     pub(super) const KEPT: u8 = 1;
-    /// Acceleration is zero at its start.
+    /// Acceleration is zero at the block's start.
     pub(super) const ANCHOR: u8 = 2;
-    /// It became an anchor after the last complete plan.
+    /// The block's start became an anchor after the last complete plan.
     pub(super) const FRESH: u8 = 4;
-    /// Its span is planned not to rise above the speeds at its ends. Released it may be as fast as all of its blocks.
+    /// The block's span is planned not to rise above the speeds at its ends. After release it may be as fast
+    /// as all of its blocks permit.
     pub(super) const FLAT: u8 = 8;
-    /// The span that begins with it keeps the limits of all its blocks.
+    /// The span that begins with this block keeps the limits of all its blocks.
     pub(super) const CHECKED: u8 = 16;
-    /// A deceleration may pass its start: the path turns little there ([`AnchorMarks::passing`]).
+    /// A deceleration may pass the block's start: the path turns little there ([`AnchorMarks::passing`]).
     pub(super) const SMOOTH: u8 = 32;
-    /// It waits for acknowledgements: the motion stands still before it.
+    /// The block waits for acknowledgements: the motion stops before it.
     pub(super) const GATE: u8 = 64;
-    /// It stands for several blocks, and is twice as long as the way to a standstill.
+    /// The block stands for several, and is twice as long as a stop needs.
     pub(super) const LONG: u8 = 128;
 
     #[cfg_attr(feature = "fast", inline(always))]
@@ -184,7 +187,7 @@ impl Marks {
 }
 
 impl Block {
-    /// None; all bits zero.
+    /// No block; all bits zero.
     pub(super) const BLANK: Self = Self {
         length: 0,
         numbers: Numbers::NOTHING,
@@ -204,50 +207,50 @@ impl Block {
         self.length
     }
 
-    /// Its limits: where a pass asks each block.
+    /// The limits, for passes that ask each block.
     #[cfg_attr(feature = "fast", inline(always))]
     pub(super) fn limits(&self) -> Limits {
         self.numbers.limits(self.kind.law())
     }
 
-    /// The same elsewhere: a call, which takes less room in flash.
+    /// The limits, for other callers: a function call takes less flash.
     #[inline(never)]
     pub(super) fn limits_by_call(&self) -> Limits {
         self.limits()
     }
 
-    /// What it permits is joined with these limits.
+    /// Joins the block's limits to these limits.
     #[cfg_attr(feature = "fast", inline(always))]
     pub(super) fn join_to(&self, limits: &mut Limits) {
         limits.join_kept(&self.numbers, self.kind.law());
     }
 
-    /// It gets limits of the same law.
+    /// Sets lower limits with the same slope.
     pub(super) fn lower(&mut self, limits: &Limits) {
         self.numbers = limits.kept().0;
     }
 
-    /// Its speed.
+    /// Speed of the limits.
     pub(super) fn v(&self) -> f32 {
         self.numbers.v
     }
 
-    /// NO_OPT=0.
+    /// Whether the slope is HSC with NO_OPT=0.
     pub(super) fn may_have_valleys(&self) -> bool {
         self.kind.law().may_have_valleys()
     }
 
-    /// Whether acceleration inside it is bought with speed.
+    /// Whether the block trades speed for acceleration.
     pub(super) fn trades(&self) -> bool {
         self.kind.has(Kind::TRADES)
     }
 
-    /// Whether the curve of the block before goes on.
+    /// Whether the block continues the curve of the block before.
     pub fn is_continued(&self) -> bool {
         self.kind.has(Kind::CONTINUED)
     }
 
-    /// The curve of the block before goes on.
+    /// Marks that the block continues the curve of the block before.
     pub(super) fn go_on(&mut self) {
         self.kind.0 |= Kind::CONTINUED;
     }
@@ -256,7 +259,7 @@ impl Block {
         self.marks.has(mark)
     }
 
-    /// Whether blocks with other speeds may be in one span with it: `Joins::Any`.
+    /// Whether blocks with other speeds may be in one span with this block: `Joins::Any`.
     pub fn varies(&self) -> bool {
         self.kind.law().varies()
     }
@@ -266,52 +269,52 @@ impl Block {
         self.is(Marks::GATE)
     }
 
-    /// The speed that a law has to keep in it.
+    /// The speed that a profile must not exceed in the block.
     pub(super) fn speed(&self) -> f32 {
         if self.joint.is_lent() { f32::MAX } else { self.v() }
     }
 
-    /// Its speed at 100 %, or at the level if that is higher.
+    /// Speed at 100 %, or at the level if the level is higher.
     pub(super) fn full(&self, level: f32) -> f32 {
         if level < 1.0 { self.v() / self.override_range.raised(level) } else { self.v() }
     }
 
-    /// Speed at which its start may be passed now.
+    /// Speed at which the motion may pass the block's start now.
     pub(super) fn cap(&self) -> f32 {
         if self.is(Marks::GATE) { 0.0 } else { self.cap }
     }
 }
 
 impl Block {
-    /// What its span leaves unused, if it is the second one in it: kept where an anchor has its speeds. Not of an
-    /// anchor.
+    /// The ease of the block's span, if the block is the second one in the span: kept in the memory that an
+    /// anchor uses for its speeds. Not for an anchor.
     pub(super) fn ease(&self) -> Ease {
         if self.has_ease() { Ease::of([self.v_reached.bits(), self.v_old.bits()]) } else { Ease::NONE }
     }
 
-    /// Whether its span leaves anything unused. Not of an anchor.
+    /// Whether the block's span has an ease. Not for an anchor.
     pub(super) fn has_ease(&self) -> bool {
         self.v_old.is_some()
     }
 
-    /// Its span leaves that unused. Not of an anchor.
+    /// Stores the ease of the block's span. Not for an anchor.
     pub(super) fn keep_ease(&mut self, ease: Ease) {
         let [v, less] = if ease == Ease::NONE { [0; 2] } else { ease.kept() };
         (self.v_reached, self.v_old) = (Planned::of_bits(v), Planned::of_bits(less));
     }
 
-    /// It is no anchor any more.
+    /// Removes the anchor.
     pub(super) fn give_way(&mut self) {
         self.marks.set(Marks::ANCHOR | Marks::FRESH, false);
         self.forget();
     }
 
-    /// No speed is known there, and nothing is left unused.
+    /// Drops the speed at the block's start, and the ease.
     pub(super) fn forget(&mut self) {
         (self.v_reached, self.v_old) = (Planned::NONE, Planned::NONE);
     }
 
-    /// It begins at the speed `v_in`, lower than planned or as planned.
+    /// Sets the start speed `v_in`, at most the planned one.
     #[inline(never)]
     pub(super) fn start_at(&mut self, v_in: Speed) {
         self.v_in = Planned::below(v_in);
@@ -322,7 +325,7 @@ impl Block {
         }
     }
 
-    /// It begins at the planned speed.
+    /// Sets the start speed to the planned one.
     pub(super) fn start_as_planned(&mut self) {
         if self.v_in != self.v_reached {
             self.marks.set(Marks::CHECKED, false);

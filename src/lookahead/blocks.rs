@@ -1,10 +1,10 @@
-//! The places of the blocks, in the order in which blocks leave them.
+//! Memory of the blocks, in the order in which blocks leave.
 use super::block::Block;
 
-/// A ring of blocks that are counted from its front. All bits zero when new, so that it takes no room in flash.
+/// A ring of blocks, counted from its front. All bits are zero when new, so the ring takes no flash.
 pub(super) struct Blocks<const BLOCKS: usize> {
     places: [Block; BLOCKS],
-    /// Where the first block is, below `BLOCKS`, and how many there are.
+    /// Index of the first block, below `BLOCKS`, and number of blocks.
     front: usize,
     len: usize,
 }
@@ -15,7 +15,7 @@ impl<const BLOCKS: usize> Blocks<BLOCKS> {
         Self { places: [Block::BLANK; BLOCKS], front: 0, len: 0 }
     }
 
-    /// Throws away what it holds.
+    /// Drops all blocks.
     pub fn clear(&mut self) {
         (self.front, self.len) = (0, 0);
     }
@@ -30,12 +30,12 @@ impl<const BLOCKS: usize> Blocks<BLOCKS> {
         BLOCKS
     }
 
-    /// Whether there is none.
+    /// Whether the ring is empty.
     pub fn is_empty(&self) -> bool {
         self.len == 0
     }
 
-    /// The place so many behind the front, at most `BLOCKS`.
+    /// The index `by` places behind the front; `by` is at most `BLOCKS`.
     #[cfg_attr(feature = "fast", inline(always))]
     fn place(&self, by: usize) -> usize {
         let at = self.front.wrapping_add(by);
@@ -73,7 +73,7 @@ impl<const BLOCKS: usize> Blocks<BLOCKS> {
         self.get_mut(self.len.wrapping_sub(1))
     }
 
-    /// Appends a block; `false` if there is no room.
+    /// Appends a block. Returns `false` if there is no room.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn push_back(&mut self, block: Block) -> bool {
         if self.len >= BLOCKS {
@@ -86,7 +86,7 @@ impl<const BLOCKS: usize> Blocks<BLOCKS> {
         true
     }
 
-    /// Puts a block in before the first one; `false` if there is no room.
+    /// Inserts a block before the first one. Returns `false` if there is no room.
     pub fn push_front(&mut self, block: Block) -> bool {
         if self.len >= BLOCKS {
             return false;
@@ -98,7 +98,7 @@ impl<const BLOCKS: usize> Blocks<BLOCKS> {
         true
     }
 
-    /// The first block leaves.
+    /// Removes the first block.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn pop_front(&mut self) -> Option<&Block> {
         let at = self.front;
@@ -109,14 +109,14 @@ impl<const BLOCKS: usize> Blocks<BLOCKS> {
         self.places.get(at)
     }
 
-    /// The last block leaves.
+    /// Removes the last block.
     pub fn pop_back(&mut self) -> Option<&Block> {
         let last = self.len.checked_sub(1)?;
         self.len = last;
         self.places.get(self.place(last))
     }
 
-    /// All blocks in two parts, in their order.
+    /// All blocks in order, in two parts.
     pub fn as_slices(&self) -> (&[Block], &[Block]) {
         let [front, back] = self.parts();
         let part = |places: core::ops::Range<usize>| self.places.get(places).unwrap_or_default();
@@ -131,7 +131,7 @@ impl<const BLOCKS: usize> Blocks<BLOCKS> {
         (of_front, before.get_mut(back).unwrap_or_default())
     }
 
-    /// The places of both parts.
+    /// The index ranges of both parts.
     fn parts(&self) -> [core::ops::Range<usize>; 2] {
         let room = BLOCKS.saturating_sub(self.front);
         let first = self.len.min(room);

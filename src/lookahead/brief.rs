@@ -1,36 +1,38 @@
-//! How fast blocks may follow each other: a tick passes at most [`MAX_CURVES_PER_TICK`] of them, which are 32, so
-//! 31 in a row have to take a tick at least. In a small build they are 16, so 15 have to.
+//! How fast blocks may follow each other. A tick passes at most [`MAX_CURVES_PER_TICK`] blocks, which is 32, so
+//! 31 blocks in a row must take at least a tick. In a small build the number is 16, so 15 blocks must take at
+//! least a tick.
 //!
-//! If each of them takes a 31st part of a tick, they do. But then a single block that is far shorter than its
-//! neighbours would bring all of the motion to a crawl. So up to [`MOST_BRIEF`] of 31 in a row may be *brief*: they
-//! take less time than that. Each of the others then takes a 20th part of a tick, as twenty of them are left. (In a
-//! small build up to 5 of 15 are brief, and each of the others takes a 10th part.) A block is brief only where it is
-//! far shorter than the last one that is not, so a chain of equal blocks keeps its 31 in a tick.
+//! If each block takes a 31st part of a tick, the rule holds. But then a single block far shorter than its
+//! neighbours would slow all of the motion to a crawl. So up to [`MOST_BRIEF`] of 31 blocks in a row may be *brief*
+//! and take less time. Each of the other twenty or more blocks then takes a 20th part of a tick. (In a small build
+//! up to 5 of 15 blocks are brief, and each of the others takes a 10th part.) A block is brief only if it is far
+//! shorter than the last block that is not brief. So a chain of equal blocks keeps its 31 blocks per tick.
 use crate::dynamics::OverrideRange;
 use crate::math::float::{max, min};
 use crate::queue::MAX_CURVES_PER_TICK;
 
 /// Blocks that take a tick together.
 const ROW: u32 = MAX_CURVES_PER_TICK - 1;
-/// Brief ones among them at most: a third.
+/// Largest number of brief blocks among them: a third.
 const MOST_BRIEF: u32 = ROW.div_ceil(3);
-/// Lengths per tick where no block of the row is brief, where some are, and of a brief one: of that time
-/// rounding to 2^-36 tick is a 2^-18th part.
+/// Blocks per tick: if no block of the row is brief, if some are, and for a brief block. Rounding to 2^-36
+/// tick is a 2^-18th part of the last time.
 const ALL: f32 = ROW as f32;
 const OTHERS: f32 = (ROW - MOST_BRIEF) as f32;
 const BRIEF: f32 = (1 << 18) as f32;
-/// A brief block is shorter than this part of one that is not.
+/// A brief block is shorter than this part of a block that is not brief.
 const FAR_SHORTER: f32 = 0.125;
-/// The blocks before one that are in its row.
+/// The blocks of a row before the current one.
 const BEFORE: u32 = (1 << (ROW - 1)) - 1;
 
 /// The last blocks.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Row {
-    /// Bit k for the block k before: it is brief; it takes less than the 20th part of a tick, and is not.
+    /// Bit k is for the block k places before. First word: the block is brief. Second word: the block takes
+    /// less than the 20th part of a tick, and is not brief.
     brief: u32,
     quick: u32,
-    /// Length of the last one that is not brief, mm.
+    /// Length of the last block that is not brief, mm.
     length: f32,
 }
 
@@ -43,8 +45,8 @@ impl Row {
         self.brief & 1 != 0
     }
 
-    /// Takes in a block of that length with the speed `v`, planned for a level; what it may have of that.
-    /// `timed`: its speed is given; it is a part of a curve of several ticks.
+    /// Adds a block of this length with the speed `v`, planned for a level, and lowers `v` to the permitted
+    /// speed. `timed`: the speed is fixed, because the block is a part of a curve of several ticks.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn take(
         &mut self,
@@ -54,7 +56,7 @@ impl Row {
         timed: bool,
     ) {
         (self.brief, self.quick) = (self.brief << 1 & BEFORE << 1, self.quick << 1 & BEFORE << 1);
-        // At twice its speed, which is the highest level.
+        // At twice the speed, which is the highest level.
         if length >= (2.0 / OTHERS) * *v {
             self.length = length;
         } else {
@@ -96,7 +98,7 @@ impl Row {
             *override_range = override_range.lowered(*v, level, lengths * length);
             *v = min(*v, lengths * length);
         }
-        // Not nothing: what is divided by it stays finite.
+        // Never zero, so a quotient stays finite.
         self.length = max(self.length, f32::MIN_POSITIVE);
     }
 }

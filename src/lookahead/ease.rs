@@ -1,15 +1,15 @@
-//! Anchors that a gentler law does without.
+//! Removes anchors by a gentler profile.
 //!
-//! A slow block on the way up makes its end an anchor, one on the way down its start: acceleration falls to
-//! zero there and has to be built up again behind it. One law for the spans on both sides may be faster: with
-//! so little acceleration, or deceleration, that it passes the slow block at just its speed, or with the
-//! speed of a slow block as its highest.
+//! A slow block where speed rises makes its end an anchor; a slow block where speed falls makes its start an
+//! anchor. Acceleration falls to zero at the anchor and rises again behind it. One profile for the spans on
+//! both sides may be faster. It uses less acceleration, or less deceleration, so that it passes the slow
+//! block at just that block's speed; or its highest speed is that of the slow block.
 //!
-//! Each anchor is tried once, as soon as the speeds up to the next one are final. The law begins with all
-//! that the blocks permit. Compared with all of them it shows where it is too fast: while it speeds up or
-//! slows down, the secant method finds the largest acceleration, in steps of 2^-8, that keeps that limit; at
-//! its peak, its highest speed is lowered. After a few rounds it keeps all limits, or the anchor stays; as it
-//! does where that law takes longer.
+//! Each anchor is tried once, as soon as the speeds up to the next anchor are final. The profile begins with
+//! all acceleration that the blocks permit, and is compared with every block. If it is too fast while speed
+//! changes, the secant method finds the largest acceleration that keeps the limit, in steps of 2^-8. If it is
+//! too fast at its peak, its highest speed is lowered. After a few rounds the profile keeps all limits, or
+//! the anchor stays. The anchor also stays if the profile takes longer.
 use super::block::Marks;
 use super::law::{Law, RISE, Span};
 use super::plan::spend;
@@ -22,7 +22,7 @@ use crate::quantity::{DISTANCE_LSB, Speed, speed_f32};
 use crate::slope::limits::Limits;
 
 impl Limits {
-    /// Uses less than permitted.
+    /// Lowers the limits by an ease.
     pub(super) fn ease(&mut self, ease: Ease) {
         let ([up, down], v) = ease.parts();
         self.a_up *= up;
@@ -32,11 +32,11 @@ impl Limits {
     }
 }
 
-/// How much less than permitted a span uses. Kept in the second block of the span, where an anchor would have
-/// its speed.
+/// The margin below its limits that a span keeps. Kept in the second block of the span, in the memory that an
+/// anchor uses for its speed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Ease {
-    /// Of acceleration and of deceleration, LSB 2^-8.
+    /// Margins of acceleration and of deceleration, LSB 2^-8.
     less: [u8; 2],
     /// Highest speed.
     v: f32,
@@ -46,13 +46,13 @@ impl Ease {
     /// The span uses all of its limits.
     pub const NONE: Self = Self { less: [0; 2], v: f32::MAX };
 
-    /// The ease that was kept as these two numbers.
+    /// The ease from its two kept numbers.
     pub fn of([v, less]: [u32; 2]) -> Self {
         let [up, down, ..] = less.to_le_bytes();
         Self { less: [up, down], v: f32::from_bits(v) }
     }
 
-    /// The bits in which it is kept in a block; the second word is not zero.
+    /// The ease as two numbers for a block. The second number is not zero.
     pub fn kept(self) -> [u32; 2] {
         let [up, down] = self.less;
         [self.v.to_bits(), u32::from_le_bytes([up, down, 0, 1])]
@@ -63,63 +63,63 @@ impl Ease {
         Self { v: if self.v < f32::MAX { self.v * part } else { self.v }, ..self }
     }
 
-    /// The parts of acceleration and deceleration that are used, and the highest speed.
+    /// The used parts of acceleration and deceleration, and the highest speed.
     pub fn parts(self) -> ([f32; 2], f32) {
         (self.less.map(|less| 1.0 - f32::from(less) * (1.0 / 256.0)), self.v)
     }
 }
 
-/// The least acceleration used: a sixteenth.
+/// Largest margin: a sixteenth of the acceleration is used.
 const MOST: u8 = 240;
-/// Blocks per step that are only counted, and that are compared with a law.
+/// Blocks per step: those that are only counted, and those that are compared with a profile.
 const WALK: usize = 32;
 const STEPS: usize = 8;
-/// Work of a step that looks for an anchor, and of any other, LSB about 32 instructions.
+/// Work of a step that searches an anchor, and of any other step, LSB about 32 instructions.
 const SEEK: usize = 20;
 pub(super) const TRIAL: usize = 120;
-/// Laws that are kept, a power of 2; nothing is known.
+/// Number of kept profiles, a power of 2; and the mark for none.
 const KNOWN: usize = 4;
 const UNKNOWN: (usize, f32, f32) = (usize::MAX, 0.0, 0.0);
-/// Laws per step.
+/// Profiles per step.
 const LAWS: usize = 4;
-/// Blocks for which the acceleration is lowered, at most.
+/// Largest number of rounds that lower the acceleration for a block.
 pub(super) const ROUNDS: u8 = 4;
 /// Longest span made of two, as a part of the ring.
 const PART: usize = 2;
-/// Less is no gain.
+/// Above this ratio of times there is no gain.
 pub(super) const GAIN: f32 = 1.0 - 1.0 / 65_536.0;
 
-/// A limit that a law exceeds while its speed changes.
+/// A limit that a profile exceeds while its speed changes.
 #[derive(Clone, Copy, Debug)]
 struct Excess {
-    /// Its distance from the end of the span where that change of speed begins, or ends.
+    /// Distance of the limit from the end of the span where that change of speed begins or ends.
     way: f32,
-    /// The speed it permits.
+    /// The permitted speed.
     v: f32,
-    /// The acceleration that leaves, twice, without the ramps.
+    /// Twice the acceleration that keeps the limit, without the ramps.
     a: f32,
-    /// The change of speed up to there, and how far beyond it is met: negative.
+    /// The change of speed up to the limit. The second value is the excess distance, negative.
     dv: f32,
     margin: f32,
 }
 
-/// What to do next.
+/// The next step.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Step {
-    /// Look for the next anchor to try, from block `next` on.
+    /// Search the next anchor to try, from block `next` on.
     Seek,
-    /// Take in the blocks of both spans.
+    /// Collect the blocks of both spans.
     Gather,
-    /// Compare the law with the blocks.
+    /// Compare the profile with the blocks.
     Compare,
-    /// Search the acceleration (0) or deceleration (1) for the worst limit: [`Ease::less`] is too little with
-    /// the first number, enough with the second. What is tried next, if that is known.
+    /// Search the acceleration (0) or deceleration (1) for the worst limit. [`Ease::less`] is too small with
+    /// the first number, large enough with the second. The last field is the next trial, if known.
     Search(usize, [u8; 2], Option<u8>),
-    /// The anchor stays where it is, unless it becomes a valley: see [`super::valley`].
+    /// The anchor stays in its place, unless it becomes a valley: see [`super::valley`].
     Valley(valley::Step),
 }
 
-/// Tries to do without one anchor after the other, from the front to the last one whose speed is final.
+/// Tries to remove one anchor after the other, from the front to the last anchor with a final speed.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Trial {
     pub step: Step,
@@ -130,24 +130,24 @@ pub(super) struct Trial {
     pub cursor: Place,
     /// The last anchor with a final speed.
     pub last: usize,
-    /// Both spans; later the first of them is the joined one.
+    /// Both spans. Later the first one is the joined span.
     pub spans: [Span; 2],
     /// Speeds at their ends.
     pub speeds: [Speed; 3],
-    /// Time of the plan as it is.
+    /// Time of the current plan.
     pub time: f32,
     pub ease: Ease,
     pub law: Law,
     pub search: Search,
     pub fit: Fit,
-    /// Laws of spans as they are planned: first block, highest speed, time. At the remainder of the first
-    /// block's number.
+    /// Kept profiles of planned spans: first block, highest speed, time. The index is the remainder of the
+    /// first block's number.
     known: [(usize, f32, f32); KNOWN],
-    /// Only anchors that are slower than they may be.
+    /// Only anchors whose speed is below their limit.
     first: bool,
 }
 
-/// A block that is looked at.
+/// A block under comparison.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Place {
     pub next: usize,
@@ -155,21 +155,21 @@ pub(super) struct Place {
     pub way: i64,
 }
 
-/// The search for what a law may use.
+/// The search for the limits that a profile may use.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Search {
-    /// The worst limits that the law exceeds while it speeds up, and while it slows down.
+    /// The worst limits that the profile exceeds while speed rises, and while speed falls.
     worst: [Option<Excess>; 2],
-    /// What was tried last, and the margin of that.
+    /// The last trial, and its margin.
     point: [f32; 2],
-    /// Rounds that are left.
+    /// Remaining rounds.
     pub rounds: u8,
 }
 
-/// A law that is fitted to the blocks of one span.
+/// A profile that is fitted to the blocks of one span.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Fit {
-    /// Length of the profile before its first block, LSB 2^-44 mm.
+    /// Length of the profile before the first block, LSB 2^-44 mm.
     pub head: i64,
     /// Whether the span belongs to a valley.
     pub fitting: bool,
@@ -199,8 +199,8 @@ impl Trial {
         Self { last, ..Self::NONE }
     }
 
-    /// The law of both spans with the acceleration of `ease`; `None` if it does not reach the speed at the
-    /// end. That stays as it is: what follows relies on it.
+    /// The profile of both spans with the acceleration of `ease`; `None` if it does not reach the speed at
+    /// the end. The end speed stays, because later blocks rely on it.
     fn law(&self, ease: Ease) -> Option<Law> {
         let [v_in, _, v_end] = self.speeds;
         let mut span = self.spans[0];
@@ -208,12 +208,12 @@ impl Trial {
         span.joins(v_in, v_end).then(|| Law::new(&span, v_in, v_end, true))
     }
 
-    /// The plan has changed.
+    /// Drops the kept profiles, because the plan has changed.
     pub fn forget(&mut self) {
         self.known = [UNKNOWN; KNOWN];
     }
 
-    /// Begins to compare a law with all blocks.
+    /// Begins to compare a profile with all blocks.
     fn compare(&mut self, law: Law) {
         self.step = Step::Compare;
         self.law = law;
@@ -223,8 +223,8 @@ impl Trial {
 }
 
 impl Excess {
-    /// That of the limit `v` between two distances, and whether it is one of the slowing down; `None` where
-    /// less acceleration is no help.
+    /// The excess over the limit `v` between two distances, and its side: 0 speed rises, 1 speed falls.
+    /// `None` if less acceleration does not help.
     fn new(law: &mut Law, v: f32, [from, to]: [f32; 2], length: f32) -> Option<(usize, Self)> {
         let [v_in, v_out] = law.ends();
         let (side, way, low, at) = if to <= law.reaches_at() {
@@ -240,8 +240,9 @@ impl Excess {
 }
 
 impl Excess {
-    /// [`Ease::less`] with which the limit is just kept, about: without the ramp at the higher speed, and as
-    /// if the mean speed were that of both ends. With jerk j and time t, a t − a²/(2j) = dv.
+    /// Approximate [`Ease::less`] that just keeps the limit. The guess leaves out the ramp at the higher
+    /// speed, and takes the mean of both end speeds as mean speed. With jerk j and time t, a t − a²/(2j) =
+    /// dv.
     fn guess(&self, limits: &Limits, side: usize) -> u8 {
         let (a, j) = if side == 0 { (limits.a_up, limits.jerk(0)) } else { (limits.a_down, limits.jerk(3)) };
         let t = 2.0 * self.dv / self.a;
@@ -252,7 +253,7 @@ impl Excess {
 }
 
 impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
-    /// Some steps of a trial; `true` when all are done.
+    /// Does some steps of a trial. Returns `true` when all anchors are tried.
     #[inline(never)]
     pub(super) fn trials(&mut self, pass: &mut Trial, valley: &mut Valley, work: &mut usize) -> bool {
         while *work > 0 {
@@ -272,7 +273,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         false
     }
 
-    /// What the span leaves unused that begins with this block.
+    /// The ease of the span that begins with this block.
     #[cfg_attr(feature = "fast", inline(always))]
     pub(super) fn ease(&self, from: usize) -> Ease {
         match self.blocks.get(from + 1) {
@@ -281,7 +282,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         }
     }
 
-    /// The span that begins with this block gets no faster than that.
+    /// Limits the highest speed of the span that begins with this block.
     pub(super) fn lower_peak(&mut self, from: usize, v: f32) {
         let mut ease = self.ease(from);
         ease.v = v;
@@ -290,7 +291,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         }
     }
 
-    /// Goes on to the next anchor that may be tried; `true` if there is none.
+    /// Moves on to the next anchor to try. Returns `true` if there is none.
     fn seek(&mut self, pass: &mut Trial, valley: &mut Valley) -> bool {
         for _ in 0..WALK {
             if pass.cursor.next >= pass.last && core::mem::take(&mut pass.first) {
@@ -324,7 +325,8 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         false
     }
 
-    /// Whether the span that begins with this block keeps the limits of all its blocks, as fast as it may be.
+    /// Whether the span that begins with this block keeps the limits of all its blocks at the highest
+    /// possible speed.
     pub(super) fn is_planned(&self, k: usize) -> bool {
         self.blocks.get(k).is_some_and(|block| block.is(Marks::CHECKED) && !block.is(Marks::FLAT))
     }
@@ -338,7 +340,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         }
     }
 
-    /// The anchor stays.
+    /// Keeps the anchor.
     fn keep_anchor(&mut self, pass: &mut Trial) {
         if self.blocks.get(pass.at).is_some_and(|block| block.may_have_valleys()) {
             if pass.first && !pass.fit.fitting {
@@ -353,7 +355,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         self.pass_anchor(pass);
     }
 
-    /// Goes on behind the anchor, which is not tried again.
+    /// Moves on behind the anchor, which is not tried again.
     pub(super) fn pass_anchor(&mut self, pass: &mut Trial) {
         if let Some(block) = self.blocks.get_mut(pass.at) {
             block.joint.close();
@@ -364,7 +366,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         pass.step = Step::Seek;
     }
 
-    /// Takes in the blocks of both spans.
+    /// Collects the blocks of both spans.
     fn gather(&mut self, pass: &mut Trial) {
         for _ in 0..WALK {
             match self.blocks.get(pass.cursor.next) {
@@ -380,7 +382,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         }
     }
 
-    /// Both spans are known, the second one ends at block `next`.
+    /// Starts the comparison: both spans are known, and the second one ends at block `next`.
     fn weigh(&mut self, pass: &mut Trial) {
         let to = pass.cursor.next;
         pass.to = to;
@@ -392,7 +394,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         let (before, time) = self.law_of(pass, pass.from, first, [speeds[0], speeds[1]]);
         let (behind, time_behind) = self.law_of(pass, pass.at, second, [speeds[1], speeds[2]]);
         let v = speed_f32(speeds[1].to_bits()) * RISE;
-        // Unless it could be faster than planned, for what lies before a valley.
+        // Unless the anchor could be faster than planned, for the part before a valley.
         let slow = self.blocks.get(pass.at).is_some_and(|at| at.may_have_valleys() && at.cap() > v);
         if before > v && behind > v && !slow {
             return self.keep_anchor(pass);
@@ -405,7 +407,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         self.try_law(pass);
     }
 
-    /// Highest speed and time of the span that begins with the block `from`, as it is planned.
+    /// Highest speed and time of the planned profile of the span that begins with the block `from`.
     pub(super) fn law_of(
         &self,
         pass: &mut Trial,
@@ -422,7 +424,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         (known.1, known.2)
     }
 
-    /// The law with the acceleration at hand, if it gains anything, against all blocks.
+    /// Compares the profile with the current acceleration with all blocks, if it saves time.
     pub(super) fn try_law(&mut self, pass: &mut Trial) {
         match pass.law(pass.ease) {
             Some(law) if law.time() < pass.time => pass.compare(law),
@@ -430,7 +432,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         }
     }
 
-    /// Compares the law with some of the blocks.
+    /// Compares the profile with some of the blocks.
     fn compare(&mut self, pass: &mut Trial, valley: &mut Valley) {
         let length = to_f32(pass.spans[0].length) * DISTANCE_LSB;
         for _ in 0..STEPS {
@@ -459,7 +461,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         }
     }
 
-    /// The peak lies in a block of that speed.
+    /// Lowers the highest speed, because the peak lies in a block of this speed.
     fn slow_peak(&mut self, pass: &mut Trial, v: f32) {
         let ends = pass.speeds[0].max(pass.speeds[2]);
         if pass.search.rounds == 0 || v < speed_f32(ends.to_bits()) {
@@ -470,7 +472,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         self.try_law(pass);
     }
 
-    /// All blocks are compared.
+    /// Evaluates the comparison with all blocks.
     fn compared(&mut self, pass: &mut Trial, valley: &mut Valley) {
         let [up, down] = pass.search.worst;
         if up.is_none() && down.is_none() {
@@ -487,7 +489,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         pass.step = Step::Search(side, [less, MOST], Some(worst.guess(&pass.spans[0].limits, side)));
     }
 
-    /// Some steps of the search.
+    /// Does some steps of the search.
     fn search(
         &mut self,
         pass: &mut Trial,
@@ -508,7 +510,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             let less = first.take().unwrap_or(fast + (slow - fast) / 2).max(fast + 1).min(slow - 1);
             let mut ease = pass.ease;
             ease.less[side & 1] = less;
-            // Where it does not get as fast as planned, it keeps the limit.
+            // If the profile does not reach the planned speed, it keeps the limit.
             let margin = pass.law(ease).map_or(f32::MAX, |mut law| law.margin(v, at));
             if margin == f32::MAX {
                 slow = less;
@@ -519,21 +521,21 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             if margin >= 0.0 {
                 slow = less;
                 if margin < per_step {
-                    // With one step less it would be too fast.
+                    // With a margin one step smaller the profile would be too fast.
                     fast = less - 1;
                 }
             } else {
                 fast = less;
             }
-            // Where the secant is zero, from above.
+            // The root of the secant, rounded up.
             let root = f32::from(less) - margin / per_step;
             first = (root > 0.0 && root < f32::from(MOST)).then(|| root as u8 + 1);
         }
         pass.step = Step::Search(side, [fast, slow], first);
     }
 
-    /// The span that begins with the anchor `block` is another one, and the speed planned at its end `v_out`:
-    /// what that permits at its start.
+    /// Renews the plan: the span that begins with the anchor `block` has changed, and its planned end speed
+    /// is `v_out`. Computes the permitted start speed.
     pub(super) fn renew(&mut self, block: usize, span: &Span, v_out: Speed) {
         let cap = self.blocks.get(block).map_or(0.0, |block| block.cap());
         if block > 0
@@ -544,7 +546,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         }
     }
 
-    /// The law keeps all limits, and is faster.
+    /// Removes the anchor: the profile keeps all limits and is faster.
     fn do_without(&mut self, pass: &mut Trial) {
         let to = pass.to;
         pass.known[pass.at % KNOWN] = UNKNOWN;
@@ -558,7 +560,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         let mut span = pass.spans[0];
         span.limits.ease(pass.ease);
         self.renew(pass.from, &span, pass.speeds[2]);
-        // What the second span said no longer holds.
+        // The marks of the second span are no longer valid.
         if pass.at + 1 < to
             && let Some(second) = self.blocks.get_mut(pass.at + 1)
         {
@@ -567,7 +569,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         if let Some(second) = self.blocks.get_mut(pass.from + 1) {
             second.keep_ease(pass.ease);
         }
-        // It gets no faster there, although the new law might.
+        // The span gets no faster there, although the new profile might.
         if let Some(end) = self.blocks.get_mut(to) {
             end.v_in = end.v_reached;
         }

@@ -1,21 +1,21 @@
-//! How much of the ring may leave while it is not known what follows (feature `plc`).
+//! How much of the ring may be released while the following blocks are unknown (feature `plc`).
 use super::block::{Block, Marks};
 use super::law::length_mm;
 use super::ring::Ring;
 use crate::math::float::min;
 
-/// Ways to a standstill that have to be known at the end: the transition behind the last block may take a part of its
-/// limits.
+/// Number of braking distances that must be known at the end: the transition behind the last block may take a part of
+/// its limits.
 pub const WAYS: f32 = 2.0;
 
-/// Spans looked at in one call: each of them costs about as much as a block of the plan.
+/// Spans per call. Each span costs about as much as a block of the plan.
 const SPANS: usize = 48;
 
 impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
-    /// Whether a plan of now hands on its first blocks as fast as a longer path would let them be.
+    /// Whether the current plan releases its first blocks as fast as a longer path would permit.
     ///
-    /// From the end to the front it follows two speeds: that of a stop at the end, and that of a path that goes on. Where
-    /// they meet, the end does not matter any more.
+    /// From the end to the front the function follows two speeds: that of a stop at the end, and that of a path that
+    /// continues. In front of the point where both meet, the end does not matter.
     pub fn is_long_enough(&self) -> bool {
         let (batch, mut end) = (self.batch(), self.blocks.len());
         let (mut speeds, mut part) = ([0.0, f32::MAX], 1.0 / WAYS);
@@ -48,7 +48,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         false
     }
 
-    /// The last block is a part of the curve of the one before it.
+    /// Marks that the last block is a part of the curve of the block before.
     pub(crate) fn continue_last(&mut self) {
         if let Some(block) = self.blocks.back_mut() {
             block.go_on();

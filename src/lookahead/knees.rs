@@ -1,18 +1,18 @@
 //! Knees of one axis that may show within one tick.
 //!
-//! A second difference of set points shows a step of speed with a weight that falls from 1 to 0 within a
-//! tick on either side of it. Steps that are a tick apart or more therefore never show more than the largest of them.
-//! Steps closer than that add up as far as they have one sign; steps of opposite sign show less than either.
+//! A second difference of set points shows a step of speed with a weight that falls from 1 to 0 within a tick on
+//! either side of the step. Steps that are a tick apart or more therefore never show more than the largest of them.
+//! Closer steps add up if they have the same sign; steps of opposite sign show less than either.
 //!
-//! Two knees are that close where the block between them takes less than a tick. Speed at a knee alone does not
-//! tell: a block that begins and ends slowly may be quick in between, if the axes that move in it have the
-//! jerk. Such a block is *short* here. The steps of all knees with short blocks between them are added up, per axis and
-//! sign. As long as their sum is within what one knee of the axis may take, nothing changes. The first short
-//! block that would exceed it is passed with no more than its length per tick. It then takes a tick, and the
-//! sum begins anew behind it.
+//! Two knees are that close if the block between them takes less than a tick. The speed at a knee alone does not show
+//! this: a block that begins and ends slowly may be quick in between, if its axes have the jerk. In this file such a
+//! block is *short*. The planner adds up the steps of all knees with short blocks between them, per axis and sign.
+//! While the sum is within the limit of one knee of the axis, nothing changes. The first short block that would exceed
+//! the limit is passed at no more than its length per tick. This block then takes a tick, and the sum begins anew
+//! behind it.
 //!
-//! A short block that is entered faster than that cannot be made to take a tick any more. Its end is passed only as fast
-//! as the knee at its start leaves room for.
+//! If the motion enters a short block faster than that, the block cannot take a tick any more. Then the speed at its
+//! end is limited to what the knee at its start leaves.
 //!
 //! STEP has its own rule ([`Dynamics::transition`]).
 use super::append::Last;
@@ -22,23 +22,24 @@ use crate::math::float::{max, min};
 use crate::nc::SlopeType;
 use crate::path::End;
 
-/// A block between two knees takes less than a tick only if it is shorter than that part of its jerk, or begins
-/// or ends with more than a third of its length per tick, where a knee has a fourth of its part at most. From a
-/// third of its length per tick it goes a third of it in a tick, and a 32nd part of its jerk.
+/// A block between two knees takes less than a tick only in two cases. Either it is shorter than this part of
+/// its jerk, or its end speed is above a third of its length per tick, where a knee has at most a fourth of its
+/// part. At a third of its length per tick the motion covers in a tick a third of the length, and a 32nd part
+/// of the jerk.
 const SHORT: f32 = 0.05;
 
 /// Rounding of a speed at a knee, in `f32`.
 const ROUNDED: f32 = 1.0 + 1.0 / 1_048_576.0;
 
-/// The level of the override may rise by so much between two blocks.
+/// The override level may rise by this factor between two blocks.
 const RISES: f32 = 2.0;
 
-/// Steps of speed of every axis at the last knees that may show together, mm/tick: upward, downward.
+/// Steps of speed of every axis at the last knees that may show together, mm/tick: up, down.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Steps<const AXES: usize> {
     up: [f32; AXES],
     down: [f32; AXES],
-    /// There are some.
+    /// Whether there is any step.
     any: bool,
 }
 
@@ -48,15 +49,15 @@ pub(super) struct Between<'a, const AXES: usize> {
     pub block: &'a mut Block,
     /// Speed at 100 %, or at the planned override if that is higher, mm/tick.
     pub full: f32,
-    /// Level of all speeds.
+    /// Level of all planned speeds.
     pub level: f32,
 }
 
-/// The knee behind it, and the block that comes in there.
+/// The knee behind the block, and the new block.
 pub(super) struct Knee<'a, const AXES: usize> {
     pub entry: &'a End<AXES>,
     pub rapid: bool,
-    /// Length of that block, mm.
+    /// Length of the new block, mm.
     pub room: f32,
     /// Speed at 100 %, or at the planned override if that is higher, mm/tick.
     pub full: f32,
@@ -66,14 +67,14 @@ impl<const AXES: usize> Steps<AXES> {
     /// No steps.
     pub const NONE: Self = Self { up: [0.0; AXES], down: [0.0; AXES], any: false };
 
-    /// Starts anew: the next knee falls into one tick with none before it.
+    /// Clears the sums: the next knee does not share a tick with any knee before.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn clear(&mut self) {
         self.any = false;
     }
 
-    /// Speed at which a knee may be passed together with the knees before it. Alone it may be passed with `v` mm/tick,
-    /// at any override.
+    /// Speed at which the motion may pass a knee together with the knees before. Alone the knee may be passed at `v`
+    /// mm/tick, at any override.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn beside(
         &mut self,
@@ -90,7 +91,7 @@ impl<const AXES: usize> Steps<AXES> {
         v
     }
 
-    /// As [`Self::beside`], where the block before or behind it may take less than a tick.
+    /// As [`Self::beside`], if the block before or after the knee may take less than a tick.
     #[cold]
     #[inline(never)]
     fn take(
@@ -116,7 +117,7 @@ impl<const AXES: usize> Steps<AXES> {
         }
         let v = part * v;
         if is_quick {
-            // What was passed before its start has a part of its own.
+            // Knees before the block's start have a tick of their own.
             self.begin(&between.last.exit, entry, v);
         } else {
             self.add(&between.last.exit, entry, v);
@@ -124,7 +125,8 @@ impl<const AXES: usize> Steps<AXES> {
         v
     }
 
-    /// The part of the speed `v` at which no axis' steps of one sign are more than what one knee may take; at most 1.
+    /// The factor for the speed `v`, at most 1, at which no axis exceeds the limit of one knee in any
+    /// direction.
     fn part(
         &self,
         exit: &End<AXES>,
@@ -136,7 +138,8 @@ impl<const AXES: usize> Steps<AXES> {
         for (k, (up, down)) in self.up.iter().zip(&self.down).enumerate() {
             let step = v * exit.turn(entry, k);
             let (before, step) = if step > 0.0 { (*up, step) } else { (*down, -step) };
-            // A knee that takes all of it may be more by rounding: what is next to nothing passes beside it.
+            // A knee that uses all of the limit may exceed it by rounding: a negligible step is still
+            // permitted beside it.
             let left = max(ROUNDED * dynamics.knee(k, rapid) - before, 0.0);
             if before > 0.0 && left < part * step {
                 part = left / step;
@@ -159,8 +162,8 @@ impl<const AXES: usize> Steps<AXES> {
 }
 
 impl<const AXES: usize> Between<'_, AXES> {
-    /// The block is passed with no more than its length per tick, at any override; `false`, and nothing has changed,
-    /// where it is entered faster, or with acceleration.
+    /// Lowers the speed of the block to its length per tick, at any override. Returns `false` and changes nothing if
+    /// the motion enters the block faster, or with acceleration.
     fn take_a_tick(&mut self) -> bool {
         let Self { last, block, full, level } = self;
         let range = block.override_range.lowered(*full, max(*level, 1.0), last.length);

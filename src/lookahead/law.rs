@@ -1,4 +1,4 @@
-//! Spans of blocks, and the law of one: from one speed up to a peak and down to another.
+//! Spans of blocks, and the speed profile of a span: from one speed up to a peak and down to another speed.
 use super::block::{Block, Marks};
 use super::planned::settled;
 use crate::dynamics::Share;
@@ -8,18 +8,18 @@ use crate::slope::limits::Limits;
 use crate::slope::profile::peak_above;
 use crate::slope::ramp::Ramp;
 
-/// Blocks without an anchor between them.
+/// Consecutive blocks without an anchor between them.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Span {
     /// Path length, LSB 2^-44 mm.
     pub length: i64,
-    /// Limits that all blocks permit, with the highest of their speeds.
+    /// Limits that all blocks permit, with the highest of the block speeds.
     pub limits: Limits,
-    /// The speed at its start may have been planned for another end speed.
+    /// Whether the speed at the span's start may have been planned for another end speed.
     pub kept: bool,
 }
 
-/// The law of a span: from one speed up to a peak and down to another.
+/// The speed profile of a span: from one speed up to a peak and down to another speed.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Law {
     up: Ramp,
@@ -28,19 +28,19 @@ pub(super) struct Law {
     v_out: f32,
     peak: f32,
     length: f32,
-    /// The slowing down is final.
+    /// Whether the braking is final.
     firm: bool,
-    /// The limit asked for last, where it is reached and where it is left.
+    /// The limit of the last query, and the distances where the profile reaches and leaves it.
     asked: [f32; 3],
 }
 
 /// Steps of the search for an end speed.
 const LEAVE_STEPS: usize = 24;
 
-/// Less is no rise of speed.
+/// Below this ratio of speeds there is no rise.
 pub(super) const RISE: f32 = 1.0 + 1.0 / 1024.0;
 
-/// A distance in a span is good to this part of its length.
+/// Accuracy of a distance in a span, as a part of the span's length.
 const DISTANCE: f32 = 1.0 / 1_048_576.0;
 
 impl Span {
@@ -48,7 +48,7 @@ impl Span {
     pub const NONE: Self = Self { length: 0, limits: Limits::WIDEST, kept: false };
 
     #[cfg_attr(feature = "fast", inline(always))]
-    /// Takes in a block. `share`: blocks may follow it, and their transition may need its part.
+    /// Adds a block. `share`: more blocks may follow, and their transition may need its part of the limits.
     pub fn add(&mut self, block: &Block, share: Option<&Share>) {
         match share {
             None if self.length == 0 => self.limits = block.limits(),
@@ -59,7 +59,7 @@ impl Span {
         self.length += block.length;
     }
 
-    /// The limits of the last block of the ring.
+    /// Adds the limits of the last block of the ring.
     #[inline(never)]
     fn add_last(&mut self, block: &Block, share: &Share) {
         let limits = block.limits_by_call().shared(share);
@@ -79,7 +79,7 @@ impl Span {
         self.length += length;
     }
 
-    /// Loses a piece at an end.
+    /// Removes a piece at an end.
     pub fn shorten(&mut self, length: i64) {
         self.kept = true;
         self.length -= length;
@@ -100,15 +100,15 @@ impl Span {
         faster(ramp, self.millimetres(), low, cap)
     }
 
-    /// Highest speed at its start, at most `cap`, from which it can slow down to `v_out`. What it leaves
-    /// unused may lower its highest speed below `cap`.
+    /// Highest speed at the span's start, at most `cap`, from which the span can brake to `v_out`. The ease
+    /// of the span may lower its highest speed below `cap`.
     pub fn enter(&self, v_out: Speed, cap: f32) -> Speed {
         let mut room = None;
         let limits = self.limits.near(v_out, &mut room);
         self.faster(&limits.brake(), v_out, min(cap, limits.v))
     }
 
-    /// Highest speed at its end, at most `next`; `None` if it is too short to stop.
+    /// Highest speed at the span's end, at most `next`; `None` if the span is too short to stop.
     pub fn leave(&self, v_in: Speed, next: Speed) -> Option<Speed> {
         leave(&self.limits, self.length, self.kept, v_in, next)
     }
@@ -148,12 +148,12 @@ impl Law {
         Self { up, down, v_in, v_out, peak, length: span.millimetres(), firm, asked: [f32::MAX; 3] }
     }
 
-    /// Whether its slowing down is final.
+    /// Whether the braking is final.
     pub fn is_firm(&self) -> bool {
         self.firm
     }
 
-    /// Speeds at both ends.
+    /// Speeds at both ends of the span.
     pub fn ends(&self) -> [f32; 2] {
         [self.v_in, self.v_out]
     }
@@ -170,17 +170,17 @@ impl Law {
         self.up.time(gained) + self.down.time(lost) + max(self.length - way, 0.0) / self.peak
     }
 
-    /// Distance at which acceleration ends.
+    /// Distance at which the gain of speed ends.
     pub fn reaches_at(&self) -> f32 {
         self.up.distance(self.v_in, self.peak - self.v_in)[0]
     }
 
-    /// Distance at which braking begins.
+    /// Distance at which the braking begins.
     pub fn brakes_at(&self) -> f32 {
         self.length - self.down.distance(self.v_out, self.peak - self.v_out)[0]
     }
 
-    /// Whether its end is slower than its peak.
+    /// Whether the end speed is below the peak.
     pub fn slows_down(&self) -> bool {
         self.peak > self.v_out * RISE
     }
@@ -219,9 +219,9 @@ impl Law {
     }
 }
 
-/// Highest speed at the end of a span, at most `next`, that can be reached from `v_in`; `None` if it is too
-/// short even for a standstill. One that can be planned ([`super::planned`]), or `v_in`. `kept`: the speed at its
-/// start may have been planned for another end speed.
+/// Highest speed at the end of a span, at most `next`, that can be reached from `v_in`; `None` if the span is too
+/// short even for a stop. The result is a speed that can be stored ([`super::planned`]), or `v_in`. `kept`: the
+/// speed at the span's start may have been planned for another end speed.
 #[cfg_attr(feature = "fast", inline(always))]
 pub(super) fn leave(limits: &Limits, length: i64, kept: bool, v_in: Speed, next: Speed) -> Option<Speed> {
     let length = to_f32(length) * DISTANCE_LSB;
@@ -232,14 +232,14 @@ pub(super) fn leave(limits: &Limits, length: i64, kept: bool, v_in: Speed, next:
         if v >= next {
             return Some(next);
         }
-        // Not below the speed that it is entered with: there may be no room for less.
+        // Not below the start speed: there may be no room for a lower one.
         return Some(if v > v_in { settled(v).max(v_in) } else { v });
     }
     if kept { slow_down(limits, length, v_in, next) } else { Some(next) }
 }
 
-/// Speed at the end of a span that is entered at `v_in` and slows down: `next`, or the highest lower one that
-/// its length permits. `None` if there is none.
+/// Speed at the end of a span that starts at `v_in` and brakes: `next`, or the highest lower speed that the
+/// length permits. `None` if there is none.
 #[inline(never)]
 fn slow_down(limits: &Limits, length: f32, v_in: Speed, next: Speed) -> Option<Speed> {
     let brake = limits.loose_brake();
@@ -247,7 +247,7 @@ fn slow_down(limits: &Limits, length: f32, v_in: Speed, next: Speed) -> Option<S
     if possible(next) {
         return Some(next);
     }
-    // The speed was planned with a lower one here, where slowing down is quicker.
+    // The start speed was planned with a lower end speed, to which braking is quicker.
     let (mut low, mut high) = (0, next.to_bits());
     for _ in 0..LEAVE_STEPS {
         let middle = settled(Speed::from_bits(low + (high - low) / 2)).to_bits();
@@ -261,13 +261,13 @@ fn slow_down(limits: &Limits, length: f32, v_in: Speed, next: Speed) -> Option<S
     (low > 0 || possible(v_out)).then_some(v_out)
 }
 
-/// Highest speed at the start of a span, at most `v_in`, from which it can slow down to `v_out`.
+/// Highest speed at the start of a span, at most `v_in`, from which the span can brake to `v_out`.
 pub(super) fn enter(limits: &Limits, length: i64, v_out: Speed, v_in: Speed) -> Speed {
     let gain = ramp_gain(&limits.loose_brake(), v_out, to_f32(length) * DISTANCE_LSB);
     Speed::from_bits(v_out.to_bits().saturating_add(gain)).min(v_in)
 }
 
-/// Whether a span is long enough to slow down from `v_in` to `v_out`.
+/// Whether a span is long enough to brake from `v_in` to `v_out`.
 pub(super) fn can_leave(limits: &Limits, length: i64, v_in: Speed, v_out: Speed) -> bool {
     loses(&limits.loose_brake(), to_f32(length) * DISTANCE_LSB, v_in, v_out)
 }
@@ -277,11 +277,10 @@ fn loses(brake: &Ramp, length: f32, v_in: Speed, v_out: Speed) -> bool {
     v_out.to_bits().saturating_add(gain).saturating_add(gain >> 21) >= v_in.to_bits()
 }
 
-/// Highest speed, at most `cap`, from which a ramp leads to `low` within a length in mm, or the other way
-/// round.
+/// Highest speed, at most `cap`, from which a ramp leads to `low` within a length in mm, or vice versa.
 ///
-/// The change itself is rounded, not the speed: at high speed over short blocks it is far below the speed's
-/// LSB in `f32`.
+/// The change of speed is rounded, not the speed. At high speed over short blocks the change is far below the
+/// speed's LSB in `f32`.
 #[cfg_attr(feature = "fast", inline(always))]
 pub(super) fn faster(ramp: &Ramp, length: f32, low: Speed, cap: f32) -> Speed {
     let cap = speed_bits(cap);

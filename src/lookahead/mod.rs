@@ -1,34 +1,35 @@
 //! The look-ahead: a ring of blocks, and the speed at each transition between two blocks.
 //!
-//! Two rules give the speeds, both for the slope with zero acceleration at the ends of a block:
+//! Two rules give the speeds. Both rules use profiles with zero acceleration at the ends of a block:
 //!
-//! - Backward, from a stop at the end of the ring: a block may be entered at the speed from which it can brake to its end
-//!   speed within its length. So the plan always stops inside the ring.
-//! - Forward, when a block leaves the ring: its end speed is at most the speed to which it can accelerate from its start
-//!   speed.
+//! - Backward, from a stop at the end of the ring: the start speed of a block is at most the speed from which the block
+//!   can brake to its end speed within its length. So the plan always stops inside the ring.
+//! - Forward, when the ring releases a block: the end speed is at most the speed that the block can reach from its
+//!   start speed.
 //!
-//! A higher end speed may lower the start speed that the first rule permits. The start speed planned before then stays, and
-//! the end speed is lowered when the block leaves the ring.
+//! A higher end speed may lower the start speed that the first rule permits. The earlier planned start speed then
+//! stays, and the end speed is lowered when the ring releases the block.
 //!
-//! Acceleration may pass a transition with HSC. With TRAPEZ and SIN2 it may pass if the transition is tangential and both
-//! blocks have the same limits, as in a circle of several arcs, or if both are elements of one curve. The blocks on both
-//! sides then belong to one *span*: one speed profile runs across them. Transitions between spans are *anchors*:
-//! acceleration is zero there. `span` decides which transitions are anchors, and `ease` removes some of them.
+//! With HSC, acceleration may pass a transition. With TRAPEZ and SIN2, acceleration may pass if the transition is
+//! tangential and both blocks have the same limits, as in a circle of several arcs, or if both are elements of one
+//! curve. The blocks on both sides then belong to one *span*: one speed profile covers them. Transitions between
+//! spans are *anchors*: acceleration is zero there. `span` decides which transitions are anchors, and `ease` removes
+//! some of them.
 //!
-//! The backward pass runs when the ring is full, a few blocks per call, and ends early at the first transition whose speed
-//! did not change. Then a quarter of the ring leaves.
+//! The backward pass runs when the ring is full, a few blocks per call. The pass ends early at the first transition
+//! whose speed did not change. Then the ring releases a quarter of its blocks.
 //!
 //! | file | what it decides |
 //! |---|---|
 //! | `append` | the limits of a new block and of the transition before it |
 //! | `knees`, `brief`, `worth` | speeds where several knees, or whole blocks, fall into one tick; whether the motion stops at a corner |
 //! | `plan` | which pass runs, and how much of it in a call |
-//! | `span`, `ease`, `valley` | which transitions are anchors; which anchors are removed; which move into a slow block |
-//! | `run_out` | the end of an arc, as long as nobody knows whether the circle goes on |
+//! | `span`, `ease`, `valley` | which transitions are anchors; which anchors are removed; which anchors move into a slow block |
+//! | `run_out` | the end of an arc while it is unknown whether the circle continues |
 //! | `law` | the speed profile of a span |
 //! | `pace` | the speed of a block under override and reduced speed |
-//! | `release` | which blocks leave the ring |
-//! | `enough` | how much may leave while it is not known what follows |
+//! | `release` | which blocks the ring releases |
+//! | `enough` | how much the ring may release while the following blocks are unknown |
 //! | `ring`, `blocks`, `block`, `planned` | the ring, its places, a block, a planned speed |
 mod append;
 mod block;
@@ -62,7 +63,7 @@ use crate::quantity::Speed;
 use core::mem::MaybeUninit;
 use plan::Plan;
 
-/// Memory of a [`Lookahead`]. All bits zero when new, so that it takes no room in flash.
+/// Memory of a [`Lookahead`]. All bits are zero when new, so the memory takes no flash.
 pub struct LookaheadMemory<const BLOCKS: usize> {
     blocks: Blocks<BLOCKS>,
     plan: MaybeUninit<Plan>,
@@ -94,17 +95,17 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Lookahead<'a, AXES, BLOCKS> {
         Self { ring: Ring::new(&mut memory.blocks, depth), plan: memory.plan.write(Plan::NONE) }
     }
 
-    /// Throws away what it holds.
+    /// Drops all blocks.
     pub fn clear(&mut self) {
         self.ring.clear();
         *self.plan = Plan::NONE;
     }
 
-    /// Plans the speeds for another override (`level`); call it only before a pass begins.
+    /// Plans the speeds for another override (`level`). Call it only before a pass begins.
     ///
-    /// The first block is entered at `v_in`, and planned to be entered at up to `most`, so that a speed taken by an
-    /// override may return. `false`, without any change, if `v_in` is too fast for a lower level. The old plan stays
-    /// possible. [`Self::complete_level`] completes a lower level.
+    /// The first block starts at `v_in`. Its start is planned for a speed up to `most`, so that the speed which an
+    /// override has taken may return. Returns `false` without any change if `v_in` is too fast for a lower level.
+    /// The old plan stays possible. [`Self::complete_level`] completes a lower level.
     pub fn set_level(&mut self, level: f32, [v_in, most]: [Speed; 2]) -> bool {
         if level >= self.ring.level() {
             self.ring.raise(level);
@@ -119,29 +120,29 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Lookahead<'a, AXES, BLOCKS> {
         true
     }
 
-    /// Planned speeds follow a lower level: before anything else is done with the ring.
+    /// Lowers the planned speeds to the new level. Call it before anything else is done with the ring.
     pub fn complete_level(&mut self) {
         self.ring.lower_planned();
     }
 
-    /// Whether [`Self::complete_level`] is to come.
+    /// Whether [`Self::complete_level`] still has to be called.
     pub fn is_lowering(&self) -> bool {
         self.ring.lowering.is_some()
     }
 
-    /// Begins to plan the whole ring. `open`: blocks may follow the last one, and their transition may need
-    /// its part of the limits, which must not lower what is planned now.
+    /// Begins a plan of the whole ring. `open`: blocks may follow the last one, and their transition may need
+    /// its part of the limits. This part must not lower the current plan.
     pub fn begin_pass(&mut self, open: bool) {
         self.ring.begin_pass(open);
         self.plan.begin(&mut self.ring);
     }
 
-    /// Goes on with the plan; when it is complete, how many blocks may leave now.
+    /// Continues the plan. When the plan is complete, returns how many blocks may be released.
     pub fn step_pass(&mut self) -> Option<usize> {
         self.plan.step(&mut self.ring).then(|| self.ring.ready())
     }
 
-    /// The first block begins at the speed `v_in`, lower than planned or as planned.
+    /// Sets the start speed of the first block to `v_in`, at most the planned speed.
     pub fn start_at(&mut self, v_in: Speed) {
         self.ring.start_at(v_in, !self.plan.is_done());
     }

@@ -1,4 +1,4 @@
-//! What override (P-CHAN-00066) and reduced speed (P-AXIS-00214) make of the speed of a block.
+//! The effect of override (P-CHAN-00066) and reduced speed (P-AXIS-00214) on the speed of a block.
 //!
 //! | P-CHAN-00066 | speed |
 //! |---|---|
@@ -6,46 +6,44 @@
 //! | 1 | min(v_prog · override, v_max) |
 //! | 2 | as 1 while the speed is reduced, as 0 otherwise |
 //!
-//! v_prog is the programmed feed, v_max what the machine permits on the block; it is never exceeded. While
-//! the speed is reduced, min(v_prog, v_max) in mode 0 and v_max in mode 1 are at most the speed at which
-//! every axis keeps its P-AXIS-00214. In rapid motion v_prog is v_max.
+//! v_prog is the programmed feed. v_max is the limit of the machine on the block; no speed exceeds v_max.
+//! While the speed is reduced, min(v_prog, v_max) in mode 0 and v_max in mode 1 are at most the speed at
+//! which every axis keeps its P-AXIS-00214. In rapid motion v_prog is v_max.
 //!
-//! The ring is planned for a *level*, and follows the override with it whenever a plan begins: at least 100
-//! %, but where the override counts for the programmed feed alone (mode 1) that of now, 25 % at least. What is
-//! slower is decided when the time law of a span is made: so an override that falls acts at once, and what was
-//! possible stays possible. The level falls when the motion enters the ring at that part of the speed planned there
-//! ([`super::Lookahead::set_level`]). Arcs and curves know their limits for the level of the moment at which
-//! they are taken in, at least 100 %, and exceed that speed only when new blocks come.
+//! The ring is planned for a *level*. The level follows the override when a plan begins. The level is at least 100
+//! %; in mode 1, where the override counts for the programmed feed alone, it is the current override, at least 25
+//! %. A lower speed is decided when the profile of a span is made, so a falling override acts at once, and every
+//! planned speed stays possible. The level falls when the motion enters the ring at that part of the planned speed
+//! ([`super::Lookahead::set_level`]). Arcs and curves know their limits for the level at which they entered the
+//! ring, at least 100 %. Only new blocks exceed that speed.
 //!
-//! A span of HSC has blocks of several speeds, and a law that keeps each of them where it is. With an
-//! override below the level it is that law at a part of its speed, s(t · part): all accelerations are smaller
-//! then, and no block is faster than its part. That needs the span to be entered at the same part of its
-//! planned speed, so such spans are left so, whatever P-CHAN-00066 says. In what is left of a span when the
-//! override changes, or after a hold, it is a law that is below that one wherever it goes on
-//! ([`ReleasedSpan::go_on`]). While the speed is reduced, and where there is no such law, its slowest block is the
-//! limit.
+//! A span of HSC has blocks of several speeds, and a profile that keeps each limit in its place. With an override
+//! below the level, the span uses this profile at a part of its speed, s(t · part). All accelerations are then
+//! smaller, and no block is faster than its part. The start speed of the span must be the same part of its planned
+//! speed, so such spans also end at that part, whatever P-CHAN-00066 says. After a hold or a change of override,
+//! the rest of a span uses a profile below the planned one ([`ReleasedSpan::go_on`]). While the speed is reduced,
+//! or if there is no such profile, the slowest block is the limit.
 //!
-//! Reduced speed holds for the whole ring: while it is on, nothing is faster than the slowest of the blocks
-//! that are known may be. So there is always time to get as slow as the next one needs.
+//! Reduced speed holds for the whole ring: no span is faster than the slowest known block may be. So there is
+//! always time to brake to the speed of the next block.
 //!
-//! A *cap* is a speed that no span exceeds, whatever the commands are: from a higher one there is no way to a
-//! standstill ([`crate::queue::Keeper`] has no room for it). It acts like a lower feed, but on rapid motion too.
+//! A *cap* is a speed that no span exceeds, whatever the commands are. From a higher speed no stop fits into the
+//! memory of [`crate::queue::Keeper`]. A cap acts like a lower feed, but on rapid motion too.
 //!
-//! An override alone makes no span last longer than 2^26 ticks: what it takes from the speed ends there.
-//! Reduced speed is a limit and has no such end.
+//! An override alone makes no span last longer than 2^26 ticks: at this time the override has no further
+//! effect. Reduced speed is a limit and has no such bound.
 use super::ReleasedSpan;
 use crate::control::{Commands, FULL_OVERRIDE};
 use crate::dynamics::OverrideRange;
 use crate::math::float::{max, min, to_f32};
 use crate::quantity::{Speed, speed_f32};
 
-/// The lowest reduced speed of the last blocks: of as many as the ring has at least, of twice as many at
-/// most.
+/// The lowest reduced speed of the last blocks: of at least one ring length, and at most two.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Slowest {
     /// Lowest reduced speed of all these blocks.
     pub least: f32,
-    /// Of so many blocks, and of as many as the ring has before them.
+    /// Number of counted blocks; the lowest speeds of these blocks, and of a ring length before them.
     blocks: usize,
     now: f32,
     before: f32,
@@ -54,7 +52,7 @@ pub(super) struct Slowest {
 impl Slowest {
     pub const NONE: Self = Self { least: f32::MAX, blocks: 0, now: f32::MAX, before: f32::MAX };
 
-    /// Takes in a block with the speed `v`, planned for a level.
+    /// Adds a block with the speed `v`, planned for a level.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn take(&mut self, override_range: OverrideRange, v: f32, level: f32, depth: usize) {
         if override_range.is_reduced() || self.least < f32::MAX {
@@ -75,29 +73,29 @@ impl Slowest {
     }
 }
 
-/// A law runs at its planned speed times a part, or at this part of that at least.
+/// A profile runs at its planned speed times a factor. The profile of the slowest block is used below this
+/// part of that speed.
 const SLOWER: f32 = 0.75;
-/// Roundings add up from span to span: two parts that differ by less are one.
+/// Two factors that differ by less count as equal: roundings add up from span to span.
 const SAME: f32 = 1.0 + 1.0 / 262_144.0;
-/// That and as much again.
+/// The same margin, doubled.
 const LESS: f32 = 1.0 - 1.0 / 131_072.0;
 
-/// The lowest level: a span that was handed on keeps the one it was planned for, and is to end in time when the
-/// override rises.
+/// The lowest level. A released span keeps its level, and must end in time when the override rises.
 const LEAST_LEVEL: f32 = 0.25;
 
 /// Path distance (LSB 2^-44 mm) per speed (mm/tick) of a block of 2^26 ticks.
 pub(crate) const SLOWEST: f32 = (1u64 << 44) as f32 * (1u64 << 26) as f32;
 
-/// Current override and reduced speed, and the highest speed from which a stop is possible.
+/// The current override and reduced speed, and the highest speed from which a stop is possible.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pace {
-    /// 0…2.
+    /// Override, 0…2.
     over: f32,
     /// P-CHAN-00066.
     mode: u8,
     reduced: bool,
-    /// Neither reduced nor capped.
+    /// Whether there is neither a reduced speed nor a cap.
     free: bool,
     /// Highest speed of all spans, mm/tick.
     cap: f32,
@@ -111,8 +109,8 @@ impl Pace {
         Self { over: 1.0, mode, reduced: false, free: true, cap, key: Self::word(1.0, false, cap) }
     }
 
-    /// The pace as one word, without P-CHAN-00066, which is the same for the whole channel. With a cap two of 2^32
-    /// paces may share a word; then a profile stays as it is, inside all limits.
+    /// The pace as one word, without P-CHAN-00066, which is constant for the channel. With a cap, two of 2^32
+    /// paces may share a word. Then a profile stays unchanged, inside all limits.
     pub const fn key(&self) -> u32 {
         self.key
     }
@@ -127,7 +125,7 @@ impl Pace {
         self.cap
     }
 
-    /// No span is to be faster than that, mm/tick; `f32::MAX`: none.
+    /// Sets the highest speed of all spans, mm/tick; `f32::MAX`: none.
     pub const fn set_cap(&mut self, cap: f32) {
         self.cap = cap;
         self.renew();
@@ -138,7 +136,7 @@ impl Pace {
         self.key = Self::word(self.over, self.reduced, self.cap);
     }
 
-    /// The cap makes the span slower.
+    /// Whether the cap makes the span slower.
     const fn is_capped(&self, span: &ReleasedSpan) -> bool {
         self.cap < span.limits.v
     }
@@ -152,25 +150,25 @@ impl Pace {
         self.renew();
     }
 
-    /// The level it needs.
+    /// The level for these commands.
     pub fn level(&self) -> f32 {
         if self.is_of_program() { max(LEAST_LEVEL, self.over) } else { max(1.0, self.over) }
     }
 
-    /// All that was planned for `level` runs as planned.
+    /// Whether every plan for `level` runs at its planned speed.
     #[cfg_attr(feature = "fast", inline(always))]
     fn is_full(&self, level: f32) -> bool {
         self.over == level && self.free && (level >= 1.0 || self.mode == 1)
     }
 
-    /// The span runs as planned.
+    /// Whether the span runs at its planned speed.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn is_planned(&self, span: &ReleasedSpan) -> bool {
         self.is_full(span.level) && (span.level >= 1.0 || self.slowest(span) <= span.limits.v)
             || (self.cap < f32::MAX && self.is_planned_below(span))
     }
 
-    /// The same where there is a cap: it makes no difference to the span.
+    /// The same if there is a cap: whether the cap has no effect on the span.
     #[cold]
     #[inline(never)]
     fn is_planned_below(&self, span: &ReleasedSpan) -> bool {
@@ -180,13 +178,13 @@ impl Pace {
             && (span.level >= 1.0 || self.slowest(span) <= span.limits.v)
     }
 
-    /// Highest speed of a span now.
+    /// Current highest speed of a span.
     pub fn limit(&self, span: &ReleasedSpan) -> f32 {
         let v = if self.is_planned(span) { span.limits.v } else { self.slowed(span) };
         min(v, span.slow.ceiling)
     }
 
-    /// An override alone makes a span no slower.
+    /// The speed below which an override alone slows no span.
     fn slowest(&self, span: &ReleasedSpan) -> f32 {
         let v = if span.is_uneven() { max(span.slow.shared, span.slow.cruise) } else { span.limits.v };
         let full = if span.level < 1.0 { v / span.override_range.raised(span.level) } else { v };
@@ -204,8 +202,8 @@ impl Pace {
         self.reduce(span, max(v * part, slowest), slowest)
     }
 
-    /// The part of its planned speed at which a span with several feeds runs now, entered at the speed `v_in`. `None`
-    /// if the slowest feed is the limit instead: entered at another speed, the profile would not keep all feeds.
+    /// The current factor for the speed of a span with several feeds, entered at the speed `v_in`. `None` if the
+    /// slowest feed is the limit instead: from another start speed the profile would not keep all feeds.
     pub fn stretch(&self, span: &ReleasedSpan, v_in: Speed) -> Option<f32> {
         if !span.is_uneven() || span.slow.ceiling < f32::MAX || self.reduced || self.is_capped(span) {
             return None;
@@ -217,14 +215,13 @@ impl Pace {
             speed_f32(v_in.to_bits()) / speed_f32(span.v_in.to_bits())
         };
         let as_planned = span.checked.now() && v_in <= span.v_in;
-        // Far slower than it could be, it may still be faster than its slowest block.
+        // A profile far below its possible speed may still be faster than the slowest block.
         let slower = if self.is_planned(span) { f32::MAX } else { most * SLOWER };
         let fast = slower <= begins || span.slow.shared < 0.5 * begins * span.limits.v;
         (as_planned && fast && begins <= most * SAME).then(|| min(begins, 1.0))
     }
 
-    /// The part of its planned speed at which what is left of a span runs now; `None` where its slowest block is the
-    /// limit.
+    /// The current factor for the speed of the rest of a span; `None` if its slowest block is the limit.
     pub fn steady(&self, span: &ReleasedSpan) -> Option<f32> {
         if self.is_planned(span) {
             return Some(1.0);
@@ -232,8 +229,8 @@ impl Pace {
         (!self.reduced && !self.is_capped(span)).then(|| self.part(span.level))
     }
 
-    /// The part of their planned speed at which spans with HSC are left now, all of them, so that the next
-    /// one is entered as planned. A little less: with what roundings add up to it is still that part.
+    /// The current factor for the end speed of HSC spans. It is the same for all spans, so that the next span
+    /// starts as planned. The value is a little lower, to leave room for rounding.
     pub fn part(&self, level: f32) -> f32 {
         let level = if self.is_of_program() { level } else { max(1.0, level) };
         if self.over >= level { 1.0 } else { self.over / level * LESS }
@@ -249,8 +246,8 @@ impl Pace {
         self.mode == 1 || (self.mode == 2 && self.reduced)
     }
 
-    /// At most the reduced speed. What the override takes from that ends at `slowest`, as it does without. So
-    /// does what the cap takes: no span gets slower than can be planned.
+    /// Lowers `v` to the reduced speed. Neither override nor cap lowers the speed below `slowest`, so a span
+    /// is never slower than can be planned.
     fn reduce(&self, span: &ReleasedSpan, v: f32, slowest: f32) -> f32 {
         let v = min(v, max(self.cap, slowest));
         if !self.reduced {
@@ -260,7 +257,7 @@ impl Pace {
         min(v, max(span.v_reduced * over, min(span.v_reduced, slowest)))
     }
 
-    /// The part of the speed planned for `level` that is permitted now, at most 1.
+    /// The currently permitted part of the speed planned for `level`, at most 1.
     fn factor(&self, override_range: OverrideRange, level: f32) -> f32 {
         let [above, below] = override_range.parts();
         let over = if self.is_of_program() { self.over / below } else { self.over };

@@ -1,7 +1,6 @@
-//! The plan at work: which pass it is in, what each of them knows, and how much of it one call does.
+//! The plan in progress: the current pass, the data of each pass, and the work of one call.
 //!
-//! Passes follow each other in one place: what one of them knows is neither copied with a call nor when the
-//! next one begins.
+//! All passes share one place in memory. No data are copied with a call or when the next pass begins.
 use super::block::{Block, Marks};
 use super::ease::Trial;
 use super::law::{faster, length_mm};
@@ -15,48 +14,48 @@ use crate::math::float::min;
 use crate::quantity::Speed;
 use crate::slope::limits::Limits;
 
-/// Where the plan stands.
+/// The current pass.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Pass {
-    /// Complete.
+    /// The plan is complete.
     Done,
-    /// Every transition is an anchor: from the end to the front, so many blocks and the speed at the end of
-    /// the last of them.
+    /// Every transition is an anchor: a pass from the end to the front. The fields are the remaining blocks,
+    /// and the speed at the end of the last of them.
     Blocks(usize, Speed),
-    /// Speeds from which the plan can still stop, from the end to the front.
+    /// A pass from the end to the front: speeds from which the plan can still stop.
     Backward,
-    /// Speeds that can be reached, from the front to the end.
+    /// A pass from the front to the end: speeds that can be reached.
     Forward,
-    /// The blocks of one span against its law.
+    /// Compares the blocks of one span with its profile.
     Inside,
-    /// Two spans against one law.
+    /// Compares two spans with one profile.
     Trial,
 }
 
-/// The passes, of which one is at work.
+/// The data of the passes. One pass is in progress.
 pub(super) struct Plan {
     pub pass: Pass,
     pub backward: Backward,
     pub forward: Forward,
     pub inside: Inside,
-    /// What the passes try with HSC; empty without HSC.
+    /// Data of the trials of HSC; empty without HSC.
     pub tries: [Tries; functions::HSC.room(1)],
 }
 
-/// What is tried with two spans.
+/// Data of trials with two spans.
 pub(super) struct Tries {
     pub trial: Trial,
-    /// The cut of a valley that is being tried.
+    /// The cut of the valley that is being tried.
     pub valley: Valley,
 }
 
-/// Blocks per call: with each of them about 500 instructions, fewer would cost as much for the call as for
-/// the blocks.
+/// Blocks per call. A block takes about 500 instructions; with fewer blocks the call itself would cost as
+/// much.
 const STEPS: usize = 16;
-/// What one call does with spans, LSB about 32 instructions: a call costs 1,000.
+/// Work of one call with spans, LSB about 32 instructions. The call itself costs 1,000 instructions.
 const WORK: usize = 520;
 
-/// Some of the work of a call is done.
+/// Subtracts work from the budget of the call.
 pub(super) fn spend(work: &mut usize, part: usize) {
     *work = work.saturating_sub(part);
 }
@@ -76,7 +75,7 @@ impl Plan {
         matches!(self.pass, Pass::Done)
     }
 
-    /// Begins to plan.
+    /// Begins a plan.
     pub fn begin<const AXES: usize, const BLOCKS: usize>(&mut self, ring: &mut Ring<'_, AXES, BLOCKS>) {
         let left = ring.blocks.len();
         if ring.counts.through == 0 {
@@ -96,7 +95,7 @@ impl Plan {
         self.pass = Pass::Backward;
     }
 
-    /// Goes on; `true` when the plan is complete.
+    /// Continues the plan. Returns `true` when the plan is complete.
     pub fn step<const AXES: usize, const BLOCKS: usize>(
         &mut self,
         ring: &mut Ring<'_, AXES, BLOCKS>,
@@ -108,8 +107,8 @@ impl Plan {
         }
     }
 
-    /// Goes on with a plan of spans of several blocks, as much as one call may do; `true` when it is
-    /// complete.
+    /// Continues a plan of spans with several blocks, within the budget of one call. Returns `true` when the
+    /// plan is complete.
     #[inline(never)]
     fn spans<const AXES: usize, const BLOCKS: usize>(&mut self, ring: &mut Ring<'_, AXES, BLOCKS>) -> bool {
         let mut work = WORK;
@@ -130,7 +129,7 @@ impl Plan {
         self.is_done()
     }
 
-    /// Every speed is final.
+    /// Makes every speed final.
     pub fn complete<const AXES: usize, const BLOCKS: usize>(&mut self, ring: &mut Ring<'_, AXES, BLOCKS>) {
         ring.scope.end = ring.blocks.len();
         ring.scope.free = None;
@@ -148,7 +147,7 @@ impl Plan {
         mut v_out: Speed,
     ) -> bool {
         for _ in 0..STEPS {
-            // The first block's start is already decided.
+            // The start speed of the first block is already decided.
             if left <= 1 {
                 ring.raise_first(v_out);
                 return self.blocks_done(ring);
@@ -159,10 +158,10 @@ impl Plan {
             let share = ring.tail.share(last && ring.scope.open);
             let v = enters(block, share, v_out);
             let (v, settled) = (Planned::below(v), settled(v));
-            // With no acceleration at both ends, slowing down by less may take longer: where the largest
-            // acceleration is not reached, the distance from v to w goes with (v + w)·√(v − w), which grows
-            // with w up to about v/2. What was planned with a lower end speed stays possible, and is not
-            // taken back.
+            // With zero acceleration at both ends, braking by a smaller amount may need more length. If the
+            // largest acceleration is not reached, the distance from v to w goes with (v + w)·√(v − w), which
+            // grows with w up to about v/2. A speed that was planned with a lower end speed stays possible,
+            // and is not withdrawn.
             block.marks.set(Marks::KEPT, v < block.v_in);
             if v <= block.v_in {
                 if left <= ring.scope.until {
@@ -188,7 +187,7 @@ impl Plan {
     }
 }
 
-/// Highest speed at the start of a block, from which it can slow down to `v_out`.
+/// Highest speed at the start of a block from which the block can brake to `v_out`.
 #[cfg_attr(feature = "fast", inline(always))]
 fn enters(block: &Block, share: Option<&Share>, v_out: Speed) -> Speed {
     match share {
@@ -210,18 +209,19 @@ fn enters_with(limits: &Limits, block: &Block, v_out: Speed) -> Speed {
 }
 
 impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
-    /// The first block's start may rise: to what its end permits.
+    /// Raises the start speed of the first block to the value that its end permits.
     fn raise_first(&mut self, v_out: Speed) {
         let last = self.scope.open && self.blocks.len() == 1;
         let share = self.tail.share(last);
         let Some(block) = self.blocks.front_mut() else { return };
-        // Decided with another speed at its end.
+        // That speed was decided with another end speed.
         block.marks.set(Marks::KEPT, true);
         let Some(reach) = self.scope.free.take() else { return };
         self.start = enters(block, share, v_out).min(reach).max(self.start);
     }
 
-    /// How many blocks may leave: all if none follows, otherwise the spans that begin in the first quarter.
+    /// How many blocks may be released: all if none follows, otherwise the spans that begin in the first
+    /// quarter.
     pub(super) fn ready(&self) -> usize {
         if !self.scope.open {
             return self.blocks.len();

@@ -1,24 +1,24 @@
 //! A planned speed in four bytes.
 //!
-//! It has 27 significant bits, cut below, and is exact where a limit is: that has 24. All speeds that blocks are
-//! planned with are such speeds, so that what is kept is what was planned; the first block begins with the speed
-//! that the motion has: [`super::ring::Ring`].
+//! The number has 27 significant bits, rounded down. It is exact for limits, which have 24 bits. All planned
+//! speeds of blocks are such numbers, so a stored speed equals the planned speed. The first block is the
+//! exception: it begins with the actual speed of the motion ([`super::ring::Ring`]).
 use crate::quantity::Speed;
 
-/// A planned speed, or none. They compare as speeds do; none is below all of them.
+/// A planned speed, or none. Planned speeds compare as speeds do; none is below all of them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Planned(u32);
 
-/// Bits behind the first one.
+/// Number of bits after the first one.
 const BITS: u32 = 26;
 
-/// By how much a speed, not negative, is too long for them.
+/// Number of bits by which a speed, not negative, exceeds the format.
 #[cfg_attr(feature = "fast", inline(always))]
 const fn beyond(bits: i64) -> u32 {
     (i64::BITS - BITS - 1).saturating_sub(bits.leading_zeros())
 }
 
-/// The highest speed that can be planned, at most `v`, not negative.
+/// The highest storable speed that is at most `v`; `v` is not negative.
 #[cfg_attr(feature = "fast", inline(always))]
 pub(super) const fn settled(v: Speed) -> Speed {
     let bits = v.to_bits();
@@ -32,7 +32,7 @@ impl Planned {
     /// A stop.
     pub const ZERO: Self = Self::below(Speed::ZERO);
 
-    /// The highest one that is at most `v`; none below zero.
+    /// The highest storable speed that is at most `v`; none for a negative `v`.
     #[cfg_attr(feature = "fast", inline(always))]
     pub const fn below(v: Speed) -> Self {
         let bits = v.to_bits();
@@ -40,11 +40,11 @@ impl Planned {
             return Self::NONE;
         }
         let beyond = beyond(bits);
-        // The first bit counts as one of the exponent. Exponents end at 37, so there is room for none.
+        // The first bit counts as one of the exponent. Exponents end at 37, which leaves a value for none.
         Self((beyond << BITS) + (bits >> beyond) as u32 + 1)
     }
 
-    /// The speed; the one below zero ([`super::block::UNPLANNED`]) for none.
+    /// The speed; [`super::block::UNPLANNED`], below zero, for none.
     #[cfg_attr(feature = "fast", inline(always))]
     pub const fn speed(self) -> Speed {
         let Some(bits) = self.0.checked_sub(1) else { return super::block::UNPLANNED };
@@ -52,13 +52,13 @@ impl Planned {
         Speed::from_bits(((bits - (beyond << BITS)) as i64) << beyond)
     }
 
-    /// [`Self::below`] where no pass asks for each block: a call, which takes less room in flash.
+    /// [`Self::below`] as a function call, which takes less flash: for callers that do not ask each block.
     #[inline(never)]
     pub const fn below_by_call(v: Speed) -> Self {
         Self::below(v)
     }
 
-    /// [`Self::speed`], as [`Self::below_by_call`].
+    /// [`Self::speed`] as a function call, as [`Self::below_by_call`].
     #[inline(never)]
     pub const fn speed_by_call(self) -> Speed {
         self.speed()
@@ -69,12 +69,12 @@ impl Planned {
         self.0 != 0
     }
 
-    /// Four bytes of something else, and those.
+    /// Stores four bytes of other data.
     pub const fn of_bits(bits: u32) -> Self {
         Self(bits)
     }
 
-    /// See [`Self::of_bits`].
+    /// The four bytes, see [`Self::of_bits`].
     pub const fn bits(self) -> u32 {
         self.0
     }

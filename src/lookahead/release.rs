@@ -1,4 +1,4 @@
-//! What leaves the ring: the span at its front, whole.
+//! The span that the ring releases: the whole span at its front.
 use super::block::{AnchorMarks, Block, Marks};
 use super::ease::Ease;
 use super::law;
@@ -16,9 +16,10 @@ pub struct ReleasedSpan {
     pub blocks: u16,
     /// Path length.
     pub length: Distance,
-    /// Limits that all blocks permit, with the highest of their speeds.
+    /// Limits that all blocks permit, with the highest of the block speeds.
     pub limits: Limits,
-    /// Deceleration that all blocks permit, in a curve with CONST_VEL too. A profile may brake more gently: `limits`.
+    /// Deceleration that all blocks permit, also in a curve with CONST_VEL. The deceleration of a profile may
+    /// be lower: `limits`.
     pub a_down: f32,
     /// Limits of its blocks below their highest speed.
     pub slow: Slow,
@@ -28,20 +29,21 @@ pub struct ReleasedSpan {
     pub v_out: Speed,
     /// Whether all blocks keep their limits with these speeds.
     pub checked: Checked,
-    /// Turns of the path in the span, and common properties of its blocks.
+    /// Turns of the path inside the span, and common properties of the span's blocks.
     pub marks: SpanMarks,
-    /// How the fastest of its blocks follows the override.
+    /// How the fastest block follows the override.
     pub override_range: OverrideRange,
     /// The block after the span.
     pub next: Behind,
     /// Highest speed while the speed is reduced.
     pub v_reduced: f32,
-    /// The level that all speeds were planned for.
+    /// The override level of all planned speeds.
     pub level: f32,
 }
 
-/// Whether all blocks of a span keep their limits with the speeds at its ends: as it is, and as it was released.
-/// Otherwise they do as long as it is no faster than the faster one of its lowest speed and the one at its start.
+/// Whether all blocks of a span keep their limits with the speeds at its ends: with the current speeds, and with
+/// the speeds at release. If not, the limits hold only up to a speed: the higher one of the span's lowest speed
+/// and its start speed.
 #[derive(Clone, Copy, Debug)]
 pub struct Checked(u8);
 
@@ -59,12 +61,12 @@ impl Checked {
         self.0 & Self::RELEASED != 0
     }
 
-    /// It is as it was released, `now` or not.
+    /// The state at release, checked or not.
     const fn at_release(now: bool) -> Self {
         Self(if now { Self::NOW | Self::RELEASED } else { 0 })
     }
 
-    /// Says that this is not known for the current speeds.
+    /// Marks that the check does not cover the current speeds.
     pub const fn lose(&mut self) {
         self.0 &= Self::RELEASED;
     }
@@ -75,7 +77,7 @@ impl Checked {
     }
 }
 
-/// Turns of the path at transitions of a span, and common properties of its blocks, in one byte.
+/// Turns of the path at transitions of a span, and common properties of the span's blocks, in one byte.
 #[derive(Clone, Copy, Debug)]
 pub struct SpanMarks(u8);
 
@@ -88,7 +90,8 @@ impl SpanMarks {
     const RAPID: u8 = 64;
     const FEED: u8 = 128;
 
-    /// Of a span that begins with the block `first`; of its blocks the marks of any, and of all.
+    /// The marks of a span that begins with the block `first`. `any`: marks of any block; `all`: marks that
+    /// all blocks have.
     fn new(first: &Block, any: AnchorMarks, all: AnchorMarks) -> Self {
         let marks = [
             (first.is(Marks::SMOOTH), Self::SMOOTH),
@@ -102,32 +105,32 @@ impl SpanMarks {
         Self(marks | (first.joint.passing().number() * Self::PASSING))
     }
 
-    /// The part of a deceleration that passes its start, where one does.
+    /// The part of a deceleration that may pass the span's start.
     pub fn passing(self) -> f32 {
         Passing::numbered((self.0 / Self::PASSING) & 3).part()
     }
 
-    /// Whether a deceleration may pass its start.
+    /// Whether a deceleration may pass the span's start.
     pub const fn is_smooth(self) -> bool {
         self.0 & Self::SMOOTH != 0
     }
 
-    /// Whether a transition has its part of the limits at the start of one of its blocks, at least.
+    /// Whether a transition has its part of the limits at the start of at least one block.
     pub const fn has_knees(self) -> bool {
         self.0 & Self::KNEES != 0
     }
 
-    /// Whether acceleration is bought with speed in all of it: v + a²/2j is at most the speed of the limits.
+    /// Whether all of the span trades speed for acceleration: v + a²/2j is at most the speed of the limits.
     pub const fn trades(self) -> bool {
         self.0 & Self::TRADES != 0
     }
 
-    /// Whether the property holds in some of its blocks, or in little more than that.
+    /// Whether at least some blocks of the span trade speed for acceleration.
     pub const fn trades_somewhere(self) -> bool {
         self.0 & Self::BOUGHT != 0
     }
 
-    /// Whether the span is rapid motion; `None` if a part of it is.
+    /// Whether the span is rapid motion; `None` if only a part of it is.
     pub const fn rapid(self) -> Option<bool> {
         match self.0 & (Self::RAPID | Self::FEED) {
             Self::RAPID => Some(true),
@@ -140,15 +143,15 @@ impl SpanMarks {
 /// Speeds that all blocks of a span permit.
 #[derive(Clone, Copy, Debug)]
 pub struct Slow {
-    /// The lowest of their speeds.
+    /// The lowest of the block speeds.
     pub least: f32,
-    /// The lowest speed of its blocks and of slow blocks that are in part in the span. Set for several blocks
-    /// only.
+    /// The lowest speed of the span's blocks, and of slow blocks of which a part is in the span. Set for
+    /// several blocks only.
     pub shared: f32,
-    /// Highest speed of the rest of the span ([`ReleasedSpan::cruises`]); 0 if it is not known.
+    /// Highest speed of the rest of the span ([`ReleasedSpan::cruises`]); 0 if unknown.
     pub cruise: f32,
-    /// Highest speed that is known to keep the limits of all its blocks once it begins or goes on at another
-    /// speed.
+    /// Highest speed that is known to keep the limits of all blocks if the profile begins or continues at
+    /// another speed.
     pub ceiling: f32,
 }
 
@@ -157,18 +160,18 @@ pub struct Slow {
 pub struct GoingOn {
     /// Highest speed.
     pub v: f32,
-    /// How the profile may accelerate up to there.
+    /// How the profile may accelerate up to this speed.
     pub gain: Gain,
 }
 
 /// How a new profile below the planned one may accelerate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Gain {
-    /// As it likes: the planned law does not gain any more.
+    /// Without further limits: the planned profile accelerates no more.
     Free,
-    /// As the planned law does.
+    /// As the planned profile does.
     Alike,
-    /// The same, and its acceleration rises with half of the jerk.
+    /// As the planned profile does, and acceleration rises with half of the jerk.
     Gentle,
 }
 
@@ -183,9 +186,9 @@ pub struct Behind {
 
 /// The speed at the end of a span.
 enum Ends {
-    /// That planned where the next block begins.
+    /// The planned speed at the start of the next block.
     AsPlanned,
-    /// Another one, or there is no next block.
+    /// Another speed, or there is no next block.
     Otherwise,
 }
 
@@ -207,7 +210,7 @@ impl ReleasedSpan {
         level: 0.0,
     };
 
-    /// Takes in a higher level.
+    /// Takes a higher override level.
     pub fn raise(&mut self, level: f32) {
         let risen = |v: f32, h: OverrideRange| max(v, v * (h.raised(level) / h.raised(self.level)) * ROUNDED);
         self.limits.v = risen(self.limits.v, self.override_range);
@@ -215,14 +218,14 @@ impl ReleasedSpan {
         self.level = level;
     }
 
-    /// Whether blocks with other speeds are in it.
+    /// Whether the span has blocks with different speeds.
     pub fn is_uneven(&self) -> bool {
         self.blocks > 1 && self.limits.varies() && self.slow.shared < self.limits.v
     }
 
-    /// Highest speed of the span, if its planned profile, over `length` from the speed `v_in` on, has reached that
-    /// speed at the distance `at` and does not brake yet. All blocks from there to the braking permit that speed.
-    /// Otherwise 0.
+    /// Highest speed of the span, if the planned profile has reached this speed at the distance `at` and does not
+    /// brake yet. The profile covers `length` from the speed `v_in` on. All blocks from `at` to the braking permit
+    /// that speed. Otherwise 0.
     pub fn cruises(&self, length: i64, v_in: Speed, at: i64) -> f32 {
         let span = law::Span { length, limits: self.limits, kept: true };
         let law = law::Law::new(&span, v_in, self.v_out, true);
@@ -230,20 +233,23 @@ impl ReleasedSpan {
         if law.reaches_at() <= at && at <= law.brakes_at() { law.peak() } else { 0.0 }
     }
 
-    /// What a law has to keep that goes on without acceleration at the distance `at` with the speed `v`, so that it is
-    /// nowhere faster than the one planned for the span, over `length` from the speed `v_in` on. `None`: not known.
+    /// Conditions for a new profile from the distance `at` on, without acceleration and with the speed `v`. Under
+    /// these conditions the new profile is nowhere faster than the planned profile, which covers `length` from the
+    /// speed `v_in` on. `None`: not known.
     ///
-    /// - Where the planned law speeds up, is at least as fast, and began no faster than `v`: its highest speed. With
-    ///   the same limits the new law then has, at each speed, at most the acceleration of the planned one: both begin
-    ///   to accelerate with the same jerk, the new one at a higher speed, and both end it on the curve
-    ///   a² = 2j(v_max − v). So it comes to each speed later, up to the highest one.
-    /// - Where the planned law speeds up and began faster, half of the jerk as well. The new law then has the larger
-    ///   acceleration at a speed up to v_in + (v_in − v), where both are equal, and no more than the planned one from
-    ///   there on; or, if the planned one has its largest acceleration a before, up to v_in + a²/2j. So it is least
-    ///   late at that speed: by no less than `at`, and there by (v_in − v − a²/2j)²/2a more.
-    /// - Where the planned law has its highest speed: that, whatever it is reached with.
-    /// - Where it slows down and is at least as fast: the same. Without acceleration a new law has to slow down earlier
-    ///   than one that is slowing down already.
+    /// - Case 1: the planned profile speeds up, is at least as fast, and began no faster than `v`. Condition: the
+    ///   planned highest speed. With the same limits the new profile has at each speed at most the acceleration of
+    ///   the planned one. Both begin to accelerate with the same jerk, the new one at a higher speed, and both end on
+    ///   the curve a² = 2j(v_max − v). So the new profile reaches each speed later, up to the highest one.
+    /// - Case 2: the planned profile speeds up and began faster than `v`. Condition: the planned highest speed, and
+    ///   half of the jerk. The new profile has the larger acceleration only up to the speed v_in + (v_in − v), where
+    ///   both accelerations are equal. If the planned profile reaches its largest acceleration a before, this is so
+    ///   only up to v_in + a²/2j. At this speed the new profile is least late: by at least `at`, and in the second
+    ///   case by (v_in − v − a²/2j)²/2a more.
+    /// - Case 3: the planned profile has its highest speed. Condition: this speed. How the new profile
+    ///   reaches it does not matter.
+    /// - Case 4: the planned profile brakes and is at least as fast. Condition: this speed. A new profile without
+    ///   acceleration has to brake earlier than one that already brakes.
     pub fn go_on(&self, length: i64, v_in: Speed, at: i64, v: Speed) -> Option<GoingOn> {
         let span = law::Span { length, limits: self.limits, kept: true };
         let mut law = law::Law::new(&span, v_in, self.v_out, true);
@@ -270,23 +276,23 @@ impl ReleasedSpan {
         law::can_leave(&self.limits, self.length.to_bits(), v_in, v_out)
     }
 
-    /// Whether the last `left` of it (2^-44 mm) is long enough to slow down from `v` to its end speed.
+    /// Whether the last `left` of the span (2^-44 mm) is long enough to brake from `v` to the end speed.
     pub fn can_slow_within(&self, left: i64, v: Speed) -> bool {
         law::can_leave(&self.limits, left, v, self.v_out)
     }
 
-    /// Highest speed at its start, at most `v_in`, from which its end speed can be reached.
+    /// Highest speed at the span's start, at most `v_in`, from which the end speed can be reached.
     pub fn enter(&self) -> Speed {
         law::enter(&self.limits, self.length.to_bits(), self.v_out, self.v_in)
     }
 
-    /// Highest speed at its end, at most `next`, that can be reached from the speed at its start.
+    /// Highest speed at the span's end, at most `next`, that can be reached from the start speed.
     pub fn reach(&self, next: Speed) -> Speed {
         law::leave(&self.limits, self.length.to_bits(), true, self.v_in, next).unwrap_or(Speed::ZERO)
     }
 
-    /// Highest speed at its end, at most `v_out`, that can be reached from a speed at its start of at most
-    /// that planned.
+    /// Highest speed at the span's end, at most `v_out`, that can be reached from a start speed up to the
+    /// planned one.
     #[inline(never)]
     pub fn leave(&self, v_in: Speed) -> Speed {
         law::leave(&self.limits, self.length.to_bits(), false, v_in, self.v_out).unwrap_or(Speed::ZERO)
@@ -294,8 +300,8 @@ impl ReleasedSpan {
 }
 
 impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
-    /// Decides the end speed of the first span, whose blocks leave with [`Self::drop_first`]; its first
-    /// block, `None` if there is none.
+    /// Decides the end speed of the first span, and returns its first block; `None` if the ring is empty.
+    /// [`Self::drop_first`] removes the blocks.
     pub fn release(&mut self, release: &mut ReleasedSpan) -> Option<&Block> {
         let ends = Self::span_of(self.blocks_from(0, self.blocks.len()), release, true, Some(self.start))?;
         release.level = self.level;
@@ -309,14 +315,14 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
                 Ends::Otherwise => next.start_at(release.v_out),
             }
         }
-        // The blocks of the span leave before it is asked for.
+        // The blocks of the span leave the ring before the next query.
         self.start = release.v_out;
         self.scope.stale = false;
         self.blocks.front()
     }
 
-    /// The span that begins `at` blocks after the first one, from the last complete plan; `false` if there is none. Do
-    /// not call it while a pass runs.
+    /// The planned span that begins `at` blocks after the first one, from the last complete plan; `false` if there is
+    /// none. Do not call it while a pass runs.
     pub fn planned(&self, at: usize, release: &mut ReleasedSpan) -> bool {
         release.level = self.level;
         release.v_reduced = self.tail.slowest.least;
@@ -324,15 +330,15 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         Self::span_of(self.blocks_from(at, self.scope.end), release, true, start).is_some()
     }
 
-    /// As [`Self::planned`]; unless it `ends` there, [`ReleasedSpan::v_out`] is left open, which takes most of
-    /// the work, and what holds for the whole ring is not told.
+    /// As [`Self::planned`], without values that belong to the whole ring. If `ends` is false,
+    /// [`ReleasedSpan::v_out`] is left out, which saves most of the work.
     pub fn scan(&self, at: usize, release: &mut ReleasedSpan, ends: bool) -> bool {
         let start = (at == 0).then_some(self.start);
         Self::span_of(self.blocks_from(at, self.scope.end), release, ends, start).is_some()
     }
 
-    /// The blocks from the one `at` behind the front to before the one `end` behind it; no block is gone through
-    /// to get there.
+    /// The blocks from number `at` up to, not including, number `end`, counted from the front, without a walk
+    /// through the blocks before.
     #[cfg_attr(feature = "fast", inline(always))]
     fn blocks_from(&self, at: usize, end: usize) -> impl Iterator<Item = &Block> {
         let (front, back) = self.blocks.as_slices();
@@ -343,8 +349,8 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         front.iter().chain(back)
     }
 
-    /// The span at the front of these blocks; what the ring has for all of them is left open. `start`: speed at its
-    /// start, if that is not the planned one.
+    /// The span at the front of these blocks, without values that belong to the whole ring. `start`: speed at its
+    /// start, if not the planned one.
     #[cfg_attr(feature = "fast", inline(always))]
     fn span_of<'a>(
         mut ring: impl Iterator<Item = &'a Block>,
@@ -360,14 +366,14 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
 }
 
 impl ReleasedSpan {
-    /// Takes in all blocks from the first one on; the one behind them, if there is one.
+    /// Collects all blocks from the first one on. Returns the block behind them, if there is one.
     #[inline(never)]
     fn gather<'a>(&mut self, first: &Block, mut ring: impl Iterator<Item = &'a Block>) -> Option<&'a Block> {
         let mut ease = Ease::NONE;
         let (mut blocks, mut length) = (1u16, first.length());
         let mut v_least = first.speed();
         let mut override_range = first.override_range;
-        // In its place: this is deep in the stack.
+        // In its place: the stack is deep here.
         self.limits = first.limits();
         let (mut any, mut all) = (first.joint, first.joint);
         let next = loop {
@@ -400,13 +406,13 @@ impl ReleasedSpan {
         next
     }
 
-    /// The speed at its end, and what its ends and the block behind it say. Apart from what gathers its blocks: of both
-    /// only one is on the stack.
+    /// Sets the end speed and the data of the ends and of the next block. A separate function, so that only one of both
+    /// stack frames exists at a time.
     #[inline(never)]
     fn end(&mut self, first: &Block, next: Option<&Block>, ends: bool) -> Ends {
         let v_in = self.v_in;
         if self.blocks > 1 {
-            // A piece of a slow block beside it is as slow as their ends.
+            // A piece of a slow block beside the span is as slow as their ends.
             if first.is_continued() {
                 self.slow.shared = min(self.slow.shared, speed_f32(v_in.to_bits()));
             }
@@ -428,7 +434,7 @@ impl ReleasedSpan {
             as_planned = next.v_in.is_some() && v_out == planned;
         }
         if first.is(Marks::FLAT) {
-            // Whatever it begins and ends with, it may be as fast as all of its blocks.
+            // Whatever its end speeds are, the span may be as fast as all of its blocks.
             let known = max(self.slow.least, speed_f32(v_in.max(v_out).to_bits()));
             self.limits.v = min(self.limits.v, known);
         }

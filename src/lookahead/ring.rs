@@ -1,4 +1,4 @@
-//! The ring of blocks: what comes in, what leaves, and what counts them.
+//! The ring of blocks: how blocks enter and leave, and the counts of blocks.
 use super::append::Last;
 use super::block::{Block, Marks};
 use super::blocks::Blocks;
@@ -19,32 +19,33 @@ pub struct Ring<'a, const AXES: usize, const BLOCKS: usize> {
     pub(super) blocks: &'a mut Blocks<BLOCKS>,
     /// Blocks that are in use.
     pub(super) depth: usize,
-    /// Speeds are those of the programmed feed, so many times.
+    /// The override level: planned speeds belong to the programmed feed times this factor.
     pub(super) level: f32,
-    /// Planned speeds are still to be lowered, to that part of themselves.
+    /// Planned speeds that are still to be multiplied by this factor.
     pub(super) lowering: Option<i64>,
-    /// Speed at the start of the first block, if there is one: any, where all others are [`Planned`].
+    /// Speed at the start of the first block, if there is one: any value, where all others are [`Planned`].
     pub(super) start: Speed,
     pub(super) tail: Tail<AXES>,
     pub(super) scope: Scope,
     pub(super) counts: Counts,
-    /// Blocks are examined, and none comes into the ring.
+    /// Whether blocks are only examined, and none enters the ring.
     #[cfg(feature = "examine")]
     examines: bool,
 }
 
-/// What the next block needs to know of those before it.
+/// Data of the last blocks for the next block.
 pub(super) struct Tail<const AXES: usize> {
     /// Kept limits of the last block.
     pub known: Known,
     pub last: Last<AXES>,
     /// Whether the motion stops at the next transition.
     pub stop: bool,
-    /// The next block is a gate.
+    /// Whether the next block is a gate.
     pub gate: bool,
     /// Path length since the last anchor, LSB 2^-44 mm.
     pub span: i64,
-    /// Since there, mm/min: the lowest feed with which acceleration is bought with speed, and the highest of all.
+    /// Since the last anchor, mm/min: the lowest feed of blocks that trade speed for acceleration, and the
+    /// highest of all feeds.
     pub feeds: [f32; 2],
     /// The last blocks that fall into one tick.
     pub row: Row,
@@ -52,45 +53,45 @@ pub(super) struct Tail<const AXES: usize> {
     pub steps: Steps<AXES>,
     /// The lowest reduced speed of the last blocks.
     pub slowest: Slowest,
-    /// What the last block was cut off from.
+    /// The block from which the last block was cut off.
     pub run_out: RunOut,
 }
 
-/// What is known of the block before the next one.
+/// What the ring knows of the block before the next one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Known {
     Nothing,
-    /// Where it ended: it is gone.
+    /// The end of the block: the block has left.
     Exit,
-    /// All: it is the last one in the ring.
+    /// The whole block: it is the last one in the ring.
     Block,
 }
 
-/// How much of the ring the next plan has to do, and what the last one has left.
+/// The extent of the next plan, and the result of the last one.
 pub(super) struct Scope {
-    /// The plan goes on at least to this block: from there on it may be as it was.
+    /// The plan continues at least to this block. From there on the old plan may stay.
     pub until: usize,
-    /// The first block's start may rise up to this speed.
+    /// The start speed of the first block may rise up to this speed.
     pub free: Option<Speed>,
     /// More blocks may come.
     pub open: bool,
-    /// The last plan was one of single blocks.
+    /// The last plan was a plan of single blocks.
     pub blockwise: bool,
     /// Number of blocks from the first one to the end of the last plan.
     pub end: usize,
-    /// The first block's start was lowered while the plan was at work.
+    /// The start speed of the first block was lowered while the plan was in progress.
     pub stale: bool,
 }
 
-/// Blocks and transitions of a kind.
+/// Numbers of blocks and transitions of a kind.
 pub(super) struct Counts {
-    /// Transitions in the ring that are no anchors.
+    /// Transitions in the ring that are not anchors.
     pub through: usize,
-    /// Anchors that may be tried to do without.
+    /// Anchors that the planner may still try to remove.
     pub untried: usize,
     /// Blocks in the ring that are long.
     pub long: usize,
-    /// Blocks that are left free for cuts.
+    /// Places that are kept free for cuts.
     pub spare: usize,
 }
 
@@ -110,14 +111,14 @@ impl<const AXES: usize> Tail<AXES> {
 }
 
 impl<const AXES: usize> Tail<AXES> {
-    /// The last block is gone; where it ended stays.
+    /// The last block has left; its end is kept.
     fn leave(&mut self) {
         if self.known == Known::Block {
             self.known = Known::Exit;
         }
     }
 
-    /// Limits that the last block leaves to a transition after it, if one may come.
+    /// Limits that the last block leaves to a transition behind it, if a block may follow.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn share(&self, may_come: bool) -> Option<&Share> {
         (may_come && self.known == Known::Block).then_some(&self.last.share)
@@ -136,7 +137,7 @@ impl Counts {
 /// A lower level takes more from planned speeds than rounding takes from limits.
 const LOWERS: f32 = 1.0 - 1.0 / 524_288.0;
 
-/// What rounding takes from one planned speed, as a part of it, LSB 2^-36.
+/// Loss of a planned speed by rounding, as a part of the speed, LSB 2^-36.
 const LOST: i64 = 1 << 10;
 
 /// A speed at a part of itself, LSB 2^-36.
@@ -144,12 +145,12 @@ fn scaled(v: Speed, part: i64) -> Speed {
     Speed::from_bits(mul_shift(v.to_bits(), part, 36))
 }
 
-/// Planned speeds of anchors at a part of themselves, from the last to the first: each is rounded with what is lost
-/// behind it. So no span loses more speed than that part of what it has lost, for which it has room.
+/// Scales the planned speeds of anchors, from the last to the first. Each speed is rounded together with the loss
+/// behind it. So no span loses more speed than this part of its loss, for which it has room.
 #[derive(Clone, Copy, PartialEq)]
 struct Lowered {
     part: i64,
-    /// The planned speed behind, and what it has become.
+    /// The planned speed of the anchor behind, before and after scaling.
     was: Planned,
     is: Planned,
 }
@@ -159,7 +160,7 @@ impl Lowered {
         Self { part, was: Planned::ZERO, is: Planned::ZERO }
     }
 
-    /// None stays none, and stands for a standstill.
+    /// Scales a planned speed. None stays none, and counts as a stop.
     fn take(&mut self, planned: &mut Planned) {
         if !planned.is_some() {
             (self.was, self.is) = (Planned::ZERO, Planned::ZERO);
@@ -183,7 +184,8 @@ impl Lowered {
     }
 }
 
-/// So many long blocks are a full ring: at any speed of the first one there is time to stop in the second.
+/// This number of long blocks makes a full ring: at any speed of the first block there is room to stop in the
+/// second one.
 const LONG_BLOCKS: usize = 2;
 
 impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
@@ -212,7 +214,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
         (self.tail.known != Known::Nothing).then_some(&self.tail.last.exit)
     }
 
-    /// Forgets the end of the last block: another program follows.
+    /// Drops the end of the last block: another program follows.
     pub fn forget_exit(&mut self) {
         self.tail.known = Known::Nothing;
     }
@@ -229,31 +231,32 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
         self.examines
     }
 
-    /// In place of a block that is only examined: the next one begins where it ends.
+    /// Replaces a block that is only examined: the next block begins at its end.
     #[cfg(feature = "examine")]
     pub fn pass_by(&mut self, exit: &End<AXES>) {
         (self.tail.last.exit.tangent, self.tail.last.exit.curvature) = (exit.tangent, exit.curvature);
         self.tail.known = Known::Exit;
     }
 
-    /// The level of all speeds, see [`super::Pace`].
+    /// The override level of all speeds, see [`super::Pace`].
     pub fn level(&self) -> f32 {
         self.level
     }
 
-    /// The speed at which the first block has to be entered for a lower level, at most.
+    /// Highest start speed of the first block for a lower level.
     pub fn entry_for(&self, level: f32) -> Speed {
         self.entry_at(self.lowers(level))
     }
 
-    /// The same for the part of all speeds that is left.
+    /// The same for a factor of all speeds.
     pub(super) fn entry_at(&self, part: i64) -> Speed {
         let anchors = self.blocks.len().saturating_sub(self.counts.through) as i64;
         scaled(self.first_speed(), part - LOST * anchors)
     }
 
-    /// The part of all speeds that is left for a lower level, LSB 2^-36: less by more than roundings of
-    /// limits. At that part the planned motion is inside the limits of all blocks. A call of its own: it is rare.
+    /// The factor of all speeds for a lower level, LSB 2^-36: lower by more than the rounding of limits. At this
+    /// factor the planned motion is inside the limits of all blocks. A separate function, because it is rarely
+    /// called.
     #[inline(never)]
     pub(super) fn lowers(&self, level: f32) -> i64 {
         let (front, back) = self.blocks.as_slices();
@@ -262,7 +265,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
         to_bits::<36>(part * LOWERS)
     }
 
-    /// Speeds are planned for a higher level. What was planned stays possible.
+    /// Plans the speeds for a higher level. Every planned speed stays possible.
     pub(super) fn raise(&mut self, level: f32) {
         let before = core::mem::replace(&mut self.level, level);
         let (mut last, mut lent) = (0.0, false);
@@ -271,10 +274,10 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
             block.numbers.v = max(block.v(), block.v() * (by * ROUNDED));
             block.marks.set(Marks::CHECKED, false);
             if !block.is(Marks::ANCHOR) && block.has_ease() {
-                // As the slow block whose speed it is.
+                // The slow block sets this speed.
                 block.keep_ease(block.ease().scaled(max(by * ROUNDED, 1.0)));
             }
-            // A valley stays as fast as it is.
+            // A valley keeps its speed.
             if k > 0 && !lent && !block.joint.is_lent() {
                 let fastest = min(block.highest, min(last, block.v()));
                 block.cap = max(block.cap, fastest * ROUNDED);
@@ -286,10 +289,10 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
         }
     }
 
-    /// Speeds are planned for a lower level, at that `part` of theirs; the first block is entered at `v_in`, at most
-    /// [`Self::entry_at`]. What was planned stays possible at the part of its speed that the level is
-    /// lowered by: all accelerations are smaller then ([`Limits::part_inside`]). Slow blocks get back what they have
-    /// lent. The planned speeds follow with [`Self::lower_planned`], in a call of their own.
+    /// Plans the speeds for a lower level, at the factor `part`. The first block starts at `v_in`, at most
+    /// [`Self::entry_at`]. The planned motion stays possible at this factor, because all accelerations are smaller
+    /// then ([`Limits::part_inside`]). Slow blocks get back their lent pieces. [`Self::lower_planned`] lowers the
+    /// planned speeds in a later call.
     pub(super) fn lower(&mut self, (level, part): (f32, i64), v_in: Speed) {
         let before = core::mem::replace(&mut self.level, level);
         let (mut last, mut lent) = (f32::MAX, false);
@@ -301,7 +304,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
             block.cap = min(block.highest, min(last, block.v()));
             let is_anchor = block.is(Marks::ANCHOR);
             if (lent || block.joint.is_lent()) && !block.is_continued() {
-                // Where the slow block begins or ends.
+                // The start or end of the slow block.
                 self.counts.untried += usize::from(is_anchor && !block.joint.is_open());
                 block.joint.open();
             }
@@ -317,14 +320,14 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
         }
     }
 
-    /// Planned speeds are lowered, if the level was.
+    /// Lowers the planned speeds, if the level was lowered.
     #[inline(never)]
     pub(super) fn lower_planned(&mut self) {
         let Some(part) = self.lowering.take() else { return };
         let [mut planned, mut reached, mut old] = [(); 3].map(|()| Lowered::new(part));
         for block in self.blocks.iter_mut().rev().filter(|block| block.is(Marks::ANCHOR)) {
             planned.take(&mut block.v_in);
-            // Mostly they are the same from the end to here.
+            // Usually the speeds are the same from the end to here.
             if reached == old && block.v_reached == block.v_old {
                 reached.take(&mut block.v_reached);
                 (old, block.v_old) = (reached, block.v_reached);
@@ -335,18 +338,18 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
         }
     }
 
-    /// Whether there is no room for another block, or what is there is long enough for any speed.
+    /// Whether there is no room for another block, or the blocks are long enough for any speed.
     #[inline]
     pub fn is_full(&self) -> bool {
         self.blocks.len() + self.counts.spare >= self.depth || self.counts.long >= LONG_BLOCKS
     }
 
-    /// Whether there is no block.
+    /// Whether the ring is empty.
     pub fn is_empty(&self) -> bool {
         self.blocks.is_empty()
     }
 
-    /// Throws away what it holds.
+    /// Drops all blocks.
     pub(super) fn clear(&mut self) {
         self.blocks.clear();
         self.lowering = None;
@@ -359,7 +362,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
         self.tail.span = 0;
     }
 
-    /// Blocks handed on after a pass: a quarter of what is there.
+    /// Number of blocks to release after a pass: a quarter of the ring.
     pub fn batch(&self) -> usize {
         (self.blocks.len() / 4).max(1)
     }
@@ -369,12 +372,12 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
         self.tail.stop = true;
     }
 
-    /// Whether the motion waits for acknowledgements before the next block.
+    /// Sets whether the motion waits for acknowledgements before the next block.
     pub fn before(&mut self, gate: bool) {
         self.tail.gate = gate;
     }
 
-    /// A plan of the whole ring begins, see [`super::Lookahead::begin_pass`].
+    /// Begins a plan of the whole ring, see [`super::Lookahead::begin_pass`].
     pub(super) fn begin_pass(&mut self, open: bool) {
         self.scope.open = open;
         if core::mem::take(&mut self.scope.stale)
@@ -384,13 +387,13 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
         }
     }
 
-    /// The plan about to begin decides the speed at the first block's start too, up to `reach`.
+    /// Lets the next plan also decide the start speed of the first block, up to `reach`.
     pub fn free_start(&mut self, reach: Speed) {
         self.scope.free = Some(reach);
         self.scope.until = 0;
     }
 
-    /// Speed at which the first block may be entered, whatever its neighbours are.
+    /// Highest start speed of the first block, whatever its neighbours are.
     pub fn entry(&self) -> Speed {
         self.blocks.front().map_or(Speed::ZERO, |block| Speed::from_bits(speed_bits(block.cap())))
     }
@@ -400,8 +403,8 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
         if self.blocks.is_empty() { Speed::ZERO } else { self.start }
     }
 
-    /// The first block begins at the speed `v_in`, lower than planned or as planned; `stale`: while a plan is
-    /// at work.
+    /// Sets the start speed of the first block to `v_in`, at most the planned one. `stale`: a plan is in
+    /// progress.
     pub(super) fn start_at(&mut self, v_in: Speed, stale: bool) {
         if let Some(first) = self.blocks.front_mut() {
             first.start_at(v_in);
@@ -410,7 +413,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
         self.scope.stale = stale;
     }
 
-    /// The first block begins at another speed than planned.
+    /// The first block starts at another speed than planned.
     pub fn restart(&mut self, v_in: Speed) {
         if let Some(first) = self.blocks.front_mut() {
             self.start = v_in;
@@ -419,8 +422,8 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
         self.scope.until = 0;
     }
 
-    /// Opens the gate with this number, counted from the front; how many blocks are before it. Not while the
-    /// plan is at work.
+    /// Opens the gate with this number, counted from the front. Returns the number of blocks before the gate.
+    /// Do not call it while a plan is in progress.
     pub fn open_gate(&mut self, number: usize) -> Option<usize> {
         let mut gates = self.blocks.iter_mut().enumerate().filter(|(_, block)| block.is_gate());
         let (index, block) = gates.nth(number)?;
@@ -434,7 +437,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
         self.blocks.front()
     }
 
-    /// Puts a block in as number `at`, from the end of the ring that is nearer; `false` if there is no room.
+    /// Inserts a block as number `at`, from the nearer end of the ring. Returns `false` if there is no room.
     pub(super) fn insert(&mut self, at: usize, block: Block) -> bool {
         let early = at < self.blocks.len() / 2;
         let pushed = if early { self.blocks.push_front(block) } else { self.blocks.push_back(block) };
@@ -443,7 +446,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
         }
         let (front, back) = self.blocks.as_mut_slices();
         let here = front.len();
-        // It goes from slice to slice where it meets their border.
+        // The block crosses the border of both slices.
         if early {
             turn(front.get_mut(..here.min(at + 1)), Turn::Left);
             if at >= here
@@ -464,7 +467,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
         true
     }
 
-    /// The first block leaves the ring.
+    /// Removes the first block.
     pub fn drop_first(&mut self) {
         if let Some(block) = self.blocks.pop_front() {
             let anchor = block.is(Marks::ANCHOR);
@@ -477,17 +480,17 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
             self.scope.until = self.scope.until.saturating_sub(1);
         }
         if self.blocks.is_empty() {
-            // What follows starts from rest.
+            // The following block starts from rest.
             self.tail.leave();
         }
     }
 }
 
-/// Which way blocks make room.
+/// Direction in which blocks move to make room.
 enum Turn {
-    /// The first one becomes the last.
+    /// The first block becomes the last.
     Left,
-    /// The last one becomes the first.
+    /// The last block becomes the first.
     Right,
 }
 

@@ -1,18 +1,18 @@
-//! The end of an arc, as long as nobody knows whether its circle goes on.
+//! The end of an arc while it is unknown whether its circle continues.
 //!
-//! Behind two turns an arc comes in as two blocks ([`crate::dynamics::Turns`]). Where the circle goes on with such an
-//! arc, both become one again before the next two come in. What was planned stays possible: the motion goes on at the
-//! speed of the end up to the next end, which has the same limits and is as long.
+//! After two turns an arc enters the ring as two blocks ([`crate::dynamics::Turns`]). If the circle continues with
+//! another such arc, both blocks become one before the next two enter. The plan stays possible: the motion continues
+//! at the end speed up to the next end, which has the same limits and the same length.
 use super::block::Marks;
 use super::ring::{Known, Ring};
 use crate::dynamics::{Dynamics, Share, Turns};
 use crate::math::float::{max, to_f32};
 use crate::path::Piece;
 
-/// What was known of the last block before its end was cut off.
+/// Data of the last block before its end was cut off.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct RunOut {
-    /// Of both blocks, LSB 2^-44 mm; 0: the last block is no such end.
+    /// Lengths of both blocks, LSB 2^-44 mm. 0: the last block is not such an end.
     lengths: [i64; 2],
     share: Share,
     shared: bool,
@@ -26,7 +26,8 @@ impl RunOut {
     pub(super) const NONE: Self =
         Self { lengths: [0; 2], share: Share::WHOLE, shared: false, span: 0, feeds: [f32::MAX, 0.0] };
 
-    /// The last block is no such end. Every block asks for it, so it is one word: no block has no length.
+    /// Marks that the last block is not such an end. Every block calls it, so the mark is one word; no block
+    /// has length 0.
     #[inline(always)]
     pub(super) const fn clear(&mut self) {
         self.lengths[1] = 0;
@@ -34,12 +35,12 @@ impl RunOut {
 }
 
 impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
-    /// Whether two blocks may come in.
+    /// Whether two blocks fit.
     pub(crate) fn has_room_for_two(&self) -> bool {
         self.blocks.len() + self.counts.spare + 2 <= self.depth
     }
 
-    /// The last block is one whose end follows, with this length.
+    /// Prepares for the end that follows the last block, with this length.
     pub(crate) fn before_run_out(&self, length: i64) -> RunOut {
         let last = &self.tail.last;
         let before = self.blocks.len().checked_sub(1).and_then(|at| self.blocks.get(at));
@@ -52,7 +53,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         }
     }
 
-    /// The end has come in.
+    /// Records that the end has entered the ring.
     pub(crate) fn run_out(&mut self, before: RunOut) {
         if let Some(block) = self.blocks.back_mut() {
             block.go_on();
@@ -60,8 +61,8 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         self.tail.run_out = before;
     }
 
-    /// The circle goes on with a piece of these limits: the end of the last arc becomes one with the rest of it, if what
-    /// was planned stays possible.
+    /// The circle continues with a piece of these limits: joins the end of the last arc with the rest of that arc, if
+    /// the plan stays possible.
     #[inline(never)]
     pub(crate) fn rejoin(
         &mut self,
@@ -113,7 +114,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         self.scope.until = self.scope.until.min(count - 2);
     }
 
-    /// The last block leaves the ring, and belongs to the one before.
+    /// Removes the last block, which becomes a part of the block before.
     fn drop_last(&mut self) {
         if let Some(block) = self.blocks.pop_back() {
             let anchor = block.is(Marks::ANCHOR);

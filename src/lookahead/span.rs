@@ -1,15 +1,15 @@
 //! Speeds at the anchors, and which transitions are anchors.
 //!
-//! Valleys first: a span is planned as if only its ends and its highest speed counted. If that breaks the
-//! limit of a block inside, an end of the slowest such block becomes an anchor where the law is too fast
-//! there (both, if it is too fast only between them), and all sides are planned again. Acceleration then
-//! vanishes only where a limit is met, not wherever a block ends. An anchor stays one until it leaves the
-//! ring, unless [`super::ease`] finds a faster law without it.
+//! Valleys first: a span is planned as if only its ends and its highest speed counted. If this breaks the
+//! limit of a block inside, an end of the slowest such block becomes an anchor, if the profile is too fast
+//! there (both ends, if the profile is too fast only between them). Then all sides are planned again. So
+//! acceleration vanishes only where a limit is met, not at every end of a block. An anchor stays until its
+//! block leaves the ring, unless [`super::ease`] finds a faster profile without it.
 //!
-//! What has left the ring must not become impossible by what comes later. So a block that is slow enough only
-//! because the plan ends in a standstill behind it becomes an anchor at once; only where the speed at the end
-//! of a span is final, the slowing down before it counts. And when a ring is full of one span, it is cut
-//! where its slowing down would begin, or behind the first quarter.
+//! Later blocks must not make a released plan impossible. So a block that is slow enough only because the
+//! plan stops behind it becomes an anchor at once. The braking before the end of a span counts only if the
+//! speed at that end is final. If one span fills the ring, it is cut where its braking would begin, or behind
+//! the first quarter.
 use super::block::{Block, Marks};
 use super::ease::Trial;
 use super::law::{Law, RISE, Span};
@@ -21,68 +21,68 @@ use crate::math::float::to_f32;
 use crate::quantity::{DISTANCE_LSB, Speed, speed_bits};
 use crate::slope::limits::Limits;
 
-/// From the end to the front.
+/// The pass from the end to the front.
 pub(super) struct Backward {
-    /// Blocks still to pass.
+    /// Remaining blocks.
     left: usize,
-    /// What of the span at hand was passed, where it ends, and the speed there.
+    /// The passed part of the current span, its end, and the speed there.
     span: Span,
     to: usize,
     v_out: Speed,
-    /// Anchors behind this block are planned in any case, the others as long as something changes.
+    /// Anchors behind this block are planned in any case, other anchors as long as speeds change.
     until: usize,
-    /// The span at hand has another end speed or other blocks than before.
+    /// Whether the current span has another end speed or other blocks than before.
     changed: bool,
-    /// Spans before the one that [`Forward`] was at are as they were, unless this comes to them.
+    /// Whether spans before that of [`Forward`] are unchanged, unless this pass reaches them.
     again: bool,
 }
 
-/// From the front to the end.
+/// The pass from the front to the end.
 pub(super) struct Forward {
-    /// First block of the span at hand, and the first one not yet passed.
+    /// First block of the current span, and the first block not yet passed.
     from: usize,
     next: usize,
     span: Span,
     v_in: Speed,
     v_out: Speed,
-    /// All speeds up to the start of the span are final, whatever comes; up to its end.
+    /// Whether all speeds are final whatever follows: up to the start of the span; up to its end.
     firm: [bool; 2],
-    /// The last anchor with a final speed, the end of the span not counted; counted.
+    /// The last anchor with a final speed: without the end of the span; with it.
     last: [usize; 2],
 }
 
-/// The blocks of one span, from its start.
+/// The comparison of the blocks of one span, from its start.
 pub(super) struct Inside {
     law: Law,
-    /// Where the law begins to slow down.
+    /// Distance at which the profile begins to brake.
     brakes_at: f32,
-    /// Block to look at, and its distance from the start of the span.
+    /// The current block, and its distance from the start of the span.
     block: usize,
     at: i64,
-    /// The slowest blocks that the law is too fast for.
+    /// The slowest blocks for which the profile is too fast.
     worst: Option<Worst>,
-    /// Where to cut the span.
+    /// The block at which to cut the span.
     cut: usize,
     /// Only with HSC a span has many parts of a curve.
     calm: [Calm; functions::HSC.room(1)],
 }
 
-/// Where a law neither gains nor loses speed between parts of one curve: cut there, what limits the one end
-/// of a span does not slow down the other.
+/// The part of a profile with constant speed between parts of one curve. After a cut there, the limits at one
+/// end of the span do not slow down the other end.
 #[derive(Clone, Copy)]
 struct Calm {
-    /// Where its speeding up ends.
+    /// Distance at which the gain of speed ends.
     from: f32,
-    /// The first such block, and the last.
+    /// The first and the last block of that part.
     blocks: Option<[usize; 2]>,
-    /// What the blocks before the first and those from the last on permit.
+    /// Limits of the blocks before the first one, and of the blocks from the last one on.
     sides: [Limits; 2],
 }
 
 impl Calm {
     const NONE: Self = Self { from: f32::MAX, blocks: None, sides: [Limits::WIDEST; 2] };
 
-    /// Takes in a block; `calm`: it begins where the speed stays.
+    /// Adds a block; `calm`: the block begins in the part of constant speed.
     fn take(&mut self, k: usize, calm: bool, block: &Block) {
         let [before, behind] = &mut self.sides;
         if calm {
@@ -95,7 +95,7 @@ impl Calm {
         }
     }
 
-    /// The blocks at which a cut gains something, for a span with these limits and this law.
+    /// The blocks at which a cut saves time, for a span with these limits and this profile.
     fn cuts(&self, law: &Law, limits: &Limits) -> [Option<usize>; 2] {
         let Some([first, last]) = self.blocks else { return [None; 2] };
         let [v_in, v_out] = law.ends();
@@ -105,10 +105,10 @@ impl Calm {
     }
 }
 
-/// Blocks in a row with one limit that a law exceeds.
+/// Consecutive blocks with one limit that a profile exceeds.
 #[derive(Clone, Copy)]
 struct Worst {
-    /// The first one, and the one behind the last; of a transition both are the block behind it.
+    /// The first block, and the block behind the last one. For a transition both are the block behind it.
     first: usize,
     behind: usize,
     v: f32,
@@ -116,7 +116,7 @@ struct Worst {
     at: [i64; 2],
 }
 
-/// What it is to take in a block, to find a speed, to make a law, and to compare a block with it: see
+/// Work to add a block, to find a speed, to make a profile, and to compare a block with a profile: see
 /// [`spend`].
 const ADD: usize = 3;
 const RAMP: usize = 14;
@@ -127,7 +127,7 @@ impl Backward {
     pub const NONE: Self =
         Self { left: 0, span: Span::NONE, to: 0, v_out: Speed::ZERO, until: 0, changed: true, again: false };
 
-    /// Over so many blocks, from the speed at their end; anchors up to `until` in any case.
+    /// A pass over `left` blocks, from the speed at their end. Anchors up to `until` are planned in any case.
     pub fn new(left: usize, until: usize, v_out: Speed) -> Self {
         Self { left, to: left, until, v_out, ..Self::NONE }
     }
@@ -144,7 +144,7 @@ impl Forward {
         last: [0; 2],
     };
 
-    /// Goes on with the span behind the one at hand, which is entered at the speed `v_out`.
+    /// Moves on to the span before, whose end speed is `v_out`.
     fn pass(&mut self, v_out: Speed) {
         (self.from, self.span, self.v_in) = (self.next, Span::NONE, v_out);
         (self.firm[0], self.last[0]) = (self.firm[1], self.last[1]);
@@ -164,7 +164,7 @@ impl Inside {
 }
 
 impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
-    /// Goes on backward.
+    /// Continues the pass from the end to the front.
     pub(super) fn backward(&mut self, plan: &mut Plan, work: &mut usize) {
         while *work > 0 {
             let pass = &mut plan.backward;
@@ -184,15 +184,15 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             }
             let mut span = pass.span;
             span.limits.ease(self.ease(left));
-            // The first block's start is already decided.
+            // The start speed of the first block is already decided.
             if left == 0 {
                 self.raise_first_span(&span, pass.v_out);
                 return self.start_forward(plan);
             }
             let Some(block) = self.blocks.get_mut(left) else { return self.start_forward(plan) };
-            // What was possible stays possible, see [`Plan`]; new anchors behind it may have to give way. A
-            // flat span goes on as the plan before had it: faster, the anchors that gave way would be needed
-            // again.
+            // A possible speed stays possible, see [`Plan`]; new anchors behind it may have to be removed. A
+            // flat span keeps the profile of the plan before: if it were faster, the removed anchors would be
+            // needed again.
             let (mut v, mut v_out) = (block.v_old, Speed::ZERO);
             if !(block.is(Marks::FLAT) && v.is_some()) {
                 let entered = span.enter(pass.v_out, block.cap());
@@ -213,7 +213,8 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         }
     }
 
-    /// The first block's start may rise to what the end of its span permits; again where it gets other ends.
+    /// Raises the start speed of the first block to the value that the end of its span permits. Repeated if
+    /// the span gets another end.
     fn raise_first_span(&mut self, span: &Span, v_out: Speed) {
         let Some(block) = self.blocks.front_mut() else { return };
         block.marks.set(Marks::KEPT, true);
@@ -234,7 +235,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         *forward = Forward { v_in, ..Forward::NONE };
     }
 
-    /// Goes on forward.
+    /// Continues the pass from the front to the end.
     pub(super) fn forward(&mut self, plan: &mut Plan, work: &mut usize) {
         while *work > 0 {
             let pass = &mut plan.forward;
@@ -254,7 +255,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
                 pass.next = self.anchor_behind(pass.from);
                 spend(work, (pass.next - pass.from) / 4);
             } else if pass.next == pass.from && pass.from == plan.backward.left {
-                // It was the last one on the way back.
+                // This span was the last one of the backward pass.
                 pass.next = plan.backward.to;
                 pass.span = Span { kept: true, ..plan.backward.span };
             } else if let Some(block) = self.blocks.get(pass.next)
@@ -285,7 +286,8 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         }
     }
 
-    /// Plans a span that has changed; `false` if it is one block, which needs no law, and is passed.
+    /// Plans a span that has changed. Returns `false` if the span is a single block, which needs no profile
+    /// and is passed.
     fn span(&mut self, plan: &mut Plan, planned: Speed) -> bool {
         let pass = &mut plan.forward;
         let single = pass.next - pass.from == 1;
@@ -312,7 +314,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         if flat {
             pass.span.limits.flatten(pass.v_in, v_out);
         }
-        // A flat span only slows down, as the plan before did.
+        // A flat span only brakes, as in the plan before.
         let law = Law::new(&pass.span, pass.v_in, v_out, pass.firm[1] || flat);
         let brakes_at = law.brakes_at();
         plan.inside = Inside { law, brakes_at, block: pass.from, ..Inside::NONE };
@@ -325,7 +327,8 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         true
     }
 
-    /// A span is too short for its change of speed. The plan before was possible: what is new gives way.
+    /// A span is too short for its change of speed. The plan before was possible, so the new part is
+    /// withdrawn.
     fn go_back(&mut self, plan: &mut Plan) {
         let Forward { from, next, .. } = plan.forward;
         if self.scope.free.take().is_some() {
@@ -339,7 +342,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             return;
         }
         if from < self.scope.end && self.scope.end < next {
-            // All blocks of the span together permit less than those before the end of that plan.
+            // All blocks of the span together permit less than the blocks up to the end of that plan.
             self.set_anchor(self.scope.end);
             return self.plan_again(plan, from, next);
         }
@@ -354,12 +357,13 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
                 }
                 self.plan_again(plan, from, to);
             }
-            // A defect, which the verification of the profile will report.
+            // A defect, which the check of the profile will report.
             _ => plan.complete(self),
         }
     }
 
-    /// A flat span does not slow down enough for a block inside. The plan before did: its end gives way.
+    /// A flat span does not brake enough for a block inside. The plan before did, so the end speed of the
+    /// span is lowered.
     fn slow_down(&mut self, plan: &mut Plan) {
         let Forward { from, next, .. } = plan.forward;
         let to = self.anchor_behind(next);
@@ -375,7 +379,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
                 end.marks.set(Marks::CHECKED, false);
                 self.plan_again(plan, from, next);
             }
-            // A defect, which the limits of its slowest block contain.
+            // A defect; the limits of the slowest block contain it.
             _ => plan.complete(self),
         }
     }
@@ -394,7 +398,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         pass.pass(pass.v_out);
     }
 
-    /// Compares a span with its law.
+    /// Compares a span with its profile.
     pub(super) fn inside(&mut self, plan: &mut Plan, work: &mut usize) {
         let Forward { from, next: to, .. } = plan.forward;
         let batch = self.batch();
@@ -427,7 +431,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             }
             let v = block.speed();
             match &mut pass.worst {
-                // The limit goes on.
+                // The next block has the same limit.
                 Some(worst) if worst.v == v && worst.behind == pass.block => {
                     worst.behind += 1;
                     worst.at[1] = pass.at;
@@ -475,10 +479,10 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         if !firm && !flat && from < batch && cut > from {
             let mut cut = cut;
             if !plan.inside.law.slows_down() {
-                // Its end is no better a place than the first quarter.
+                // Its end is no better place than the first quarter.
                 cut = batch;
             } else if let Some(block) = self.blocks.get_mut(cut) {
-                // Acceleration vanishes there anyway: no other law is faster.
+                // Acceleration vanishes there anyway: no other profile is faster.
                 block.joint.close();
             }
             self.set_anchor(cut);
@@ -488,7 +492,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         plan.pass = Pass::Forward;
     }
 
-    /// Cuts a span of one curve where its speed stays, if that gains something.
+    /// Cuts a span of one curve in its part of constant speed, if the cut saves time.
     fn cut_where_calm(&mut self, plan: &Plan) -> bool {
         let Forward { from, next: to, span, .. } = &plan.forward;
         let mut found = false;
@@ -508,9 +512,9 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         found
     }
 
-    /// Whether the law of a span is too fast at the start of the block `first`, and at that of `behind`, both
-    /// inside. Where it is at both, and blocks may be cut, it begins with the one that the law comes to with
-    /// acceleration.
+    /// Whether the profile of a span is too fast at the start of the block `first`, and at the start of the
+    /// block `behind`, both inside the span. If it is too fast at both, and blocks may be cut, the result
+    /// names only the one that the profile reaches with acceleration.
     fn too_fast(&self, plan: &mut Plan, worst: &Worst) -> [bool; 2] {
         let Forward { from, next: to, .. } = plan.forward;
         let &Worst { first, behind, v, at } = worst;
@@ -540,7 +544,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         }
     }
 
-    /// There are new anchors between the blocks `from` and `to`.
+    /// Plans again from the new anchors between the blocks `from` and `to`.
     fn plan_again(&self, plan: &mut Plan, from: usize, to: usize) {
         let v_out = self.blocks.get(to).map_or(Speed::ZERO, |end| end.v_in.speed_by_call());
         plan.backward = Backward { again: true, ..Backward::new(to, from, v_out) };

@@ -1,28 +1,28 @@
-//! Whether a corner without a curve is passed, or the motion stands still in it.
+//! Whether the motion passes a corner without a curve, or stops there.
 //!
-//! A step of speed shows as jerk, so beside a knee both blocks leave it a part of their own. At a sharp
-//! corner the speed that this buys is next to nothing, and longer ramps on both sides cost more than it
-//! gains. So the times of both blocks are compared, each from rest at its other end: with a standstill in the
-//! corner and all of the limits, or passing it with what is left of them.
+//! A step of speed shows as jerk, so both blocks beside a knee leave a part of their limits to it. At a sharp
+//! corner the passing speed is nearly zero, and the longer ramps on both sides cost more time than it saves.
+//! So the planner compares the times of both blocks, each from rest at its other end: with a stop in the
+//! corner and all limits, and with a passage and the remaining limits.
 use crate::dynamics::Share;
 use crate::math::float::{max, min, to_i64};
 use crate::quantity::{speed_bits, speed_f32};
 use crate::slope::limits::Limits;
 use crate::slope::profile::peak_above;
 
-/// How a corner without a curve is passed.
+/// How the motion passes a corner without a curve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Way {
-    /// With its speed, and with acceleration where the slope permits it.
+    /// At the permitted speed, with acceleration if the slope permits it.
     Through,
-    /// With its speed, and no acceleration.
+    /// At the permitted speed, with acceleration zero.
     Resting,
-    /// As if it were a standstill.
+    /// The motion stops.
     Standing,
 }
 
-/// The way that takes the least time between two blocks, which leave their shares if the corner is passed
-/// with the speed `v`. `passes`: acceleration may pass it, which needs more of their own.
+/// The quickest passage between two blocks, which leave their shares if the motion passes the corner at the
+/// speed `v`. `passes`: acceleration may pass the corner, which needs more of the limits.
 pub(super) fn quickest(blocks: [(&Limits, &Share, f32); 2], v: f32, passes: bool) -> Way {
     if blocks.iter().all(|(limits, share, _)| limits.are_within(share)) {
         return Way::Through;
@@ -39,10 +39,12 @@ pub(super) fn quickest(blocks: [(&Limits, &Share, f32); 2], v: f32, passes: bool
     }
 }
 
-/// Times that differ by less are one: with acceleration through the corner its neighbours may do more.
+/// Times that differ by less count as equal. Then acceleration through the corner is chosen, because it
+/// leaves more to the neighbours.
 const CLEARLY: f32 = 1.0 - 1.0 / 4096.0;
 
-/// Ticks of both blocks with what their shares leave them, `resting` or not.
+/// Ticks of both blocks with the limits that their shares leave, with acceleration zero at the corner
+/// (`resting`) or not.
 #[inline(never)]
 fn times(blocks: &[(&Limits, &Share, f32); 2], v: f32, resting: bool) -> f32 {
     let left = |limits: &Limits, share: &Share| {
@@ -52,8 +54,8 @@ fn times(blocks: &[(&Limits, &Share, f32); 2], v: f32, resting: bool) -> f32 {
     blocks.iter().map(|(limits, share, length)| time(&left(limits, share), *length, v)).sum()
 }
 
-/// Ticks from rest to the speed `v`, or what can be reached of it, over a length; as many as from there to
-/// rest.
+/// Ticks from rest to the speed `v`, or to the reachable part of it, over a length. The way back takes the
+/// same time.
 #[inline(never)]
 fn time(limits: &Limits, length: f32, v: f32) -> f32 {
     let [up, down] = [limits.speed_up(), limits.brake()];

@@ -28,7 +28,7 @@ impl Dialect {
         Self::Fanuc,
     ];
 
-    /// Whether it is Fanuc's.
+    /// Whether this is Fanuc's dialect.
     pub const fn is_fanuc(self) -> bool {
         #[cfg(feature = "fanuc")]
         return matches!(self, Self::Fanuc);
@@ -90,10 +90,10 @@ impl ToolLengths {
     }
 }
 
-/// The dialect of a channel, and the data that LinuxCNC's and Grbl's programs need.
+/// The dialect of a channel, and data that only programs of LinuxCNC and Grbl need.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct ForeignChannel {
-    /// `dialect`: the language of its programs.
+    /// `dialect`: the language of the channel's programs.
     pub dialect: Dialect,
     /// `blend_tolerance`: largest distance from the programmed path with G64 without P, µm.
     pub blend_tolerance_um: u32,
@@ -116,7 +116,8 @@ impl ForeignChannel {
     };
 }
 
-/// Data of an axis that LinuxCNC's and Grbl's programs need, in 0.1 µm (rotary: 0.0001°), machine coordinates.
+/// Data of an axis that only programs of LinuxCNC and Grbl need, in 0.1 µm (rotary: 0.0001°), machine
+/// coordinates.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct ForeignAxis {
     /// `np_grp.7.versch`…`np_grp.9.versch`: zero offsets of G59.1…G59.3.

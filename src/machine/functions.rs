@@ -1,24 +1,25 @@
-//! Functions that a build may leave out. Each one is a Cargo feature; all but the last three are on by default.
+//! Functions that a build may leave out. Each function is a Cargo feature; all but the last four are on by default.
 //!
-//! Programs and machine data that need a missing function are refused with its name. Words that switch the function off are
-//! accepted. The code tests one of these constants where a function starts, so that the linker drops the rest.
+//! A build without a function refuses programs and machine data that need the function, and names the missing feature.
+//! Words that switch the function off are accepted. The code tests one of these constants where a function starts, so
+//! the linker drops the rest of the function.
 //!
 //! | feature | commands | without it |
 //! |---|---|---|
 //! | `contour` | G61, G261, `#CONTOUR MODE`, `#HSC` | blocks end at their programmed points |
-//! | `surface` | `#HSC [SURFACE]` | needs `contour` and `hsc` |
-//! | `splines` | G151, `#SPLINE`, `#AKIMA`, `#HSC [BSPLINE]`, `#HSC [OPMODE=2]` | needs `contour` and `hsc` |
+//! | `surface` (needs `contour` and `hsc`) | `#HSC [SURFACE]` | |
+//! | `splines` (needs `contour` and `hsc`) | G151, `#SPLINE`, `#AKIMA`, `#HSC [BSPLINE]`, `#HSC [OPMODE=2]` | |
 //! | `hsc` | the slope HSC: `#SLOPE [TYPE=HSC]`, P-CHAN-00071 = 3 | |
 //! | `expressions` | `P` parameters, operators and functions, `$` statements | words have plain numbers; subroutines stay |
 //! | `filters` | `#FILTER`, P-AXIS-00586 | |
 //! | `beside` | `[OSC …]`, `[INDP …]`, `#WAIT INDP` | |
 //! | `dialects` (off by default) | the words of LinuxCNC and Grbl | programs are ISG's |
-//! | `fanuc` (off by default) | the words of Fanuc's controllers | needs `dialects` |
-//! | `kinematics` (off by default) | `#KIN ID`, `#TRAFO` | needs `hsc` |
-//! | `plc` (off by default) | `#CONTOUR LOOKAHEAD LOG`, `#DISTANCE PROG START CLEAR` | they are refused |
+//! | `fanuc` (off by default, needs `dialects`) | the words of Fanuc's controllers | |
+//! | `kinematics` (off by default, needs `hsc`) | `#KIN ID`, `#TRAFO` | |
+//! | `plc` (off by default) | `#CONTOUR LOOKAHEAD LOG`, `#DISTANCE PROG START CLEAR`, `#RT WHILE`, `#FLUSH`, `V.` variables | |
 //!
-//! The feature `fast` is no function: with it the compiler copies more functions into their callers, and the table of sines
-//! is larger. Set points are the same bits with and without `fast`.
+//! The feature `fast` is not a function. With `fast` the compiler copies more functions into their callers, and the
+//! table of sines is larger. Set points have the same bits with and without `fast`.
 
 /// A function that may be left out of a build.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -34,7 +35,7 @@ impl Function {
         self.built
     }
 
-    /// `count` if the function is compiled in, else 0: the size of memory that only this function needs.
+    /// Returns `count` if the function is compiled in, else 0. Sizes memory that only this function needs.
     pub const fn room(self, count: usize) -> usize {
         if self.built { count } else { 0 }
     }
@@ -42,17 +43,18 @@ impl Function {
     /// Checks that the function is compiled in.
     ///
     /// # Errors
-    /// The function is missing: its name and what to do.
+    /// Returns a message with the missing function and the feature to enable.
     #[inline(always)]
     pub const fn check(self) -> Result<(), &'static str> {
         if self.built { Ok(()) } else { Err(self.needs) }
     }
 }
 
-/// Whether this is a small build: one without Surface and splines. It has less room in the queue.
+/// Whether this is a small build: a build without Surface and splines. A small build has less room in the
+/// queue.
 pub const IS_SMALL: bool = !SURFACE.is_built() && !SPLINES.is_built();
 
-/// A constant for a feature, and what is said where it is off.
+/// A constant for a feature, and the message of a build without the feature.
 macro_rules! functions {
     ($($(#[$doc:meta])* $constant:ident = $feature:literal: $what:literal;)*) => {$(
         $(#[$doc])*
@@ -68,7 +70,7 @@ functions! {
     CONTOUR = "contour": "contouring (#CONTOUR MODE, G61, G261, #HSC)";
     /// HSC Surface.
     SURFACE = "surface": "#HSC [SURFACE]";
-    /// Akima and B-splines, those of #HSC too.
+    /// Akima splines and B-splines, also those of `#HSC`.
     SPLINES = "splines": "a spline (G151, #SPLINE, #AKIMA, #HSC [BSPLINE], #HSC [OPMODE=2])";
     /// The slope HSC.
     HSC = "hsc": "slope HSC (#SLOPE [TYPE=HSC], P-CHAN-00071 = 3)";

@@ -1,6 +1,6 @@
-//! Machine data of the interpolator (feature `plc`): what it may do beside motion, and the memory for it.
+//! Machine data of the interpolator (feature `plc`): its additional functions, and the memory for them.
 
-/// Bytes of a storage for blocks that are kept, at least: P-STUP-00033.
+/// Smallest size of the storage for kept blocks, bytes: P-STUP-00033.
 pub const FB_STORAGE_MIN: u32 = 1024;
 
 /// Names of P-CHAN-00650, by their bit.
@@ -10,9 +10,9 @@ pub const FB_STORAGE_MIN: u32 = 1024;
 /// | FCT_IPO_DEFAULT, FCT_LOOK_AHEAD_STANDARD | look-ahead of 120 blocks |
 /// | FCT_LOOK_AHEAD_LOW, FCT_LOOK_AHEAD_HIGH | 30 or 190 blocks |
 /// | FCT_LOOK_AHEAD_CUSTOM | as many blocks as P-CHAN-00653 says |
-/// | FCT_LOOK_AHEAD_OPT | HSC as with NO_OPT=0, unless the program says otherwise |
-/// | FCT_CONTOUR_LAH | the contour known in advance: [`crate::contour_log`] |
-/// | FCT_CALC_STATE_AT_T, FCT_CALC_TIME, FCT_CALC_POS_V_0 | questions about what comes |
+/// | FCT_LOOK_AHEAD_OPT | slope HSC as with NO_OPT=0, unless the program selects otherwise |
+/// | FCT_CONTOUR_LAH | the log of the path ahead: [`crate::contour_log`] |
+/// | FCT_CALC_STATE_AT_T, FCT_CALC_TIME, FCT_CALC_POS_V_0 | questions about the coming motion |
 /// | others | known, not available |
 pub const INTERPOLATOR_FUNCTIONS: &[&str] = &[
     "FCT_IPO_DEFAULT",
@@ -59,33 +59,34 @@ impl InterpolatorFunctions {
     /// FCT_CALC_POS_V_0.
     pub const CALC_POS_V_0: Self = Self(1 << 9);
 
-    /// The names that say how far the look-ahead goes.
+    /// The names that set the length of the look-ahead.
     const SIZES: u32 = 0x1F;
-    /// The names that this version has.
+    /// The names that this version supports.
     const AVAILABLE: u32 = 0x3FF;
 
-    /// By the bits of its names.
+    /// The set with these bits.
     pub const fn of_bits(bits: u32) -> Self {
         Self(bits)
     }
 
-    /// The bits of its names.
+    /// The bits of the set.
     pub const fn bits(self) -> u32 {
         self.0
     }
 
-    /// The names of both.
+    /// The union of both sets.
     #[must_use]
     pub const fn with(self, other: Self) -> Self {
         Self(self.0 | other.0)
     }
 
-    /// Whether it has all names of the other one.
+    /// Whether the set contains all names of `other`.
     pub const fn has(self, other: Self) -> bool {
         self.0 & other.0 == other.0
     }
 
-    /// The look-ahead that it names, in blocks. `None`: FCT_LOOK_AHEAD_CUSTOM, P-CHAN-00653 says it.
+    /// The look-ahead that the set names, in blocks. `None`: FCT_LOOK_AHEAD_CUSTOM; P-CHAN-00653 has the
+    /// number.
     pub const fn look_ahead(self) -> Option<u32> {
         match self.0 & Self::SIZES {
             2 => Some(30),
@@ -95,7 +96,7 @@ impl InterpolatorFunctions {
         }
     }
 
-    /// What is wrong with it, if anything is, and what is expected.
+    /// The fault of the set, if there is one, and what is expected.
     pub fn refused(self) -> Option<(&'static str, &'static str)> {
         let sizes = (self.0 & Self::SIZES).count_ones();
         if sizes != 1 {
@@ -113,23 +114,23 @@ impl InterpolatorFunctions {
 /// Machine data of the interpolator.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InterpolatorData {
-    /// P-CHAN-00650 `configuration.interpolator.function` (P-STUP-00070): what the interpolator may do. How far it looks
-    /// ahead is [`super::ChannelData::look_ahead`]: a machine file sets that by the name here.
+    /// P-CHAN-00650 `configuration.interpolator.function` (P-STUP-00070): functions of the interpolator. The length of
+    /// the look-ahead is [`super::ChannelData::look_ahead`]; a machine file sets it by the name given here.
     pub functions: InterpolatorFunctions,
-    /// P-CHAN-00658 `configuration.interpolator.contour_lookahead_log_max` (P-STUP-00076): elements kept of each kind, by
-    /// index and by distance, as far as there is memory.
+    /// P-CHAN-00658 `configuration.interpolator.contour_lookahead_log_max` (P-STUP-00076): number of elements kept of
+    /// each kind, by index and by distance, as far as memory permits.
     pub log_max: u32,
-    /// P-STUP-00033 `fb_storage_size[0]`: bytes for blocks that are kept; 0: none, and no log by index. Smaller than
-    /// [`FB_STORAGE_MIN`] is that.
+    /// P-STUP-00033 `fb_storage_size[0]`: bytes for kept blocks. 0: no storage, and no log by index. A value below
+    /// [`FB_STORAGE_MIN`] counts as [`FB_STORAGE_MIN`].
     pub fb_storage_size: u32,
 }
 
 impl InterpolatorData {
-    /// The ISG defaults: no function beside motion.
+    /// The ISG defaults: no additional function.
     pub const ISG: Self =
         Self { functions: InterpolatorFunctions::IPO_DEFAULT, log_max: 128, fb_storage_size: 0 };
 
-    /// Every function of this version, and storage for a log.
+    /// All functions of this version, and storage for a log.
     pub const ALL: Self = Self {
         functions: InterpolatorFunctions::IPO_DEFAULT
             .with(InterpolatorFunctions::CONTOUR_LAH)
@@ -140,7 +141,7 @@ impl InterpolatorData {
         ..Self::ISG
     };
 
-    /// Whether it has that function.
+    /// Whether the machine data have this function.
     pub const fn has(&self, function: InterpolatorFunctions) -> bool {
         self.functions.has(function)
     }

@@ -1,4 +1,5 @@
-//! Machine data: limits of the axes and settings of the channel, with the names, ids and units of ISG's parameter lists.
+//! Machine data: limits of the axes and settings of the channel. Names, ids and units are those of ISG's
+//! parameter lists.
 //!
 //! Start with the ISG defaults and set what your machine has:
 //!
@@ -22,7 +23,8 @@
 //! assert!(error.to_string().starts_with("dynamik.a_max (P-AXIS-00008) = 0 is outside 1"));
 //! ```
 //!
-//! [`parameter`] lists all parameters with unit, range and default. [`functions`] lists what a build may leave out.
+//! [`parameter`] lists all parameters with unit, range and default. [`functions`] lists the functions that a
+//! build may leave out.
 
 #[cfg(feature = "dialects")]
 mod foreign;
@@ -91,7 +93,7 @@ pub enum AxisKind {
     Linear,
     /// A rotary axis, in degrees.
     Rotary,
-    /// A spindle, in degrees; it takes no part in the path.
+    /// A spindle, in degrees; a spindle takes no part in the path.
     Spindle,
 }
 
@@ -115,9 +117,9 @@ pub struct AxisData {
     pub tr_geom: u32,
     /// P-AXIS-00201 `dynamik.tr_min`: smallest ramp time.
     pub tr_min: u32,
-    /// P-AXIS-00013 `dynamik.a_trans_weight`: acceleration permitted at a corner without a curve, in 0.1 %. The axis may
-    /// step its speed there by that acceleration times the cycle; jerk is not limited then. 0: the step is so small that the
-    /// jerk limit holds.
+    /// P-AXIS-00013 `dynamik.a_trans_weight`: acceleration permitted at a corner without a curve, in 0.1 %. The speed
+    /// of the axis may jump there by this acceleration times the cycle; jerk is then not limited. 0: the step of speed
+    /// is so small that the jerk limit holds.
     pub a_trans_weight: u32,
     /// P-AXIS-00001 `slope_profil.a_beschl`: acceleration at feed.
     pub a_beschl: u32,
@@ -135,8 +137,8 @@ pub struct AxisData {
     pub tr_brems_zu: u32,
     /// P-AXIS-00200 `slope_profil.tr_grenz`: ramp time of rapid motion.
     pub tr_grenz: u32,
-    /// P-AXIS-00154 `dynamik.r_trans_weight`: share of the jerk limit that a tangential joint may use, in 0.1 %; 0: all.
-    /// It acts only with P-CHAN-00009.
+    /// P-AXIS-00154 `dynamik.r_trans_weight`: part of the jerk limit that a tangential transition may use, in 0.1 %; 0:
+    /// all. The parameter acts only with P-CHAN-00009.
     pub r_trans_weight: u32,
     /// P-AXIS-00293 `dynamik.tr_w_min`: smallest ramp time that a weight (G132, G133) may give; 0: as `tr_min`.
     pub tr_w_min: u32,
@@ -158,8 +160,8 @@ pub struct AxisData {
     pub vb_grenz_stufe_1_2: u32,
     /// P-AXIS-00015 `kenngr.achs_mode`: bit mask, [`MODE_LINEAR`] and [`MODE_MASTER`].
     pub achs_mode: u32,
-    /// P-CHAN-00011 `default_feed_axis`: the feed counts along this axis. Without any feed axis it counts along the main
-    /// axes.
+    /// P-CHAN-00011 `default_feed_axis`: the feed counts along this axis. If no axis is a feed axis, the feed counts
+    /// along the main axes.
     pub default_feed_axis: bool,
     /// P-ZERO-00003 `np_grp[i].achse[j].versch`: zero offsets of G54…G59 (i = 1…6), 0.1 µm (rotary: 0.0001°).
     pub versch: [i32; ZERO_OFFSETS],
@@ -170,7 +172,7 @@ pub struct AxisData {
     pub swe_pos: i32,
     /// The filter of the axis's set points.
     pub filter: FilterData,
-    /// What programs of LinuxCNC and Grbl need in addition.
+    /// Data that only programs of LinuxCNC and Grbl need.
     #[cfg(feature = "dialects")]
     pub foreign: ForeignAxis,
 }
@@ -179,7 +181,7 @@ pub struct AxisData {
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum FilterType {
-    /// 0: none.
+    /// 0: no filter.
     #[default]
     None,
     /// 1: moving average.
@@ -205,7 +207,8 @@ impl FilterType {
     }
 }
 
-/// The filter of an axis's set points (`filter_fir`). A program may override all of it but the type (#FILTER).
+/// The filter of an axis's set points (`filter_fir`). A program may override all values but the type
+/// (`#FILTER`).
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct FilterData {
     /// P-AXIS-00573 `filter_fir.enable`: the filter is on at program start.
@@ -216,9 +219,10 @@ pub struct FilterData {
     pub order: u8,
     /// P-AXIS-00590 `filter_fir.share`: effectiveness, percent.
     pub share: u8,
-    /// P-AXIS-00593 `filter_fir.quality`: width of a Gauss kernel, in thousandths, 1…1000.
+    /// P-AXIS-00593 `filter_fir.quality`: width of a Gauss filter, in thousandths, 1…1000.
     pub quality_milli: u16,
-    /// P-AXIS-00591 `filter_fir.order_time`: the order as a time, µs; below a cycle: not filtered.
+    /// P-AXIS-00591 `filter_fir.order_time`: the order as a time, µs. An order below one cycle switches the
+    /// filter off.
     pub order_time_us: u32,
     /// P-AXIS-00585 `filter_fir.fcut`: cut-off frequency of a windowed sinc, in thousandths of Hz.
     pub fcut_milli: u32,
@@ -237,18 +241,18 @@ impl FilterData {
     };
 }
 
-/// The value of a software limit that is off: ±100 000 mm or degrees, in 0.1 µm. It is the default here; ISG's default
-/// is ±10 m.
+/// The value of a disabled software limit: ±100 000 mm or degrees, in 0.1 µm. This is Glidepath's default; ISG's
+/// default is ±10 m.
 pub const NO_LIMIT: i32 = 1_000_000_000;
 
 /// Number of zero offsets: G54…G59.
 pub const ZERO_OFFSETS: usize = 6;
 
-/// P-AXIS-00015: positions are not reduced to one turn. Glidepath treats every axis like that.
+/// P-AXIS-00015: positions are not reduced to one turn. Glidepath treats every axis in this way.
 pub const MODE_LINEAR: u32 = 0x1;
 
-/// P-AXIS-00015: master axis of `#CONTOUR MODE [DIST_MASTER]`, if it is the only feed axis. ISG's documents name such a
-/// mark without its bit; here it is the highest bit of ISG's range.
+/// P-AXIS-00015: master axis of `#CONTOUR MODE [DIST_MASTER]`, if this axis is the only feed axis. ISG's documents
+/// describe this mark without its bit; Glidepath uses the highest bit of ISG's range.
 pub const MODE_MASTER: u32 = 0x1000_0000;
 
 /// Limits of the slope STEP for one axis, at feed or in rapid motion.
@@ -302,7 +306,7 @@ impl AxisData {
         }
     }
 
-    /// The geometric ramp time in µs: P-AXIS-00199, or P-AXIS-00201 if that is 0.
+    /// The geometric ramp time in µs: P-AXIS-00199, or P-AXIS-00201 if P-AXIS-00199 is 0.
     pub const fn geometric_ramp(&self) -> u32 {
         if self.tr_geom == 0 { self.tr_min } else { self.tr_geom }
     }
@@ -323,8 +327,8 @@ impl AxisData {
         }
     }
 
-    /// The stages of the slope STEP. A deceleration of 0 becomes the acceleration; all are at most P-AXIS-00008, and the
-    /// change-over is at most P-AXIS-00212.
+    /// The stages of the slope STEP. A deceleration of 0 means the acceleration. All values are at most P-AXIS-00008,
+    /// and the change-over is at most P-AXIS-00212.
     pub const fn stages(&self, rapid: bool) -> Stages {
         let (a, d, change_over) = if rapid {
             (self.a_grenz_stufe, self.d_grenz_stufe, self.vb_grenz_stufe_1_2)
@@ -344,7 +348,7 @@ const fn least(a: u32, b: u32) -> u32 {
     if a < b { a } else { b }
 }
 
-/// The unit of path accelerations in machine data and in #VECTOR LIMIT.
+/// The unit of path accelerations in machine data and in `#VECTOR LIMIT`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum AccelerationUnit {
@@ -372,8 +376,9 @@ pub struct ChannelData {
     /// P-CHAN-00073 `prog_start.slope.ramp_time`: G132 and G133 weight 0 all ramps, 1 P-AXIS-00196, 2 00195,
     /// 3 00198, 4 00197.
     pub ramp_weight: u8,
-    /// P-CHAN-00009 `corr_v_trans_jerk`: jerk is limited at tangential joints of lines and arcs (P-AXIS-00154). If it is
-    /// false, such a joint is passed as fast as acceleration permits, and jerk is not limited there.
+    /// P-CHAN-00009 `corr_v_trans_jerk`: jerk is limited at tangential transitions between lines and arcs
+    /// (P-AXIS-00154). If `false`, the motion passes such a transition as fast as acceleration permits, and jerk is not
+    /// limited there.
     pub corr_v_trans_jerk: bool,
     /// P-CHAN-00066 `override_weight_prog_feed`: the override acts on the speed that the axes permit (0) or on the
     /// programmed feed (1); 2: as 1 while reduced speed is on, else as 0.
@@ -388,11 +393,12 @@ pub struct ChannelData {
     pub vector_unit: AccelerationUnit,
     /// P-CHAN-00350 `vector.cir_radial_acc_limit`: the limit of path acceleration also acts across the path, on arcs.
     pub cir_radial_acc_limit: bool,
-    /// P-CHAN-00110 `check_jerk_on_poly_path`: jerk limit in curves of corners: 0 none, 1 by the geometric ramp
-    /// time, 2 by the ramp times.
+    /// P-CHAN-00110 `check_jerk_on_poly_path`: jerk limit in corner curves: 0 none, 1 from the geometric ramp
+    /// time, 2 from the ramp times.
     pub check_jerk_on_poly_path: u8,
-    /// `merge_chords`, not an ISG parameter: with `#CONTOUR MODE [DEV]` nearly straight chords become one line, which uses at
-    /// most this percentage of PATH_DEV and TRACK_DEV, 0…75. Curves at its ends use the rest. 0: chords stay.
+    /// `merge_chords`, not an ISG parameter: with `#CONTOUR MODE [DEV]` nearly straight chords become one line. The
+    /// line uses at most this percentage of PATH_DEV and TRACK_DEV, 0…75; curves at its ends use the rest. 0: chords
+    /// are not merged.
     pub merge_chords: u8,
     /// P-CHAN-00239 `hsc.bspline.auto_contour_mode`: corners at which the HSC B-spline is interrupted: 0 stay sharp,
     /// 1 are rounded, 2 are rounded beside arcs.
@@ -401,23 +407,23 @@ pub struct ChannelData {
     pub m_synch: SynchTable,
     /// P-CHAN-00027 `h_synch[n]`: synchronisation of H functions.
     pub h_synch: SynchTable,
-    /// P-CHAN-00600 `configuration.path_preparation.function` holds FCT_PTP: `#CONTOUR MODE [PTP]` is
+    /// P-CHAN-00600 `configuration.path_preparation.function` contains FCT_PTP: `#CONTOUR MODE [PTP]` is
     /// allowed.
     pub ptp: bool,
-    /// P-CHAN-00600 holds FCT_SURFACE: `#HSC \[SURFACE\]` is allowed.
+    /// P-CHAN-00600 contains FCT_SURFACE: `#HSC \[SURFACE\]` is allowed.
     pub surface: bool,
-    /// P-CHAN-00451 `mode_implicite_sync_indp_asyn_axis`: a block that names an axis which moves on its own waits for the end
-    /// of that motion: always (true), or only if the block moves the axis (false).
+    /// P-CHAN-00451 `mode_implicite_sync_indp_asyn_axis`: when a block waits for an independent axis. `true`: the block
+    /// names the axis. `false`: the block moves the axis.
     pub joins_named: bool,
-    /// P-CHAN-00297 `mode_exact_stop_indp_axis`: what waits for independent axes. 0: `#WAIT INDP`, for the axes that it names;
-    /// 1: exact stop (G60, G360) too, for all of them; 2: `#WAIT INDP`, for all of them.
+    /// P-CHAN-00297 `mode_exact_stop_indp_axis`: which word waits for independent axes. 0: `#WAIT INDP`, for the named
+    /// axes. 1: exact stop (G60, G360) too, for all axes. 2: `#WAIT INDP`, for all axes.
     pub exact_stop_indp: u8,
     /// P-ZERO-00002 `default_index`: zero offset in force at program start: 0 G53 (none), 1…6 G54…G59.
     pub default_index: u8,
-    /// What the interpolator does for a PLC.
+    /// Functions of the interpolator for a PLC.
     #[cfg(feature = "plc")]
     pub interpolator: InterpolatorData,
-    /// The dialect of programs, and data that dialects other than ISG's need.
+    /// The dialect of programs, and data that only dialects other than ISG's need.
     #[cfg(feature = "dialects")]
     pub foreign: ForeignChannel,
 }
@@ -479,7 +485,7 @@ impl<const AXES: usize> MachineData<AXES> {
         self.axes.iter().position(|a| a.name == name)
     }
 
-    /// Indices of the main axes: the first three linear ones.
+    /// Indices of the main axes: the first three linear axes.
     pub fn main_axes(&self) -> [Option<usize>; 3] {
         let mut main = [None; 3];
         let linear = self.axes.iter().enumerate().filter(|(_, a)| a.kind == AxisKind::Linear);

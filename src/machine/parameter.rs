@@ -17,7 +17,8 @@ pub struct Parameter<Target> {
     pub decimals: bool,
     /// Words for the values 0, 1, … in the file; an empty list means a number.
     pub words: &'static [&'static str],
-    /// Whether words may be joined by a bar. They then mean 1, 2, 4, … and their sum, and the first word must be among them.
+    /// Whether several words may be joined by a bar. The words then mean 1, 2, 4, … and the value is their
+    /// sum. The first word must be among them.
     pub joined: bool,
     /// Stores a value given in thousandths of the unit and inside the range.
     pub set: fn(&mut Target, i64),
@@ -37,9 +38,8 @@ macro_rules! parameters {
     };
 }
 
-/// Axis parameters, in the order of the ISG ids. Ranges of [`crate::machine`] fields that depend on one
-/// another (accelerations up to `a_max`, ramp times from `tr_min`, speeds up to `vb_max`) are checked by
-/// [`check_axis`].
+/// Axis parameters, in the order of the ISG ids. [`check_axis`] checks ranges that depend on other fields:
+/// accelerations up to `a_max`, ramp times from `tr_min`, speeds up to `vb_max`.
 pub const AXIS: &[Parameter<AxisData>] = parameters!(AxisData:
     "P-AXIS-00001" "slope_profil.a_beschl" ["mm/s²"] 1..=100_000_000 => a_beschl,
     "P-AXIS-00002" "slope_profil.a_brems" ["mm/s²"] 1..=100_000_000 => a_brems,
@@ -134,7 +134,7 @@ const LONGEST_DELAY: u8 = 100;
 
 const FILTER_TYPES: &str = "0 none, 1 moving average, 2 Gauss, 3 windowed sinc, 4 time delay";
 
-/// A software limit: the ends of the range stand for none.
+/// A software limit. The ends of the range mean no limit.
 const fn software_limit(id: &'static str, name: &'static str) -> Parameter<AxisData> {
     const LARGEST: i64 = NO_LIMIT as i64 * 1000;
     plain(id, name, "0.1 µm or 0.0001°", -LARGEST, LARGEST)
@@ -299,7 +299,7 @@ pub const CHANNEL: &[Parameter<ChannelData>] = &[
     },
 ];
 
-/// Axis parameters of other dialects than ISG's, of the project's own.
+/// Axis parameters for dialects other than ISG's. These parameters are Glidepath's own.
 #[cfg(feature = "dialects")]
 pub const AXIS_FOREIGN: &[Parameter<AxisData>] = &[
     Parameter {
@@ -329,13 +329,13 @@ pub const AXIS_FOREIGN: &[Parameter<AxisData>] = &[
     },
 ];
 
-/// A place of an axis.
+/// A stored position of an axis.
 #[cfg(feature = "dialects")]
 const fn place(name: &'static str) -> Parameter<AxisData> {
     plain("", name, "0.1 µm or 0.0001°", -ZERO_OFFSET_MAX * 1000, ZERO_OFFSET_MAX * 1000)
 }
 
-/// Channel parameters of other dialects than ISG's, of the project's own.
+/// Channel parameters for dialects other than ISG's. These parameters are Glidepath's own.
 #[cfg(feature = "dialects")]
 pub const CHANNEL_FOREIGN: &[Parameter<ChannelData>] = &[
     Parameter {
@@ -355,7 +355,8 @@ pub const CHANNEL_FOREIGN: &[Parameter<ChannelData>] = &[
     },
 ];
 
-/// Channel parameters of what the interpolator does for a PLC. Their other names are in the list of start-up data.
+/// Channel parameters of the interpolator's functions for a PLC. Their second names are in the list of
+/// start-up data.
 #[cfg(feature = "plc")]
 pub const CHANNEL_PLC: &[Parameter<ChannelData>] = &[
     Parameter {
@@ -391,10 +392,10 @@ pub const CHANNEL_PLC: &[Parameter<ChannelData>] = &[
 const LARGEST_UNS32: i64 = u32::MAX as i64 * 1000;
 
 const VECTOR_UNIT: &str = "mm/min² or mm/s², by vector.acc_dec_unit";
-/// ISG leaves the largest path limits to the application: 2·10^9.
+/// Largest path limit. ISG leaves this value to the application; here it is 2·10^9.
 const VECTOR_MAX_MILLI: i64 = 2_000_000_000_000;
 
-/// A whole number that nothing reads or writes yet.
+/// A whole number that no code reads or writes yet.
 const fn plain<Target>(
     id: &'static str,
     name: &'static str,
@@ -437,7 +438,7 @@ pub struct RangeError {
 /// Checks the range of every parameter of an axis, and the ranges that depend on other parameters.
 ///
 /// # Errors
-/// The first parameter out of its range.
+/// Returns the first parameter out of its range.
 pub fn check_axis(axis: &AxisData) -> Result<(), RangeError> {
     check_all(axis, AXIS)?;
     let shortest = (axis.tr_min, "dynamik.tr_min");
@@ -493,7 +494,7 @@ pub fn check_axis(axis: &AxisData) -> Result<(), RangeError> {
 /// Checks the ranges of a table.
 ///
 /// # Errors
-/// The first parameter out of its range.
+/// Returns the first parameter out of its range.
 pub fn check_all<Target>(target: &Target, table: &[Parameter<Target>]) -> Result<(), RangeError> {
     for parameter in table {
         let milli = (parameter.get)(target);
@@ -507,7 +508,7 @@ pub fn check_all<Target>(target: &Target, table: &[Parameter<Target>]) -> Result
     Ok(())
 }
 
-/// Checks the parameters of an axis whose names begin like that against bounds that others give.
+/// Checks the axis parameters with this name prefix against bounds that other parameters give.
 fn check_between(
     axis: &AxisData,
     names: &str,
@@ -526,17 +527,17 @@ fn check_between(
     Ok(())
 }
 
-/// The linear slope: its defaults are limited by `a_max` and `vb_max` ([`AxisData::stages`]), other values
-/// are refused beyond them.
+/// Checks the parameters of STEP. `a_max` and `vb_max` limit the defaults ([`AxisData::stages`]); other
+/// values beyond these limits are refused.
 fn check_stages(axis: &AxisData) -> Result<(), RangeError> {
     let default = AxisData::new(axis.name, axis.kind);
     check_given_stages(axis, |parameter| (parameter.get)(axis) != (parameter.get)(&default))
 }
 
-/// Checks those parameters of the linear slope that somebody gave, even if it is the default that was given.
+/// Checks the STEP parameters that the machine file gives, also if a given value equals the default.
 ///
 /// # Errors
-/// The first one beyond `a_max` or `vb_max`.
+/// Returns the first parameter beyond `a_max` or `vb_max`.
 pub fn check_given_stages(
     axis: &AxisData,
     is_given: impl Fn(&Parameter<AxisData>) -> bool,

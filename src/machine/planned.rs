@@ -1,9 +1,9 @@
-//! Values that machine data may have and a tick cannot use, and the values that the planner uses instead.
+//! Replacements for machine data that the tick cannot use.
 //!
 //! | parameter | value used | why |
 //! |---|---|---|
-//! | ramp times: P-AXIS-00195 to P-AXIS-00201 | at least [`SHORTEST_RAMP`] cycles | set points show nothing shorter |
-//! | P-AXIS-00199 = 0 | P-AXIS-00201 | its preset |
+//! | ramp times: P-AXIS-00195 to P-AXIS-00201 | at least [`SHORTEST_RAMP`] cycles | set points cannot show a shorter ramp |
+//! | P-AXIS-00199 = 0 | P-AXIS-00201 | the default of P-AXIS-00199 |
 //! | speeds: P-AXIS-00209, 00212 | at most 16 mm per tick | [`crate::quantity::Speed`] |
 //! | accelerations: P-AXIS-00001 to 00008 | at most 16 mm/tick² | [`crate::quantity::Accel`] |
 use super::parameter::AXIS;
@@ -12,7 +12,7 @@ use super::{AxisData, ChannelData};
 /// Shortest ramp, in cycles.
 pub const SHORTEST_RAMP: u32 = 1;
 
-/// Speeds and accelerations per tick have six integer bits with sign; half of that is left to sums.
+/// Speeds and accelerations per tick have six integer bits with sign. Half of this range is left for sums.
 const LARGEST: u64 = 16;
 
 /// A value of machine data that the planner replaces.
@@ -20,7 +20,7 @@ const LARGEST: u64 = 16;
 pub struct Adjusted {
     /// ISG id.
     pub id: &'static str,
-    /// Its name.
+    /// Name of the parameter.
     pub name: &'static str,
     /// Unit of both values.
     pub unit: &'static str,

@@ -1,36 +1,36 @@
 //! Synchronisation of M and H functions with the motion: P-CHAN-00041 `m_synch[n]`, P-CHAN-00027
 //! `h_synch[n]`.
 
-/// The point at which a function is put out, and the point at which it must be acknowledged. The motion waits at the second
-/// point.
+/// The point at which a function is output, and the point at which the function must be acknowledged. The motion waits
+/// at the second point.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Synch {
-    /// NO_SYNCH: not put out.
+    /// NO_SYNCH: no output.
     NoSynch,
-    /// MOS: put out, no acknowledgement.
+    /// MOS: output without acknowledgement.
     Mos,
-    /// MVS_SVS: put out before the motion of its block, which begins when it is acknowledged.
+    /// MVS_SVS: output before the motion of its block; the motion begins after the acknowledgement.
     MvsSvs,
-    /// MVS_SNS: put out before the motion of its block, acknowledged before the next motion.
+    /// MVS_SNS: output before the motion of its block, acknowledged before the next motion.
     MvsSns,
-    /// MNS_SNS: put out after the motion of its block, acknowledged before the next motion.
+    /// MNS_SNS: output after the motion of its block, acknowledged before the next motion.
     MnsSns,
-    /// MNE_SNS: put out at a measuring event.
+    /// MNE_SNS: output at a measuring event.
     MneSns,
     /// MVS_SLM: acknowledged where the motion changes to feed.
     MvsSlm,
     /// MVS_SLP: acknowledged at #EXPL SYN.
     MvsSlp,
-    /// MOS_TS: put out a time before or after the motion.
+    /// MOS_TS: output at a time before or after the motion.
     MosTs,
     /// BWD_SYNCH: acknowledged in backward motion too.
     BwdSynch,
     /// FWD_SYNCH: acknowledged in simulated forward motion too.
     FwdSynch,
-    /// MEP_SVS: put out a distance ahead.
+    /// MEP_SVS: output at a distance ahead.
     MepSvs,
-    /// MET_SVS: put out a time ahead.
+    /// MET_SVS: output at a time ahead.
     MetSvs,
     /// FAW_SYNCH: the decoder waits too.
     FawSynch,
@@ -60,12 +60,12 @@ impl Synch {
         Self::ALL.iter().find(|(synch, ..)| *synch == self).map_or("", |(_, name, _)| name)
     }
 
-    /// Whether Glidepath has this kind.
+    /// Whether Glidepath supports this kind.
     pub const fn is_available(self) -> bool {
         matches!(self, Self::NoSynch | Self::Mos | Self::MvsSvs | Self::MvsSns | Self::MnsSns)
     }
 
-    /// Whether the function is put out before the motion of its block.
+    /// Whether the function is output before the motion of its block.
     pub const fn is_before(self) -> bool {
         matches!(self, Self::MvsSvs | Self::MvsSns)
     }
@@ -89,7 +89,7 @@ pub const SYNCHRONISED: usize = 32;
 /// ```
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct SynchTable {
-    // Apart: in pairs a quarter of it would be padding.
+    // Codes and kinds are separate arrays: an array of pairs would be one quarter padding.
     codes: [u16; SYNCHRONISED],
     kinds: [Synch; SYNCHRONISED],
     len: u8,
@@ -97,7 +97,7 @@ pub struct SynchTable {
 }
 
 impl SynchTable {
-    /// No function in it: all bits zero.
+    /// An empty table with all bits zero.
     pub(crate) const BLANK: Self =
         Self { codes: [0; SYNCHRONISED], kinds: [Synch::NoSynch; SYNCHRONISED], len: 0, full: false };
 

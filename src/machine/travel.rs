@@ -1,7 +1,8 @@
 //! Software limits of the axes: P-AXIS-00177 and P-AXIS-00178.
 //!
-//! The limits are machine positions without offsets, and an axis may go up to them. They are checked along the whole path of
-//! a block before the block is planned. An axis that stands outside of a limit may only move back.
+//! The limits are machine positions without offsets. An axis may move exactly up to a limit. The planner checks the
+//! limits along the whole path of a block before it plans the block. An axis that stands outside of a limit may only
+//! move back.
 use super::{MachineData, NO_LIMIT};
 use crate::math::divide::div_wide;
 use crate::quantity::Position;
@@ -30,19 +31,19 @@ impl Beyond {
 pub struct Travel<const AXES: usize> {
     /// Negative and positive limit.
     limits: [[Position; 2]; AXES],
-    /// An axis has one.
+    /// Whether any axis has a limit.
     is_limited: bool,
 }
 
 /// 0.1 µm or 0.0001° as a position, to nearest.
 pub(crate) fn of_tenths(tenths: i32) -> Position {
     const UNIT: u64 = 10_000;
-    // No tenth is half a step of a position: 10^4 has other factors than 2.
+    // A tenth never falls on half a step of a position, because 10^4 has factors other than 2.
     let bits = div_wide(0, (u64::from(tenths.unsigned_abs()) << 32) + UNIT / 2, UNIT) as i64;
     Position::from_bits(if tenths < 0 { -bits } else { bits })
 }
 
-/// Less than a nanometre beyond a limit is what the rounding of an arc's centre may come to: 2^-20 mm.
+/// An excess of less than a nanometre is permitted: the rounding of an arc's centre can cause up to 2^-20 mm.
 const ROUNDING: i64 = 1 << 12;
 
 impl<const AXES: usize> Travel<AXES> {
@@ -64,7 +65,7 @@ impl<const AXES: usize> Travel<AXES> {
     /// Checks a straight path.
     ///
     /// # Errors
-    /// The first axis that would leave its limits.
+    /// Returns the first axis that would leave its limits.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn line(&self, from: &[Position; AXES], to: &[Position; AXES]) -> Result<(), Beyond> {
         if self.is_limited { self.way(from, to) } else { Ok(()) }
@@ -78,7 +79,7 @@ impl<const AXES: usize> Travel<AXES> {
     /// Checks a curve that begins at `from`. `range` gives the least and the greatest coordinate of an axis on the curve.
     ///
     /// # Errors
-    /// The first axis that would leave its limits by a nanometre.
+    /// Returns the first axis that would leave its limits by more than a nanometre.
     pub fn curve(
         &self,
         from: &[Position; AXES],

@@ -1,6 +1,6 @@
 //! Angles at full precision, for the planner.
 //!
-//! An angle is a 64-bit fraction of a revolution, LSB 2^-64, so that it wraps as angles do.
+//! An angle is a 64-bit fraction of a revolution, LSB 2^-64, so the number wraps as the angle does.
 use super::divide::reciprocal_near;
 use super::wide::mul_hi_u;
 
@@ -49,11 +49,10 @@ const fn alternating(z: u64, c: &[u64; 9]) -> u64 {
 /// Sine and cosine of turns·2^-64 revolutions with 62 fraction bits; absolute error ≤ 2^-61.9, about one
 /// unit of the result (2^-61.98 over 2·10^7 random angles).
 ///
-/// Exact at the quarter turns; sine is exactly odd and cosine exactly even, except at odd multiples of an
-/// eighth of a turn, where they agree within the error. Taylor series on ±π/4, 21 products, 321 instructions
-/// on thumbv7em.
+/// Exact at the quarter turns. Sine is exactly odd and cosine exactly even; at odd multiples of an eighth of
+/// a turn they agree within the error. Taylor series on ±π/4, 21 products, 321 instructions on thumbv7em.
 pub const fn sin_cos_fine(turns: u64) -> (i64, i64) {
-    // Nearest quarter turn and what is left of it, at most 2^61.
+    // Nearest quarter turn and the rest, at most 2^61.
     let quarter = turns.wrapping_add(1 << 61) >> 62;
     let rest = turns.wrapping_sub(quarter << 62) as i64;
     /// π/4 in 64 fraction bits.
@@ -98,11 +97,11 @@ const ARCTAN: [u64; 17] = [
 /// Direction of (x, y) in 2^-64 revolutions from the x axis towards y; error ≤ 2^-60 turns
 /// (14 units asserted, 13 measured), 0 for (0, 0).
 ///
-/// Any scale of the arguments, exact on the axes and diagonals; a mirrored vector gives the mirrored angle.
+/// The arguments may have any scale. The result is exact on the axes and diagonals; a mirrored vector gives
+/// the mirrored angle.
 ///
-/// In the first octant, with k the nearest sixteenth to y/x, the rotation by −atan(k/16) is exact in integers
-/// and leaves a slope w of at most about 1/32, for which six terms of the arc tangent suffice: w^13/13 <
-/// 2^-68.
+/// In the first octant, k is the nearest sixteenth to y/x. The rotation by −atan(k/16) is exact in integers
+/// and leaves a slope w of at most about 1/32. Six terms of the arc tangent suffice: w^13/13 < 2^-68.
 pub const fn atan2_turns(y: i64, x: i64) -> u64 {
     let (abs_x, abs_y) = (x.unsigned_abs(), y.unsigned_abs());
     let steep = abs_y > abs_x;
@@ -110,7 +109,7 @@ pub const fn atan2_turns(y: i64, x: i64) -> u64 {
     if long == 0 {
         return 0;
     }
-    // To 58 bits: 16·long + 16·short still fits. What a shift to the right drops is 2^-58 of the radius.
+    // To 58 bits: 16·long + 16·short still fits. A shift to the right drops 2^-58 of the radius.
     let zeros = long.leading_zeros();
     let (long, short) = if zeros >= 6 {
         (long << (zeros - 6), short << (zeros - 6))
@@ -118,7 +117,7 @@ pub const fn atan2_turns(y: i64, x: i64) -> u64 {
         let half = (1u64 << (6 - zeros)) >> 1;
         ((long.wrapping_add(half)) >> (6 - zeros), (short.wrapping_add(half)) >> (6 - zeros))
     };
-    // Nearest sixteenth from the upper bits, long >> 36 ≥ 2^21; one bit more does no harm.
+    // Nearest sixteenth from the upper bits, long >> 36 ≥ 2^21; one additional bit does no harm.
     let k = ((short >> 32) as u32).wrapping_add((long >> 37) as u32) / ((long >> 36) as u32 | 1);
     let k = if k > 16 { 16 } else { k as usize };
     let along = (long << 4).wrapping_add(short.wrapping_mul(k as u64));
@@ -127,7 +126,7 @@ pub const fn atan2_turns(y: i64, x: i64) -> u64 {
     let up = along.leading_zeros() & 3;
     let w = mul_hi_u(across.unsigned_abs() << (2 + up), reciprocal_near(along << up));
     let z = mul_hi_u(w, w);
-    // z is below 2^-9. The inner terms in 32 fraction bits, and with those of z that matter there: 41.
+    // z is below 2^-9. The inner terms use 32 fraction bits, and 41 fraction bits of z.
     let near = (z << 9) >> 32;
     let p = 0x1c71_c71cu64.wrapping_sub(near.wrapping_mul(0x1745_d174) >> 41);
     let p = 0x2492_4925u64.wrapping_sub(near.wrapping_mul(p) >> 41);

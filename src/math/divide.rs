@@ -2,12 +2,12 @@
 //!
 //! Two quotient digits of 32 bits by "3 by 2" steps with a precomputed reciprocal word: N. Möller, T.
 //! Granlund, "Improved division by invariant integers", IEEE Trans. Computers 60 (2011), algorithms 5 (step)
-//! and 6 (reciprocal). The reciprocal word starts from one 16-bit hardware division and is refined by Newton
-//! steps, which a final remainder makes exact. [`reciprocal_near`] is for where that is not needed.
+//! and 6 (reciprocal). The reciprocal word starts from one 16-bit hardware division. Newton steps refine it,
+//! and a final remainder makes it exact. [`reciprocal_near`] is for uses that need no exact value.
 
 /// floor((2^64 − 1) / d) − 2^32 for d ≥ 2^31.
 const fn reciprocal_word(d: u32) -> u32 {
-    // 2^48/d to a relative 2^-15; the bit is set already and proves the divisor non-zero.
+    // 2^48/d to a relative 2^-15. The bit is already set; it proves that the divisor is not zero.
     let seed = (u32::MAX / ((d >> 16) | 0x8000)) as i64;
     let d = d as i64;
     // |2^48 − seed·d| < 2^34: relative error 2^-30 after one step, below one unit after the second.
@@ -72,7 +72,7 @@ const fn step(u: u64, u0: u32, d: u64, v: u32) -> (u32, u64) {
     (q1, r)
 }
 
-/// floor((hi·2^64 + lo) / d), exact; `u64::MAX` where that does not fit or d is zero.
+/// floor((hi·2^64 + lo) / d), exact; `u64::MAX` if the quotient does not fit or d is zero.
 ///
 /// At most 176 instructions on thumbv7em, one of them a division.
 pub const fn div_wide(hi: u64, lo: u64, d: u64) -> u64 {
@@ -99,25 +99,26 @@ const fn widen(a: u64, shift: u32) -> (u64, u64) {
     }
 }
 
-/// floor(a·2^shift / b), exact; `u64::MAX` where that does not fit or b is zero.
+/// floor(a·2^shift / b), exact; `u64::MAX` if the quotient does not fit or b is zero.
 ///
-/// Shift 0…64, a larger one counts as 64.
+/// The shift is 0…64; a larger shift counts as 64.
 pub const fn div_shift(a: u64, shift: u32, b: u64) -> u64 {
     let (hi, lo) = widen(a, shift);
     div_wide(hi, lo, b)
 }
 
-/// 2^126 / d for d ≥ 2^63, at most 32 below: for products that need not be exact in their last bits.
+/// 2^126 / d for d ≥ 2^63, at most 32 below the exact value: for products that need no exact last bits.
 ///
-/// The upper word by `f32` (2^-22), then y ← y + y·(1 − x·y) twice, x = d/2^64: 2^-30, 2^-59. Below 2^63.
+/// The upper word comes from `f32` (2^-22). Then y ← y + y·(1 − x·y) twice, with x = d/2^64: 2^-30, 2^-59.
+/// The result is below 2^63.
 pub const fn reciprocal_near(d: u64) -> u64 {
     const ONE: i64 = 1 << 62;
     let (d1, d0) = ((d >> 32) as u32 as u64, d as u32 as u64);
-    // 30 fraction bits
+    // 30 fraction bits.
     let seed = ((1u64 << 62) as f32 / d1 as u32 as f32) as u32;
     let error = ONE.wrapping_sub((seed as u64).wrapping_mul(d1) as i64);
     let y = (seed as i64).wrapping_add((seed as i64).wrapping_mul(error >> 31) >> 31);
-    // 62 fraction bits
+    // 62 fraction bits.
     let product = (y as u64).wrapping_mul(d1).wrapping_add((y as u64).wrapping_mul(d0) >> 32);
     let error = ONE.wrapping_sub(product as i64);
     ((y as u64) << 32).wrapping_add_signed(y.wrapping_mul(error >> 2) >> 28).wrapping_sub(16)

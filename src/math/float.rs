@@ -1,9 +1,9 @@
-//! Conversions between 64-bit integers and `f32` without library calls. Both use only exact or correctly
-//! rounded operations, so that they give the same bits everywhere.
+//! Conversions between 64-bit integers and `f32` without library calls. All operations are exact or correctly
+//! rounded, so every machine gives the same bits.
 
 const TWO_32: f32 = 4_294_967_296.0;
 
-/// `x` as `f32`, relative error at most 2^-23: each half is rounded, then their sum. Mirrored input gives
+/// `x` as `f32`, relative error at most 2^-23: each half is rounded, then the sum. Mirrored input gives
 /// mirrored output.
 #[cfg_attr(feature = "fast", inline(always))]
 pub fn to_f32(x: i64) -> f32 {
@@ -17,7 +17,8 @@ pub fn size_f32(x: u64) -> f32 {
     (x >> 32) as u32 as f32 * TWO_32 + x as u32 as f32
 }
 
-/// The integer part of `x`·2^`SCALE`, exact, for 0 ≤ x·2^(`SCALE` − 32) < 2^31; saturates above, 0 below 0.
+/// The integer part of `x`·2^`SCALE`, exact, for 0 ≤ x·2^(`SCALE` − 32) < 2^31. Larger values saturate;
+/// values below 0 give 0.
 #[cfg_attr(feature = "fast", inline(always))]
 pub fn to_bits<const SCALE: u32>(x: f32) -> i64 {
     // Both factors are powers of two: the products are exact, and so is the difference.
@@ -30,10 +31,10 @@ pub fn to_bits<const SCALE: u32>(x: f32) -> i64 {
     (i64::from(whole) << 32) | i64::from(rest as u32)
 }
 
-/// The integer part of `x`, exact, toward zero; magnitudes from 2^63 on become one below it.
+/// The integer part of `x`, exact, rounded toward zero; magnitudes from 2^63 on become 2^63 − 1.
 #[cfg_attr(feature = "fast", inline(always))]
 pub fn to_i64(x: f32) -> i64 {
-    // A power of two, and a difference: both exact wherever they count.
+    // A power of two and a difference: both are exact where they count.
     let upper = magnitude(x) * (1.0 / TWO_32);
     let whole = upper as i32;
     let rest = (upper - whole as f32) * TWO_32;
@@ -41,14 +42,14 @@ pub fn to_i64(x: f32) -> i64 {
     if x < 0.0 { -size } else { size }
 }
 
-/// The smaller one. `f32::min` has a NaN rule that costs instructions; no operand here is one. What is
-/// lowered comes second: it then stays in its register.
+/// The smaller value. `f32::min` has a NaN rule that costs instructions; no operand here is NaN. Pass the
+/// lowered value second: it then stays in its register.
 #[cfg_attr(feature = "fast", inline(always))]
 pub fn min(a: f32, b: f32) -> f32 {
     if a < b { a } else { b }
 }
 
-/// The larger one; no operand is NaN.
+/// The larger value; no operand is NaN.
 #[cfg_attr(feature = "fast", inline(always))]
 pub fn max(a: f32, b: f32) -> f32 {
     if a > b { a } else { b }

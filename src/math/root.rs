@@ -1,15 +1,16 @@
 //! Square and cube roots: exact in integers, and close in `f32`.
 //!
-//! The integer roots scale the radicand to x in [1/4, 1), find 1/√x by Newton's y ← y + y·(1 − x·y²)/2, first
-//! in `f32`, take s = x·y and improve it by s ← s + (x − s²)·y/2 (Karp and Markstein), until the exact
-//! remainder of one last step settles the last unit. No division, no loop.
+//! The integer roots scale the radicand to x in [1/4, 1). Newton's y ← y + y·(1 − x·y²)/2 gives 1/√x, first
+//! in `f32`. Then s = x·y, improved by s ← s + (x − s²)·y/2 (Karp and Markstein), until the exact remainder
+//! of one last step settles the last unit. No division, no loop.
 use super::wide::mul_wide;
 use micromath::F32Ext;
 
 /// 1/√x with 30 fraction bits, x = m / 2^32 in [1/4, 1); relative error below 2^-29.
 fn inverse_sqrt(m: u32) -> u32 {
     let x = m as f32;
-    // Seed from micromath (3.5 %). Then relative error → 1.8e-3 → 5e-6 → 4e-11, plus 2^-30 of rounding.
+    // Seed from micromath (3.5 %). Then the relative error falls to 1.8e-3, 5e-6, 4e-11, plus 2^-30 of
+    // rounding.
     let mut y = F32Ext::invsqrt(x);
     let half = 0.5 * x;
     y *= 1.5 - half * y * y;
@@ -26,10 +27,11 @@ const fn newton(m: u64, y: u64) -> u64 {
     y.wrapping_add_signed(error.wrapping_mul(y as i64) >> 32)
 }
 
-/// For the upper word n of a scaled radicand: 1/√x with 30 fraction bits, and √x with 32, a few units off.
+/// For the upper word n of a scaled radicand: 1/√x with 30 fraction bits, and √x with 32 fraction bits, a few
+/// units off.
 fn estimate(n: u64) -> (i64, u64) {
     let y = inverse_sqrt((n >> 32) as u32) as u64;
-    // x < 1 keeps the root below 1, y's error may not.
+    // x < 1 keeps the root below 1, but the error of y may not.
     let root = (n >> 32).wrapping_mul(y) >> 30;
     (y as i64, if root > 0xffff_ffff { 0xffff_ffff } else { root })
 }
@@ -51,17 +53,17 @@ pub fn sqrt_wide(hi: u64, lo: u64) -> u64 {
     let high =
         if shift < 64 { (hi << shift) | ((lo >> 1) >> (63 - shift)) } else { lo << ((shift - 64) & 63) };
     let (y, root) = estimate(high);
-    // |x − s²| < 2^-28: 31 bits of it, error below 2^6 units of 2^-64 afterwards.
+    // |x − s²| < 2^-28: 31 bits of the difference suffice; the error is then below 2^6 units of 2^-64.
     let error = high.wrapping_sub(root.wrapping_mul(root)) as i64 >> 5;
     let root = (root << 32).saturating_add_signed(error.wrapping_mul(y) >> 26);
     if half_shift >= 8 {
-        // One unit off at most, so that the remainder fits 64 bits.
+        // At most one unit off, so the remainder fits 64 bits.
         let root = root >> half_shift;
         let error = lo.wrapping_sub(root.wrapping_mul(root)) as i64;
         return settle(root, error < 0, error > (root << 1) as i64);
     }
     let n = (((hi as u128) << 64) | lo as u128) << shift;
-    // |n − s²| < 2^71: 31 bits suffice, one unit off at most afterwards.
+    // |n − s²| < 2^71: 31 bits suffice; the result is then at most one unit off.
     let error = (remainder(n, root) >> 40) as i64;
     let root = root.saturating_add_signed(error.wrapping_mul(y) >> 55);
     // floor(√(n·4^-k)) = floor(floor(√n)·2^-k).
@@ -69,8 +71,8 @@ pub fn sqrt_wide(hi: u64, lo: u64) -> u64 {
     settle(root, error < 0, error > (root as i128) << 1) >> half_shift
 }
 
-/// The root of which `root` is one unit off at most: its square is `above` or so far `below` that the next
-/// one fits too.
+/// The exact root, from a `root` that is at most one unit off. `above`: the square of `root` is too large.
+/// `below`: the square is so small that the next root fits too.
 #[cfg_attr(feature = "fast", inline(always))]
 const fn settle(root: u64, above: bool, below: bool) -> u64 {
     if above {
@@ -90,7 +92,7 @@ pub fn sqrt_u64(x: u64) -> u32 {
     let half_shift = (x.leading_zeros() / 2) & 31;
     let n = x << (2 * half_shift);
     let (y, root) = estimate(n);
-    // |n − s²| < 2^37: 29 bits of it, one unit off at most afterwards.
+    // |n − s²| < 2^37: 29 bits suffice; the result is then at most one unit off.
     let error = n.wrapping_sub(root.wrapping_mul(root)) as i64 >> 8;
     let root = root.wrapping_add_signed(error.wrapping_mul(y) >> 55);
     let root = if root > 0xffff_ffff { 0xffff_ffff } else { root };
@@ -104,11 +106,11 @@ pub fn sqrt_u64(x: u64) -> u32 {
 /// Squares of whole numbers up to 4095² have exact roots. 21 instructions inlined on thumbv7em, three of them
 /// divisions.
 ///
-/// Seed by half the exponent (6 %), three steps of Heron's s ← (s + x/s)/2: 6 % → 1.8e-3 → 1.6e-6 → rounding
-/// only.
+/// The seed uses half the exponent (6 %). Three steps of Heron's s ← (s + x/s)/2 follow: 6 % → 1.8e-3 →
+/// 1.6e-6 → rounding only.
 #[cfg_attr(feature = "fast", inline(always))]
 pub fn sqrt_f32(x: f32) -> f32 {
-    // Neither 0, subnormal, infinite nor negative.
+    // Not 0, subnormal, infinite or negative.
     const NORMAL: core::ops::Range<u32> = f32::MIN_POSITIVE.to_bits()..f32::INFINITY.to_bits();
     if x.to_bits().wrapping_sub(NORMAL.start) < NORMAL.end - NORMAL.start {
         heron(x)
@@ -123,7 +125,7 @@ fn heron(x: f32) -> f32 {
     let mut s = f32::from_bits((x.to_bits() + 0x3f80_0000) >> 1);
     s = 0.5 * (s + x / s);
     s = 0.5 * (s + x / s);
-    // The difference is exact, so that only its half carries the quotient's rounding.
+    // The difference is exact, so only half of it carries the quotient's rounding.
     s + 0.5 * (x / s - s)
 }
 
@@ -133,7 +135,7 @@ fn sqrt_special(x: f32) -> f32 {
     if x == 0.0 || x == f32::INFINITY {
         x
     } else if x > 0.0 {
-        // The seed reads the exponent, which subnormal numbers do not have: scale by 2^48.
+        // The seed reads the exponent. Subnormal numbers have none, so x is scaled by 2^48.
         heron(x * 281_474_976_710_656.0) * (1.0 / 16_777_216.0)
     } else {
         f32::NAN
@@ -144,13 +146,14 @@ fn sqrt_special(x: f32) -> f32 {
 ///
 /// 65 instructions on thumbv7em, two of them divisions.
 ///
-/// Seed by a third of the exponent (4 %), two steps of Halley's iteration: 4 % → 4.3e-5 → rounding only.
+/// The seed uses a third of the exponent (4 %). Two steps of Halley's iteration follow: 4 % → 4.3e-5 →
+/// rounding only.
 pub fn cbrt_f32(x: f32) -> f32 {
     let magnitude = f32::from_bits(x.to_bits() & 0x7fff_ffff);
     if magnitude == 0.0 || !magnitude.is_finite() {
         return x;
     }
-    // Away from the ends of the range: 2^±48 has the root 2^±16, and y³ stays finite.
+    // Near the ends of the range x is scaled: 2^±48 has the root 2^±16, and y³ stays finite.
     let (a, scale) = if magnitude < 1.0e-30 {
         (magnitude * 281_474_976_710_656.0, 1.0 / 65_536.0)
     } else if magnitude > 1.0e30 {
@@ -165,14 +168,14 @@ pub fn cbrt_f32(x: f32) -> f32 {
     if x < 0.0 { -root } else { root }
 }
 
-/// ³√x for x > 0 by a third of the exponent, relative error ≤ 4 %: where an iteration starts.
+/// ³√x for x > 0 by a third of the exponent, relative error ≤ 4 %: a start value for an iteration.
 #[cfg_attr(feature = "fast", inline(always))]
 pub fn cbrt_guess(x: f32) -> f32 {
     // Exponent bias: 127·(1 − 1/3) in units of the mantissa's last bit, lowered to balance the error.
     f32::from_bits((x.to_bits() / 3).wrapping_add(0x2a51_4067))
 }
 
-/// y + y·((a − y³) / (2·y³ + a)); in this order nothing underflows.
+/// y + y·((a − y³) / (2·y³ + a)). In this order nothing underflows.
 fn halley(a: f32, y: f32) -> f32 {
     let cube = y * y * y;
     y + y * ((a - cube) / (2.0 * cube + a))

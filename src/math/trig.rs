@@ -1,12 +1,12 @@
 //! Sine and cosine for the tick: no division, no branch.
 //!
-//! The angle is a point of a 1024-part circle plus a rest r of at most ρ = π/1024. With S and C of that point
-//! from a table,
+//! The angle is a point of a 1024-part circle plus a rest r of at most ρ = π/1024. With S and C, sine and
+//! cosine of that point from a table,
 //!
 //! sin = S + C·sin r − S·(1 − cos r),  cos = C − S·sin r − C·(1 − cos r).
 //!
-//! r is small enough for sin r = r − a·r³ and 1 − cos r = r²/2 − r⁴/24. Each product keeps only what matters:
-//! with sin r and 1 − cos r in 64 fraction bits split in two words, the upper word times the table's upper
+//! r is small enough for sin r = r − a·r³ and 1 − cos r = r²/2 − r⁴/24. Each product keeps only the bits that
+//! matter. sin r and 1 − cos r have 64 fraction bits in two words. The upper word times the table's upper
 //! word (30 fraction bits) accumulates directly in the result's 62 fraction bits.
 use super::angle::sin_cos_fine;
 
@@ -16,8 +16,8 @@ const POINTS: usize = 1024;
 /// A quarter of a revolution.
 const QUARTER: usize = POINTS / 4;
 
-/// Points in the table: with the feature `fast` those of one quarter more than a revolution, 10 kB; without it those
-/// of a quarter and its end, 2 kB.
+/// Points in the table. With the feature `fast`: a quarter more than a revolution, 10 kB. Without it: a quarter and
+/// its end, 2 kB.
 const TABLE: usize = if cfg!(feature = "fast") { POINTS + QUARTER } else { QUARTER + 1 };
 
 /// Sine with 62 fraction bits at multiples of 1/1024 revolution. The cosine is the sine a quarter further.
@@ -41,17 +41,17 @@ fn at_point(turns: u32) -> (i64, i64) {
     (SINE[point], SINE[point + QUARTER])
 }
 
-/// The same bits from a quarter alone: what is mirrored is mirrored exactly, and the sine and the cosine of an eighth
-/// of a revolution are equal.
+/// The same bits from a quarter alone: mirrored values are mirrored exactly, and sine and cosine of an eighth of a
+/// revolution are equal.
 #[cfg(not(feature = "fast"))]
 #[inline(always)]
 fn at_point(turns: u32) -> (i64, i64) {
     let up = (turns >> 22) as usize & (QUARTER - 1);
     let down = QUARTER - up;
-    // Every second quarter goes down.
+    // Every second quarter falls.
     let (sine, cosine) = if turns & 1 << 30 == 0 { (up, down) } else { (down, up) };
-    // The sine is negative in the second half of a revolution, the cosine a quarter earlier. All bits of the sign are
-    // that of the number.
+    // The sine is negative in the second half of a revolution, the cosine a quarter earlier. A mask of sign bits
+    // negates the number.
     let mirrored = |x: i64, turns: u32| {
         let sign = i64::from(turns as i32 >> 31);
         (x ^ sign).wrapping_sub(sign)
@@ -84,23 +84,22 @@ const fn split(v: i64) -> (i32, i32) {
 /// Sine and cosine of turns·2^-64 revolutions, 62 fraction bits; absolute error ≤ 2^-46.8 (2^-46.93 over
 /// 8·10^6 random angles).
 ///
-/// Exact at the quarter turns. Mirrored angles give mirrored results within 160 units of 2^-62 (2^-54.7), but
-/// for the exact midpoints between two table points, where the sides differ by up to 2^-47.6.
+/// Exact at the quarter turns. Mirrored angles give mirrored results within 160 units of 2^-62 (2^-54.7). The
+/// exception is an exact midpoint between two table points, where both sides differ by up to 2^-47.6.
 ///
 /// 82 instructions as a function on thumbv7em, 18 of them multiplications; about 73 inlined. Without the feature `fast`
 /// 20 more.
 ///
-/// The parts of the error: the rounded rest in 1 − cos r 2^-48.7, its square 2^-48.7, the result's 49
-/// fraction bits, S and C in 30 fraction bits times that 2^-48.7, the sine's series 2^-51.5; the table itself
-/// 2^-62.
+/// The parts of the error: rounding of the rest in 1 − cos r 2^-48.7, its square 2^-48.7; the 49 fraction
+/// bits of the result, with S and C in 30 fraction bits, 2^-48.7; the sine's series 2^-51.5; the table 2^-62.
 #[inline]
 pub fn sin_cos(turns: u64) -> (i64, i64) {
     // Nearest table point, and the rest in units of ρ·2^-63.
     let shifted = turns.wrapping_add(1 << 53);
     let rest = ((shifted << 10) ^ (1 << 63)) as i64;
 
-    // (rest / 2^63)² with 31 fraction bits. Ties of the upper word go towards zero, so that mirrored angles
-    // agree; it may wrap to −2^31, whose square is the same.
+    // (rest / 2^63)² with 31 fraction bits. Ties of the upper word round toward zero, so mirrored angles
+    // agree. The word may wrap to −2^31, whose square is the same.
     let nearest = (rest.wrapping_add(0x7fff_ffff - (rest >> 63)) >> 32) as i32;
     let square = (nearest as i64 * nearest as i64) as u64 >> 31;
     let upper = (rest >> 32) as i32;

@@ -10,7 +10,7 @@ use crate::machine::{AxisKind, functions};
 use crate::quantity::Position;
 use core::cell::Cell;
 
-/// Words of OSC.
+/// Keywords of OSC.
 #[derive(Default)]
 struct OscWords {
     on: bool,
@@ -83,7 +83,7 @@ impl Keywords for OscWords {
     }
 }
 
-/// Words of INDP.
+/// Keywords of INDP.
 #[derive(Default)]
 struct IndependentWords {
     words: Independent,
@@ -92,7 +92,7 @@ struct IndependentWords {
     offsets: bool,
     feed_acceleration: Option<Value>,
     rapid_acceleration: Option<Value>,
-    /// A word that is known, and not available.
+    /// A known keyword that is not available.
     other: Option<&'static str>,
 }
 
@@ -165,8 +165,8 @@ impl<const AXES: usize> Interpreter<AXES> {
         Units { length: self.axis_factor(axis), feed: Factor { numerator: 100_000, denominator } }
     }
 
-    /// The command in brackets behind the name of an axis puts itself into `single`, if there is one; else the
-    /// cursor stays. Whether there is one.
+    /// Reads a command in brackets after the name of an axis into `single`, if there is one; otherwise the
+    /// cursor stays. Returns whether there was one.
     pub fn axis_command(
         &mut self,
         c: &mut Cursor<'_>,
@@ -199,7 +199,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         Ok(false)
     }
 
-    // What follows is not inlined: of what each has on the stack, only one is there at a time.
+    // The following functions are not inlined, so that only one of their stack frames exists at a time.
 
     #[inline(never)]
     fn motion_beside(
@@ -222,7 +222,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         Ok(())
     }
 
-    /// The motion of an independent axis, its end in machine coordinates.
+    /// The motion of an independent axis, with its end in machine coordinates.
     fn independent(&self, target: &IndependentWords, span: Span) -> Result<Independent, Fault> {
         let mut words = target.words;
         if let Some(word) = target.other {
@@ -291,7 +291,8 @@ impl<const AXES: usize> Interpreter<AXES> {
             return span.fault(NcErrorKind::Missing("ON or OFF"));
         };
         if let OscillationAction::On { second, .. } = action {
-            // It ends there, however it ends (but OFF INSTANT: the planner knows better then).
+            // The oscillation ends at the second position, except with OFF INSTANT, where the planner knows
+            // the end.
             self.stand_there(axis, second);
         }
         if w.short && self.setup.kinds.get(axis) == Some(&AxisKind::Linear) {
@@ -323,7 +324,8 @@ impl<const AXES: usize> Interpreter<AXES> {
         if first == second {
             return span.fault(NcErrorKind::Missing("two different positions"));
         }
-        // Whether an axis is modulo is not known here; only that a linear one does not count in turns.
+        // The decoder does not know whether an axis is modulo; it only knows that a linear axis does not
+        // count in turns.
         if w.short && self.setup.kinds.get(axis) == Some(&AxisKind::Rotary) {
             let turn = Position::const_from_int(360);
             if [first, second].iter().any(|p| *p < Position::ZERO || *p > turn) {
@@ -341,7 +343,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         })
     }
 
-    /// Where a command stands.
+    /// The origin of a command.
     pub fn head_of(&self, line: &Line, span: Span) -> Head {
         Head { n: self.n, place: line.place(span), in_motion: false }
     }

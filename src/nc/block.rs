@@ -1,4 +1,4 @@
-//! The words of a block: addresses, modal state, and the motion they make together.
+//! The words of a block: addresses, modal state, and the resulting motion.
 use super::cursor::Cursor;
 use super::expression::{expression, parameter_target};
 use super::flow::Ending;
@@ -12,7 +12,7 @@ use crate::quantity::{Feed, Position};
 use core::cell::Cell;
 use heapless::Deque;
 
-/// One thing a block makes the decoder hand out. Packed: there are many of them.
+/// One item of a block's output. Packed, because there are many.
 #[derive(Clone, Copy)]
 #[repr(C, packed(4))]
 pub(super) struct Item {
@@ -20,13 +20,13 @@ pub(super) struct Item {
     pub kind: ItemKind,
 }
 
-/// What a block makes the decoder hand out, in its order.
+/// The output of a block, in order.
 pub(super) type Items = Deque<Item, { super::BLOCK_WORDS }>;
 
-/// What it is; larger values wait in the interpreter.
+/// The kind of an item; larger values wait in the interpreter.
 #[derive(Clone, Copy)]
 pub(super) enum ItemKind {
-    /// G word with a typed command of its own.
+    /// G word with its own typed command.
     Switch(u16),
     /// G131, G133, G134, G231, G233, G338, G339.
     WeightAll(WeightKind, Position),
@@ -44,10 +44,10 @@ pub(super) enum ItemKind {
     /// M0, M1, M6, M60 of other dialects.
     #[cfg(feature = "dialects")]
     Pause(u16),
-    /// M62 to M68 of other dialects; which one waits in the interpreter.
+    /// M62 to M68 of other dialects; the interpreter keeps the details.
     #[cfg(feature = "dialects")]
     Output,
-    /// G38.n: the digit behind the point.
+    /// G38.n: the digit after the point.
     #[cfg(feature = "dialects")]
     Probe(u8),
     /// The comment of the line.
@@ -65,7 +65,7 @@ pub(super) struct Given {
     pub span: Span,
 }
 
-/// What uses the axis words of a block.
+/// The use of a block's axis words.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Use {
     Motion,
@@ -87,23 +87,23 @@ pub(super) struct Words<const AXES: usize> {
     pub consumer_span: Span,
     pub mode_span: Option<Span>,
     pub exact_stop: Option<Span>,
-    /// Groups of G words seen, and F, one bit each.
+    /// Groups of G words already seen, and F, one bit each.
     pub groups: u16,
-    /// Items in the interpreter's queue that come before the motion.
+    /// Number of items in the interpreter's queue that come before the motion.
     pub before: u8,
     pub ends: Option<Ending>,
     pub end_span: Span,
 }
 
-/// A block that goes on in the next call.
+/// A block that continues in the next call.
 pub(super) struct Waiting<const AXES: usize> {
     words: Words<AXES>,
-    /// Where its first word begins, and the next one.
+    /// Start of its first word, and of the next word.
     first: u16,
     next: u16,
 }
 
-/// Work of a word beside that of its value, as [`super::calculator`] counts it.
+/// Work of a word without its value, as [`super::calculator`] counts.
 const WORD: u32 = 16;
 
 impl<const AXES: usize> Words<AXES> {
@@ -128,7 +128,7 @@ impl<const AXES: usize> Words<AXES> {
         }
     }
 
-    /// R, or from the first to the last of I, J and K.
+    /// R, or the span from the first to the last of I, J and K.
     pub fn centre_span(&self) -> Option<Span> {
         let words = || self.centre.iter().chain([&self.radius]).flatten().map(|given| given.span);
         let at = words().map(|span| span.at).min()?;
@@ -137,7 +137,7 @@ impl<const AXES: usize> Words<AXES> {
     }
 }
 
-/// Groups of G words of which a block holds one.
+/// Groups of G words; a block may hold one word of each.
 mod group {
     pub const MODE: u16 = 1;
     pub const PLANE: u16 = 2;
@@ -154,7 +154,7 @@ mod group {
     pub const F: u16 = 2048;
 }
 
-/// G words of the language without a function here (ISG's list), sorted.
+/// G words of the language that Glidepath does not have (ISG's list), sorted.
 const OTHER_G: [u16; 76] = [
     5, 8, 9, 10, 11, 12, 13, 20, 21, 22, 23, 25, 26, 33, 40, 41, 42, 51, 52, 63, 66, 68, 69, 74, 80, 81, 82,
     83, 84, 85, 86, 87, 88, 89, 96, 97, 98, 99, 100, 101, 102, 106, 107, 108, 112, 115, 116, 117, 135, 136,
@@ -167,7 +167,7 @@ impl<const AXES: usize> Interpreter<AXES> {
     pub fn words(&mut self, c: &mut Cursor<'_>, line: &Line) -> Result<Next, Fault> {
         let mut w = Words::new();
         let mut first = c.mark();
-        // Looked at first: it is large.
+        // Checked first, because it is large.
         if self.gathered.waits() {
             let next;
             [first, next] = self.take_up(&mut w);
@@ -202,9 +202,9 @@ impl<const AXES: usize> Interpreter<AXES> {
         self.finish(&mut w, line)
     }
 
-    // What follows is not inlined: of what each has on the stack, only one is there at a time.
+    // The following functions are not inlined, so that only one of their stack frames exists at a time.
 
-    /// The block goes on in another call: where its first word begins, and the next one.
+    /// The block continues in another call, from these two words.
     #[inline(never)]
     fn lay_aside(&mut self, words: &mut Words<AXES>, [first, next]: [usize; 2]) {
         let words = core::mem::replace(words, Words::new());
@@ -220,7 +220,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         [waiting.first, waiting.next].map(usize::from)
     }
 
-    /// Reads one word. An axis bracket command puts itself into [`Gathered::Single`]; its span comes back.
+    /// Reads one word. An axis bracket command puts itself into [`Gathered::Single`]; its span is returned.
     fn word(&mut self, c: &mut Cursor<'_>, line: &Line, w: &mut Words<AXES>) -> Result<Option<Span>, Fault> {
         let mark = c.mark();
         #[cfg(feature = "plc")]
@@ -324,8 +324,8 @@ impl<const AXES: usize> Interpreter<AXES> {
         Ok(None)
     }
 
-    /// An assignment to a V. variable, which is carried out. Neither it nor one to a P parameter, nor a return, may be in
-    /// a real-time loop, whose lines are read once.
+    /// Carries out an assignment to a V. variable, if there is one. Assignments to V. variables and P parameters, and
+    /// returns, are not permitted in a real-time loop, whose lines are read once.
     #[cfg(feature = "plc")]
     #[inline(never)]
     fn is_calculation(&mut self, c: &mut Cursor<'_>) -> Result<bool, Fault> {
@@ -342,7 +342,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         Ok(is_variable)
     }
 
-    /// The axis whose name stands here; names of more than one letter need `=` or `[` behind them.
+    /// The axis whose name is here; a name of several letters needs `=` or `[` after it.
     pub fn axis_here(&self, c: &mut Cursor<'_>) -> Option<usize> {
         let mark = c.mark();
         let letter = c.peek_upper();
@@ -365,7 +365,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         single
     }
 
-    /// The value behind an address, with or without `=`.
+    /// The value after an address, with or without `=`.
     fn value(&mut self, c: &mut Cursor<'_>, mark: usize) -> Result<Given, Fault> {
         c.eat(b'=');
         let from = c.mark();
@@ -377,7 +377,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         Ok(Given { number, span: c.since(mark) })
     }
 
-    /// A whole number behind an address.
+    /// A whole number after an address.
     fn code(
         &mut self,
         c: &mut Cursor<'_>,
@@ -393,7 +393,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         }
     }
 
-    /// F in mm/min (°/min): P-CHAN-00108 is the factor.
+    /// F in mm/min (°/min), with the factor of P-CHAN-00108.
     fn feed(&self, given: Given) -> Result<Feed, Fault> {
         match given.number.fixed(self.feed_factor()) {
             Some(feed) if feed > Feed::ZERO => Ok(feed),
@@ -407,7 +407,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         }
     }
 
-    /// M functions go behind the motion but those that P-CHAN-00041 puts before it.
+    /// An M function comes after the motion, unless P-CHAN-00041 places it before.
     fn m_word(&mut self, w: &mut Words<AXES>, code: u32, span: Span) -> Result<(), Fault> {
         let code = code as u16;
         let ending = match code {
@@ -455,7 +455,7 @@ impl<const AXES: usize> Interpreter<AXES> {
             4 => {
                 consume(w, Use::Dwell, span)?;
                 if matches!(c.peek_upper(), b'0'..=b'9' | b'.' | b'+' | b'-' | b'=' | b'[' | b'P') {
-                    // Until it is read, the word has changed nothing: see `calculator`.
+                    // Until the value is read, the word has changed nothing: see `calculator`.
                     let time = self.value(c, mark);
                     if time.is_err() {
                         w.consumer = Use::Motion;
@@ -561,7 +561,7 @@ impl<const AXES: usize> Interpreter<AXES> {
     }
 }
 
-/// Whether digits, points, blanks and operators are all of an expression, with an operator behind a digit.
+/// Whether a text of digits, points, blanks and operators is an expression, with an operator after a digit.
 #[cold]
 #[inline(never)]
 fn is_bare_arithmetic(text: &[u8]) -> bool {
@@ -571,8 +571,8 @@ fn is_bare_arithmetic(text: &[u8]) -> bool {
     text.iter().all(plain) && behind.iter().any(|byte| matches!(byte, b'+' | b'-' | b'*' | b'/'))
 }
 
-/// Whether a line ends with a plain number behind an address, and `*` and up to three digits behind it: at
-/// which byte that begins.
+/// Whether a line ends with a plain number after an address, followed by `*` and up to three digits. Returns
+/// the byte where this begins.
 #[cold]
 #[inline(never)]
 pub(super) fn checksum_of(text: &[u8]) -> Option<usize> {
@@ -611,7 +611,7 @@ fn consume<const AXES: usize>(w: &mut Words<AXES>, by: Use, span: Span) -> Resul
     Ok(())
 }
 
-/// Puts an item behind those that come before the motion, which are counted.
+/// Inserts an item after those that come before the motion, which are counted.
 pub(super) fn put_before(
     queue: &mut Items,
     before: &mut u8,
@@ -621,7 +621,7 @@ pub(super) fn put_before(
     put_where(queue, Some(before), span, kind)
 }
 
-/// The same, or puts it behind all items.
+/// Inserts an item before the motion, or at the end.
 fn put_where(queue: &mut Items, before: Option<&mut u8>, span: Span, kind: ItemKind) -> Result<(), Fault> {
     let mut item = Item { span, kind };
     if let Some(before) = before {

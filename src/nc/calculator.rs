@@ -1,24 +1,24 @@
-//! What expressions are worked out with, and how much of it a call may do.
+//! The state of expressions, and the amount of arithmetic per call.
 //!
-//! A line may hold more arithmetic than one call of the decoder is to do. What is left for the call is
-//! counted; where it does not suffice, the expression at hand is laid aside in the middle, and everything
-//! above it is left as if the text were wrong ([`Calculator::is_halted`] tells the one from the other). The
-//! next call reads the line again: words that were complete are not read again, expressions of the statement
-//! at hand that were complete are known by where they begin, and the one laid aside goes on. So nothing may
-//! be changed before the last expression of a statement, or of a word of a block, is complete.
+//! A line may hold more arithmetic than one call of the decoder may do. The calculator counts the remaining
+//! work of the call. If it does not suffice, the current expression is laid aside in the middle, and the
+//! decoder leaves the line as if the text were wrong ([`Calculator::is_halted`] distinguishes both cases).
+//! The next call reads the line again. It skips words that were complete; it knows complete expressions of
+//! the current statement by their start; and it continues the expression laid aside. So the decoder must not
+//! change any state before the last expression of a statement, or of a word of a block, is complete.
 use super::expression::Stacks;
 use super::parameter::Parameters;
 use super::{Fault, NcErrorKind, Span};
 use crate::machine::functions;
 use core::cell::Cell;
 
-/// Work of one call: about so many hundred instructions on the target.
+/// Work of one call: approximately hundreds of instructions on the target.
 const BUDGET: u32 = 320;
 
-/// Expressions of one statement that are remembered: more than any has.
+/// Number of complete expressions kept for one statement: more than any statement has.
 const KNOWN: usize = functions::EXPRESSIONS.room(16);
 
-/// An expression that is complete: where it begins and ends in the line, and its value.
+/// A complete expression: its start and end in the line, and its value.
 #[derive(Clone, Copy)]
 struct Known {
     start: u16,
@@ -26,7 +26,7 @@ struct Known {
     value: f64,
 }
 
-/// An expression that is not: where it begins, how far it was read, and what waits.
+/// An incomplete expression: its start, the position read so far, and the waiting operators.
 pub(super) struct Aside {
     pub at: usize,
     pub stacks: Stacks,
@@ -37,23 +37,23 @@ pub(super) struct Calculator {
     pub parameters: Parameters,
     left: Cell<u32>,
     halted: Cell<bool>,
-    /// Something was done in this call.
+    /// Whether this call has made progress.
     moved: Cell<bool>,
     known: [Cell<Known>; KNOWN],
     count: Cell<usize>,
     aside: Cell<Option<Aside>>,
-    /// Where that begins.
+    /// Start of the expression laid aside.
     aside_start: Cell<usize>,
-    /// Variables from outside, for the line at hand.
+    /// Variables from outside, for the current line.
     #[cfg(feature = "plc")]
     pub looked: super::variable::Looked,
 }
 
-/// No place in a line.
+/// Not a position in a line.
 const NOWHERE: usize = usize::MAX;
 
 impl Calculator {
-    /// All bits zero; it begins with [`Self::clear`].
+    /// All bits are zero; [`Self::clear`] comes first.
     pub const fn new() -> Self {
         Self {
             parameters: Parameters::new(),
@@ -69,14 +69,14 @@ impl Calculator {
         }
     }
 
-    /// No parameter has a value, and no line is at hand.
+    /// Removes all parameter values and the current line.
     pub fn clear(&mut self) {
         self.parameters.clear();
         self.aside.set(None);
         self.reset();
     }
 
-    /// A call begins; whether the line at hand goes on.
+    /// Begins a call. Returns whether the current line continues.
     pub fn begin(&self) -> bool {
         self.left.set(BUDGET);
         self.moved.set(false);
@@ -87,34 +87,34 @@ impl Calculator {
         goes_on
     }
 
-    /// No line is at hand.
+    /// Drops the current line.
     pub fn reset(&self) {
         self.halted.set(false);
         self.complete();
     }
 
-    /// The statement or word at hand is complete.
+    /// The current statement or word is complete.
     pub fn complete(&self) {
         self.count.set(0);
         self.aside_start.set(NOWHERE);
     }
 
-    /// Whether the line at hand goes on in the next call.
+    /// Whether the current line continues in the next call.
     pub fn is_halted(&self) -> bool {
         self.halted.get()
     }
 
-    /// Whether this call has done no more than that, and is complete.
+    /// Whether this call has done at most `work`, and is complete.
     pub fn has_done_no_more_than(&self, work: u32) -> bool {
         !self.is_halted() && self.left.get() >= BUDGET - work
     }
 
-    /// Work that had to be done.
+    /// Adds work that had to be done.
     pub fn charge(&self, work: u32) {
         self.left.set(self.left.get().saturating_sub(work));
     }
 
-    /// Whether there is time for that much work, which then counts. What a call begins with always has it.
+    /// Whether there is time for this work, which is then counted. The first work of a call always has time.
     pub fn affords(&self, work: u32) -> bool {
         let left = self.left.get().checked_sub(work);
         if left.is_none() && self.moved.get() {
@@ -125,20 +125,20 @@ impl Calculator {
         true
     }
 
-    /// The line goes on in the next call. The fault is none.
+    /// Halts the line until the next call. The returned fault is not an error.
     pub fn halt<V>(&self) -> Result<V, Fault> {
         self.halted.set(true);
         Span::default().fault(NcErrorKind::Endless)
     }
 
-    /// Lays the expression aside that begins at `start`. The line then halts.
+    /// Lays aside the expression that begins at `start`. The line then halts.
     #[inline(never)]
     pub fn lay_aside(&self, start: usize, aside: Aside) {
         self.aside.set(Some(aside));
         self.aside_start.set(start);
     }
 
-    /// Whether an expression may be laid aside: what was complete before it has to be known.
+    /// Whether an expression may be laid aside: all complete ones before it must be stored.
     pub fn knows_all(&self) -> bool {
         self.count.get() < self.known.len()
     }
@@ -149,7 +149,7 @@ impl Calculator {
         self.aside_start.get() == start
     }
 
-    /// The expression laid aside. It goes on, whatever its next step takes.
+    /// The expression laid aside. It continues, whatever its next step costs.
     #[inline(never)]
     pub fn take_aside(&self) -> Option<Aside> {
         self.aside_start.set(NOWHERE);
@@ -157,7 +157,7 @@ impl Calculator {
         self.aside.take()
     }
 
-    /// Remembers an expression that is complete.
+    /// Stores a complete expression.
     pub fn remember(&self, start: usize, end: usize, value: f64) {
         let count = self.count.get();
         if let Some(slot) = self.known.get(count) {

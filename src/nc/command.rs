@@ -45,17 +45,17 @@ pub struct Setup<const AXES: usize> {
     pub zero_offsets: [[Position; AXES]; ZERO_OFFSETS],
     /// P-ZERO-00002: zero offset that is active at program start: 0 none (G53), 1…6 G54…G59.
     pub default_index: u8,
-    /// P-CHAN-00041: M functions that are put out before the motion of their block; all others come after it.
+    /// P-CHAN-00041: M functions that are output before the motion of their block; all others come after it.
     pub m_synch: SynchTable,
-    /// P-CHAN-00027: H functions that are put out before the motion of their block.
+    /// P-CHAN-00027: H functions that are output before the motion of their block.
     pub h_synch: SynchTable,
-    /// Data for programs of LinuxCNC and Grbl.
+    /// Data that only programs of LinuxCNC and Grbl need.
     #[cfg(feature = "dialects")]
     pub foreign: ForeignSetup<AXES>,
 }
 
 impl<const AXES: usize> Setup<AXES> {
-    /// None: all bits zero.
+    /// Empty data: all bits zero.
     pub(super) const BLANK: Self = Self {
         names: [AxisName([0; 4]); AXES],
         kinds: [AxisKind::Linear; AXES],
@@ -94,7 +94,7 @@ impl<const AXES: usize> Setup<AXES> {
     }
 }
 
-/// Plane of arcs: which main axes are its first and second.
+/// Plane of arcs: selects the first and second axis among the main axes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Plane {
@@ -118,12 +118,13 @@ impl Plane {
     }
 }
 
-/// How an arc was given.
+/// The word that defines an arc.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ArcBy {
-    /// I, J, K: centre, absolute, in the plane's two axes. A target equal to the start is a full circle.
+    /// I, J, K: the centre, absolute, in the plane's two axes. A target equal to the start means a full
+    /// circle.
     Centre([Position; 2]),
-    /// R: radius; negative takes the arc of more than 180°.
+    /// R: the radius; a negative radius selects the arc of more than 180°.
     Radius(Position),
 }
 
@@ -134,7 +135,7 @@ pub enum MotionKind {
     Rapid,
     /// G01.
     Line,
-    /// G02 (clockwise) and G03, a helix where the third main axis moves too.
+    /// G02 (clockwise) and G03; a helix if the third main axis moves too.
     Arc {
         /// G17, G18 or G19.
         plane: Plane,
@@ -145,14 +146,15 @@ pub enum MotionKind {
     },
 }
 
-/// A motion block with absolute machine coordinates of its end.
+/// A motion block. Its end is in absolute machine coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Motion<const AXES: usize> {
     /// Programmed block number, 0 if none.
     pub n: u32,
     /// First word of the motion in the text.
     pub place: Place,
-    /// R, or I, J and K, of an arc in the text; [`Self::place`] where the block has none (R stays in force).
+    /// Place of R, or of I, J and K, in the text. [`Self::place`] if the block has none of them (R stays in
+    /// force).
     pub centre: Place,
     /// Rapid, line or arc.
     pub kind: MotionKind,
@@ -168,8 +170,8 @@ pub struct Motion<const AXES: usize> {
 
 /// A command with its parameters.
 ///
-/// A block gives its commands in this order: switches, weights, S, T, D in the order of the text, with the functions that
-/// [`Setup::m_synch`] and [`Setup::h_synch`] put before the motion; then the motion or dwell; then the other M and H; then
+/// A block gives its commands in this order: switches, weights, S, T, D in the order of the text; functions that
+/// [`Setup::m_synch`] and [`Setup::h_synch`] place before the motion; the motion or dwell; the other M and H functions;
 /// the program end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Command<const AXES: usize> {
@@ -231,23 +233,25 @@ pub enum Command<const AXES: usize> {
     WaitIndependent(Head, u32),
     /// M02, M30.
     ProgramEnd(Head, u16),
-    /// M0, M1, M6 and M60 of LinuxCNC and Grbl: the axes stop until this M function is acknowledged.
+    /// M0, M1, M6 and M60 of LinuxCNC and Grbl: the axes stop until the operator acknowledges this M
+    /// function.
     #[cfg(feature = "dialects")]
     Pause(Head, u16),
-    /// M62 to M65, M67, M68 of LinuxCNC. `true`: at once, and the corner before it keeps its point; `false`: with the
-    /// motion behind it.
+    /// M62 to M65, M67, M68 of LinuxCNC. `true`: at once, and the corner before it stays sharp. `false`: together
+    /// with the next motion.
     #[cfg(feature = "dialects")]
     Output(Head, Function, bool),
-    /// M66 of LinuxCNC: the axes stop until [`Function::Input`] is acknowledged.
+    /// M66 of LinuxCNC: the axes stop until the operator acknowledges [`Function::Input`].
     #[cfg(feature = "dialects")]
     WaitInput(Head, InputWait),
-    /// A text for the operator, `#MSG ["text"]` or the comment `(MSG, text)`: the place is that of the text.
+    /// A text for the operator, `#MSG ["text"]` or the comment `(MSG, text)`. The place is that of the text.
     #[cfg(any(feature = "dialects", feature = "plc"))]
     Message(Head),
-    /// #FLUSH: what is held back for the block behind goes on.
+    /// `#FLUSH`: releases blocks that wait for the next block.
     #[cfg(feature = "plc")]
     Flush(Head),
-    /// G38.2…G38.5 of other dialects. The planner refuses it by name: an application with a probe carries it out.
+    /// G38.2…G38.5 of other dialects. The planner refuses the command by name: an application with a probe
+    /// carries it out.
     #[cfg(feature = "dialects")]
     Probe(Head, Probe<AXES>),
 }
@@ -256,9 +260,9 @@ pub enum Command<const AXES: usize> {
 #[cfg(feature = "dialects")]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Probe<const AXES: usize> {
-    /// The probe closes on the way; `false`: it opens (G38.4, G38.5).
+    /// `true`: the probe closes during the motion. `false`: it opens (G38.4, G38.5).
     pub towards: bool,
-    /// An end without that is an error (G38.2, G38.4).
+    /// Whether a motion that ends without a switch of the probe is an error (G38.2, G38.4).
     pub must_switch: bool,
     /// End of the motion if the probe does not switch, machine coordinates.
     pub target: [Position; AXES],

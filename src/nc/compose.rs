@@ -1,4 +1,4 @@
-//! What the words of a block make together: offsets, dwell, weights, and the motion.
+//! The result of a block's words: offsets, dwell, weights, and the motion.
 use super::block::{Given, Item, ItemKind, Use, Words, put_before, weight};
 use super::flow::Ending;
 use super::interpreter::{Gathered, Interpreter, Next};
@@ -11,7 +11,8 @@ use crate::quantity::{Feed, Position};
 use core::cell::Cell;
 
 impl<const AXES: usize> Interpreter<AXES> {
-    /// Turns the words into items in order: switches and weights, then motion or dwell, then M and H.
+    /// Turns the words into items in order: switches and weights, then motion or dwell, then M and H
+    /// functions.
     #[inline(never)]
     pub fn finish(&mut self, w: &mut Words<AXES>, line: &Line) -> Result<Next, Fault> {
         if let Some(given) = w.spindle.take() {
@@ -83,7 +84,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         if self.modal.inch { Factor::INCH } else { Factor::ONE }
     }
 
-    /// Unit of an axis: inch concerns linear axes only.
+    /// Unit of an axis: inch applies to linear axes only.
     pub fn axis_factor(&self, axis: usize) -> Factor {
         match self.setup.kinds.get(axis) {
             Some(AxisKind::Linear) => self.length_factor(),
@@ -97,7 +98,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         let zero = set.and_then(|set| set.get(axis)).copied().unwrap_or(Position::ZERO);
         #[cfg(feature = "dialects")]
         let zero = zero.wrapping_add(self.more_offset(axis));
-        // Two coordinates: far from the end of the numbers.
+        // Two coordinates cannot overflow.
         zero.wrapping_add(self.modal.shift.get(axis).copied().unwrap_or(Position::ZERO))
     }
 
@@ -153,7 +154,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         value.ok_or(Fault { span: given.span, kind })
     }
 
-    /// G92: the additional offset of the axes named, absolute with G90, added with G91; no motion.
+    /// G92: the additional offset of the named axes, absolute with G90, added with G91; no motion.
     fn shift_of(&mut self, w: &Words<AXES>) -> Result<(), Fault> {
         if w.first.is_none() {
             return w.consumer_span.fault(NcErrorKind::Missing("axis offsets"));
@@ -316,7 +317,7 @@ fn move_into_order(items: &mut [Item]) {
     }
 }
 
-/// A part of an LSB is added to those before it: the LSB that they make.
+/// Adds a part of an LSB to the earlier parts. Returns whole LSBs.
 pub(super) fn carry(rest: &mut i32, left: i64) -> Position {
     let sum = i64::from(*rest).wrapping_add(left);
     let whole = sum.wrapping_add(1 << 31) >> 32;

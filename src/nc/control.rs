@@ -6,10 +6,10 @@ use super::interpreter::{Bounds, Interpreter, Next};
 use super::line::Line;
 use super::{Fault, NcErrorKind, NcWarningKind, Place, Span, real};
 
-/// What stands alone in its line.
+/// Text for a statement that must stand alone in its line.
 const STATEMENT: &str = "a $ statement";
 
-/// Bit that tells names from block numbers in labels.
+/// Bit that distinguishes names from block numbers in labels.
 const NAME: u64 = 1 << 63;
 
 /// The label at the start of a line (`N20:` or `[NAME]`), after which a `$` word may follow; steps over N
@@ -67,12 +67,13 @@ fn role(word: &Word) -> Role {
 }
 
 impl<const AXES: usize> Interpreter<AXES> {
-    /// A condition: true from 0.5 on.
+    /// A condition: true for values from 0.5 on.
     fn condition(&self, c: &mut Cursor<'_>) -> Result<bool, Fault> {
         Ok(expression(c, &self.calculator)?.real() >= 0.5)
     }
 
-    /// Carries out a `$` statement; the cursor stands on `$`. A call of its own: its stack is not below words.
+    /// Carries out a `$` statement; the cursor is at `$`. A separate function, so that its stack frame does
+    /// not lie below words.
     #[inline(never)]
     pub fn control(&mut self, c: &mut Cursor<'_>, line: &Line, bounds: Bounds) -> Result<Next, Fault> {
         let mark = c.mark();
@@ -116,7 +117,7 @@ impl<const AXES: usize> Interpreter<AXES> {
                 self.flow.pass(Passing::Case, 0, place);
             }
             b"ELSEIF" | b"ELSE" => {
-                // A branch was carried out and has reached the next one.
+                // A carried-out branch has reached the next branch.
                 self.innermost_is("$IF").map_err(fault)?;
                 let open_place = self.flow.innermost().map_or(place, |o| o.place);
                 self.flow.pass(Passing::Out, 0, open_place);
@@ -210,7 +211,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         }
     }
 
-    /// A closing word, carried out.
+    /// Carries out a closing word.
     fn close(&mut self, c: &mut Cursor<'_>, word: &Word, span: Span) -> Result<Next, Fault> {
         let open = self.closed_by(word).map_err(|kind| Fault { span, kind })?;
         let again = match open.block {
@@ -236,7 +237,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         Ok(Next::Line)
     }
 
-    /// The innermost block, if `word` is what closes it.
+    /// The innermost block, if `word` closes it.
     fn closed_by(&mut self, word: &Word) -> Result<Open, NcErrorKind> {
         match self.flow.innermost() {
             Some(open) if open.block.closing().as_bytes().get(1..) == Some(word.bytes()) => Ok(*open),
@@ -244,8 +245,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         }
     }
 
-    /// Goes on with the innermost loop, from its closing word or (`$CONTINUE`) from `left` blocks inside of
-    /// it.
+    /// Continues with the innermost loop, from its closing word or (`$CONTINUE`) from `left` blocks inside.
     fn next_round(&mut self, left: Option<u16>) -> Result<Next, NcErrorKind> {
         let Some(open) = self.flow.innermost().copied() else { return Err(NcErrorKind::NoLoop) };
         match open.block {
@@ -310,7 +310,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         Ok(Next::At(self.flow.program))
     }
 
-    /// A `$` word in text that is passed over; true if its line is to be carried out after all.
+    /// A `$` word in skipped text. Returns true if its line is to be carried out after all.
     pub fn pass_control(&mut self, c: &mut Cursor<'_>, start: usize, bounds: Bounds) -> Result<bool, Fault> {
         let mark = c.mark();
         c.bump();
@@ -363,7 +363,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         Ok(false)
     }
 
-    /// Whether a branch or case is the one to carry out.
+    /// Whether this branch or case is to be carried out.
     fn enters(&mut self, c: &mut Cursor<'_>, passing: Passing, word: &Word) -> Result<bool, Fault> {
         match (passing, word.bytes()) {
             (Passing::Branch, b"ELSE") | (Passing::Case, b"DEFAULT") => Ok(true),
@@ -379,7 +379,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         }
     }
 
-    /// The label searched for stands in this line: blocks it lies outside of are left.
+    /// Whether the label is in this line. If so, leaves the blocks that do not contain it.
     pub fn arrive(&mut self, c: &mut Cursor<'_>) -> Result<bool, Fault> {
         let base = self.flow.base();
         let open = self.flow.blocks.iter().skip(base);
@@ -399,7 +399,7 @@ fn passed_end(value: f64, end: f64, step: f64) -> bool {
     if step > 0.0 { value > end } else { value < end }
 }
 
-/// The word that opens what `closing` closes.
+/// The word that opens the block which `closing` closes.
 fn opening_of(closing: &Word) -> &'static str {
     match closing.bytes() {
         b"ENDFOR" => "$FOR",

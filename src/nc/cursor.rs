@@ -44,7 +44,7 @@ impl<'a> Cursor<'a> {
         self.bytes.get(self.at).copied().unwrap_or(0)
     }
 
-    /// The byte behind it; 0 at the end.
+    /// The byte after the cursor; 0 at the end.
     pub fn next(&self) -> u8 {
         self.bytes.get(self.at + 1).copied().unwrap_or(0)
     }
@@ -61,14 +61,14 @@ impl<'a> Cursor<'a> {
         }
     }
 
-    /// The next byte that is no blank; 0 at the end.
+    /// The next byte that is not blank; 0 at the end.
     #[inline(never)]
     pub fn peek(&mut self) -> u8 {
         self.skip_blanks();
         self.raw()
     }
 
-    /// The letter in upper case, or the byte, after skipping blanks.
+    /// The next letter in upper case, or another byte, after blanks.
     #[inline(never)]
     pub fn peek_upper(&mut self) -> u8 {
         self.peek().to_ascii_uppercase()
@@ -88,13 +88,13 @@ impl<'a> Cursor<'a> {
         self.peek() == 0
     }
 
-    /// Index of the next byte that is no blank.
+    /// Index of the next byte that is not blank.
     #[inline(never)]
     pub fn mark(&mut self) -> usize {
         self.mark_at_once()
     }
 
-    /// The same for where it has to be quick.
+    /// The same, inlined for speed.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn mark_at_once(&mut self) -> usize {
         self.skip_blanks();
@@ -106,7 +106,7 @@ impl<'a> Cursor<'a> {
         self.at = mark;
     }
 
-    /// From `mark` to here, without blanks at the end.
+    /// The span from `mark` to the cursor, without blanks at the end.
     #[inline(never)]
     pub fn since(&self, mark: usize) -> Span {
         let mut end = self.at;
@@ -116,7 +116,7 @@ impl<'a> Cursor<'a> {
         Span { at: mark as u16, len: (end - mark) as u16 }
     }
 
-    /// The same where no blank stands before the cursor.
+    /// The same, if no blank is before the cursor.
     pub fn word_from(&self, mark: usize) -> Span {
         Span { at: mark as u16, len: self.at.wrapping_sub(mark) as u16 }
     }
@@ -135,7 +135,7 @@ impl<'a> Cursor<'a> {
         Span { at: mark as u16, len: (end - mark) as u16 }
     }
 
-    /// The word at the cursor with the sign or bracket in front, to the next blank.
+    /// The word at the cursor up to the next blank, including a sign or bracket at its front.
     #[inline(never)]
     pub fn rest_of_word(&mut self) -> Span {
         let mark = self.mark();
@@ -146,7 +146,7 @@ impl<'a> Cursor<'a> {
         Span { at: mark as u16, len: (end - mark) as u16 }
     }
 
-    /// From `mark` to the next blank behind the cursor.
+    /// From `mark` to the next blank after the cursor.
     #[cfg(feature = "plc")]
     pub fn rest_from(&self, mark: usize) -> Span {
         let mut end = self.at;
@@ -156,7 +156,7 @@ impl<'a> Cursor<'a> {
         Span { at: mark as u16, len: (end - mark) as u16 }
     }
 
-    /// Refuses what is at the cursor.
+    /// Refuses the word at the cursor.
     pub fn expected<V>(&mut self, what: &'static str) -> Result<V, Fault> {
         self.here().fault(NcErrorKind::Expected(what))
     }
@@ -197,7 +197,7 @@ impl<'a> Cursor<'a> {
         word
     }
 
-    /// Steps over `words` (upper case, blanks of no account) if they stand here and no word goes on.
+    /// Steps over `words` (upper case, blanks ignored) if they are here and no word continues after them.
     #[inline(never)]
     pub fn eat_words(&mut self, words: &str) -> bool {
         let mark = self.mark();
@@ -253,8 +253,8 @@ impl<'a> Cursor<'a> {
         }
     }
 
-    /// One to nine digits with at most one point among them, and neither E nor another point behind them.
-    /// `None`, and not one step further, if it is anything else.
+    /// One to nine digits with at most one point, and neither E nor another point after them. Otherwise
+    /// `None`, and the cursor stays.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn plain_decimal(&mut self) -> Option<Plain> {
         let rest = self.bytes.get(self.at..)?;
@@ -273,7 +273,7 @@ impl<'a> Cursor<'a> {
         Some(Plain { mantissa, scale: scale as u8 })
     }
 
-    /// One to nine digits without a point behind them.
+    /// One to nine digits without a point after them.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn plain_whole(&mut self) -> Option<u32> {
         let rest = self.bytes.get(self.at..)?;
@@ -286,7 +286,7 @@ impl<'a> Cursor<'a> {
         Some(number)
     }
 
-    /// Any literal, or why there is none.
+    /// Any literal; the error says why there is none.
     #[inline(never)]
     fn any_decimal(&mut self) -> Result<Number, Fault> {
         let mark = self.mark();
@@ -301,7 +301,7 @@ impl<'a> Cursor<'a> {
                 }
                 point = true;
             } else if significant < 19 && scale < 19 {
-                // Below 10^19, which 64 bits hold.
+                // Below 10^19, which fits 64 bits.
                 mantissa = mantissa.wrapping_mul(10).wrapping_add(u64::from(digit));
                 significant += u8::from(mantissa != 0);
                 scale += u8::from(point);
@@ -333,12 +333,12 @@ impl<'a> Cursor<'a> {
     }
 }
 
-/// Appends the digits that `text` begins with to `number`, and says how many; of more than nine the number is
-/// of no use.
+/// Appends the leading digits of `text` to `number`, and returns their count. With more than nine digits the
+/// number is invalid.
 fn digits(text: &[u8], number: &mut u32) -> usize {
     let mut count = 0;
     for byte in text {
-        // As a whole word: a byte would be cut to its bits again.
+        // As a whole word: a byte would be masked again.
         let digit = u32::from(*byte).wrapping_sub(u32::from(b'0'));
         if digit > 9 {
             break;
@@ -361,7 +361,7 @@ impl<'a> Cursor<'a> {
         self.bytes.get(self.at..).unwrap_or(&[]).contains(&byte)
     }
 
-    /// Goes to the end of a part of the line.
+    /// Moves to the end of a part of the line.
     pub fn step_over(&mut self, span: Span) {
         self.at = usize::from(span.at) + usize::from(span.len);
     }

@@ -1,4 +1,4 @@
-//! The decoder: lines from the text into the interpreter, commands out, a bounded piece of work per call.
+//! The decoder: reads lines of text, returns commands, a bounded amount of work per call.
 use super::block::{Item, ItemKind};
 use super::compose::in_range;
 use super::cursor::Cursor;
@@ -11,7 +11,7 @@ use crate::machine::MachineData;
 #[cfg(feature = "dialects")]
 use crate::technology::Function;
 
-/// A command that changes what the blocks behind it may do.
+/// A command that changes what the following blocks may do.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Restriction<const AXES: usize> {
     Slope(Slope),
@@ -23,33 +23,33 @@ pub(crate) enum Restriction<const AXES: usize> {
 #[expect(clippy::large_enum_variant, reason = "no allocation here: a command travels by value")]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Step<const AXES: usize> {
-    /// A bounded piece of work is done and there is more: call again.
+    /// A bounded amount of work is done and there is more: call again.
     Working,
     /// A command, in program order.
     Command(Command<AXES>),
-    /// A warning; the program goes on.
+    /// A warning. The program continues.
     Warning(NcWarning),
     /// Program text has not arrived yet: call again later.
     Late,
-    /// The program has ended by M02, M30 or the end of its text, or a line was refused before.
+    /// The program has ended by M02, M30 or the end of its text, or an earlier line was refused.
     End,
 }
 
-/// What a piece of work was.
+/// The result of a piece of work.
 enum Work {
     /// A part of a line, or a line.
     Line,
-    /// A line whose motion is to be handed out.
+    /// A line whose motion is to be returned.
     Motion,
-    /// The text has nothing yet.
+    /// The text has no bytes yet.
     Late,
 }
 
-/// Work of a line without its words, and bytes read for one unit of work, as [`super::calculator`] counts it.
+/// Work of a line without its words; and bytes per unit of work, as [`super::calculator`] counts.
 const LINE: u32 = 10;
 const BYTES: u32 = 2;
-/// Work so small that a line may follow in the same call, and that what the line at hand said may be carried
-/// out in it.
+/// Work so small that another line may follow in the same call, and that the result of the current line may
+/// be carried out in it.
 const LITTLE: u32 = 30;
 const LITTLE_LINE: u32 = 120;
 
@@ -72,12 +72,12 @@ impl<const AXES: usize> Default for DecoderMemory<AXES> {
     }
 }
 
-/// Turns program text into commands, a bounded piece per call.
+/// Turns program text into commands, a bounded amount of work per call.
 pub struct Decoder<'a, T: Text, const AXES: usize> {
     reader: LineReader<T>,
     line: &'a mut Line,
     interpreter: &'a mut Interpreter<AXES>,
-    /// The line at hand is refused.
+    /// Whether the current line is refused.
     refused: bool,
     /// Variables outside of the decoder.
     #[cfg(feature = "plc")]
@@ -107,7 +107,7 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
         }
     }
 
-    /// The same for a machine that stands at `start`.
+    /// As [`Self::new`], for a machine that stands at `start`.
     #[inline(never)]
     pub(crate) fn of_machine(
         memory: &'a mut DecoderMemory<AXES>,
@@ -118,20 +118,20 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
         Self::new(memory, Setup::new(machine, start), text)
     }
 
-    /// Hands `command` out before the first line, as if the program began with it: a smoothing that the program does
-    /// not ask for. To be called before the first step.
+    /// Returns `command` before the first line, as if the program began with it: for a smoothing that the program
+    /// does not select. Call it before the first step.
     #[cfg(feature = "dialects")]
     pub fn begin_with(&mut self, command: Command<AXES>) {
         self.interpreter.gathered = Gathered::Single(core::cell::Cell::new(command));
     }
 
-    /// Hands out the next command or works towards it: at most one logical line, or 256 bytes of text; of a
+    /// Returns the next command, or works towards it: at most one logical line, or 256 bytes of text; of a
     /// line with much arithmetic a part.
     ///
     /// # Errors
-    /// The first thing that is not in the language, or not possible; after that only [`Step::End`], until
-    /// [`Self::go_on`].
-    // Not inlined: what it has on the stack is not below what a command leads to.
+    /// The first word that is not in the language, or not possible. After an error only [`Step::End`]
+    /// follows, until [`Self::go_on`].
+    // Not inlined, so that its stack frame is gone before the command is carried out.
     #[inline(never)]
     pub fn step(&mut self) -> Result<Step<AXES>, NcError> {
         if self.refused {
@@ -171,7 +171,7 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
             },
         };
         self.interpreter.quiet = 0;
-        // Apart from the other commands: what is not copied costs nothing.
+        // Separate from the other commands, so that no copy is made.
         if is_motion && let Gathered::Motion(motion) = &self.interpreter.gathered {
             let _ = self.interpreter.queue.pop_front();
             return Ok(Step::Command(Command::Motion(motion.get())));
@@ -179,7 +179,7 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
         self.hand_out()
     }
 
-    /// Whether the next step hands out a command that changes what the blocks behind it may do: slope, weights,
+    /// Whether the next step returns a command that changes what the following blocks may do: slope, weights,
     /// limits along the path.
     pub(crate) fn restricts(&self) -> bool {
         let Interpreter { gathered, warnings, .. } = &*self.interpreter;
@@ -193,7 +193,7 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
         self.interpreter.front().is_some_and(weighs)
     }
 
-    /// That command, but for where it stands; `None` where [`Self::restricts`] says that there is none.
+    /// This command without its place; `None` if [`Self::restricts`] is false.
     #[cold]
     #[inline(never)]
     pub(crate) fn restriction(&self) -> Option<Restriction<AXES>> {
@@ -213,8 +213,7 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
         Some(Restriction::Weight(Weight { kind, percent }))
     }
 
-    /// Whether the last step did so little that another one may follow in the same call of the planner: a
-    /// line, or what this one said.
+    /// Whether the last step did so little that another one may follow in the same call of the planner.
     pub(crate) fn has_done_little(&self) -> bool {
         let Interpreter { gathered, calculator, .. } = &*self.interpreter;
         let waits = self.interpreter.front().is_some() || gathered.is_single();
@@ -231,9 +230,9 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
         self.interpreter.position
     }
 
-    /// The line at hand is refused, by the decoder or by who carries its commands out: nothing more comes of
-    /// it, and what was in force before it (G words, F, R, zero offset, G92) is in force again. P parameters
-    /// keep what words before the refused one assigned to them.
+    /// Refuses the current line, on behalf of the decoder or of the command's receiver. The rest of the line
+    /// is dropped, and the modal state from before the line (G words, F, R, zero offset, G92) is restored. P
+    /// parameters keep values that earlier words of the line assigned.
     pub(crate) fn refuse(&mut self) {
         self.interpreter.refuse();
         self.refused = true;
@@ -279,7 +278,7 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
         self.interpreter.stand_there(axis, position);
     }
 
-    /// All axes of the program stand there: behind a change of the transformation.
+    /// Sets all axes of the program to this position, after a change of the transformation.
     #[cfg(feature = "kinematics")]
     pub fn stand_at(&mut self, position: [Position; AXES]) {
         self.interpreter.stand_at(position);
@@ -299,14 +298,14 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
         }
     }
 
-    /// What the lines read so far have put in force; `None` inside of a line.
+    /// The modal state after the lines read so far; `None` inside a line.
     #[cfg(feature = "dialects")]
     pub fn in_force(&self) -> Option<super::InForce<AXES>> {
         self.is_between_lines().then(|| self.interpreter.in_force())
     }
 
-    /// Puts in force what was so before, or what a program begins with. It counts from the next line on. `false`:
-    /// a line is at hand, and nothing has changed.
+    /// Restores an earlier modal state, or that of program start. It counts from the next line on. Returns
+    /// `false` inside a line; nothing has changed then.
     #[cfg(feature = "dialects")]
     #[must_use]
     pub fn put_in_force(&mut self, force: &super::InForce<AXES>) -> bool {
@@ -317,14 +316,14 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
         may
     }
 
-    /// Zero offsets and places as programs have stored them.
+    /// Zero offsets and places, as programs have stored them.
     #[cfg(feature = "dialects")]
     pub fn stored(&self) -> super::StoredOffsets<AXES> {
         self.interpreter.stored()
     }
 
-    /// Zero offsets and places as they were before. They count from the next line on. `false`: one of them is beyond
-    /// ±100 000 mm, and nothing has changed.
+    /// Restores zero offsets and places. They count from the next line on. Returns `false` if a value is beyond ±100
+    /// 000 mm; nothing has changed then.
     #[cfg(feature = "dialects")]
     #[must_use]
     pub fn put_stored(&mut self, stored: &super::StoredOffsets<AXES>) -> bool {
@@ -335,12 +334,12 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
         may
     }
 
-    /// The motion of the line at hand, if it has one.
+    /// The motion of the current line, if it has one.
     pub(crate) fn motion(&self) -> Option<Motion<AXES>> {
         if self.interpreter.moves { self.interpreter.gathered.motion() } else { None }
     }
 
-    /// Whether the lines read so far are understood to their ends, and all their commands are handed out.
+    /// Whether the lines read so far are completely decoded, and all their commands are returned.
     pub(crate) fn is_between_lines(&self) -> bool {
         let Interpreter { queue, gathered, calculator, .. } = &self.interpreter;
         #[cfg(feature = "dialects")]
@@ -401,7 +400,7 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
         Ok(Work::Line)
     }
 
-    /// Goes on at another line.
+    /// Continues at another line.
     fn jump(&mut self, mark: Mark) -> Result<(), NcError> {
         if !self.reader.holds(mark) {
             self.interpreter.stay(mark);
@@ -415,7 +414,7 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
 
     /// Reads a slice of text.
     fn fill(&mut self) -> Result<Fill, NcError> {
-        // The line before is done with.
+        // The line before is done.
         self.interpreter.before = Before::Alike;
         let from = self.reader.next_start().offset;
         let fill = self.reader.fill(self.line)?;
@@ -435,7 +434,7 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
         Ok(fill)
     }
 
-    /// Goes on in the file with the name in the line at hand.
+    /// Continues in the file whose name is in the current line.
     fn enter_file(&mut self, name: Span) -> Result<(), NcError> {
         let from = usize::from(name.at);
         let bytes = self.line.bytes().get(from..from + usize::from(name.len)).unwrap_or(&[]);
@@ -464,7 +463,7 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
         if matches!(error.kind, NcErrorKind::AxisNotHere | NcErrorKind::UnknownWord | NcErrorKind::NoMainAxis)
         {
             for (i, name) in self.interpreter.setup.names.iter().enumerate() {
-                // A list cut short still helps.
+                // A shortened list still helps.
                 let _ = error.axes.push_str(if i > 0 { ", " } else { "" });
                 let _ = error.axes.push_str(name.as_str());
             }
@@ -472,7 +471,7 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
         error
     }
 
-    /// What a queued item of the line at hand makes: all but motions.
+    /// Returns the command of a queued item of the current line: any command but a motion.
     #[inline(never)]
     fn hand_out(&mut self) -> Result<Step<AXES>, NcError> {
         let item = self.interpreter.queue.pop_front();

@@ -4,22 +4,22 @@ use crate::machine::functions::Function;
 use core::fmt;
 use heapless::String;
 
-/// A refused line: the word, its place and what was expected. The decoder stops there until
-/// [`super::Decoder::go_on`] continues after the line.
+/// A refused line: the word, its place and what was expected. The decoder stops at this line until
+/// [`super::Decoder::go_on`] continues after it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct NcError {
     /// Place of the refused word.
     pub place: Place,
-    /// Why the word is refused.
+    /// The reason of the refusal.
     pub kind: NcErrorKind,
     /// The word itself, cut to 24 bytes.
     pub found: String<24, u8>,
-    /// Names of the machine's axes, `X, Y, Z`, where they explain the error.
+    /// Names of the machine's axes, `X, Y, Z`, if they explain the error.
     pub axes: String<24, u8>,
 }
 
-/// Why a word is refused. Numbers in the descriptions are those of ISG's messages.
+/// Reasons of a refusal. Numbers in the descriptions are those of ISG's messages.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum NcErrorKind {
@@ -33,17 +33,17 @@ pub enum NcErrorKind {
     ForeignByte(u8),
     /// Logical line longer than [`super::LINE_BYTES`].
     LineTooLong,
-    /// More continuation lines than a place can be kept for.
+    /// More continuation lines than the decoder can keep places for.
     TooManyContinuations,
     /// Syntax: what was expected instead.
     Expected(&'static str),
-    /// Part of the language, but not of this version.
+    /// A part of the language that this version does not have.
     NotAvailable(&'static str),
-    /// A function that this build leaves out: its name and what to do.
+    /// A function that this build leaves out. The text names the function and the feature to enable.
     NotBuilt(&'static str),
     /// A usual axis name that this machine does not have.
     AxisNotHere,
-    /// A letter that is no address.
+    /// A letter that is not an address.
     UnknownWord,
     /// G number outside of the language.
     UnknownG,
@@ -51,16 +51,16 @@ pub enum NcErrorKind {
     UnknownHash,
     /// `$` statement outside of the language.
     UnknownDollar,
-    /// Keyword that the command does not have.
+    /// A keyword that the command does not have.
     UnknownKeyword {
         /// Command.
         command: &'static str,
         /// Its keywords.
         keywords: &'static [&'static str],
     },
-    /// Keyword that does not go with the method or switch of the same command.
+    /// A keyword that does not fit the method or switch of the same command.
     KeywordMismatch {
-        /// What it was combined with.
+        /// The method or switch.
         with: &'static str,
     },
     /// Function name outside of the language.
@@ -75,7 +75,7 @@ pub enum NcErrorKind {
         max: u32,
         /// Unit.
         unit: &'static str,
-        /// The least value itself is refused.
+        /// Whether the least value itself is refused.
         above: bool,
     },
     /// A whole number was expected.
@@ -104,7 +104,7 @@ pub enum NcErrorKind {
     DivisionByZero,
     /// Argument outside the domain of a function.
     Domain(&'static str),
-    /// Result of an expression is beyond all numbers.
+    /// The result of an expression is too large.
     Overflow,
     /// Expression deeper than [`super::EXPRESSION_DEPTH`].
     ExpressionTooDeep,
@@ -138,11 +138,11 @@ pub enum NcErrorKind {
     Exponent,
     /// Label of $GOTO not found in this program.
     NoLabel,
-    /// No program head but those of local subroutines.
+    /// No program head except those of local subroutines.
     NoMainProgram,
-    /// LL of a name that no %L of this file or its callers declares.
+    /// LL with a name that no %L of this file or its callers declares.
     NoSubroutine,
-    /// L of a name that the text source has no file for.
+    /// L with a name for which the text source has no file.
     NoFile,
     /// Name declared twice.
     SubroutineTwice,
@@ -158,7 +158,7 @@ pub enum NcErrorKind {
     OscillationSpeed,
     /// 22277: modulo axis positions outside 0…360°.
     OscillationModulo,
-    /// 50603: what an independent axis is given does not go together; what does.
+    /// 50603: contradictory words of an independent axis. The text says which words fit.
     Independent(&'static str),
     /// A word is missing.
     Missing(&'static str),
@@ -167,19 +167,19 @@ pub enum NcErrorKind {
     /// A V. variable that was not written yet.
     #[cfg(feature = "plc")]
     VariableUnset,
-    /// A V. variable that neither language nor application has.
+    /// A V. variable that neither language nor application defines.
     #[cfg(feature = "plc")]
     NoVariable,
     /// A V. variable that a program may not write.
     #[cfg(feature = "plc")]
     VariableReadOnly,
-    /// 22073: not in a real-time loop.
+    /// 22073: not permitted in a real-time loop.
     #[cfg(feature = "plc")]
     InLoop,
-    /// Known to the dialect of the program, and not built: what it is, and what to write.
+    /// A word that the dialect has and Glidepath does not. The texts name the word and what to write.
     #[cfg(feature = "dialects")]
     Known {
-        /// What it is.
+        /// The word.
         what: &'static str,
         /// What is expected instead.
         hint: &'static str,
@@ -385,7 +385,7 @@ impl fmt::Display for NcError {
 
 impl core::error::Error for NcError {}
 
-/// A warning; the program goes on.
+/// A warning. The program continues.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct NcWarning {
@@ -441,20 +441,20 @@ pub enum NcWarningKind {
     MainEnds,
     /// A program head after words without a head: the head ends the program of those words.
     HeadEnds,
-    /// SHORT of a linear axis is of no effect.
+    /// SHORT of a linear axis has no effect.
     ShortLinear,
     /// The first motion before F, G00 and G01: such motions are rapid.
     RapidWithoutFeed,
-    /// G64 without P: how far the motion may leave the path, µm.
+    /// G64 without P. The value is the permitted distance from the path, µm.
     #[cfg(feature = "dialects")]
     BlendTolerance(u32),
     /// Q of G64.
     #[cfg(feature = "dialects")]
     NoMerging,
-    /// M49 to M53: the operator's overrides stay on.
+    /// M49 to M53: the operator's overrides stay enabled.
     #[cfg(feature = "dialects")]
     OverridesStay,
-    /// `/` in a program of Grbl, which carries the block out.
+    /// `/` in a program of Grbl, which carries out the block.
     #[cfg(feature = "dialects")]
     BlockSkip,
     /// G4 of more than a minute.
@@ -487,7 +487,8 @@ pub enum NcWarningKind {
 }
 
 impl NcWarningKind {
-    /// Whether the planner says it, where it takes the motion or the dwell in, and not the decoder.
+    /// Whether the warning comes from the planner, when it takes the motion or the dwell, and not from the
+    /// decoder.
     pub const fn is_of_curve(&self) -> bool {
         matches!(
             self,
@@ -508,8 +509,8 @@ impl NcWarningKind {
 }
 
 impl NcWarning {
-    /// ISG's number of this message, 0 where none is known. Where ISG's text has a message without a number,
-    /// one of the project: 900001 and up. Their reaction class is 1: the program goes on.
+    /// ISG's number of this message; 0 if no number is known. A message that ISG describes without a number
+    /// has a number of this project: 900001 and up. Their reaction class is 1: the program continues.
     pub const fn id(&self) -> u32 {
         match self.kind {
             NcWarningKind::DwellExtraAxis => 20685,
@@ -621,14 +622,14 @@ impl fmt::Display for NcWarning {
 
 impl core::error::Error for NcWarning {}
 
-/// Where in the logical line: byte and length.
+/// Byte and length in the logical line.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Span {
     pub at: u16,
     pub len: u16,
 }
 
-/// A refusal inside the line at hand; the decoder adds place and text.
+/// A refusal inside the current line; the decoder adds place and text.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Fault {
     pub span: Span,
@@ -641,7 +642,7 @@ impl Span {
         Err(Fault { span: self, kind })
     }
 
-    /// That a function is compiled in, for what stands here.
+    /// Checks that a function is compiled in, for the word at this place.
     #[inline(always)]
     pub const fn needs(self, function: Function) -> Result<(), Fault> {
         match function.check() {

@@ -11,7 +11,7 @@ use crate::machine::functions;
 use core::mem::take;
 use heapless::Vec;
 
-/// Operators (and operands) that may wait at the same time.
+/// Number of operators (and of operands) that may wait at the same time.
 pub const EXPRESSION_DEPTH: usize = functions::EXPRESSIONS.room(24);
 
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -187,13 +187,13 @@ impl Op {
     }
 }
 
-/// What waits.
+/// Waiting operators and operands.
 pub(super) struct Stacks {
     values: Vec<f64, EXPRESSION_DEPTH>,
     ops: Vec<Op, EXPRESSION_DEPTH>,
 }
 
-/// Hundreds of instructions to read an operand and what is behind it.
+/// Work to read an operand and the text up to the next, in hundreds of instructions.
 const READING: u32 = 7;
 
 struct Evaluation<'p> {
@@ -215,16 +215,16 @@ impl Evaluation<'_> {
         self.ops.push(op).map_err(|_| NcErrorKind::ExpressionTooDeep)
     }
 
-    // What is laid aside is not copied by who evaluates: it would be on its stack all the time.
+    // The evaluating function must not copy the laid-aside state: it would be on its stack all the time.
 
-    /// Goes on in another call, from `at` on.
+    /// Continues in another call, from `at` on.
     #[inline(never)]
     fn lay_aside(&mut self, calculator: &Calculator, start: usize, at: usize) {
         let stacks = Stacks { values: take(&mut self.values), ops: take(&mut self.ops) };
         calculator.lay_aside(start, Aside { at, stacks });
     }
 
-    /// Takes up what was laid aside, and says where it goes on.
+    /// Restores the state laid aside. Returns the position where it continues.
     #[inline(never)]
     fn take_up(&mut self, calculator: &Calculator) -> Option<usize> {
         let Some(Aside { at, stacks: Stacks { values, ops } }) = &mut calculator.take_aside() else {
@@ -234,7 +234,7 @@ impl Evaluation<'_> {
         Some(*at)
     }
 
-    /// Takes the value on top; the parser never pushes an operator without its operands.
+    /// Takes the top value; the parser never pushes an operator without its operands.
     fn pop(&mut self) -> f64 {
         self.values.pop().unwrap_or(0.0)
     }
@@ -274,7 +274,7 @@ impl Evaluation<'_> {
         self.push(value)
     }
 
-    /// Applies what waits with at least `priority`, down to the last open bracket.
+    /// Applies waiting operators with at least `priority`, down to the last open bracket.
     fn reduce(&mut self, priority: u8) -> Step<()> {
         while let Some(&op) = self.ops.last() {
             if op.priority() < priority.max(1) {
@@ -286,7 +286,7 @@ impl Evaluation<'_> {
         Ok(())
     }
 
-    /// Work that an operator, a closing bracket or the end lets go, and to read on to the next.
+    /// Work that an operator, a closing bracket or the end causes, plus reading on to the next.
     fn due(&self, closes: bool) -> u32 {
         let mut work = READING;
         let mut ops = self.ops.iter().rev();
@@ -320,7 +320,7 @@ impl Evaluation<'_> {
         Ok(true)
     }
 
-    /// `,` inside the brackets of a function: false anywhere else.
+    /// `,` inside the brackets of a function: false elsewhere.
     fn comma(&mut self) -> Step<bool> {
         let open = self.ops.iter().rposition(|op| matches!(op, Op::Open(_)));
         let Some(at) = open else { return Ok(false) };
@@ -336,8 +336,8 @@ impl Evaluation<'_> {
     }
 }
 
-/// Reads an expression as far as it goes. A lone literal stays exact. Where it is more than the call is to
-/// do, it is laid aside.
+/// Reads an expression as far as it goes. A lone literal stays exact. An expression with too much work for
+/// the call is laid aside.
 pub(super) fn expression(c: &mut Cursor<'_>, calculator: &Calculator) -> Result<Number, Fault> {
     let start = c.mark();
     if let Some(literal) = literal(c) {
@@ -371,7 +371,7 @@ pub(super) fn expression(c: &mut Cursor<'_>, calculator: &Calculator) -> Result<
         operand(c, &mut e, start)?;
     }
     loop {
-        // Behind an operand: closing brackets, then an operator or the end.
+        // After an operand: closing brackets, then an operator or the end.
         let operator = loop {
             let mark = c.mark();
             if !calculator.affords(e.due(c.peek() == b']')) && calculator.knows_all() {
@@ -411,7 +411,7 @@ pub(super) fn expression(c: &mut Cursor<'_>, calculator: &Calculator) -> Result<
     Ok(Number::Real(value))
 }
 
-/// A literal with at most signs before it and no operator behind it.
+/// A literal with at most signs before it and no operator after it.
 fn literal(c: &mut Cursor<'_>) -> Option<Number> {
     let mut minus = false;
     loop {
@@ -430,7 +430,7 @@ fn literal(c: &mut Cursor<'_>) -> Option<Number> {
     alone.then_some(Number::Decimal { negative: minus, mantissa, scale })
 }
 
-/// What stands here in place of a literal, without expressions.
+/// Without the feature `expressions`: refuses a word in place of a literal.
 #[cold]
 #[inline(never)]
 fn no_literal(c: &mut Cursor<'_>) -> Result<Number, Fault> {
@@ -440,7 +440,7 @@ fn no_literal(c: &mut Cursor<'_>) -> Result<Number, Fault> {
     }
     let start = c.mark();
     match c.peek_upper() {
-        // With an operator behind it, if it is a number.
+        // A number with an operator after it.
         b'0'..=b'9' | b'.' => _ = c.decimal()?,
         b'[' => {}
         _ => {
@@ -537,7 +537,7 @@ fn operand(c: &mut Cursor<'_>, e: &mut Evaluation<'_>, start: usize) -> Result<(
     }
 }
 
-/// V. variables belong to the feature `plc`.
+/// V. variables need the feature `plc`.
 #[cfg(not(feature = "plc"))]
 #[inline(always)]
 fn variable(c: &mut Cursor<'_>, _: &mut Evaluation<'_>) -> Result<(), Fault> {
@@ -565,7 +565,7 @@ fn operator(c: &mut Cursor<'_>) -> Option<Op> {
     let mark = c.mark();
     let first = c.peek_upper();
     if first.is_ascii_alphabetic() {
-        // An address is followed by its value, an operator of letters by another letter.
+        // An address is followed by its value, an operator in letters by another letter.
         if !matches!(first, b'M' | b'A' | b'X' | b'O') || !c.next().is_ascii_alphabetic() {
             return None;
         }
@@ -611,7 +611,7 @@ fn operator(c: &mut Cursor<'_>) -> Option<Op> {
     Some(op)
 }
 
-/// The index of the parameter that stands here (`P5`, `PP5`, `P[…]`), as the target of an assignment.
+/// The index of the parameter here (`P5`, `PP5`, `P[…]`), as the target of an assignment.
 pub(super) fn parameter_target(c: &mut Cursor<'_>, calculator: &Calculator) -> Result<u32, Fault> {
     let mark = c.mark();
     if c.peek_upper() != b'P' {
@@ -648,7 +648,7 @@ pub(super) fn parameter_target(c: &mut Cursor<'_>, calculator: &Calculator) -> R
     }
 }
 
-/// `[expression]` and not one step further.
+/// Reads `[expression]`, and no text after it.
 fn expression_in_brackets(c: &mut Cursor<'_>, calculator: &Calculator) -> Result<f64, Fault> {
     c.require(b'[', "[")?;
     let value = expression(c, calculator)?.real();

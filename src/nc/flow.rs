@@ -1,18 +1,18 @@
-//! What the program text does to its own order: control blocks, calls, jumps; bounded stacks of places in the
-//! text.
+//! The order in which program text is carried out: control blocks, calls, jumps; with bounded stacks of
+//! places in the text.
 use super::line::Mark;
 use super::{NcErrorKind, Place};
 use crate::machine::functions;
 use heapless::Vec;
 
-/// Control blocks that may be open at the same time, over all calls.
+/// Number of control blocks that may be open at the same time, over all calls.
 pub const NESTING: usize = functions::EXPRESSIONS.room(20);
-/// Subroutine calls that may be open at the same time: 10; 6 in a build for little memory.
+/// Number of subroutine calls that may be open at the same time: 10; 6 in a small build.
 pub const CALL_DEPTH: usize = if functions::IS_SMALL { 6 } else { 10 };
-/// Local subroutines in all files of a program: 64; 16 in a build for little memory.
+/// Number of local subroutines in all files of a program: 64; 16 in a small build.
 pub const SUBROUTINES: usize = if functions::IS_SMALL { 16 } else { 64 };
 
-/// Kinds of control blocks, with what is needed to go on.
+/// Kinds of control blocks, with the data to continue them.
 #[derive(Clone, Copy)]
 pub(super) enum Block {
     /// Counter, last value, step.
@@ -62,9 +62,9 @@ impl Block {
 #[derive(Clone, Copy)]
 pub(super) struct Open {
     pub block: Block,
-    /// The line that opened it.
+    /// The line that opened the block.
     pub start: Mark,
-    /// The line behind it.
+    /// The line after the opening line.
     pub body: Mark,
     pub place: Place,
 }
@@ -72,15 +72,15 @@ pub(super) struct Open {
 /// An open call.
 #[derive(Clone, Copy)]
 pub(super) struct Frame {
-    /// Where the caller goes on.
+    /// The line at which the caller continues.
     pub back: Mark,
-    /// Start of the caller's own text.
+    /// Start of the caller's text.
     pub program: Mark,
     /// Control blocks that were open at the call.
     pub blocks: u8,
 }
 
-/// A local subroutine: hash of its name, first line of its text. Packed: there are many of them.
+/// A local subroutine: hash of its name, and first line of its text. Packed, because there are many.
 #[derive(Clone, Copy)]
 #[repr(C, packed(4))]
 pub(super) struct Subroutine {
@@ -88,10 +88,10 @@ pub(super) struct Subroutine {
     pub body: Mark,
 }
 
-/// What lines are passed over for.
+/// The reason why lines are skipped.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Passing {
-    /// They are not.
+    /// No lines are skipped.
     No,
     /// To the next $ELSEIF, $ELSE or $ENDIF.
     Branch,
@@ -103,7 +103,7 @@ pub(super) enum Passing {
     Round,
     /// To a label, by its hash; blocks opened on the way are in `Flow::passed`.
     Label(u64),
-    /// The program has ended inside control blocks: to their closing words, which must be there.
+    /// The program has ended inside control blocks: up to their closing words, which must exist.
     End(Ending),
 }
 
@@ -116,28 +116,28 @@ pub(super) enum Ending {
     Program,
 }
 
-/// The state of the order of blocks.
+/// The state of program flow.
 pub(super) struct Flow {
     pub blocks: Vec<Open, NESTING>,
     pub frames: Vec<Frame, CALL_DEPTH>,
     pub subroutines: Vec<Subroutine, SUBROUTINES>,
-    /// Start of the text of the program that runs.
+    /// Start of the text of the running program.
     pub program: Mark,
     pub passing: Passing,
-    /// Depth of blocks opened while passing.
+    /// Depth of blocks opened in skipped lines.
     pub depth: u16,
-    /// Offsets of the blocks open at the line reached in a search for a label.
+    /// Offsets of the open blocks at the current line, in a search for a label.
     pub passed: Vec<u32, NESTING>,
-    /// What the passing began with, for messages.
+    /// The origin of the skipping, for messages.
     pub origin: Place,
-    /// The line behind that.
+    /// The line after the origin.
     pub behind: Mark,
-    /// What the jump at hand leaves is left already.
+    /// Whether the blocks that the current jump leaves are already left.
     pub left: bool,
 }
 
 impl Flow {
-    /// All bits zero; it begins with [`Self::begin`].
+    /// All bits are zero; [`Self::begin`] comes first.
     pub const fn new() -> Self {
         Self {
             blocks: Vec::new(),
@@ -161,7 +161,7 @@ impl Flow {
         (self.depth, self.origin, self.left) = (0, Place::NONE, false);
     }
 
-    /// Nothing is open, and no subroutine is known.
+    /// Closes all blocks and forgets all subroutines.
     pub fn clear(&mut self) {
         self.blocks.clear();
         self.frames.clear();
@@ -169,14 +169,14 @@ impl Flow {
         self.passing = Passing::No;
     }
 
-    /// What is open in the running program is left.
+    /// Leaves the open blocks of the running program.
     pub fn leave_blocks(&mut self) {
         let base = self.base();
         self.blocks.truncate(base);
         self.passing = Passing::No;
     }
 
-    /// The local subroutine of that name: of the file that runs, else of the nearest caller that has it.
+    /// The local subroutine with this name: of the running file, or else of the nearest caller that has it.
     pub fn subroutine(&self, name: u64) -> Option<Subroutine> {
         let callers = self.frames.iter().rev().map(|frame| frame.program.file);
         core::iter::once(self.program.file)
@@ -185,7 +185,7 @@ impl Flow {
             .copied()
     }
 
-    /// Control blocks open before the running program was called.
+    /// Number of control blocks that were open before the running program was called.
     pub fn base(&self) -> usize {
         self.frames.last().map_or(0, |f| usize::from(f.blocks))
     }
@@ -200,12 +200,12 @@ impl Flow {
         self.blocks.push(open).map_err(|_| NcErrorKind::NestingTooDeep)
     }
 
-    /// Whether lines are passed over.
+    /// Whether lines are skipped.
     pub fn is_passing(&self) -> bool {
         functions::EXPRESSIONS.is_built() && self.passing != Passing::No
     }
 
-    /// Begins to pass over lines, `depth` blocks inside the one that matters.
+    /// Begins to skip lines, `depth` blocks inside the relevant one.
     pub fn pass(&mut self, passing: Passing, depth: u16, origin: Place) {
         self.passing = passing;
         self.depth = depth;
@@ -213,8 +213,8 @@ impl Flow {
         self.origin = origin;
     }
 
-    /// Leaves control blocks until a loop (or a switch) is innermost and says how many; `None` if there is
-    /// none.
+    /// Leaves control blocks until a loop (or a switch) is innermost. Returns their number; `None` if there
+    /// is none.
     pub fn leave_to_loop(&mut self, or_switch: bool) -> Option<u16> {
         let base = self.base();
         let mut left = 0;
@@ -229,7 +229,7 @@ impl Flow {
         None
     }
 
-    /// Goes back to the caller; `None` in the main program.
+    /// Returns to the caller; `None` in the main program.
     pub fn leave_call(&mut self) -> Option<Mark> {
         let frame = self.frames.pop()?;
         self.blocks.truncate(usize::from(frame.blocks));
@@ -238,7 +238,7 @@ impl Flow {
     }
 }
 
-/// FNV-1a, 64 bits: two names of one file with one hash are not expected in this universe.
+/// FNV-1a, 64 bits. Two names in one file with one hash are not expected.
 pub(super) fn hash(bytes: &[u8]) -> u64 {
     bytes.iter().fold(0xcbf2_9ce4_8422_2325, |h, b| (h ^ u64::from(*b)).wrapping_mul(0x0100_0000_01b3))
 }

@@ -1,14 +1,14 @@
-//! Commands other than motion, as types: what is `None` was not programmed and keeps its value (ISG defaults
-//! in brackets).
+//! Commands other than motion, as types. A field with `None` was not programmed and keeps its value (ISG
+//! defaults in brackets).
 //!
 //! Lengths in mm, angles in degrees, both with an LSB of 2^-32, to nearest.
 use super::Place;
 use crate::quantity::Position;
 
-/// A number without a dimension of its own: percent, seconds, Hz, 1/min; LSB 2^-32, to nearest.
+/// A number with a unit of its own: percent, seconds, Hz, 1/min; LSB 2^-32, rounded to nearest.
 pub type Value = fixed::types::I32F32;
 
-/// Where a command comes from.
+/// The origin of a command.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Head {
@@ -16,7 +16,7 @@ pub struct Head {
     pub n: u32,
     /// The word in the text.
     pub place: Place,
-    /// The block holds a motion too: the motion comes after switches and weights, before M and H.
+    /// Whether the block also holds a motion. The motion comes after switches and weights, before M and H.
     pub in_motion: bool,
 }
 
@@ -41,7 +41,7 @@ pub enum FeedMode {
     Percent,
 }
 
-/// G60, G360, G359 ([`ExactStop::Off`] switches off); also folded into [`super::Motion::exact_stop`].
+/// G60, G360, G359 ([`ExactStop::Off`] switches off). [`super::Motion::exact_stop`] contains the result too.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum ExactStop {
@@ -68,7 +68,7 @@ pub enum SlopeType {
 }
 
 impl SlopeType {
-    /// The type of a number of P-CHAN-00071.
+    /// The slope with this number of P-CHAN-00071.
     pub const fn of_profile(profile: u8) -> Self {
         match profile {
             0 => Self::Step,
@@ -86,7 +86,7 @@ pub struct Slope {
     pub default: bool,
     /// TYPE.
     pub kind: Option<SlopeType>,
-    /// NO_OPT: true switches the optimised use of jerk off \[true\].
+    /// NO_OPT: `true` switches the optimised use of jerk off \[true\].
     pub no_opt: Option<bool>,
 }
 
@@ -109,25 +109,26 @@ pub enum ContourMethod {
 }
 
 impl ContourMethod {
-    /// DIST_SOFT, DIST_MASTER and PTP: curves by what the axes can do, which need ramp times.
+    /// Whether the method is DIST_SOFT, DIST_MASTER or PTP: their curves follow the dynamics of the axes and
+    /// need ramp times.
     pub const fn is_optimised(self) -> bool {
         matches!(self, Self::DistSoft | Self::DistMaster | Self::Ptp)
     }
 }
 
-/// When M and H of a corner are carried out.
+/// The time at which M and H functions of a corner are output.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum ContourAction {
     /// PRE_ACTION: before the curve.
     Pre,
-    /// INTER_ACTION: in its middle \[default\].
+    /// INTER_ACTION: in the middle of the curve \[default\].
     Inter,
-    /// POST_ACTION: behind it.
+    /// POST_ACTION: after the curve.
     Post,
 }
 
-/// On and off of contouring.
+/// Switches of contour mode.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum ContourSwitch {
@@ -139,7 +140,7 @@ pub enum ContourSwitch {
     Off,
 }
 
-/// #CONTOUR MODE, G61, G261, G260. It switches off with `switch: Some(ContourSwitch::Off)`.
+/// `#CONTOUR MODE`, G61, G261, G260. `switch: Some(ContourSwitch::Off)` switches contour mode off.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Contour {
     /// On or off.
@@ -152,7 +153,7 @@ pub struct Contour {
     pub path_dev: Option<Position>,
     /// TRACK_DEV \[0°\].
     pub track_dev: Option<Position>,
-    /// RELEVANT_PATH \[0 mm\], as programmed (below 0.032 mm the contour stage takes 0.032 mm).
+    /// RELEVANT_PATH \[0 mm\], as programmed (contour mode uses at least 0.032 mm).
     pub relevant_path: Option<Position>,
     /// RELEVANT_TRACK \[0°\].
     pub relevant_track: Option<Position>,
@@ -200,7 +201,7 @@ pub enum HscMethod {
     Op(u8),
 }
 
-/// #HSC. It switches off with `switch: Some(false)`.
+/// `#HSC`. `switch: Some(false)` switches it off.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Hsc {
     /// ON, OFF.
@@ -244,13 +245,13 @@ pub struct Hsc {
 }
 
 impl Hsc {
-    /// Whether it gives more than its switch.
+    /// Whether the command has parameters in addition to its switch.
     pub fn gives_parameters(&self) -> bool {
         *self != Self { switch: self.switch, ..Self::default() }
     }
 }
 
-/// #FILTER. It switches off with `switch: Some(false)`.
+/// `#FILTER`. `switch: Some(false)` switches the filters off.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Filter {
     /// ON, OFF.
@@ -278,11 +279,11 @@ pub struct Filter {
 pub enum Limit {
     /// The channel parameter (P-CHAN-00002, 00090, 00208).
     Channel,
-    /// A value of its own, in the unit that P-CHAN-00351 chooses.
+    /// The given value, in the unit of P-CHAN-00351.
     Is(Value),
 }
 
-/// #VECTOR LIMIT ON or OFF, with the limits named. It switches off with `on: false`.
+/// `#VECTOR LIMIT ON` or `OFF`, with the named limits. `on: false` switches them off.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct VectorLimit {
     /// ON (true) or OFF.
@@ -313,9 +314,9 @@ pub struct VectorLimit {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum SplineType {
-    /// Through the points \[default\].
+    /// The curve passes the points \[default\].
     Akima,
-    /// Points control it.
+    /// The points control the curve.
     Bspline,
 }
 
@@ -353,7 +354,7 @@ pub enum Spline<const AXES: usize> {
     EndVector([Option<Value>; AXES]),
 }
 
-/// What a weight acts on.
+/// The values that a weight changes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum WeightKind {
@@ -380,7 +381,7 @@ pub enum WeightKind {
 }
 
 impl WeightKind {
-    /// From a G number.
+    /// The kind of a G number.
     pub const fn from_g(number: u16) -> Option<Self> {
         Some(match number {
             130 => Self::Acceleration,
@@ -397,7 +398,7 @@ impl WeightKind {
         })
     }
 
-    /// Whether it takes values axis by axis.
+    /// Whether the word has one value per axis.
     pub const fn per_axis(self) -> bool {
         matches!(self, Self::Acceleration | Self::RampTime | Self::RapidRampTime)
     }
@@ -419,10 +420,10 @@ impl WeightKind {
     }
 }
 
-/// A weighting: percent per axis (`None`: 100 % by ISG's rule), above 0 to 10 000.
+/// Weights in percent per axis, above 0 to 10 000 (`None`: 100 % by ISG's rule).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Weight<const AXES: usize> {
-    /// What it acts on.
+    /// The values that the weights change.
     pub kind: WeightKind,
     /// Percent.
     pub percent: [Option<Value>; AXES],
@@ -432,11 +433,11 @@ pub struct Weight<const AXES: usize> {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Kinematics {
-    /// #KIN ID: selected for the next #TRAFO ON.
+    /// `#KIN ID`: selects the data set for the next `#TRAFO ON`.
     Select(u16),
     /// #TRAFO ON.
     On,
-    /// #TRAFO\[n\]: select and switch on.
+    /// `#TRAFO\[n\]`: selects and switches on.
     OnWith(u16),
     /// #TRAFO OFF.
     Off,
@@ -466,7 +467,7 @@ pub enum OscillationSpeed {
     Period(Value),
 }
 
-/// `X[OSC …]`: reversals are machine coordinates.
+/// `X[OSC …]`. Reversal positions are machine coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum OscillationAction {
     /// ON.
@@ -486,9 +487,9 @@ pub enum OscillationAction {
         /// SHORT.
         short: bool,
     },
-    /// OFF: after the cycle at hand.
+    /// OFF: ends after the current cycle.
     Off,
-    /// OFF FEED: breaks off, goes to the second position with this feed.
+    /// OFF FEED: breaks the oscillation off, and moves to the second position at this feed.
     OffFeed(Value),
     /// OFF INSTANT.
     OffInstant,
@@ -499,22 +500,22 @@ pub enum OscillationAction {
 pub struct Oscillation {
     /// Index of the axis.
     pub axis: usize,
-    /// What to do.
+    /// The action.
     pub action: OscillationAction,
 }
 
-/// `X[INDP_SYN …]`, `X[INDP_ASYN …]`: an axis on its own.
+/// `X[INDP_SYN …]`, `X[INDP_ASYN …]`: motion of an independent axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Independent {
     /// Index of the axis.
     pub axis: usize,
-    /// The path waits for it (INDP_SYN).
+    /// Whether the path waits for the motion (INDP_SYN).
     pub synchronous: bool,
     /// G00 instead of G01.
     pub rapid: bool,
     /// G91 instead of G90.
     pub relative: bool,
-    /// POS, POSITION: where it goes, machine coordinates.
+    /// POS, POSITION: the target, machine coordinates.
     pub position: Option<Position>,
     /// FEED, mm/min.
     pub feed: Option<Value>,
@@ -524,9 +525,9 @@ pub struct Independent {
     pub weight: Option<Value>,
     /// ACC_WEIGHT with G01, RAPID_ACC_WEIGHT with G00, % \[100\].
     pub acceleration: Option<Value>,
-    /// M: put out before the motion.
+    /// M: output before the motion.
     pub m: Option<u32>,
-    /// H: the same.
+    /// H: output before the motion.
     pub h: Option<u32>,
     /// SLOPE_TYPE.
     pub slope: Option<SlopeType>,

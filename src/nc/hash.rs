@@ -1,4 +1,4 @@
-//! `#` commands: found by their words, then their brackets.
+//! `#` commands: recognised by their words, then their brackets.
 use super::cursor::Cursor;
 use super::expression::expression;
 use super::function::*;
@@ -50,7 +50,7 @@ enum Hash {
 }
 
 impl Hash {
-    /// The function that it begins or prepares.
+    /// The function that the command begins or prepares.
     const fn function(self) -> Option<Function> {
         match self {
             Self::Contour(Some(ContourSwitch::Off)) | Self::Hsc(Some(false)) | Self::Filter(Some(false)) => {
@@ -70,7 +70,7 @@ impl Hash {
     }
 }
 
-/// Commands, longer ones before those they begin with.
+/// Commands; a longer one comes before one that it begins with.
 const COMMANDS: &[(&str, Hash)] = &[
     ("CONTOUR MODE ON", Hash::Contour(Some(ContourSwitch::On))),
     ("CONTOUR MODE OFF", Hash::Contour(Some(ContourSwitch::Off))),
@@ -124,7 +124,7 @@ const COMMANDS: &[(&str, Hash)] = &[
     ("TIME", Hash::Time),
 ];
 
-/// First words of commands that ISG has and that are none of this project's functions.
+/// First words of ISG's commands that Glidepath does not have.
 const OTHER: &[&str] = &[
     "ACS",
     "ADD",
@@ -223,8 +223,8 @@ const OTHER: &[&str] = &[
 ];
 
 impl<const AXES: usize> Interpreter<AXES> {
-    /// The command behind `#` becomes the only one of its line. A call of its own: its stack is not below
-    /// words.
+    /// Reads the command after `#`, which must be the only one of its line. A separate function, so that its
+    /// stack frame does not lie below words.
     #[inline(never)]
     pub fn hash_command(&mut self, c: &mut Cursor<'_>, line: &Line) -> Result<(), Fault> {
         let mark = c.mark();
@@ -264,7 +264,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         end
     }
 
-    /// Units of keywords that concern the main axes.
+    /// Units of keywords for the main axes.
     fn main_units(&self) -> Units {
         Units { length: self.length_factor(), feed: Factor::ONE }
     }
@@ -346,7 +346,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         Ok(())
     }
 
-    // Calls of their own: of their keywords only one list is on the stack.
+    // Separate functions, so that only one list of keywords is on the stack.
 
     #[inline(never)]
     fn log(&self, c: &mut Cursor<'_>, id: Hash) -> Result<ContourLog, Fault> {
@@ -436,7 +436,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         Ok(contour)
     }
 
-    /// `#SET SLOPE PROFIL [1]` or with the keywords of #SLOPE.
+    /// `#SET SLOPE PROFIL [1]`, or with the keywords of `#SLOPE`.
     #[inline(never)]
     fn old_slope(&self, c: &mut Cursor<'_>) -> Result<Slope, Fault> {
         let mark = c.mark();
@@ -463,7 +463,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         Ok(slope)
     }
 
-    /// 1 automatic, 2 tangential, 3 by the user.
+    /// 1 automatic, 2 tangential, 3 user-defined.
     fn aspline_mode(&self, c: &mut Cursor<'_>) -> Result<Tangent, Fault> {
         let mark = c.mark();
         match expression(c, &self.calculator)?.whole() {
@@ -513,7 +513,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         Ok(vector)
     }
 
-    /// `[Z]`, `[X, Y]`, `[X,1,0]`, `ALL`: a bit per axis; logical numbers and places are checked and dropped.
+    /// `[Z]`, `[X, Y]`, `[X,1,0]`, `ALL`: a bit per axis. Logical numbers and places are checked and dropped.
     fn axis_list(&self, c: &mut Cursor<'_>) -> Result<u32, Fault> {
         if c.eat_words("ALL") {
             return Ok((0..AXES as u32).fold(0, |bits, axis| bits | 1_u32.wrapping_shl(axis)));
@@ -542,7 +542,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         Ok(bits)
     }
 
-    /// The axis called exactly as the identifier here.
+    /// The axis whose name equals the identifier here.
     fn axis_name(&self, c: &mut Cursor<'_>) -> Option<usize> {
         let mark = c.mark();
         let word = c.identifier(24);
@@ -553,7 +553,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         axis
     }
 
-    /// Refuses what should have been an axis.
+    /// Refuses a word that is not an axis.
     fn no_axis<V>(&self, c: &mut Cursor<'_>) -> Result<V, Fault> {
         if c.at_end() {
             return c.expected("an axis or ]");
@@ -564,7 +564,7 @@ impl<const AXES: usize> Interpreter<AXES> {
     }
 }
 
-/// Whether keywords come, in brackets. Behind a switch there may be none, but nothing else.
+/// Whether keywords follow in brackets. After a switch there may be none, but no other text.
 fn is_list(c: &mut Cursor<'_>, switched: bool) -> Result<bool, Fault> {
     match c.peek() {
         b'[' => Ok(true),

@@ -1,5 +1,5 @@
-//! One logical line after the other: program heads, then `$`, `#`, calls or words; results wait in a short
-//! queue.
+//! Interprets one logical line after the other: program heads, then `$`, `#`, calls or words. Results wait in
+//! a short queue.
 use super::block::{Item, Items, Waiting, checksum_of};
 use super::calculator::Calculator;
 use super::cursor::Cursor;
@@ -17,37 +17,37 @@ use crate::quantity::Position;
 use core::cell::Cell;
 use heapless::Deque;
 
-/// Words of a block that can wait for their turn.
+/// Largest number of items of a block that wait in the queue.
 pub const BLOCK_WORDS: usize = 16;
 
-/// Lines that may be carried out one after the other without a command coming out of them: beyond it a
-/// program is taken for an endless loop. Lines that are passed over do not count.
+/// Largest number of lines carried out without a command. More lines count as an endless loop. Skipped lines
+/// do not count.
 pub const QUIET_LINES: u32 = 1_000_000;
 
-/// Where the program stands.
+/// State of the program.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Phase {
-    /// Before the first head.
+    /// Before the first program head.
     Start,
     /// Among local subroutines, before the main program.
     Heads,
     Running,
-    /// The last commands are handed out, then there is nothing more.
+    /// The last commands are being returned; nothing follows.
     Ended,
 }
 
-/// Which line comes next.
+/// The line that comes next.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Next {
     Line,
-    /// The same, and nothing comes out of the line at hand but its motion.
+    /// The next line; the current line gives nothing but its motion.
     Motion,
     At(Mark),
-    /// The start of the file with the name in the line at hand; the call is open already.
+    /// The start of the file whose name is in the current line; the call is already open.
     File(Span),
 }
 
-/// A refusal of a part of the line at hand, or of an earlier place.
+/// A refusal of a part of the current line, or of an earlier place.
 pub(super) enum Refusal {
     Here(Fault),
     At(Place, NcErrorKind),
@@ -59,55 +59,55 @@ impl From<Fault> for Refusal {
     }
 }
 
-/// Everything but the text.
+/// All of the decoder's state but the text.
 pub(super) struct Interpreter<const AXES: usize> {
     pub setup: Setup<AXES>,
     pub phase: Phase,
     pub flow: Flow,
     pub calculator: Calculator,
     pub modal: Modal<AXES>,
-    /// For a line that is refused.
+    /// For a refused line.
     pub before: Before<AXES>,
     pub letters: Letters,
     /// Programmed end of the last motion, machine coordinates.
     pub position: [Position; AXES],
-    /// What rounding of G91's increments has left of it, LSB 2^-64, so that it does not add up.
+    /// Remainders of the rounding of G91 increments, LSB 2^-64, so that errors do not add up.
     pub rests: [i32; AXES],
-    /// Block number of the line at hand.
+    /// Block number of the current line.
     pub n: u32,
-    /// Whether the block at hand moves.
+    /// Whether the current block moves.
     pub moves: bool,
-    /// What the block at hand makes the decoder hand out, all of it when no block waits.
+    /// The output of the current block; complete when no block waits.
     pub queue: Items,
     pub gathered: Gathered<AXES>,
     /// Values per axis of the block's G130, G132 or G232.
     pub values: [Option<Position>; AXES],
     pub warnings: Deque<NcWarning, 4>,
-    /// Arithmetic without brackets in the word at hand, and its value in thousandths.
+    /// Arithmetic without brackets in the current word, and its value in thousandths.
     pub computed: Option<(Span, i32)>,
-    /// The main program has no head.
+    /// Whether the main program has no head.
     pub headless: bool,
     /// Lines carried out since the last command.
     pub quiet: u32,
-    /// A write of the line at hand to a variable outside of the decoder.
+    /// An assignment of the current line to a variable outside of the decoder.
     #[cfg(feature = "plc")]
     pub written: Option<super::variable::Write>,
-    /// The line at hand is in a real-time loop.
+    /// Whether the current line is in a real-time loop.
     #[cfg(feature = "plc")]
     pub in_loop: bool,
-    /// What only programs of other dialects have.
+    /// State that only programs of other dialects need.
     #[cfg(feature = "dialects")]
     pub foreign: Foreign<AXES>,
 }
 
-/// What was gathered of the line at hand: never two of them. Cells, so that nothing is all bits zero.
+/// The collected result of the current line: one of these. Cells, so that the empty value is all bits zero.
 pub(super) enum Gathered<const AXES: usize> {
     Nothing,
-    /// A block that goes on in the next call.
+    /// A block that continues in the next call.
     Waiting(Cell<Waiting<AXES>>),
     /// The motion of a block.
     Motion(Cell<Motion<AXES>>),
-    /// The command of a block that holds nothing else.
+    /// The command of a block with a single command.
     Single(Cell<Command<AXES>>),
 }
 
@@ -122,7 +122,7 @@ impl<const AXES: usize> Gathered<AXES> {
         matches!(self, Self::Single(_))
     }
 
-    /// The block that waited goes on.
+    /// Takes the waiting block, to continue it.
     pub fn take_up(&mut self) -> Option<Waiting<AXES>> {
         if !self.waits() {
             return None;
@@ -131,7 +131,7 @@ impl<const AXES: usize> Gathered<AXES> {
         Some(waiting.into_inner())
     }
 
-    /// The command of a block that holds nothing else is handed out.
+    /// Returns the command of a block with a single command.
     #[inline(always)]
     pub fn take_single(&mut self) -> Option<Command<AXES>> {
         if !self.is_single() {
@@ -147,7 +147,7 @@ impl<const AXES: usize> Gathered<AXES> {
     }
 }
 
-/// Start of a logical line and of the one behind it.
+/// Starts of a logical line and of the next one.
 #[derive(Clone, Copy)]
 pub(super) struct Bounds {
     pub start: Mark,
@@ -155,7 +155,7 @@ pub(super) struct Bounds {
 }
 
 impl<const AXES: usize> Interpreter<AXES> {
-    /// Nothing is in it yet: [`Self::begin`]. All bits zero.
+    /// Blank state with all bits zero; [`Self::begin`] comes first.
     pub const fn blank() -> Self {
         Self {
             setup: Setup::BLANK,
@@ -185,8 +185,8 @@ impl<const AXES: usize> Interpreter<AXES> {
         }
     }
 
-    /// Before the first line, on a machine with that set-up: nothing that was in it counts. It is large, and
-    /// becomes so in its place.
+    /// Resets for a machine with this set-up, before the first line. The state is large, so this happens in
+    /// place.
     pub fn begin(&mut self, given: &Setup<AXES>) {
         let Self { setup, phase, flow, calculator, modal, before, letters, .. } = self;
         *setup = *given;
@@ -207,24 +207,24 @@ impl<const AXES: usize> Interpreter<AXES> {
         self.begin_foreign();
     }
 
-    /// All axes stand there, and programs go on from there.
+    /// Sets all axes to this position; programs continue from there.
     pub fn stand_at(&mut self, position: [Position; AXES]) {
         (self.position, self.rests) = (position, [0; AXES]);
     }
 
-    /// An axis stands there.
+    /// Sets an axis to this position.
     pub fn stand_there(&mut self, axis: usize, position: Position) {
         if let (Some(slot), Some(rest)) = (self.position.get_mut(axis), self.rests.get_mut(axis)) {
             (*slot, *rest) = (position, 0);
         }
     }
 
-    /// The first of what the block at hand makes the decoder hand out, once it is understood to its end.
+    /// The first item of the current block, once the block is completely read.
     pub fn front(&self) -> Option<&Item> {
         if self.gathered.waits() { None } else { self.queue.front() }
     }
 
-    /// Remembers a warning; more than four in one line say nothing new.
+    /// Stores a warning; more than four in one line add nothing.
     pub fn warn(&mut self, line: &Line, span: Span, kind: NcWarningKind) {
         self.warn_at(line.place(span), kind);
     }
@@ -233,7 +233,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         let _ = self.warnings.push_back(NcWarning { place, kind });
     }
 
-    /// What is still open where the running program ends.
+    /// The block that is still open at the end of the running program.
     pub fn unfinished(&mut self) -> Option<Refusal> {
         if let Passing::Label(_) = self.flow.passing {
             return Some(Refusal::At(self.flow.origin, NcErrorKind::NoLabel));
@@ -242,8 +242,8 @@ impl<const AXES: usize> Interpreter<AXES> {
         Some(Refusal::At(open.place, NcErrorKind::Unclosed { closing: open.block.closing() }))
     }
 
-    /// Interprets one line, or goes on with it: [`Calculator::is_halted`] then tells whether the refusal is
-    /// none.
+    /// Interprets one line, or continues it. [`Calculator::is_halted`] tells whether a refusal only means a
+    /// later continuation.
     pub fn line(&mut self, line: &Line, bounds: Bounds, goes_on: bool) -> Result<Next, Refusal> {
         #[cfg(feature = "dialects")]
         let goes_on = goes_on || !self.takes_plain(line);
@@ -323,7 +323,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         let entry = Subroutine { name: hash(c.part(name)), body: bounds.next };
         let same = |s: &&Subroutine| s.name == entry.name && s.body.file == entry.body.file;
         match self.flow.subroutines.iter().find(same) {
-            // A file called again.
+            // The file was called before.
             Some(known) if known.body == entry.body => return Ok(Next::Line),
             Some(_) => return name.fault(NcErrorKind::SubroutineTwice),
             None => {}
@@ -334,7 +334,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         Ok(Next::Line)
     }
 
-    /// The next head or the end of the text: back to the caller, or the end of everything.
+    /// The next head, or the end of the text: returns to the caller, or ends the program.
     pub fn end_of_program(&mut self) -> Result<Next, Refusal> {
         match self.unfinished() {
             Some(refusal) => Err(refusal),
@@ -342,7 +342,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         }
     }
 
-    /// Back to the caller, or the end of everything (M17, M29, end of the text).
+    /// Returns to the caller, or ends the program (M17, M29, end of the text).
     pub fn finish_program(&mut self) -> Next {
         match self.flow.leave_call() {
             Some(back) => {
@@ -356,7 +356,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         }
     }
 
-    /// M02, M30, M17 or M29: at once, or when the control blocks around it are closed.
+    /// M02, M30, M17 or M29: at once, or after the surrounding control blocks are closed.
     pub fn end_by_word(&mut self, ending: Ending) -> Next {
         if self.flow.innermost().is_some() {
             self.flow.passing = Passing::End(ending);
@@ -372,7 +372,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         }
     }
 
-    /// A line that is not passed over.
+    /// A line that is not skipped.
     fn statement(&mut self, c: &mut Cursor<'_>, line: &Line, bounds: Bounds) -> Result<Next, Fault> {
         self.n = 0;
         self.moves = false;
@@ -412,7 +412,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         }
     }
 
-    /// `N10`, `N10:`, `NP123`; the fraction is cut.
+    /// `N10`, `N10:`, `NP123`; a fraction is cut off.
     fn block_number(&mut self, c: &mut Cursor<'_>) -> Result<(), Fault> {
         let mark = c.mark();
         if c.peek_upper() != b'N' {
@@ -467,7 +467,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         Ok(Next::At(found.body))
     }
 
-    /// The file behind `L`.
+    /// The file name after `L`.
     fn call_file(&mut self, c: &mut Cursor<'_>, bounds: Bounds) -> Result<Next, Fault> {
         if !matches!(c.raw(), b' ' | b'"') {
             return c.expected("a blank and a file name after L");
@@ -504,7 +504,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         self.flow.frames.push(frame).map_err(|_| Fault { span: name, kind: NcErrorKind::CallTooDeep })
     }
 
-    /// The called file begins: its heads, or its first block.
+    /// Begins the called file: with its heads, or its first block.
     pub fn enter_file(&mut self, file: u16) -> Mark {
         let start = Mark::start_of(file);
         self.phase = Phase::Start;
@@ -512,7 +512,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         start
     }
 
-    /// Passes over lines until something ends it; true if this line is to be carried out.
+    /// Skips lines until a line ends the skipping. Returns true if this line is to be carried out.
     fn pass(&mut self, c: &mut Cursor<'_>, bounds: Bounds) -> Result<bool, Fault> {
         let start = c.mark();
         let label = super::control::label_of(c);

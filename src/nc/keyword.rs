@@ -1,4 +1,4 @@
-//! Keyword lists in square brackets: `[DEV, PATH_DEV 5 RELEVANT_PATH=2]`, the same reader for every command.
+//! Keyword lists in square brackets: `[DEV, PATH_DEV 5 RELEVANT_PATH=2]`. One reader serves every command.
 use super::calculator::Calculator;
 use super::compose::in_range;
 use super::cursor::Cursor;
@@ -8,7 +8,7 @@ use super::number::Factor;
 use super::{Fault, NcErrorKind, Span};
 use crate::quantity::Position;
 
-/// Factors of what is programmed.
+/// Factors for programmed values.
 #[derive(Clone, Copy)]
 pub(super) struct Units {
     /// Positions of the axis or of the main axes.
@@ -22,9 +22,9 @@ pub(super) struct Units {
 pub(super) struct Range {
     pub min: i32,
     pub max: i32,
-    /// The least value itself is refused.
+    /// Whether the least value itself is refused.
     pub above: bool,
-    /// -1 is accepted too: not monitored.
+    /// Whether -1 is accepted too: not monitored.
     pub or_off: bool,
     pub unit: &'static str,
     pub factor: Factor,
@@ -57,13 +57,13 @@ pub(super) const PERCENT: Range = Range::new(0, 100, "%");
 /// Coordinates.
 pub(super) const COORDINATE: Range = Range::new(-100_000, 100_000, "mm or deg");
 
-/// Where the value of a keyword goes.
+/// The destination of a keyword's value.
 pub(super) enum Slot<'a> {
-    /// The keyword says it all.
+    /// The keyword has no value.
     Done,
-    /// The same, or its like, was given before.
+    /// The keyword, or an equivalent one, was given before.
     Twice,
-    /// The keyword does not go with this.
+    /// The keyword does not fit this word.
     Mismatch(&'static str),
     Number(&'a mut Option<Position>, Range),
     /// 0 or 1.
@@ -72,7 +72,7 @@ pub(super) enum Slot<'a> {
     Level(&'a mut Option<u8>, u8),
     Count(&'a mut Option<u32>),
     Real(&'a mut Option<f64>),
-    /// A value, or none for that of the channel.
+    /// A value; without one, the channel's value.
     Limit(&'a mut Option<Limit>),
     Slope(&'a mut Option<SlopeType>),
     Tangent(&'a mut Option<Tangent>),
@@ -80,16 +80,16 @@ pub(super) enum Slot<'a> {
 
 /// A command with keywords.
 pub(super) trait Keywords {
-    /// Its name, for messages.
+    /// Name of the command, for messages.
     const COMMAND: &'static str;
-    /// Its keywords.
+    /// Keywords of the command.
     const LIST: &'static [&'static str];
 
-    /// Where the value of `keyword` (of [`Self::LIST`]) goes; `first`: nothing stands before it.
+    /// The destination of the value of `keyword` (from [`Self::LIST`]); `first`: no keyword is before it.
     fn slot(&mut self, keyword: &'static str, first: bool, units: Units) -> Slot<'_>;
 }
 
-/// Work of a keyword beside that of its value, as [`super::calculator`] counts it.
+/// Work of a keyword without its value, as [`super::calculator`] counts.
 const KEYWORD: u32 = 15;
 
 /// Reads `[…]` into `target`.
@@ -103,7 +103,7 @@ pub(super) fn list<K: Keywords>(
     list_inside(c, calculator, units, target)
 }
 
-/// The same behind the bracket.
+/// The same after the opening bracket.
 pub(super) fn list_inside<K: Keywords>(
     c: &mut Cursor<'_>,
     calculator: &Calculator,
@@ -118,7 +118,7 @@ pub(super) fn list_inside<K: Keywords>(
     Ok(())
 }
 
-/// The next keyword, where it begins, and its place; `None` behind the closing bracket.
+/// The next keyword, its start, and its place; `None` after the closing bracket.
 #[inline(never)]
 fn next(
     c: &mut Cursor<'_>,

@@ -1,7 +1,7 @@
-//! Bytes to logical lines: comments dropped, continuations joined, the place of every byte kept.
+//! From bytes to logical lines: drops comments, joins continuations, keeps the place of every byte.
 //!
-//! A line ends with LF, CR LF or CR alone. It closes the comments in it, as ISG does; a comment left open is
-//! worth a warning, because what was meant to follow it in the line is gone.
+//! A line ends with LF, CR LF or a lone CR. The line end closes comments, as with ISG. A comment left open
+//! causes a warning, because the text after it in the line is lost.
 #[cfg(feature = "dialects")]
 mod comment;
 mod skip;
@@ -13,18 +13,18 @@ use super::{NcError, NcErrorKind, Place, Span, Text, TextError};
 use crate::machine::functions;
 use heapless::{String, Vec};
 
-/// Longest logical line in bytes, comments and blanks at its ends not counted: 512; 256 in a build for little memory.
+/// Longest logical line in bytes, without comments and outer blanks: 512; 256 in a small build.
 pub const LINE_BYTES: usize = if functions::IS_SMALL { 256 } else { 512 };
-/// Most continuation lines (and long gaps) in one logical line: 12; 6 in a build for little memory.
+/// Largest number of continuation lines (and long gaps) in one logical line: 12; 6 in a small build.
 pub const CONTINUATIONS: usize = if functions::IS_SMALL { 6 } else { 12 };
-/// Bytes looked at in one call.
+/// Bytes read in one call.
 const SLICE: usize = 256;
 /// U+FEFF in UTF-8.
 const BYTE_ORDER_MARK: [u8; 3] = [0xef, 0xbb, 0xbf];
 /// Gaps up to this many bytes are kept as blanks; longer ones become one blank and an anchor.
 const GAP: u32 = 16;
 
-/// From `index` on the bytes of the line stand at `offset` and after.
+/// From `index` on, the bytes of the line come from `offset` and after.
 #[derive(Clone, Copy, Debug, Default)]
 struct Anchor {
     index: u16,
@@ -37,9 +37,9 @@ struct Anchor {
 /// One logical line.
 pub(super) struct Line {
     bytes: [u8; LINE_BYTES],
-    /// Bytes in use, at most all.
+    /// Number of bytes in use.
     len: usize,
-    /// Where it begins, and where it goes on.
+    /// Places of the line's start and of its continuations.
     anchors: Vec<Anchor, { CONTINUATIONS + 1 }>,
 }
 
@@ -52,7 +52,7 @@ pub(super) struct Mark {
 }
 
 impl Mark {
-    /// Nowhere: all bits zero.
+    /// No mark: all bits zero.
     pub const BLANK: Self = Self { offset: 0, line: 0, file: 0 };
 
     /// The first line of a file.
@@ -61,11 +61,11 @@ impl Mark {
     }
 }
 
-/// What one call of [`LineReader::fill`] achieved.
+/// The result of one call of [`LineReader::fill`].
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Fill {
     Partial,
-    /// The text has nothing yet.
+    /// The text has no bytes yet.
     Late,
     Line,
     End,
@@ -91,7 +91,7 @@ impl Line {
         fits
     }
 
-    /// Adds the bytes of words with single blanks between them that `text` begins with, and says how many.
+    /// Adds the leading bytes of `text` that are words with single blanks between them. Returns their number.
     #[inline(never)]
     fn push_words(&mut self, text: &[u8]) -> usize {
         let room = self.bytes.get_mut(self.len..).unwrap_or(&mut []);
@@ -105,13 +105,13 @@ impl Line {
             last = kind;
             seen += 1;
         }
-        // Without a blank at the end.
+        // Without a trailing blank.
         let words = seen - usize::from(seen > 0) * usize::from(last);
         self.len += words;
         words
     }
 
-    /// From here on the bytes stand at `place` and after; `false` if there is no room.
+    /// From here on the bytes come from `place` and after. Returns `false` if there is no room.
     fn anchor(&mut self, place: &Place) -> bool {
         let Place { line, column, offset, file, .. } = *place;
         self.anchors.push(Anchor { index: self.len as u16, line, column, offset, file }).is_ok()
@@ -152,7 +152,7 @@ impl Line {
     }
 }
 
-/// What a byte outside comments is: part of a word, a blank, or something that is not simply kept.
+/// The kind of a byte outside comments: part of a word, a blank, or a byte with special treatment.
 const WORD: u8 = 0;
 const BLANK: u8 = 1;
 const OTHER: u8 = 2;
@@ -184,16 +184,16 @@ pub(super) struct LineReader<T> {
     line_offset: u32,
     fresh: bool,
     logical: Logical,
-    /// The line at hand is refused, though it is not complete.
+    /// Whether the current line is refused before it is complete.
     refused: bool,
-    /// What is left of such a line is passed over.
+    /// Whether the rest of such a line is being skipped.
     skips: bool,
-    /// Comments as LinuxCNC and Grbl have them.
+    /// Comments of LinuxCNC and Grbl.
     #[cfg(feature = "dialects")]
     pub foreign: ForeignComments,
 }
 
-/// What is known of the logical line at hand.
+/// State of the current logical line.
 #[derive(Clone, Copy)]
 struct Logical {
     /// Where the logical line began.
@@ -201,14 +201,14 @@ struct Logical {
     comment: u16,
     /// The parenthesis that opened the outermost comment.
     opened: Place,
-    /// The first comment of the logical line that the line end closed.
+    /// The first comment of the logical line that only the line end closed.
     unclosed: Option<Place>,
     remark: bool,
     continued: bool,
-    /// Bytes dropped since the last one kept, and whether a line end is among them.
+    /// Number of bytes dropped since the last kept one, and whether a line end is among them.
     gap: u32,
     broken: bool,
-    /// The last byte kept is followed by nothing but blanks so far.
+    /// Whether only blanks have followed the last kept byte.
     in_words: bool,
 }
 
@@ -246,7 +246,7 @@ impl<T: Text> LineReader<T> {
         }
     }
 
-    /// Goes on reading at the start of a line.
+    /// Continues to read at the start of a line.
     pub fn seek(&mut self, mark: Mark) {
         self.used = 0;
         self.filled = 0;
@@ -259,23 +259,23 @@ impl<T: Text> LineReader<T> {
         self.skips = false;
     }
 
-    /// Start of the logical line last read.
+    /// Start of the last logical line.
     pub const fn line_start(&self) -> Mark {
         self.logical.start
     }
 
-    /// Start of the line to be read next.
+    /// Start of the next line.
     pub const fn next_start(&self) -> Mark {
         Mark { offset: self.offset, line: self.line, file: self.file }
     }
 
-    /// Where the next byte stands.
+    /// Place of the next byte.
     pub const fn here(&self) -> Place {
         let column = self.offset.wrapping_sub(self.line_offset).wrapping_add(1);
         Place { line: self.line, column, offset: self.offset, length: 0, file: self.file }
     }
 
-    /// A logical line begins; the text before it may be forgotten.
+    /// Begins a logical line; the text before may be dropped.
     fn begin(&mut self) {
         self.text.pass(self.file, self.offset);
         self.logical.start = self.next_start();
@@ -291,7 +291,8 @@ impl<T: Text> LineReader<T> {
         self.foreign.clear();
     }
 
-    /// The end of a line in the text, of which the first byte was read at `here`. Whether the logical line ends too.
+    /// Handles the end of a text line, whose first byte was read at `here`. Returns whether the logical line
+    /// ends too.
     fn end_line(&mut self, byte: u8, here: Place) -> Result<bool, TextError> {
         if byte == b'\r'
             && let Err(error) = self.step_over_line_feed()
@@ -313,7 +314,7 @@ impl<T: Text> LineReader<T> {
         Ok(false)
     }
 
-    /// Reads on until a logical line is complete, at most a slice.
+    /// Reads until a logical line is complete, at most a slice.
     pub fn fill(&mut self, line: &mut Line) -> Result<Fill, NcError> {
         if self.skips {
             return self.skip();
@@ -394,13 +395,13 @@ impl<T: Text> LineReader<T> {
         Ok(Fill::Partial)
     }
 
-    /// The usual case: bytes of words, perhaps with some blanks before and between them, at most `budget`;
-    /// says how many.
+    /// The usual case: words, possibly with blanks before and between them, at most `budget` bytes. Returns
+    /// the number of bytes.
     fn take_run(&mut self, line: &mut Line, budget: usize) -> usize {
         let rest = self.chunk.get(usize::from(self.used)..usize::from(self.filled)).unwrap_or(&[]);
         let rest = rest.get(..budget).unwrap_or(rest);
         if !self.logical.in_words {
-            // The first byte of a line begins a word. That of a file may be a mark.
+            // The first byte of a line begins a word. That of a file may be a byte order mark.
             let begins = rest.first().is_some_and(|byte| KINDS[usize::from(*byte)] == WORD);
             if !begins
                 || self.offset != self.logical.start.offset
@@ -420,7 +421,7 @@ impl<T: Text> LineReader<T> {
         }
         let run = line.push_words(rest);
         if run == 0 {
-            // What stands behind the blanks is not known yet.
+            // The byte after the blanks is not known yet.
             line.len = before;
             return 0;
         }
@@ -430,7 +431,7 @@ impl<T: Text> LineReader<T> {
         run
     }
 
-    /// A line feed right behind a word: the line ends there; `false` if there is none.
+    /// A line feed directly after a word ends the line. Returns `false` if there is none.
     fn step_over_line_end(&mut self) -> bool {
         let next = if self.used < self.filled { self.chunk.get(usize::from(self.used)) } else { None };
         if next != Some(&b'\n') {
@@ -444,7 +445,7 @@ impl<T: Text> LineReader<T> {
         true
     }
 
-    /// Follows comments and continuations; true for a byte that is not part of the line.
+    /// Follows comments and continuations. Returns true for a byte that is not part of the line.
     fn dropped(&mut self, byte: u8, here: Place) -> bool {
         #[cfg(feature = "dialects")]
         if self.foreign.is_on {
@@ -477,7 +478,7 @@ impl<T: Text> LineReader<T> {
         }
     }
 
-    /// The line end closes the comments that are open.
+    /// The line end closes open comments.
     fn close_comment(&mut self) {
         if self.logical.comment > 0 {
             self.logical.unclosed.get_or_insert(self.logical.opened);
@@ -485,12 +486,12 @@ impl<T: Text> LineReader<T> {
         }
     }
 
-    /// The first comment of the line last read that only the line end closed.
+    /// The first comment of the last line that only the line end closed.
     pub const fn unclosed(&self) -> Option<Place> {
         self.logical.unclosed
     }
 
-    /// The LF of CR LF.
+    /// Skips the LF of CR LF.
     fn step_over_line_feed(&mut self) -> Result<(), TextError> {
         match self.next_byte()? {
             Some(b'\n') => self.offset = self.offset.wrapping_add(1),
@@ -519,7 +520,7 @@ impl<T: Text> LineReader<T> {
         self.text.open(name)
     }
 
-    /// Whether the file begins with the mark that some editors put before UTF-8.
+    /// Whether the file begins with a byte order mark.
     fn is_marked(&mut self) -> Result<bool, TextError> {
         for (expected, at) in BYTE_ORDER_MARK.iter().zip(0..) {
             let mut single = [0];
@@ -530,15 +531,14 @@ impl<T: Text> LineReader<T> {
         Ok(true)
     }
 
-    /// The line at hand is refused before it is complete: what is left of it is passed over when the program
-    /// goes on.
+    /// Refuses the current line before it is complete: its rest is skipped when the program continues.
     #[cold]
     fn refuse(&mut self, place: Place, kind: NcErrorKind) -> NcError {
         (self.refused, self.logical.continued) = (true, false);
         refusal(place, kind)
     }
 
-    /// There is no text to go on with: the program is refused, or goes on later from the same byte.
+    /// The text is not available: the program is refused, or continues later from the same byte.
     fn missing(&mut self, error: TextError) -> Result<Fill, NcError> {
         match error {
             TextError::Failed => Err(refusal(self.here(), NcErrorKind::Unreadable)),
@@ -547,7 +547,7 @@ impl<T: Text> LineReader<T> {
         }
     }
 
-    /// Reads on if nothing is left.
+    /// Reads more text if no byte is left.
     fn refill(&mut self) -> Result<(), TextError> {
         if self.used >= self.filled {
             let count = self.text.read(self.file, self.offset, &mut self.chunk)?;
@@ -566,7 +566,7 @@ impl<T: Text> LineReader<T> {
     }
 }
 
-/// Adds a byte after a gap; anchors keep its place where the gap is not written out.
+/// Adds a byte after a gap. An anchor keeps its place if the gap is not written out.
 fn keep(line: &mut Line, byte: u8, here: Place, gap: u32, broken: bool) -> Result<(), NcErrorKind> {
     let long = Err(NcErrorKind::LineTooLong);
     if line.len == 0 || broken || gap > GAP {
@@ -586,7 +586,7 @@ fn keep(line: &mut Line, byte: u8, here: Place, gap: u32, broken: bool) -> Resul
     if line.push(byte) { Ok(()) } else { long }
 }
 
-/// A refusal of what is not in the line yet.
+/// A refusal of text that is not in the line yet.
 fn refusal(place: Place, kind: NcErrorKind) -> NcError {
     NcError { place, kind, found: String::new(), axes: String::new() }
 }

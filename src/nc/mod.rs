@@ -1,6 +1,7 @@
-//! The decoder: program text to typed commands. It knows text and modal state, and nothing of the dynamics of a machine.
+//! The decoder: program text to typed commands. The decoder knows text and modal state, not the dynamics of a
+//! machine.
 //!
-//! Applications need three things of this module. [`Text`] is where program text comes from; a `&[u8]` implements it.
+//! Applications use three items of this module. [`Text`] is a source of program text; a `&[u8]` implements it.
 //! [`Window`] is a buffer for text that arrives over a serial line. [`Library`] holds a program with its subroutines:
 //!
 //! ```
@@ -24,8 +25,8 @@
 //!                                          └ dialect         lines of programs of Grbl and LinuxCNC
 //! ```
 //!
-//! Numbers are decimals as long as nothing is calculated ([`Motion`] targets are the decimal rounded once, to
-//! 2^-32); expressions are f64 from + − × ÷ alone, the same bits everywhere.
+//! Numbers are decimals until an expression uses them ([`Motion`] targets are the decimal rounded once, to
+//! 2^-32). Expressions are f64 with + − × ÷ only, with equal bits on every machine.
 
 mod axis_command;
 mod block;

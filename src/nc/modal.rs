@@ -1,4 +1,4 @@
-//! What stays in force from block to block.
+//! Modal state: values that stay in force from block to block.
 use super::Plane;
 use crate::quantity::{Feed, Position};
 
@@ -12,21 +12,21 @@ pub(super) enum Mode {
     Line,
     Clockwise,
     Counterclockwise,
-    /// Neither is programmed yet: G01 with a feed, rapid motion without one, of which a warning tells.
+    /// Neither is programmed yet: G01 with a feed, otherwise rapid motion with a warning.
     Unprogrammed,
-    /// The same, and the warning has told.
+    /// As `Unprogrammed`, after the warning.
     UnprogrammedTold,
 }
 
-/// What was in force before the line at hand. With a tag of its own, so that the first one is all bits zero.
+/// The modal state before the current line. The first variant is all bits zero.
 #[derive(Clone, Copy)]
 #[repr(u8)]
 pub(super) enum Before<const AXES: usize> {
     /// The same.
     Alike,
-    /// The same but for these: a plain line changes no more.
+    /// The same except for these values: a plain line changes no more.
     Feed(Mode, Option<Feed>),
-    /// All of it.
+    /// The whole modal state.
     All(Modal<AXES>),
 }
 
@@ -62,7 +62,8 @@ impl<const AXES: usize> Modal<AXES> {
         radius: None,
     };
 
-    /// At program start: G01 (rapid motion until there is a feed), G17, G71, G90, G94, G162, G260, G150, G359, and G53 or what P-ZERO-00002 says.
+    /// At program start: G01 (rapid motion until there is a feed), G17, G71, G90, G94, G162, G260, G150,
+    /// G359, and G53 or the offset of P-ZERO-00002.
     pub fn new(default_index: u8) -> Self {
         Self { mode: Mode::Unprogrammed, zero_set: usize::from(default_index).checked_sub(1), ..Self::BLANK }
     }

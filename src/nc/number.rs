@@ -11,7 +11,7 @@ pub(super) enum Number {
     Real(f64),
 }
 
-/// Factor that leads from a programmed number to the unit of a quantity.
+/// Factor from a programmed number to the unit of a quantity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Factor {
     /// At most 2^20.
@@ -41,7 +41,7 @@ pub(super) struct Plain {
 }
 
 impl Plain {
-    /// The same as a number of any kind.
+    /// The same value as a [`Number`].
     pub fn number(self) -> Number {
         Number::Decimal { negative: false, mantissa: self.mantissa.into(), scale: self.scale }
     }
@@ -56,14 +56,14 @@ impl Plain {
         quotient_bits(mantissa.into(), scale, factor)
     }
 
-    /// What rounding to these bits left, see [`Number::rest`].
+    /// The remainder of the rounding to these bits, see [`Number::rest`].
     pub fn rest(self, factor: Factor, bits: i64) -> i64 {
         let Self { mantissa, scale } = self;
         if factor != Factor::ONE || mantissa > i32::MAX as u32 {
             return decimal_rest(mantissa.into(), scale, factor, bits);
         }
         let power = POWERS.get(usize::from(scale)).map_or(1, |power| *power as i64);
-        // Below 2^63; half a power, below 2^29, remains.
+        // Below 2^63; the rest is below half a power, 2^29.
         let left = (i64::from(mantissa) << 32).wrapping_sub(bits.wrapping_mul(power));
         (left << 32).checked_div(power).unwrap_or(0)
     }
@@ -88,11 +88,11 @@ struct Reciprocal {
     shift: u8,
 }
 
-/// Places behind the point and mantissas, exclusive, for which [`RECIPROCALS`] round as a division does.
+/// Numbers of decimals and mantissas, exclusive, for which [`RECIPROCALS`] round as a division does.
 const PLAIN_SCALE: u8 = 9;
 const PLAIN_MANTISSA: u64 = 1 << 31;
 
-/// For 1 to 9 places.
+/// For 1 to 9 decimals.
 ///
 /// Mantissa / 10^scale · 2^32 + ½ is a multiple of 1 / (2 · 5^scale). The product with the reciprocal lies
 /// above the quotient by mantissa · excess / (10^scale · 2^(32 + shift)). As long as that is less than such a
@@ -141,8 +141,8 @@ impl Number {
         }
     }
 
-    /// What rounding to `value` by [`Self::fixed`] left: the number times `factor` less `value`, LSB 2^-64, from
-    /// −2^31 to 2^31.
+    /// The remainder of the rounding to `value` by [`Self::fixed`]: the number times `factor` less `value`, LSB
+    /// 2^-64, from −2^31 to 2^31.
     pub fn rest(self, factor: Factor, value: I32F32) -> i64 {
         let bits = value.to_bits();
         match self {
@@ -180,13 +180,13 @@ fn decimal_bits(mantissa: u64, scale: u8, factor: Factor) -> Option<i64> {
     quotient_bits(mantissa, scale, factor)
 }
 
-/// The same without a division, for mantissas below [`PLAIN_MANTISSA`] with at most [`PLAIN_SCALE`] places.
+/// The same without a division, for mantissas below [`PLAIN_MANTISSA`] with at most [`PLAIN_SCALE`] decimals.
 fn plain_bits(mantissa: u32, scale: u8) -> i64 {
     let mantissa = u64::from(mantissa);
     let Some(Reciprocal { factor, shift }) = RECIPROCALS.get(usize::from(scale).wrapping_sub(1)) else {
         return (mantissa << 32) as i64;
     };
-    // mantissa · factor / 2^32: below 2^63, and what is cut off lies below the half that is added.
+    // mantissa · factor / 2^32: below 2^63. The bits cut off lie below the half that is added.
     let product = mantissa * (factor >> 32) + ((mantissa * (factor & 0xffff_ffff)) >> 32);
     // 3 to 29.
     let shift = u32::from(*shift);
@@ -196,7 +196,7 @@ fn plain_bits(mantissa: u32, scale: u8) -> i64 {
     (u64::from(high.wrapping_shr(shift)) << 32 | u64::from(low)) as i64
 }
 
-/// The same by division, for all others.
+/// The same by division, for all other numbers.
 fn quotient_bits(mantissa: u64, scale: u8, factor: Factor) -> Option<i64> {
     let power = *POWERS.get(usize::from(scale))?;
     if factor == Factor::ONE && scale <= 9 {
@@ -215,11 +215,11 @@ fn quotient_bits(mantissa: u64, scale: u8, factor: Factor) -> Option<i64> {
     (dividend + divisor).checked_div(divisor << 1)?.try_into().ok()
 }
 
-/// `mantissa` / 10^`scale` · `factor` less `bits` / 2^32, which is that number rounded; LSB 2^-64.
+/// `mantissa` / 10^`scale` · `factor` less `bits` / 2^32, its rounded value; LSB 2^-64.
 fn decimal_rest(mantissa: u64, scale: u8, factor: Factor, bits: i64) -> i64 {
     let power = POWERS.get(usize::from(scale)).map_or(1, |power| *power);
     let divisor = i128::from(power) * i128::from(factor.denominator);
-    // Below 2^(64+20+32); half a divisor, below 2^(64+31), remains.
+    // Below 2^(64+20+32); the rest is below half a divisor, 2^(64+31).
     let number = (i128::from(mantissa) * i128::from(factor.numerator)) << 32;
     let left = number.wrapping_sub(i128::from(bits).wrapping_mul(divisor));
     (left << 32).checked_div(divisor).unwrap_or(0) as i64
@@ -229,7 +229,7 @@ fn times(x: f64, factor: Factor) -> f64 {
     x * f64::from(factor.numerator) / f64::from(factor.denominator)
 }
 
-/// To nearest, ties away from zero; `None` beyond ±2^31 and for no number.
+/// To nearest, ties away from zero; `None` beyond ±2^31 and for NaN.
 fn fixed_from_real(x: f64) -> Option<I32F32> {
     let bits = x.to_bits();
     let exponent = ((bits >> 52) & 0x7ff) as i32;

@@ -6,7 +6,7 @@ use heapless::Vec;
 /// Parameters that can hold a value at the same time.
 pub const PARAMETERS: usize = functions::EXPRESSIONS.room(128);
 
-/// Packed: there are many of them.
+/// Packed, because there are many entries.
 #[derive(Clone, Copy)]
 #[repr(C, packed(4))]
 struct Entry {
@@ -24,12 +24,12 @@ impl Parameters {
         Self { entries: Vec::new() }
     }
 
-    /// None has a value.
+    /// Removes all values.
     pub fn clear(&mut self) {
         self.entries.clear();
     }
 
-    /// Parameters with an index from `first` to `last` have no value any more.
+    /// Removes the values of the parameters with an index from `first` to `last`.
     #[cfg(any(feature = "dialects", feature = "plc"))]
     pub fn forget(&mut self, first: u32, last: u32) {
         self.entries.retain(|entry| !(first..=last).contains(&{ entry.index }));
@@ -68,7 +68,7 @@ impl Parameters {
 
 /// A parameter index from the result of an expression: cut to a whole number above 0.
 pub(super) fn index(value: f64) -> Result<u32, NcErrorKind> {
-    // V.P. and V.L. lie above.
+    // V.P. and V.L. use the indices above.
     #[cfg(feature = "plc")]
     if value >= f64::from(super::variable::NAMED) {
         return Err(NcErrorKind::ParameterIndex);

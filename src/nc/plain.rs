@@ -1,8 +1,8 @@
-//! Plain blocks: N, G00 or G01, F and axes with plain decimals right behind the letters, understood in one
-//! pass over the line.
+//! Plain blocks: N, G00 or G01, F and axes with plain decimals directly after the letters. One pass over the
+//! line reads them.
 //!
-//! Most lines of most programs are plain. Where a line holds anything else, or anything is wrong with it,
-//! [`Interpreter::plain_block`] changes nothing, and `block` and `compose` understand or refuse it.
+//! Most lines of most programs are plain. If a line holds anything else, or a fault,
+//! [`Interpreter::plain_block`] changes nothing, and `block` and `compose` read or refuse the line.
 use super::compose::{carry, in_range};
 use super::cursor::Cursor;
 use super::interpreter::{Gathered, Interpreter};
@@ -13,20 +13,20 @@ use super::{Motion, MotionKind};
 use crate::quantity::{Feed, Position};
 use core::cell::Cell;
 
-/// Work of a word, as [`super::calculator`] counts it.
+/// Work of a word, as [`super::calculator`] counts.
 const WORD: u32 = 2;
 
 /// The largest coordinate.
 const MAX: Position = Position::const_from_int(COORDINATE_MAX as i64);
 
-/// Axes that are told apart here.
+/// Number of axes that this file distinguishes.
 const MOST_AXES: u8 = 32;
 
 /// Letters of the alphabet.
 const LETTERS: usize = 26;
 
-/// The axes that one letter names: index by letter. An axis whose letter begins another axis' name, too, is
-/// left out.
+/// The axis that a single letter names: index by letter. An axis whose letter also begins another axis' name
+/// is left out.
 pub(super) struct Letters([u8; LETTERS]);
 
 impl Letters {
@@ -52,8 +52,8 @@ impl Letters {
 }
 
 impl<const AXES: usize> Interpreter<AXES> {
-    /// Where a plain coordinate leads an axis that was to go `to`; `None` where it is none. `rest` is what
-    /// rounding leaves.
+    /// The target of an axis for a plain coordinate; `to` is its earlier target. `None` if the coordinate is
+    /// not plain. `rest`: remainder of the rounding.
     #[cfg_attr(feature = "fast", inline(always))]
     fn plain_coordinate(
         &self,
@@ -78,13 +78,13 @@ impl<const AXES: usize> Interpreter<AXES> {
             *rest = 0;
             self.offset(axis)
         };
-        // Three coordinates at most: far from the end of the numbers.
+        // Three coordinates cannot overflow.
         let slot = value.wrapping_add(from);
         in_range(slot).then_some(slot)
     }
 
-    /// Carries a plain block out that moves; its motion is to be handed out. `None`, and nothing is changed,
-    /// if the line is none.
+    /// Carries out a plain block that moves; its motion is to be returned. `None` if the line is not plain;
+    /// nothing has changed then.
     #[inline(never)]
     pub fn plain_block(&mut self, line: &Line) -> Option<()> {
         let mut c = Cursor::new(line.bytes());
@@ -166,7 +166,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         Some(())
     }
 
-    /// Factor from F to mm/min (°/min): P-CHAN-00108; in other dialects that of lengths.
+    /// Factor from F to mm/min (°/min): P-CHAN-00108; in other dialects the factor of lengths.
     pub fn feed_factor(&self) -> Factor {
         #[cfg(feature = "dialects")]
         if !self.is_isg() {

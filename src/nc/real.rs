@@ -1,9 +1,9 @@
-//! f64 functions of expressions, from + − × ÷ alone so that every machine gives the same bits.
+//! f64 functions of expressions, with + − × ÷ only, so that every machine gives the same bits.
 //!
-//! Angles are in degrees and reduced exactly, so SIN\[90\] = 1, COS\[90\] = 0, SIN\[30\] = 0.5. Errors
-//! against the true value: sine, cosine, tangent, arc functions, square root, exponential and logarithm at
-//! most 2 ulp, tangent and the arc functions of it 3 (host-tests/tests/language/nc_real.rs); powers with whole
-//! exponents at most 1 ulp per multiplication.
+//! Angles are in degrees and reduced exactly, so SIN\[90\] = 1, COS\[90\] = 0, SIN\[30\] = 0.5. Errors against
+//! the exact value: sine, cosine, arc functions, square root, exponential and logarithm at most 2 ulp; tangent
+//! and arc functions of it 3 ulp (host-tests/tests/language/nc_real.rs); powers with whole exponents at most 1
+//! ulp per multiplication.
 
 #![expect(clippy::neg_cmp_op_on_partial_ord, reason = "`!(a <= b)` is meant to hold for what is no number")]
 
@@ -30,11 +30,11 @@ pub(super) fn from_decimal(mantissa: u64, scale: u8) -> f64 {
     ];
     let power = POWERS.get(usize::from(scale)).copied().unwrap_or(1e19);
     if mantissa <= 1 << 53 {
-        // Both exact: one rounding.
+        // Both are exact: one rounding.
         return mantissa as f64 / power;
     }
-    // 127 bits over at most 64: a quotient of 63 bits or more, made odd where a rest is left, rounds
-    // correctly.
+    // 127 bits over at most 64: the quotient has 63 bits or more. It is made odd if a remainder is left, and
+    // then rounds correctly.
     let shift = 63 + mantissa.leading_zeros();
     let dividend = u128::from(mantissa) << shift;
     let divisor = power as u64;
@@ -80,7 +80,7 @@ pub(super) fn round(x: f64) -> f64 {
     }
 }
 
-/// Remainder of `x` / `y` with the sign of `x`, exact; no number for |y| below 10^-290 where exponents end.
+/// Remainder of `x` / `y` with the sign of `x`, exact; NaN for |y| below 10^-290, where exponents end.
 pub(super) fn remainder(x: f64, y: f64) -> f64 {
     let (mut rest, divisor) = (abs(x), abs(y));
     if !rest.is_finite() || !(divisor >= 1e-290) {
@@ -185,7 +185,7 @@ fn reduce(degrees: f64) -> Option<(u8, f64)> {
 /// Sine and cosine of ±45°.
 fn sin_cos_eighth(degrees: f64) -> (f64, f64) {
     let (x, y) = scaled(degrees, RADIAN_HIGH, RADIAN_LOW);
-    // The only rational values besides 0 and ±1.
+    // The only rational values in addition to 0 and ±1.
     let sine = if abs(degrees) == 30.0 { degrees / 60.0 } else { sin_radians(x, y) };
     (sine, cos_radians(x, y))
 }
@@ -312,7 +312,7 @@ pub(super) fn acos(x: f64) -> Option<f64> {
     Some(if x == -1.0 { 180.0 } else { 2.0 * atan(sqrt((1.0 - x) / (1.0 + x))) })
 }
 
-/// Square root, correctly rounded (ties cannot occur); 0 for what is not positive.
+/// Square root, correctly rounded (ties cannot occur); 0 for values that are not positive.
 pub(super) fn sqrt(x: f64) -> f64 {
     if !(x > 0.0) {
         return 0.0;
@@ -331,7 +331,7 @@ pub(super) fn sqrt(x: f64) -> f64 {
     let sticky = u64::from(root * root != m);
     let half = (exponent - shift) / 2;
     let root = root as u64;
-    // 54 bits and a sticky one: round to 53 to nearest.
+    // 54 bits and a sticky bit: rounded to 53 bits, to nearest.
     let rounded = (root >> 1) + (root & 1 & (sticky | (root >> 1) & 1));
     rounded as f64 * power_of_two(half + 1) * scale
 }
@@ -369,7 +369,7 @@ pub(super) fn exp(x: f64) -> f64 {
     y * power_of_two(half) * power_of_two(k - half)
 }
 
-/// Natural logarithm; `None` for what is not positive.
+/// Natural logarithm; `None` for values that are not positive.
 pub(super) fn ln(x: f64) -> Option<f64> {
     if !(x > 0.0) || x == f64::INFINITY {
         return None;
@@ -403,7 +403,7 @@ pub(super) fn ln(x: f64) -> Option<f64> {
     Some(k * LN2_HIGH - ((half - (tail + k * LN2_LOW)) - f))
 }
 
-/// x^y; `None` where it is not a real number.
+/// x^y; `None` if it is not a real number.
 pub(super) fn power(x: f64, y: f64) -> Option<f64> {
     if trunc(y) == y && abs(y) <= 1024.0 {
         let mut result = 1.0;

@@ -1,4 +1,4 @@
-//! Another program, and what a refused line leaves behind: nothing but P parameters.
+//! The start of another program, and the state after a refused line: only P parameters keep changes.
 use super::NcErrorKind;
 use super::flow::Passing;
 use super::interpreter::{Gathered, Interpreter, Next, Phase};
@@ -8,7 +8,7 @@ use super::modal::Mode;
 use super::modal::{Before, Modal};
 
 impl<const AXES: usize> Interpreter<AXES> {
-    /// Another program begins. What is in force stays in force if `keeps` says so.
+    /// Begins another program. With `keeps`, the modal state stays in force.
     pub fn restart(&mut self, keeps: bool) {
         self.phase = Phase::Start;
         self.flow.clear();
@@ -30,8 +30,8 @@ impl<const AXES: usize> Interpreter<AXES> {
         self.drop_line();
     }
 
-    /// The line at hand is refused: what was in force before it is in force again. P parameters keep what was
-    /// assigned to them.
+    /// Refuses the current line: the modal state from before the line is restored. P parameters keep assigned
+    /// values.
     pub fn refuse(&mut self) {
         #[cfg(feature = "dialects")]
         self.refuse_foreign();
@@ -43,7 +43,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         self.drop_line();
     }
 
-    /// Nothing more comes of the line at hand.
+    /// Drops the rest of the current line.
     fn drop_line(&mut self) {
         #[cfg(feature = "plc")]
         {
@@ -57,8 +57,8 @@ impl<const AXES: usize> Interpreter<AXES> {
         self.quiet = 0;
     }
 
-    /// Behind a refusal at an earlier place, or at the end of the running program: where it goes on, if not
-    /// with the next line.
+    /// After a refusal at an earlier place, or at the end of the running program: the line to continue at, if
+    /// it is not the next line.
     pub fn recover(&mut self, kind: NcErrorKind) -> Option<Mark> {
         match (kind, self.flow.passing) {
             (NcErrorKind::NoLabel, _) => {
@@ -81,10 +81,10 @@ impl<const AXES: usize> Interpreter<AXES> {
         }
     }
 
-    /// A jump that was decided on is refused.
+    /// A decided jump is refused.
     pub fn stay(&mut self, mark: Mark) {
         if core::mem::take(&mut self.flow.left) {
-            // Nothing is open any more.
+            // No block is open any more.
         } else if matches!(self.flow.passing, Passing::Label(_)) {
             self.flow.passing = Passing::No;
         } else if self.flow.innermost().is_some_and(|open| open.body == mark) {

@@ -31,13 +31,13 @@ use core::sync::atomic::{AtomicBool, AtomicU8, AtomicU32, Ordering};
 /// ```
 pub struct Window<const N: usize> {
     bytes: [AtomicU8; N],
-    /// Bytes put in since the split. This, `start` and `ended` are written by the feeder.
+    /// Bytes written since the split. The feeder writes this word, `start` and `ended`.
     put: AtomicU32,
-    /// What was put in before is not wanted.
+    /// Bytes before this offset are to be skipped.
     start: AtomicU32,
-    /// Nothing follows.
+    /// Whether the text is complete.
     ended: AtomicBool,
-    /// The first byte that is kept. Written by the decoder.
+    /// The first byte that is kept. The decoder writes this word.
     kept: AtomicU32,
 }
 
@@ -47,14 +47,14 @@ pub struct Feeder<'a, const N: usize> {
 }
 
 /// The reading end of a [`Window`], for the decoder. A stream that is loaded again begins at the last
-/// [`Feeder::restart`], or else at its first byte, which the window may have dropped.
+/// [`Feeder::restart`]. Without one it begins at its first byte, which the window may have dropped.
 pub struct Stream<'a, const N: usize> {
     window: &'a Window<N>,
-    /// Where the program at hand was said to begin.
+    /// Start of the current program.
     start: u32,
 }
 
-/// Whether the offset `a` is before `b`; they are less than 2^31 apart.
+/// Whether the offset `a` is before `b`. Both are less than 2^31 apart.
 const fn is_before(a: u32, b: u32) -> bool {
     (a.wrapping_sub(b) as i32) < 0
 }
@@ -74,7 +74,7 @@ impl<const N: usize> Window<N> {
         Self { bytes: [const { AtomicU8::new(0) }; N], put, start, ended: AtomicBool::new(false), kept }
     }
 
-    /// Empties the window and gives its two ends.
+    /// Empties the window and returns its two ends.
     pub fn split(&mut self) -> (Feeder<'_, N>, Stream<'_, N>) {
         for word in [&mut self.put, &mut self.start, &mut self.kept] {
             *word.get_mut() = 0;
@@ -103,8 +103,8 @@ impl<const N: usize> Feeder<'_, N> {
         Window::<N>::BYTES.saturating_sub(used) as usize
     }
 
-    /// Puts in as many bytes as there is room for, and returns their number. Give the other bytes again later. Cost: bounded by
-    /// the length of `bytes`.
+    /// Writes as many bytes as fit, and returns their number. Pass the other bytes again later. Cost: bounded by the
+    /// length of `bytes`.
     pub fn push(&mut self, bytes: &[u8]) -> usize {
         let put = self.window.put.load(Ordering::Relaxed);
         let count = bytes.len().min(self.room());
@@ -117,14 +117,14 @@ impl<const N: usize> Feeder<'_, N> {
         count
     }
 
-    /// Says that the text is complete: the program ends after the last byte.
+    /// Marks the text as complete: the program ends after the last byte.
     pub fn end(&mut self) {
         self.window.ended.store(true, Ordering::Release);
     }
 
-    /// Says that another program follows: bytes that were put in and not read are dropped. Call it after an abort, and before
-    /// the stream is loaded again. It acts at the next [`crate::channel::Planner::load_next`], or when the stream is loaded by
-    /// [`crate::channel::Planner::load`].
+    /// Announces another program: bytes that were written and not read are dropped. Call `restart` after an abort,
+    /// before the stream is loaded again. It acts at the next [`crate::channel::Planner::load_next`], or when the
+    /// stream is loaded by [`crate::channel::Planner::load`].
     pub fn restart(&mut self) {
         self.window.ended.store(false, Ordering::Relaxed);
         self.window.start.store(self.window.put.load(Ordering::Relaxed), Ordering::Release);
@@ -139,7 +139,7 @@ impl<const N: usize> Text for Stream<'_, N> {
         if !self.holds(file, offset) {
             return Err(TextError::Forgotten);
         }
-        // Looked at before what was put in: behind the end nothing is.
+        // Read before `put`: no byte follows after the end.
         let ended = self.window.ended.load(Ordering::Acquire);
         let there = self.window.put.load(Ordering::Acquire).wrapping_sub(offset);
         if there as i32 <= 0 {
@@ -159,7 +159,7 @@ impl<const N: usize> Text for Stream<'_, N> {
 
     fn pass(&mut self, _: u16, offset: u32) {
         let (kept, half) = (self.window.kept.load(Ordering::Relaxed), Window::<N>::BYTES / 2);
-        // Far enough behind it, and further than before.
+        // Far enough behind the offset, and farther than before.
         if offset.wrapping_sub(kept) as i32 > half as i32 {
             self.window.kept.store(offset.wrapping_sub(half), Ordering::Release);
         }

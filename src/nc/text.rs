@@ -1,4 +1,4 @@
-//! Where program text comes from: slices in flash, files on a desktop, a block device.
+//! Sources of program text: slices in flash, files on a desktop, a block device.
 
 /// Random access to the bytes of an NC program and of the files that it calls with `L`. Loops and subroutines read parts
 /// of the text again. A `&[u8]` implements this trait for one file.
@@ -33,26 +33,26 @@ pub trait Text {
         true
     }
 
-    /// Offset of the main program's first byte when it is loaded: 0, except in a stream that held other programs before. A
-    /// wrapper around a stream must forward this call.
+    /// Offset of the main program's first byte when the text is loaded: 0, except in a stream that held other programs
+    /// before. A wrapper around a stream must forward this call.
     fn start(&mut self) -> u32 {
         0
     }
 
-    /// Offset of the next program in the main file, if it is not right after the last line read.
+    /// Offset of the next program in the main file, if it does not follow directly after the last line.
     fn next_program(&mut self) -> Option<u32> {
         None
     }
 }
 
-/// Why [`Text::read`] or [`Text::open`] gave no text.
+/// The reason why [`Text::read`] or [`Text::open`] returned no text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum TextError {
     /// The device failed: the program is refused.
     Failed,
-    /// The text has not arrived yet, from a serial line or a slow card. The decoder asks again. The motion goes on with the
-    /// text that has arrived, and stops at its end.
+    /// The text has not arrived yet, from a serial line or a slow card. The decoder asks again. Meanwhile the motion
+    /// continues with the arrived text, and stops at its end.
     NotYet,
     /// The window of a stream no longer holds the text, or a line is longer than the window: the line is refused.
     Forgotten,
@@ -72,7 +72,7 @@ impl Text for &[u8] {
 /// A main program and the files that it may call, all in memory (flash).
 #[derive(Clone, Copy, Debug)]
 pub struct Library<'a> {
-    /// The program that runs.
+    /// The main program.
     pub main: &'a [u8],
     /// Name and text of the other files. `L name` calls the file `name`, or `name.nc` if there is no `name`.
     pub files: &'a [(&'a str, &'a [u8])],

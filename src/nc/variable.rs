@@ -1,15 +1,15 @@
 //! V. variables of the ISG dialect (feature `plc`).
 //!
-//! | name | what it is | how long |
+//! | name | meaning | lifetime |
 //! |---|---|---|
 //! | `V.E.name` | a variable of the application ([`crate::variable`]) | as the application keeps it |
 //! | `V.P.name` | a variable of the program | to the end of the program |
-//! | `V.L.name` | a variable of the subroutine at hand, or of the main program | to its return |
+//! | `V.L.name` | a variable of the current subroutine, or of the main program | to its return |
 //! | `V.RTG.LOOP.ENABLED` | whether real-time loops repeat | |
 //! | `V.G.BLOCK_NR`, `V.G.FEEDRATE` | N number of the block before; F in mm/min. Read only | |
 //!
-//! V.P. and V.L. lie in the table of P parameters, above all numbers. The others are looked up before a line is
-//! interpreted, for all of the line, and written behind it.
+//! V.P. and V.L. use the table of P parameters, above all numbers. The decoder reads the others before it
+//! interprets a line, for the whole line, and writes them after the line.
 use super::cursor::Cursor;
 use super::flow::hash;
 use super::interpreter::Interpreter;
@@ -21,33 +21,33 @@ use heapless::Vec;
 /// Longest name behind `V.`.
 const NAME: usize = 63;
 
-/// Variables V.E., V.RTG. and V.G. that a line may read.
+/// Number of V.E., V.RTG. and V.G. variables that a line may read.
 const READS: usize = 8;
 
-/// V.P. and V.L. lie in the table of parameters from here on.
+/// First index of V.P. and V.L. in the table of parameters.
 pub(super) const NAMED: u32 = 1 << 31;
 
-/// Bits of a name's hash. With some ten names in a program, two with one hash are not expected.
+/// Bits of a name's hash. With some ten names in a program, two names with one hash are not expected.
 const HASH: u32 = (1 << 27) - 1;
 
-/// Subroutine calls that may be open, and the main program, below V.P.
+/// Number of open subroutine calls, the main program included; V.P. comes after them.
 const LEVELS: u32 = 15;
 
-/// What stands behind `V.`, in upper case.
+/// The name after `V.`, in upper case.
 pub(super) struct Name {
     letters: Vec<u8, NAME>,
 }
 
-/// Where a variable lies.
+/// The place of a variable.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Place {
     /// In the table of parameters.
     Own(u32),
-    /// Outside of the decoder: hash of its name.
+    /// Outside of the decoder: the hash of the name.
     Outside(u32),
 }
 
-/// Whether a V. variable stands here, and not an axis V.
+/// Whether a V. variable is here, and not an axis V.
 pub(super) fn is_here(c: &mut Cursor<'_>) -> bool {
     let mut ahead = *c;
     if ahead.peek_upper() != b'V' || ahead.next() != b'.' {
@@ -81,7 +81,7 @@ impl Name {
         (hash ^ hash >> 32) as u32
     }
 
-    /// Where the variable lies. `level`: calls that are open.
+    /// The place of the variable. `level`: number of open calls.
     pub fn place(&self, level: u8) -> Option<Place> {
         let level = u32::from(level).min(LEVELS - 1);
         match self.letters.as_slice() {
@@ -95,7 +95,7 @@ impl Name {
     }
 }
 
-/// What the decoder knows of variables outside of it.
+/// The decoder's view of variables outside of it.
 #[derive(Clone, Copy)]
 pub(crate) struct Externals<'a> {
     pub variables: &'a [Variable],
@@ -105,7 +105,7 @@ pub(crate) struct Externals<'a> {
 impl<'a> Externals<'a> {
     pub const NONE: Self = Self { variables: &[], flag: None };
 
-    /// Whether there are any.
+    /// Whether there is any.
     pub const fn exist(&self) -> bool {
         !self.variables.is_empty() || self.flag.is_some()
     }
@@ -115,9 +115,9 @@ impl<'a> Externals<'a> {
     }
 }
 
-/// Values of the line at hand.
+/// Values that the current line reads.
 pub(super) struct Looked {
-    /// Calls that are open.
+    /// Number of open calls.
     pub level: Cell<u8>,
     values: [Cell<(u32, f64)>; READS],
     count: Cell<usize>,
@@ -142,7 +142,7 @@ impl Looked {
     }
 }
 
-/// A write of the line at hand to a variable outside of the decoder.
+/// An assignment of the current line to a variable outside of the decoder.
 #[derive(Clone, Copy)]
 pub(super) struct Write {
     /// The name in the line, `V.` included.
@@ -151,7 +151,7 @@ pub(super) struct Write {
 }
 
 impl<const AXES: usize> Interpreter<AXES> {
-    /// Before a line: variables of subroutines that have returned are forgotten, and values from outside are read.
+    /// Before a line: drops variables of subroutines that have returned, and reads values from outside.
     pub fn look_up(&mut self, line: &[u8], externals: &Externals<'_>) {
         let looked = &self.calculator.looked;
         let level = self.flow.frames.len() as u8;
@@ -185,7 +185,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         }
     }
 
-    /// `V.… = value`: the write, or what becomes of it behind the line.
+    /// `V.… = value`: assigns, or keeps the assignment until the end of the line.
     #[inline(never)]
     pub fn assign_variable(&mut self, c: &mut Cursor<'_>) -> Result<(), Fault> {
         let mark = c.mark();
@@ -214,7 +214,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         }
     }
 
-    /// Behind a line: its write.
+    /// After a line: carries out its assignment.
     pub fn write_out(&mut self, line: &[u8], externals: &Externals<'_>) -> Result<(), Fault> {
         let Some(Write { span, value }) = self.written.take() else { return Ok(()) };
         let mut c = Cursor::new(line);

@@ -1,7 +1,7 @@
 //! G02 and G03: arcs, full circles and helices, by centre or by radius.
 //!
-//! Programmed coordinates have few decimals, so start and end are rarely equally far from the centre. The
-//! radius then changes linearly with the angle from the one to the other.
+//! Programmed coordinates have few decimals, so start and end rarely have the same distance from the centre.
+//! The radius then changes linearly with the angle from the one to the other.
 use super::measure::Main;
 use super::{
     Arc, Circle, Curve, Element, End, FINER, GUARD, LONGEST, Measure, PathError, Shape, path_length, reach,
@@ -20,8 +20,8 @@ const TWO_PI: i64 = 0x6487_ED51_10B4_611A;
 /// Start and end closer than this in both axes of the plane are the same point: 2^-20 mm, about a nanometre.
 const SAME_POINT: i64 = 1 << 12;
 
-/// Start and end less than this apart, 2^-54 revolutions (LSB 2^-64), are in the same direction: at the
-/// largest radius a tenth of a picometre.
+/// Directions of start and end whose difference is below 2^-54 revolutions (LSB 2^-64) count as equal: a
+/// tenth of a picometre at the largest radius.
 const SAME_DIRECTION: u64 = 1 << 10;
 
 /// Radii may always differ by 2 µm (coordinates of three decimals) …
@@ -32,9 +32,9 @@ const LARGEST_DIFFERENCE: i64 = 214_748_365 << FINER;
 /// How far half a chord may exceed the radius before it is an error rather than rounding: 1 µm.
 const CHORD_EXCESS: i64 = 4_294_967;
 
-/// The arc from `start` to `target` about `centre` (absolute, the plane's two axes). A target equal to the
-/// start is a full circle. Axes outside the plane move along linearly; a third main axis makes it a helix,
-/// and another feed axis a longer path.
+/// The arc from `start` to `target` about `centre` (absolute coordinates, the plane's two axes). A target
+/// equal to the start means a full circle. Axes outside the plane move linearly; a third main axis makes the
+/// arc a helix, and another feed axis makes its path longer.
 ///
 /// # Errors
 /// See [`PathError`].
@@ -51,10 +51,10 @@ pub fn arc<const AXES: usize>(
     Ok(element)
 }
 
-/// As [`arc`], in the place of another element: as a result it would be on the stack several times.
+/// As [`arc`], in place of another element: a returned value would be on the stack several times.
 ///
 /// # Errors
-/// See [`PathError`]; the element is what it was.
+/// See [`PathError`]; the element does not change.
 pub(crate) fn arc_to<const AXES: usize>(
     [start, target]: [&[Position; AXES]; 2],
     (centre, plane, clockwise): ([Position; 2], Plane, bool),
@@ -82,7 +82,7 @@ pub(crate) fn arc_to<const AXES: usize>(
     let flat = reach(&outside) == 0;
     let outer = if flat { None } else { Some(&outside) };
     let travelled = travelled(plane0.max(plane1), difference, outer, measure);
-    // One LSB up: a chord is never longer than the path under it.
+    // One LSB up: a chord is never longer than its path.
     let length = if flat && measure.is_space() {
         if travelled + 1 >= LONGEST {
             return Err(PathError::TooLong);
@@ -105,7 +105,7 @@ pub(crate) fn arc_to<const AXES: usize>(
     let circle = ends.circle(axes, sweep, shape, reciprocal);
     shape.curve = Curve::Arc(circle);
 
-    // Of a length of the block, as a part of it: 60 fraction bits.
+    // A length as a part of the block's length: 60 fraction bits.
     let part = |length: i64| part(length, shape.shift, reciprocal);
     let outward = Halves::of(part(difference));
     let end = |radius: &Radius, plane: i64, len: i64, end: &mut End<AXES>| {
@@ -136,7 +136,7 @@ pub(crate) fn arc_to<const AXES: usize>(
     Ok(())
 }
 
-/// What the axes outside the plane travel.
+/// Travel of the axes outside the plane.
 #[cfg_attr(feature = "fast", inline(always))]
 fn outside<const AXES: usize>(travel: &[i64; AXES], plane: [usize; 2]) -> [i64; AXES] {
     let mut outside = *travel;
@@ -148,18 +148,18 @@ fn outside<const AXES: usize>(travel: &[i64; AXES], plane: [usize; 2]) -> [i64; 
     outside
 }
 
-/// Start and end of an arc in its plane, seen from its centre.
+/// Start and end of an arc in its plane, relative to its centre.
 struct Ends {
     /// Both points, LSB 2^-44 mm.
     points: [[i64; 2]; 2],
-    /// How far they are from the centre, LSB 2^-44 mm.
+    /// Their distances from the centre, LSB 2^-44 mm.
     lengths: [i64; 2],
     radii: [Radius; 2],
-    /// They are two points.
+    /// Whether the two points differ.
     apart: bool,
 }
 
-/// Start and end of an arc in its plane about `centre`, LSB 2^-44 mm, and what every axis travels.
+/// Start and end of an arc in its plane about `centre`, LSB 2^-44 mm, and the travel of every axis.
 #[cfg_attr(feature = "fast", inline(always))]
 fn points<const AXES: usize>(
     start: &[Position; AXES],
@@ -182,7 +182,7 @@ fn points<const AXES: usize>(
     let ((p1, wider_p), (q1, wider_q)) = (p0.overflowing_add(dp), q0.overflowing_add(dq));
     over |= wide_p | wide_q | wider_p | wider_q;
     for x in [p0, q0, p1, q1] {
-        // Half as far.
+        // Half of the range.
         bits |= x << 1 ^ x >> 63;
     }
     if over || bits as u64 >= (LONGEST >> FINER) as u64 {
@@ -191,7 +191,8 @@ fn points<const AXES: usize>(
     Ok([[p0 << FINER, q0 << FINER], [p1 << FINER, q1 << FINER]])
 }
 
-/// How far both are from the centre, LSB 2^-44 mm. `tolerant`: as far apart as LinuxCNC and Grbl permit.
+/// Distances of both points from the centre, LSB 2^-44 mm. `tolerant`: they may differ as much as LinuxCNC
+/// and Grbl permit.
 #[cfg_attr(feature = "fast", inline(always))]
 fn lengths(points: [[i64; 2]; 2], tolerant: bool) -> Result<[i64; 2], PathError> {
     let [len0, len1] = points.map(plane_hypot);
@@ -208,8 +209,8 @@ fn lengths(points: [[i64; 2]; 2], tolerant: bool) -> Result<[i64; 2], PathError>
     Ok([len0, len1])
 }
 
-/// Whether LinuxCNC and Grbl take radii that differ so much: 5 µm, and 0.1 % of the radius. They go up to 0.5 mm; the
-/// interrupt has room for 50 µm. Where 5 µm are more than a quarter of the radius, the path would be no arc.
+/// Whether LinuxCNC and Grbl accept this difference of radii: 5 µm, and 0.1 % of the radius. They permit up to 0.5
+/// mm; the interrupt has room for 50 µm. If 5 µm are more than a quarter of the radius, the path would not be an arc.
 fn is_tolerable(difference: i64, radius: i64) -> bool {
     const ALWAYS: i64 = 21_474_836 << FINER;
     difference <= ALWAYS.min(radius >> 2) || difference <= LARGEST_DIFFERENCE.min(radius / 1000)
@@ -257,8 +258,8 @@ impl Ends {
             let grow = |unit: i64| ((Halves::of(unit).times(Halves::of(growth)) + (1 << 26)) >> 27) as i32;
             circle.grow = [grow(self.radii[0].unit[0]), grow(self.radii[0].unit[1])];
         }
-        // The turn is off by 2^-56 revolutions at most, which comes to what is missed: hidden by the guard
-        // bits.
+        // The error of the turn is at most 2^-56 revolutions. It adds to the missing part, which the guard
+        // bits hide.
         let end = circle.circle(Halves::of(shape.end_w()), 0);
         let missed = |i: usize| {
             let missed = (self.points[1][i] >> (FINER - GUARD)).wrapping_sub(end[i]);
@@ -270,7 +271,7 @@ impl Ends {
 }
 
 /// Path along the feed axes, LSB 2^-44 mm: `along` the circle, by `difference` away from its centre, and by
-/// what the axes `outside` its plane travel, if there are any.
+/// the travel of the axes `outside` its plane, if there is any.
 #[cfg_attr(feature = "fast", inline(always))]
 fn travelled<const AXES: usize>(
     along: i64,
@@ -283,7 +284,7 @@ fn travelled<const AXES: usize>(
         || u64::from(small) != difference.unsigned_abs()
         || u64::from(small) * u64::from(small) > along as u64;
     if !counts {
-        // The square is below that of one LSB more.
+        // The square is below that of the next LSB.
         return along;
     }
     let mut square = with_square(square_wide(along as u64), difference);
@@ -302,9 +303,9 @@ fn part(length: i64, shift: u8, reciprocal: Halves) -> i64 {
 
 /// A radius vector, at the start or the end of an arc.
 struct Radius {
-    /// Its direction: length in 2^61..2^62.
+    /// Direction with a length in 2^61..2^62.
     direction: [Halves; 2],
-    /// The direction with length 1, LSB 2^-60: off by 2^-56 at most.
+    /// Direction with length 1, LSB 2^-60; error at most 2^-56.
     unit: [i64; 2],
 }
 
@@ -318,8 +319,8 @@ impl Radius {
         Self { direction: [p, q], unit: [p.times(reciprocal), q.times(reciprocal)] }
     }
 
-    /// The angle from this one to the other one counter-clockwise, 2^-64 revolutions, off by 2^-58
-    /// revolutions at most.
+    /// The counter-clockwise angle from this vector to the other, 2^-64 revolutions; error at most 2^-58
+    /// revolutions.
     #[cfg_attr(feature = "fast", inline(always))]
     fn angle_to(&self, other: &Self) -> u64 {
         let ([p0, q0], [p1, q1]) = (self.direction, other.direction);
@@ -327,14 +328,14 @@ impl Radius {
     }
 }
 
-/// Length of a vector in the plane, each part of it within ±2^62; rounded down.
+/// Length of a vector in the plane, each component within ±2^62; rounded down.
 #[cfg_attr(feature = "fast", inline(always))]
 pub(super) fn plane_hypot([p, q]: [i64; 2]) -> i64 {
     let (high, low) = with_square(square_wide(p.unsigned_abs()), q);
     sqrt_wide(high, low) as i64
 }
 
-/// A sum of squares and one more.
+/// A sum of squares plus one more square.
 #[cfg_attr(feature = "fast", inline(always))]
 fn with_square((high, low): (u64, u64), x: i64) -> (u64, u64) {
     let (more, lower) = square_wide(x.unsigned_abs());
@@ -354,8 +355,8 @@ fn plane_axes(plane: Plane, main: &Main) -> Result<[usize; 2], PathError> {
     }
 }
 
-/// Centre of the arc by radius: of the two arcs through both points the one of at most 180°, for a negative
-/// radius the other. Rounded to the LSB of a position.
+/// Centre of the arc by radius: of the two arcs through both points the one of at most 180°, with a negative
+/// radius the other one. Rounded to the LSB of a position.
 ///
 /// # Errors
 /// [`PathError::RadiusWithoutEnd`], [`PathError::RadiusTooShort`], [`PathError::NoRadius`],
@@ -382,7 +383,7 @@ pub fn centre_of_radius<const AXES: usize>(
     if chord.iter().all(|x| x.abs() <= SAME_POINT) {
         return Err(PathError::RadiusWithoutEnd);
     }
-    // All below in 2^-44 mm: half the chord and the distance of the centre from it.
+    // All values below in 2^-44 mm: half the chord, and the distance of the centre from it.
     let length = plane_hypot(chord.map(|x| x << FINER));
     let half = length >> 1;
     let size44 = size << FINER;
@@ -442,7 +443,7 @@ const ONE_40: f64 = (1u64 << 40) as f64;
 /// 2π·2^(44 − 59 − 64).
 const PER_MM: f64 = core::f64::consts::TAU / (1u64 << 40) as f64 / (1u64 << 39) as f64;
 
-/// Length of a vector: `f32` and two of Newton's steps.
+/// Length of a vector: from `f32`, with two of Newton's steps.
 fn hypot_f64([x, y]: [f64; 2]) -> f64 {
     let square = x * x + y * y;
     let mut root = f64::from(sqrt_f32(square as f32));

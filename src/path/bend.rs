@@ -1,4 +1,4 @@
-//! How strongly a part of a curve bends: what a way to a standstill needs to know of the path it takes.
+//! How strongly a part of a curve bends: the search for a stop needs this of its path.
 use super::poly::power_of_two;
 use super::{Arc, Bounds, Curve, Passage, Shape};
 use crate::math::float::{magnitude, max, min, to_f32};
@@ -9,7 +9,7 @@ use crate::quantity::DISTANCE_LSB;
 use core::f32::consts::TAU;
 
 const LSB_62: f32 = 1.0 / (1u64 << 62) as f32;
-/// For rounding of `f32`.
+/// Margin for rounding of `f32`.
 const ROUNDED: f32 = 1.0 + 1.0 / 1_048_576.0;
 
 impl<const AXES: usize> Bounds<AXES> {
@@ -22,7 +22,7 @@ impl<const AXES: usize> Bounds<AXES> {
         passage: Passage::Varying,
     };
 
-    /// Takes in the derivatives of one axis.
+    /// Adds the derivatives of one axis.
     fn widen(&mut self, axis: usize, derivatives: [f32; 3]) {
         let Self { first, second, third, .. } = self;
         for (most, value) in [first, second, third].into_iter().zip(derivatives) {
@@ -34,9 +34,8 @@ impl<const AXES: usize> Bounds<AXES> {
 }
 
 impl<const AXES: usize> Shape<AXES> {
-    /// Takes the largest derivatives of every axis between two distances from its start (2^-44 mm) into
-    /// `bounds`: those of a line, of a polynomial what its hull shows
-    /// ([`hull`]), of an arc what its axes show there.
+    /// Adds the largest derivatives of every axis between two distances from the curve's start (2^-44 mm) to
+    /// `bounds`: exact for a line, by the hull for a polynomial ([`hull`]), by its axes for an arc.
     #[inline(never)]
     pub fn bend(&self, [from, to]: [i64; 2], bounds: &mut Bounds<AXES>) {
         let per_mm = power_of_two(i32::from(self.shift) - 18);
@@ -73,16 +72,16 @@ impl<const AXES: usize> Shape<AXES> {
         }
     }
 
-    /// Both axes of an arc are sines of the angle: over a part of it each is at most its larger value at both
-    /// ends over the cosine of half the angle between.
+    /// Both axes of an arc are sines of the angle. Over a part of the arc each is at most its larger end
+    /// value, divided by the cosine of half the angle between the ends.
     fn bend_arc(&self, arc: &Arc, part: [i64; 2], per_mm: f32, bounds: &mut Bounds<AXES>) {
         let Arc { a, turn, plane, .. } = *arc;
         let [p, q] = a.map(|a| to_f32(a) * DISTANCE_LSB);
         let radius = sqrt_f32(p * p + q * q);
-        // 2^-61 revolutions for each 2^62 of `w`.
+        // 2^-61 revolutions per 2^62 of `w`.
         let turns = magnitude(to_f32(turn)) * (1.0 / (1u64 << 61) as f32);
         let rate = TAU * turns * per_mm;
-        // 2^-62 of each.
+        // LSB 2^-62.
         let unit = |distance: i64| {
             let (sin, cos) = sin_cos((mul_near(self.w(distance), turn) << 5) as u64);
             [sin, cos].map(|x| to_f32(x) * LSB_62)
@@ -103,7 +102,7 @@ impl<const AXES: usize> Shape<AXES> {
     }
 }
 
-/// What rounding of [`within`] may hide of the first three derivatives over path length.
+/// Rounding of [`within`] in the first three derivatives over path length.
 fn hidden(a: &[f32; 5], per_mm: f32) -> [f32; 3] {
     let [a1, a2, a3, a4, a5] = a.map(magnitude);
     let unit = per_mm * (1.0 / 1_048_576.0);
@@ -113,8 +112,8 @@ fn hidden(a: &[f32; 5], per_mm: f32) -> [f32; 3] {
     [first * unit, second * unit * per_mm, third * unit * per_mm * per_mm]
 }
 
-/// Largest magnitudes of the first three derivatives over 0..1, at most: those of their Bernstein coefficients
-/// Σ C(i,j)/C(n,j)·p_j of the powers p0…pn.
+/// Upper bounds of the first three derivatives over 0..1: those of their Bernstein coefficients Σ
+/// C(i,j)/C(n,j)·p_j of the powers p0…pn.
 fn hull([a1, a2, a3, a4, a5]: [f32; 5]) -> [f32; 3] {
     const THIRD: f32 = 1.0 / 3.0;
     let most = |x: &[f32]| x.iter().fold(0.0, |top, x| max(top, magnitude(*x)));
@@ -134,10 +133,10 @@ fn hull([a1, a2, a3, a4, a5]: [f32; 5]) -> [f32; 3] {
     [most(&first), most(&second), most(&third)]
 }
 
-/// The polynomial of the first to the fifth power seen from `start` over `part`, as one over 0..1.
+/// The polynomial of the first to the fifth power between `start` and `start` + `part`, as one over 0..1.
 fn within(a: &[f32; 5], start: f32, part: f32) -> [f32; 5] {
     let [mut a1, mut a2, mut a3, mut a4, a5] = *a;
-    // Horner's scheme, again and again: what each division by (τ − start) leaves.
+    // Repeated Horner's scheme: the remainders of the divisions by (τ − start).
     for pass in 0..5 {
         a4 += a5 * start;
         a3 += if pass < 4 { a4 * start } else { 0.0 };

@@ -4,12 +4,12 @@ use crate::math::divide::reciprocal_near;
 use crate::math::wide::mul_near;
 use crate::quantity::{Distance, Position};
 
-/// A line, without the room for what only curves have.
+/// A line, without memory for the data of curves.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Straight<const AXES: usize> {
     pub(super) length: Distance,
     gain: [i64; AXES],
-    /// LSB 2^-40.
+    /// Direction, LSB 2^-40.
     pub(super) tangent: [i64; AXES],
     shift: u8,
 }
@@ -26,7 +26,7 @@ pub fn line<const AXES: usize>(
     Ok(straight_line(start, target, measure)?.map(|line| line.element()))
 }
 
-/// As [`line`], in the place of another element. Whether an axis moves.
+/// As [`line`], in place of another element. Returns whether an axis moves.
 ///
 /// # Errors
 /// [`PathError::TooLong`].
@@ -41,7 +41,7 @@ pub(crate) fn line_to<const AXES: usize>(
     Ok(true)
 }
 
-/// As [`straight`], as a call: beside what every block needs.
+/// As [`straight`], as a function call.
 ///
 /// # Errors
 /// [`PathError::TooLong`].
@@ -54,7 +54,7 @@ pub(crate) fn straight_line<const AXES: usize>(
     straight(start, target, measure)
 }
 
-/// A line from `start` to `target` that is not an element yet; `None` where nothing moves.
+/// A line from `start` to `target` that is not an element yet; `None` if no axis moves.
 ///
 /// # Errors
 /// [`PathError::TooLong`].
@@ -98,7 +98,7 @@ impl<const AXES: usize> Straight<AXES> {
         self.length
     }
 
-    /// Its curve, and both its ends: what only curves have is not even copied.
+    /// Shape and both ends; data of curves are not even copied.
     #[cfg_attr(feature = "fast", inline(always))]
     pub(crate) fn parts(&self) -> (Shape<AXES>, End<AXES>) {
         let Self { length, gain, tangent, shift } = *self;
@@ -106,14 +106,14 @@ impl<const AXES: usize> Straight<AXES> {
         (shape, End { tangent, curvature: [0.0; AXES] })
     }
 
-    /// A line becomes this one, in place.
+    /// Becomes this line, if `line` already is a line; in place.
     pub(crate) fn assign_to(&self, line: &mut Element<AXES>) {
         let Self { length, gain, tangent, shift } = *self;
         (line.shape.length, line.shape.gain, line.shape.shift) = (length, gain, shift);
         (line.entry.tangent, line.exit.tangent) = (tangent, tangent);
     }
 
-    /// Any element becomes this line, in place.
+    /// Becomes this line, whatever the element is; in place.
     pub(crate) fn become_in(&self, element: &mut Element<AXES>) {
         self.assign_to(element);
         (element.shape.curve, element.circle, element.bounds) = (Curve::Line, None, None);
@@ -128,9 +128,9 @@ impl<const AXES: usize> Straight<AXES> {
 }
 
 impl<const AXES: usize> Element<AXES> {
-    /// A line becomes what is left of it behind `from`, which is `cut` (LSB 2^-44 mm) from its start: so much
-    /// less path, in the same direction. `from` is rounded to an LSB of a position on each axis: a path measured
-    /// from there would be off by that, and the direction of every axis by the same part.
+    /// Shortens a line to the part behind `from`, `cut` (LSB 2^-44 mm) from its start: the path gets shorter,
+    /// the direction stays. `from` is rounded to an LSB of a position on each axis. A new line from there would
+    /// have an error of that size in its path and in every direction.
     pub(crate) fn shorten(&mut self, cut: i64, from: &[Position; AXES], to: &[Position; AXES]) {
         let rest = self.shape.length.to_bits() - cut;
         if rest <= 0 || from == to {
@@ -153,15 +153,15 @@ impl<const AXES: usize> Shape<AXES> {
         self.length.to_bits() << (self.shift & 63)
     }
 
-    /// The linear part that travels these distances (LSB of a position, below 2^50): 2^64 times the travel
-    /// per `w` at the end, by one reciprocal for all axes. At the end the product is off by less than twenty
-    /// of its LSB; the guard bits hide that.
+    /// The linear part with these travels (LSB of a position, below 2^50): 2^64 times the travel per `w` at
+    /// the end, with one reciprocal for all axes. The error at the end is below twenty LSB of the product;
+    /// the guard bits hide it.
     #[cfg_attr(feature = "fast", inline(always))]
     pub(super) fn set_gains(&mut self, travel: &[i64; AXES]) {
         self.set_gains_by(travel, self.reciprocal());
     }
 
-    /// Makes the linear part of what every axis travels, by the [`Self::reciprocal`] of the length.
+    /// Makes the linear part from the travel of every axis and the [`Self::reciprocal`] of the length.
     #[cfg_attr(feature = "fast", inline(always))]
     pub(super) fn set_gains_by(&mut self, travel: &[i64; AXES], reciprocal: i64) {
         for (gain, travel) in self.gain.iter_mut().zip(travel) {

@@ -1,21 +1,21 @@
-//! By what a path is measured: the feed axes (P-CHAN-00011).
+//! The measure of a path: the feed axes (P-CHAN-00011).
 //!
-//! The sources name the parameter and do not say what it does. The reading taken here, which is that of ISG's
-//! public lists as far as they go:
+//! The sources name the parameter without its effect. Glidepath uses this meaning, which agrees with ISG's
+//! public lists:
 //!
-//! - The path length of a block, and with it F, `s`, path speed and the limits of #VECTOR LIMIT, is what its
-//!   feed axes travel together. Every other axis moves along with them, a main axis too. With one feed axis
+//! - The path length of a block is the common travel of its feed axes. F, `s`, path speed and the limits of
+//!   `#VECTOR LIMIT` refer to this length. Every other axis moves along, even a main axis. With one feed axis
 //!   the path speed is the speed of that axis.
-//! - Without any, the main axes are the feed axes, as everywhere else in ISG's texts.
-//! - A block that moves no feed axis counts along its main axes; one that moves none of those along all
-//!   others together.
-//! - Where an axis moves more than 64 times as far as the feed axes, a 64th of its travel counts: path
-//!   distances and speeds have a resolution of their own, which such an axis would show that many times.
-//!   (Beside main axes that are the feed axes it is a 1024th.)
-//! - An arc needs both axes of its plane: along one of them it goes to and fro, and its speed would be none
-//!   that a feed can mean. ISG demands even all main axes there.
-//! - **Tolerances and deviations are distances in space**, between points of the main axes, whatever the feed
-//!   counts along: PATH_DEV, RELEVANT_PATH, points left out of straight lines. **Corner distances are path**:
+//! - If no axis is a feed axis, the main axes are the feed axes, as in the rest of ISG's texts.
+//! - A block that moves no feed axis counts along its main axes. A block that moves no main axis either
+//!   counts along all other axes together.
+//! - If an axis moves more than 64 times as far as the feed axes, a 64th of its travel counts as path. Path
+//!   distances and speeds have a limited resolution, which such an axis would show many times enlarged. (If
+//!   the main axes are the feed axes, a 1024th counts.)
+//! - An arc needs both axes of its plane as feed axes. Along one of them the arc goes back and forth, and no
+//!   feed can describe its speed. ISG even demands all main axes.
+//! - **Tolerances and deviations are distances in space** between points of the main axes, whatever the feed
+//!   refers to: PATH_DEV, RELEVANT_PATH, points left out of straight lines. **Corner distances are path**:
 //!   PRE_DIST, POST_DIST, PATH_DIST ("on the feed axes' path"), SYM_DIST, shares of blocks.
 use super::{FINER, path_length, travelled};
 #[cfg(feature = "dialects")]
@@ -29,7 +29,7 @@ use crate::quantity::Distance;
 pub struct Main([u8; 3]);
 
 impl Main {
-    /// No axis has that place.
+    /// No axis in this place.
     const NONE: u8 = u8::MAX;
 
     /// The axes that exist.
@@ -37,7 +37,7 @@ impl Main {
         Self(places.map(|place| place.and_then(|k| u8::try_from(k).ok()).unwrap_or(Self::NONE)))
     }
 
-    /// The first, second or third of them, counted from 0, if there is one.
+    /// The first, second or third main axis, counted from 0, if it exists.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn get(&self, i: usize) -> Option<usize> {
         self.0.get(i).filter(|k| **k != Self::NONE).map(|k| usize::from(*k))
@@ -48,19 +48,19 @@ impl Main {
         [self.get(0), self.get(1), self.get(2)]
     }
 
-    /// Indices of the axes that a vector of `AXES` axes has.
+    /// Indices of the main axes that exist in a vector of `AXES` axes.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn of<const AXES: usize>(&self) -> impl Iterator<Item = usize> {
         self.0.into_iter().map(usize::from).filter(|k| *k < AXES)
     }
 
-    /// Whether this axis is one of them.
+    /// Whether this axis is a main axis.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn contains(&self, axis: usize) -> bool {
         self.0.iter().any(|k| usize::from(*k) == axis)
     }
 
-    /// Whether these are the first three axes in their order.
+    /// Whether the main axes are the first three axes in order.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn lead(&self) -> bool {
         self.0 == [0, 1, 2]
@@ -72,18 +72,18 @@ impl Main {
 pub struct Measure {
     /// The main axes: they span the space.
     pub main: Main,
-    /// The feed axes where they are others, bit k for axis k.
+    /// The feed axes if they are not the main axes, bit k for axis k.
     feed: Option<u32>,
     master: Option<usize>,
-    /// Radii of an arc may differ as much as LinuxCNC and Grbl permit.
+    /// Whether radii of an arc may differ as much as LinuxCNC and Grbl permit.
     #[cfg(feature = "dialects")]
     tolerant: bool,
 }
 
-/// More axes have no bit.
+/// Axes beyond this number have no bit.
 pub const FEED_AXES: usize = 32;
 
-/// How many times as far as the feed axes another one may go, as a power of two.
+/// Largest travel of another axis, relative to the feed axes, as a power of two.
 const STEEPEST: u32 = 6;
 
 fn bits(axes: impl Iterator<Item = usize>) -> u32 {
@@ -166,8 +166,8 @@ impl Measure {
         sqrt_f32(feed.fold(0.0, |sum, (_, x)| sum + x * x))
     }
 
-    /// What axes that travel so far (LSB of a position) make of path, LSB 2^-44 mm: along the feed axes,
-    /// where none of them moves along the main axes.
+    /// Path length of these travels (LSB of a position), LSB 2^-44 mm: along the feed axes; if none of them
+    /// moves, along the main axes.
     #[cfg_attr(feature = "fast", inline(always))]
     pub(super) fn travelled<const AXES: usize>(&self, travel: &[i64; AXES]) -> i64 {
         if self.feed.is_some() {
@@ -179,8 +179,8 @@ impl Measure {
         travelled(self.main.of::<AXES>().filter_map(|k| travel.get(k)).copied())
     }
 
-    /// The path of axes that travel so far (LSB of a position): along the feed axes, where none of them moves along the
-    /// main axes, and else of all axes together. Exact to an LSB; where it is beyond the range of a distance, its end.
+    /// Path length of these travels (LSB of a position): along the feed axes; if none of them moves, along the main
+    /// axes; otherwise along all axes. Exact to an LSB, limited to the range of a distance.
     pub fn path<const AXES: usize>(&self, travel: &[i64; AXES]) -> Distance {
         path_length(self.travelled(travel), travel).unwrap_or(Distance::from_bits(i64::MAX))
     }
@@ -191,7 +191,7 @@ impl Measure {
         self.resolved(travelled(feed.map(|(_, x)| *x)), travel)
     }
 
-    /// At least so much of what any axis travels that the path resolves it, if feed axes move at all.
+    /// Raises the path length so that it resolves the travel of every axis, if feed axes move at all.
     pub(super) fn resolved<const AXES: usize>(&self, along: i64, travel: &[i64; AXES]) -> i64 {
         if self.is_space() || along == 0 {
             return along;

@@ -1,38 +1,38 @@
-//! Blocks that go on in a straight line become one: a line cut into pieces is as fast as the whole line, and
-//! the look-ahead sees as far.
+//! Merges blocks that continue in a straight line: a line cut into pieces is then as fast as the whole line,
+//! and the look-ahead sees as far.
 //!
-//! A line from the start `P0` of the first block to the end `Pn` of the last stands for all of them if every
-//! point left out is within a tolerance of it. Which lines are, is known without the points. Every `Pi` was
-//! an end before it was left out: `Pi = P0 + Ti·si`, with the path length `si` and the tangent `Ti` of the
-//! line to it. At the path distance `si` the line with the tangent `T` is `|T − Ti|·si` away from it, axis by
-//! axis. So each point left out permits the tangents within `tolerance/si` of `Ti`, all of them together an
-//! interval for each axis, and that is all that is kept.
+//! One line from the start `P0` of the first block to the end `Pn` of the last block may replace all of them,
+//! if every point left out is within a tolerance. The points themselves are not needed for this check. Every
+//! `Pi` was an end before it was left out: `Pi = P0 + Ti·si`, with path length `si` and tangent `Ti` of the
+//! line to it. At the path distance `si`, the line with the tangent `T` is `|T − Ti|·si` away from it, axis
+//! by axis. So each point permits the tangents within `tolerance/si` of `Ti`. For all points together this is
+//! an interval per axis, and only this interval is stored.
 //!
-//! A tracking axis that moves `t` times as far as the path has `1 + t` times the tolerance: where it stands
-//! beside a point of the path is not known better than that point. Main axes have the tolerance alone,
+//! A tracking axis that moves `t` times as far as the path has `1 + t` times the tolerance, because its place
+//! beside a point of the path is only known as accurately as that point. Main axes have the tolerance alone,
 //! whatever the path is measured by.
 //!
-//! In order: the path length grows with every block, and a block turns by less than a quarter of a unit on
-//! every feed axis, so that nothing goes back.
+//! The order of points is kept: the path length grows with every block, and a block turns by less than a
+//! quarter of a unit on every feed axis, so no block goes back.
 use super::Measure;
 use super::line::{Straight, straight};
 use crate::math::float::{to_bits, to_f32};
 use crate::quantity::{DISTANCE_LSB, Distance, Position};
 
-/// Distance of a point left out from the line, LSB of a position: 1.14 nm on every axis, less than 2 nm on
-/// three. Points of a straight line rounded to six decimals, 0.5 nm each, are beside one another's lines by
-/// up to 1.37 nm, mostly by less than half of that.
+/// Permitted distance of a point from the line, LSB of a position: 1.14 nm on every axis, less than 2 nm on
+/// three. Points of a straight line rounded to six decimals (0.5 nm each) are up to 1.37 nm beside each
+/// other's lines, usually less than half of that.
 const TOLERANCE: i64 = 4900;
 
 /// [`TOLERANCE`] in mm, with the rounding of what is made of it.
 pub(crate) const TOLERANCE_MM: f32 = TOLERANCE as f32 / 4_294_967_296.0 * (1.0 - 1.0 / 1_048_576.0);
 
-/// Longest line, LSB 2^-44 mm: 1 m. Tangents are good to 2^-39, over that length to a five hundredth of the
-/// tolerance.
+/// Longest line, LSB 2^-44 mm: 1 m. Tangents are accurate to 2^-39, over this length to a five-hundredth of
+/// the tolerance.
 const LONGEST: i64 = 1 << 54;
 
-/// Half the largest change of the tangent on a feed axis, and by how much more it may change than the points
-/// left out may say.
+/// Half the largest change of the tangent on a feed axis; and the additional change beyond the interval of
+/// the points.
 const TURN: f32 = 0.125;
 const LOOSE: f32 = 2.0;
 
@@ -41,15 +41,15 @@ const LOOSE: f32 = 2.0;
 pub(crate) struct Stretch<const AXES: usize> {
     start: [Position; AXES],
     line: Straight<AXES>,
-    /// It stands for one block.
+    /// Whether the line stands for one block only.
     alone: bool,
-    /// Permitted tangents of several, LSB 2^-40.
+    /// Permitted tangents for several blocks, LSB 2^-40.
     low: [i64; AXES],
     high: [i64; AXES],
 }
 
 impl<const AXES: usize> Stretch<AXES> {
-    /// None.
+    /// No line.
     pub(crate) const BLANK: Self = Self {
         start: [Position::ZERO; AXES],
         line: Straight::BLANK,
@@ -58,7 +58,7 @@ impl<const AXES: usize> Stretch<AXES> {
         high: [0; AXES],
     };
 
-    /// Becomes a block alone.
+    /// Becomes a single block.
     #[cfg_attr(feature = "fast", inline(always))]
     pub(crate) fn begin(&mut self, start: &[Position; AXES], line: &Straight<AXES>) {
         (self.start, self.line, self.alone) = (*start, *line, true);
@@ -69,12 +69,12 @@ impl<const AXES: usize> Stretch<AXES> {
         &self.line
     }
 
-    /// Whether the block `next` could be part of it: only then [`Self::with`] is worth its work.
+    /// Whether the block `next` may be part of the line. If not, [`Self::with`] is not worth its work.
     #[cfg_attr(feature = "fast", inline(always))]
     pub(crate) fn goes_on(&self, next: &Straight<AXES>) -> bool {
-        // `next` goes from the end of this one to that of the line of both, whose tangent is within
-        // tolerance/s of the one here: over a length l of its own it may be off by the tolerance, over s
-        // likewise.
+        // `next` leads from the end of this line to that of the common line, whose tangent is within
+        // tolerance/s of this tangent. Over its own length l the tangent may have the error of the tolerance,
+        // and the same over s.
         let (s, l) = (millimetres(self.line.length), millimetres(next.length));
         let most = LOOSE * TOLERANCE_MM * (s + l);
         // Both sides times s·l.
@@ -89,8 +89,8 @@ impl<const AXES: usize> Stretch<AXES> {
         true
     }
 
-    /// The line to `target`, the end of `next`, if it may stand for all blocks: [`Self::become_line`], or
-    /// begin anew. Only if it [`Self::goes_on`].
+    /// The line to `target`, the end of `next`, if it may replace all blocks: then call
+    /// [`Self::become_line`], otherwise begin again. Only if the block [`Self::goes_on`].
     #[cfg_attr(feature = "fast", inline(always))]
     pub(crate) fn with(&mut self, target: &[Position; AXES], measure: &Measure) -> Option<Straight<AXES>> {
         let line = straight(&self.start, target, measure).ok()??;
@@ -113,7 +113,7 @@ impl<const AXES: usize> Stretch<AXES> {
         Some(line)
     }
 
-    /// Stands for all blocks.
+    /// Becomes the line over all blocks.
     #[cfg_attr(feature = "fast", inline(always))]
     pub(crate) fn become_line(&mut self, line: &Straight<AXES>) {
         self.line = *line;

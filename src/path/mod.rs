@@ -8,9 +8,10 @@
 //! x_q = base_q + a_q(w)·cos φ + a_p(w)·sin φ + miss_q·w     with φ = turn·w,  a(w) = a + grow·w
 //! ```
 //!
-//! A tick only multiplies and adds. `w` is the distance shifted to 62 bits, so every factor uses its full width whatever the
-//! length of the block. `miss` is the difference between the rounded end of the circle and the programmed end; with it the
-//! curve ends at the programmed point to the last bit. `miss` and `grow` are so small that the upper half of `w` suffices.
+//! A tick only multiplies and adds. `w` is the distance shifted to 62 bits, so every factor uses its full width
+//! whatever the length of the block. `miss` is the difference between the rounded end of the circle and the programmed
+//! end; this term makes the curve end at the programmed point to the last bit. `miss` and `grow` are so small that the
+//! upper half of `w` suffices.
 //!
 //! The third kind of curve is a polynomial of the fifth degree for every axis ([`mod@poly`]).
 mod arc;
@@ -49,30 +50,30 @@ pub struct End<const AXES: usize> {
 }
 
 impl<const AXES: usize> End<AXES> {
-    /// None yet.
+    /// No end.
     pub(crate) const BLANK: Self = Self { tangent: [0; AXES], curvature: [0.0; AXES] };
 
-    /// By how much the direction of one axis differs at another end: 0 where there is no such axis.
+    /// Difference of the direction of one axis to another end; 0 if there is no such axis.
     pub(crate) fn turn(&self, to: &Self, axis: usize) -> f32 {
         let at = |end: &Self| end.tangent.get(axis).copied().unwrap_or(0);
         to_f32(at(to).wrapping_sub(at(self))) * (1.0 / (1u64 << 40) as f32)
     }
 }
 
-/// The circle an arc runs on, for limits.
+/// The circle of an arc, for limits.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Circle {
-    /// Axes of its plane.
+    /// Axes of the circle's plane.
     pub plane: [usize; 2],
-    /// Smaller one of start and end radius, mm.
+    /// The smaller of start and end radius, mm.
     pub radius: f32,
-    /// Share of the path that lies in the plane: 1, less for a helix.
+    /// Part of the path in the plane: 1, less for a helix.
     pub share: f32,
-    /// Radians from where the circle begins, in this arc or in one before it, to the end of the arc.
+    /// Radians from the start of the circle, in this arc or in an earlier one, to the end of the arc.
     pub turn: f32,
 }
 
-/// A block as a curve: what `path` hands on.
+/// A block as a curve: the output of `path`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Element<const AXES: usize> {
     /// The curve.
@@ -87,30 +88,31 @@ pub struct Element<const AXES: usize> {
     pub bounds: Option<Bounds<AXES>>,
 }
 
-/// What the look-ahead takes of an element.
+/// Data of an element for the look-ahead.
 #[derive(Clone, Copy)]
 pub(crate) struct Piece<'a, const AXES: usize> {
     pub shape: &'a Shape<AXES>,
-    /// Of the shape, or of a part of it.
+    /// Length of the shape, or of a part of it.
     pub length: Distance,
-    /// The shape of the piece before goes on.
+    /// Whether the piece continues the shape of the piece before.
     pub continued: bool,
     pub entry: &'a End<AXES>,
     pub exit: &'a End<AXES>,
-    /// Whether its path is time, not length.
+    /// Whether the path is time, not length.
     pub timed: bool,
-    /// Whether it is a part of a curve over arc length. How much speed may change differs from part to part.
+    /// Whether the piece is a part of a curve over arc length. The permitted change of speed differs from
+    /// part to part.
     pub bent: bool,
-    /// Whether it is a part of a curve that acceleration passes.
+    /// Whether the piece is a part of a curve that acceleration passes.
     pub through: bool,
-    /// Acceleration inside it is bought with speed.
+    /// Whether the piece trades speed for acceleration.
     pub trades: bool,
-    /// Whether it is a part of a curve of many elements.
+    /// Whether the piece is a part of a curve of many elements.
     pub flows: bool,
 }
 
 impl<const AXES: usize> Element<AXES> {
-    /// None yet.
+    /// No element.
     pub(crate) const BLANK: Self =
         Self { shape: Shape::BLANK, entry: End::BLANK, exit: End::BLANK, circle: None, bounds: None };
 

@@ -1,35 +1,35 @@
-//! A polynomial of the fifth degree for every axis, over a path distance that is its arc length as nearly as
-//! its maker chose the ends: position, direction and curvature are given at both.
+//! A polynomial of the fifth degree for every axis, over a path distance. This distance is the arc length as
+//! accurately as the ends were chosen: position, direction and curvature are given at both ends.
 //!
 //! ```text
 //! x_k = base_k + gain_k·w + 2^(12 − down_k)·τ²·(c_k2 + τ·(c_k3 + τ·(c_k4 + τ·c_k5)))      τ = w / 2^62
 //! ```
 //!
-//! with the last part in 2^-42 mm and coefficients of 32 bits. What their rounding leaves is taken into the
-//! linear part, so that the end is met to the last bit; direction and curvature at the ends are off by about
-//! 2^-29 of the curve's own. A cubic needs no curvature: it follows from the rest.
+//! The last part has LSB 2^-42 mm and coefficients of 32 bits. Their rounding error goes into the linear
+//! part, so the end is exact to the last bit; the error of direction and curvature at the ends is about 2^-29
+//! of the curve's own values. A cubic needs no curvature: it follows from the other data.
 use super::{Curve, Element, End, FINER, GUARD, LONGEST, Shape};
 use crate::math::float::{magnitude, max, min, to_bits, to_f32};
 use crate::math::root::sqrt_f32;
 use crate::math::wide::{mul_near, mul_shift};
 use crate::quantity::{Distance, Position};
 
-/// A point of the path with what a smooth joint needs.
+/// A point of the path with the data for a smooth continuation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Knot<const AXES: usize> {
-    /// Where it is.
+    /// Position of the point.
     pub position: [Position; AXES],
-    /// Direction and curvature.
+    /// Direction and curvature there.
     pub end: End<AXES>,
 }
 
 impl<const AXES: usize> Knot<AXES> {
-    /// None yet.
+    /// No knot.
     pub(crate) const BLANK: Self = Self { position: [Position::ZERO; AXES], end: End::BLANK };
 }
 
-/// Largest magnitudes along a polynomial, for limits: of the direction those of Bernstein coefficients, which
-/// it never exceeds, of the others those at the ends and where the next derivative vanishes.
+/// Largest magnitudes along a polynomial, for limits. For the direction: the largest Bernstein coefficient,
+/// which is an upper bound. For the others: values at the ends, and where the next derivative vanishes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounds<const AXES: usize> {
     /// |dx/ds|.
@@ -38,38 +38,38 @@ pub struct Bounds<const AXES: usize> {
     pub second: [f32; AXES],
     /// |d³x/ds³|, 1/mm².
     pub third: [f32; AXES],
-    /// Speed along the curve per path speed: 1, and more by what the argument misses of the arc length.
+    /// Speed along the curve per path speed: 1, or more if the parameter is shorter than the arc length.
     pub fastest: f32,
-    /// What its speed does.
+    /// Behaviour of the speed.
     pub passage: Passage,
 }
 
-/// What the speed does inside a polynomial.
+/// Behaviour of the speed inside a polynomial.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Passage {
-    /// It changes as in any other element.
+    /// The speed changes as in any other element.
     Varying,
-    /// It is to be one: what changes the speed is beside it.
+    /// The speed is to be constant; it changes beside the element.
     Steady,
-    /// It changes over many elements that are one curve, as if they were one.
+    /// The speed changes over many elements that are one curve, as if they were one element.
     Flowing,
-    /// It is one (CONST_VEL).
+    /// The speed is constant (CONST_VEL).
     Constant,
-    /// It changes as in a line: acceleration passes both its ends.
+    /// The speed changes as in a line: acceleration passes both ends.
     Through,
-    /// Path is time: the path speed, mm/tick, that it was made for.
+    /// Path is time. The value is the planned path speed, mm/tick.
     Timed(f32),
 }
 
 impl<const AXES: usize> Bounds<AXES> {
-    /// Of axes that are to be made.
+    /// Bounds of axes that are not made yet.
     pub(super) const fn none(fastest: f32) -> Self {
         let none = [0.0; AXES];
         Self { first: none, second: none, third: none, fastest, passage: Passage::Varying }
     }
 
-    /// Those of the curve from one knot to another, and its length as path, as [`Draft`] makes it. `None` where
-    /// the formats cannot hold it.
+    /// Bounds of the curve between two knots, and its path length, as [`Draft`] makes it. `None` if the formats
+    /// cannot hold it.
     pub fn between(
         from: &Knot<AXES>,
         to: &Knot<AXES>,
@@ -96,7 +96,7 @@ impl<const AXES: usize> Bounds<AXES> {
         Some((shape.length, bounds))
     }
 
-    /// Those of an axis over 0..1; `per`: 1 mm of path.
+    /// Sets the bounds of an axis over 0..1; `per`: 1 mm of path.
     #[cfg_attr(feature = "fast", inline(always))]
     pub(super) fn set(&mut self, k: usize, [first, second, third]: &[f32; 3], per: f32) -> Option<()> {
         *self.first.get_mut(k)? = first * per;
@@ -105,27 +105,27 @@ impl<const AXES: usize> Bounds<AXES> {
         Some(())
     }
 
-    /// Its path is time.
+    /// Whether path is time.
     pub const fn is_timed(&self) -> bool {
         matches!(self.passage, Passage::Timed(_))
     }
 
-    /// It is a part of a curve of many elements.
+    /// Whether the element is a part of a curve of many elements.
     pub const fn flows(&self) -> bool {
         matches!(self.passage, Passage::Flowing)
     }
 
-    /// Acceleration passes both its ends, and what is left to it is known.
+    /// Whether acceleration passes both ends, and its limits are known.
     pub const fn passes(&self) -> bool {
         self.flows() || self.is_through()
     }
 
-    /// It is a part of a corner's curve that acceleration passes.
+    /// Whether the element is a part of a corner's curve that acceleration passes.
     pub const fn is_through(&self) -> bool {
         matches!(self.passage, Passage::Through)
     }
 
-    /// Acceleration inside it is bought with speed.
+    /// Whether the element trades speed for acceleration.
     pub const fn trades(&self) -> bool {
         matches!(self.passage, Passage::Timed(_) | Passage::Steady)
     }
@@ -134,12 +134,12 @@ impl<const AXES: usize> Bounds<AXES> {
 const LSB_40: f32 = 1.0 / (1u64 << 40) as f32;
 const LSB_32: f32 = 1.0 / (1u64 << 32) as f32;
 
-/// Bits of a coefficient's exponent that the format has anyway: 42 of the sum, 32 and 2 of the products.
+/// Bits of a coefficient's exponent that are fixed by the format: 42 of the sum, 32 and 2 of the products.
 const POINT: i32 = 12;
 /// Sums of coefficients stay below 2^30.
 const SUM: i32 = 30;
 
-/// τ² times the rest of the polynomial, 2^-42 mm. Runs in the tick.
+/// τ² times the rest of the polynomial, LSB 2^-42 mm. Runs in the tick.
 #[inline(always)]
 pub(super) fn bent(w: i64, power: &[i32; 4], down: u8) -> i64 {
     let up = |c: i32| i64::from(c) << 32;
@@ -150,7 +150,7 @@ pub(super) fn bent(w: i64, power: &[i32; 4], down: u8) -> i64 {
     mul_near(w, mul_near(w, p) << 2) >> (down & 63)
 }
 
-/// The same of a cubic, to the last bit. Runs in the tick.
+/// The same for a cubic, with equal bits. Runs in the tick.
 #[inline(always)]
 pub(super) fn bent_cubic(w: i64, [c2, c3]: [i32; 2], down: u8) -> i64 {
     let up = |c: i32| i64::from(c) << 32;
@@ -158,7 +158,7 @@ pub(super) fn bent_cubic(w: i64, [c2, c3]: [i32; 2], down: u8) -> i64 {
     mul_near(w, mul_near(w, p) << 2) >> (down & 63)
 }
 
-/// 2^n for n in -126..128, the nearest of these for others.
+/// 2^n for n in -126..128; other n use the nearest of these.
 pub(super) fn power_of_two(n: i32) -> f32 {
     f32::from_bits(((127 + n.clamp(-126, 127)) as u32) << 23)
 }
@@ -179,7 +179,7 @@ fn fixed(x: f32, n: i32) -> i64 {
 
 const TWO_32: f32 = 4_294_967_296.0;
 
-/// x·2^-n, rounded to nearest, for n in 1..64. The words of 64 bits are shifted by what all have in common.
+/// x·2^-n, rounded to nearest, for n in 1..64. All words are shifted by the same amount.
 #[cfg_attr(feature = "fast", inline(always))]
 fn rounded<const N: usize>(x: [i64; N], n: u32) -> [i32; N] {
     let (n, high) = ((n - 1) & 31, n > 32);
@@ -192,7 +192,7 @@ fn rounded<const N: usize>(x: [i64; N], n: u32) -> [i32; N] {
     })
 }
 
-/// x·2^n, for n in 0..64, likewise.
+/// x·2^n, for n in 0..64; all words alike.
 #[cfg_attr(feature = "fast", inline(always))]
 fn raised<const N: usize>(mut x: [i64; N], n: u32) -> [i64; N] {
     let (n, high) = (n & 31, n > 31);
@@ -205,7 +205,7 @@ fn raised<const N: usize>(mut x: [i64; N], n: u32) -> [i64; N] {
     x
 }
 
-/// x·2^-n, rounded down, for n in 0..64, likewise.
+/// x·2^-n, rounded down, for n in 0..64; all words alike.
 #[cfg_attr(feature = "fast", inline(always))]
 fn lowered<const N: usize>(mut x: [i64; N], n: u32) -> [i64; N] {
     let (n, high) = (n & 31, n > 31);
@@ -226,27 +226,27 @@ fn lowered<const N: usize>(mut x: [i64; N], n: u32) -> [i64; N] {
 pub struct Draft<const AXES: usize> {
     /// Both ends.
     ends: [[Position; AXES]; 2],
-    /// mm.
+    /// Path length, mm.
     length: f32,
-    /// Axes made.
+    /// Number of axes made.
     made: usize,
-    /// It is a cubic, of which second and third derivative are known otherwise.
+    /// Whether it is a cubic, whose second and third derivative are set otherwise.
     is_cubic: bool,
 }
 
 /// Axes per call.
 const AXES_PER_CALL: usize = 4;
 
-/// Largest magnitude of what an axis has, as the power of two above it, mm; and where the point is then in
-/// numbers of 64 bits, of which sums of [`quintic`] take six.
+/// Largest magnitude of an axis's values, as the power of two above it, mm; and the position of the binary
+/// point in 64-bit numbers, of which sums of [`quintic`] use six bits.
 const MOST: i32 = 24;
 const ROOM: i32 = 57;
-/// Least one.
+/// Smallest magnitude.
 const LEAST: f32 = LSB_40 * LSB_32;
 
 impl<const AXES: usize> Draft<AXES> {
-    /// The curve from one knot to another that counts as `length` (mm) of path, with all axes to be made;
-    /// `fastest` as in [`Bounds`]. `None` where the formats cannot hold it.
+    /// The curve between two knots that counts as `length` (mm) of path; no axis is made yet. `fastest` as in
+    /// [`Bounds`]. `None` if the formats cannot hold it.
     pub fn new(
         from: &Knot<AXES>,
         to: &Knot<AXES>,
@@ -277,18 +277,18 @@ impl<const AXES: usize> Draft<AXES> {
         Some(Self { ends: [from.position, to.position], length, made: 0, is_cubic: false })
     }
 
-    /// As a cubic: the curvature at its ends is the one that follows from points and directions. Second and
-    /// third derivative are known otherwise, when it is made.
+    /// Makes the curve a cubic: points and directions give the curvature at its ends. Second and third
+    /// derivative are set otherwise, after the curve is made.
     pub fn cubic(self) -> Self {
         Self { is_cubic: true, ..self }
     }
 
-    /// Where it begins.
+    /// Start of the curve.
     pub fn from(&self) -> &[Position; AXES] {
         &self.ends[0]
     }
 
-    /// Where it ends.
+    /// End of the curve.
     pub fn to(&self) -> &[Position; AXES] {
         &self.ends[1]
     }
@@ -298,7 +298,7 @@ impl<const AXES: usize> Draft<AXES> {
         self.made >= AXES
     }
 
-    /// Makes the next axes. `None` where the formats cannot hold them.
+    /// Makes the next axes. `None` if the formats cannot hold them.
     pub fn go_on(&mut self, element: &mut Element<AXES>) -> Option<()> {
         let Element { shape, entry, exit, bounds, .. } = element;
         let (end_w, reciprocal) = (shape.end_w(), shape.reciprocal());
@@ -314,7 +314,7 @@ impl<const AXES: usize> Draft<AXES> {
             let (Some(k0), Some(k1)) = (entry.curvature.get(k), exit.curvature.get(k)) else { return None };
             let travel = travel(*x0, *x1)?;
             if rests(travel, [*t0, *t1], [*k0, *k1]) {
-                // What was there before was another element's.
+                // The old values belong to another element.
                 (*power.get_mut(k)?, *downs.get_mut(k)?, *shape.gain.get_mut(k)?) = ([0; 4], 0, 0);
                 bounds.set(k, &[0.0; 3], 0.0)?;
                 continue;
@@ -332,7 +332,7 @@ impl<const AXES: usize> Draft<AXES> {
             };
             *power.get_mut(k)? = coefficients;
             *downs.get_mut(k)? = down;
-            // Off by at most a few LSB: hidden by the guard bits.
+            // The error is at most a few LSB: the guard bits hide it.
             let rest = (travel << GUARD).wrapping_sub(bent);
             *shape.gain.get_mut(k)? = mul_shift(rest, reciprocal, 60);
         }
@@ -340,14 +340,14 @@ impl<const AXES: usize> Draft<AXES> {
     }
 }
 
-/// A path length in mm as an element has it. `None` where the formats cannot hold it.
+/// A path length in mm in the format of an element. `None` if the format cannot hold it.
 #[cfg_attr(feature = "fast", inline(always))]
 pub fn distance(length: f32) -> Option<Distance> {
     let bits = to_bits::<44>(length);
     (bits > 0 && bits < LONGEST).then(|| Distance::from_bits(bits))
 }
 
-/// How far an axis goes. `None` where the formats cannot hold it.
+/// Travel of an axis. `None` if the formats cannot hold it.
 #[cfg_attr(feature = "fast", inline(always))]
 fn travel(from: Position, to: Position) -> Option<i64> {
     const MOST: i64 = LONGEST >> FINER;
@@ -358,14 +358,14 @@ fn travel(from: Position, to: Position) -> Option<i64> {
     (travel.wrapping_add(MOST) as u64 >> (MOST.trailing_zeros() + 1) == 0).then_some(travel)
 }
 
-/// Whether an axis is at rest: all of it is zero.
+/// Whether an axis is at rest: all values are zero.
 #[cfg_attr(feature = "fast", inline(always))]
 fn rests(travel: i64, [t0, t1]: [i64; 2], [k0, k1]: [f32; 2]) -> bool {
     travel | t0 | t1 == 0 && k0 == 0.0 && k1 == 0.0
 }
 
 impl<const AXES: usize> Shape<AXES> {
-    /// Gets that length, mm.
+    /// Sets the length, mm.
     #[cfg_attr(feature = "fast", inline(always))]
     fn measure(&mut self, length: f32) -> Option<()> {
         self.length = distance(length)?;
@@ -373,7 +373,7 @@ impl<const AXES: usize> Shape<AXES> {
         Some(())
     }
 
-    /// Becomes a polynomial of that length (mm) whose axes are to be made: until then they are anything.
+    /// Becomes a polynomial of this length (mm) whose axes are not made yet: until then they are undefined.
     #[cfg_attr(feature = "fast", inline(always))]
     fn uncurve(&mut self, length: f32) -> Option<()> {
         self.measure(length)?;
@@ -384,21 +384,21 @@ impl<const AXES: usize> Shape<AXES> {
     }
 }
 
-/// What all axes of an element have in common.
+/// Values that all axes of an element share.
 pub(super) struct Scale {
-    /// mm: as it is; its square; and as mantissa·2^`up`, with a mantissa of 24 bits and 38 zeros.
+    /// Length in mm: the value, its square, and as mantissa·2^`up`, with a mantissa of 24 bits and 38 zeros.
     length: f32,
     square: f32,
     mantissa: i64,
     up: i32,
     /// 2^62·τ at the end.
     end_w: i64,
-    /// Second to fifth power of 1/τ there, which is in 1..2: with 60, 58, 56 and 54 fraction bits.
+    /// Second to fifth power of 1/τ at the end, in 1..2: with 60, 58, 56 and 54 fraction bits.
     powers: [i64; 4],
 }
 
 impl Scale {
-    /// `end_w` and `reciprocal`: those of the shape.
+    /// `end_w` and `reciprocal` are those of the shape.
     pub(super) fn new(length: f32, end_w: i64, reciprocal: i64) -> Self {
         let bits = length.to_bits();
         let mantissa = i64::from(bits & 0x7f_ffff | 0x80_0000) << 38;
@@ -416,20 +416,20 @@ impl Scale {
         [to_f32(t0) * LSB_40 * self.length, to_f32(t1) * LSB_40 * self.length]
     }
 
-    /// Places of the point for an axis whose numbers are no larger than that, mm: what it has, in 64 bits.
+    /// Position of the binary point for an axis whose values are at most `most`, mm, in 64 bits.
     #[cfg_attr(feature = "fast", inline(always))]
     fn point(&self, travel: i64, most: f32) -> Option<i32> {
         let above = exponent(max(max(magnitude(to_f32(travel) * LSB_32), most), LEAST));
         if above > MOST { None } else { Some(ROOM - above) }
     }
 
-    /// Travel and slopes with so many places.
+    /// Travel and slopes with this binary point.
     #[cfg_attr(feature = "fast", inline(always))]
     fn placed(&self, travel: i64, tangents: [i64; 2], point: i32) -> (i64, [i64; 2]) {
-        // Tangents to the full width: with it a product is 2^(40 − 64) of what their LSB says.
+        // Tangents in full width: a product is then 2^(40 − 64) of the value that their LSB gives.
         let [t0, t1] = tangents;
         let up = ((t0.unsigned_abs() | t1.unsigned_abs() | 1).leading_zeros() as i32 - 1).max(0);
-        // What is below 2^57 with so many places is above that before.
+        // Values below 2^57 with this binary point.
         let down = (up - 24 - self.up - point).clamp(0, 63);
         let mut slopes = raised(tangents, up as u32);
         for slope in &mut slopes {
@@ -439,10 +439,9 @@ impl Scale {
         (travel, lowered(slopes, down as u32))
     }
 
-    /// A quintic, and its bounds over 0..1. `None` where the formats cannot hold it.
+    /// A quintic, and its bounds over 0..1. `None` if the formats cannot hold it.
     ///
-    /// In integers: a core that has no f64 takes some hundred instructions for that, ten times as many for the
-    /// same in f64.
+    /// In integers: without f64 hardware this takes some hundred instructions, a tenth of the same in f64.
     #[inline(never)]
     fn quintic(&self, travel: i64, tangents: [i64; 2], curvatures: [f32; 2]) -> Option<Quintic> {
         let slopes = self.slopes(tangents);
@@ -457,7 +456,7 @@ impl Scale {
         Some(Quintic { coefficients, down, bent, bounds: [fastest(v0, powers), second, third] })
     }
 
-    /// A cubic, likewise.
+    /// A cubic, in the same way.
     #[inline(never)]
     fn cubic(&self, travel: i64, tangents: [i64; 2]) -> Option<Cubic> {
         let slopes = self.slopes(tangents);
@@ -469,14 +468,14 @@ impl Scale {
         Some(Cubic { coefficients, down, bent, first: fastest_of_cubic(slopes[0], powers) })
     }
 
-    /// Coefficients over 0..1 with so many places become those over τ.
+    /// Turns coefficients over 0..1 into those over τ.
     #[cfg_attr(feature = "fast", inline(always))]
     pub(super) fn scaled<const N: usize>(&self, a: [i64; N], point: i32) -> Option<Scaled<N>> {
         let zeros = a.iter().fold(0, |bits, a| bits | a.unsigned_abs()).leading_zeros() as i32;
         if zeros == 64 {
             return Some(Scaled { coefficients: [0; N], down: 0, powers: [0.0; N] });
         }
-        // To the full width, and over τ.
+        // In full width, and over τ.
         let (a, point) = (raised(a, (zeros - 1) as u32), point + zeros - 1);
         let unit = power_of_two(32 - point);
         let powers = a.map(|a| (a >> 32) as i32 as f32 * unit);
@@ -485,7 +484,7 @@ impl Scale {
             *b = mul_near(*b, *power) >> more;
         }
         let sum = b.iter().fold(0, |sum, b| sum + b.unsigned_abs());
-        // Bits of the sum, and those behind its point.
+        // Bits of the sum, and bits behind the binary point.
         let (bits, behind) = (64 - sum.leading_zeros() as i32, point - 10);
         let scale = (SUM + behind - bits).min(POINT + 60);
         if scale < POINT {
@@ -497,16 +496,16 @@ impl Scale {
     }
 }
 
-/// What an axis has beside its linear part, and its bounds over 0..1.
+/// The part of an axis beyond the linear part, and its bounds over 0..1.
 struct Quintic {
     coefficients: [i32; 4],
     down: u8,
-    /// All of it at the end, 2^-42 mm.
+    /// The value of this part at the end, LSB 2^-42 mm.
     bent: i64,
     bounds: [f32; 3],
 }
 
-/// The same of a cubic, of which second and third derivative are known otherwise.
+/// The same for a cubic, whose second and third derivative are set otherwise.
 struct Cubic {
     coefficients: [i32; 2],
     down: u8,
@@ -514,17 +513,17 @@ struct Cubic {
     first: f32,
 }
 
-/// What comes to the linear part, without bounds.
+/// The part beyond the linear part, without bounds.
 pub(super) struct Scaled<const N: usize> {
     /// Coefficients from the second power on, and their exponent.
     pub(super) coefficients: [i32; N],
     pub(super) down: u8,
-    /// The same as numbers over 0..1.
+    /// The same coefficients as numbers over 0..1.
     pub(super) powers: [f32; N],
 }
 
-/// Coefficients of the second to the fifth power over 0..1: travel, slopes and second derivatives at both
-/// ends. With d = travel − v0, e = v1 − v0 and halves of w0 and w1 there are few products.
+/// Coefficients of the second to the fifth power over 0..1, from travel, slopes and second derivatives at
+/// both ends. With d = travel − v0, e = v1 − v0 and halves of w0 and w1 there are few products.
 fn quintic(travel: i64, [v0, v1]: [i64; 2], [w0, w1]: [i64; 2]) -> [i64; 4] {
     let (d, e, p, q) = (travel - v0, v1 - v0, w0 >> 1, w1 >> 1);
     let (e3, p3) = (3 * e, 3 * p);
@@ -538,7 +537,7 @@ fn most(x: &[f32]) -> f32 {
     sizes.fold(first, max)
 }
 
-/// Largest magnitude of the first derivative over 0..1, and what rounding here may hide.
+/// Largest magnitude of the first derivative over 0..1, plus possible rounding.
 pub(super) fn fastest(a1: f32, [a2, a3, a4, a5]: [f32; 4]) -> f32 {
     // Powers p0…pn become Bernstein coefficients Σ C(i,j)/C(n,j)·p_j.
     let p = [a1, 2.0 * a2, 3.0 * a3, 4.0 * a4, 5.0 * a5];
@@ -553,28 +552,28 @@ pub(super) fn fastest(a1: f32, [a2, a3, a4, a5]: [f32; 4]) -> f32 {
     most(&first) * SEEN
 }
 
-/// The same of a cubic, as of a quintic without its last two powers.
+/// The same for a cubic: a quintic without its last two powers.
 fn fastest_of_cubic(a1: f32, [a2, a3]: [f32; 2]) -> f32 {
     let (q1, q2) = (0.5 * a2, 0.5 * a3);
     most(&[a1, a1 + q1, a1 + 2.0 * q1 + q2, a1 + 3.0 * (q1 + q2), a1 + 4.0 * q1 + 6.0 * q2]) * SEEN
 }
 
-/// For rounding.
+/// Margin for rounding.
 const SEEN: f32 = 1.0 + 1.0 / 1_048_576.0;
 
-/// The same of the second and the third derivative.
+/// The same for the second and the third derivative.
 pub(super) fn bends([a2, a3, a4, a5]: [f32; 4]) -> [f32; 2] {
     let [b0, b1, b2, b3] = [2.0 * a2, 6.0 * a3, 12.0 * a4, 20.0 * a5];
     let second = |u: f32| b0 + u * (b1 + u * (b2 + u * b3));
     let third = |u: f32| b1 + u * (2.0 * b2 + u * (3.0 * b3));
-    // The one has its extremes where the other vanishes: the roots of t² + …, of which one is found without a
+    // Each has its extremes where the next one vanishes: the roots of t² + …. One root is found without a
     // difference.
     let root = sqrt_f32(max(b2 * b2 - 3.0 * b1 * b3, 0.0));
     let sum = -(b2 + if b2 < 0.0 { -root } else { root });
     let inside = |p: f32, q: f32| if q == 0.0 { 0.0 } else { min(max(p / q, 0.0), 1.0) };
     let seconds = [b0, second(1.0), second(inside(sum, 3.0 * b3)), second(inside(b1, sum))];
     let thirds = [b1, third(1.0), third(inside(-b2, 3.0 * b3))];
-    // Sums of four numbers, at places that are known to 2^-11 where two of them are one.
+    // Sums of four numbers, at places that are accurate to 2^-11 where two of them coincide.
     let hidden = |p: [f32; 4]| p.iter().map(|p| magnitude(*p)).sum::<f32>() * (1.0 / 1_048_576.0);
     let (of_second, of_third) = (hidden([b0, b1, b2, b3]), hidden([0.0, b1, 2.0 * b2, 3.0 * b3]));
     [most(&seconds) + of_second, most(&thirds) + of_third]

@@ -1,5 +1,5 @@
-//! Curves as numbers, for a transformation (feature `kinematics`): the coefficients of an element over the share of
-//! its path, and the element of such coefficients.
+//! Curves as numbers, for a transformation (feature `kinematics`): the coefficients of an element over the fraction
+//! of its path, and the element from such coefficients.
 use super::poly::{Scale, bends, bent, fastest};
 use super::{Bounds, Curve, Distance, Element, End, GUARD, Passage, Shape};
 use crate::math::float::to_f32;
@@ -11,20 +11,20 @@ use crate::quantity::Position;
 pub struct Turn {
     /// Axes of its plane.
     pub plane: [usize; 2],
-    /// From the centre to its start, mm.
+    /// Vector from the centre to the start, mm.
     pub radius: [f64; 2],
-    /// What comes to the radius until the end, before it is turned, mm.
+    /// Growth of the radius until the end, before the turn, mm.
     pub growth: [f64; 2],
-    /// Angle from the first axis of the plane to the second one until the end, degree.
+    /// Angle until the end, from the first axis of the plane to the second, degrees.
     pub degrees: f64,
 }
 
-/// A curve over the share 0 to 1 of its path.
+/// A curve over the fraction 0 to 1 of its path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Powers<const AXES: usize> {
-    /// Coefficients of the zeroth to fifth power, mm or degree. Those of an arc's plane have its centre.
+    /// Coefficients of the zeroth to fifth power, mm or degrees. In an arc's plane they contain its centre.
     pub axes: [[f64; 6]; AXES],
-    /// What an arc adds.
+    /// The additional term of an arc.
     pub turn: Option<Turn>,
 }
 
@@ -35,7 +35,7 @@ const LSB_62: f64 = 1.0 / (1u64 << 62) as f64;
 const ONE_40: f64 = (1u64 << 40) as f64;
 
 impl<const AXES: usize> Shape<AXES> {
-    /// The curve from `start` in numbers. Their rounding is below 2^-50 of the largest coordinate.
+    /// The curve from `start` in numbers, with a rounding below 2^-50 of the largest coordinate.
     pub(crate) fn powers(&self, start: &[Position; AXES]) -> Powers<AXES> {
         let base = self.base(start);
         let end = self.end_w() as f64 * LSB_62;
@@ -76,11 +76,11 @@ impl<const AXES: usize> Shape<AXES> {
     }
 }
 
-/// A polynomial of one axis that is to become a part of an element.
+/// A polynomial of one axis that will be a part of an element.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Quintic {
-    /// Coefficients of the first to fifth power over the share 0 to 1, 2^-42 mm or degree. Their sum is the travel,
-    /// a multiple of the LSB of a position.
+    /// Coefficients of the first to fifth power over the fraction 0 to 1, LSB 2^-42 mm or degrees. Their sum is the
+    /// travel, a multiple of the LSB of a position.
     pub power: [i64; 5],
     /// First and second derivative at both ends, mm or degree.
     pub ends: [[f64; 2]; 2],
@@ -96,8 +96,8 @@ impl Quintic {
 }
 
 impl<const AXES: usize> Element<AXES> {
-    /// Becomes the polynomials of all axes over that path length; `fastest` as in [`Bounds`]. `is_straight`: their
-    /// first powers alone count. `None` where the formats cannot hold them.
+    /// Becomes the polynomials of all axes over this path length; `fastest` as in [`Bounds`]. `is_straight`: only
+    /// the first powers count. `None` if the formats cannot hold them.
     pub(crate) fn become_quintics(
         &mut self,
         length: Distance,

@@ -1,21 +1,21 @@
-//! Waiting at gates, and going on.
+//! Waits at gates, and continues after acknowledgements.
 //!
-//! Before a gate the motion is planned to stand still; behind it nothing is handed on. When the last
-//! acknowledgement comes while the motion before the gate does not slow down for it yet, the law of that
-//! motion is made anew with the speed that the way behind the gate permits. It has to agree with the old one
-//! up to a tick shortly ahead, where the interrupt changes over ([`clock`]): so it does as long as only its
-//! end differs. Otherwise the old law holds, and the motion goes on from rest.
+//! The motion is planned to stop before a gate, and no block behind the gate is released. If the last
+//! acknowledgement comes before the motion begins to brake for the gate, the profile before the gate is made
+//! again, with the end speed that the path behind the gate permits. The new profile must agree with the old
+//! one up to a tick shortly ahead, where the interrupt changes over ([`clock`]). They agree there if they
+//! differ only at the end. Otherwise the old profile stays, and the motion continues from rest.
 use super::hold::REACTION;
 use super::{PIECES, Phase, Planning, RingStage, Slot, Speed, Work, clock};
 use crate::queue::PHASES;
 
 impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
-    /// Before the first block of the look-ahead, a gate.
+    /// Handles a gate at the first block of the look-ahead.
     pub(super) fn wait(&mut self) -> Work {
         self.stand()
     }
 
-    /// Stands where everything handed on ends: a tick shows the point itself.
+    /// Stops at the end of the released path: a tick shows the end point.
     pub(super) fn stand(&mut self) -> Work {
         if self.task.stood {
             return Work::Waiting;
@@ -25,19 +25,19 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         Work::Working
     }
 
-    /// Whether the motion stands still because acknowledgements have not come.
+    /// Whether the motion is stopped because acknowledgements have not come.
     pub fn is_waiting(&self) -> bool {
         let gate = self.lookahead.ring.first().is_some_and(|first| first.is_gate()) || self.functions.waits();
         gate && self.task.stood && self.queue.clock.now() == self.frontier.end
     }
 
-    /// Looks at acknowledgements, and goes on with what they began.
+    /// Reads acknowledgements, and continues the work that they began.
     #[inline(never)]
     pub(super) fn answer(&mut self) -> Option<Work> {
         if self.task.joining {
             return self.join();
         }
-        // A plan at work is completed first.
+        // A plan in progress is completed first.
         if !self.queue.control.is_answered() || self.task.stage == RingStage::Passing {
             return None;
         }
@@ -53,12 +53,13 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         if first && self.begin_join() { Some(Work::Working) } else { None }
     }
 
-    /// The first gate is open. Plans what is behind it, if the motion before it may still be fast there.
+    /// The first gate is open. Plans the path behind it, if the motion before the gate may still be fast
+    /// there.
     fn begin_join(&mut self) -> bool {
         let Some(last) = self.committed.len().checked_sub(1) else { return false };
         let Some(committed) = self.committed.get(last) else { return false };
         let done = !clock::is_before(self.queue.clock.now(), self.frontier.end);
-        // What has a law of its own already, a hold among them, keeps it.
+        // A span that already has a new profile, of a hold for example, keeps it.
         if done || self.orders.mode.stopping || self.frontier.planned != self.committed.len() {
             return false;
         }
@@ -72,13 +73,13 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         true
     }
 
-    /// Goes on with that plan; when it is complete, changes the law before the gate.
+    /// Continues this plan. When it is complete, changes the profile before the gate.
     fn join(&mut self) -> Option<Work> {
         if self.lookahead.step_pass().is_none() {
             return Some(Work::Working);
         }
         self.task.joining = false;
-        // What was to be handed on had another plan.
+        // Blocks about to be released belonged to another plan.
         self.task.reopened = true;
         let first = self.lookahead.ring.first_speed();
         let last = self.committed.len().wrapping_sub(1);
@@ -86,7 +87,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let joined = v_out > Speed::ZERO && self.join_at(v_out);
         let begins = if joined { v_out } else { Speed::ZERO };
         if begins != first {
-            // The plan began faster.
+            // The plan began at a higher speed.
             self.lookahead.ring.restart(begins);
         }
         if !joined {
@@ -96,7 +97,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         Some(Work::Replanned)
     }
 
-    /// The last span ends at the speed `v_out`, if its law can be changed in time.
+    /// Sets the end speed of the last span to `v_out`, if the profile can be changed in time.
     fn join_at(&mut self, v_out: Speed) -> bool {
         self.trim();
         match self.make_join(v_out) {
@@ -109,8 +110,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         }
     }
 
-    /// The first pieces of that law, if they are as the motion at hand; `None` where nothing has begun. Not
-    /// inlined: what it has on the stack is gone when the way behind them is made.
+    /// Makes the first pieces of the profile, if they agree with the current motion; `None` if the motion has
+    /// not begun. Not inlined, so that its stack frame is gone before the stop behind them is made.
     #[inline(never)]
     fn make_join(&mut self, v_out: Speed) -> Option<bool> {
         let k = self.committed.len().checked_sub(1)?;
@@ -153,7 +154,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         Some(false)
     }
 
-    /// The law just begun at the instant `at`: the motion there, and the piece from there on.
+    /// The motion at the instant `at` in the new profile, and the piece from there on.
     fn piece_at(&mut self, at: u32) -> Option<(super::Instant, Phase)> {
         let mut phase = Phase::BLANK;
         for _ in 0..PHASES {

@@ -1,14 +1,14 @@
-//! Another law for what is in the queue, or a start from rest: nothing of it counts before the way to a
-//! standstill behind it is complete.
+//! Another profile for spans in the queue, or a start from rest. New pieces are not valid before the stop
+//! behind them is complete.
 //!
-//! New pieces go in behind a barrier, which the interrupt does not pass, and the way to a standstill behind them
-//! goes to the reserve, beside the one in force. That may take several calls. Only then the cut is published
-//! and the reserve changes with it: at each tick there is a way to a standstill, whenever the planner is kept
-//! from its work. If the interrupt is beyond the instant of the change by then, all is as before and the next try
-//! is further ahead.
+//! The planner writes new pieces behind a barrier, which the interrupt does not pass. The stop behind the new
+//! pieces goes into the reserve, beside the stop in force. This may take several calls. Only then the planner
+//! publishes the cut, and the reserve changes with it. So each tick has a valid stop, even if the planner is
+//! interrupted. If the interrupt has then passed the instant of the change, nothing changes, and the next try is
+//! for a later instant.
 //!
-//! Where the standstill before the new pieces has a tick in reserve, that is their barrier: a planner that gets
-//! no time lets the motion stand there.
+//! If the stop before the new pieces has a tick in the reserve, this tick is their barrier: a planner that gets
+//! no time lets the motion stop there.
 use super::committed::CommittedSpan;
 use super::descent::Descent;
 use super::hold::{Mode, REACTION};
@@ -16,24 +16,24 @@ use super::reserve::Way;
 use super::{Distance, Frontier, Instant, KEPT_FREE, Planning, Speed, Work};
 use crate::queue::{Change, NotNow, renew};
 
-/// How often a call goes on with the way to a standstill behind new pieces that count at once or never.
+/// Steps per call for the stop behind new pieces whose fate is decided at once.
 const WAYS: u32 = 8;
 
-/// The change furthest ahead, ticks.
+/// Largest distance of a change in time, ticks.
 const FURTHEST: u32 = 128;
 
-/// New pieces that do not count yet, and what was before them.
+/// New pieces that are not valid yet, and the state before them.
 pub(super) struct Pending {
     change: Change,
     at: u32,
     before: Before,
-    /// What is still in the look-ahead begins slower when they count.
+    /// Whether the look-ahead begins slower once the pieces are valid.
     lowers: bool,
 }
 
-/// What a change has touched, as it was.
+/// The state before a change.
 struct Before {
-    /// The span that gets another law; none at a start.
+    /// The span that gets another profile; none at a start.
     span: Option<(usize, CommittedSpan)>,
     frontier: Frontier,
     mode: Mode,
@@ -41,13 +41,14 @@ struct Before {
 }
 
 impl Pending {
-    /// What is still in the look-ahead begins slower once they count. `false`: none of them is of another law.
+    /// Lets the look-ahead begin slower once the pieces are valid. Returns `false` if there is no pending
+    /// change of a profile.
     pub(super) const fn lower_later(&mut self) -> bool {
         self.lowers = self.before.span.is_some();
         self.lowers
     }
 
-    /// Whether the change is a new profile for a span, not a start.
+    /// Whether the change is a new profile of a span, not a start.
     pub const fn is_command(&self) -> bool {
         self.before.span.is_some()
     }
@@ -59,14 +60,15 @@ impl Pending {
 }
 
 impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
-    /// From the instant `at` on the span `k` has another law: a way down, which begins there, or a new one
-    /// from its start. `None`, and nothing has changed, if that came too late.
+    /// Gives the span `k` another profile from the instant `at` on: a braking that begins there, or a new
+    /// profile from the span's start. Returns `None` if the change came too late; nothing has changed then.
     pub(super) fn change(&mut self, k: usize, at: u32, descent: Option<Descent>) -> Option<Work> {
         self.make_change(k, at, descent.as_ref())?;
         self.secure_change().then_some(Work::Working)
     }
 
-    /// The first pieces of it. Not inlined: what it has on the stack is gone when the way behind them is made.
+    /// Makes the first pieces of the change. Not inlined, so that its stack frame is gone before the stop
+    /// behind them is made.
     #[inline(never)]
     fn make_change(&mut self, k: usize, at: u32, descent: Option<&Descent>) -> Option<()> {
         let drops = at != self.frontier.end;
@@ -82,13 +84,13 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             self.frontier.speed = committed.enters;
         }
         if descent.is_none() && self.orders.mode.stopping && self.frontier.speed == Speed::ZERO {
-            // It stands before the span, and has no law to stand still by.
+            // The motion is before the span, and has no profile that stops it.
             (self.frontier.pending_dwell, self.frontier.stops) = (0, true);
         } else if self.frontier.end == at && self.frontier.planned == k && !self.orders.mode.halting {
             if descent.is_some()
                 && let Some(committed) = self.committed.get(k)
             {
-                // So short a slowing down that it has no tick leaves it to the rest.
+                // A braking too short to have a tick is left to the rest.
                 let (distance, speed) = (committed.start.to_bits(), self.frontier.speed.to_bits());
                 self.stay_within(k, &Instant { distance, speed, accel: 0 });
             }
@@ -98,7 +100,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             }
         }
         if self.frontier.end == at && self.frontier.speed == Speed::ZERO {
-            // It stands there already: at the end of a law without a tick, or inside the span.
+            // The motion already stops there: at the end of a profile without a tick, or inside the span.
             let ended = self
                 .frontier
                 .planned
@@ -110,7 +112,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             let stands = self.orders.mode.passed.and_then(|passed| passed.stands).map(Distance::from_bits);
             self.put_rest(stands.unwrap_or(in_span), 1);
         }
-        // Nothing was handed out for a law that failed, or is still being looked for.
+        // No pieces exist if the profile failed or is still being searched.
         if made != Ok(true) || (drops && self.frontier.end == at) {
             self.undo();
             return None;
@@ -118,7 +120,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         Some(())
     }
 
-    /// What it touches is kept. `None`, and nothing has changed, where there is no room for it.
+    /// Saves the state that the change touches. Returns `None` if there is no room; nothing has changed then.
     #[inline(never)]
     fn open_change(&mut self, k: usize, at: u32) -> Option<()> {
         let committed = *self.committed.get(k)?;
@@ -132,7 +134,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         Some(())
     }
 
-    /// From here on new pieces, from the instant `at` on, do not count before [`Self::hand_over`]. There is
+    /// From here on, new pieces from the instant `at` on are not valid before [`Self::hand_over`]. There is
     /// room for a barrier.
     pub(super) fn begin_change(&mut self, at: u32, span: Option<(usize, CommittedSpan)>) {
         let needs_barrier = at != self.frontier.end || !self.reserve.is_kept();
@@ -145,11 +147,12 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         self.frontier.rests = false;
     }
 
-    /// The first pieces behind a standstill: they count when the motion can end. `false`: not yet.
+    /// Begins the first pieces after a stop: they become valid when the motion can end. Returns `false` if it
+    /// is too early.
     pub(super) fn begin_start(&mut self) -> bool {
         self.trim();
         if !self.reserve.is_kept() {
-            // There is one cut at a time: a command may want it before.
+            // There is one cut at a time, and a command may want it before.
             if self.is_far(self.frontier.end) {
                 self.keep_rest();
             } else if self.orders.mode.cut.is_some() {
@@ -160,8 +163,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         true
     }
 
-    /// The pieces are in. Where they end at rest they count, else with the way to a standstill behind them.
-    /// `false`: nothing has changed.
+    /// All new pieces are written. If they end at rest, they become valid; otherwise together with the stop
+    /// behind them. Returns `false` if nothing has changed.
     pub(super) fn secure_change(&mut self) -> bool {
         let ends = self.frontier.speed == Speed::ZERO && self.frontier.emitter.is_done();
         if ends {
@@ -175,12 +178,12 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             }
             return true;
         }
-        // The next call begins with it.
+        // The next call begins with the stop.
         true
     }
 
-    /// The new pieces, if there are any, and the way behind them count. `false`: it was too late, or the interrupt
-    /// has left, and all is as before.
+    /// Puts the new pieces, if there are any, and the stop behind them in force. Returns `false` if it is too
+    /// late, or if the interrupt has left the queue; nothing has changed then.
     pub(super) fn hand_over(&mut self, way: Option<Way>) -> bool {
         if self.queue.clock.has_left() {
             self.undo();
@@ -218,13 +221,13 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         true
     }
 
-    /// A change came too late: the next one is further ahead.
+    /// A change came too late: the next one is for a later instant.
     pub(super) fn look_further(&mut self) {
         self.orders.lead = (2 * self.orders.lead).min(FURTHEST);
     }
 
-    /// The span of a change that counts has another law: those behind begin anew, but for those that a way
-    /// down has passed.
+    /// The span of a valid change has another profile. Later spans begin anew, except those that a braking
+    /// has passed.
     pub(super) fn take_over(&mut self) {
         if let Some((k, lowers)) = self.reserve.changed.take() {
             self.committed.restore_from(k + 1);
@@ -235,7 +238,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         }
     }
 
-    /// The pieces that do not count are taken back, if there are any: all is as before.
+    /// Withdraws the pieces that are not valid, if there are any. The earlier state returns.
     pub(super) fn undo(&mut self) {
         if let Some(pending) = self.reserve.pending.take() {
             pending.change.abandon(&mut self.queue.phases, self.queue.clock);
@@ -248,7 +251,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         (self.frontier, self.orders.mode, self.reserve.behind) =
             (before.frontier, before.mode, before.behind);
         if let Some((k, span)) = before.span {
-            // A standstill that is wanted is tried again, if there is none yet.
+            // If a stop is wanted and does not exist yet, it is tried again.
             self.orders.mode.stopping = before.mode.is_standing();
             if let Some(committed) = self.committed.get_mut(k) {
                 *committed = span;
@@ -257,7 +260,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         self.reserve.undone = true;
     }
 
-    /// A change whose outcome is to be known now: at once or not at all.
+    /// Carries out a change at once or not at all.
     pub(super) fn join_change(&mut self) -> bool {
         self.secure_change();
         for _ in 0..WAYS {

@@ -1,4 +1,4 @@
-//! Spans whose time law may still change: the interrupt has not left them.
+//! Committed spans: the interrupt has not passed them, and their profile may still change.
 use crate::lookahead::{GoingOn, ReleasedSpan};
 use crate::machine::functions;
 use crate::math::float::{min, to_f32};
@@ -6,17 +6,17 @@ use crate::quantity::{Distance, Speed};
 use crate::queue::MAX_CURVES_PER_TICK;
 use crate::slope::brake::SHORT;
 
-/// Such a span.
+/// A committed span.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct CommittedSpan {
     pub span: ReleasedSpan,
     /// Path distance of the span's start, or of the place where it continues after a stop.
     pub start: Distance,
-    /// The first tick of the span, and the time from its start to that tick.
+    /// The first tick of the span, and the time from the span's start to this tick.
     pub first: u32,
     pub next: u64,
-    /// Ticks of dwell after the span that are in the queue. Until the dwell begins they are as many as the queue holds,
-    /// fewer than 2^32.
+    /// Ticks of dwell after the span that are in the queue. Before the dwell begins, the queue holds fewer than 2^32 of
+    /// them.
     pub rest: u32,
     /// Conditions of the span's profile: speeds at its start and end, the highest permitted speed, and the operator's
     /// pace ([`crate::lookahead::Pace::key`]).
@@ -24,19 +24,19 @@ pub(super) struct CommittedSpan {
     pub leaves: Speed,
     pub limit: f32,
     pub pace: u32,
-    /// Speed planned at its start as it was released. Whether that keeps the limits of all blocks is in `span`; where
-    /// it began is where the one before it ends ([`CommittedSpans::begins`]).
+    /// Speed planned at the span's start at release. `span` knows whether this speed keeps the limits of all blocks.
+    /// The span was released at the end of the span before ([`CommittedSpans::begins`]).
     released: Speed,
 }
 
 impl CommittedSpan {
-    /// The span leaves the look-ahead, at `start`.
+    /// Prepares a span that has just left the look-ahead, at `start`.
     pub const fn begin(&mut self, start: Distance) {
         (self.start, self.rest) = (start, 0);
         self.released = self.span.v_in;
     }
 
-    /// Prepares a new profile before the span has begun. `begins`: where the span was released.
+    /// Prepares a new profile before the span has begun. `begins`: the distance where the span was released.
     pub const fn restore(&mut self, begins: i64) {
         let end = self.end();
         (self.start, self.span.v_in) = (Distance::from_bits(begins), self.released);
@@ -45,16 +45,16 @@ impl CommittedSpan {
         (self.span.slow.ceiling, self.span.slow.cruise) = (f32::MAX, 0.0);
     }
 
-    /// Notes whether the rest of the span from the path distance `at` on may be as fast as its planned profile, where
-    /// that cruises. `begins`: where the span was released.
+    /// Notes whether the rest of the span from the path distance `at` on may be as fast as the cruise of its planned
+    /// profile. `begins`: the distance where the span was released.
     pub fn look(&mut self, begins: i64, at: i64) {
         let [length, at] = [self.end(), at].map(|x| x.wrapping_sub(begins));
         let known = self.span.checked.released() && at > 0 && self.span.is_uneven();
         self.span.slow.cruise = if known { self.span.cruises(length, self.released, at) } else { 0.0 };
     }
 
-    /// Conditions under which the rest of the span, begun at the speed `v`, stays below its planned profile; `None` if
-    /// they are not known. `begins`: where the span was released.
+    /// Conditions under which the rest of the span, entered at the speed `v`, stays below its planned profile; `None`
+    /// if unknown. `begins`: the distance where the span was released.
     #[inline(never)]
     pub fn go_on(&self, begins: i64, v: Speed) -> Option<GoingOn> {
         let [length, at] = [self.end(), self.start.to_bits()].map(|x| x.wrapping_sub(begins));
@@ -72,7 +72,7 @@ impl CommittedSpan {
         span.v_in = v_in;
         span.checked.lose();
         if left < SHORT {
-            // Most of it at constant speed, which takes up the rounding of the rest.
+            // Most of the rest is at constant speed, which takes up rounding.
             let limits = &span.limits;
             let part = to_f32(left) * (0.125 / (1u64 << 44) as f32);
             let v = min(limits.speed_up().reach(0.0, part), limits.brake().reach(0.0, part));
@@ -80,40 +80,41 @@ impl CommittedSpan {
         }
     }
 
-    /// Highest speed at its start as it was released, from which its end speed can be reached.
+    /// Highest speed at the span's start, as released, from which its end speed can be reached.
     fn enter_released(&self, begins: i64) -> Speed {
         let length = Distance::from_bits(self.end().wrapping_sub(begins));
         ReleasedSpan { length, v_in: self.released, ..self.span }.enter()
     }
 
-    /// Speed planned at its start as it was released.
+    /// Speed planned at the span's start at release.
     pub const fn planned(&self) -> Speed {
         self.released
     }
 
-    /// Path distance of its end.
+    /// Path distance of the span's end.
     pub const fn end(&self) -> i64 {
         self.start.to_bits().wrapping_add(self.span.length.to_bits())
     }
 }
 
-/// More than a tick passes: so the queue gets a tick, however short they are. One is spare for a way to a
-/// standstill in reserve. Most of the memory of a plan is these: a build for little memory has no more than that.
+/// Number of committed spans: more than a tick passes, so the queue holds at least a tick of the shortest spans.
+/// One slot stays free for the reserve. These slots are most of a plan's memory, so a small build has as few as
+/// possible.
 const SLOTS: usize = MAX_CURVES_PER_TICK as usize + if functions::IS_SMALL { 3 } else { 8 };
 const _: () = assert!(SLOTS > MAX_CURVES_PER_TICK as usize + 2);
 
-/// The slot `k` behind another one.
+/// The index `k` slots behind another one.
 const fn behind(front: usize, k: usize) -> usize {
     let slot = front + k;
     if slot >= SLOTS { slot - SLOTS } else { slot }
 }
 
-/// All of them, in a ring: written in place.
+/// All committed spans, in a ring; written in place.
 pub(super) struct CommittedSpans {
     slots: [CommittedSpan; SLOTS],
     front: usize,
     len: usize,
-    /// Where the first one was released.
+    /// Path distance where the first span was released.
     begins: i64,
 }
 
@@ -142,7 +143,7 @@ impl CommittedSpans {
         (self.front, self.len, self.begins) = (other.front, other.len, other.begins);
     }
 
-    /// Forgets all of them.
+    /// Drops all spans.
     pub const fn clear(&mut self) {
         (self.front, self.len) = (0, 0);
     }
@@ -183,13 +184,13 @@ impl CommittedSpans {
         if k < self.len { self.slots.get_mut(behind(self.front, k)) } else { None }
     }
 
-    /// The free slot after the last span; it is used after [`Self::push`].
+    /// The free slot after the last span; [`Self::push`] puts it into use.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn spare(&mut self) -> Option<&mut CommittedSpan> {
         if self.len == SLOTS { None } else { self.slots.get_mut(behind(self.front, self.len)) }
     }
 
-    /// Takes in what is in [`Self::spare`].
+    /// Adds the span in [`Self::spare`].
     pub fn push(&mut self) {
         if self.len < SLOTS {
             self.len += 1;
@@ -199,7 +200,7 @@ impl CommittedSpans {
         }
     }
 
-    /// The first one is over.
+    /// Removes the first span, which is over.
     pub fn drop_first(&mut self) {
         if self.len > 0 {
             self.begins = self.begins(1);
@@ -222,7 +223,7 @@ impl CommittedSpans {
             .map(|(_, committed)| committed)
     }
 
-    /// The first `count` are to end at no more than `v_out`, and to be no faster before than that permits.
+    /// Limits the end speed of the first `count` spans to `v_out`, and their earlier speeds accordingly.
     pub fn lower(&mut self, count: usize, mut v_out: Speed) {
         for k in (0..count).rev() {
             let start = self.begins(k);
@@ -239,7 +240,7 @@ impl CommittedSpans {
         }
     }
 
-    /// Only the first ones are left, so many.
+    /// Keeps only the first `len` spans.
     pub fn truncate(&mut self, len: usize) {
         self.len = self.len.min(len);
     }

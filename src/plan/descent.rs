@@ -1,19 +1,19 @@
-//! The way down to a standstill from a motion at hand: one law through as many spans as it takes.
+//! The stop from the current motion: one braking profile through as many spans as needed.
 //!
-//! Spans end with acceleration zero where the plan has it so. A standstill need not keep that: where the path
-//! turns little between two spans (`SpanMarks::passing`) a deceleration passes. The law brakes with the
-//! least deceleration and jerk of all spans on its way, from the first to the one in which it stands. It is
-//! no faster at any transition than planned, and it is slowing down there, so the spans behind keep their
-//! limits of speed too. Where the law would be too fast, it ends: at that transition, with acceleration zero,
-//! at the planned speed or below, and the next law goes on from there.
+//! The plan makes acceleration zero at the ends of spans. A stop need not do so: where the path turns little
+//! between two spans (`SpanMarks::passing`), a deceleration passes. The braking uses the least deceleration
+//! and jerk of all spans from the first one to the one in which it ends. At no transition it is faster than
+//! planned, and it brakes there, so the following spans keep their speed limits too. Where the braking would
+//! be too fast, it ends: at that transition, with acceleration zero, at most at the planned speed. The next
+//! profile continues there.
 //!
-//! STEP may change its deceleration at any place: spans whose decelerations differ have a law each. What a
-//! curve leaves to it grows while the motion slows down in it, since the curve takes its part with the square
-//! of the speed ([`Fall`]): there the way has several laws of two stages.
+//! STEP may change its deceleration anywhere, so spans with different decelerations have a profile each. A
+//! curve takes its part of the deceleration with the square of the speed, so more is left as the motion slows
+//! down ([`Fall`]). Inside such a curve the stop has several profiles of two stages.
 //!
-//! A span of several blocks (HSC) is passed below the speed of its slowest block, or at least as hard braking
-//! as its own law does. A curve in which acceleration is bought with speed is entered so slowly that the
-//! deceleration of the law may go on in it.
+//! The motion passes a span of several blocks (HSC) below the speed of its slowest block, or while it brakes
+//! at least as hard as the span's own profile. A curve that trades speed for acceleration is entered so
+//! slowly that the deceleration of the braking may continue inside it.
 use super::hold::NOTHING;
 use super::search::{PLAN_COSTS, SCAN_COSTS, SPAN_COSTS};
 use super::{Brake, Instant, Planning, Profile, RingStage, Speed, clock};
@@ -24,43 +24,43 @@ use crate::quantity::{speed_bits, speed_f32};
 use crate::slope::brake::SHORT;
 use crate::slope::limits::{Fall, Limits, SlopeLaw};
 
-/// Most spans of one law. A longer way has several.
+/// Largest number of spans of one profile. A longer stop has several profiles.
 pub(super) const SPANS: usize = 32;
 
-/// A way has to be shorter than the room by this part: rounding of its length.
+/// A stop must be shorter than the room by this factor, because of rounding of its length.
 pub(super) const CLOSE: f32 = 1.0 - 1.0 / 262_144.0;
 
-/// A law and where it leads.
+/// A braking profile and its end.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Descent {
     pub brake: Brake,
-    /// Spans that it passes whole.
+    /// Number of spans that the profile passes completely.
     pub spans: usize,
-    /// Behind these: the next block of the look-ahead, and its path distance.
+    /// The next block of the look-ahead behind these spans, and its path distance.
     ahead: Ahead,
 }
 
 impl Descent {
-    /// No descent.
+    /// No braking profile.
     pub fn none() -> Self {
         Self::inside(Brake::default())
     }
 
-    /// A slowing down inside one span.
+    /// A braking inside one span.
     pub fn inside(brake: Brake) -> Self {
         Self { brake, spans: 0, ahead: Ahead::NONE }
     }
 }
 
-/// What a way down passes.
+/// The spans that a braking passes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Passed {
-    /// The span it begins in, and the one behind those that it passes whole.
+    /// The span in which the braking begins, and the span behind those that it passes completely.
     from: usize,
     to: usize,
-    /// The instant behind its last tick.
+    /// The instant after the braking's last tick.
     last: u32,
-    /// Path distance where it stands inside a span.
+    /// Path distance of the stop, if it is inside a span.
     pub stands: Option<i64>,
 }
 
@@ -75,44 +75,44 @@ impl Ahead {
     const NONE: Self = Self { next: usize::MAX, distance: 0 };
 }
 
-/// Goes along the spans: committed ones first, then those of the look-ahead.
+/// Walks through the spans: committed spans first, then those of the look-ahead.
 #[derive(Clone, Copy)]
 pub(super) struct Cursor {
     k: usize,
     ahead: Ahead,
-    /// With STEP, what the limits of all of them are known for.
+    /// For STEP: the braking for which the limits of all spans are known.
     fall: Option<Fall>,
 }
 
-/// What a law has to know of a span.
+/// Data of a span for a braking profile.
 pub(super) struct Stretch {
     pub limits: Limits,
-    /// Speed planned at its start; of several blocks the slowest one.
+    /// Speed planned at the span's start; for several blocks the speed of the slowest one.
     pub v_in: Speed,
     v_slow: f32,
     v_least: f32,
     is_uneven: bool,
     pub smooth: bool,
-    /// The part of a deceleration that passes its start.
+    /// The part of a deceleration that passes the span's start.
     pub passing: f32,
-    /// Acceleration inside it is bought with speed.
+    /// Whether the span trades speed for acceleration.
     trades: bool,
-    /// The path turns at its start, or inside it where it is of several blocks.
+    /// Whether the path turns at the span's start, or inside a span of several blocks.
     pub knees: bool,
     pub is_many: bool,
     bought: bool,
-    /// Rapid motion.
+    /// Whether the span is rapid motion.
     pub rapid: Option<bool>,
-    /// Path distance of its end, and the speed planned there.
+    /// Path distance of the span's end, and the speed planned there.
     pub end: i64,
     v_out: Speed,
 }
 
-/// What the limits of the spans lead to.
+/// The result for the limits of the spans.
 pub(super) enum Along {
-    /// A standstill.
+    /// The braking ends in a stop.
     Stands,
-    /// A law through so many spans; a standstill fits into them.
+    /// One profile through `spans` spans; `fits`: a stop fits into them.
     Through { spans: usize, fits: bool },
 }
 
@@ -141,18 +141,20 @@ impl Stretch {
         }
     }
 
-    /// Whether the deceleration at hand may go on in it. That of STEP becomes another one at any tick.
+    /// Whether the current deceleration may continue in the span. The deceleration of STEP changes at any
+    /// tick.
     fn permits(&self, motion: &Instant) -> bool {
         let decel = speed_f32(motion.accel.wrapping_neg());
         matches!(self.limits.law, SlopeLaw::Stepped { .. }) || decel <= self.entered().a_down
     }
 
-    /// Limits of the span for a braking that comes through its start.
+    /// Limits of the span for a braking that comes through the span's start.
     pub fn entered(&self) -> Limits {
         Limits { a_down: self.limits.a_down * self.passing, ..self.limits }
     }
 
-    /// Where acceleration is bought with speed: the highest speed without, and the acceleration at standstill.
+    /// If the span trades speed for acceleration: the highest speed without acceleration, and the
+    /// acceleration at standstill.
     fn bought(&self) -> Option<(f32, f32)> {
         let Limits { v, a_down, .. } = self.limits;
         if self.trades {
@@ -162,8 +164,8 @@ impl Stretch {
         }
     }
 
-    /// Highest speed at which a law with these limits may be in it, whose deceleration falls from the speed `falls`
-    /// on: below the slowest block it may be as slow in falling as it is.
+    /// Highest speed in the span of a braking with these limits, whose deceleration falls from the speed `falls`
+    /// on. Below the speed of the slowest block this fall may be as slow as needed.
     fn cap(&self, limits: &Limits, falls: f32) -> f32 {
         if !self.is_uneven {
             return f32::MAX;
@@ -174,8 +176,8 @@ impl Stretch {
 }
 
 impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
-    /// Where spans begin that a way from the span `k` on may pass: behind those that are committed, those of the
-    /// look-ahead, unless the way is to stay within the former.
+    /// Where the spans behind the span `k` begin: committed ones first, then those of the look-ahead. `stays`:
+    /// only committed spans.
     pub(super) fn begin_ahead(&self, k: usize, stays: bool) -> Cursor {
         let ahead = if stays {
             Ahead::NONE
@@ -190,7 +192,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         Cursor { k, ahead, fall: None }
     }
 
-    /// The same with the limits that the first span has from this motion on: [`Fall`].
+    /// As [`Self::begin_ahead`], with the limits that the first span has from this motion on: [`Fall`].
     #[inline(never)]
     pub(super) fn know_fall(
         &self,
@@ -203,10 +205,10 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         Some(())
     }
 
-    // What follows is not inlined: of what each has on the stack, only one is there at a time.
+    // The following functions are not inlined, so that only one of their stack frames exists at a time.
 
-    /// Whether the limits of the spans permit a standstill by one law; else through how many spans a law may lead, and
-    /// whether a standstill fits into them.
+    /// Whether the limits of the spans permit a stop by one profile. If not: the number of spans for one profile, and
+    /// whether a stop fits into them.
     #[inline(never)]
     pub(super) fn look_along(
         &mut self,
@@ -225,7 +227,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let mut spans = 1;
         let mut fits = Brake::fits(motion, end, &limits, CLOSE);
         while !fits && spans < SPANS {
-            // A deceleration that a span does not permit ends before it.
+            // A deceleration that the next span does not permit ends before this span.
             let goes_on = |next: &Stretch| {
                 let passes = next.smooth && next.v_in > Speed::ZERO && next.permits(motion);
                 passes && limits.slows_alike(&next.limits)
@@ -246,7 +248,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         Some(Along::Through { spans, fits })
     }
 
-    /// To the end of so many spans. `Err`: fewer of them, since the law is too fast before.
+    /// Brakes to the end of `spans` spans. `Err`: fewer spans are possible, because the profile is too fast
+    /// before.
     #[inline(never)]
     pub(super) fn step_down(
         &mut self,
@@ -274,16 +277,17 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         Some(followed.map_err(|whole| whole.min(spans - 1)))
     }
 
-    /// With STEP, whether a way down that begins in the span `k` ends where another law takes it further: it
-    /// needs nothing of the look-ahead.
+    /// For STEP: whether a braking that begins in the span `k` ends where another profile continues it. Such
+    /// a braking needs no data of the look-ahead.
     pub(super) fn is_stage(&self, k: usize, descent: &Descent) -> bool {
         let steps = |limits: &Limits| matches!(limits.law, SlopeLaw::Stepped { .. });
         k + descent.spans < self.committed.len()
             && self.committed.get(k).is_some_and(|committed| steps(&committed.span.limits))
     }
 
-    /// With STEP, in a curve: only to a speed at which it leaves more, and the rest has a law of its own. It
-    /// slows down at least as hard as the law planned, so that what was possible behind it still is.
+    /// For STEP in a curve: brakes only to a speed at which the curve leaves more deceleration. The rest gets
+    /// its own profile. The braking is at least as hard as the planned profile, so every later speed stays
+    /// possible.
     fn fall_inside(
         &mut self,
         start: Cursor,
@@ -301,9 +305,9 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         (brake.v_out == to && self.leaves_way(start, span, &brake)).then(|| Descent::inside(brake))
     }
 
-    /// Whether a slowing down inside the first span leaves path for another law, and enough of it for what is planned
-    /// at the end of the span. Of one that slows down just as hard as planned rounding may leave too little: the less
-    /// is left, the larger a part of it.
+    /// Whether a braking inside the first span leaves enough path for another profile, which has to reach the planned
+    /// end speed. After a braking that is just as hard as planned, rounding may leave too little: the shorter the
+    /// rest, the larger the effect.
     pub(super) fn leaves_way(&self, start: Cursor, span: &mut ReleasedSpan, brake: &Brake) -> bool {
         let Some(first) = self.ahead(&mut Cursor { fall: None, ..start }, span, true) else { return false };
         let span = self.committed.get(start.k).map_or(&*span, |committed| &committed.span);
@@ -311,9 +315,9 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         left > SHORT && span.can_slow_within(left, Speed::from_bits(brake.v_out))
     }
 
-    /// The next span, if there is one whose path the interrupt knows.
+    /// The next span, if there is one and the interrupt knows its path.
     ///
-    /// Where the motion goes on behind it, the speed planned at its end need not be known: not `ends`.
+    /// If the motion continues behind the span, its end speed need not be computed: `ends` is false.
     pub(super) fn ahead(&self, cursor: &mut Cursor, span: &mut ReleasedSpan, ends: bool) -> Option<Stretch> {
         if let Some(committed) = self.committed.get(cursor.k) {
             self.orders.search.spend(SPAN_COSTS);
@@ -333,7 +337,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         Some(Stretch::new(span, span.v_in, end, cursor.fall.as_ref()))
     }
 
-    /// What so many spans permit to a slowing down, the end of the last of them, and the speed planned there.
+    /// Limits that `spans` spans permit for a braking, the end of the last span, and its planned end speed.
     fn together(
         &self,
         mut cursor: Cursor,
@@ -349,8 +353,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         Some((limits, last.end, last.v_out))
     }
 
-    /// Follows a law, whose parts are in the profile, through its spans; then it is `found`. `Err`: it is too fast behind so many
-    /// spans. `short`: its limits are those of the axes on its way.
+    /// Checks a braking, whose parts are in the profile, along its spans. If it passes, it is `found`. `Err`: the
+    /// number of spans behind which it is too fast. `short`: its limits are those of the axes along its path.
     #[inline(never)]
     pub(super) fn verify(
         &self,
@@ -391,8 +395,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         }
     }
 
-    /// The law of a descent that begins in the span `k` goes to the emitter. [`Self::note_passed`] tells the
-    /// spans.
+    /// Gives a braking that begins in the span `k` to the emitter. [`Self::note_passed`] updates the spans.
     #[inline(never)]
     pub(super) fn go_down(&mut self, k: usize, descent: &Descent) {
         let Descent { brake, spans, ahead } = descent;
@@ -429,7 +432,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             self.frontier.pending_dwell = u64::from(ended.rest);
             self.lower();
         } else {
-            // Inside a span, or at the end of one of the look-ahead.
+            // The stop is inside a span, or at the end of a span of the look-ahead.
             self.orders.mode.halting = true;
             stands = Some(brake.end);
             if to >= committed {
@@ -439,7 +442,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         self.orders.mode.passed = Some(Passed { from: k, to, last, stands });
     }
 
-    /// The law is in the queue: the spans on its way are passed.
+    /// The braking is in the queue: marks the spans on its path as passed.
     pub(super) fn note_passed(&mut self) {
         let Some(Passed { from, to, last, stands }) = self.orders.mode.passed.take() else { return };
         for k in from + 1..=to {
@@ -453,7 +456,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     }
 }
 
-/// Whether the law is at most as fast as `v` from the path distance `at` on.
+/// Whether the braking is at most as fast as `v` from the path distance `at` on.
 fn is_slower(profile: &Profile, brake: &Brake, at: i64, v: f32) -> bool {
     let along = to_f32(at.wrapping_sub(brake.from)) * (1.0 / (1u64 << 44) as f32);
     brake.passes(profile, v) <= along * CLOSE

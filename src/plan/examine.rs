@@ -1,12 +1,13 @@
-//! A program is checked without a plan: takes motion blocks as [`Planning::take`] does, and gives their refusals.
+//! Checks a program without a plan: takes motion blocks as [`Planning::take`] does, and returns their
+//! refusals.
 //!
-//! Blocks pass all that may refuse them: path, feed, software limits, smoothing. Where the look-ahead begins, the
-//! element is dropped. Nothing comes into the queue, and a stop or a dwell takes no time.
+//! Blocks go through all stages that may refuse them: path, feed, software limits, smoothing. The element is
+//! dropped before the look-ahead. The queue stays empty, and a stop or a dwell takes no time.
 use super::{Planning, Work};
 use crate::smooth::Smoother;
 
 impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
-    /// From now on blocks are only examined. Only before the first block.
+    /// From now on blocks are only examined. Call it before the first block.
     pub fn begin_to_examine(&mut self) {
         self.lookahead.ring.begin_to_examine();
     }
@@ -16,7 +17,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         self.lookahead.ring.examines()
     }
 
-    /// A piece of work in place of a plan.
+    /// Does one piece of work in place of a plan.
     pub(super) fn examine(&mut self) -> Work {
         self.functions.drop_passed(self.queue.control);
         if !self.intake.smoothing.is_empty() && self.round_off() {
@@ -30,7 +31,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             return Work::Working;
         }
         self.let_go();
-        // All comes to rest here: functions come out, and are acknowledged.
+        // Everything rests here: functions are output and acknowledged at once.
         self.functions.clear(self.queue.control);
         (self.task.flush, self.task.rest) = (false, 0);
         Work::Working

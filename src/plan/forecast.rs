@@ -1,8 +1,9 @@
-//! Questions about what comes: the state at a later tick, the next block at feed, the standstill after a hold of now.
+//! Questions about the coming motion: the state at a later tick, the next block at feed, the standstill if a
+//! hold came now.
 //!
-//! The pieces in the queue are the future: state and next block are read from them. The standstill is what a hold would
-//! plan. The planner makes those laws on a copy of its spans ([`Inquiry`]), and gives nothing of them to the interrupt.
-//! With FCT_CALC_POS_V_0 a hold keeps the stop that it begins with, so that it stands where the answer said.
+//! The pieces in the queue are the future: state and next block are read from them. The standstill is the result of a
+//! hold. The planner makes the profiles of this hold on a copy of its spans ([`Inquiry`]), and gives none of them to
+//! the interrupt. With FCT_CALC_POS_V_0 a hold keeps the stop with which it begins, so it stops at the answered place.
 use super::committed::CommittedSpans;
 use super::hold::Mode;
 use super::search::{Later, Search};
@@ -12,16 +13,16 @@ use crate::machine::InterpolatorFunctions as Functions;
 use crate::quantity::Position;
 use crate::queue::{Cut, PHASES};
 
-/// Laws of a stop, at most.
+/// Largest number of profiles of a stop.
 const LAWS: usize = 64;
 
-/// Memory for the question where the motion would stand still: a copy of what a hold changes.
+/// Memory for the question where the motion would stop: a copy of the state that a hold changes.
 pub struct Inquiry {
     spans: CommittedSpans,
     trial: Option<Trial>,
 }
 
-/// A hold that is tried, between two calls.
+/// A trial of a hold, between two calls.
 struct Trial {
     frontier: Frontier,
     mode: Mode,
@@ -29,7 +30,7 @@ struct Trial {
     profile: Profile,
     behind: Option<i64>,
     step: Step,
-    /// Of the look-ahead as it began: another one ends the trial.
+    /// State of the look-ahead at the start: a change ends the trial.
     handed: Distance,
     stage: RingStage,
     /// The instant of the question.
@@ -38,11 +39,11 @@ struct Trial {
 
 #[derive(Clone, Copy)]
 enum Step {
-    /// The law at hand is left at the instant, inside the span.
+    /// The motion leaves the current profile at the instant, inside the span.
     Leave { k: usize, at: u32, motion: Instant },
-    /// The law at hand is left where this span begins.
+    /// The motion leaves the current profile where this span begins.
     Enter(usize),
-    /// Laws are made for the spans that have none.
+    /// Make profiles for the spans without one.
     Laws,
 }
 
@@ -65,12 +66,13 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         self.intake.inquiry = Some(inquiry);
     }
 
-    /// Whether a hold keeps the stop that it begins with.
+    /// Whether a hold keeps the stop with which it begins.
     pub(super) const fn keeps_stop(&self) -> bool {
         self.intake.machine.channel.interpolator.has(Functions::CALC_POS_V_0)
     }
 
-    /// The law at hand is as slow at its end as a hold can be: it stays, if a hold keeps the stop that it begins with.
+    /// The current profile is as slow at its end as a hold can be: it stays, if a hold keeps the stop with
+    /// which it begins.
     pub(super) const fn settle(&mut self, stays: bool) {
         self.orders.settled = stays && self.keeps_stop();
     }
@@ -78,7 +80,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
     /// Answers a question.
     ///
     /// # Errors
-    /// [`Unknown`]: there is no answer now.
+    /// Returns [`Unknown`] if there is no answer now.
     #[inline(never)]
     pub fn forecast(&mut self, question: Question) -> Result<Moment<AXES>, Unknown> {
         let (function, is_read) = match question {
@@ -93,7 +95,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
             return Err(Unknown::Busy);
         }
         let now = self.queue.clock.now();
-        // Pieces before a change are not in their order.
+        // Pieces before a change are not in order.
         let last = now.wrapping_sub(clock::TICK);
         if is_read && self.orders.mode.cut.is_some_and(|Cut(at)| clock::is_before(last, at)) {
             return Err(Unknown::Busy);
@@ -105,7 +107,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         }
     }
 
-    /// Ticks from now that are planned.
+    /// Number of planned ticks from now on.
     fn ticks_planned(&self, now: u32) -> u32 {
         if clock::is_before(now, self.frontier.end) {
             self.frontier.end.wrapping_sub(now) / clock::TICK
@@ -130,7 +132,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
             for (travel, (to, from)) in travel.iter_mut().zip(moment.set_points.iter().zip(&from)) {
                 *travel = to.to_bits().wrapping_sub(from.to_bits());
             }
-            // 2^-44 to 2^-58 mm per tick, as in the status.
+            // From 2^-44 to 2^-58 mm per tick, as in the status.
             moment.speed = Speed::from_bits(self.measure.path(&travel).to_bits().saturating_mul(1 << 14));
         }
         Ok(moment)
@@ -146,10 +148,10 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         Some(Moment { tick, ticks, set_points, n, block, distance, speed: Speed::ZERO })
     }
 
-    /// N, motion block and point of a path distance.
+    /// N number, motion block and point at a path distance.
     fn place(&self, distance: i64) -> Option<(u32, u32, [Position; AXES])> {
         let segments = &self.queue.segments;
-        // At the end of all curves it is the last one.
+        // At the end of all curves it is the last curve.
         let number =
             segments.ends_behind(distance).or_else(|| segments.ends_behind(distance.wrapping_sub(1)))?;
         let number = segments.curve_of(number);
@@ -158,7 +160,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         Some((track.segment.n, segments.block_of(track.segment), track.point(along)))
     }
 
-    /// The first tick of the next motion block that is no rapid motion.
+    /// The first tick of the next motion block that is not rapid motion.
     fn next_feed(&self, now: u32) -> Result<Moment<AXES>, Unknown> {
         let beyond = Unknown::Beyond { ticks: self.ticks_planned(now) };
         let here = self.motion_at(now).ok_or(beyond)?.distance;
@@ -182,7 +184,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         self.state_at(now, ticks)
     }
 
-    /// Path distance at the end of what is in the queue.
+    /// Path distance at the end of the queue.
     fn motion_end(&self) -> i64 {
         self.motion_at(self.frontier.end).map_or(i64::MIN, |motion| motion.distance)
     }
@@ -192,8 +194,8 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         segments.recent(number).map(|track| segments.block_of(track.segment))
     }
 
-    /// Whether a motion block is rapid motion, by the spans of its curves from this one on. The curve of a corner beside
-    /// a block at feed does not tell.
+    /// Whether a motion block is rapid motion, from the spans of its curves, this curve first. The corner's curve
+    /// beside a block at feed does not count.
     fn is_rapid(&self, first: u32, block: u32) -> bool {
         let segments = &self.queue.segments;
         let mut number = first;
@@ -214,7 +216,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         span.is_some_and(|committed| committed.span.marks.rapid() == Some(true))
     }
 
-    /// The first instant at which the motion is at a path distance or beyond. `end`: that of the queue.
+    /// The first instant at which the motion is at a path distance or beyond. `end`: end of the queue.
     fn instant_of(&self, end: u32, distance: i64) -> Option<u32> {
         let mut start = end;
         let mut number = self.queue.phases.count();
@@ -225,7 +227,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
             if phase.at(0).wrapping_sub(distance) >= 0 {
                 continue;
             }
-            // The first tick of the piece is before it.
+            // The first tick of the piece is before the distance.
             let (mut before, mut beyond) = (0u16, phase.ticks);
             while beyond - before > 1 {
                 let half = before + (beyond - before) / 2;
@@ -236,7 +238,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         None
     }
 
-    /// Whether the motion stands at a path distance for a tick, at the end of a piece of the queue.
+    /// Whether the motion stops at a path distance for a tick, at the end of a piece of the queue.
     fn rests_at(&self, distance: i64) -> bool {
         let mut number = self.queue.phases.count();
         (0..PHASES).any(|_| {
@@ -248,10 +250,10 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         })
     }
 
-    /// Where the motion would stand if a hold came now.
+    /// The standstill if a hold came now.
     fn standstill(&mut self, now: u32) -> Result<Moment<AXES>, Unknown> {
         if self.orders.mode.is_standing() {
-            // Of a hold that is there: it keeps its stop.
+            // A hold in force keeps its stop.
             let at = self.frontier.end.wrapping_sub(clock::TICK);
             let at = if clock::is_before(at, now) { now } else { at };
             let stands = self.motion_end();
@@ -300,7 +302,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         core::mem::swap(self.committed, spans);
     }
 
-    /// The instant at which a hold of now changes the plan, and the span there.
+    /// The instant at which a hold now would change the plan, and the span there.
     fn begin_trial(&mut self, now: u32) -> Result<Trial, Unknown> {
         self.trim();
         let waits = self.reserve.waits && self.task.stage == RingStage::Passing;
@@ -332,8 +334,8 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         })
     }
 
-    /// The plan from the start of the span `k` on, or of the next one that has a tick; from the end of what is planned
-    /// where none has.
+    /// The plan from the start of the span `k` on, or of the next span with a tick; otherwise from the end of the
+    /// planned motion.
     fn enter(&mut self, k: usize) {
         let k = self.with_tick(k);
         let frontier = &mut self.frontier;
@@ -347,7 +349,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         }
     }
 
-    /// Goes on with the laws of a hold, up to the standstill. `end`: that of the queue.
+    /// Continues the profiles of a hold, up to the standstill. `end`: end of the queue.
     fn go_on_trying(&mut self, step: &mut Step, end: u32) -> Result<(u32, i64), Unknown> {
         match *step {
             Step::Leave { k, at, motion } => {
@@ -360,7 +362,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
                         self.skip_law();
                         if self.frontier.end == at && self.frontier.planned == k && !self.orders.mode.halting
                         {
-                            // So short a slowing down that it has no tick: as a hold has it.
+                            // A braking too short to have a tick, as in a hold.
                             if let Some(committed) = self.committed.get(k) {
                                 let (distance, speed) =
                                     (committed.start.to_bits(), self.frontier.speed.to_bits());
@@ -387,7 +389,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         if !matches!(core::mem::replace(step, Step::Laws), Step::Laws)
             && let Some(stands) = self.stands_at()
         {
-            // Where the motion stands by itself, it does so before a dwell.
+            // If the motion stops by itself, the stop comes before a dwell.
             let at = self.frontier.end;
             let begins = self.instant_of(end, stands).filter(|begins| clock::is_before(*begins, at));
             let by_itself = begins.filter(|_| self.rests_at(stands));
@@ -411,13 +413,13 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         Err(Unknown::NotPlanned)
     }
 
-    /// The law with the emitter counts as handed out.
+    /// The emitter's profile counts as written into the queue.
     fn skip_law(&mut self) {
         let ticks = self.frontier.emitter.skip();
         self.frontier.end = self.frontier.end.wrapping_add(clock::TICK * ticks);
     }
 
-    /// Path distance of the standstill, if the laws have come to it.
+    /// Path distance of the standstill, if the profiles reach it.
     fn stands_at(&self) -> Option<i64> {
         let Frontier { planned, speed, .. } = self.frontier;
         if self.orders.mode.halting {

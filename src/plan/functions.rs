@@ -1,11 +1,11 @@
 //! M, H, S and T on their way from the program to a point of the path, and the gates at which the motion
 //! waits.
 //!
-//! A function belongs between two motion blocks, which counts as the number of motion blocks before it.
-//! Contour mode decides which element of the path begins there. When that element goes into the look-ahead
-//! the place of the function is known, and it goes into the queue: the motion may come there without the
-//! planner. The element may be marked as a *gate*: it is not handed on, and the motion is planned to stand
-//! still before it, until all acknowledgements demanded there have come.
+//! A function belongs between two motion blocks. Its place counts as the number of motion blocks before it.
+//! Contour mode decides which element of the path begins at this place. When this element enters the
+//! look-ahead, the point of the function is known, and the function enters the queue: the motion may reach
+//! the point without the planner. The element may become a *gate*. A gate is not released: the motion is
+//! planned to stop before it, until all acknowledgements demanded there have come.
 use super::Function;
 use crate::control::{Control, OPEN};
 use crate::machine::Synch;
@@ -14,36 +14,36 @@ use crate::queue::{ACTIONS, PlacedAction, Scheduler};
 use crate::technology::{Action, Ticket};
 use heapless::Vec;
 
-/// A function that is not in the queue yet, or whose gate is still to come. Packed: there are many of them.
+/// A function that is not in the queue yet, or whose gate is still to come. Packed, because there are many.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, packed(4))]
 struct Entry {
     n: u32,
     function: Function,
     ticket: Ticket,
-    /// Motion blocks before it, and before its gate.
+    /// Number of motion blocks before the function, and before its gate.
     out: u32,
     gate: u32,
-    /// The motion it was programmed with is still to come; and is before its gate.
+    /// Whether the motion of the same line is still to come; whether that motion is before the gate.
     unsettled: bool,
     spans: bool,
-    /// Its gate is known.
+    /// Whether the gate is known.
     gated: bool,
-    /// It is in the queue.
+    /// Whether the function is in the queue.
     placed: bool,
 }
 
 /// Functions and gates.
 pub(super) struct Functions {
     entries: Vec<Entry, ACTIONS>,
-    /// The gates in the look-ahead in order, with their open acknowledgements, a bit each; and those demanded
-    /// where everything taken in ends.
+    /// The gates in the look-ahead in order, each with a bit per open acknowledgement; and the
+    /// acknowledgements demanded at the end of all blocks.
     gates: Vec<u32, OPEN>,
     last: u32,
     sequence: u8,
 }
 
-/// Not later: numbers of motion blocks.
+/// Whether `number` is not later than `other`: numbers of motion blocks.
 const fn reaches(number: u32, other: u32) -> bool {
     number.wrapping_sub(other) as i32 >= 0
 }
@@ -54,11 +54,11 @@ impl Functions {
         Self { entries: Vec::new(), gates: Vec::new(), last: 0, sequence: 0 }
     }
 
-    /// Takes in a function between the motion blocks `number` - 1 and `number`; `room` is that of the ring of
-    /// actions. `in_motion`: it was programmed together with a motion.
+    /// Takes a function between the motion blocks `number` - 1 and `number`. `room` is the room in the ring
+    /// of actions. `in_motion`: the function was programmed in a line with a motion.
     ///
     /// # Errors
-    /// No room.
+    /// There is no room.
     pub fn take(
         &mut self,
         (n, function, synch): (u32, Function, Synch),
@@ -87,8 +87,7 @@ impl Functions {
         self.entries.push(entry).map_err(|_| ())
     }
 
-    /// The motion that they were programmed with is there: `moved`, it has path; `rounds`, its end is to be
-    /// rounded.
+    /// The motion of the same line is there. `moved`: it has a path. `rounds`: its end is to be rounded.
     pub fn settle(&mut self, moved: bool, rounds: bool) {
         for entry in self.entries.iter_mut().filter(|entry| entry.unsettled) {
             entry.unsettled = false;
@@ -99,17 +98,17 @@ impl Functions {
         }
     }
 
-    /// Whether one is still to be given its place or its gate.
+    /// Whether a function still needs its place or its gate.
     pub fn are_open(&self) -> bool {
         self.entries.iter().any(|entry| !entry.placed || !entry.gated)
     }
 
-    /// Whether an acknowledgement is demanded of one that is still to be given its place or its gate.
+    /// Whether such a function demands an acknowledgement.
     pub fn are_awaited(&self) -> bool {
         self.entries.iter().any(|entry| !entry.gated && entry.ticket.waits())
     }
 
-    /// The motion that they were programmed with is refused.
+    /// Drops functions because the motion of their line is refused.
     pub fn drop_unsettled(&mut self, control: &Control) {
         for entry in self.entries.iter().filter(|entry| entry.unsettled) {
             control.acknowledgements().give_back(entry.ticket);
@@ -117,7 +116,7 @@ impl Functions {
         self.entries.retain(|entry| !entry.unsettled);
     }
 
-    /// The motion that they belong to is forgotten before their place was known.
+    /// Drops functions because their motion is dropped before their place was known.
     pub fn drop_unplaced(&mut self, control: &Control) {
         for entry in self.entries.iter().filter(|entry| !entry.placed) {
             control.acknowledgements().give_back(entry.ticket);
@@ -125,25 +124,25 @@ impl Functions {
         self.entries.retain(|entry| entry.placed);
     }
 
-    /// The next element of the path begins at `distance`: all that has no more than `due` motion blocks
-    /// before it goes into the queue, which has room for it. Whether the element is a gate.
+    /// The next element of the path begins at `distance`. All functions with at most `due` motion blocks
+    /// before them enter the queue, which has room. Returns whether the element is a gate.
     pub fn before(&mut self, due: u32, distance: Distance, queue: &mut Scheduler<'_>) -> bool {
         if self.entries.is_empty() && self.last == 0 {
             return false;
         }
         self.place(due, distance, queue);
         let gate = core::mem::take(&mut self.last);
-        // There is room: a gate has a bit of its own.
+        // There is room: each gate has at least one bit.
         gate != 0 && self.gates.push(gate).is_ok()
     }
 
-    /// All blocks taken in end at `distance`, after `number` motion blocks. Returns whether the motion waits there.
+    /// All blocks end at `distance`, after `number` motion blocks. Returns whether the motion waits there.
     pub fn at_end(&mut self, number: u32, distance: Distance, queue: &mut Scheduler<'_>) -> bool {
         self.place(number, distance, queue);
         self.last != 0
     }
 
-    /// Gives functions their place, and gates to `last`.
+    /// Gives functions their place, and adds gates to `last`.
     fn place(&mut self, due: u32, distance: Distance, queue: &mut Scheduler<'_>) {
         for entry in &mut self.entries {
             if !entry.placed && reaches(due, entry.out) {
@@ -159,8 +158,8 @@ impl Functions {
         self.tidy();
     }
 
-    /// An element with no more than `due` motion blocks before it is only examined: functions and gates before it have
-    /// their place. They wait for [`Self::drop_passed`].
+    /// For an element with at most `due` motion blocks before it, which is only examined: functions and gates before
+    /// it get their place. They wait for [`Self::drop_passed`].
     #[cfg(feature = "examine")]
     pub fn pass_by(&mut self, due: u32) {
         for entry in &mut self.entries {
@@ -169,7 +168,7 @@ impl Functions {
         }
     }
 
-    /// Functions of examined elements are put out and acknowledged at once.
+    /// Outputs and acknowledges functions of examined elements at once.
     #[cfg(feature = "examine")]
     pub fn drop_passed(&mut self, control: &Control) {
         if self.entries.is_empty() {
@@ -181,16 +180,16 @@ impl Functions {
         self.tidy();
     }
 
-    /// What is in the queue stays as long as its gate is still to come.
+    /// Removes entries that are done. A function in the queue stays while its gate is still to come.
     fn tidy(&mut self) {
         self.entries.retain(|entry| !entry.placed || !entry.gated);
     }
 
-    /// These acknowledgements have come; calls `open` with the number of every gate in the look-ahead that is
-    /// open now, counted without those already open.
+    /// Takes acknowledgements. Calls `open` with the number of every gate in the look-ahead that opens now.
+    /// The number does not count gates already open.
     pub fn answer(&mut self, bits: u32, mut open: impl FnMut(usize)) {
         for entry in self.entries.iter_mut().filter(|entry| entry.ticket.bit() & bits != 0) {
-            // Acknowledged before its gate was known: it needs none.
+            // Acknowledged before its gate was known: no gate is needed.
             entry.gated = true;
         }
         self.last &= !bits;
@@ -208,18 +207,18 @@ impl Functions {
         self.tidy();
     }
 
-    /// Whether the motion is to wait where everything taken in ends.
+    /// Whether the motion is to wait at the end of all blocks.
     pub const fn waits(&self) -> bool {
         self.last != 0
     }
 
-    /// Forgets all of them.
+    /// Drops all functions.
     pub fn clear(&mut self, control: &Control) {
         control.acknowledgements().clear();
         self.forget();
     }
 
-    /// Forgets all functions where none is planned.
+    /// Drops all functions, if no acknowledgement of them is planned.
     pub fn forget(&mut self) {
         self.entries.clear();
         self.gates.clear();

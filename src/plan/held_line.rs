@@ -1,11 +1,12 @@
-//! The block held back: as long as blocks go on in a straight line with the same feed, they become one
+//! The line held back: consecutive blocks in a straight line with the same feed become one line
 //! ([`Stretch`]).
 //!
-//! Nothing is lost by it: what belongs to the point between two blocks (an exact stop, an event, other
-//! dynamics, contour mode) comes before the second one, and lets the first one go. A line grows until it is
-//! twice as long as the ways to its speed and from it, and until a knee at its end, of what its tolerance
-//! leaves open, is too small to be seen. So a long straight line is handed on while it is being read, and two
-//! pieces are a whole ring ([`crate::lookahead::Ring::is_full`]).
+//! No information is lost: every command that belongs to the point between two blocks (an exact stop, an
+//! event, other dynamics, contour mode) comes before the second block and releases the held line. A line
+//! grows until two conditions hold. It is twice as long as the distances to reach its speed and to brake from
+//! it. And a knee at its end, which its tolerance leaves open, is too small to see. So the planner releases a
+//! long straight line while it is still being read, and two such pieces fill the ring
+//! ([`crate::lookahead::Ring::is_full`]).
 use super::intake::Pass;
 use super::{Planning, to_f32};
 use crate::dynamics::{OverrideRange, Permitted, Share};
@@ -15,11 +16,11 @@ use crate::path::{Element, Piece, Straight, Stretch, TOLERANCE_MM};
 use crate::quantity::{DISTANCE_LSB, Position};
 use crate::slope::limits::Limits;
 
-/// Such a block, or none. Written and read in its place: it is large.
+/// The held line, or none. Written and read in its place, because it is large.
 pub(super) struct HeldLine<const AXES: usize> {
-    /// There is one.
+    /// Whether a line is held.
     is_held: bool,
-    /// It stands for several, and is long enough.
+    /// Whether the line stands for several blocks and is long enough.
     long: bool,
     curve: Curve<AXES>,
     limits: Permitted,
@@ -37,12 +38,12 @@ impl<const AXES: usize> HeldLine<AXES> {
         }
     }
 
-    /// Whether there is none.
+    /// Whether no line is held.
     pub const fn is_none(&self) -> bool {
         !self.is_held
     }
 
-    /// Forgets it.
+    /// Drops the held line.
     pub const fn clear(&mut self) {
         self.is_held = false;
     }
@@ -50,15 +51,15 @@ impl<const AXES: usize> HeldLine<AXES> {
 
 enum Curve<const AXES: usize> {
     Line(Stretch<AXES>),
-    /// Only where the look-ahead had no room for two.
+    /// An arc, only if the look-ahead had no room for two blocks.
     Arc(Element<AXES>),
 }
 
-/// A line is long enough with so many ways to its speed and from it.
+/// A line is long enough at this multiple of the distances to reach its speed and to brake from it.
 const WAYS: f32 = 2.0;
 
 impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
-    /// Holds a line back; what was held back before goes on.
+    /// Holds a line back and releases the line held before.
     #[cfg_attr(feature = "fast", inline(always))]
     pub(super) fn hold_line(&mut self, line: &Straight<AXES>, limits: &Permitted, pass: Pass) {
         self.let_go();
@@ -73,7 +74,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         (held.is_held, held.long, held.limits, held.pass) = (true, false, *limits, pass);
     }
 
-    /// An arc goes on behind what was held back.
+    /// Passes an arc on, behind the held line.
     pub(super) fn pass_arc(
         &mut self,
         element: &Element<AXES>,
@@ -90,7 +91,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         }
     }
 
-    /// The line held back becomes one with this one behind it; `false` if it does not.
+    /// Joins the line with the held line before it. Returns `false` if this is not possible.
     #[cfg_attr(feature = "fast", inline(always))]
     pub(super) fn join_held(
         &mut self,
@@ -128,7 +129,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         true
     }
 
-    /// What is held back goes into the look-ahead, which has room.
+    /// Moves the held line into the look-ahead, which has room.
     #[cfg_attr(feature = "fast", inline(always))]
     pub(super) fn let_go(&mut self) {
         if self.intake.held.is_held {
@@ -144,7 +145,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         }
     }
 
-    // Two calls: what the one has on the stack is not below the other.
+    // Two calls, so that the stack frame of the first is gone before the second.
 
     #[inline(never)]
     fn pass_line_on(&mut self) {
@@ -175,7 +176,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         self.intake.held.clear();
     }
 
-    /// What is held back gets the limits of now.
+    /// Gives the held line the current limits.
     pub(super) fn renew_held(&mut self) {
         let held = &mut self.intake.held;
         held.limits = match &held.curve {
@@ -184,7 +185,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         };
     }
 
-    /// The block held back ends in a standstill.
+    /// The held line ends in a stop.
     pub(super) fn stop_held(&mut self) {
         self.intake.held.pass.stop = true;
     }

@@ -1,17 +1,17 @@
-//! The operator's commands in the planner: standing still on the path, going on, forgetting the rest.
+//! The operator's commands in the planner: feed hold, resume, abort.
 //!
-//! A standstill is wanted while up to [`crate::queue::PHASES`] pieces of a faster motion are in the queue.
-//! The planner finds the span and the motion a few ticks ahead, plans the way to a standstill from there
-//! ([`Brake`]) and has the interrupt change over at that tick ([`clock`]). If the span is too short to stop,
-//! the spans behind it are planned in the same way, each with its own limits, until one is long enough; the
-//! last span known always is. A span that already slows down as hard as it can keeps its law, and the change
-//! begins with the next one.
+//! When a stop is demanded, up to [`crate::queue::PHASES`] pieces of a faster motion are in the queue. The
+//! planner finds the span and the motion a few ticks ahead. It plans a stop from there ([`Brake`]) and lets
+//! the interrupt change over at that tick ([`clock`]). If the span is too short to stop, the spans behind it
+//! are planned in the same way, each with its own limits, until one is long enough; the last known span
+//! always is. A span that already brakes as hard as it can keeps its profile, and the change begins with the
+//! next span.
 //!
-//! Going on begins at rest, once the interrupt has come to the standstill, even if it is wanted before. What is
-//! left of a span then gets another law (`super::law`).
+//! A resume begins at rest, after the interrupt has reached the stop, even if the command comes before. The
+//! rest of a span then gets another profile (`super::law`).
 //!
-//! A dwell runs on during a feed hold; the motion behind it waits. Time of rest begins only after the motion
-//! before it is complete. An abort ends a dwell.
+//! A dwell continues during a feed hold; the motion behind it waits. The dwell begins only after the motion
+//! before is complete. An abort ends a dwell.
 use super::clock;
 use super::committed::CommittedSpan;
 use super::descent::{Descent, Passed};
@@ -23,40 +23,40 @@ use crate::smooth::Smoother;
 /// Ticks from a command to the change: the time in which the planner makes the new profile.
 pub const REACTION: u32 = 4;
 
-/// Ticks before the start of a motion from which on another law for it is handed over: a dwell may be before
-/// it, and there is one change at a time.
+/// A new profile for a motion is handed over at most this number of ticks before the motion starts. A dwell
+/// may be before it, and there is one change at a time.
 const NEAR: u32 = 64;
 
-/// A way down is looked at anew where it has lost that power of two of its speed since the last time, if it has
-/// so many ticks left. Another one is shorter by that power of two.
+/// While braking, a shorter stop is searched when the speed has dropped by this power of two since the last
+/// search, if so many ticks are left. A new stop must be shorter by this power of two.
 const SLOWED: u32 = 3;
 const WORTH: u32 = 8;
 const SHORTER: u32 = 5;
 
-/// Path shorter than that (2^-44 mm) is less than the rounding of a set point.
+/// A path shorter than this (2^-44 mm) is less than the rounding of a set point.
 pub(super) const NOTHING: i64 = 1 << 10;
 
-/// Where the commands stand.
+/// The state of the commands.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Mode {
-    /// There is something to do for the commands, or to be told.
+    /// Whether there is work, or a report, for the commands.
     pub(super) busy: bool,
     /// The profiles lead to a stop.
     pub stopping: bool,
-    /// Laws in the queue may have been made for another pace.
+    /// Whether profiles in the queue may have been made for another override.
     pub(super) adjusting: bool,
-    /// Spans without a law may have had one before, which began at another speed.
+    /// Whether spans without a profile may have had one before, which began at another speed.
     pub(super) uneven: bool,
-    /// The law with the emitter ends in it.
+    /// Whether the emitter's profile ends in the stop.
     pub(super) halting: bool,
-    /// It is handed out.
+    /// Whether the stop is in the queue.
     standing: bool,
-    /// The cut that may be pending, and the last instant at which one was tried.
+    /// The cut that may be pending, and the instant of the last try.
     pub(super) cut: Option<Cut>,
     pub(super) tried: Option<u32>,
-    /// What a way down passes, until its spans know.
+    /// The spans that a braking passes, until they are marked.
     pub(super) passed: Option<Passed>,
-    /// At that speed a shorter way down is looked for: [`Planning::stand_sooner`].
+    /// At this speed a shorter stop is searched: [`Planning::stand_sooner`].
     slowed: Speed,
 }
 
@@ -75,22 +75,22 @@ impl Mode {
         slowed: Speed::ZERO,
     };
 
-    /// The state after a stop that no command asked for: the commands are to be read again.
+    /// The state after a stop that no command asked for: the commands have to be read again.
     pub const AGAIN: Self = Self { busy: true, uneven: true, ..Self::RUN };
 
-    /// A way to a standstill is handed out.
+    /// Whether a stop is in the queue.
     pub(super) const fn is_standing(&self) -> bool {
         self.standing
     }
 
-    /// The same state, and a stop is made after the profile with the emitter, whatever the commands are.
+    /// The same state, with a stop after the emitter's profile, whatever the commands are.
     pub const fn stop(self) -> Self {
         Self { busy: true, stopping: true, uneven: true, halting: self.halting, ..Self::RUN }
     }
 }
 
 impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
-    /// Follows the commands, if there is something to do for them.
+    /// Carries out commands, if there is work for them.
     #[cfg_attr(feature = "fast", inline(always))]
     pub(super) fn attend(&mut self) -> Option<Work> {
         self.orders.search.begin_call();
@@ -109,9 +109,9 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             return Some(Work::Slower);
         }
         let mut commands = Commands::of(word);
-        // A law that failed ends the motion as an abort does.
+        // After a profile that failed, the motion ends as with an abort.
         commands.abort |= self.orders.failed;
-        // An acknowledgement to be looked at makes every word a new one.
+        // An unread acknowledgement changes every word.
         let word = word & Control::COMMANDS;
         if word != self.orders.word {
             self.orders.word = word;
@@ -120,7 +120,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             self.settle(false);
             // At a standstill no tick of motion passes: another command is tried at the same instant.
             self.orders.mode.tried = None;
-            // All spans at hand were gone through: that is work, unless other work was put off for it before.
+            // The call has gone through all committed spans. This counts as work, unless other work was
+            // postponed for it before.
             let is_paced = self.set_pace(&commands);
             self.orders.trying = is_paced && !self.orders.yields;
         }
@@ -142,15 +143,15 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             || commands.standstill()
             || self.task.joining
             || self.queue.control.is_answered();
-        // A try that changed nothing is work in a call of its own; other work has the next one.
+        // A try that changed nothing counts as the work of its call; the next call does other work.
         let tried = core::mem::take(&mut self.orders.trying);
         self.orders.yields = tried && work.is_none();
         if tried && matches!(work, None | Some(Work::Waiting)) { Some(Work::Working) } else { work }
     }
 
-    // What follows is not inlined: of what each has on the stack, only one is there at a time.
+    // The following functions are not inlined, so that only one of their stack frames exists at a time.
 
-    /// On the way to a standstill, and in it.
+    /// Works on a stop, and during it.
     #[inline(never)]
     fn hold(&mut self, commands: &Commands) -> Option<Work> {
         if commands.abort {
@@ -162,7 +163,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         if !self.orders.search.is_paused() {
             self.trim();
         }
-        // What has been handed out holds: a span knows of one standstill only.
+        // Pieces in the queue stay: a span can hold only one stop.
         if self.queue.clock.now() != self.frontier.end {
             return Some(self.stand_sooner().unwrap_or(Work::Waiting));
         }
@@ -180,8 +181,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         None
     }
 
-    /// The slower the motion, the more deceleration the axes have for it, and what was in its way is behind. So
-    /// on its way down another one takes its place, if that is shorter by a part.
+    /// At lower speed the axes have more deceleration, and tight places of the path are behind. So another stop
+    /// replaces the current one, if it is shorter by a part.
     #[inline(never)]
     fn stand_sooner(&mut self) -> Option<Work> {
         #[cfg(feature = "plc")]
@@ -214,12 +215,12 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             return None;
         }
         let work = self.change(k, at, Some(descent))?;
-        // All of it is handed out, or nothing of it counts.
+        // The stop is completely in the queue, or none of it is valid.
         if self.reserve.pending.is_some() {
             self.undo();
             return None;
         }
-        // Spans that the other way passed were to begin at its end.
+        // Spans that the other stop passed were to begin at its end.
         let passed = |committed: &&mut CommittedSpan| clock::is_before(at, committed.first);
         for committed in self.committed.among(0, k + 1).filter(passed) {
             committed.first = at;
@@ -227,8 +228,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         Some(work)
     }
 
-    /// Whether the motion is slow enough for another look at its way down. The first one notes the speed alone: the way
-    /// in the queue is still new.
+    /// Whether the motion is slow enough for another search. The first call only notes the speed, because the stop in
+    /// the queue is still new.
     fn has_slowed(&mut self, motion: &Instant) -> bool {
         let slowed = self.orders.mode.slowed.to_bits();
         let is_slow = motion.speed <= slowed;
@@ -238,7 +239,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         is_slow && slowed > 0
     }
 
-    /// What is left of a dwell goes, if nothing but that is left.
+    /// Drops the rest of a dwell, if no other motion is left.
     #[inline(never)]
     fn end_rest(&mut self) {
         self.frontier.pending_dwell = 0;
@@ -259,28 +260,28 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         match change.hand_over(at, None, &mut self.queue.phases, &mut self.queue.reserve, self.queue.clock) {
             Ok(cut) => {
                 self.orders.mode.cut = cut;
-                // It was behind what is gone.
+                // The reserve was behind the dropped dwell.
                 (self.reserve.kept, self.reserve.failed) = (None, None);
             }
             Err(_) => self.frontier.end = before,
         }
     }
 
-    /// Whether the motion stands still because the operator wants it to.
+    /// Whether the axes are stopped by the operator.
     pub fn is_holding(&self) -> bool {
         self.orders.mode.standing && self.queue.clock.now() == self.frontier.end
     }
 
-    /// Whether there is nothing that moves or may move.
+    /// Whether no motion exists or is planned.
     pub fn is_idle(&self) -> bool {
         let left = self.queue.clock.has_left();
         let empty = self.committed.len() == 0 && self.lookahead.ring.is_empty();
         empty && self.task.rest == 0 && !left && !self.orders.failed
     }
 
-    /// Spans that the interrupt has left are over, and so is a cut it has passed. On its way to a standstill it is
-    /// slower than they are: none of them is over by its time. An instant that was read before that is one of theirs.
-    /// The instant of now.
+    /// Removes spans that the interrupt has passed, and a cut that it has passed. On the way to a stop the motion is
+    /// slower, so no span is over by its time. An instant that was read before this call is valid for the removed
+    /// spans. Returns the current instant.
     #[inline]
     pub(super) fn trim(&mut self) -> u32 {
         let now = self.queue.clock.now();
@@ -298,7 +299,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         now
     }
 
-    /// The way to a standstill takes the place of what is in the queue.
+    /// Replaces the motion in the queue by a stop.
     #[inline(never)]
     fn stop(&mut self, abort: bool) -> Option<Work> {
         let (at, later) = self.attempt()?;
@@ -324,7 +325,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             {
                 let waits = self.task.stage == RingStage::Passing && !self.orders.failed;
                 if waits && descent.brake.v_out > 0 && !self.is_stage(k, &descent) {
-                    // The way through the look-ahead is known when its plan is complete.
+                    // A stop through the look-ahead is known when its plan is complete.
                     return None;
                 }
                 return self.stop_at(k, at, Some(descent));
@@ -356,13 +357,13 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         stops
     }
 
-    /// Whether the law at hand stays up to its end, as an answer to a question may say.
+    /// Whether the current profile stays up to its end, as an answer to a question assumes.
     #[cfg(feature = "plc")]
     const fn is_settled(&self) -> bool {
         self.orders.settled
     }
 
-    /// Whether the law at hand stays up to its end.
+    /// Whether the current profile stays up to its end.
     #[cfg(not(feature = "plc"))]
     const fn is_settled(&self) -> bool {
         false
@@ -375,8 +376,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         work
     }
 
-    /// The instant of a change decided now, and the first span that begins behind it: one change at a time,
-    /// and one attempt a tick.
+    /// The instant of a change that is decided now, and the first span that begins after it. There is one
+    /// change at a time, and one attempt per tick.
     pub(super) fn attempt(&mut self) -> Option<(u32, usize)> {
         if let Some(paused) = self.paused() {
             self.orders.trying = true;
@@ -384,7 +385,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         }
         let now = self.trim();
         let waits = self.reserve.waits && self.task.stage == RingStage::Passing;
-        // A change has no room: nothing is looked for.
+        // A change has no room, so no search begins.
         if waits
             || self.queue.phases.room() < KEPT_FREE
             || self.orders.yields
@@ -404,12 +405,12 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         Some((at, later))
     }
 
-    /// Whether that is too far ahead to hand over what is to happen then.
+    /// Whether the instant is too far ahead to hand over a change for it.
     pub(super) fn is_far(&self, instant: u32) -> bool {
         clock::is_before(self.queue.clock.now().wrapping_add(clock::TICK * NEAR), instant)
     }
 
-    /// The span `k` or, if it is over before its first tick, the next one that is not.
+    /// The span `k`, or the next span that has a tick.
     pub(super) fn with_tick(&self, mut k: usize) -> usize {
         while k + 1 < self.frontier.planned
             && self.committed.get(k).map(|f| f.first) == self.committed.get(k + 1).map(|f| f.first)
@@ -419,7 +420,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         k
     }
 
-    /// The motion at an instant that the pieces in the queue or their end cover.
+    /// The motion at an instant that the queue covers.
     pub(super) fn motion_at(&self, at: u32) -> Option<Instant> {
         let mut start = self.frontier.end;
         let mut number = self.queue.phases.count();
@@ -443,7 +444,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         None
     }
 
-    /// The law with the emitter, which ended inside a span, is handed out: a tick shows where it stands.
+    /// The emitter's profile, which ended inside a span, is in the queue: a tick shows the stop.
     pub(super) fn stand_inside(&mut self) {
         self.orders.mode.halting = false;
         self.orders.mode.standing = true;
@@ -455,7 +456,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         }
     }
 
-    /// What comes before new spans once a law is handed out.
+    /// Work between the end of a profile and new spans.
     #[inline(never)]
     pub(super) fn catch_up(&mut self) -> Result<Option<Work>, Unplannable> {
         if self.orders.mode.halting {
@@ -476,7 +477,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             return Ok(Some(Work::Working));
         }
         if self.frontier.planned < self.committed.len() {
-            // Many laws may be to be made: meanwhile the queue ends early.
+            // Many profiles may have to be made, and meanwhile the queue ends early.
             if self.secure(self.reserve.near) {
                 return Ok(Some(Work::Working));
             }
@@ -487,7 +488,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         Ok(None)
     }
 
-    /// A law ends between two ticks. Where no other one follows, a tick of rest shows its end. There is room.
+    /// A profile ends between two ticks. If no other profile follows, a tick of rest shows its end. There is
+    /// room.
     fn show_end(&mut self) {
         let last = self.frontier.end.wrapping_sub(clock::TICK);
         let moves = self.motion_at(last).is_some_and(|motion| !motion.is_rest());
@@ -498,8 +500,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         }
     }
 
-    /// There is no law for the next span. The motion at hand comes to a standstill as with an abort: its way
-    /// down is another law. Where that fails too, it ends where the queue does.
+    /// The next span has no profile. The motion stops as with an abort: the stop is another profile. If this
+    /// fails too, the motion ends at the end of the queue.
     #[cold]
     #[inline(never)]
     pub(super) fn fail_to_plan(&mut self, error: Unplannable) -> Unplannable {
@@ -514,7 +516,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         error
     }
 
-    /// Where it stands is all that is left. The interrupt has nothing to do.
+    /// Drops all motion behind the stop. The interrupt has no work.
     pub(super) fn forget(&mut self) {
         let number = self.queue.segments.taken();
         let stands =
@@ -522,12 +524,12 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         if let Some(track) = self.queue.segments.recent(number) {
             let along = stands.wrapping_sub(self.queue.segments.start(number));
             self.intake.entered = track.point(along);
-            // At the end of all that was handed on, no block of the look-ahead has begun.
+            // At the end of the released path, no block of the look-ahead has begun.
             if along > 0 || number != self.queue.segments.curve_of(self.queue.segments.handed()) {
                 self.report.begun = self.queue.segments.block_of(track.segment).wrapping_add(1);
             }
         }
-        // The interrupt keeps the curve it is on, somewhere in it. The point where it stands comes next.
+        // The interrupt keeps its current curve, up to a point inside. The stop becomes the next curve.
         self.queue.segments.end_at(stands);
         self.handed = self.queue.segments.end();
         self.stay_here(self.report.begun.saturating_sub(1));
@@ -537,7 +539,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             action = action.wrapping_add(1);
         }
         self.queue.actions.withdraw(action);
-        // A tick at hand may look at those.
+        // A running tick may read those curves.
         self.queue.clock.settle();
         self.functions.clear(self.queue.control);
         (self.task.reopened, self.task.joining, self.task.stood) = (false, false, false);

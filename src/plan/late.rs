@@ -1,40 +1,41 @@
-//! Program text that comes late, and functions that have no room.
+//! Program text that comes late, and functions without room.
 //!
-//! What has been taken in waits in the look-ahead for what follows. When the queue runs low, it is handed on
-//! as it is, a quarter at a time, planned down to a standstill at its end like every plan. So the motion
-//! slows down on its slope as the way known ahead of it gets shorter, gains speed when blocks come, and
-//! stands at the end of the last one if none does.
+//! Blocks wait in the look-ahead for the blocks that follow. When the queue runs low, the planner releases
+//! the waiting blocks, a quarter of the ring at a time. Like every plan, theirs ends in a stop. So the motion
+//! slows down as the known path gets shorter, speeds up when blocks come, and stops at the end of the last
+//! block if none comes.
 //!
-//! Where the next function has no room, what has been taken in is handed on in the same way: the interrupt comes to
-//! the functions before it. A standstill makes room only where nothing is left to be handed on.
+//! If the next function has no room, the planner releases the waiting blocks in the same way, because the interrupt
+//! has to reach the functions before. The planner stops the motion only if no block is left to be released.
 //!
-//! A planner that does not keep up hands on in the same way, before it is done with the next block: when the
-//! queue has run low while blocks are being taken in, and what is in it ends at speed. A planner that keeps
-//! up never comes to that, since it has filled the queue before each tick. If it is not called at all, the
-//! interrupt takes the way in reserve (`reserve.rs`).
+//! A planner that does not keep up releases blocks in the same way, before it has finished the next block.
+//! The condition is a low queue that ends at speed, while blocks are being taken. A planner that keeps up
+//! never meets this condition, because it has filled the queue before each tick. If the planner is not called
+//! at all, the interrupt uses the reserve (`reserve.rs`).
 //!
-//! A corner that contour mode holds back waits for its second block: the path does not depend on when the
-//! text comes. The row of blocks that HSC holds back ends where its last block ends ([`Smoother::gives_way`]).
+//! A corner that contour mode holds back waits for its second block, because the path must not depend on the
+//! arrival time of text. A run of blocks that HSC holds back ends at the end of its last block
+//! ([`Smoother::gives_way`]).
 use super::{KEPT_FREE, Planning, Speed, Work, clock};
 use crate::queue::{MAX_CURVES_PER_TICK, PHASES, SEGMENTS};
 use crate::smooth::Smoother;
 
-/// Ticks of motion in the queue below which nothing is waited for: time for the plan of a full ring.
+/// Ticks of motion in the queue below which the planner does not wait for text: the time for a plan of the
+/// full ring.
 const LOW: u32 = 64;
 
-/// Ticks of motion in the queue that are few for a planner that does not keep up: its plan takes longer.
+/// Ticks of motion in the queue that are few for a planner that does not keep up, whose plan takes longer.
 const DRY: u32 = 256;
 
-/// Curves handed on, and pieces of time, that are few: of a full ring a tick leaves more.
+/// Numbers of released curves and of pieces that are few: of a full ring, more are left after a tick.
 const FEW: u32 = 10;
 const _: () = assert!(FEW < SEGMENTS as u32 - MAX_CURVES_PER_TICK && FEW < PHASES as u32 - 2 * KEPT_FREE);
 
-/// Ticks within which a planner that is called in each of them, and keeps up, has filled the queue again.
+/// Number of ticks within which a planner that keeps up, called in each tick, has filled the queue again.
 const SOON: u32 = 2;
 
 impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
-    /// Whether what is in the queue ends at speed and will soon have passed, though the next block is being
-    /// taken in.
+    /// Whether the queue ends at speed and will soon be empty, while the next block is still being taken.
     pub(super) fn runs_dry(&mut self) -> bool {
         if self.frontier.speed == Speed::ZERO || self.lookahead.ring.is_empty() {
             return false;
@@ -43,7 +44,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let low = self.frontier.end.wrapping_sub(now) <= clock::TICK * DRY
             && self.queue.phases.len() <= FEW
             && self.queue.segments.len() <= FEW;
-        // Ticks in which it was not called say nothing about those to come.
+        // Ticks without a call of the planner say nothing about later ticks.
         if low && now != self.supply.seen {
             (self.supply.seen, self.supply.low) = (now, self.supply.low + 1);
         }
@@ -74,7 +75,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         Work::Starved
     }
 
-    /// Makes room for a function. Only after [`Work::Hungry`].
+    /// Makes room for a function. Call it only after [`Work::Hungry`].
     pub fn make_room(&mut self) -> Work {
         let left = self.frontier.end.wrapping_sub(self.queue.clock.now());
         if left > clock::TICK * LOW {

@@ -1,13 +1,13 @@
-//! The law of the next span that has none: the one planned, or what has to take its place.
+//! The profile of the next span without one: the planned profile, or a replacement.
 //!
-//! A law is planned for the speed at which its span is entered, all of the span, and the pace of then. Behind a
-//! standstill, a change of the pace or a span that ended slower it is another one:
+//! A profile is planned for the start speed of its span, the whole span, and the override of that time. After a
+//! stop, a change of override or a slower span before, a replacement is needed:
 //!
-//! - of several blocks, what is left of the planned law, or one below it at each place, at a part of its speed: any
-//!   other law would have to be compared with every block again ([`CommittedSpan::go_on`]);
-//! - else one within the limit that the pace has for it, entered at the speed of now: of several blocks that of the
-//!   slowest one, or the speed at which the planned law cruises ([`CommittedSpan::look`]);
-//! - or a slowing down to that limit.
+//! - For several blocks: the rest of the planned profile, or a profile below it at each place, at a part of its
+//!   speed. Any other profile would need a comparison with every block ([`CommittedSpan::go_on`]).
+//! - Otherwise: a profile within the current speed limit of the span, from the current speed. For several blocks
+//!   the limit is the speed of the slowest one, or the cruise of the planned profile ([`CommittedSpan::look`]).
+//! - Or a braking to this limit.
 use super::change::Pending;
 use super::committed::CommittedSpan;
 use super::hold::NOTHING;
@@ -16,40 +16,41 @@ use crate::lookahead::{Gain, GoingOn};
 use crate::math::float::{max, min, size_f32, to_f32};
 use crate::quantity::{DISTANCE_LSB, speed_bits, speed_f32};
 
-/// No law at a part of its speed is longer: 2^26 ticks.
+/// Longest duration of a profile at a part of its speed: 2^26 ticks.
 const LONGEST: Time = Time::from_bits(1 << (26 + 36));
 
-/// How far a new law follows the planned one.
+/// How far a new profile follows the planned one.
 #[derive(Clone, Copy, PartialEq)]
 enum Fit {
-    /// Its end speed, or that of now.
+    /// Up to the planned end speed, or to the current one.
     Whole,
-    /// A lower one.
+    /// Up to a lower end speed.
     Part,
 }
 
-/// What became of the law of a span that is not the one planned.
+/// The outcome for the profile of a span that differs from the planned one.
 enum Made {
-    /// Its speeds are known.
+    /// The speeds are known.
     Suited(Fit),
-    /// It is in the profile.
+    /// The profile is ready.
     Planned,
-    /// Another one took its place, up to somewhere in the span: it is handed out.
+    /// Another profile was made, which ends inside the span. It goes to the queue.
     Otherwise,
-    /// It is still being looked for.
+    /// The search continues.
     Later,
 }
 
 impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
-    /// Makes the law of the next span that has none. `false`: it is still being looked for, and nothing has changed.
+    /// Makes the profile of the next span without one. Returns `false` if the search continues; nothing has
+    /// changed then.
     pub(super) fn lay(&mut self) -> Result<bool, Unplannable> {
         let made = self.make_law();
         self.note_passed();
         made
     }
 
-    /// Makes the law of the next span that has none, and leaves spans behind it as they are
-    /// ([`Self::note_passed`]). `false`: it is still being looked for.
+    /// As [`Self::lay`], but leaves later spans unchanged ([`Self::note_passed`]). Returns `false` if the
+    /// search continues.
     pub(super) fn make_law(&mut self) -> Result<bool, Unplannable> {
         let (k, v_in) = (self.frontier.planned, self.frontier.speed);
         let (end, next) = (self.frontier.end, self.frontier.emitter.next());
@@ -89,8 +90,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         Ok(true)
     }
 
-    /// Makes the law of the span `k` the one planned, or what is left of that, at a part of its speed, if
-    /// that is the one of now, or the one at which the span is entered.
+    /// Gives the span `k` its planned profile, or the rest of it, at a part of the speed, if this part is the
+    /// current one, or the one of the start speed.
     #[inline(never)]
     fn stretch(&mut self, k: usize) -> Option<Made> {
         let begins = self.committed.begins(k);
@@ -112,7 +113,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         }
         if let Some(part) = self.orders.pace.stretch(span, v_in) {
             let [from, to] = [span.v_in, span.v_out].map(Speed::to_bits);
-            // The change is what has to fit: of the end speed alone it would be rounded by far more.
+            // The change of speed must fit. Rounding of the end speed alone would be far larger.
             let change = speed_bits(speed_f32((to - from).abs()) * part);
             let leaves = v_in.to_bits() + if to < from { -change } else { change };
             if self.plan_at(k, part, None, Speed::from_bits(leaves.max(0))) {
@@ -123,8 +124,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         None
     }
 
-    /// Makes the law of what is left of the span `k` one that is below what was planned for all of it, at the part of
-    /// its speed that is the one of now.
+    /// Gives the rest of the span `k` a profile below the planned one, at the current part of the speed.
     #[inline(never)]
     fn go_on_as_planned(&mut self, k: usize) -> Option<Made> {
         let begins = self.committed.begins(k);
@@ -137,7 +137,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             return None;
         }
         let CommittedSpan { span, limit, .. } = self.committed.get_mut(k)?;
-        // At a low override it gains speed so slowly that the slowest block may be sooner at the end.
+        // At a low override the profile gains speed so slowly that the profile of the slowest block may take
+        // less time.
         let way = to_f32(span.length.to_bits()) * DISTANCE_LSB;
         let ticks = size_f32(self.profile.time().to_bits()) * (1.0 / (1u64 << 36) as f32);
         if ticks * (span.slow.shared * part) > way {
@@ -147,8 +148,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         Some(Made::Planned)
     }
 
-    /// Makes the law of the span `k` one with its limits, and those of `most`, at a part of their speed, that ends at
-    /// `v_out`. `false`: there is none.
+    /// Gives the span `k` a profile with its limits, and those of `most`, at a part of the speed, with the end speed
+    /// `v_out`. Returns `false` if there is none.
     #[inline(never)]
     fn plan_at(&mut self, k: usize, part: f32, most: Option<&GoingOn>, v_out: Speed) -> bool {
         let Some(committed) = self.committed.get_mut(k) else { return false };
@@ -168,8 +169,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         planned.is_ok() && self.profile.time() <= LONGEST
     }
 
-    /// What the law of the span `k` may be when it is not the one planned: its limit and its end speed. It may slow
-    /// down instead.
+    /// Speed limit and end speed of a profile of the span `k` that differs from the planned one. The span may brake
+    /// instead.
     #[inline(never)]
     fn suit(&mut self, k: usize) -> Made {
         let Some(committed) = self.committed.get_mut(k) else { return Made::Otherwise };
@@ -235,8 +236,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         Made::Suited(if reached { Fit::Whole } else { Fit::Part })
     }
 
-    /// The law of the span `k` is a slowing down. Its first tick is known. What it leaves of the span gets a
-    /// law of its own.
+    /// Gives the span `k` a braking. Its first tick is known. The rest of the span gets its own profile.
     #[inline(never)]
     pub(super) fn brake(&mut self, k: usize, brake: &Brake) {
         self.frontier.emitter.begin_brake(&self.profile, brake);
@@ -258,8 +258,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         self.lower();
     }
 
-    /// The law at hand ends slower than it was planned: what is still in the ring begins so, and relies on
-    /// it. Where that law does not count yet, so once it does: all may still be as it was before.
+    /// The current profile ends slower than planned: the ring begins at this speed, and relies on it. If the
+    /// profile is not valid yet, the ring changes only when it becomes valid.
     pub(super) fn lower(&mut self) {
         #[cfg(feature = "plc")]
         if self.orders.asking {

@@ -1,4 +1,4 @@
-//! What the PLC is told of the path ahead: each curve on its way into the look-ahead, and the commands between them.
+//! The log of the path ahead for a PLC: each curve that enters the look-ahead, and the commands between them.
 use super::Planning;
 use super::intake::{Entrance, Pass};
 use crate::contour_log::{Crowded, Passed, Recorder};
@@ -7,10 +7,10 @@ use crate::nc::ContourLog;
 use crate::path::Piece;
 use crate::quantity::Position;
 
-/// What the intake has of the PLC's side.
+/// Data of the intake for a PLC.
 pub(super) struct Plc<'q> {
     pub recorder: Option<Recorder<'q>>,
-    /// A real-time loop is being taken in: long curves become two blocks.
+    /// Whether a real-time loop is being taken: long curves become two blocks.
     pub parts: bool,
 }
 
@@ -19,7 +19,7 @@ impl Plc<'_> {
 }
 
 impl<const AXES: usize, const BLOCKS: usize> Entrance<'_, '_, AXES, BLOCKS> {
-    /// The curve that was put into the queue last.
+    /// Records the curve that was put into the queue last.
     #[inline(never)]
     pub(super) fn record(&mut self, element: &Piece<'_, AXES>, base: &[Position; AXES], pass: &Pass) {
         let Some(recorder) = &mut self.plc.recorder else { return };
@@ -31,7 +31,7 @@ impl<const AXES: usize, const BLOCKS: usize> Entrance<'_, '_, AXES, BLOCKS> {
 }
 
 impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
-    /// The log from now on, if the machine data have FCT_CONTOUR_LAH.
+    /// Starts the log, if the machine data have FCT_CONTOUR_LAH.
     pub fn set_recorder(&mut self, mut recorder: Recorder<'q>) {
         let interpolator = &self.intake.machine.channel.interpolator;
         if !interpolator.has(InterpolatorFunctions::CONTOUR_LAH) {
@@ -53,7 +53,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         self.intake.plc.recorder.is_some()
     }
 
-    /// A program starts.
+    /// Starts a program.
     pub fn start_log(&mut self) {
         let path = self.queue.segments.end().to_bits();
         if let Some(recorder) = &mut self.intake.plc.recorder {
@@ -61,7 +61,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         }
     }
 
-    /// What was read ahead is forgotten, and the path is known up to where it will stand.
+    /// Drops the lines read ahead. The path is known up to the coming stop.
     pub fn cut_log(&mut self) {
         self.intake.plc.parts = false;
         let path = self.queue.segments.end().to_bits();
@@ -71,7 +71,8 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         }
     }
 
-    /// Commands get their place as soon as no motion block before them is on its way into the look-ahead.
+    /// Gives commands their place as soon as no motion block before them is still on its way into the
+    /// look-ahead.
     pub fn settle_log(&mut self) {
         use crate::smooth::Smoother;
         if self.intake.held.is_none() && self.intake.smoothing.is_empty() {
@@ -91,7 +92,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         self.log(n, ContourLog::Clear)
     }
 
-    /// Whether CLEAR waits for the standstill. Only after [`super::Work::Hungry`].
+    /// Whether CLEAR waits for a stop. Call it only after [`super::Work::Hungry`].
     pub fn waits_for_log(&mut self) -> bool {
         let waits = self.intake.plc.recorder.as_ref().is_some_and(Recorder::waits_for_rest);
         if waits && self.is_at_rest() {
@@ -104,7 +105,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         waits
     }
 
-    /// A command of the log: behind the last motion block taken in. Only after [`super::Work::Hungry`].
+    /// A command of the log after the last motion block. Call it only after [`super::Work::Hungry`].
     ///
     /// # Errors
     /// Too many of them wait for one motion block.
@@ -116,7 +117,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         Ok(())
     }
 
-    /// #DISTANCE PROG START CLEAR: behind the last motion block taken in. Only after [`super::Work::Hungry`].
+    /// `#DISTANCE PROG START CLEAR` after the last motion block. Call it only after [`super::Work::Hungry`].
     ///
     /// # Errors
     /// Too many commands wait for one motion block.

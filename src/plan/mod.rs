@@ -1,22 +1,22 @@
-//! From motion blocks to the queue: path, look-ahead and slope in a row, a bounded piece of work per call.
+//! From motion blocks to the queue: path, look-ahead and slope in a row, a bounded amount of work per call.
 //!
 //! | file | what it decides |
 //! |---|---|
-//! | `intake`, `held_line` | how a motion block comes in; which straight blocks become one |
-//! | `functions`, `acknowledge` | where functions come out; how the motion waits at a gate and goes on |
-//! | `committed` | which spans have a law that may still change |
+//! | `intake`, `held_line` | how a motion block enters; which straight blocks become one |
+//! | `functions`, `acknowledge` | where functions are output; how the motion waits at a gate and resumes |
+//! | `committed` | which spans have a profile that may still change |
 //! | `hold`, `descent`, `short_stop` | how the motion stops, through which spans, and whether it can stop sooner |
-//! | `search` | how much of that one call does |
+//! | `search` | how much of the search for a stop one call does |
 //! | `pace` | what override and reduced speed change in the queue |
-//! | `change` | when new pieces count for the interrupt |
-//! | `reserve`, `slower` | how the motion stops without the planner; what becomes of it where that has no room |
+//! | `change` | when new pieces become valid for the interrupt |
+//! | `reserve`, `slower` | how the motion stops without the planner; what happens if this stop has no room |
 //! | `late` | what happens when text or room for functions is missing |
-//! | `forecast` | what a PLC asks about what comes (feature `plc`) |
+//! | `forecast` | answers to a PLC about the coming motion (feature `plc`) |
 //! | `examine` | how a program is checked without a plan (feature `examine`) |
-//! | `log` | what the PLC is told of the path ahead (feature `plc`) |
-//! | `transform` | how elements of tip and angles become those of the axes (feature `kinematics`) |
-//! | `seam` | how long a real-time loop waits with its decision (feature `plc`) |
-//! | `stand` | where the axes stand at rest, and what a new program begins with |
+//! | `log` | the log of the path ahead for a PLC (feature `plc`) |
+//! | `transform` | how elements of tool tip and angles become elements of the axes (feature `kinematics`) |
+//! | `seam` | how long a real-time loop waits before it decides (feature `plc`) |
+//! | `stand` | where the axes stand at rest, and where a new program begins |
 mod acknowledge;
 mod change;
 mod committed;
@@ -78,45 +78,44 @@ use search::Search;
 pub use transform::{Split, SwitchError};
 use turning::Turning;
 
-/// Where the ring is handed on.
+/// The stage of the ring of blocks.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum RingStage {
-    /// Blocks are taken in.
+    /// Blocks are being taken.
     Filling,
-    /// The ring is planned.
+    /// The ring is being planned.
     Passing,
-    /// That many blocks still leave, span by span.
+    /// This number of blocks will still be released, span by span.
     Releasing(usize),
 }
 
 /// The result of a call.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Work {
-    /// Something; there is more.
+    /// Some work is done; there is more.
     Working,
-    /// The queue is full: nothing was done.
+    /// The queue is full: no work was done.
     Waiting,
-    /// A span has its time law: [`Planning::planned`].
+    /// A span has its speed profile: [`Planning::planned`].
     Planned,
-    /// That span has another one: it ends faster.
+    /// The same span has another profile, which ends faster.
     Replanned,
-    /// Nothing is left to do but to take in the next block.
+    /// The only work left is to take the next block.
     Hungry,
-    /// It comes to a standstill where the last block ends: there is no other yet.
+    /// The motion stops at the end of the last block, because no further block is known.
     Starved,
-    /// It got no time for so long that the motion came to a standstill on its way. It goes on.
+    /// The planner got so little time that the motion stopped on its path. The motion resumes now.
     Late,
-    /// From its speed there is no way to a standstill that has room: it is slower until there is.
+    /// No stop from the current speed has room. The motion is slower until a stop has room.
     Slower,
-    /// It stands still, and what was taken in is forgotten, as the operator wanted or because a plan failed.
+    /// The motion has stopped, and the remaining blocks are dropped: by an abort, or because a plan failed.
     Aborted,
     /// The curve of a corner leads beyond a software limit. The motion ends before it:
     /// [`Planning::take_refused`].
     Refused,
 }
 
-/// Memory of a [`Planning`], which makes in it what is large. All bits zero when new, so that it takes no
-/// room in flash.
+/// Memory of a [`Planning`] for its large parts. All bits are zero when new, so the memory takes no flash.
 pub struct PlanningMemory<const AXES: usize, const BLOCKS: usize> {
     lookahead: LookaheadMemory<BLOCKS>,
     committed: CommittedSpans,
@@ -128,7 +127,7 @@ pub struct PlanningMemory<const AXES: usize, const BLOCKS: usize> {
 }
 
 impl<const AXES: usize, const BLOCKS: usize> PlanningMemory<AXES, BLOCKS> {
-    /// Empty memory.
+    /// An empty memory.
     pub const fn new() -> Self {
         Self {
             lookahead: LookaheadMemory::new(),
@@ -148,8 +147,7 @@ impl<const AXES: usize, const BLOCKS: usize> Default for PlanningMemory<AXES, BL
     }
 }
 
-/// Path, look-ahead, slope and the planner's end of the queue. What is large of it lies in a
-/// [`PlanningMemory`].
+/// Path, look-ahead, slope and the planner's end of the queue. The large parts lie in a [`PlanningMemory`].
 pub struct Planning<'a, const AXES: usize, const BLOCKS: usize> {
     measure: Measure,
     dynamics: &'a mut Dynamics<AXES>,
@@ -158,9 +156,10 @@ pub struct Planning<'a, const AXES: usize, const BLOCKS: usize> {
     task: Task,
     profile: Profile,
     frontier: Frontier,
-    /// Spans released that the interrupt has not left. The first of them have a law: [`Frontier::planned`].
+    /// Released spans that the interrupt has not passed. The first of them have a profile:
+    /// [`Frontier::planned`].
     committed: &'a mut CommittedSpans,
-    /// Path distance up to which the look-ahead is handed on.
+    /// Path distance up to which the look-ahead is released.
     handed: Distance,
     supply: Supply,
     orders: Orders,
@@ -170,20 +169,20 @@ pub struct Planning<'a, const AXES: usize, const BLOCKS: usize> {
     queue: Sender<'a, AXES>,
 }
 
-/// Where blocks come in.
+/// The entry of blocks.
 struct Intake<'a, const AXES: usize> {
     machine: &'a MachineData<AXES>,
-    /// End of the last block taken in.
+    /// End of the last block.
     programmed: [Position; AXES],
-    /// Where the curves end that have gone into the look-ahead.
+    /// End of the curves in the look-ahead.
     entered: [Position; AXES],
-    /// Motion blocks taken in.
+    /// Number of motion blocks taken.
     taken: u32,
     smoothing: &'a mut Smoothing<AXES>,
-    /// Waits for the next one, only while contour mode is idle.
+    /// The line that waits for the next one, only while contour mode is off.
     held: &'a mut HeldLine<AXES>,
     turning: Turning,
-    /// Software limits, and what was refused for them.
+    /// Software limits, and the last refusal because of them.
     travel: Travel<AXES>,
     refused: Option<(Place, Beyond)>,
     uniform: Uniform,
@@ -198,102 +197,103 @@ struct Intake<'a, const AXES: usize> {
 
 #[cfg(not(feature = "kinematics"))]
 impl<const AXES: usize> Intake<'_, AXES> {
-    /// What was taken in ends where the curves of the look-ahead end.
+    /// The end of the last block becomes the end of the curves in the look-ahead.
     #[inline(always)]
     const fn stand(&mut self) {
         self.programmed = self.entered;
     }
 }
 
-/// The blocks whose limits are those of now.
+/// The blocks that have the current limits.
 #[derive(Clone, Copy, Debug)]
 struct Uniform {
-    /// The first of them.
+    /// The first of these blocks.
     since: u32,
-    /// Curves were asked to keep the jerk of the ramp times (CHECK_JERK=2).
+    /// Whether curves were asked to keep the jerk of the ramp times (CHECK_JERK=2).
     by_ramps: bool,
 }
 
-/// What is being done with the ring, and what is to be done.
+/// Current and pending work on the ring.
 #[derive(Clone, Copy, Debug)]
 struct Task {
     stage: RingStage,
-    /// Everything taken in is to be handed on down to a standstill.
+    /// Whether all blocks are to be released, down to a stop.
     flush: bool,
-    /// Ticks to rest after the standstill.
+    /// Ticks of dwell after the stop.
     rest: u64,
-    /// A gate is open: what is in the look-ahead is planned again.
+    /// Whether a gate has opened, so that the look-ahead is planned again.
     reopened: bool,
-    /// The gate at the first block is open: the law that ends there is made again too.
+    /// Whether the gate at the first block is open, so that the profile before it is made again too.
     joining: bool,
-    /// The motion stands, or will stand, before the first block or at the end, with a tick that shows it.
+    /// Whether the motion stops, or will stop, before the first block or at the end, with a tick that shows
+    /// the stop.
     stood: bool,
-    /// The instant at which the queue ends, if nothing has moved since the axes came to stand there.
+    /// The instant at which the queue ends, if nothing has moved since the axes stopped there.
     shifted: Option<u32>,
-    /// A level that the ring cannot follow, and the instant at which the queue ends then.
+    /// A level that the ring cannot follow, and the instant at which the queue ended at that time.
     refused_level: Option<(u32, f32)>,
 }
 
-/// Where laws end: of what is behind, nothing is in the queue.
+/// The end of the profiles in the queue.
 #[derive(Clone, Copy, Debug)]
 struct Frontier {
-    /// Cuts the last law into pieces.
+    /// Cuts the last profile into pieces.
     emitter: Emitter,
-    /// Spans that have a law. The last of these laws is with the emitter.
+    /// Number of spans with a profile. The emitter has the last of these profiles.
     planned: usize,
-    /// Speed at the end of that law.
+    /// Speed at the end of that profile.
     speed: Speed,
-    /// Ticks of rest that belong behind it.
+    /// Ticks of dwell behind that profile.
     pending_dwell: u64,
     /// Instant up to which pieces are in the queue.
     end: u32,
-    /// The law ends in a standstill.
+    /// Whether the profile ends in a stop.
     stops: bool,
-    /// What is in the queue ends at rest.
+    /// Whether the queue ends at rest.
     rests: bool,
 }
 
-/// The operator's commands, and what they make of the motion.
+/// The operator's commands, and their effect on the motion.
 #[derive(Clone, Debug)]
 struct Orders {
     mode: Mode,
-    /// The commands as they were seen last.
+    /// The commands as read last.
     word: u32,
-    /// What they make of the speed.
+    /// Their effect on the speed.
     pace: Pace,
-    /// A law could not be made: the motion stops, and what was taken in is forgotten.
+    /// Whether a profile could not be made: the motion stops, and the remaining blocks are dropped.
     failed: bool,
     /// Ticks from a command to the change.
     lead: u32,
-    /// A change is being tried; the last try changed nothing, and other work has this call.
+    /// Whether a change is in progress. The last try changed nothing, and other work has this call.
     trying: bool,
     yields: bool,
-    /// For a way down.
+    /// The search for a stop.
     search: Search,
-    /// Laws are made for a question of the PLC: they do not count.
+    /// Whether profiles are made for a question of the PLC: these are not valid for the interrupt.
     #[cfg(feature = "plc")]
     asking: bool,
-    /// A hold keeps the law at hand up to its end.
+    /// Whether a hold keeps the current profile up to its end.
     #[cfg(feature = "plc")]
     settled: bool,
 }
 
-/// How often the queue was found low since blocks are taken in.
+/// How often the queue was low since the planner began to take blocks.
 #[derive(Clone, Copy, Debug)]
 struct Supply {
-    /// In so many ticks.
+    /// Number of ticks with a low queue.
     low: u32,
-    /// The last one.
+    /// The last such tick.
     seen: u32,
 }
 
-/// What is told about the program.
+/// Data for reports about the program.
 #[derive(Clone, Copy, Debug)]
 struct Report {
-    /// Motion blocks whose time law has begun.
+    /// Number of motion blocks whose profile has begun.
     begun: u32,
     planned: Planned,
-    /// The law of the span released last is still being looked for.
+    /// Whether the profile of the last released span is still being searched.
     is_due: bool,
 }
 
@@ -309,20 +309,19 @@ pub struct PlannedBlock {
     pub n: u32,
     /// Path length.
     pub length: Distance,
-    /// Speed at its start.
+    /// Speed at the span's start.
     pub v_in: Speed,
     /// Highest speed.
     pub v_peak: Speed,
-    /// Speed at its end.
+    /// Speed at the span's end.
     pub v_out: Speed,
     /// Duration.
     pub time: Time,
-    /// If the span ends in a stop: time from there to the tick at which the next motion may begin.
+    /// If the span ends in a stop: time from the stop to the tick at which the next motion may begin.
     pub wait: Time,
 }
 
-/// What the span planned last was called in the program: the rest of [`PlannedBlock`] is put together when it
-/// is asked for.
+/// Program data of the span planned last. The rest of [`PlannedBlock`] is computed on demand.
 #[derive(Clone, Copy, Debug, Default)]
 struct Planned {
     number: u32,
@@ -331,7 +330,7 @@ struct Planned {
 }
 
 impl Task {
-    /// Blocks are taken in.
+    /// Blocks are being taken.
     const NONE: Self = Self {
         stage: RingStage::Filling,
         flush: false,
@@ -345,14 +344,14 @@ impl Task {
 }
 
 impl Frontier {
-    /// At rest; nothing is in the queue.
+    /// At rest, with an empty queue.
     fn start() -> Self {
         let emitter = Emitter::new();
         Self { emitter, planned: 0, speed: Speed::ZERO, pending_dwell: 0, end: 0, stops: false, rests: true }
     }
 }
 
-/// What is large of a [`Planning`], made in its memory.
+/// The large parts of a [`Planning`], made in its memory.
 struct Large<'a, const AXES: usize, const BLOCKS: usize> {
     lookahead: &'a mut LookaheadMemory<BLOCKS>,
     committed: &'a mut CommittedSpans,
@@ -363,23 +362,24 @@ struct Large<'a, const AXES: usize, const BLOCKS: usize> {
     reserve: &'a mut Reserve,
 }
 
-/// What is made in its memory. A call of its own: what it is on the stack until then is there alone.
+/// Makes a value in its memory. A separate function: until the copy, the value is on this stack frame alone.
 #[inline(never)]
 fn filled<T>(memory: &mut MaybeUninit<T>, make: impl FnOnce() -> T) -> &mut T {
     memory.write(make())
 }
 
-/// Pieces of time per call. The queue of a small build has a quarter of the room: fewer at once fill more of it.
+/// Pieces per call. The queue of a small build has a quarter of the room, and fewer pieces at once fill it
+/// better.
 const PIECES: u32 = if crate::machine::functions::IS_SMALL { 4 } else { 8 };
 
-/// Pieces that the queue has room for at any time, for a new law in place of one that is already there.
+/// Places in the queue that always stay free, for a new profile in place of an existing one.
 const KEPT_FREE: u32 = PIECES + 2;
 
-/// Longest rest handed over at once, ticks.
+/// Longest rest in one piece, ticks.
 const LONGEST_REST: u64 = 65_535;
 
 impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
-    /// Planning of a machine that stands at `start`. Earlier contents of `memory` do not matter.
+    /// A planning for a machine that stands at `start`. Earlier contents of `memory` do not matter.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn new(
         memory: &'a mut PlanningMemory<AXES, BLOCKS>,
@@ -399,7 +399,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         Self::with(large, machine, start, queue)
     }
 
-    /// With what is large in its place.
+    /// With the large parts in their places.
     #[inline(never)]
     fn with(
         large: Large<'a, AXES, BLOCKS>,
@@ -468,18 +468,18 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         self.orders.search.spent()
     }
 
-    /// Demands a stop after the blocks taken in, and that many ticks of dwell. The next [`Work::Hungry`] comes when all
-    /// of it is in the queue.
+    /// Demands a stop after the blocks taken so far, and `ticks` ticks of dwell. The next [`Work::Hungry`] comes when
+    /// all of them are in the queue.
     pub fn rest(&mut self, ticks: u64) {
         self.task.flush = true;
         self.task.rest = ticks;
     }
 
-    /// Goes on.
+    /// Continues the work.
     ///
     /// # Errors
-    /// [`Unplannable`]: a defect of the planner, found by its own verification, or a reduced speed at which a
-    /// block takes too long. The motion comes to a standstill as with an abort: [`Work::Aborted`] follows.
+    /// [`Unplannable`]: a defect of the planner, which its own check has found, or a reduced speed at which a
+    /// block takes too long. The motion stops as with an abort: [`Work::Aborted`] follows.
     pub fn work(&mut self) -> Result<Work, Unplannable> {
         #[cfg(feature = "examine")]
         if self.lookahead.ring.examines() {
@@ -492,10 +492,10 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         if let Some(work) = self.attend() {
             return Ok(work);
         }
-        // Also where the queue has no room: the interrupt may come to the standstill before the next call.
+        // Also if the queue has no room: the interrupt may reach the stop before the next call.
         self.end_law();
-        // Asked first: what the queue has no room for is not made. Several at once: each call has its own
-        // cost.
+        // Checked first, so that no piece is made without room. Several pieces at once, because each call has
+        // its own cost.
         if self.queue.phases.room() < PIECES + KEPT_FREE {
             return Ok(self.wait_a_while());
         }
@@ -514,7 +514,8 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         self.go_on()
     }
 
-    /// The first pieces of a motion. With a plan that is at work it waits: the way to its end is not known.
+    /// Hands out the first pieces of a motion. They wait for a plan in progress, because their stop is not
+    /// known before.
     fn start(&mut self) -> Work {
         if self.task.stage == RingStage::Passing && !self.orders.mode.stopping {
             self.step_pass();
@@ -532,7 +533,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         Work::Working
     }
 
-    /// A piece of the plan of the ring.
+    /// Does one step of the plan of the ring.
     fn step_pass(&mut self) {
         if let Some(blocks) = self.lookahead.step_pass() {
             self.task.stage = RingStage::Releasing(blocks);
@@ -540,8 +541,8 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         }
     }
 
-    /// Where a law that ends in a standstill is handed out, what follows begins at a tick, and the end itself
-    /// is in reserve.
+    /// Ends a profile that stops and is in the queue: the next motion begins at a tick, and the stop itself
+    /// is in the reserve.
     #[cfg_attr(feature = "fast", inline(always))]
     fn end_law(&mut self) {
         if self.frontier.stops && self.frontier.emitter.is_done() {
@@ -551,7 +552,8 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         }
     }
 
-    /// Pieces of time into the queue, as many as a call makes; `false` if the law is handed out.
+    /// Puts pieces into the queue, at most the number of one call. Returns `false` if the profile is
+    /// completely in the queue.
     fn hand_out(&mut self) -> bool {
         let mut ticks = 0;
         let more = self.frontier.emitter.hand_out(&mut self.queue.phases, PIECES, &mut ticks);
@@ -570,7 +572,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         self.pass_end();
     }
 
-    /// Rests at the path distance `at`, as long as a piece can. There is room. Ticks left.
+    /// Rests at the path distance `at` for one piece. There is room. Returns the remaining ticks.
     fn put_rest(&mut self, at: Distance, ticks: u64) -> u64 {
         let now = ticks.min(LONGEST_REST);
         if now > 0 {
@@ -580,7 +582,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         ticks - now
     }
 
-    /// The next step once the last span is handed out.
+    /// The next step after the last profile is in the queue.
     fn go_on(&mut self) -> Result<Work, Unplannable> {
         if self.orders.failed && !self.orders.mode.stopping {
             return Ok(self.wait_a_while());
@@ -596,8 +598,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
                 self.step_pass();
                 Ok(Work::Working)
             }
-            // A span of many blocks was handed on at once: what it took of the room of others comes back
-            // first.
+            // A span of many blocks was released at once. The room that it took from others comes back first.
             RingStage::Releasing(0) if self.queue.segments.is_over() => Ok(self.wait_a_while()),
             RingStage::Releasing(0) => {
                 if self.secure(self.reserve.near.max(FAR)) {
@@ -618,12 +619,12 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         }
     }
 
-    /// A piece of the smoother's work, if there is any, or an element that goes on.
+    /// Does one step of the smoother, or moves one of its elements on, if there is work.
     fn round_off(&mut self) -> bool {
         self.intake.smoothing.work(self.dynamics) || self.pass_smoothed()
     }
 
-    /// Blocks are taken in, or the ring is planned if there is no room for another one.
+    /// Takes blocks, or plans the ring if there is no room for another block.
     fn fill(&mut self) -> Work {
         if self.lookahead.ring.is_full() || self.queue.segments.is_ahead_full() || self.runs_dry() {
             return self.begin_pass();
@@ -649,25 +650,25 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         if self.task.flush && self.lookahead.ring.is_empty() {
             return self.come_to_rest();
         }
-        // On the way to a standstill what is there has to do: a corner that is held back waits for the rest.
+        // For a stop the known blocks must suffice: a corner that is held back waits for the rest.
         if self.task.flush || self.orders.mode.stopping { self.begin_pass() } else { Work::Hungry }
     }
 
-    /// Instead of handing on what was planned with gates that are open now, or for another level.
+    /// Plans again before a release, because gates have opened, or because the level has changed.
     #[inline(never)]
     fn plan_anew(&mut self) -> Work {
         self.task.reopened = false;
         if self.task.flush {
             return self.begin_pass();
         }
-        // With all that the ring can hold.
+        // With as many blocks as the ring can hold.
         self.task.stage = RingStage::Filling;
         Work::Working
     }
 
     fn begin_pass(&mut self) -> Work {
         self.follow_level();
-        // The level is lower: the rest of that comes first.
+        // The level is lower: the rest of this change comes first.
         self.task.reopened = self.lookahead.is_lowering();
         if self.task.reopened {
             return Work::Working;
@@ -677,7 +678,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         Work::Working
     }
 
-    /// Whether more blocks come into the ring: of the program, or of what the smoother still holds of it.
+    /// Whether more blocks enter the ring: from the program, or from the smoother.
     pub(super) fn is_open(&self) -> bool {
         #[cfg(feature = "kinematics")]
         if self.intake.transform.is_busy() {
@@ -686,7 +687,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         !self.task.flush || self.intake.smoothing.holds() || !self.intake.held.is_none()
     }
 
-    /// Plans the first span of the ring for good.
+    /// Makes the final plan of the ring's first span.
     #[inline(never)]
     fn release(&mut self, left: usize) -> Result<Work, Unplannable> {
         if self.lookahead.ring.first().is_some_and(|first| first.is_gate()) {
@@ -699,7 +700,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         if self.keeps_ahead(now) {
             return Ok(self.wait_a_while());
         }
-        // The queue is full: a planner that is called rarely learns so how long it is away.
+        // The queue is full. From this a planner that is called rarely learns the time between its calls.
         if self.queue.segments.is_sated() || self.committed.is_full() {
             return Ok(self.wait_a_while());
         }
@@ -724,14 +725,14 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
             self.frontier.planned += 1;
             return Ok(Work::Working);
         }
-        // All before it have a law, and this one had none before.
+        // All spans before have a profile, and this span had none before.
         self.orders.mode.uneven = false;
         self.report.is_due = !self.lay().map_err(|error| self.fail_to_plan(error))?;
         Ok(if self.report.is_due { Work::Working } else { Work::Planned })
     }
 
-    /// The first blocks of the look-ahead leave it, so many: their curves have been in the queue since they
-    /// came into it.
+    /// Releases the first `blocks` blocks of the look-ahead. Their curves are in the queue since they entered
+    /// the look-ahead.
     fn hand_on(&mut self, blocks: usize) {
         let mut curves = 0;
         for _ in 0..blocks {
@@ -743,8 +744,8 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         self.queue.segments.hand_on(curves);
     }
 
-    /// Keeps the number, the blocks and the N number of a span. It begins on the curve with the number
-    /// `first` and ends on the last one handed on.
+    /// Keeps the number, the blocks and the N number of a span. The span begins on the curve with the number
+    /// `first` and ends on the last released curve.
     fn name(&mut self, first: u32, blocks: usize) {
         let segments = &self.queue.segments;
         let Some(first) = segments.recent(first) else { return };
@@ -754,7 +755,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         }
         let (number, last) = (segments.block_of(first.segment), segments.block_of(last.segment));
         let begun = last.wrapping_add(1);
-        // A line that stands for several has the number of its last block.
+        // A line that stands for several blocks has the number of the last one.
         let merged = number.wrapping_sub(self.report.begun) as i32 > 0;
         self.report.planned = Planned {
             number: if merged { self.report.begun } else { number },
@@ -764,19 +765,19 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         self.report.begun = begun;
     }
 
-    /// Curves handed on since the split.
+    /// Number of curves released since the split.
     pub fn curves(&self) -> u32 {
         self.queue.segments.handed()
     }
 
-    /// A point of a curve handed on, at `part` 2^16ths of its length, and its motion block.
+    /// A point of a released curve, at `part` 2^16ths of its length, and its motion block.
     pub fn point(&self, curve: u32, part: u32) -> Option<(u32, [Position; AXES])> {
         let track = self.queue.segments.recent(curve)?;
         let distance = (i128::from(track.segment.length()) * i128::from(part)) >> 16;
         Some((self.queue.segments.block_of(track.segment), track.point(distance as i64)))
     }
 
-    /// The span planned last. Only after [`Work::Planned`], before the next call of [`Self::work`].
+    /// The span planned last. Call it only after [`Work::Planned`], before the next call of [`Self::work`].
     pub fn planned(&self) -> PlannedBlock {
         let Planned { number, blocks, n } = self.report.planned;
         let committed = self.committed.len().checked_sub(1).and_then(|last| self.committed.get(last));
@@ -805,8 +806,8 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         Work::Working
     }
 
-    /// Stays where everything handed on ends, as long as a piece can. There is room: asked at the beginning
-    /// of the call. Ticks left.
+    /// Rests at the end of the released path for one piece. There is room: checked at the beginning of the
+    /// call. Returns the remaining ticks.
     fn stay(&mut self, ticks: u64) -> u64 {
         let left = self.put_rest(self.handed, ticks);
         if let Some(committed) =

@@ -1,10 +1,9 @@
-//! Override and reduced speed in laws that are already in the queue.
+//! Override and reduced speed in profiles that are already in the queue.
 //!
-//! The planner finds the motion a few ticks ahead, as for a feed hold, and has the interrupt change over there.
-//! Either the motion slows down to the new speed from there on, or its acceleration ends. The rest of the span then
-//! has a law of its own with the new speed. The change begins with the next span where too little of this one is left,
-//! or where the motion slows down in it anyway, unless that is at a crawl. Spans without a law get the right one when
-//! it is made.
+//! The planner finds the motion a few ticks ahead, as for a feed hold, and lets the interrupt change over there. From
+//! there on the motion brakes to the new speed, or its acceleration ends. The rest of the span then gets its own
+//! profile with the new speed. The change begins with the next span if too little of the current one is left, or if
+//! the motion already brakes in it, unless it is then far too slow. Spans without a profile get the right one later.
 use super::committed::CommittedSpan;
 use super::descent::Descent;
 use super::{Brake, Commands, Planning, Speed, Work, clock};
@@ -13,14 +12,14 @@ use crate::math::float::{max, min};
 use crate::nc::SlopeType;
 use crate::quantity::{speed_bits, speed_f32};
 
-/// A law that was made for so many times less speed ends even where it slows down.
+/// A profile is replaced, even while it brakes, if it was made for a speed lower by this factor.
 const CRAWL: f32 = 2.0;
 
-/// Ticks of motion in the queue that are enough, with HSC.
+/// Ticks of motion in the queue that are enough with HSC.
 const AHEAD: u32 = 1024;
 
 impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
-    /// The pace of the commands, for all laws to be made. `false`: it is the one of before.
+    /// Takes the override of the commands, for all later profiles. Returns `false` if it has not changed.
     pub(super) fn set_pace(&mut self, commands: &Commands) -> bool {
         let before = self.orders.pace;
         self.orders.pace.follow(commands);
@@ -38,22 +37,22 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         true
     }
 
-    /// The level that the pace needs. Below 100 % there is none but with HSC: the others have spans of one
+    /// The level for the current override. Only HSC has levels below 100 %: spans of other slopes have one
     /// speed.
     pub(super) fn level(&self) -> f32 {
         let level = self.orders.pace.level();
         if self.dynamics.slope() == SlopeType::Hsc { level } else { max(level, 1.0) }
     }
 
-    /// Whether there is so much motion in the queue that no other span of HSC is handed on: it keeps the
-    /// level it was planned for.
+    /// Whether the queue has so much motion that no further span of HSC is released: a released span keeps
+    /// its level.
     pub(super) fn keeps_ahead(&self, now: u32) -> bool {
         self.frontier.end.wrapping_sub(now) > clock::TICK * AHEAD
             && self.lookahead.ring.first().is_some_and(Block::varies)
     }
 
-    /// The ring is planned for the level of now, if the motion enters it slowly enough. Only when all laws
-    /// are made, before a plan begins.
+    /// Plans the ring for the current level, if the motion enters the ring slowly enough. Only when all
+    /// profiles are made, before a plan begins.
     pub(super) fn follow_level(&mut self) {
         let (before, level) = (self.lookahead.ring.level(), self.level());
         let empty = self.lookahead.ring.is_empty();
@@ -66,15 +65,15 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             return;
         }
         if level < before && !empty {
-            // With a higher override again, they do not end faster than what is behind begins.
+            // With a higher override again, they must not end faster than the next block begins.
             self.committed.lower(self.frontier.planned, self.lookahead.ring.first_speed());
         }
         self.dynamics.set_level(max(level, 1.0));
         self.renew_held();
     }
 
-    /// The speed at which the last law would end if the override took nothing from it. One of another pace gets another
-    /// end.
+    /// The speed at which the last profile would end without the override's effect. If the profile was made for another
+    /// override, there is no limit.
     fn unslowed_end(&self, level: f32) -> Speed {
         let v = self.frontier.speed;
         let last = self.committed.len().checked_sub(1).and_then(|k| self.committed.get(k));
@@ -88,7 +87,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         }
     }
 
-    /// Whether the ring is planned for another level than that of now, may be able to follow it, and there is time.
+    /// Whether the ring is planned for another level than the current one, may be able to follow it, and has
+    /// time.
     pub(super) fn has_other_level(&self) -> bool {
         let level = self.level();
         level != self.lookahead.ring.level()
@@ -96,8 +96,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             && self.is_far(self.frontier.end)
     }
 
-    /// The ring is planned anew for the level of now, if it can follow that. To know takes a look at all blocks: it is
-    /// asked once for each end of the queue.
+    /// Plans the ring for the current level, if it can follow. The check looks at all blocks, so it is done once for
+    /// each end of the queue.
     pub(super) fn try_level(&mut self) -> Work {
         let (ring, level) = (&self.lookahead.ring, self.level());
         if level > ring.level() || self.frontier.speed <= ring.entry_for(level) {
@@ -107,7 +107,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         Work::Working
     }
 
-    /// Its law was made for another pace, and is not the one of now.
+    /// Whether the profile was made for another override and must change.
     fn differs(&self, committed: &CommittedSpan) -> bool {
         let v = self.orders.pace.limit(&committed.span);
         let slower =
@@ -115,7 +115,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         committed.pace != self.orders.pace.key() && (v != committed.limit || slower())
     }
 
-    /// A slowing down inside the span `k` from the instant `at` on, to the pace of now.
+    /// A braking inside the span `k` from the instant `at` on, to the current speed limit.
     #[inline(never)]
     fn slower_from(&mut self, k: usize, at: u32) -> Option<Brake> {
         let motion = self.motion_at(at)?;
@@ -124,7 +124,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         committed.look(begins, motion.distance);
         let v = self.orders.pace.limit(&committed.span);
         let target = speed_bits(v);
-        // It slows down as it is, unless that takes many times longer.
+        // The existing braking stays, unless it takes many times longer.
         let crawls = v > CRAWL * committed.limit;
         if motion.accel < 0 && motion.speed <= target && !crawls {
             return None;
@@ -135,7 +135,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         goes.then_some(brake)
     }
 
-    /// Laws of now in place of those in the queue, from the first one that differs on.
+    /// Replaces profiles in the queue, from the first one that differs on.
     #[inline(never)]
     pub(super) fn adjust(&mut self) -> Option<Work> {
         let (at, later) = self.attempt()?;

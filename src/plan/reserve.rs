@@ -1,67 +1,67 @@
-//! A way to a standstill in reserve, for a planner that gets no time.
+//! The reserve: a stop for a planner that gets no time.
 //!
-//! What is in the queue may end at speed. Behind it the planner keeps a way to a standstill ready and tells
-//! the interrupt to go on with it there ([`clock`]). As long as it is called it moves that reserve on before
-//! the interrupt comes there: then nothing of it is ever seen. If it is not, the motion slows down by itself,
-//! with the limits of every block it comes through, and stands. The planner, when it is called again, takes
-//! back what is in the queue and goes on from there.
+//! The queue may end at speed. Behind its end the planner keeps a stop ready, and tells the interrupt to
+//! continue with this stop ([`clock`]). As long as the planner is called, it moves the reserve on before the
+//! interrupt gets there, and the reserve is never used. Otherwise the motion brakes to a stop by itself,
+//! inside the limits of every block. At its next call the planner withdraws the rest of the queue and
+//! continues from the stop.
 //!
-//! Such a way is made like a feed hold (`hold`): from the motion where the queue ends, through the rest of
-//! that span and the spans of the look-ahead, as they are planned, until one is long enough. The plan of a
-//! ring ends in a standstill: so does this. What the planner is about meanwhile is put aside and goes on
-//! behind it.
+//! The reserve is made like a feed hold (`hold`). It begins with the motion at the end of the queue. It leads
+//! through the rest of that span and the planned spans of the look-ahead, until one is long enough. The plan
+//! of the ring ends in a stop, so the reserve does too. Meanwhile the planner sets its current work aside and
+//! continues it afterwards.
 //!
-//! Where what is in the queue ends in a planned standstill, its last tick is before that: the tick that shows
-//! the standstill itself belongs to what follows. Until that is in the queue the reserve is this one tick.
+//! If the queue ends in a planned stop, its last tick is before the stop. The tick that shows the stop
+//! belongs to the next motion. Until that motion is in the queue, the reserve is this one tick.
 //!
-//! A new one is made when the interrupt comes near the one before: once for a full queue, whatever the length
-//! of the blocks.
+//! A new reserve is made when the interrupt comes near the old one: once for a full queue, whatever the
+//! length of the blocks.
 //!
-//! A way that has no room, or is not known to its end, is none: the one before stays, and the motion is made
+//! A stop without room, or whose end is not known, is not used. The old reserve stays, and the motion gets
 //! slower ([`super::slower`]).
 //!
-//! A command of the operator that changes the laws in the queue, and a start from rest, count when the next
-//! reserve is complete ([`super::change`]).
+//! A command that changes profiles in the queue, and a start from rest, become valid when the next reserve is
+//! complete ([`super::change`]).
 use super::change::Pending;
 use super::committed::CommittedSpan;
 use super::hold::{Mode, NOTHING};
 use super::search::Later;
 use super::{Distance, Frontier, Instant, PIECES, Phase, Planning, RingStage, Slot, Speed, Work, clock};
 
-/// Time ahead of the interrupt at which a new one is made, at least; and the same before blocks are taken in
-/// and planned: what a slow planner needs for that.
+/// Smallest time before the old reserve at which a new one is made; and the same before blocks are taken and
+/// planned, which a slow planner needs.
 const NEAR: u32 = clock::TICK * 32;
 pub(super) const FAR: u32 = clock::TICK * 256;
 
-/// A planner that is called rarely makes it so many times the time between its calls ahead.
+/// A planner that is called rarely makes a reserve ahead by this multiple of the time between its calls.
 const CALLS: u32 = 2;
 
-/// Laws per call: each may go through many spans.
+/// Profiles per call: each may lead through many spans.
 const LAWS: u32 = 1;
 
-/// What the interrupt will go on with.
+/// The stop with which the interrupt will continue.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Way {
     /// The first instant of the stop, and the instant at which the axes stand.
     pub at: u32,
     end: u32,
-    /// Path distance where it stands.
+    /// Path distance of the stop.
     stands: i64,
-    /// There it would stand anyway.
+    /// Whether the plan stops there anyway.
     as_planned: bool,
 }
 
-/// What is put aside while such a way is made.
+/// The work that is set aside while a reserve is made.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Aside {
     frontier: Frontier,
     pub mode: Mode,
     spans: usize,
-    /// A span that has another law meanwhile.
+    /// A span that has another profile meanwhile.
     touched: Option<(usize, CommittedSpan)>,
-    /// The way down from within the law with the emitter is still being looked for.
+    /// Whether the braking from inside the emitter's profile is still being searched.
     slows: bool,
-    /// With linear ramps the next span has no law: it keeps its own.
+    /// Whether the next span keeps its own ramps, because with linear ramps it has no profile.
     keeps_ramps: bool,
 }
 
@@ -69,28 +69,29 @@ pub(super) struct Aside {
 pub(super) struct Reserve {
     pub kept: Option<Way>,
     pub aside: Option<Aside>,
-    /// New pieces that count when it is complete.
+    /// New pieces that become valid when the reserve is complete.
     pub pending: Option<Pending>,
-    /// The span that got another profile for the stop, and whether the rest of the look-ahead begins slower for it.
+    /// The span that got another profile for the stop, and whether the rest of the look-ahead begins slower
+    /// because of it.
     pub changed: Option<(usize, bool)>,
     pub undone: bool,
     pub waits: bool,
-    /// Of the way being made: the next block of the look-ahead, or `usize::MAX` if it is to end before that,
-    /// and its path distance.
+    /// For the stop being made: the next block of the look-ahead, or `usize::MAX` if the stop is to end
+    /// before, and its path distance.
     next: usize,
     distance: Distance,
-    /// The law with the emitter is all of it so far.
+    /// Whether the stop so far is only the emitter's profile.
     as_planned: bool,
-    /// Path distance of its standstill, if that is in none of the spans at hand.
+    /// Path distance of the stop, if it is in none of the committed spans.
     stands: Option<i64>,
-    /// The instant of the last call that had nothing to do, and the time ahead of the interrupt at which a
-    /// new one is made.
+    /// The instant of the last call without work, and the time before the old reserve at which a new one is
+    /// made.
     waited: u32,
     pub near: u32,
-    /// A stop that begins there found no room; the motion is slower for that, and this is not reported yet.
+    /// A stop that begins at this instant has no room. The motion is slower, and this is not reported yet.
     pub failed: Option<u32>,
     pub slowed: bool,
-    /// Path distance of the stop, if spans up to there still have to leave the look-ahead.
+    /// Path distance of the stop, if spans up to there are still in the look-ahead.
     pub behind: Option<i64>,
 }
 
@@ -120,7 +121,7 @@ impl Reserve {
         self.aside.is_some()
     }
 
-    /// Whether a stop lies ready.
+    /// Whether a stop is ready.
     pub const fn is_kept(&self) -> bool {
         self.kept.is_some()
     }
@@ -135,34 +136,34 @@ impl Reserve {
         (self.next, self.distance)
     }
 
-    /// All of it is the tick of a standstill that was planned.
+    /// Whether the reserve is only the tick of a planned stop.
     fn shows_end(&self) -> bool {
         self.kept.is_some_and(|way| way.as_planned && way.end.wrapping_sub(way.at) == clock::TICK)
     }
 
-    /// The stop that is being made continues there.
+    /// The stop being made continues at this block and distance.
     pub const fn go_on_at(&mut self, next: usize, distance: i64) {
         (self.next, self.distance) = (next, Distance::from_bits(distance));
     }
 
-    /// The plan of the look-ahead is complete: what had no room before it may have some.
+    /// The plan of the look-ahead is complete: a stop that had no room before may have room.
     pub const fn try_again(&mut self) {
         (self.failed, self.waits) = (None, false);
     }
 
-    /// The stop that is being made ends there.
+    /// The stop being made ends there.
     pub const fn stand_at(&mut self, distance: i64) {
         self.stands = Some(distance);
     }
 
-    /// Forgets all of it.
+    /// Drops the reserve.
     pub fn clear(&mut self) {
         *self = Self { waited: self.waited, ..Self::none() };
     }
 }
 
 impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
-    /// Where the interrupt has left the queue, or a way is being made: a piece of that.
+    /// Does one step of a reserve being made, or of the return after the interrupt has left the queue.
     #[inline(never)]
     pub(super) fn look_after(&mut self) -> Work {
         if self.queue.clock.has_left() {
@@ -176,7 +177,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             }
             return Work::Working;
         }
-        // Commands come first, but for pieces that are put in already.
+        // Commands come first, except for pieces that are already written.
         let called = self.queue.control.word() != self.orders.word && self.reserve.pending.is_none();
         if called || !self.go_on_stopping() {
             self.take_back();
@@ -184,14 +185,14 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         Work::Working
     }
 
-    /// Begins to make one if what is in the queue ends at speed, and goes on behind the one there is, to
-    /// which the interrupt will come within that time, or within half of what is in the queue.
+    /// Begins a reserve, if the queue ends at speed beyond the old reserve, and the interrupt will reach the
+    /// old reserve within this time, or within half of the queue.
     #[cfg_attr(feature = "fast", inline(always))]
     pub(super) fn secure(&mut self, within: u32) -> bool {
         self.secure_at(self.queue.clock.now(), within)
     }
 
-    /// The same at the instant of now.
+    /// The same, at this instant.
     #[cfg_attr(feature = "fast", inline(always))]
     pub(super) fn secure_at(&mut self, now: u32, within: u32) -> bool {
         let within = (self.frontier.end.wrapping_sub(now) / 2).min(within);
@@ -200,7 +201,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             && self.begin_reserve()
     }
 
-    /// Nothing to do now: time for that.
+    /// No other work now: time for the reserve.
     #[cfg_attr(feature = "fast", inline(always))]
     pub(super) fn wait_a_while(&mut self) -> Work {
         let now = self.queue.clock.now();
@@ -209,20 +210,20 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         if self.secure_at(now, self.reserve.near) { Work::Working } else { Work::Waiting }
     }
 
-    /// A law that ends in a standstill has been handed out. The reserve led into it; now it is the tick that
-    /// shows its end.
+    /// A profile that ends in a stop is in the queue. The reserve led into this profile; now it is the tick
+    /// that shows the stop.
     #[inline(never)]
     pub(super) fn keep_end(&mut self) {
         if self.reserve.is_kept() {
             self.drop_reserve();
         }
-        // On the way to a standstill that is wanted, that tick comes at once.
+        // If the stop was demanded, this tick comes at once.
         if !self.orders.mode.stopping && !self.orders.mode.halting {
             self.begin_reserve();
         }
     }
 
-    /// What is in the queue ends in a rest that is far ahead: a tick of it is the reserve.
+    /// The queue ends in a rest that is far ahead: one tick of the rest is the reserve.
     pub(super) fn keep_rest(&mut self) {
         let at = self.frontier.end;
         let Some(motion) = self.motion_at(at).filter(Instant::is_rest) else { return };
@@ -234,7 +235,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         }
     }
 
-    /// Something is in the queue behind that standstill, and shows it.
+    /// The queue continues behind the stop, and shows it.
     #[cfg_attr(feature = "fast", inline(always))]
     pub(super) fn pass_end(&mut self) {
         if self.reserve.shows_end() && self.reserve.pending.is_none() {
@@ -248,10 +249,10 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let failed = self.reserve.failed == Some(self.frontier.end) || has_one;
         let ends = self.frontier.speed == Speed::ZERO;
         let stands = ends && !self.frontier.emitter.has_piece();
-        // The rest of a law that stops is a way to a standstill.
+        // The rest of a profile that stops is a stop.
         let stops = ends && !stands && self.orders.mode.stopping;
         let unplanned = self.task.stage == RingStage::Passing;
-        // One that there is leads further.
+        // The existing reserve leads further.
         let has_better = unplanned && self.reserve.is_kept();
         let refused = (has_better || failed || self.comes_down()) && self.reserve.pending.is_none();
         if refused || (self.reserve.behind.is_some() && !stops) {
@@ -262,7 +263,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let mode = &self.orders.mode;
         let halts = mode.halting;
         let inside = mode.passed.and_then(|passed| passed.stands);
-        // The way through the look-ahead is known when its plan is complete.
+        // The stop through the look-ahead is known when the plan of the look-ahead is complete.
         let next = if unplanned { usize::MAX } else { 0 };
         (self.reserve.next, self.reserve.distance) = (next, self.handed);
         self.orders.mode = mode.stop();
@@ -278,8 +279,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         true
     }
 
-    /// What is to be as it was when it is over. Not inlined, as the next: of what each has on the stack, only
-    /// one is there at a time.
+    /// Saves the state that returns afterwards. Not inlined, nor is the next function, so that only one of
+    /// their stack frames exists at a time.
     #[inline(never)]
     fn set_aside(&mut self) {
         let (frontier, mode, spans) = (self.frontier, self.orders.mode, self.committed.len());
@@ -287,7 +288,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             Some(Aside { frontier, mode, spans, touched: None, slows: false, keeps_ramps: false });
     }
 
-    /// From within the law with the emitter.
+    /// Brakes from inside the emitter's profile.
     #[inline(never)]
     fn slow_down(&mut self) {
         let mut phase = Phase::BLANK;
@@ -300,7 +301,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let k = self.span_at(motion.distance);
         self.touch(k);
         if motion.speed == 0 {
-            // It has not begun.
+            // The profile has not begun.
             self.frontier.emitter.resume_at(0);
             (self.frontier.planned, self.frontier.speed, self.orders.mode.halting) = (k, Speed::ZERO, true);
             return;
@@ -308,7 +309,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         self.slow_down_within(k, &motion);
     }
 
-    /// The same from this motion on.
+    /// Brakes from this motion on.
     #[inline(never)]
     fn slow_down_within(&mut self, k: usize, motion: &Instant) {
         let descent = self.descend(k, motion);
@@ -327,8 +328,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         }
     }
 
-    /// The span of the law with the emitter, which is at this path distance: one that was slowed down may
-    /// have no other law yet.
+    /// The span of the emitter's profile, which is at this path distance. A span that was slowed down may
+    /// have no other profile yet.
     fn span_at(&self, distance: i64) -> usize {
         let mut k = self.frontier.planned;
         let is_within = |committed: &CommittedSpan| distance.wrapping_sub(committed.end()) < 0;
@@ -338,7 +339,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         k
     }
 
-    /// The span `k` is about to have another law: it will be as it was when this is over.
+    /// Saves the span `k` before it gets another profile. Its state returns afterwards.
     fn touch(&mut self, k: usize) {
         self.restore_touched();
         let begins = self.committed.begins(k);
@@ -360,7 +361,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         }
     }
 
-    /// A piece of it; `false` when it is done, or cannot be made.
+    /// Does one step of the stop. Returns `false` if it is complete or impossible.
     fn go_on_stopping(&mut self) -> bool {
         if self.reserve.aside.as_ref().is_some_and(|aside| aside.slows) {
             let (k, motion) = self.orders.search.begins();
@@ -392,13 +393,13 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         true
     }
 
-    /// A piece of it.
+    /// Writes a piece of the stop.
     fn put_aside(&mut self, phase: Phase) -> bool {
         self.frontier.end = self.frontier.end.wrapping_add(clock::TICK * u32::from(phase.ticks));
         self.queue.reserve.push(phase) || self.fail()
     }
 
-    /// The law of the next span: of one that has been handed on, or of the look-ahead.
+    /// Makes the profile of the next span: a released span, or one of the look-ahead.
     #[inline(never)]
     fn lay_next(&mut self) -> bool {
         let Some(Aside { spans, touched, .. }) = &self.reserve.aside else { return false };
@@ -413,7 +414,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
                 if next == usize::MAX || !self.lookahead.ring.planned(next, &mut committed.span) {
                     return false;
                 }
-                // The interrupt would leave the path where it does not know it.
+                // The interrupt would leave the part of the path that it knows.
                 if !self.queue.segments.is_known(self.reserve.distance) {
                     return false;
                 }
@@ -425,8 +426,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         } else if touched != Some(self.frontier.planned) {
             self.touch(self.frontier.planned);
         }
-        // A ramp of SIN2 is many pieces; a linear one of its mean jerk keeps the limits too, with few. Where ramps
-        // differ it may take longer than there is path.
+        // A ramp of SIN2 is many pieces. A linear ramp with the mean jerk keeps the limits too, and is few pieces.
+        // If the four ramps differ, the linear profile may need more path than there is.
         let keeps_ramps =
             self.reserve.aside.as_mut().is_some_and(|aside| core::mem::take(&mut aside.keeps_ramps));
         let Some(committed) = self.committed.get_mut(self.frontier.planned) else { return false };
@@ -449,7 +450,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         is_laid.is_ok() || is_straight
     }
 
-    /// It is complete: the interrupt may come.
+    /// The reserve is complete: the interrupt may use it.
     fn keep(&mut self) {
         let Some(aside) = &self.reserve.aside else { return };
         let at = aside.frontier.end;
@@ -475,13 +476,13 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         self.hand_over(Some(Way { at, end: self.frontier.end, stands, as_planned }));
     }
 
-    /// What was put aside goes on.
+    /// Continues the work that was set aside.
     fn take_back(&mut self) {
         self.drop_aside();
         self.take_over();
     }
 
-    /// What was put aside is as it was.
+    /// Restores the work that was set aside.
     pub(super) fn drop_aside(&mut self) {
         self.restore_touched();
         let Some(aside) = &self.reserve.aside else { return };
@@ -490,8 +491,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         self.reserve.aside = None;
     }
 
-    /// The laws in the queue are about to change: there is no reserve until the next one is made. `false` if
-    /// the interrupt has gone on with it.
+    /// Withdraws the reserve before profiles in the queue change, until the next one is made. Returns `false`
+    /// if the interrupt already uses the reserve.
     pub(super) fn drop_reserve(&mut self) -> bool {
         if self.queue.clock.has_left() || !self.queue.reserve.drop_kept(self.queue.clock) {
             return false;
@@ -501,7 +502,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         true
     }
 
-    /// The interrupt has gone on with it: once it stands, everything behind begins there.
+    /// The interrupt has used the reserve: after the stop, all further motion begins there.
     fn go_on_late(&mut self) -> Work {
         let Some(way) = self.reserve.kept else {
             self.queue.clock.let_go();
@@ -533,14 +534,14 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         if way.as_planned { Work::Working } else { Work::Late }
     }
 
-    /// Whether the span `k` is behind the standstill; it begins there if it is not.
+    /// Whether the span `k` is behind the stop. If not, it begins at the stop.
     pub(super) fn is_behind(&mut self, k: usize) -> bool {
         let begins = self.committed.begins(k);
         let (Some(stands), Some(committed)) = (self.reserve.behind, self.committed.get_mut(k)) else {
             return false;
         };
         if committed.end().wrapping_sub(stands) <= NOTHING {
-            // It has begun: a command does not change it.
+            // The span has begun: a command does not change it.
             committed.first = self.frontier.end.wrapping_sub(clock::TICK);
             self.frontier.pending_dwell = u64::from(committed.rest);
             return true;

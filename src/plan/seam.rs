@@ -1,11 +1,12 @@
-//! The seam between two passes of a real-time loop: how long the planner can do without knowing what follows.
+//! The seam between two passes of a real-time loop: how long the planner waits before it decides on the next
+//! pass.
 //!
-//! What was taken in waits in the look-ahead. Of it the planner hands on only what a longer path would not make
-//! faster: behind the blocks handed on there is always enough path to stop. When there is not enough any more, and the
-//! queue runs low, the flag decides on the next pass.
+//! Blocks wait in the look-ahead. The planner releases only blocks that a longer path would not make faster, so behind
+//! the released blocks there is always enough path to stop. When the path is no longer long enough, and the queue runs
+//! low, the flag decides on the next pass.
 //!
-//! So the decision comes [`SOON`] ticks and about twice the path to a standstill ahead, in whole blocks of the
-//! look-ahead. A line or an arc that is longer becomes two blocks.
+//! So the decision comes [`SOON`] ticks and about two braking distances ahead, in whole blocks of the
+//! look-ahead. A longer line or arc becomes two blocks.
 use super::intake::{Entrance, Pass};
 use super::{Planning, clock};
 use crate::contour_log::{Crowded, Turn};
@@ -14,26 +15,27 @@ use crate::lookahead::WAYS;
 use crate::path::Piece;
 use crate::quantity::{Distance, Position};
 
-/// Ticks of motion in the queue below which the next pass is decided on: time to take it in and to plan a full ring.
+/// Ticks of motion in the queue below which the planner decides on the next pass: the time to take it and to
+/// plan a full ring.
 const SOON: u32 = 128;
 
-/// What is to be done at a seam.
+/// The next action at a seam.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Seam {
-    /// There is time: nothing was done.
+    /// There is time: the call did no work.
     Wait,
     /// Something was done; there is more.
     Working,
-    /// What follows has to be known now.
+    /// The decision on the next pass is due.
     Decide,
 }
 
-/// That much longer than the path that has to be known, rounding included.
+/// Factor for the path that must be known, rounding included.
 const SPARE: f32 = 1.0625;
 
 impl<const AXES: usize, const BLOCKS: usize> Entrance<'_, '_, AXES, BLOCKS> {
-    /// A line or an arc of a real-time loop becomes two blocks, if it is long: the second one has the path to a
-    /// standstill. `false`: it does not, and nothing was done.
+    /// A long line or arc of a real-time loop becomes two blocks; the second one has the length of a stop.
+    /// Returns `false` if it is too short; nothing was done then.
     #[inline(never)]
     pub(super) fn push_parted(
         &mut self,
@@ -63,9 +65,9 @@ impl<const AXES: usize, const BLOCKS: usize> Entrance<'_, '_, AXES, BLOCKS> {
 }
 
 impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
-    /// What is to be done while it is not known what follows. Only after [`super::Work::Hungry`].
+    /// Works while the following blocks are unknown. Call it only after [`super::Work::Hungry`].
     pub fn seam(&mut self) -> Seam {
-        // A line that goes on in the next pass is not one element with it.
+        // A line that continues in the next pass is a separate element.
         self.let_go();
         let now = self.queue.clock.now();
         // The queue is low on purpose.
@@ -83,7 +85,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         Seam::Working
     }
 
-    /// A pass of a real-time loop begins behind the last motion block taken in, or the last one ends there.
+    /// A pass of a real-time loop begins after the last motion block, or the last pass ends there.
     ///
     /// # Errors
     /// Too many commands of the log wait for one motion block.

@@ -1,20 +1,21 @@
-//! The search for a way down, in pieces: no call of the planner does more than a bounded part of it.
+//! The search for a stop, in bounded parts per call of the planner.
 //!
-//! A search has stages, tried in this order until one leads to a law:
+//! A search has stages, in this order, until one finds a profile:
 //!
-//! | stage | what it tries | one step |
+//! | stage | what the stage tries | one step |
 //! |---|---|---|
-//! | `Begin`, `Short` | what the axes permit on the way itself (`short_stop`) | a round |
-//! | `Along` | the limits of the spans, down to a standstill (`descent`) | all of it |
-//! | `Begin`, `Short`, surely | the first one again, where a standstill fits but not by one law | a round |
-//! | `Down` | to the end of fewer and fewer spans | one law |
+//! | `Begin`, `Short` | limits of the axes along the stop itself (`short_stop`) | a round |
+//! | `Along` | limits of the spans, down to a stop (`descent`) | all of it |
+//! | `Begin`, `Short`, surely | the first stage again, if a stop fits, but not by one profile | a round |
+//! | `Down` | braking to the end of fewer and fewer spans | one profile |
 //!
-//! Each step counts what it costs. A call that has spent [`ENOUGH`] ends with [`Later`], and the next call goes on.
-//! Between two steps a search is a few numbers. The last step makes the law and checks it against the spans of then.
+//! Each step adds its cost. A call that has spent [`ENOUGH`] ends with [`Later`], and the next call continues.
+//! Between two steps a search is a few numbers. The last step makes the profile and checks it against the current
+//! spans.
 //!
-//! A search belongs to a span and a motion. For another one it begins anew: nothing has to end it where plans change.
-//! Where the motion is ahead of the interrupt, its instant is kept ([`Search::pause`]). If the interrupt has passed
-//! that instant, the next search begins further ahead.
+//! A search belongs to a span and a motion. For another span or motion it begins anew, so a change of plan need not
+//! end it. If the motion is ahead of the interrupt, its instant is kept ([`Search::pause`]). If the interrupt has
+//! passed that instant, the next search begins for a later one.
 use super::descent::{Along, Descent};
 use super::short_stop::{No, Short};
 use super::{Instant, Planning, clock};
@@ -22,20 +23,20 @@ use crate::lookahead::ReleasedSpan;
 use crate::queue::Segment;
 use core::cell::Cell;
 
-/// Costs, in about 100 instructions of a Cortex-M4: of a span at hand; of one of the look-ahead, beside 1 for each of
-/// its blocks; of a law to a given speed; of a law whose end speed is looked for.
+/// Costs, in about 100 instructions of a Cortex-M4: of a committed span; of a span of the look-ahead, in addition to
+/// 1 for each block; of a profile to a given speed; of a profile whose end speed is searched.
 pub(super) const SPAN_COSTS: u32 = 3;
 pub(super) const SCAN_COSTS: u32 = 6;
 pub(super) const LAW_COSTS: u32 = 15;
 pub(super) const PLAN_COSTS: u32 = 100;
 
-/// Most that one round may cost. A way for which it is not enough is none.
+/// Highest cost of one round. A stop that costs more counts as impossible.
 pub(super) const WALK: u32 = 760;
 
-/// Behind so much a call ends.
+/// Cost after which a call ends.
 const ENOUGH: u32 = 60;
 
-/// What a look at a part of this curve costs.
+/// Cost of examining a part of this curve.
 pub(super) const fn curve_costs<const AXES: usize>(segment: &Segment<AXES>) -> u32 {
     let axes = AXES as u32;
     if segment.is_line() {
@@ -47,16 +48,16 @@ pub(super) const fn curve_costs<const AXES: usize>(segment: &Segment<AXES>) -> u
     }
 }
 
-/// What the deceleration costs that a part of the path permits.
+/// Cost of the deceleration that a part of the path permits.
 pub(super) const fn part_costs(axes: usize) -> u32 {
     2 * axes as u32
 }
 
-/// The search goes on in the next call.
+/// The search continues in the next call.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Later;
 
-/// What is tried next.
+/// The next stage.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Stage {
     Begin { surely: bool },
@@ -68,23 +69,24 @@ enum Stage {
 /// A search, between two calls.
 #[derive(Clone, Debug)]
 pub(super) struct Search {
-    /// The span and the motion in it; whether the way is one in reserve. At rest: there is no search.
+    /// The span, the motion in it, and whether the search is for a reserve. At rest there is no search.
     k: usize,
     motion: Instant,
     is_reserve: bool,
-    /// The way is to stay within committed spans.
+    /// Whether the stop has to stay within committed spans.
     stays: bool,
     stage: Stage,
     short: Short,
-    /// The limits of the spans lead to a standstill as soon, unless they do not: the way itself is looked at again.
+    /// Whether the stop itself is examined again: the limits of the spans lead to a stop only in several
+    /// profiles.
     again: bool,
-    /// Spans that [`Stage::Along`] found for a law.
+    /// Number of spans that [`Stage::Along`] found for a profile.
     spans: usize,
     /// The instant of the motion, and the first span that begins behind it.
     paused: Option<(u32, usize)>,
-    /// The span at hand has no way: the one looked for begins with the next span.
+    /// Whether the current span has no stop, so that the stop begins with the next span.
     skips: bool,
-    /// What this call has cost, and whether the search goes on in the next one.
+    /// Cost of this call, and whether the search continues in the next call.
     spent: Cell<u32>,
     goes_on: bool,
 }
@@ -110,7 +112,7 @@ impl Search {
         }
     }
 
-    /// A step costs so much.
+    /// Adds the cost of a step.
     pub fn spend(&self, costs: u32) {
         self.spent.set(self.spent.get().saturating_add(costs));
     }
@@ -121,12 +123,12 @@ impl Search {
         (self.spent() <= most).then_some(())
     }
 
-    /// A call of the planner begins.
+    /// Begins a call of the planner.
     pub const fn begin_call(&mut self) {
         (self.spent, self.goes_on) = (Cell::new(0), false);
     }
 
-    /// Whether the search goes on in the next call.
+    /// Whether the search continues in the next call.
     pub const fn goes_on(&self) -> bool {
         self.goes_on
     }
@@ -152,12 +154,12 @@ impl Search {
         self.spent.get()
     }
 
-    /// An instant is kept for it.
+    /// Whether an instant is kept for the search.
     pub const fn is_paused(&self) -> bool {
         self.paused.is_some()
     }
 
-    /// The span and the motion that it is for.
+    /// The span and the motion of the search.
     pub const fn begins(&self) -> (usize, Instant) {
         (self.k, self.motion)
     }
@@ -169,7 +171,7 @@ impl Search {
         (self.stage, self.again) = (stage, false);
     }
 
-    /// There is no such way.
+    /// This stage has found no stop.
     fn leave_short(&mut self, no: No, surely: bool) {
         self.again = no == No::Shorter;
         self.stage = if surely { Stage::Down(self.spans) } else { Stage::Along };
@@ -177,13 +179,13 @@ impl Search {
 }
 
 impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
-    /// The instant and span of a search that goes on. If the interrupt is beyond that instant there is none, and the
-    /// next one begins further ahead.
+    /// The instant and span of a continued search. If the interrupt has passed that instant, there is none, and the
+    /// next search begins for a later instant.
     #[inline(never)]
     pub(super) fn paused(&mut self) -> Option<(u32, usize)> {
         let paused = self.orders.search.paused.take()?;
         let now = self.queue.clock.now();
-        // At a standstill it may be the instant of now.
+        // At a standstill the instant may be the current one.
         if !clock::is_before(paused.0, now) {
             self.orders.mode.tried = Some(now);
             return Some(paused);
@@ -194,11 +196,11 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         None
     }
 
-    /// The way down from `motion` in the span `k`. `None` if the law at hand is as slow at the end of that span. The law
-    /// is in the profile.
+    /// Searches the stop from `motion` in the span `k`. Returns `None` if the current profile is as slow at the end of
+    /// this span. The result is in the profile.
     ///
     /// # Errors
-    /// The call has done enough: asked again for the same motion, the search goes on.
+    /// The call has done enough. The next call for the same motion continues the search.
     #[inline(never)]
     pub(super) fn descend(&mut self, k: usize, motion: &Instant) -> Result<Option<Descent>, Later> {
         if motion.speed <= 0 {
@@ -209,7 +211,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         if search.k != k || search.motion != *motion || search.is_reserve != is_reserve {
             search.restart((k, motion), is_reserve, false);
         }
-        // In its place, here and below: as a result it would be there several times.
+        // In its place, here and below: a returned value would be on the stack several times.
         let mut descent = Descent::none();
         loop {
             if self.orders.search.spent() >= ENOUGH {
@@ -217,7 +219,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
                 return Err(Later);
             }
             let Some(is_found) = self.go_on_searching(&mut descent) else { continue };
-            // A hold goes on only behind spans that are committed.
+            // A hold continues only behind committed spans.
             let commits = is_reserve || descent.brake.v_out == 0 || self.orders.search.stays;
             if is_found && !commits && k + descent.spans > self.committed.len() {
                 self.orders.search.restart((k, motion), is_reserve, true);
@@ -228,7 +230,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         }
     }
 
-    /// The way down from this motion is one through the rest of the span `k`: the next [`Self::descend`] needs one step.
+    /// The stop from this motion stays within the span `k`: the next [`Self::descend`] needs one step.
     pub(super) fn stay_within(&mut self, k: usize, motion: &Instant) {
         let is_reserve = self.reserve.is_made();
         let search = &mut self.orders.search;
@@ -237,7 +239,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         search.begin_call();
     }
 
-    /// A step of the search; whether there is a way, when it is over.
+    /// Does one step of the search. When the search is over, returns whether there is a stop.
     #[inline(never)]
     fn go_on_searching(&mut self, descent: &mut Descent) -> Option<bool> {
         let mut blank = ReleasedSpan::BLANK;

@@ -1,13 +1,13 @@
-//! A standstill as soon as the path ahead permits.
+//! The shortest stop that the path ahead permits.
 //!
-//! The limits of a span are those of its highest speed, and of the place where it bends most. A way to a
-//! standstill takes a part of it only, and is slower and slower there, so the axes may permit more. How much they
-//! permit depends on the speed at each place of the path, and that depends on the deceleration. So the law is found
-//! in rounds. The first one tries what the axes leave at the start of the way. Each further one takes less, until
-//! the axes permit the law everywhere: that is asked for each of a few speeds, for the path that is left when the
-//! law has come down to it.
+//! The limits of a span are those of its highest speed, and of the place where it bends most. A stop uses only a
+//! part of the span, at falling speed, so the axes may permit more. Their limits depend on the speed at each place
+//! of the path, and this speed depends on the deceleration. So the profile is found in rounds. The first round
+//! tries the limits of the axes at the start of the stop. Each further round uses less, until the axes permit the
+//! profile everywhere. Each round checks a few speeds, and for each of them the path that is left when the profile
+//! has come down to it.
 //!
-//! One call makes a round, or a few where the way has few curves (`search`).
+//! One call makes a round, or a few rounds if the stop has few curves (`search`).
 use super::descent::{CLOSE, Cursor, Descent, SPANS, Stretch};
 use super::search::{LAW_COSTS, WALK, curve_costs, part_costs};
 use super::{Brake, Instant, Planning, Speed};
@@ -19,25 +19,26 @@ use crate::quantity::{speed_bits, speed_f32};
 use crate::slope::brake::SHORT;
 use crate::slope::limits::{Limits, SlopeLaw};
 
-/// Speeds at which the parts of a way begin, and at which it ends, as parts of the highest one.
+/// Speeds at the starts of the parts of a stop, and at its end, as parts of the highest speed.
 type Speeds = [f32; PARTS + 1];
-/// Their number, and that of the part with which the second stage of STEP begins.
+/// Number of parts, and the part with which the second stage of STEP begins.
 const PARTS: usize = 7;
 const STAGE: usize = 3;
-/// To a standstill; with STEP to half the speed, where the next law begins.
+/// Down to a stop; with STEP down to half the speed, where the next profile begins.
 const STANDS: Speeds = [1.0, 0.95, 0.85, 0.7, 0.5, 0.3, 0.12, 0.0];
 const SLOWS: Speeds = [1.0, 0.95, 0.9, 0.8, 0.7, 0.6, 0.55, 0.5];
-/// A way of STEP that is no longer than so many times that with what is left here and now is one law.
+/// A stop of STEP up to this many times longer than with the limits at its start is one profile.
 const NEARLY: f32 = 1.2;
-/// The same with another slope, in place of several laws.
+/// The same with another slope, in place of several profiles.
 const FAIRLY: f32 = 3.0;
-/// Rounds.
+/// Largest number of rounds.
 const ROUNDS: usize = 8;
-/// A knee shows in so many ticks.
+/// Number of ticks in which a knee shows.
 const KNEE_TICKS: i64 = 2;
 
-/// A part of a way: the highest speed in it, how far its speeds are below the highest of all and above the last at
-/// most, whether the deceleration rises and falls in it, and the path distance of its end.
+/// A part of a stop: its highest speed; how far its speeds are below the highest of all, and at most above the
+/// last; whether the deceleration rises and falls in it; whether acceleration falls in it; and the path distance
+/// of its end.
 #[derive(Clone, Copy)]
 struct Part {
     v: f32,
@@ -48,28 +49,28 @@ struct Part {
 }
 
 impl Part {
-    /// None yet.
+    /// No part.
     const BLANK: Self = Self { v: 0.0, change: [0.0; 2], ramps: [true; 2], gains: true, until: 0 };
 }
 
-/// Why there is no such way.
+/// The reason why there is no such stop.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum No {
-    /// That of the spans is as short.
+    /// The stop within the limits of the spans is as short.
     Shorter,
-    /// Not by one law.
+    /// No single profile stops.
     Law,
 }
 
-/// Rounds behind this one.
+/// State after this round.
 #[derive(Clone, Copy, Debug)]
 struct Rounds {
     count: usize,
     are_over: bool,
-    /// What the next one tries, what the one before tried and what was left of it.
+    /// The limits of the next round; the limits of the round before, and what the axes left.
     braking: Braking,
     before: Option<[Braking; 2]>,
-    /// Path of the first law, mm.
+    /// Path of the first profile, mm.
     nearest: f32,
 }
 
@@ -78,17 +79,18 @@ impl Rounds {
         Self { count: 0, are_over: false, braking: Braking::WIDEST, before: None, nearest: 0.0 };
 }
 
-/// The search for such a way, between two calls.
+/// The search for such a stop, between two calls.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Short {
-    /// Path distances of the end of the first span, and of the one up to which a deceleration may go on.
+    /// Path distances of the end of the first span, and of the end of the span up to which a deceleration may
+    /// continue.
     ends: [i64; 2],
-    /// A longer one is none, mm.
+    /// A longer stop is not wanted, mm.
     way: f32,
-    /// With STEP, one to half the speed is looked for.
+    /// With STEP: whether a braking to half the speed is searched.
     slows: bool,
     rounds: Rounds,
-    /// The law to a standstill, and how many times longer it is than with what is left here and now.
+    /// The profile of a stop, and how many times longer it is than with the limits at its start.
     stands: Result<(Braking, f32), No>,
 }
 
@@ -97,40 +99,41 @@ impl Short {
     pub const NONE: Self =
         Self { ends: [0; 2], way: 0.0, slows: false, rounds: Rounds::NONE, stands: Err(No::Law) };
 
-    /// With STEP the standstill is not to be reached by one law, or nearly: there is another way to be looked for.
+    /// With STEP: whether one profile does not stop, or takes much longer, so that another braking is
+    /// searched.
     fn goes_on(&self, begin: &Begin) -> bool {
         let is_near = self.stands.is_ok_and(|(_, needs)| needs <= NEARLY);
         begin.is_stepped() && !is_near && !self.rounds.are_over
     }
 }
 
-/// Where a way begins.
+/// The start of a stop.
 struct Begin {
     cursor: Cursor,
-    /// Number of its first curve.
+    /// Number of the first curve.
     curve: u32,
-    /// Where that starts, and the next one.
+    /// Starts of the first curve and of the next one.
     curve_starts: [i64; 2],
     is_line: bool,
-    /// Near the start of its first span.
+    /// Whether the stop begins near the start of its first span.
     starts: bool,
-    /// Limits of its first span.
+    /// Limits of the first span.
     planned: Limits,
     /// Highest speed.
     v: f32,
     /// Deceleration.
     begun: f32,
-    /// Acceleration, but with STEP.
+    /// Acceleration, except with STEP.
     gains: f32,
 }
 
 impl Begin {
-    /// With STEP.
+    /// Whether the slope is STEP.
     const fn is_stepped(&self) -> bool {
         matches!(self.planned.law, SlopeLaw::Stepped { .. })
     }
 
-    /// Those of a law through these speeds.
+    /// Limits of a profile through these speeds.
     fn limits(&self, braking: &Braking, speeds: &Speeds) -> Limits {
         let ends = if self.gains > 0.0 { braking.ends } else { 0.0 };
         self.planned.braked(braking.a, speeds[STAGE] * self.v, braking.j, ends)
@@ -138,9 +141,9 @@ impl Begin {
 }
 
 impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
-    /// Begins to look for the way down from `motion` by one law that the axes permit on its own part of the path. It is
-    /// an error where there is none, or where the dynamics have changed since those blocks came in. It is one, too,
-    /// where the limits of the spans lead to a standstill as soon, unless they do not: `surely`.
+    /// Begins the search for a stop from `motion` by one profile that the axes permit along its own path. Returns an
+    /// error if there is none, or if the dynamics have changed since those blocks entered. Unless `surely`, it also
+    /// returns an error if the limits of the spans lead to a stop as short.
     #[inline(never)]
     pub(super) fn begin_short(
         &self,
@@ -151,7 +154,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     ) -> Result<Short, No> {
         let begin = self.begin_way(cursor, span, motion).ok_or(No::Law)?;
         let (now, ends, mut way) = self.as_planned(*cursor, span, motion).ok_or(No::Law)?;
-        // Of several blocks the limits are those of the worst one.
+        // For several blocks, the limits are those of the worst one.
         if begin.is_line && !now.is_many && Brake::fits(motion, ends[0], &now.limits, CLOSE) {
             return Err(No::Shorter);
         }
@@ -161,10 +164,10 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         Ok(Short { ends, way, slows: false, rounds: Rounds::NONE, stands: Err(No::Law) })
     }
 
-    // What follows is not inlined: of what each has on the stack, only one is there at a time.
+    // The following functions are not inlined, so that only one of their stack frames exists at a time.
 
-    /// One round, or, behind them, the law that was found with its spans. `Ok(false)`: it goes on. The law is in the
-    /// profile then.
+    /// Does one round, or after the rounds makes the found profile with its spans. `Ok(false)`: the search
+    /// continues. The result is in the profile.
     #[inline(never)]
     pub(super) fn go_on_short(
         &mut self,
@@ -173,7 +176,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         (motion, descent): (&Instant, &mut Descent),
         short: &mut Short,
     ) -> Result<bool, No> {
-        // By reference, here and below: as a whole it would be there twice.
+        // By reference, here and below: a value would be on the stack twice.
         let begun = self.begin_way(cursor, span, motion);
         let begin = begun.as_ref().ok_or(No::Law)?;
         if let Ok((braking, needs)) = short.stands
@@ -193,7 +196,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
                 Err(no) => return Err(no),
             }
             if found != Ok(None) && short.goes_on(begin) {
-                // To half the speed in the first span, at least as hard as planned. What is planned behind it stays
+                // To half the speed within the first span, at least as hard as planned. Every later speed stays
                 // possible.
                 (short.slows, short.rounds) = (true, Rounds::NONE);
             }
@@ -215,7 +218,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         short.stands.map(|_| false)
     }
 
-    /// The law that was found, if no other one is better, with its spans.
+    /// Makes the found profile with its spans, if no other one is better.
     #[inline(never)]
     fn take_short(
         &mut self,
@@ -237,7 +240,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         self.verify(begin.cursor, span, (motion, descent), (&brake, limits), true).map_err(|_| No::Law)
     }
 
-    /// Where such a way begins.
+    /// The start of such a stop.
     #[inline(never)]
     fn begin_way(&self, cursor: &Cursor, span: &mut ReleasedSpan, motion: &Instant) -> Option<Begin> {
         let curve = self.curve_at(motion.distance)?;
@@ -255,8 +258,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         Some(Begin { cursor: *cursor, curve, curve_starts, is_line, starts, planned, v, begun, gains })
     }
 
-    /// A round on the way to a law through these speeds that the axes permit, before the path distance `end` and in
-    /// less than `way` (mm); the law, and what it takes of what the axes permit, if this round is the last one.
+    /// Does a round for a profile through these speeds that the axes permit, before the path distance `end` and in
+    /// less than `way` (mm). In the last round, returns the profile, and the part that it uses of the axes' limits.
     #[inline(never)]
     fn go_round(
         &mut self,
@@ -270,7 +273,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let mut parts = [Part::BLANK; PARTS];
         let Rounds { count, braking, nearest, before, .. } = rounds;
         if *count == 0 {
-            // Of each stage of STEP something.
+            // Some of each stage of STEP.
             let mut here = motion.distance;
             for (k, (part, speed)) in parts.iter_mut().zip(speeds).enumerate() {
                 if k % STAGE == 0 && k <= STAGE {
@@ -306,8 +309,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         Ok(None)
     }
 
-    /// The parts of the way of a law that is in the profile. An acceleration falls up to the top speed: in all parts
-    /// that begin before it.
+    /// The parts of the profile's path. An acceleration falls up to the top speed: in all parts that begin before
+    /// it.
     #[inline(never)]
     fn part(&self, brake: &Brake, (speeds, v): (&Speeds, f32), parts: &mut [Part; PARTS]) {
         let [begins, risen, falls, _] = self.profile.down.speeds;
@@ -332,8 +335,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         }
     }
 
-    /// The first stretch, its end and the path distance up to which a deceleration may go on, and how much path a
-    /// standstill takes with the limits of the spans, if that is one law.
+    /// The first stretch; its end, and the path distance up to which a deceleration may continue; and the path of
+    /// a stop with the limits of the spans, if that is one profile.
     fn as_planned(
         &self,
         mut cursor: Cursor,
@@ -368,12 +371,13 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         Some((now, [first, end], way))
     }
 
-    /// The number of the curve that a path distance is on.
+    /// The number of the curve at a path distance.
     fn curve_at(&self, distance: i64) -> Option<u32> {
         self.queue.segments.ends_behind(distance)
     }
 
-    /// Less of `braking` where a part permits less: in each span at most at the speed planned at its start.
+    /// Lowers `braking` where a part permits less. In each span the speed is at most the one planned at its
+    /// start.
     #[inline(never)]
     fn permitted(
         &self,
@@ -414,7 +418,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
                         break;
                     }
                     curve = self.queue.segments.after(curve);
-                    // The first one may have been left within: the motion stood there.
+                    // The motion may have stopped inside the first curve.
                     let is_second = curve == self.queue.segments.after(begin.curve);
                     start = if is_second { second } else { behind };
                 }
@@ -424,7 +428,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
                     stretch = self.ahead(&mut cursor, span, false)?;
                     v_in = speed_f32(stretch.v_in.to_bits());
                     corners = stretch.knees;
-                    // It shows before it, too.
+                    // The knee also shows before its point.
                     knee |= corners;
                     passing = stretch.passing;
                     still = min(still, passing);

@@ -1,15 +1,15 @@
-//! A way to a standstill that has no room: the motion is made so slow that it has.
+//! A stop without room: the motion gets slower until its stop has room.
 //!
-//! The interrupt never loses the way in force: where that begins it leaves the queue, so what is in the queue
-//! behind that instant does not count before the next way is complete. If that has more pieces than there is
-//! room for ([`crate::queue::Keeper`]), or leads beyond what the interrupt knows, the planner sets a speed
-//! that no law exceeds ([`crate::lookahead::Pace::set_cap`]), takes back what does not count, and makes it
-//! anew. A lower speed ends in a shorter way; each try is slower. If none is in time, the interrupt comes to
-//! the way in force and stands.
+//! The reserve in force is never lost: at its start the interrupt leaves the queue. So pieces behind that
+//! instant are not valid before the next reserve is complete. If the next reserve has more pieces than there
+//! is room for ([`crate::queue::Keeper`]), or leads beyond the path that the interrupt knows, the planner
+//! sets a cap that no profile exceeds ([`crate::lookahead::Pace::set_cap`]). It then withdraws the pieces
+//! that are not valid, and makes the reserve again. A lower speed gives a shorter stop; each try is slower.
+//! If no try is in time, the interrupt uses the reserve in force and stops.
 //!
-//! A start from rest, or another law by a command, is taken back too and tried again: at the lower speed.
+//! A start from rest, or a new profile by a command, is also withdrawn and tried again at the lower speed.
 //!
-//! The speed rises step by step while ways leave room, so that it stays where they just have it.
+//! The speed rises step by step while stops leave room, so it stays where they just fit.
 use super::committed::CommittedSpan;
 use super::{Brake, Instant, KEPT_FREE, PIECES, Planning, RingStage, Speed, clock};
 use crate::math::float::{max, min};
@@ -17,18 +17,18 @@ use crate::math::root::sqrt_f32;
 use crate::quantity::{speed_bits, speed_f32};
 use crate::queue::{PHASES, WAY_PIECES};
 
-/// The next try is at so much of the speed.
+/// The next try uses this part of the speed.
 const PART: f32 = 0.7;
-/// No try is at less of the speed at which the way in force begins: what follows there begins at that speed,
-/// whatever comes behind it, and hardly gets shorter.
+/// No try is below this part of the speed at which the reserve in force begins. The next profile begins at
+/// that speed anyway, and hardly gets shorter.
 const LEAST_PART: f32 = 1.0 / 4.0;
 
-/// A way of fewer pieces lets the speed rise until it would have so many, three quarters of those there is room for:
-/// they grow with its square.
+/// After a stop of fewer pieces the speed rises, up to a stop of this number: three quarters of the room. The number
+/// grows with the square of the speed.
 const FULL: f32 = WAY_PIECES as f32 * (100.0 / 128.0);
 
-/// No speed is lower: an LSB of the path distance per tick, mm. It is a standstill. From [`MOST`] on there is no
-/// cap: nothing is faster.
+/// Lowest cap: an LSB of the path distance per tick, mm, which is a standstill. From [`MOST`] on there is no
+/// cap, because nothing is faster.
 const LEAST: f32 = 1.0 / (1u64 << 44) as f32;
 const MOST: f32 = 256.0;
 
@@ -36,7 +36,7 @@ const MOST: f32 = 256.0;
 const CLOSE: f32 = 1.0 + 1.0 / 65_536.0;
 
 impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
-    /// The way being made has no room. Always `false`.
+    /// The reserve being made has no room. Always returns `false`.
     #[cold]
     #[inline(never)]
     pub(super) fn fail(&mut self) -> bool {
@@ -47,11 +47,11 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         if self.reserve.pending.is_some() {
             let starts = !self.reserve.renews_law();
             if self.task.stage == RingStage::Passing && !starts {
-                // It may be found when the plan is complete.
+                // A stop may be found when the plan is complete.
                 self.reserve.waits = true;
                 self.undo();
             } else if !starts {
-                // All is as before, and goes on as it did; it is tried again where the motion is slower.
+                // The earlier state returns and continues. The planner tries again when the motion is slower.
                 self.undo();
                 if !is_above {
                     self.slow(v);
@@ -72,21 +72,21 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         false
     }
 
-    /// The laws being handed out are still about to reach the speed from which there may be a way.
+    /// Whether profiles going into the queue are still about to reach the speed that may permit a stop.
     #[cfg_attr(feature = "fast", inline(always))]
     pub(super) fn comes_down(&self) -> bool {
         let cap = self.orders.pace.cap();
         cap < f32::MAX && speed_f32(self.frontier.speed.to_bits()) > cap * CLOSE && self.has_room()
     }
 
-    /// What is handed out next has room.
+    /// The next piece has room.
     fn has_room(&self) -> bool {
         self.queue.phases.room() >= PIECES + KEPT_FREE
             && !self.committed.is_full()
             && !self.queue.segments.is_sated()
     }
 
-    /// No law is to be faster than a part of `v`, and of what was tried before. `false`: it cannot be less.
+    /// Lowers the cap to a part of `v`, and of the cap tried before. Returns `false` if it cannot be lower.
     fn slow(&mut self, v: f32) -> bool {
         let cap = self.orders.pace.cap();
         let v = if v > 0.0 { min(v, cap) } else { cap };
@@ -100,7 +100,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         true
     }
 
-    /// The way is complete: where it left much room, the motion may be faster.
+    /// The reserve is complete. If it left much room, the motion may be faster.
     #[cfg_attr(feature = "fast", inline(always))]
     pub(super) fn rise(&mut self) {
         if self.orders.pace.cap() < f32::MAX {
@@ -118,7 +118,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         }
     }
 
-    /// The law with the emitter, which begins at rest, is made anew; with it those before it that have no tick.
+    /// Makes the emitter's profile again, which begins at rest, and the profiles before it without a tick.
     fn start_slower(&mut self) {
         let at = self.frontier.end;
         let Some(mut k) = self.frontier.planned.checked_sub(1) else { return };
@@ -129,7 +129,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         self.begin_again(k);
     }
 
-    /// The span `k` is the next one that gets a law, from its start.
+    /// The span `k` becomes the next one that gets a profile, from its start.
     fn begin_again(&mut self, k: usize) {
         let Some(committed) = self.committed.get(k) else { return };
         (self.frontier.planned, self.frontier.speed) = (k, committed.enters);
@@ -139,7 +139,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         self.committed.restore_from(k + 1);
     }
 
-    /// What is in the queue behind the start of the way in force is taken back: laws of now take its place.
+    /// Withdraws the pieces behind the start of the reserve in force. New profiles replace them.
     fn go_back(&mut self) {
         let Some(at) = self.reserve.kept.map(|way| way.at) else { return };
         let mode = &self.orders.mode;
@@ -173,14 +173,14 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         }
     }
 
-    /// From the instant `at` on, inside the span `k`, the motion gets as slow as is permitted now. `false`: it
-    /// gets so as it is, or cannot.
+    /// From the instant `at` on, inside the span `k`, the motion brakes to the permitted speed. Returns
+    /// `false` if it does so already, or cannot.
     fn slow_down_from(&mut self, k: usize, at: u32, motion: &Instant) -> bool {
         let begins = self.committed.begins(k);
         let Some(committed) = self.committed.get_mut(k) else { return false };
         let before = *committed;
         if committed.start.to_bits().wrapping_sub(motion.distance) > 0 {
-            // It was made slower before, and begins anew.
+            // The span was made slower before, and begins anew.
             committed.restore(begins);
         }
         committed.look(begins, motion.distance);
@@ -213,8 +213,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         true
     }
 
-    /// The pieces from the instant `at` on are taken back: they are behind the start of the way in force, where
-    /// the interrupt leaves the queue. `false`: none begins there.
+    /// Withdraws the pieces from the instant `at` on. They are behind the start of the reserve in force, where
+    /// the interrupt leaves the queue. Returns `false` if no piece begins there.
     fn take_back_from(&mut self, at: u32) -> bool {
         let (mut start, mut number) = (self.frontier.end, self.queue.phases.count());
         for _ in 0..PHASES {
@@ -229,7 +229,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             return false;
         }
         self.queue.phases.withdraw(number);
-        // On another core a tick at hand may still look at the queue.
+        // On another core a running tick may still read the queue.
         self.queue.clock.settle();
         self.frontier.end = at;
         true

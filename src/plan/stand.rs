@@ -1,4 +1,4 @@
-//! At rest: where the axes stand, what a new program begins with, another position for the same place.
+//! At rest: where the axes stand, the start of a new program, and a new position for the same place.
 use super::{Beyond, Commands, KEPT_FREE, PIECES, Phase, Place, Planning, Slot, Speed, clock, to_f32};
 use crate::nc::SlopeType;
 use crate::path::Shape;
@@ -7,7 +7,7 @@ use crate::slope::limits::Limits;
 use crate::smooth::Smoother;
 
 impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
-    /// Whether the axes stand and all that was taken in is executed.
+    /// Whether the axes stand and all commands read so far are carried out.
     pub fn is_at_rest(&self) -> bool {
         #[cfg(feature = "kinematics")]
         if self.intake.transform.is_busy() {
@@ -23,25 +23,25 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         !taken_in && handed_out && passed && rests && !self.queue.clock.has_left() && !self.orders.failed
     }
 
-    /// Whether a tick has shown all that was handed on: a position that is set as well.
+    /// Whether a tick has shown all released motion, and a position that was set.
     pub fn is_shown(&self) -> bool {
         !clock::is_before(self.queue.clock.now(), self.frontier.end)
     }
 
-    /// Half of the ticks to the way in reserve, or to the end of what is in the queue: time for a planner that does
-    /// something else. 1 at least.
+    /// Half of the ticks up to the reserve, or up to the end of the queue, at least 1: time for a planner to do
+    /// other work.
     pub fn ticks_of_reserve(&self) -> u32 {
         let ahead = self.reserve.kept.map_or(self.frontier.end, |way| way.at);
         let ticks = (ahead.wrapping_sub(self.queue.clock.now()) as i32).max(0).unsigned_abs() / clock::TICK;
         (ticks / 2).max(1)
     }
 
-    /// End of the last block taken in. At rest it is the set point of every axis, to the last bit.
+    /// End of the last block. At rest it is the set point of every axis, to the last bit.
     pub fn position(&self) -> &[Position; AXES] {
         &self.intake.programmed
     }
 
-    /// Where the axes stand at rest, to the last bit.
+    /// Position of the axes at rest, to the last bit.
     pub fn stands(&self) -> &[Position; AXES] {
         #[cfg(feature = "kinematics")]
         if self.is_transformed() {
@@ -50,10 +50,10 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         &self.intake.programmed
     }
 
-    /// Whether an axis may go from there to `target` alone.
+    /// Whether an axis may move alone from its position to `target`.
     ///
     /// # Errors
-    /// Its software limit.
+    /// The software limit of the axis.
     pub fn may_go(&self, axis: usize, target: Position) -> Result<(), Beyond> {
         let mut to = *self.stands();
         if let Some(slot) = to.get_mut(axis) {
@@ -78,7 +78,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         self.dynamics.programmed(Some(to_f32(feed.to_bits()) * (1.0 / 4_294_967_296.0)))
     }
 
-    /// The operator's commands as they stand.
+    /// The operator's commands in force.
     pub fn commands(&self) -> Commands {
         self.queue.control.commands()
     }
@@ -88,20 +88,20 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         self.intake.refused.take()
     }
 
-    /// Drops an abort: nothing moves that it could end.
+    /// Drops an abort. At rest there is no motion for an abort to end.
     pub fn forget_abort(&mut self) {
         if self.queue.control.commands().abort {
             self.queue.control.aborted();
         }
     }
 
-    /// Other text follows, at rest. A tick has shown where the last motion ended: text that comes late needs
-    /// no other one.
+    /// Begins another text, at rest. A tick has already shown the end of the last motion, so late text needs
+    /// no further tick.
     pub fn begin(&mut self) {
         self.task.stood |= self.committed.len() > 0;
     }
 
-    /// Weights, path limits, slope and contour mode as at program start. Only at rest.
+    /// Resets weights, path limits, slope and contour mode to program start. Only at rest.
     pub fn restart(&mut self) {
         self.intake.uniform.since = self.intake.taken;
         #[cfg(feature = "kinematics")]
@@ -111,22 +111,22 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         self.lookahead.ring.forget_exit();
     }
 
-    /// Drops the blocks taken in, after a plan that failed.
+    /// Drops the blocks that are read and not planned, after a plan that failed.
     pub fn drop_ahead(&mut self) {
         self.forget_ahead();
         (self.task.flush, self.task.rest) = (false, 0);
     }
 
-    /// The point where the axes stand, as a curve without length: what comes next begins on it. There is
+    /// Appends a curve without length at the position of the axes: the next curve begins there. There is
     /// room.
     pub(super) fn stay_here(&mut self, block: u32) {
         let _ = self.queue.segments.push(&Shape::BLANK, &self.intake.entered, 0, block);
         self.queue.segments.hand_on(1);
     }
 
-    /// The axis stands at `position` from now on, where it is: nothing moves. A curve without length brings
-    /// it to the interrupt, whose set point is the new one from its next tick on. Only at rest. `false`, and
-    /// nothing has changed, if there is no room.
+    /// Sets the position of an axis to `position`; nothing moves. A curve without length brings the new set
+    /// point to the interrupt, which shows it from its next tick on. Only at rest. Returns `false` if there
+    /// is no room; nothing has changed then.
     #[must_use]
     pub fn set_position(&mut self, axis: usize, position: Position) -> bool {
         if self.queue.segments.is_full() || self.queue.phases.room() < PIECES + KEPT_FREE {
@@ -143,7 +143,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         }
         #[cfg(feature = "kinematics")]
         self.intake.stand();
-        // It belongs to the last block.
+        // The curve belongs to the last block.
         self.stay_here(self.intake.taken.saturating_sub(1));
         self.put(Phase { distance: self.handed, ticks: 1, ..Phase::BLANK });
         self.task.shifted = Some(self.frontier.end);

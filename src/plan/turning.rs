@@ -1,21 +1,22 @@
-//! How far arcs turn about one centre: an arc that goes on where another one ends counts as one arc with it
+//! How far arcs turn about one centre. An arc that continues another one counts as one arc together with it
 //! ([`crate::path::Circle::turn`]).
 use crate::nc::Plane;
 use crate::path::Element;
 use crate::quantity::Position;
 
-/// Centres of arcs closer than this in both axes are one: 2^-9 mm, more than coordinates of three decimals are off by.
+/// Centres of arcs that are closer than this in both axes count as one: 2^-9 mm, more than the error of
+/// coordinates with three decimals.
 const ONE_CENTRE: u64 = 1 << 23;
 
-/// The arc taken in last.
+/// The last arc.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Turning {
     centre: [Position; 2],
     plane: Plane,
     clockwise: bool,
-    /// Number of the motion block behind it.
+    /// Number of the motion block behind the arc.
     behind: u32,
-    /// Radians up to its end.
+    /// Radians up to the arc's end.
     turn: f32,
 }
 
@@ -24,7 +25,7 @@ impl Turning {
     pub const NONE: Self =
         Self { centre: [Position::ZERO; 2], plane: Plane::G17, clockwise: false, behind: 0, turn: 0.0 };
 
-    /// An arc comes in as motion block `number`, and counts with the one before.
+    /// Adds an arc as motion block `number`. The arc may continue the one before.
     pub fn go_on<const AXES: usize>(
         &mut self,
         element: &mut Element<AXES>,

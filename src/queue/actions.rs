@@ -1,9 +1,10 @@
-//! What is due at points of the path, on its way from the planner through the interrupt to the operator.
+//! Functions at points of the path, from the planner through the interrupt to the operator.
 //!
-//! An action has one place from the planner to the operator. Three counters say whose it is, each with one
-//! writer: the planner counts those *put in*, the interrupt those that have become *due*, the operator those
-//! *taken*. When the path reaches the point of an action the interrupt writes the number of the tick beside
-//! it and counts on: nothing is copied, whether the operator comes at once or late.
+//! An action keeps one place from the planner to the operator. Three counters say who owns a place, and each
+//! counter has one writer: the planner counts actions *put in*, the interrupt counts *due* actions, the
+//! operator counts *taken* actions. When the path reaches the point of an action, the interrupt writes the
+//! tick number into the place and increments its counter. Nothing is copied, whether the operator comes early
+//! or late.
 #![allow(unsafe_code)]
 use super::{ACTIONS, PlacedAction};
 use crate::quantity::{Distance, Position};
@@ -23,7 +24,7 @@ pub struct Actions {
     places: [UnsafeCell<Record>; ACTIONS],
 }
 
-/// A placed action as it is kept: nested enums would take a quarter more.
+/// A placed action in memory. Nested enums would take a quarter more.
 #[derive(Clone, Copy)]
 struct Record {
     distance: Distance,
@@ -31,8 +32,8 @@ struct Record {
     n: u32,
     kind: u16,
     ticket: Ticket,
-    /// The tick at which it became due. The interrupt writes it, and the planner reads other fields
-    /// meanwhile.
+    /// The tick at which the action became due. The interrupt writes this field while the planner may read
+    /// other fields.
     tick: u32,
 }
 
@@ -91,26 +92,26 @@ unsafe impl Sync for Actions {}
 /// The planner's end: puts actions in, in the order of their points.
 pub struct Scheduler<'a>(&'a Actions);
 
-/// The operator's: takes them.
+/// The operator's end: takes actions.
 pub struct Outlet<'a>(&'a Actions);
 
 impl Actions {
-    /// None; all bits zero.
+    /// No actions; all bits zero.
     pub const fn blank() -> Self {
         const { assert!(ACTIONS.is_power_of_two()) };
         let [put, due, taken] = [const { AtomicU32::new(0) }; 3];
         Self { put, due, taken, places: [const { UnsafeCell::new(Record::BLANK) }; ACTIONS] }
     }
 
-    /// Forgets all of them. Before the three sides run.
+    /// Drops all actions. Call it before the three sides run.
     pub(super) fn reset(&mut self) {
         for counter in [&mut self.put, &mut self.due, &mut self.taken] {
             *counter.get_mut() = 0;
         }
     }
 
-    /// The ends of planner and operator; the interrupt's is that of [`super::Shared`]. The caller makes one
-    /// of each.
+    /// The ends of planner and operator. The interrupt's end is part of [`super::Shared`]. The caller makes
+    /// one of each.
     pub(super) const fn ends(&self) -> (Scheduler<'_>, Outlet<'_>) {
         (Scheduler(self), Outlet(self))
     }
@@ -122,7 +123,7 @@ impl Actions {
 }
 
 impl Scheduler<'_> {
-    /// How many actions there is room for.
+    /// Number of actions that fit.
     pub fn room(&self) -> u32 {
         let put = self.0.put.load(Ordering::Relaxed);
         (ACTIONS as u32).wrapping_sub(put.wrapping_sub(self.0.taken.load(Ordering::Acquire)))
@@ -131,7 +132,7 @@ impl Scheduler<'_> {
     /// Appends an action, at or after the point of the last one.
     ///
     /// # Errors
-    /// There is no room; the error returns the action.
+    /// There is no room. The error returns the action.
     pub fn push(&mut self, placed: PlacedAction) -> Result<(), PlacedAction> {
         if self.room() == 0 {
             return Err(placed);
@@ -144,13 +145,13 @@ impl Scheduler<'_> {
         Ok(())
     }
 
-    /// The number of the first one that is not due yet.
+    /// The number of the first action that is not due yet.
     pub fn first_open(&self) -> u32 {
         self.0.due.load(Ordering::Acquire)
     }
 
-    /// The path distance of the action with this number, if it is put in and not due yet; it may become so
-    /// meanwhile.
+    /// The path distance of the action with this number, if the action is put in and not due yet. The action
+    /// may become due during the call.
     pub fn open(&self, number: u32) -> Option<Distance> {
         let put = self.0.put.load(Ordering::Relaxed);
         let open = put.wrapping_sub(self.first_open());
@@ -161,8 +162,8 @@ impl Scheduler<'_> {
         Some(unsafe { (*self.0.record(number)).distance })
     }
 
-    /// Withdraws the actions from `number` on, none of which is due or will be. Before others take their place, the
-    /// current tick, which may look at them, has to end ([`super::Clock::settle`]).
+    /// Withdraws the actions from `number` on. None of them is due or will become due. Before other actions take
+    /// these places, the current tick has to end ([`super::Clock::settle`]), because the tick may read them.
     pub fn withdraw(&mut self, number: u32) {
         if self.0.put.load(Ordering::Relaxed).wrapping_sub(number) <= ACTIONS as u32 {
             self.0.put.store(number, Ordering::Release);
@@ -170,16 +171,16 @@ impl Scheduler<'_> {
     }
 }
 
-/// For the interrupt alone, of which there is one.
+/// Calls of the interrupt. There is one interrupt.
 impl Actions {
-    /// Whether there is one that is not due yet. Runs in the tick.
+    /// Whether an action is not due yet. Runs in the tick.
     #[inline(always)]
     pub(super) fn is_armed(&self) -> bool {
         self.put.load(Ordering::Relaxed) != self.due.load(Ordering::Relaxed)
     }
 
-    /// Those whose point is at `distance` or before it become due, in the tick with this number. Runs in the
-    /// tick: about a dozen instructions for each, at most as many as there is room for.
+    /// Marks the actions at or before `distance` as due in the tick with this number. Runs in the tick and
+    /// takes about a dozen instructions per action, for at most as many actions as fit.
     #[inline(never)]
     pub(super) fn reach(&self, distance: i64, tick: u32) {
         let mut due = self.due.load(Ordering::Relaxed);
@@ -202,23 +203,24 @@ impl Actions {
     }
 }
 
-/// How actions become due behind filters: later than on the path.
+/// Actions behind filters: they become due later than on the path.
 #[derive(Clone, Copy, Debug)]
 pub struct Lag {
-    /// The number of the first one whose point the path has not reached.
+    /// The number of the first action whose point the path has not reached.
     reached: u32,
-    /// Ticks from there to where the axes pass the point.
+    /// Ticks from the path's passage of a point to the axes' passage.
     pub delay: u32,
 }
 
 impl Lag {
-    /// None; all bits zero.
+    /// No actions; all bits zero.
     pub const NONE: Self = Self { reached: 0, delay: 0 };
 }
 
 impl Actions {
-    /// As [`Self::reach`], with filters behind the path: an action becomes due when the delayed path has
-    /// reached its point. Where the path stands at that point, it is due when the axes stand too.
+    /// As [`Self::reach`], with filters after the path: an action becomes due when the delayed path has
+    /// reached its point. If the path stops at the point, the action becomes due when the axes have stopped
+    /// too.
     #[inline(never)]
     pub(super) fn reach_later(&self, distance: i64, tick: u32, lag: &mut Lag, settled: bool) {
         let mut due = self.due.load(Ordering::Relaxed);
@@ -253,7 +255,7 @@ impl Actions {
 }
 
 impl Outlet<'_> {
-    /// The oldest action that is due, with the number of its tick. The caller is the only one that takes.
+    /// The oldest due action and its tick number. Only one caller takes actions.
     pub fn take(&self) -> Option<(PlacedAction, u32)> {
         let taken = self.0.taken.load(Ordering::Relaxed);
         if self.0.due.load(Ordering::Acquire) == taken {

@@ -1,13 +1,13 @@
-//! The memory of curves ([`super::curves`]). A slot has what every curve has, which is all of a line. What an arc or a
-//! polynomial has beside it is its *part*.
+//! The memory of curves ([`super::curves`]). A slot holds the data that every curve has; a line has no other data. The
+//! additional data of an arc or a polynomial are its *part*.
 //!
-//! A build with Surface or splines has room for a part behind each slot. A small build has not: there a line takes one
-//! slot, and any other curve two, of which the first one is for its part. A part leaves the end of its slot free, and
-//! there the slot says that it is that of a part.
+//! A build with Surface or splines has room for a part behind each slot. A small build has no such room: a line takes
+//! one slot, and any other curve takes two, the first for the part. A part leaves the end of its slot free, and a mark
+//! there says that the slot holds a part.
 //!
-//! The part of a curve is always in the memory before its slot. The first slot of the ring has one more before it, which
-//! is not in the ring: a curve in the first slot has its part there, and the last slot of the ring is that of a part then
-//! and has none.
+//! The part of a curve always lies in memory just before the curve's slot. One extra slot lies before the first slot of
+//! the ring. A curve in the first slot keeps its part in the extra slot; the last slot of the ring is then marked as a
+//! part and stays empty.
 #![allow(unsafe_code)]
 use crate::machine::functions;
 use crate::path::{Arc, Bent, Bounds, Linear, Shape, add_cubic, add_poly};
@@ -21,13 +21,13 @@ pub(super) const IS_WHOLE: bool = !functions::IS_SMALL;
 /// Parts behind a slot.
 const WHOLE: usize = if IS_WHOLE { 1 } else { 0 };
 
-/// Most slots of a curve.
+/// Largest number of slots that a curve takes.
 pub(super) const MOST: usize = 2 - WHOLE;
 
-/// Slots before the first one of the ring.
+/// Slots before the first slot of the ring.
 pub(super) const BEFORE: usize = MOST - 1;
 
-/// What the ring has of a line, and of every other curve too. Where it starts is in the ring as well:
+/// The data of every curve, complete for a line. The ring also stores the start of each curve:
 /// [`super::CurveProducer::start`].
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
@@ -37,23 +37,23 @@ pub struct Segment<const AXES: usize> {
     base: [Position; AXES],
     /// Programmed N number.
     pub n: u32,
-    /// The lower half of the number of its motion block: [`whole`].
+    /// The lower half of the motion block's number: [`whole`].
     block: u16,
     unused: u8,
-    /// Shift, and above it the kind; or [`PART`].
+    /// The shift, with the kind in the bits above; or [`PART`].
     form: u8,
 }
 
-/// Of what kind a curve is, above the bits of its shift.
+/// The bits of the curve's kind, above the bits of the shift.
 const KIND: u8 = 0xC0;
 const LINE: u8 = 0;
 const ARC: u8 = 0x40;
 const CUBIC: u8 = 0x80;
 const POLY: u8 = 0xC0;
-/// It is the slot of a part: no shift is as large.
+/// Marks a slot that holds a part. No shift has this value.
 const PART: u8 = 0x3F;
 
-/// The number of a motion block from its lower half and a later number, less than 2^16 behind it.
+/// The number of a motion block from its lower half and from a later number that is less than 2^16 behind.
 pub(super) const fn whole(latest: u32, lower: u16) -> u32 {
     latest.wrapping_sub((latest as u16).wrapping_sub(lower) as u32)
 }
@@ -66,7 +66,7 @@ struct Poly<const AXES: usize> {
     down: [u8; AXES],
 }
 
-/// Room for what any curve has beside a line.
+/// Room for the additional data of any curve.
 #[repr(C)]
 union Part<const AXES: usize> {
     arc: Arc,
@@ -96,51 +96,51 @@ impl<const AXES: usize> Place<AXES> {
         }))
     }
 
-    /// It has no curve yet.
+    /// Marks the slot as empty.
     pub const fn clear(&mut self) {
         self.0.get_mut().segment.block = 0;
     }
 
-    /// What a line has.
+    /// The data of a line.
     ///
     /// # Safety
-    /// Nobody writes it as long as this is in use.
+    /// Nobody writes the slot while the reference is in use.
     #[inline(always)]
     const unsafe fn segment(&self) -> &Segment<AXES> {
-        // SAFETY: the caller says so.
+        // SAFETY: the caller guarantees it.
         unsafe { &(*self.0.get()).segment }
     }
 
-    /// The lower half of the number of its motion block.
+    /// The lower half of the motion block's number.
     ///
     /// # Safety
-    /// Nobody writes it meanwhile.
+    /// Nobody writes the slot during the call.
     pub const unsafe fn block(&self) -> u16 {
-        // SAFETY: the caller says so. The rest of the slot may be a part.
+        // SAFETY: the caller guarantees it. The rest of the slot may be a part.
         unsafe { (*self.0.get()).segment.block }
     }
 
-    /// That becomes another one: of a curve taken back.
+    /// Changes that number, for a curve that was withdrawn.
     ///
     /// # Safety
-    /// Nobody reads or writes it meanwhile.
+    /// Nobody reads or writes the slot during the call.
     pub const unsafe fn set_block(&self, block: u16) {
-        // SAFETY: the caller says so.
+        // SAFETY: the caller guarantees it.
         unsafe { (*self.0.get()).segment.block = block }
     }
 
-    /// Whether it is that of a part.
+    /// Whether this slot holds the part of a curve.
     ///
     /// # Safety
-    /// Nobody writes it meanwhile.
+    /// Nobody writes the slot during the call.
     #[inline(always)]
     pub const unsafe fn is_part(&self) -> bool {
-        // SAFETY: the caller says so. The rest of the slot may be anything.
+        // SAFETY: the caller guarantees it. The rest of the slot may be anything.
         !IS_WHOLE && unsafe { (*self.0.get()).segment.form } == PART
     }
 }
 
-/// Where the part is of the curve in a slot.
+/// The place of the part that belongs to the curve in this slot.
 #[inline(always)]
 const fn part_of<const AXES: usize>(place: *const Place<AXES>) -> *const u32 {
     if IS_WHOLE {
@@ -153,9 +153,9 @@ const fn part_of<const AXES: usize>(place: *const Place<AXES>) -> *const u32 {
 /// A curve in its slot.
 #[derive(Clone, Copy)]
 pub struct Track<'a, const AXES: usize> {
-    /// What a line has.
+    /// The data of a line.
     pub segment: &'a Segment<AXES>,
-    /// Its slot, with the right to read the one before.
+    /// The curve's slot. Reading the slot before is permitted too.
     place: *const Place<AXES>,
 }
 
@@ -163,41 +163,42 @@ impl<'a, const AXES: usize> Track<'a, AXES> {
     /// The curve in a slot.
     ///
     /// # Safety
-    /// [`write`] has put it in, and nobody writes it as long as this is in use.
+    /// [`write`] has written the curve, and nobody writes the slot while the reference is in use.
     #[inline(always)]
     pub(super) const unsafe fn new(place: *const Place<AXES>) -> Self {
-        // SAFETY: the caller says so.
+        // SAFETY: the caller guarantees it.
         unsafe { Self { segment: (*place).segment(), place } }
     }
 
-    /// Where its part is.
+    /// The place of the part.
     #[inline(always)]
     const fn part<T>(&self) -> *const T {
         part_of(self.place).cast()
     }
 
-    /// What an arc has beside.
+    /// The additional data of an arc.
     ///
     /// # Safety
-    /// It is one.
+    /// The curve is an arc.
     #[inline(always)]
     const unsafe fn arc(&self) -> &'a Arc {
-        // SAFETY: the caller says so.
+        // SAFETY: the caller guarantees it.
         unsafe { &*self.part() }
     }
 
-    /// What a polynomial has beside.
+    /// The additional data of a polynomial.
     ///
     /// # Safety
-    /// It is one.
+    /// The curve is a polynomial.
     #[inline(always)]
     const unsafe fn poly(&self) -> (&'a [[i32; 4]; AXES], &'a [u8; AXES]) {
-        // SAFETY: the caller says so.
+        // SAFETY: the caller guarantees it.
         let Poly { power, down } = unsafe { &*self.part() };
         (power, down)
     }
 
-    /// Position of every axis at a distance from its start, LSB 2^-44 mm: see [`Shape::at`]. Runs in the tick.
+    /// Position of every axis at a distance from the curve's start, LSB 2^-44 mm: see [`Shape::at`]. Runs in
+    /// the tick.
     #[inline(always)]
     pub fn at(&self, distance: i64, out: &mut [Position; AXES]) {
         let Segment { base, form, .. } = self.segment;
@@ -205,7 +206,7 @@ impl<'a, const AXES: usize> Track<'a, AXES> {
         let w = linear.w(distance);
         *out = *base;
         if form & CUBIC != 0 {
-            // SAFETY: so says its kind.
+            // SAFETY: the kind says that the curve is a polynomial.
             return unsafe {
                 if form & KIND == POLY {
                     Self::add_bent::<false>(self.place, w, out);
@@ -215,19 +216,19 @@ impl<'a, const AXES: usize> Track<'a, AXES> {
             };
         }
         if form & ARC != 0 {
-            // SAFETY: it is one.
+            // SAFETY: the curve is an arc.
             unsafe { self.arc() }.add(w, out);
         }
         linear.add(w, base, out);
     }
 
-    /// Adds a polynomial, at `w`. Not inlined: lines would pay for its registers.
+    /// Adds a polynomial at `w`. Not inlined: lines would pay for the registers.
     ///
     /// # Safety
-    /// It is one.
+    /// The curve is a polynomial.
     #[inline(never)]
     unsafe fn add_bent<const IS_CUBIC: bool>(place: *const Place<AXES>, w: i64, out: &mut [Position; AXES]) {
-        // SAFETY: the caller says so.
+        // SAFETY: the caller guarantees it.
         let (Segment { gain, .. }, poly) = unsafe {
             let track = Self::new(place);
             (track.segment, track.poly())
@@ -239,20 +240,22 @@ impl<'a, const AXES: usize> Track<'a, AXES> {
         }
     }
 
-    /// The same, not for the tick: as a call, so that the curve is not on the caller's stack.
+    /// As [`Self::at`], outside of the tick. A separate function, so that the curve is not on the caller's
+    /// stack.
     #[inline(never)]
     pub fn point(&self, distance: i64) -> [Position; AXES] {
         self.shape().placed(distance, &self.segment.base)
     }
 
-    /// Takes in how strongly a part of it bends ([`Shape::bend`]), as a call: the curve is not on the caller's stack.
+    /// Adds the bend of a part of the curve to `bounds` ([`Shape::bend`]). A separate function, so that the
+    /// curve is not on the caller's stack.
     #[inline(never)]
     pub fn bend(&self, part: [i64; 2], bounds: &mut Bounds<AXES>) {
         self.shape().bend(part, bounds);
     }
 
-    /// What every axis travels there per path distance, LSB 2^-40, of a polynomial alone. By a difference over a 1024th
-    /// of its length to both sides, but at least 2^-14 mm or a 16th: 12 bits and more in all of them. Not for the tick.
+    /// Travel of every axis per path distance, LSB 2^-40; polynomials only. The value is a difference over a 1024th of
+    /// the curve's length to both sides, at least 2^-14 mm or a 16th of the length: 12 bits or more. Not for the tick.
     #[inline(never)]
     pub fn slope(&self, along: i64) -> Option<[i64; AXES]> {
         if self.segment.form & CUBIC == 0 {
@@ -271,10 +274,10 @@ impl<'a, const AXES: usize> Track<'a, AXES> {
         Some(slope)
     }
 
-    /// Its curve.
+    /// The shape of the curve.
     #[inline(never)]
     pub fn shape(&self) -> Shape<AXES> {
-        // SAFETY: it is what its kind says.
+        // SAFETY: the kind says which data the curve has.
         let bent = unsafe {
             match self.segment.form & KIND {
                 LINE => Bent::Line,
@@ -299,23 +302,23 @@ impl<const AXES: usize> Segment<AXES> {
         self.length
     }
 
-    /// What the offsets of its points are added to.
+    /// The base: the point to which the curve's offsets are added.
     pub const fn base(&self) -> &[Position; AXES] {
         &self.base
     }
 
-    /// The lower half of the number of its motion block, counted from 0 since program start.
+    /// The lower half of the motion block's number, counted from 0 since program start.
     #[inline(always)]
     pub const fn block(&self) -> u16 {
         self.block
     }
 
-    /// Whether it is a line.
+    /// Whether the curve is a line.
     pub const fn is_line(&self) -> bool {
         self.form & KIND == LINE
     }
 
-    /// Whether it is an arc.
+    /// Whether the curve is an arc.
     pub const fn is_arc(&self) -> bool {
         self.form & KIND == ARC
     }
@@ -326,10 +329,10 @@ impl<const AXES: usize> Segment<AXES> {
     }
 }
 
-/// How many slots a curve takes; `None` if it does not fit into so many.
+/// Number of slots that a curve takes; `None` if the curve does not fit into [`MOST`] slots.
 #[cfg_attr(feature = "fast", inline(always))]
 pub(super) fn slots<const AXES: usize>(shape: &Shape<AXES>) -> Option<usize> {
-    // An arc has two axes, with which it fits.
+    // An arc has two axes and fits for any number of axes.
     let fits = const {
         let (poly, arc) = (size_of::<Poly<AXES>>(), size_of::<Arc>());
         let room = offset_of!(Segment<AXES>, block);
@@ -343,11 +346,12 @@ pub(super) fn slots<const AXES: usize>(shape: &Shape<AXES>) -> Option<usize> {
     }
 }
 
-/// Puts a curve into a slot, and its part where parts are, with what its points are added to, its N number and its motion
-/// block. `part`: the slot that it leaves to a part, if it takes two.
+/// Writes a curve into a slot and the additional data into the part, with the base, the N number and the motion block.
+/// `part`: the slot before, if the curve takes two slots.
 ///
 /// # Safety
-/// Nobody else reads or writes the slot, that for a part, and the one before; pointers may be used for these.
+/// Nobody else reads or writes the slot, the slot of the part, and the slot before. Pointers to them are
+/// valid.
 #[cfg_attr(feature = "fast", inline(always))]
 pub(super) unsafe fn write<const AXES: usize>(
     place: *const Place<AXES>,
@@ -357,7 +361,7 @@ pub(super) unsafe fn write<const AXES: usize>(
     (n, block): (u32, u16),
 ) {
     let Linear { gain, shift } = shape.linear();
-    // SAFETY: nobody has the slots, says the caller.
+    // SAFETY: the caller guarantees that nobody uses the slots.
     unsafe {
         let kind = if shape.is_line() { LINE } else { write_part::<AXES>(part_of(place).cast_mut(), shape) };
         (*(*place).0.get()).segment = Segment {
@@ -376,13 +380,13 @@ pub(super) unsafe fn write<const AXES: usize>(
     }
 }
 
-/// Writes what comes to the linear part; the kind of the curve. Not inlined: lines would pay for it.
+/// Writes the additional data and returns the kind of the curve. Not inlined: lines would pay for it.
 ///
 /// # Safety
-/// There is room for a part, and nobody reads or writes it.
+/// There is room for a part, and nobody reads or writes that room.
 #[inline(never)]
 unsafe fn write_part<const AXES: usize>(part: *mut u32, shape: &Shape<AXES>) -> u8 {
-    // SAFETY: the caller says so; slots and parts are aligned to words.
+    // SAFETY: the caller guarantees it. Slots and parts are aligned to words.
     unsafe {
         match shape.bent() {
             Bent::Line => LINE,
@@ -391,7 +395,7 @@ unsafe fn write_part<const AXES: usize>(part: *mut u32, shape: &Shape<AXES>) -> 
                 ARC
             }
             Bent::Poly(power, down) => {
-                // Part by part: as a whole it would be on the stack first.
+                // Field by field: the whole struct would first be built on the stack.
                 let to = part.cast::<Poly<AXES>>();
                 ((*to).power, (*to).down) = (*power, *down);
                 let beyond = power.iter().fold(0, |all, [_, _, c4, c5]| all | c4 | c5);

@@ -1,35 +1,35 @@
-//! Time: ticks, how far the motion has come, and the words by which the planner takes back time it has handed
-//! over.
+//! Time: ticks, instants, and the words by which the planner withdraws pieces that the interrupt may already
+//! see.
 //!
-//! Two clocks run. *Ticks* count every call of the interrupt, whether the path moves or not. *Instants* count
-//! the ticks that take time of a piece: motion, dwell, the tick that shows a standstill. Pieces are handed
-//! over by instants, so a cut is one too. An instant is twice the number of such ticks since the split,
-//! modulo 2^32: even, so that an odd one is never.
+//! There are two clocks. *Ticks* count every call of the interrupt. *Instants* count only ticks that use a
+//! piece: motion, dwell, and the tick that shows a standstill. Pieces begin at instants, so a cut is an
+//! instant too. An instant is twice the number of such ticks since the split, modulo 2^32. Instants are
+//! therefore even, and an odd value never occurs.
 //!
 //! Every word has one writer:
 //!
 //! | word | written by | holds |
 //! |---|---|---|
-//! | `begun` | the interrupt, first thing in a tick | ticks begun |
-//! | `now` | the interrupt, last thing in a tick that took time of a piece | the instant of the next one |
-//! | `idle` | the interrupt, last thing in any other tick | how many of those there were |
-//! | `rested` | the interrupt, in the same | `begun` in the last of them, one more where set points moved |
-//! | `left` | the interrupt | how often it has left the queue for a reserve, and for which of two |
-//! | `at`, `to` | the planner | the cut: its instant, and the piece that follows then |
-//! | `ends`, `firsts`, `cuts` | the planner | two reserves: the instant, the first piece, the last cut before it |
-//! | `let_go` | the planner | `left`, when the interrupt may go back to the queue |
+//! | `begun` | the interrupt, first in a tick | number of ticks begun |
+//! | `now` | the interrupt, last in a tick that used a piece | the instant of the next tick |
+//! | `idle` | the interrupt, last in any other tick | number of such ticks |
+//! | `rested` | the interrupt, last in any other tick | `begun` of that tick, plus one if set points moved |
+//! | `left` | the interrupt | how often the interrupt changed to a reserve, and to which one |
+//! | `at`, `to` | the planner | the cut: its instant, and the first piece after the cut |
+//! | `ends`, `firsts`, `cuts` | the planner | two reserves: the instant, the first piece, the last cut before the reserve |
+//! | `let_go` | the planner | `left`, when the interrupt may return to the queue |
 //!
-//! A tick is at hand while `begun` is ahead of `now` and `idle` together. A planner on the interrupt's own
-//! core never finds it so; on another core it waits for that tick to end ([`Clock::settle`]) before it
-//! decides anything: a few hundred instructions. The interrupt never waits. (Words that are loaded and stored
-//! cannot decide which of two sides came first without one of them waiting.)
+//! A tick is running while `begun` is ahead of the sum of `now` and `idle`. A planner on the interrupt's core
+//! never sees a running tick. A planner on another core waits for the end of that tick ([`Clock::settle`])
+//! before it decides: a few hundred instructions. The interrupt never waits. (With loads and stores alone,
+//! two sides cannot decide who came first unless one of them waits.)
 //!
-//! There is room for two reserves, so that there is one at any time while the next one takes its place. Each
-//! holds behind one cut only: for an interrupt that has not taken it, or has taken a later one, there is none.
+//! There is room for two reserves, so one reserve is valid while the planner writes the next one. Each reserve
+//! belongs to one cut. An interrupt that has not taken this cut, or has taken a later one, has no reserve.
 //!
-//! What the planner has written before [`Clock::settle`] is seen by every tick that ends behind it: `begun`
-//! is stored before the tick looks at the planner's words, both sides put a sequentially consistent fence
-//! between, so one sees what the other wrote.
+//! Every tick that ends after [`Clock::settle`] sees what the planner has written before. The interrupt
+//! stores `begun` before it reads the planner's words. Both sides put a sequentially consistent fence
+//! between, so at least one side sees the write of the other.
 use super::word::{Memory, Ram, Word};
 use core::sync::atomic::Ordering;
 
@@ -41,9 +41,9 @@ const NEVER: u32 = 1;
 /// One of the two reserves.
 #[derive(Clone, Copy, Debug, Hash, PartialEq, Eq)]
 pub enum Kept {
-    /// The first.
+    /// The first reserve.
     One = 0,
-    /// The second.
+    /// The second reserve.
     Other = 1,
 }
 
@@ -57,7 +57,7 @@ impl Kept {
     }
 }
 
-/// Shared by planner, interrupt and operator.
+/// The clock that planner, interrupt and operator share.
 pub struct Clock<M: Memory = Ram> {
     begun: M::Word,
     now: M::Word,
@@ -73,7 +73,7 @@ pub struct Clock<M: Memory = Ram> {
 }
 
 impl<M: Memory> Clock<M> {
-    /// Memory for one; all bits zero.
+    /// Memory for a clock; all bits zero.
     pub const fn blank() -> Self {
         Self {
             begun: M::Word::ZERO,
@@ -90,7 +90,7 @@ impl<M: Memory> Clock<M> {
         }
     }
 
-    /// Starts anew. Call it before both sides run.
+    /// Resets the clock. Call it before both sides run.
     pub fn reset(&mut self) {
         *self = Self::blank();
         self.withdraw();
@@ -98,9 +98,9 @@ impl<M: Memory> Clock<M> {
     }
 }
 
-/// For the interrupt.
+/// Calls of the interrupt.
 impl<M: Memory> Clock<M> {
-    /// A tick begins: its instant, should it take time of a piece.
+    /// Begins a tick and returns its instant, in case the tick uses a piece.
     #[inline(always)]
     pub fn begin(&self) -> u32 {
         let begun = self.begun.load(Ordering::Relaxed).wrapping_add(TICK);
@@ -109,20 +109,20 @@ impl<M: Memory> Clock<M> {
         self.own()
     }
 
-    /// A tick ends that took time of a piece.
+    /// Ends a tick that used a piece.
     #[inline(always)]
     pub fn pass(&self) {
         self.now.store(self.own().wrapping_add(TICK), Ordering::Release);
     }
 
-    /// A tick ends that did not.
+    /// Ends a tick that used no piece.
     pub fn rest(&self) {
         self.rest_while(false);
     }
 
-    /// As [`Self::rest`]; `moves`: set points moved in this tick although the path stood.
+    /// As [`Self::rest`]. `moves`: set points moved in this tick although the path rested.
     pub fn rest_while(&self, moves: bool) {
-        // Counts of ticks are even.
+        // Counts of ticks are even, so bit 0 is free.
         self.rested.store(self.begun.load(Ordering::Relaxed) | u32::from(moves), Ordering::Relaxed);
         let idle = self.idle.load(Ordering::Relaxed);
         self.idle.store(idle.wrapping_add(TICK), Ordering::Release);
@@ -133,13 +133,13 @@ impl<M: Memory> Clock<M> {
         self.begun.load(Ordering::Relaxed).wrapping_sub(TICK) / TICK
     }
 
-    /// The instant of the next piece of time.
+    /// The instant of the next tick that uses a piece.
     #[inline(always)]
     pub fn own(&self) -> u32 {
         self.now.load(Ordering::Relaxed)
     }
 
-    /// The number of the piece to go on with, if there is a cut at `instant`.
+    /// The number of the piece after the cut, if there is a cut at `instant`.
     #[inline(always)]
     pub fn cut(&self, instant: u32) -> Option<u32> {
         if self.at.load(Ordering::Relaxed) != instant {
@@ -149,15 +149,15 @@ impl<M: Memory> Clock<M> {
         Some(self.to.load(Ordering::Relaxed))
     }
 
-    /// Whether what was planned may end at `instant`, and the motion is to stop.
+    /// Whether the planned motion may end at `instant`, so that the motion has to stop.
     #[inline(always)]
     pub fn is_end(&self, instant: u32) -> bool {
         let [one, other] = &self.ends;
         one.load(Ordering::Relaxed) == instant || other.load(Ordering::Relaxed) == instant
     }
 
-    /// Changes from the queue to the reserve of an instant after the last change of plan, and gives its first piece;
-    /// `None` if the reserve belongs to another plan.
+    /// Changes from the queue to the reserve of an instant after the last change of plan, and returns the reserve's
+    /// first piece. `None`: the reserve belongs to another plan.
     pub fn leave(&self, instant: u32, cut: u32) -> Option<u32> {
         for (slot, (end, of)) in (0..).zip(self.ends.iter().zip(&self.cuts)) {
             if end.load(Ordering::Relaxed) != instant {
@@ -180,21 +180,21 @@ impl<M: Memory> Clock<M> {
     }
 }
 
-/// For the planner.
+/// Calls of the planner.
 impl<M: Memory> Clock<M> {
-    /// The instant of the next tick that takes time of a piece.
+    /// The instant of the next tick that uses a piece.
     #[inline(always)]
     pub fn now(&self) -> u32 {
         self.now.load(Ordering::Acquire)
     }
 
-    /// Ticks that took no time of a piece, in units of [`TICK`].
+    /// Ticks that used no piece, in units of [`TICK`].
     pub fn idle(&self) -> u32 {
         self.idle.load(Ordering::Acquire)
     }
 
-    /// Waits until each tick that ends from now on sees what was written before. On another core than the interrupt's
-    /// it waits for the current tick.
+    /// Waits until each tick that ends from now on sees the words written before. On another core than the
+    /// interrupt's, the call waits for the current tick.
     pub fn settle(&self) {
         M::fence(Ordering::SeqCst);
         let begun = self.begun.load(Ordering::Acquire);
@@ -204,20 +204,20 @@ impl<M: Memory> Clock<M> {
         });
     }
 
-    /// Publishes a cut, while there is none: at `instant` the interrupt goes on with the piece `number`.
+    /// Publishes a cut; there is no other cut. At `instant` the interrupt continues with the piece `number`.
     pub fn publish(&self, instant: u32, number: u32) {
         self.to.store(number, Ordering::Relaxed);
         self.at.store(instant, Ordering::Release);
         self.settle();
     }
 
-    /// Takes back a cut that the interrupt has taken, or whose instant has passed.
+    /// Withdraws a cut that the interrupt has taken, or whose instant has passed.
     pub fn withdraw(&self) {
         self.at.store(NEVER, Ordering::Relaxed);
     }
 
-    /// Adds the reserve that holds at `instant`, begins with the piece `first`, and follows the change to the piece
-    /// `cut`; `other` stays valid.
+    /// Adds a reserve. It is valid from `instant`, begins with the piece `first`, and belongs to the change to the
+    /// piece `cut`. The reserve `other` stays valid.
     pub fn keep(&self, other: Option<Kept>, instant: u32, first: u32, cut: u32) -> Kept {
         let kept = if other == Some(Kept::One) { Kept::Other } else { Kept::One };
         kept.of(&self.firsts).store(first, Ordering::Relaxed);
@@ -226,7 +226,7 @@ impl<M: Memory> Clock<M> {
         kept
     }
 
-    /// Takes a reserve back; `false`: the interrupt has gone on with it before.
+    /// Withdraws a reserve. Returns `false` if the interrupt already uses it.
     pub fn release(&self, kept: Kept) -> bool {
         kept.of(&self.ends).store(NEVER, Ordering::Release);
         self.settle();
@@ -237,7 +237,7 @@ impl<M: Memory> Clock<M> {
         self.ends.iter().for_each(|end| end.store(NEVER, Ordering::Release));
     }
 
-    /// Whether the interrupt stops, or stands, without the planner.
+    /// Whether the interrupt stops, or has stopped, by a reserve.
     #[inline(always)]
     pub fn has_left(&self) -> bool {
         let has_left = self.left.load(Ordering::Relaxed) != self.let_go.load(Ordering::Relaxed);
@@ -247,7 +247,7 @@ impl<M: Memory> Clock<M> {
         has_left
     }
 
-    /// The interrupt, at the end of the reserve, goes on with what is in the queue, and looks at the reserve
+    /// Lets the interrupt continue with the queue at the end of the reserve. The interrupt reads this reserve
     /// no more.
     pub fn let_go(&self) {
         self.withdraw_reserves();
@@ -256,10 +256,10 @@ impl<M: Memory> Clock<M> {
     }
 }
 
-/// For the operator.
+/// Calls of the operator.
 impl<M: Memory> Clock<M> {
-    /// Ticks ended, in units of [`TICK`], and of the last one whether it took time of a piece, or else whether set
-    /// points moved in it. For a snapshot: see [`Self::is_at`].
+    /// Ticks ended, in units of [`TICK`]. Also whether the last tick used a piece, and whether set points moved
+    /// without a piece. For a snapshot: see [`Self::is_at`].
     pub fn ended(&self) -> (u32, [bool; 2]) {
         let now = self.now.load(Ordering::Acquire);
         let ended = now.wrapping_add(self.idle.load(Ordering::Acquire));
@@ -268,14 +268,15 @@ impl<M: Memory> Clock<M> {
         (ended, [moved, !moved && rested & 1 == 1])
     }
 
-    /// Whether no tick has begun since so many had ended: then all that was read in between belongs together.
+    /// Whether no tick has begun since `ended` ticks had ended. If so, all values read in between belong
+    /// together.
     pub fn is_at(&self, ended: u32) -> bool {
         M::fence(Ordering::Acquire);
         self.begun.load(Ordering::Relaxed) == ended
     }
 }
 
-/// Whether the instant `a` is before `b`; they are less than 2^30 ticks apart.
+/// Whether the instant `a` is before `b`. Both are less than 2^30 ticks apart.
 #[inline(always)]
 pub const fn is_before(a: u32, b: u32) -> bool {
     (a.wrapping_sub(b) as i32) < 0

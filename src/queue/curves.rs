@@ -1,29 +1,27 @@
-//! The ring of curves, and where each of them begins: the tick finds the one it is on by path distance alone.
+//! The ring of curves with their starts: the tick finds its current curve from the path distance alone.
 //!
-//! A curve is written once, when its block goes into the look-ahead, and stays in its place until the
-//! interrupt has passed it. The planner counts two kinds of them: those *handed on*, which pieces of time
-//! move along, and behind them those of the look-ahead, of which the interrupt already knows where they are.
+//! The planner writes a curve once, when the block enters the look-ahead. The curve stays in its place until
+//! the interrupt has passed it. There are two kinds: *released* curves, along which pieces move, and behind
+//! them the curves of the look-ahead. The interrupt already knows the starts of the latter.
 //!
-//! Starts lie in an array of their own, longer than the ring, so that behind the last curve there is room for
-//! starts that no distance reaches. So many of them are kept there as a tick looks at: it asks neither how
-//! many curves there are nor where the array ends (its head is repeated behind its end), and halves a window
-//! of fixed size.
+//! Starts lie in a separate array, longer than the ring. Behind the last curve this array holds starts that
+//! no distance reaches, as many as a tick reads. So a tick needs neither the number of curves nor the end of
+//! the array: the head of the array is repeated behind its end. The tick halves a window of fixed size.
 //!
-//! A start is the word to the interrupt that its curve is there: it is written behind the curve, the upper
-//! half last. What it takes the place of is out of reach in both halves, so that a start half written is out
-//! of reach too. Distances can be compared over a limited way only: where the curves of the look-ahead lead
-//! beyond, their starts are written when the interrupt comes nearer.
+//! A start tells the interrupt that its curve is valid. The planner writes the start after the curve, the
+//! upper half last. The old value is out of reach in both halves, so a half-written start is out of reach
+//! too. Distances compare correctly over a limited path only. If the curves of the look-ahead lead beyond
+//! this path, the planner writes their starts when the interrupt comes nearer.
 //!
-//! In a small build an arc or a polynomial takes two slots ([`super::cells`]): the first one for its part, the second
-//! one for the curve. Each of the two has a number and a start. Both starts are the same path distance, so a tick that
-//! passes the first slot passes the second one too, and never ends on a part. The interrupt goes by the first start,
-//! so that is written last. What is counted here are slots then, and the look-ahead reaches less far where there are
-//! many such curves.
+//! In a small build an arc or a polynomial takes two slots ([`super::cells`]): the first for the part, the second for
+//! the curve. Each slot has a number and a start; both starts are the same path distance. A tick that passes the first
+//! slot therefore passes the second one too, and never ends on a part. The interrupt reads the first start, so the
+//! planner writes this start last. Counts in this file are slots then, and many such curves shorten the look-ahead.
 //!
-//! A slot has the lower half of the number of its motion block. Whoever reads it counts back from the latest number
-//! that was put in ([`super::cells::whole`]), so numbers in the ring must be less than 2^16 apart. A curve may stand for
-//! many motion blocks: before another one joins them the planner asks whether the numbers get too far apart
-//! ([`CurveProducer::is_crowded`]). Where they do, the block has a curve of its own.
+//! A slot holds the lower half of the motion block's number. A reader counts back from the latest number
+//! ([`super::cells::whole`]), so numbers in the ring must be less than 2^16 apart. A curve may stand for many motion
+//! blocks. Before another block joins such a curve, the planner asks whether the numbers get too far apart
+//! ([`CurveProducer::is_crowded`]). If so, the block gets a curve of its own.
 #![allow(unsafe_code)]
 use super::SEGMENTS;
 use super::cells::{self, BEFORE, IS_WHOLE, MOST, Place, Segment, Track, whole};
@@ -34,18 +32,18 @@ use core::marker::PhantomData;
 use core::sync::atomic::{AtomicU32, Ordering, fence};
 use core::{ptr, slice};
 
-/// Most curves that a tick passes. In a small build half as many.
+/// Largest number of curves that a tick passes. A small build passes half as many.
 pub const MAX_CURVES_PER_TICK: u32 = MOST_SLOTS / MOST as u32;
 
-/// Most slots that it passes.
+/// Largest number of slots that a tick passes.
 const MOST_SLOTS: u32 = 1 << HALVINGS;
 
-/// How often a tick halves those that it looks at.
+/// Number of halvings in a tick.
 const HALVINGS: usize = 5;
 
-/// Slots that a tick looks at: the one it is on, the next one, and those that it halves.
+/// Slots that a tick reads: the current slot, the next slot, and the slots of the halvings.
 const WINDOW: usize = 2 + MOST_SLOTS as usize;
-/// How it halves them.
+/// Sizes of the halvings.
 const HALVES: [usize; HALVINGS] = {
     let mut halves = [1; HALVINGS];
     let mut k = HALVINGS - 1;
@@ -55,39 +53,43 @@ const HALVES: [usize; HALVINGS] = {
     }
     halves
 };
-/// Starts behind a curve that are looked at from there.
+/// Starts behind a curve that a tick reads.
 const BEHIND: usize = WINDOW - 1;
-/// The least look-ahead (P-STUP-00071): as many curves of any kind have room. More need not be in the ring together:
-/// a span of several blocks is one of those that the look-ahead holds, and a curve of more elements passes through.
+/// Smallest look-ahead (P-STUP-00071): so many curves of any kind have room. No more curves need to be in the ring
+/// together: a span of several blocks is a part of the look-ahead, and a curve of more elements passes through the
+/// ring.
 const LEAST: usize = 10;
 
-/// Slots of the look-ahead beside one for each block.
+/// Slots of the look-ahead in addition to one slot per block.
 const SPARE: usize = if IS_WHOLE { 0 } else { LEAST + 8 };
-/// Slots that the look-ahead may need for one curve more than it asks for: of one that was held back, and of another.
+/// Slots that the look-ahead may need for one more curve than requested: a curve that was held back, and
+/// another one.
 const NEXT: usize = if IS_WHOLE { 0 } else { 2 * MOST };
-/// Slots beside one for each block of the look-ahead: those, those of curves handed on, and the part of the curve that the
-/// interrupt is on.
+/// Slots in addition to one slot per block of the look-ahead: the slots above, released curves, and the part of the
+/// current curve.
 const SLOTS: usize = SPARE + SEGMENTS + BEFORE;
-/// Starts beside those of the look-ahead: those of slots, out of reach behind the last one, and the head repeated.
+/// Starts in addition to those of the look-ahead: the slots above, starts out of reach behind the last curve,
+/// and the repeated head.
 const STARTS: usize = SLOTS + WINDOW + BEHIND;
 
-/// A start so far behind the last curve is out of reach: 2^61. Distances are compared up to 2^63 apart: as
-/// far as the curve at hand, the last one and this together.
+/// A start so far behind the last curve is out of reach: 2^61. Distances compare correctly up to 2^63: the
+/// current curve, the last curve and this value together stay below.
 const OUT_OF_REACH: i64 = 1 << 61;
 
-/// Path that is shown ahead of what is handed on, from the end of the curve at hand, with which the next
-/// start is compared alone: with what is out of reach behind it, below 2^63.
+/// Length of the path that the interrupt sees ahead of the released curves, from the end of the current
+/// curve; only the next start is compared with this end. Together with the part out of reach, the length is
+/// below 2^63.
 const SHOWN: i64 = 5 << 60;
 
-/// Curves longer than that move every start that is out of reach. A window of shorter ones does not come near
-/// it.
+/// A curve longer than this moves every start that is out of reach. A window of shorter curves stays far
+/// below the limit.
 const LONG: i64 = OUT_OF_REACH / 64;
 
-/// A motion block so far behind the oldest one of the ring does not become one curve with others: those that come until
-/// the oldest one is left, a curve or more for each of them, are less than 2^16 behind it.
+/// A motion block so far behind the oldest one of the ring must not join a curve. Until the oldest block is passed, at
+/// most a curve per block is added, so all numbers stay less than 2^16 apart.
 const MOST_APART: u32 = 1 << 15;
 
-/// Two arrays, one behind the other.
+/// Two arrays without a gap between.
 #[repr(C)]
 struct Both<T, const A: usize, const B: usize> {
     front: [T; A],
@@ -102,7 +104,7 @@ impl<T, const A: usize, const B: usize> Both<T, A, B> {
     }
 }
 
-/// Starts as large as a slot.
+/// The starts that fit into one slot.
 const fn as_starts<const AXES: usize>() -> usize {
     const { assert!(size_of::<Place<AXES>>().is_multiple_of(size_of::<Start>()), "as large as so many starts") };
     size_of::<Place<AXES>>() / size_of::<Start>()
@@ -144,51 +146,51 @@ impl Start {
     }
 }
 
-/// Static memory of the ring: `BLOCKS` curves of the look-ahead, and those handed on.
+/// Static memory of the ring: `BLOCKS` curves of the look-ahead, and the released curves.
 pub struct CurveRing<const AXES: usize, const BLOCKS: usize> {
     slots: Both<Place<AXES>, BLOCKS, { BEFORE + SLOTS }>,
     starts: Both<Start, BLOCKS, STARTS>,
-    /// Curves the interrupt has left since the split.
+    /// Number of curves that the interrupt has passed since the split.
     taken: AtomicU32,
-    /// The latest motion block of all that were put in, written by the planner.
+    /// The latest motion block in the ring. The planner writes this word.
     latest: AtomicU32,
 }
 
-/// Puts curves in. They are numbered from 0 since the split.
+/// The planner's end: writes curves. Curves are numbered from 0 since the split.
 pub struct CurveProducer<'a, const AXES: usize> {
-    /// The first [`BEFORE`] of them are not in the ring.
+    /// The slots. The first [`BEFORE`] slots are not part of the ring.
     slots: &'a [Place<AXES>],
     starts: &'a [Start],
     taken: &'a AtomicU32,
     latest: &'a AtomicU32,
-    /// Curves put in.
+    /// Number of curves written.
     count: u32,
-    /// Those handed on.
+    /// Number of released curves.
     handed: u32,
-    /// Those whose start the interrupt can see.
+    /// Number of curves whose start the interrupt sees.
     shown: u32,
-    /// Where the first one starts that it cannot see. Only where there were long ones.
+    /// Start of the first curve that the interrupt cannot see. Only used after long curves.
     hidden: i64,
-    /// Where the next one goes, and where its start.
+    /// Indices of the next curve and of its start.
     slot: usize,
     place: usize,
-    /// End of the last one.
+    /// End of the last curve.
     end: i64,
-    /// There were long ones.
+    /// Whether there were long curves.
     long: bool,
 }
 
-/// Follows them.
+/// The interrupt's end: follows the curves.
 pub struct CurveConsumer<'a, const AXES: usize> {
     taken: &'a AtomicU32,
-    /// The start of the curve at hand, [`BEHIND`] others behind it, and its slot.
+    /// The start of the current curve, with [`BEHIND`] others behind, and the slot.
     start: RingCursor<'a, Start>,
     slot: RingCursor<'a, Place<AXES>>,
     latest: &'a AtomicU32,
 }
 
-/// An element of a ring, where its array ends, and the way back from there to its begin, in bytes, below 0: to
-/// go on takes neither an index nor a check of one.
+/// An element of a ring, the end of its array, and the way from this end back to the ring's begin in bytes,
+/// below 0. A step needs neither an index nor a bounds check.
 struct RingCursor<'a, T> {
     at: *const T,
     end: *const T,
@@ -200,14 +202,15 @@ struct RingCursor<'a, T> {
 unsafe impl<T: Sync> Send for RingCursor<'_, T> {}
 
 impl<'a, T> RingCursor<'a, T> {
-    /// At the first element. The ring is so many elements of the array, one at least, behind so many others.
+    /// A cursor at the first element. The ring consists of `len` elements of the array, at least one, after
+    /// `before` others.
     fn new(array: &'a [T], before: usize, len: usize) -> Self {
         let at = array.as_ptr().wrapping_add(before);
         let back = -((len * size_of::<T>()) as isize);
         Self { at, end: at.wrapping_add(len), back, ring: PhantomData }
     }
 
-    /// Goes on by so many bytes, whole elements and no more than a lap.
+    /// Steps by a number of bytes: whole elements, at most one round.
     #[inline(always)]
     fn go_on(&mut self, by: usize) {
         let to = self.at.wrapping_byte_add(by);
@@ -216,7 +219,7 @@ impl<'a, T> RingCursor<'a, T> {
 }
 
 impl<const AXES: usize, const BLOCKS: usize> CurveRing<AXES, BLOCKS> {
-    /// No curve.
+    /// An empty ring.
     pub const fn new() -> Self {
         Self {
             slots: Both {
@@ -232,7 +235,7 @@ impl<const AXES: usize, const BLOCKS: usize> CurveRing<AXES, BLOCKS> {
         }
     }
 
-    /// Empties the ring and gives its two ends.
+    /// Empties the ring and returns its two ends.
     pub fn split(&mut self) -> (CurveProducer<'_, AXES>, CurveConsumer<'_, AXES>) {
         const {
             assert!(BLOCKS + SLOTS < MOST_APART as usize / 2, "numbers of motion blocks of 16 bits");
@@ -274,23 +277,23 @@ impl<const AXES: usize, const BLOCKS: usize> Default for CurveRing<AXES, BLOCKS>
     }
 }
 
-/// The lower word is the highest one: a start half written is never before what it will be.
+/// The lower word has its highest value: a half-written start never lies before the final value.
 const fn out_of_reach(end: i64) -> i64 {
     end.wrapping_add(OUT_OF_REACH) | 0xFFFF_FFFF
 }
 
-/// Places for starts in such an array.
+/// Number of starts in the array.
 const fn places(starts: &[Start]) -> usize {
     starts.len().saturating_sub(BEHIND)
 }
 
 impl<'a, const AXES: usize> CurveProducer<'a, AXES> {
-    /// Blocks that the look-ahead may have.
+    /// Largest look-ahead in blocks.
     pub const fn ahead(&self) -> usize {
         self.slots.len().saturating_sub(BEFORE + SLOTS)
     }
 
-    /// Slots of the ring.
+    /// Number of slots in the ring.
     const fn most(&self) -> usize {
         self.slots.len().saturating_sub(BEFORE)
     }
@@ -301,29 +304,29 @@ impl<'a, const AXES: usize> CurveProducer<'a, AXES> {
         !self.has_room(self.taken(), 1)
     }
 
-    /// Whether so many slots are free: that of the part of the curve that the interrupt is on is not.
+    /// Whether so many slots are free. The slot with the part of the current curve is not free.
     #[cfg_attr(feature = "fast", inline(always))]
     fn has_room(&self, taken: u32, slots: usize) -> bool {
         self.count.wrapping_sub(taken) as usize + BEFORE + slots <= self.most()
     }
 
-    /// Whether the look-ahead has all the room that there is for its curves, though they may be fewer than blocks.
+    /// Whether the look-ahead has no more room for curves, even if it has fewer curves than blocks.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn is_ahead_full(&self) -> bool {
         !IS_WHOLE && self.count.wrapping_sub(self.handed) as usize + NEXT > self.ahead() + SPARE
     }
 
-    /// The slot of that index.
+    /// The slot with this index.
     fn slot(&self, index: usize) -> Option<&'a Place<AXES>> {
         self.slots.get(BEFORE + index)
     }
 
-    /// The index of the slot with this number, of one that was put in last.
+    /// The index of the slot with this number, one of the latest slots.
     fn index_of(&self, number: u32) -> usize {
         on(self.slot, self.most().saturating_sub(self.count.wrapping_sub(number) as usize), self.most())
     }
 
-    /// Whether the slot with this number is that of a part.
+    /// Whether the slot with this number holds a part.
     fn is_part(&self, number: u32) -> bool {
         // SAFETY: only this end of the ring writes slots, and needs `&mut self` for that.
         !IS_WHOLE
@@ -331,7 +334,7 @@ impl<'a, const AXES: usize> CurveProducer<'a, AXES> {
             && self.slot(self.index_of(number)).is_some_and(|slot| unsafe { slot.is_part() })
     }
 
-    /// The number of a curve, from that of its part too.
+    /// The number of a curve, from its own number or from that of its part.
     pub fn curve_of(&self, number: u32) -> u32 {
         number.wrapping_add(u32::from(self.is_part(number)))
     }
@@ -341,42 +344,41 @@ impl<'a, const AXES: usize> CurveProducer<'a, AXES> {
         self.curve_of(self.curve_of(number).wrapping_add(1))
     }
 
-    /// Whether as many curves are handed on as the queue takes, or more path than distances are compared
-    /// over.
+    /// Whether the queue has as many released curves as it takes, or more path than distances compare over.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn is_sated(&self) -> bool {
-        // With another one of any kind they are not more.
+        // With another curve of any kind, the count would exceed the limit.
         self.len() + MOST as u32 > SEGMENTS as u32 || (self.long && self.is_far(self.handed))
     }
 
-    /// Whether there are more than the queue takes: the last span handed on had several.
+    /// Whether the queue has more curves than it takes, because the last released span had several.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn is_over(&self) -> bool {
         self.len() > SEGMENTS as u32 || (self.long && self.is_far(self.handed.wrapping_sub(1)))
     }
 
-    /// Whether there is more path than distances are compared over from the curve that the interrupt is on to
-    /// the one with this number.
+    /// Whether the path from the current curve to the curve with this number is longer than distances compare
+    /// over.
     fn is_far(&self, number: u32) -> bool {
         self.is_behind(number, self.start(number), OUT_OF_REACH - self.length(self.taken()))
     }
 
-    /// Whether the curve with this number and that start ends too far ahead to be shown before it is handed on.
+    /// Whether the curve with this number and start ends too far ahead to be shown before its release.
     fn is_too_far(&self, number: u32, start: i64) -> bool {
         self.is_behind(number, start, OUT_OF_REACH - self.length(self.taken()))
             && self.is_behind(number, start, SHOWN - self.length(number))
     }
 
-    /// Whether there is more path than that from the end of the curve the interrupt is on to the start of the
-    /// one with this number. From there: the way of both, and the curve behind, may be more than can be
-    /// compared.
+    /// Whether the path from the end of the current curve to the start of the curve with this number is
+    /// longer than `path`. The distance counts from that end, because both curves and the path between may
+    /// exceed the comparable range.
     #[inline(never)]
     fn is_behind(&self, number: u32, start: i64, path: i64) -> bool {
         let next = self.taken().wrapping_add(1);
         (number.wrapping_sub(next) as i32) > 0 && start.wrapping_sub(self.start(next)) > path
     }
 
-    /// Path length of the curve with this number, or nothing, LSB 2^-44 mm.
+    /// Path length of the curve with this number, LSB 2^-44 mm; 0 if there is none.
     fn length(&self, number: u32) -> i64 {
         if self.is_part(number) {
             return 0;
@@ -384,8 +386,8 @@ impl<'a, const AXES: usize> CurveProducer<'a, AXES> {
         self.recent(number).map_or(0, |track| track.segment.length())
     }
 
-    /// Path distance at which the curve with this number starts, LSB 2^-44 mm. Only of one that
-    /// [`Self::recent`] has.
+    /// Path distance at which the curve with this number starts, LSB 2^-44 mm. Only for curves that
+    /// [`Self::recent`] returns.
     pub fn start(&self, number: u32) -> i64 {
         if (number.wrapping_sub(self.shown) as i32) < 0 {
             return self.starts.get(self.place_of(number)).map_or(0, Start::get);
@@ -394,13 +396,13 @@ impl<'a, const AXES: usize> CurveProducer<'a, AXES> {
         before.fold(self.hidden, i64::wrapping_add)
     }
 
-    /// The first curve that ends after a path distance, among those that the interrupt has not left.
+    /// The first curve that ends after a path distance, among the curves that the interrupt has not passed.
     pub fn ends_behind(&self, distance: i64) -> Option<u32> {
         let first = self.taken();
         if first == self.count || self.end_of(first).wrapping_sub(distance) > 0 {
             return (first != self.count).then_some(first);
         }
-        // The motion may have stood within the first one: the next one starts there.
+        // The motion may have stopped within the first curve; the next curve starts there.
         let second = first.wrapping_add(1);
         let mut end = self.start(second);
         numbers(second, self.count).find(|number| {
@@ -409,17 +411,17 @@ impl<'a, const AXES: usize> CurveProducer<'a, AXES> {
         })
     }
 
-    /// Path distance at which it ends, LSB 2^-44 mm.
+    /// Path distance at which the curve ends, LSB 2^-44 mm.
     pub fn end_of(&self, number: u32) -> i64 {
         self.start(number).wrapping_add(self.length(number))
     }
 
-    /// The latest motion block of all that were put in.
+    /// The latest motion block in the ring.
     fn latest(&self) -> u32 {
         self.latest.load(Ordering::Relaxed)
     }
 
-    /// The same, for others to count back from: see [`whole`].
+    /// The word with the latest motion block, for readers that count back from it: see [`whole`].
     pub const fn latest_word(&self) -> &'a AtomicU32 {
         self.latest
     }
@@ -429,15 +431,15 @@ impl<'a, const AXES: usize> CurveProducer<'a, AXES> {
         whole(self.latest(), segment.block())
     }
 
-    /// Whether the motion block with this number, which comes next, must not become one curve with others: it would be
-    /// too far from the oldest one that may be in use, that of the slot that the next curve takes.
+    /// Whether the next motion block, with this number, must not join a curve. Its number would be too far from the
+    /// oldest block still in use, that of the slot which the next curve takes.
     pub fn is_crowded(&self, block: u32) -> bool {
         // SAFETY: only this end of the ring writes slots, and needs `&mut self` for that.
         let oldest = self.slot(self.slot).map_or(0, |slot| unsafe { slot.block() });
         block.wrapping_sub(whole(self.latest(), oldest)) >= MOST_APART
     }
 
-    /// Appends a curve with the offset of its points, its N number and its motion block; `false` if there is no room.
+    /// Appends a curve with its base, its N number and its motion block. Returns `false` if there is no room.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn push(&mut self, shape: &Shape<AXES>, base: &[Position; AXES], n: u32, block: u32) -> bool {
         let Some(slots) = cells::slots(shape) else { return false };
@@ -447,8 +449,8 @@ impl<'a, const AXES: usize> CurveProducer<'a, AXES> {
         let (front, index) = (self.slot, on(self.slot, slots - 1, self.most()));
         let part = if slots > 1 { self.slot(front) } else { None };
         let slot = self.slots.as_ptr().wrapping_add(BEFORE + index);
-        // SAFETY: the slot is in the ring, and one is before it; not full, so the interrupt has given back these and
-        // that of the part, and their starts are out of reach; of planners there is one.
+        // SAFETY: the slot is in the ring, and one slot lies before it. The ring is not full, so the interrupt has
+        // given back these slots and that of the part, and their starts are out of reach. There is one planner.
         unsafe { cells::write(slot, part, shape, base, (n, block as u16)) };
         if (block.wrapping_sub(self.latest()) as i32) > 0 {
             self.latest.store(block, Ordering::Relaxed);
@@ -465,7 +467,7 @@ impl<'a, const AXES: usize> CurveProducer<'a, AXES> {
         if self.long {
             self.show();
         } else {
-            // The last one first.
+            // The last start first.
             for k in (0..slots).rev() {
                 let behind = on(place, BEHIND + k, places(self.starts));
                 self.set(behind, out_of_reach(self.end), Ordering::Relaxed);
@@ -478,7 +480,7 @@ impl<'a, const AXES: usize> CurveProducer<'a, AXES> {
         true
     }
 
-    /// Releases that many more curves to the interrupt.
+    /// Releases `curves` more curves to the interrupt.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn hand_on(&mut self, curves: u32) {
         self.handed = if IS_WHOLE {
@@ -491,7 +493,7 @@ impl<'a, const AXES: usize> CurveProducer<'a, AXES> {
         }
     }
 
-    /// Writes the starts of curves handed on, and of more as far as distances are compared.
+    /// Writes the starts of released curves, and of further curves as far as distances compare.
     #[inline(never)]
     fn show(&mut self) {
         let (from, mut start) = (self.shown, self.hidden);
@@ -518,7 +520,7 @@ impl<'a, const AXES: usize> CurveProducer<'a, AXES> {
         let mut number = from;
         while number != shown {
             let curve = self.curve_of(number);
-            // The last one first.
+            // The last start first.
             self.set(self.place_of(curve), start, Ordering::Release);
             if curve != number {
                 self.set(self.place_of(number), start, Ordering::Release);
@@ -529,7 +531,7 @@ impl<'a, const AXES: usize> CurveProducer<'a, AXES> {
         (self.shown, self.hidden) = (shown, end);
     }
 
-    /// Where the start of the curve with this number is.
+    /// The index of the start of the curve with this number.
     fn place_of(&self, number: u32) -> usize {
         let places = places(self.starts);
         let by = number.wrapping_sub(self.count);
@@ -549,36 +551,36 @@ impl<'a, const AXES: usize> CurveProducer<'a, AXES> {
         }
     }
 
-    /// Number of curves that are released: the current one and those before it. At the end of all of them the interrupt
-    /// may be on the first curve of the look-ahead; in the reserve, on a later one.
+    /// Number of released curves that the interrupt has not passed, the current one included. At the end of all of them
+    /// the interrupt may be on the first curve of the look-ahead; in the reserve, on a later one.
     #[inline(always)]
     pub fn len(&self) -> u32 {
         let ahead = self.handed.wrapping_sub(self.taken()) as i32;
         (ahead.max(0) as u32).max(u32::from(self.handed != 0))
     }
 
-    /// Whether none was handed on yet.
+    /// Whether no curve is released yet.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// Curves put in since the split.
+    /// Number of curves written since the split.
     pub const fn count(&self) -> u32 {
         self.count
     }
 
-    /// Curves handed on since the split.
+    /// Number of curves released since the split.
     pub const fn handed(&self) -> u32 {
         self.handed
     }
 
-    /// Curves the interrupt has left since the split.
+    /// Number of curves that the interrupt has passed since the split.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn taken(&self) -> u32 {
         self.taken.load(Ordering::Acquire)
     }
 
-    /// Path distance at which the last one ends.
+    /// Path distance at which the last curve ends.
     pub const fn end(&self) -> Distance {
         Distance::from_bits(self.end)
     }
@@ -588,13 +590,13 @@ impl<'a, const AXES: usize> CurveProducer<'a, AXES> {
         Distance::from_bits(if self.long { self.hidden } else { self.end })
     }
 
-    /// Whether the interrupt knows the path up to that distance.
+    /// Whether the interrupt knows the path up to this distance.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn is_known(&self, distance: Distance) -> bool {
         !self.long || distance.to_bits().wrapping_sub(self.known().to_bits()) <= 0
     }
 
-    /// The curve that was put in as the one with this number, or whose part was, if it is one of the last.
+    /// The curve with this number, or whose part has this number, if it is one of the latest curves.
     #[inline(never)]
     pub fn recent(&self, number: u32) -> Option<Track<'_, AXES>> {
         let number = self.curve_of(number);
@@ -603,20 +605,20 @@ impl<'a, const AXES: usize> CurveProducer<'a, AXES> {
             return None;
         }
         let slot = self.slots.as_ptr().wrapping_add(BEFORE + self.index_of(number));
-        // SAFETY: it is in there, with the one before; only this end of the ring writes slots, and needs `&mut self` for
-        // that; the interrupt reads too.
+        // SAFETY: the ring holds the slot and the slot before. Only this end of the ring writes slots, and needs `&mut
+        // self` to do so; the interrupt only reads.
         Some(unsafe { Track::new(slot) })
     }
 
-    /// Takes back the curves after the current one. The axes stand at the path distance `stands`, where the next curve
+    /// Withdraws the curves after the current one. The axes stand at the path distance `stands`, where the next curve
     /// begins.
     pub fn end_at(&mut self, stands: i64) {
         self.withdraw(self.taken());
         (self.end, self.hidden) = (stands, stands);
     }
 
-    /// Takes back the curves from the one with this number on, apart from that which the interrupt is on. It
-    /// does not get further before they are put in anew. All that are left are handed on.
+    /// Withdraws the curves from the one with this number on, except the curve that the interrupt is on. The
+    /// interrupt gets no further before the planner writes new curves. All curves that remain are released.
     pub fn withdraw(&mut self, number: u32) {
         let first = self.curve_of(self.taken()).wrapping_add(1);
         let number = if (number.wrapping_sub(first) as i32) < 0 { first } else { number };
@@ -638,40 +640,39 @@ impl<'a, const AXES: usize> CurveProducer<'a, AXES> {
         self.show();
     }
 
-    /// All slots but those of the curves from this one on say that they have its motion block: none that is in use is
-    /// older, and none that comes.
+    /// Writes this motion block into all slots except those of the curves from this one on. Then no slot has an older
+    /// block than the blocks in use and those to come.
     fn forget(&self, first: u32) {
         let Some(block) = self.recent(first).map(|track| track.segment.block()) else { return };
-        // With the slot of its part.
+        // Includes the slot of the part.
         let used = self.count.wrapping_sub(first) as usize + BEFORE;
         for k in used..self.most() {
-            // From the one that the next curve takes.
+            // From the slot that the next curve takes.
             if let Some(slot) = self.slot(on(self.slot, k - used, self.most())) {
-                // SAFETY: the interrupt does not get there, and of planners there is one.
+                // SAFETY: the interrupt does not reach these slots, and there is one planner.
                 unsafe { slot.set_block(block) };
             }
         }
     }
 }
 
-/// From one number of a curve up to another.
+/// The numbers from one curve up to another.
 fn numbers(from: u32, to: u32) -> impl Iterator<Item = u32> {
     (0..to.wrapping_sub(from)).map(move |k| from.wrapping_add(k))
 }
 
 impl<const AXES: usize> CurveConsumer<'_, AXES> {
-    /// The curve that a path distance not before the last one asked for is on, and the distance from its
-    /// start; curves before it are given back, at most [`MAX_CURVES_PER_TICK`]. `None` before the first one.
-    /// Runs in the tick.
+    /// Finds the curve at a path distance, and the distance from the curve's start. `distance` is not below
+    /// that of the call before. The call gives back the curves before, at most [`MAX_CURVES_PER_TICK`].
+    /// Returns `None` before the first curve. Runs in the tick.
     #[inline(always)]
     pub fn follow(&mut self, distance: i64) -> Option<(Track<'_, AXES>, i64)> {
-        // SAFETY: it is in its ring, behind which the array goes on for as many as a window has behind its
-        // first one.
+        // SAFETY: the start lies in its ring. Behind the ring the array continues for a whole window.
         let [first, rest @ ..] = unsafe { &*self.start.at.cast::<[Start; WINDOW]>() };
         let mut at = first;
         if rest.first()?.has_begun(distance) {
             at = last_begun(rest, distance)?;
-            // SAFETY: both are in one window, the first one in front.
+            // SAFETY: both starts are in one window, and `first` is the first.
             let passed = unsafe { ptr::from_ref(at).byte_offset_from_unsigned(first) };
             self.start.go_on(passed);
             self.slot.go_on(passed * as_starts::<AXES>());
@@ -684,8 +685,8 @@ impl<const AXES: usize> CurveConsumer<'_, AXES> {
             return None;
         }
         fence(Ordering::Acquire);
-        // SAFETY: in its ring, which says at once that there is one; and as its start is not out of reach,
-        // the planner has put the curve in, and leaves it alone until it is given back.
+        // SAFETY: the slot is in its ring, which is not empty. The start is not out of reach, so the planner
+        // has written the curve, and does not touch the slot until it is given back.
         let track = unsafe {
             assert_unchecked(!self.slot.at.is_null());
             Track::new(self.slot.at)
@@ -693,21 +694,21 @@ impl<const AXES: usize> CurveConsumer<'_, AXES> {
         Some((track, along))
     }
 
-    /// The curve the interrupt is on, at the distance it asked for last.
+    /// The curve that the interrupt is on, at the distance of the last call.
     pub fn peek(&self, distance: i64) -> Option<&Segment<AXES>> {
         self.at_hand(distance).map(|(track, _)| track.segment)
     }
 
     /// The current curve with its part, and the distance from its start.
     pub fn at_hand(&self, distance: i64) -> Option<(Track<'_, AXES>, i64)> {
-        // SAFETY: it is in its ring.
+        // SAFETY: the start lies in its ring.
         let start = unsafe { &*self.start.at }.get();
         let along = distance.wrapping_sub(start);
         if along < -(OUT_OF_REACH / 2) {
             return None;
         }
         fence(Ordering::Acquire);
-        // SAFETY: as in `follow`. Before the first tick it may be a part.
+        // SAFETY: as in `follow`. Before the first tick the slot may hold a part.
         unsafe { if (*self.slot.at).is_part() { None } else { Some((Track::new(self.slot.at), along)) } }
     }
 
@@ -717,7 +718,7 @@ impl<const AXES: usize> CurveConsumer<'_, AXES> {
     }
 }
 
-/// The last one of these that has begun; the first one has.
+/// The last of these starts that the distance has reached. The distance has reached the first start.
 #[inline(always)]
 fn last_begun(starts: &[Start; WINDOW - 1], distance: i64) -> Option<&Start> {
     let (first, rest) = starts.split_first()?;

@@ -2,17 +2,17 @@
 //!
 //! | file | what is in it |
 //! |---|---|
-//! | `curves`, `cells` | the ring of curves: the start of each, and the memory of each |
+//! | `curves`, `cells` | the ring of curves: the start and the memory of each curve |
 //! | `ring` | a ring for one producer and one consumer, used for the pieces of the speed profile |
-//! | `time`, `clock` | how the interrupt goes from piece to piece; how planner and interrupt agree on a change of plan |
-//! | `reserve` | the pieces of the stop that lies ready, for a planner that gets no time |
+//! | `time`, `clock` | the interrupt's step from piece to piece; agreement of planner and interrupt on a change of plan |
+//! | `reserve` | the pieces of the stop that is always ready, for a planner that gets no time |
 //! | `actions` | functions at points of the path |
 //! | `status` | the result of each tick, for the operator |
 //! | `overlay` | the motion of a single axis |
-//! | `word` | words and places that the other files are made of |
+//! | `word` | words and places, from which the other files are built |
 //!
-//! The planner adds a curve when its block enters the look-ahead, and releases it before the first piece that moves along
-//! it. The operator's commands lie here too; [`crate::control`] describes them.
+//! The planner adds a curve when its block enters the look-ahead, and releases the curve before the first piece that
+//! moves along it. The operator's commands are part of this memory too; [`crate::control`] describes them.
 mod actions;
 mod cells;
 pub mod clock;
@@ -41,14 +41,14 @@ use crate::math::wide::mul_u32;
 use crate::quantity::{Accel, Distance, Jerk, Position, Speed};
 use crate::technology::Action;
 
-/// Slots of curves handed on, beside those of the look-ahead. A tick may pass [`MAX_CURVES_PER_TICK`] curves, so they
-/// last one and a half ticks of the shortest blocks at least; in a small build, where an arc or a polynomial takes two
-/// slots, two ticks of lines and one of other curves.
+/// Slots of released curves, in addition to those of the look-ahead. A tick passes at most [`MAX_CURVES_PER_TICK`]
+/// curves, so the slots last at least one and a half ticks of the shortest blocks. In a small build, where an arc or a
+/// polynomial takes two slots, they last two ticks of lines and one tick of other curves.
 pub const SEGMENTS: usize = if functions::IS_SMALL { 34 } else { 48 };
-/// Pieces of time handed over. A block takes seven at most, a short one two or three.
+/// Number of pieces in the queue. A block takes at most seven pieces, a short block two or three.
 pub const PHASES: usize = if functions::IS_SMALL { 32 } else { 128 };
 
-/// Actions that may be pending, from the program to the operator.
+/// Number of actions that may be pending, from the program to the operator.
 pub const ACTIONS: usize = if functions::IS_SMALL { 16 } else { 32 };
 
 /// An action at its point of the path.
@@ -63,20 +63,20 @@ pub struct PlacedAction {
     pub action: Action,
 }
 
-/// A piece of time: path distance as a cubic over `0..ticks` whole ticks,
-/// s(n) = distance + n (speed + n (half_accel + n sixth_jerk)). Packed: there are many of them.
+/// A piece of the speed profile: path distance as a cubic over `0..ticks` whole ticks, s(n) = distance + n
+/// (speed + n (half_accel + n sixth_jerk)). Packed, because the queue holds many pieces.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C, packed(4))]
 pub struct Phase {
     /// Path distance at its first tick.
     pub distance: Distance,
-    /// Speed there.
+    /// Speed at the first tick.
     pub speed: Speed,
-    /// Half the acceleration there.
+    /// Half the acceleration at the first tick.
     pub half_accel: Accel,
     /// A sixth of the jerk.
     pub sixth_jerk: Jerk,
-    /// Ticks it lasts. 0 is a barrier: the interrupt does not pass it, unless by a cut ([`Clock`]).
+    /// Number of ticks. 0 is a barrier: the interrupt passes a barrier only by a cut ([`Clock`]).
     pub ticks: u16,
 }
 
@@ -103,13 +103,13 @@ impl Phase {
         self.ticks = self.ticks.saturating_sub(n);
     }
 
-    /// Path distance at its tick `n`, LSB 2^-44 mm. Runs in the tick.
+    /// Path distance at tick `n` of the piece, LSB 2^-44 mm. Runs in the tick.
     #[inline(always)]
     pub fn at(&self, n: u16) -> i64 {
         let times = i64::from(n);
         let slope = self.half_accel.to_bits().wrapping_add(self.sixth_jerk.to_bits().wrapping_mul(times));
         let mean = self.speed.to_bits().wrapping_add(slope.wrapping_mul(times));
-        // 2^-58 to 2^-44
+        // From 2^-58 to 2^-44.
         self.distance.to_bits().wrapping_add(mul_u32(mean, u32::from(n), 14))
     }
 }
@@ -123,7 +123,7 @@ pub struct Rings<const AXES: usize, const BLOCKS: usize> {
     shared: Shared<AXES>,
 }
 
-/// What the interrupt reads and writes beside the rings, in one place: one register leads to all of it.
+/// Data of the interrupt outside the rings, in one place: one register addresses all of them.
 #[repr(C)]
 struct Shared<const AXES: usize> {
     clock: Clock,
@@ -135,7 +135,7 @@ struct Shared<const AXES: usize> {
 pub struct Sender<'a, const AXES: usize> {
     /// Curves.
     pub segments: CurveProducer<'a, AXES>,
-    /// Pieces of time.
+    /// Pieces of the speed profile.
     pub phases: Pieces<'a>,
     /// The pieces of the reserve ([`Timeline`]).
     pub reserve: Keeper<'a>,
@@ -143,7 +143,7 @@ pub struct Sender<'a, const AXES: usize> {
     pub actions: Scheduler<'a>,
     /// Commands of the operator.
     pub control: &'a Control,
-    /// Ticks passed, and the cut.
+    /// The clock and the cut.
     pub clock: &'a Clock,
 }
 
@@ -151,13 +151,13 @@ pub struct Sender<'a, const AXES: usize> {
 pub struct Receiver<'a, const AXES: usize> {
     /// Curves.
     pub segments: CurveConsumer<'a, AXES>,
-    /// Pieces of time.
+    /// Pieces of the speed profile.
     pub time: Timeline<'a>,
     shared: &'a Shared<AXES>,
 }
 
 impl<const AXES: usize> Receiver<'_, AXES> {
-    /// A tick begins: its path distance, which is shown, or `None` if there is no piece.
+    /// Begins a tick. Returns its path distance and writes it to the status; `None` if there is no piece.
     #[inline(always)]
     pub fn begin(&mut self) -> Option<i64> {
         let Shared { clock, status, .. } = self.shared;
@@ -166,7 +166,8 @@ impl<const AXES: usize> Receiver<'_, AXES> {
         Some(distance)
     }
 
-    /// The curve that a path distance is on, and how far along; its place in the program is shown.
+    /// The curve at a path distance, and the distance from the curve's start. Writes N number and block to
+    /// the status.
     #[inline(always)]
     pub fn follow(&mut self, distance: i64) -> Option<(Track<'_, AXES>, i64)> {
         let (track, along) = self.segments.follow(distance)?;
@@ -174,19 +175,19 @@ impl<const AXES: usize> Receiver<'_, AXES> {
         Some((track, along))
     }
 
-    /// Shows the set points of a tick.
+    /// Writes the set points of a tick to the status.
     #[inline(always)]
     pub fn show(&self, set_points: &[Position; AXES]) {
         let Shared { clock, status, .. } = self.shared;
         status.show_points(clock.tick(), set_points);
     }
 
-    /// Shows the set points before the first tick.
+    /// Writes the set points before the first tick to the status.
     pub fn show_start(&self, set_points: &[Position; AXES]) {
         [0, 1].iter().for_each(|tick| self.shared.status.show_points(*tick, set_points));
     }
 
-    /// A tick ends that had a piece: actions reached by it become due.
+    /// Ends a tick that had a piece: actions that it reached become due.
     #[inline(always)]
     pub fn pass(&mut self) {
         let Shared { clock, status, actions } = self.shared;
@@ -196,8 +197,8 @@ impl<const AXES: usize> Receiver<'_, AXES> {
         clock.pass();
     }
 
-    /// A tick ends that had none: actions put in for the point where the path stands become due. `moves`: set
-    /// points do all the same.
+    /// Ends a tick without a piece: actions at the point where the path rests become due. `moves`: set points
+    /// move although the path rests.
     pub fn rest(&mut self, moves: bool) {
         let Shared { clock, actions, .. } = self.shared;
         actions.reach(self.distance(), clock.tick());
@@ -233,7 +234,7 @@ pub struct Panel<'a, const AXES: usize> {
     pub control: &'a Control,
     /// Actions that are due.
     pub actions: Outlet<'a>,
-    /// The result of the ticks.
+    /// The status of the last tick.
     pub status: Display<'a, AXES>,
 }
 
@@ -249,7 +250,7 @@ impl<const AXES: usize, const BLOCKS: usize> Rings<AXES, BLOCKS> {
         }
     }
 
-    /// The ends of every ring, emptied.
+    /// Empties every ring and returns the ends.
     pub fn split(&mut self) -> (Sender<'_, AXES>, Receiver<'_, AXES>, Panel<'_, AXES>) {
         let Self { segments, phases, reserve, control, shared } = self;
         shared.clock.reset();

@@ -1,31 +1,31 @@
-//! An overlay: the motion of one axis beside the path, from the planner to the interrupt.
+//! An overlay: the motion of a single axis, from the planner to the interrupt.
 //!
-//! It has pieces of time of its own, whose distance is the position of the axis, and a clock of its own: time
-//! passes for it in every tick that finds a piece, whether the path moves or not. A motion is put in as a
-//! whole, from rest to rest: what the interrupt has is enough to come to rest, whatever the planner does.
-//! Until the planner gives the axis back the interrupt keeps it, also at rest.
+//! An overlay has its own pieces, whose distance is the position of the axis, and its own clock. This clock
+//! runs in every tick that finds a piece, whether the path moves or not. The planner writes a whole motion,
+//! from rest to rest, so the interrupt can always finish the motion without the planner. The interrupt keeps
+//! the axis, also at rest, until the planner gives it back to the path.
 //!
-//! A change of what is put in is a cut, as for the path ([`super::time`]).
+//! A change of these pieces is a cut, as for the path ([`super::time`]).
 use super::word::Word;
 use super::{Clock, Consumer, Phase, Producer, Ring, Slot};
 use crate::quantity::Position;
 use core::sync::atomic::{AtomicU32, Ordering};
 
-/// Pieces of time handed over for an axis.
+/// Number of pieces in an overlay.
 pub const OVERLAY_PHASES: usize = 64;
 
 /// No axis.
 const NONE: u32 = 0;
 
-/// Bits that the position in a piece has more than a [`Position`]: 2^-44 for 2^-32.
+/// Additional bits of the position in a piece, compared with a [`Position`]: 2^-44 instead of 2^-32.
 const FINER: u32 = 12;
 
-/// A position as a piece of an overlay has it, LSB 2^-44 mm or degrees.
+/// A position in the format of an overlay's piece, LSB 2^-44 mm or degrees.
 pub const fn fine(position: Position) -> i64 {
     position.to_bits() << FINER
 }
 
-/// The set point of such a position, to nearest.
+/// The set point of such a position, rounded to nearest.
 pub const fn set_point(fine: i64) -> Position {
     Position::from_bits((fine + (1 << (FINER - 1))) >> FINER)
 }
@@ -34,15 +34,15 @@ pub const fn set_point(fine: i64) -> Position {
 pub struct Overlay {
     pieces: Ring<Phase, OVERLAY_PHASES>,
     clock: Clock,
-    /// The axis it moves, from 1. Written by the planner.
+    /// The axis that the overlay moves, counted from 1. The planner writes this word.
     axis: AtomicU32,
 }
 
 /// The planner's end.
 pub struct OverlaySender<'a> {
-    /// Pieces of time.
+    /// Pieces of the motion.
     pub pieces: Producer<'a, Phase, OVERLAY_PHASES>,
-    /// Ticks of its own, and the cut.
+    /// The overlay's ticks, and the cut.
     pub clock: &'a Clock,
     axis: &'a AtomicU32,
 }
@@ -53,32 +53,32 @@ pub struct OverlayReceiver<'a> {
     pieces: Consumer<'a, Phase, OVERLAY_PHASES>,
     clock: &'a Clock,
     axis: &'a AtomicU32,
-    /// Ticks of the piece evaluated.
+    /// Ticks evaluated of the current piece.
     done: u16,
     /// The set point of the last tick.
     stands: Position,
 }
 
 impl Overlay {
-    /// Memory for one; all bits zero.
+    /// Memory for an overlay; all bits zero.
     pub const fn new() -> Self {
         Self { pieces: Ring::new(), clock: Clock::blank(), axis: AtomicU32::ZERO }
     }
 
-    /// Nothing is in it. Before both sides run.
+    /// Empties the overlay. Call it before both sides run.
     fn reset(&mut self) {
         self.pieces.split();
         self.clock.reset();
         self.axis = AtomicU32::new(NONE);
     }
 
-    /// The planner's end. There is one.
+    /// The planner's end. The caller makes one.
     const fn sender(&self) -> OverlaySender<'_> {
         let (pieces, _) = self.pieces.ends();
         OverlaySender { pieces, clock: &self.clock, axis: &self.axis }
     }
 
-    /// The interrupt's end. There is one.
+    /// The interrupt's end. The caller makes one.
     const fn receiver(&self) -> OverlayReceiver<'_> {
         let (_, pieces) = self.pieces.ends();
         let (clock, axis) = (&self.clock, &self.axis);
@@ -86,7 +86,7 @@ impl Overlay {
     }
 }
 
-/// Empties all overlays and gives both ends of each.
+/// Empties all overlays and returns both ends of each.
 pub fn overlay_ends<const OVERLAYS: usize>(
     memory: &mut [Overlay; OVERLAYS],
 ) -> ([OverlaySender<'_>; OVERLAYS], [OverlayReceiver<'_>; OVERLAYS]) {
@@ -102,19 +102,20 @@ impl Default for Overlay {
 }
 
 impl OverlaySender<'_> {
-    /// The interrupt moves this axis from its next tick on. A piece is in.
+    /// Gives this axis to the interrupt from the next tick on. The overlay already holds a piece.
     pub fn take_over(&self, axis: u8) {
         self.axis.store(u32::from(axis) + 1, Ordering::Release);
     }
 
-    /// The path has the axis again, which stands where the path has it.
+    /// Gives the axis back to the path. The axis stands where the path planner has it.
     pub fn give_back(&self) {
         self.axis.store(NONE, Ordering::Release);
     }
 }
 
 impl OverlayReceiver<'_> {
-    /// The set point of its axis at this tick, if it has one; whether it takes time of a piece.
+    /// Writes the set point of the overlay's axis at this tick, if the overlay has an axis. Returns whether
+    /// the tick used a piece.
     #[inline(always)]
     pub fn step<const AXES: usize>(&mut self, set_points: &mut [Position; AXES]) -> bool {
         let axis = self.axis.load(Ordering::Acquire);

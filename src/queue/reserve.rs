@@ -1,14 +1,13 @@
-//! The pieces of a way to a standstill that the interrupt goes on with if the planner gets no time
-//! ([`super::clock`]).
+//! The pieces of a stop. The interrupt continues with them if the planner gets no time ([`super::clock`]).
 //!
-//! One array holds the way in force and, behind it, the one that is being written: each ends with a piece of
-//! no ticks, and has half of the array. So there is room for the next one whatever the one in force is. The
-//! interrupt reads only the way in force, and only once it has left the queue for it; from then on until it is
-//! let go nothing is written. While one way takes the place of the other both are left alone.
+//! One array holds the stop in force and the stop that the planner is writing. Each stop ends with a piece of
+//! no ticks and has half of the array, so the next stop always has room. The interrupt reads only the stop in
+//! force, and only after it has left the queue. From then on, until the planner lets the interrupt return, the
+//! planner writes nothing. While one stop replaces the other, both stay unchanged.
 //!
-//! A part of a law has many pieces where ramps are long and ticks short: one that goes on as the one before it ended,
-//! but for rounding, is kept as that rounding, four of them in the place of a whole one ([`change`]). What is taken
-//! out is what was put in, bit by bit.
+//! A part of a profile has many pieces where ramps are long and ticks short. A piece that continues the piece before,
+//! except for rounding, is stored as that rounding: four such pieces take the place of one whole piece ([`change`]).
+//! Reading returns the written pieces, bit by bit.
 #![allow(unsafe_code)]
 use super::clock::Kept;
 use super::word::{Memory, Place, Ram, Replay};
@@ -20,27 +19,28 @@ use crate::quantity::{Accel, Distance, Jerk, Speed};
 /// Usual stops have at most twenty pieces; stops through chains of knees, or with long ramps at short cycles, have
 /// more.
 pub const STOP_PIECES: usize = if functions::IS_SMALL { 64 } else { 256 };
-/// Places of one stop, with the place that ends it.
+/// Places of one stop, including the place of its end mark.
 pub const WAY_PIECES: u32 = STOP_PIECES as u32 / 2;
 const MASK: u32 = STOP_PIECES as u32 - 1;
 
-/// Pieces that go on in the place of a whole one.
+/// Continuing pieces in the place of one whole piece.
 const CHANGES: usize = 4;
 
-/// Bits of a change: ticks, path distance, half the acceleration; the other 26 are the speed's.
+/// Bits of a continuing piece: ticks, path distance, half the acceleration; the other 26 bits are for the
+/// speed.
 const TICKS: u32 = 10;
 const PARTS: u32 = 14;
 const ONES: i64 = (1 << PARTS) - 1;
 
-/// Whether `piece` may go on behind the one before it: with the same jerk. At constant speed a piece is so long that it
-/// has a place of its own.
+/// Whether `piece` may be stored as a continuation of the piece before: both have the same jerk. At constant speed a
+/// piece is so long that it gets a place of its own.
 fn may_go_on(before: &Phase, piece: &Phase) -> bool {
     let jerk = piece.sixth_jerk.to_bits();
     jerk == before.sixth_jerk.to_bits() && piece.half_accel.to_bits() | jerk != 0
 }
 
-/// How `piece` differs from where the one before it ends, of the same jerk: a word that is not zero. `None`: by more than
-/// rounding. Not inlined: most pieces have another jerk.
+/// The difference between `piece` and the end of the piece before, which has the same jerk; never zero. `None`: the
+/// difference is more than rounding. Not inlined: most pieces have another jerk.
 #[inline(never)]
 fn change(before: &Phase, piece: &Phase) -> Option<i64> {
     let mut ends = *before;
@@ -56,7 +56,7 @@ fn change(before: &Phase, piece: &Phase) -> Option<i64> {
     (parts(change) == (distance, half, speed, ticks) && ticks > 0).then_some(change)
 }
 
-/// What a change is made of: path distance, half the acceleration, speed, ticks.
+/// The parts of a difference: path distance, half the acceleration, speed, ticks.
 const fn parts(change: i64) -> (i64, i64, i64, u16) {
     const UP: u32 = 64 - PARTS;
     let ticks = change & ((1 << TICKS) - 1);
@@ -77,7 +77,7 @@ fn put_change(place: &mut Phase, number: usize, change: i64) {
     }
 }
 
-/// The pieces that go on, in the place of a whole one of no ticks.
+/// The continuing pieces in a place. Such a place is marked by a whole piece of no ticks.
 fn changes(place: &Phase) -> [i64; CHANGES] {
     let Phase { distance, speed, half_accel, sixth_jerk, .. } = *place;
     [distance.to_bits(), speed.to_bits(), half_accel.to_bits(), sixth_jerk.to_bits()]
@@ -95,17 +95,18 @@ unsafe impl<M: Memory> Sync for Reserve<M> {}
 /// Writes the pieces of stops: the planner's end.
 pub struct Keeper<'a, M: Memory = Ram> {
     reserve: &'a Reserve<M>,
-    /// The way in force: its first piece and how many there are.
+    /// The stop in force: number of its first piece, and number of its pieces.
     first: u32,
     count: u32,
-    /// The same of the one that is being written, its last piece, and how many go on in the place of that.
+    /// The stop that is being written: the same numbers, its last piece, and how many continuing pieces are
+    /// in the current place.
     start: u32,
     written: u32,
     last: Phase,
     changes: usize,
-    /// Where the clock has the one in force.
+    /// The reserve in the clock that is in force.
     kept: Option<Kept>,
-    /// The piece of the last cut that the interrupt has taken or will take.
+    /// The piece after the last cut that the interrupt has taken or will take.
     cut: u32,
 }
 
@@ -113,7 +114,7 @@ pub struct Keeper<'a, M: Memory = Ram> {
 pub struct Taker<'a, M: Memory = Ram> {
     reserve: &'a Reserve<M>,
     next: u32,
-    /// Which one of those that go on in that place.
+    /// The index among the continuing pieces of a place.
     change: usize,
 }
 
@@ -124,7 +125,7 @@ impl<M: Memory> Reserve<M> {
         Self { pieces: [const { M::Place::BLANK }; STOP_PIECES] }
     }
 
-    /// Both ends.
+    /// The two ends.
     pub fn split(&mut self) -> (Keeper<'_, M>, Taker<'_, M>) {
         let (first, count, start, written, cut) = (0, 0, 0, 0, 0);
         let last = Phase::BLANK;
@@ -146,7 +147,7 @@ impl<M: Replay> Clone for Keeper<'_, M> {
 }
 
 impl<M: Replay> Keeper<'_, M> {
-    /// All that it remembers.
+    /// All state, for comparison in tests.
     pub fn key(&self) -> ([u32; 5], (i64, u16, usize), Option<Kept>) {
         let numbers = [self.first, self.count, self.start, self.written, self.cut];
         (numbers, (self.last.distance.to_bits(), self.last.ticks, self.changes), self.kept)
@@ -166,7 +167,7 @@ impl<M: Memory> Keeper<'_, M> {
         (self.written, self.last, self.changes) = (0, Phase::BLANK, CHANGES);
     }
 
-    /// Appends a piece; a piece of no ticks ends the stop. `false` if there is no room.
+    /// Appends a piece; a piece of no ticks ends the stop. Returns `false` if there is no room.
     pub fn push(&mut self, piece: Phase) -> bool {
         let goes_on = self.written > 0 && may_go_on(&self.last, &piece);
         let change = if goes_on { change(&self.last, &piece) } else { None };
@@ -174,7 +175,7 @@ impl<M: Memory> Keeper<'_, M> {
             && self.changes < CHANGES
         {
             let number = self.start.wrapping_add(self.written).wrapping_sub(1);
-            // SAFETY: outside of the way in force: the interrupt does not look at it.
+            // SAFETY: the place is outside of the stop in force, so the interrupt does not read it.
             unsafe { self.reserve.piece(number).write(|place| put_change(place, self.changes, change)) };
             (self.last, self.changes) = (piece, self.changes + 1);
             return true;
@@ -197,18 +198,18 @@ impl<M: Memory> Keeper<'_, M> {
         true
     }
 
-    /// The new way holds at `instant` beside the one in force, behind the cut to the piece `cut`, or behind the last
-    /// one.
+    /// Adds the new stop as a reserve, valid from `instant`, beside the stop in force. The new stop belongs to the
+    /// cut to the piece `cut`, or to the last cut.
     pub(super) fn hold(&self, instant: u32, cut: Option<u32>, clock: &Clock<M>) -> Kept {
         clock.keep(self.kept, instant, self.start, cut.unwrap_or(self.cut))
     }
 
-    /// The way in force is taken back, if there is one; `false`: the interrupt has gone on with it before.
+    /// Withdraws the stop in force, if there is one. Returns `false` if the interrupt already uses it.
     pub(super) fn release(&self, clock: &Clock<M>) -> bool {
         self.kept.is_none_or(|kept| clock.release(kept))
     }
 
-    /// The new way is the one in force, or none is. Not before the old one was taken back.
+    /// Puts the new stop in force, or none. The old stop is already withdrawn.
     pub(super) const fn commit(&mut self, kept: Option<Kept>, cut: Option<u32>) {
         (self.first, self.count) = (self.start, if kept.is_some() { self.written } else { 0 });
         (self.kept, self.written) = (kept, 0);
@@ -231,14 +232,14 @@ impl<M: Memory> Keeper<'_, M> {
         is_free
     }
 
-    /// Forgets the stop; the clock has none.
+    /// Drops the stop. The clock has no reserve.
     pub const fn clear(&mut self) {
         (self.count, self.kept) = (0, None);
     }
 }
 
 impl<M: Memory> Taker<'_, M> {
-    /// The number of the place of the next piece, and which of those in it it is.
+    /// The place of the next piece, and the index within the place.
     pub const fn next(&self) -> (u32, usize) {
         (self.next, self.change)
     }
@@ -251,7 +252,7 @@ impl<M: Memory> Taker<'_, M> {
     /// Reads the next piece into `piece`, which holds the one before; `false` at the end.
     pub fn take_into(&mut self, piece: &mut Phase) -> bool {
         let Self { reserve, next, change } = self;
-        // SAFETY: of the way in force, up to the piece that ends it; the planner leaves it alone.
+        // SAFETY: the place belongs to the stop in force, up to its end mark. The planner does not touch it.
         let (is_whole, is_last, by) = unsafe {
             reserve.piece(*next).read(|place| {
                 if place.ticks > 0 {
@@ -274,7 +275,7 @@ impl<M: Memory> Taker<'_, M> {
     }
 }
 
-/// The piece behind `piece`.
+/// The piece after `piece`.
 fn go_on(piece: &mut Phase, change: i64) {
     let (distance, half, speed, ticks) = parts(change);
     piece.advance(piece.ticks);

@@ -1,20 +1,21 @@
-//! A ring for one producer and one consumer that may interrupt one another, without lock and without waiting.
+//! A ring for one producer and one consumer that may interrupt each other, without lock and without waiting.
 //!
-//! Producer and consumer each own one counter that only they write; a slot belongs to the producer until its
-//! counter passes it, then to the consumer until the other counter does. Counters run freely and are masked,
-//! so that all `N` slots are used and no index needs a division (the queues of `heapless` forget `N` when
-//! they are split, which leaves one in the interrupt and a panic in its place if `N` were 0).
+//! Producer and consumer each have one counter that only they write. A slot belongs to the producer until the
+//! producer's counter passes it, then to the consumer until the consumer's counter does. Counters run freely
+//! and are masked, so all `N` slots are used and no index needs a division. (After a split, the queues of
+//! `heapless` no longer know `N`. They would put a division into the interrupt, and a panic for the case that
+//! `N` is 0.)
 #![allow(unsafe_code)]
 use super::word::{Memory, Place, Ram, Replay, Word};
 use core::sync::atomic::Ordering;
 
 /// An item of a ring.
 pub trait Slot: Copy {
-    /// What an unused slot holds; all bits zero, so that a ring takes no room in flash.
+    /// The content of an unused slot; all bits zero, so a ring takes no flash.
     const BLANK: Self;
 }
 
-/// `N` slots, a power of two. The counters are in front: near ones take fewer instructions.
+/// `N` slots, a power of two. The counters come first: a small offset takes fewer instructions.
 #[repr(C)]
 pub struct Ring<T: Slot, const N: usize, M: Memory = Ram> {
     /// Items taken out since the split.
@@ -28,31 +29,31 @@ pub struct Ring<T: Slot, const N: usize, M: Memory = Ram> {
 // it, and read only by the one consumer, while it does; the counters pass ownership with release and acquire.
 unsafe impl<T: Slot + Send, const N: usize, M: Memory> Sync for Ring<T, N, M> {}
 
-/// Puts items in.
+/// The end that puts items in.
 pub struct Producer<'a, T: Slot, const N: usize, M: Memory = Ram> {
     ring: &'a Ring<T, N, M>,
 }
 
-/// Takes items out.
+/// The end that takes items out.
 pub struct Consumer<'a, T: Slot, const N: usize, M: Memory = Ram> {
     ring: &'a Ring<T, N, M>,
 }
 
-/// Says how full the ring is.
+/// Reports how full the ring is.
 pub struct Gauge<'a, T: Slot, const N: usize, M: Memory = Ram> {
     ring: &'a Ring<T, N, M>,
 }
 
 impl<T: Slot, const N: usize, M: Memory> Gauge<'_, T, N, M> {
-    /// Items in the ring, from any context: both counters as they are read, one after the other.
+    /// Number of items in the ring, from any context. The call reads both counters one after the other.
     pub fn len(&self) -> u32 {
         let taken = self.ring.taken.load(Ordering::Relaxed);
         let len = self.ring.put.load(Ordering::Relaxed).wrapping_sub(taken);
-        // Pieces taken back in between.
+        // The producer withdrew pieces between the two reads.
         if (len as i32) < 0 { 0 } else { len.min(N as u32) }
     }
 
-    /// Whether there is none.
+    /// Whether the ring is empty.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -76,14 +77,14 @@ impl<T: Slot, const N: usize, M: Memory> Ring<T, N, M> {
         Self { taken: M::Word::ZERO, put: M::Word::ZERO, slots: [const { M::Place::BLANK }; N] }
     }
 
-    /// Empties the ring and gives its two ends.
+    /// Empties the ring and returns its two ends.
     pub fn split(&mut self) -> (Producer<'_, T, N, M>, Consumer<'_, T, N, M>) {
         (self.taken, self.put) = (M::Word::ZERO, M::Word::ZERO);
         (Producer { ring: self }, Consumer { ring: self })
     }
 
-    /// The end that puts in, and the one that takes out. The caller makes one of each, of a ring that
-    /// [`Self::split`] has emptied.
+    /// The producer's and the consumer's end. The caller makes one of each, of a ring that [`Self::split`]
+    /// has emptied.
     pub(super) const fn ends(&self) -> (Producer<'_, T, N, M>, Consumer<'_, T, N, M>) {
         (Producer { ring: self }, Consumer { ring: self })
     }
@@ -102,7 +103,7 @@ impl<T: Slot, const N: usize> Default for Ring<T, N> {
 }
 
 impl<'a, T: Slot, const N: usize, M: Memory> Producer<'a, T, N, M> {
-    /// A look at the ring for others.
+    /// A reader of the fill level for other contexts.
     pub const fn gauge(&self) -> Gauge<'a, T, N, M> {
         Gauge { ring: self.ring }
     }
@@ -134,38 +135,39 @@ impl<'a, T: Slot, const N: usize, M: Memory> Producer<'a, T, N, M> {
     /// Puts an item in.
     ///
     /// # Errors
-    /// The item back if the ring is full.
+    /// The ring is full. The error returns the item.
     #[inline(always)]
     pub fn push(&mut self, item: T) -> Result<(), T> {
         if self.push_with(|slot| *slot = item) { Ok(()) } else { Err(item) }
     }
 
-    /// Puts in what `fill` makes of a used slot, in its place; `false` if the ring is full.
+    /// Lets `fill` change a used slot in place, and puts it in. Returns `false` if the ring is full.
     #[inline(always)]
     pub fn push_with(&mut self, fill: impl FnOnce(&mut T)) -> bool {
         if self.is_full() {
             return false;
         }
         let put = self.ring.put.load(Ordering::Relaxed);
-        // SAFETY: not full, so the slot is the producer's, of which there is one; it is handed over below.
+        // SAFETY: the ring is not full, so the slot belongs to the one producer. The counter hands it over
+        // below.
         unsafe { self.ring.slot(put).write(fill) };
         self.ring.put.store(put.wrapping_add(1), Ordering::Release);
         true
     }
 
-    /// Fills the place `ahead` items after the last one without publishing it; `false` if there is no room.
-    /// [`Self::put_in`] publishes all filled places at once.
+    /// Fills the place `ahead` items after the last one without publishing it. Returns `false` if there is no
+    /// room. [`Self::put_in`] publishes all filled places at once.
     pub fn fill_ahead(&mut self, ahead: u32, fill: impl FnOnce(&mut T)) -> bool {
         if ahead >= self.room() {
             return false;
         }
         let put = self.ring.put.load(Ordering::Relaxed);
-        // SAFETY: there is room, so the slot is the producer's, of which there is one, until it is put in.
+        // SAFETY: there is room, so the slot belongs to the one producer until it is put in.
         unsafe { self.ring.slot(put.wrapping_add(ahead)).write(fill) };
         true
     }
 
-    /// Puts in so many items that [`Self::fill_ahead`] has filled.
+    /// Publishes `count` items that [`Self::fill_ahead`] has filled.
     pub fn put_in(&mut self, count: u32) {
         let put = self.ring.put.load(Ordering::Relaxed);
         self.ring.put.store(put.wrapping_add(count), Ordering::Release);
@@ -181,19 +183,19 @@ impl<'a, T: Slot, const N: usize, M: Memory> Producer<'a, T, N, M> {
         self.ring.taken.load(Ordering::Acquire)
     }
 
-    /// The item that was put in as the one with this number, if it is one of the last `N`.
+    /// The item with this number, if it is one of the last `N`.
     pub fn recent(&self, number: u32) -> Option<&T> {
         if self.count().wrapping_sub(number).wrapping_sub(1) >= N as u32 {
             return None;
         }
-        // SAFETY: only this producer writes slots, and needs `&mut self` for that; the consumer reads too.
+        // SAFETY: only this producer writes slots, and needs `&mut self` to do so; the consumer only reads.
         Some(unsafe { &*self.ring.slot(number).get() })
     }
 
     /// Withdraws the items from `number` on.
     ///
-    /// The caller knows that the consumer cannot reach them. Before others take their place, the caller waits for the
-    /// current tick, which may look at them ([`super::Clock::settle`]).
+    /// The caller knows that the consumer cannot reach these items. Before other items take their places, the caller
+    /// waits for the current tick, which may read them ([`super::Clock::settle`]).
     pub fn withdraw(&mut self, number: u32) {
         if self.count().wrapping_sub(number) <= N as u32 {
             self.ring.put.store(number, Ordering::Release);
@@ -227,11 +229,12 @@ impl<T: Slot, const N: usize, M: Memory> Consumer<'_, T, N, M> {
         if self.is_empty() {
             return None;
         }
-        // SAFETY: not empty, so the slot is the consumer's until `advance`, which needs `&mut self`.
+        // SAFETY: the ring is not empty, so the slot belongs to the consumer until `advance`, which needs
+        // `&mut self`.
         Some(unsafe { &*self.ring.slot(self.ring.taken.load(Ordering::Relaxed)).get() })
     }
 
-    /// The counter moves on; the caller knows that there is an item.
+    /// Increments the counter. The caller knows that there is an item.
     #[inline(always)]
     fn advance(&mut self) {
         let taken = self.ring.taken.load(Ordering::Relaxed);
@@ -246,16 +249,16 @@ impl<T: Slot, const N: usize, M: Memory> Consumer<'_, T, N, M> {
         Some(item)
     }
 
-    /// Takes the oldest item out into `item`, copied once, if there is one and it is `fit`.
+    /// Takes the oldest item out into `item` with one copy, if there is an item and `fit` accepts it.
     #[inline(always)]
     pub fn pop_into(&mut self, item: &mut T, fit: impl FnOnce(&T) -> bool) -> bool {
-        // In a register: it would be loaded again.
+        // Copied into a register: the compiler would load it again.
         let ring = self.ring;
         let number = ring.taken.load(Ordering::Relaxed);
         if ring.put.load(Ordering::Acquire) == number {
             return false;
         }
-        // SAFETY: not empty, so the slot is the consumer's until the counter moves on.
+        // SAFETY: the ring is not empty, so the slot belongs to the consumer until the counter moves on.
         let is_fit = unsafe {
             ring.slot(number).read(|oldest| {
                 let is_fit = fit(oldest);
@@ -271,7 +274,7 @@ impl<T: Slot, const N: usize, M: Memory> Consumer<'_, T, N, M> {
         is_fit
     }
 
-    /// Gives all items before the one with this number back; the producer has put that one in.
+    /// Gives back all items before the item with this number. The producer has put that item in.
     #[inline(always)]
     pub fn jump(&mut self, number: u32) {
         self.ring.taken.store(number, Ordering::Release);

@@ -1,11 +1,11 @@
-//! What the interrupt shows of every tick. Any other context reads it as a snapshot of one tick, without a lock.
+//! The status of every tick. Any other context reads a snapshot of one tick, without a lock.
 //!
-//! The interrupt writes words one by one, and no word is ever torn. The words of a snapshot belong together if no
-//! tick has begun while they were read. The clock tells that ([`Clock::ended`], [`Clock::is_at`]), and the reader
-//! reads again until it is so. It never holds up the interrupt.
+//! The interrupt writes word by word, and no word is ever torn. The words of a snapshot belong together if no
+//! tick has begun during the read. The clock shows this ([`Clock::ended`], [`Clock::is_at`]), and the reader
+//! repeats the read until it succeeds. A reader never delays the interrupt.
 //!
-//! The interrupt writes what it has at hand, and the reader derives the rest: the speed, for one, comes from the
-//! difference of the set points of two ticks. Those of even and of odd ticks have a place each.
+//! The interrupt writes values that it already has; the reader derives the others. The speed, for example, is
+//! the difference of the set points of two ticks. Even and odd ticks have separate places for set points.
 use super::cells::whole;
 use super::clock::TICK;
 use super::word::{Memory, Ram, Word};
@@ -18,21 +18,21 @@ use core::sync::atomic::Ordering;
 pub struct Snapshot<const AXES: usize> {
     /// Ticks ended, modulo 2^31.
     pub ticks: u32,
-    /// The last one took time of a piece.
+    /// Whether the last tick used a piece.
     pub moved: bool,
-    /// Set points moved in it though it did not.
+    /// Whether set points moved in the last tick although it used no piece.
     pub settles: bool,
-    /// Set points after it.
+    /// Set points after the last tick.
     pub set_points: [Position; AXES],
-    /// Set points after the tick before it.
+    /// Set points after the tick before.
     pub before: [Position; AXES],
     /// Path distance.
     pub distance: Distance,
     /// Programmed N number.
     pub n: u32,
-    /// Motion blocks since the split, from 0.
+    /// Motion blocks since the split, counted from 0.
     pub block: u32,
-    /// Pieces of time in the queue.
+    /// Number of pieces in the queue.
     pub queued: u16,
 }
 
@@ -73,13 +73,13 @@ impl<W: Word> Long<W> {
     }
 }
 
-/// The words of the snapshot. Written by the interrupt.
+/// The words of the snapshot. The interrupt writes them.
 pub struct Words<const AXES: usize, M: Memory = Ram> {
     distance: Long<M::Word>,
     n: M::Word,
-    /// The lower half of its number.
+    /// The lower half of the block's number.
     block: M::Word,
-    /// Of the last two ticks, in turn.
+    /// Set points of the last two ticks, in turn.
     set_points: [[Long<M::Word>; AXES]; 2],
 }
 
@@ -115,17 +115,18 @@ impl<const AXES: usize, M: Memory> Words<AXES, M> {
         self.distance.get()
     }
 
-    /// Writes the curve: its N number and the lower half of its motion block. The interrupt calls it.
+    /// Writes N number and lower half of the motion block's number of the current curve. The interrupt calls
+    /// it.
     #[inline(always)]
     pub fn show_curve(&self, n: u32, block: u16) {
         self.n.store(n, Ordering::Relaxed);
         self.block.store(block.into(), Ordering::Relaxed);
     }
 
-    /// Writes the set points of a tick. The interrupt calls it in every tick, also where the axes rest.
+    /// Writes the set points of a tick. The interrupt calls it in every tick, also while the axes rest.
     #[inline(always)]
     pub fn show_points(&self, tick: u32, set_points: &[Position; AXES]) {
-        // One bit, two places: the optimiser removes the check.
+        // One bit selects one of two places: the optimiser removes the bounds check.
         for (words, point) in self.set_points[(tick & 1) as usize].iter().zip(set_points) {
             words.set(point.to_bits());
         }
@@ -143,7 +144,7 @@ impl<'a, const AXES: usize, M: Memory> Display<'a, AXES, M> {
         Self { words, clock, pieces, latest }
     }
 
-    /// The result of the last tick. The call reads again if a tick comes in between.
+    /// The result of the last tick. The call repeats the read if a tick comes in between.
     pub fn read(&self) -> Snapshot<AXES> {
         let mut snapshot = Snapshot::BLANK;
         M::wait(|| {
@@ -153,13 +154,13 @@ impl<'a, const AXES: usize, M: Memory> Display<'a, AXES, M> {
         snapshot
     }
 
-    /// One look at all words; ticks ended before.
+    /// Reads all words once. Returns the number of ticks that had ended before.
     fn look(&self, snapshot: &mut Snapshot<AXES>) -> u32 {
         let (ended, moved) = self.clock.ended();
         let Words { distance, n, block, set_points } = self.words;
         snapshot.ticks = ended / TICK;
         [snapshot.moved, snapshot.settles] = moved;
-        // The tick ended last has the number before that of those ended.
+        // The number of the last tick is one below the number of ticks ended.
         let [even_points, odd_points] = set_points;
         let is_odd = snapshot.ticks & 1 == 0;
         let (points, points_before) =

@@ -1,27 +1,27 @@
-//! How the interrupt goes from one piece of time to the next, and how the planner changes what it has handed
-//! over.
+//! The interrupt's step from one piece to the next, and the planner's change of pieces that the interrupt may
+//! already see.
 //!
-//! Pieces are handed over well ahead. To change what is to come, the planner agrees on an instant with the
-//! interrupt, a *cut*: before the tick of that instant the interrupt leaves the pieces it has and goes on
-//! with the one the cut names. Up to that instant the old pieces hold.
+//! The planner writes pieces well ahead. To change future pieces, the planner agrees with the interrupt on an
+//! instant, the *cut*. Before the tick of that instant the interrupt leaves its pieces and continues with the
+//! piece that the cut names. Up to that instant the old pieces are valid.
 //!
-//! No order of events can mix both:
+//! No order of events can mix old and new pieces:
 //!
-//! 1. The planner puts a *barrier* behind the old pieces, a piece of no ticks, which the interrupt does not
-//!    pass, then the new pieces ([`Change::begin`]). Nothing has changed for the interrupt.
-//! 2. It publishes the cut: the piece first, then the instant. It waits for the tick at hand, if there is one
-//!    ([`Clock::settle`]): from there on every tick sees the cut.
-//! 3. It reads the instant of the next tick. If that is not behind the cut, the interrupt will take it. If it
-//!    is, the interrupt says: by its count of pieces taken, beyond the barrier, it acknowledges that it has
-//!    taken the cut. Without that it never will, and stays before the barrier; the planner takes barrier and pieces
-//!    back ([`Change::commit`]).
+//! 1. The planner puts a *barrier*, a piece of no ticks, behind the old pieces, then the new pieces
+//!    ([`Change::begin`]). The interrupt does not pass a barrier, so nothing changes for the interrupt.
+//! 2. The planner publishes the cut: first the piece, then the instant. The planner then waits for a running
+//!    tick ([`Clock::settle`]). From here on every tick sees the cut.
+//! 3. The planner reads the instant of the next tick. If this instant is not behind the cut, the interrupt will
+//!    take the cut. Otherwise the interrupt's count of pieces tells: a count beyond the barrier means that the
+//!    interrupt has taken the cut. If the count is not beyond the barrier, the interrupt never takes the cut and
+//!    stays before the barrier. The planner then withdraws barrier and new pieces ([`Change::commit`]).
 //!
-//! The end of what is in the queue has a standing cut of its own, the *reserve*: where the laws handed over
-//! end at speed, the interrupt goes on with a way to a standstill, unless the planner has moved the reserve
-//! on before. So a planner that gets no time needs to do nothing for the motion to slow down. The pieces of
-//! that way have a place of their own ([`super::reserve`]). Once there, the interrupt stays with them until
-//! the planner lets it go on. A cut and the reserve behind it change together ([`Change::hand_over`]): whenever
-//! the planner is kept from its work in between, there is a way, and the right one.
+//! The end of the queue has a standing cut of its own, the *reserve*. Where the profiles in the queue end at
+//! speed, the interrupt continues with a stop, unless the planner has moved the reserve on before. So the
+//! motion slows down without any action of the planner. The pieces of the stop have separate memory
+//! ([`super::reserve`]). After this change the interrupt stays with the stop until the planner lets it
+//! continue. A cut and the reserve after it change together ([`Change::hand_over`]). At every moment there is a
+//! valid stop, even if the planner is interrupted in between.
 //!
 //! `host-tests/tests/interleavings` runs this code in every order of its accesses to shared words.
 use super::word::{Memory, Ram, Replay};
@@ -30,34 +30,35 @@ use super::{Clock, Consumer, Keeper, PHASES, Phase, Producer, Slot, Taker};
 /// The planner's end of the ring.
 pub type Pieces<'a, M = Ram> = Producer<'a, Phase, PHASES, M>;
 
-/// Barrier and new pieces that are being put in for a cut. [`Self::commit`] or [`Self::abandon`] ends it.
+/// Barrier and new pieces that are being written for a cut. [`Self::commit`] or [`Self::abandon`] ends the
+/// change.
 #[derive(Debug)]
 #[must_use]
 pub struct Change {
-    /// The number of the first piece put in.
+    /// The number of the first new piece.
     first: u32,
     has_barrier: bool,
 }
 
-/// The interrupt leaves the pieces it has at this instant, or has done so.
+/// The interrupt leaves its old pieces at this instant, or has done so.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Cut(pub u32);
 
-/// The interrupt has passed the instant of the cut on the pieces it had; all is as before.
+/// The interrupt has passed the instant of the cut on its old pieces. Nothing has changed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TooLate;
 
-/// New pieces do not count; all is as before.
+/// The new pieces are not valid. Nothing has changed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NotNow {
-    /// The interrupt has passed the instant of the cut on the pieces it had.
+    /// The interrupt has passed the instant of the cut on its old pieces.
     TooLate,
-    /// It has gone on with the way in reserve.
+    /// The interrupt has continued with the reserve.
     Left,
 }
 
-/// Replaces the stop in force by the new one, which holds at the instant `at`, without a tick between. `false`: the
-/// interrupt uses the old stop already, and it stays.
+/// Replaces the stop in force by the new stop, which is valid from the instant `at`. No tick is without a stop.
+/// Returns `false` if the interrupt already uses the old stop, which then stays.
 pub fn renew<M: Memory>(at: u32, keeper: &mut Keeper<'_, M>, clock: &Clock<M>) -> bool {
     let kept = keeper.hold(at, None, clock);
     let is_free = keeper.release(clock);
@@ -70,7 +71,8 @@ pub fn renew<M: Memory>(at: u32, keeper: &mut Keeper<'_, M>, clock: &Clock<M>) -
 }
 
 impl Change {
-    /// Puts the barrier in; what is put in from here on counts from the cut. There is room.
+    /// Writes the barrier. Pieces written after it count from the cut. The caller has checked that there is
+    /// room.
     pub fn begin<M: Memory, const N: usize>(pieces: &mut Producer<'_, Phase, N, M>) -> Self {
         let first = pieces.count();
         let _ = pieces.push(Phase::BLANK);
@@ -82,11 +84,11 @@ impl Change {
         Self { first: pieces.count(), has_barrier: false }
     }
 
-    /// The cut at `at`, the instant at which the new pieces begin. There is no other cut. Not where the reserve
-    /// matters: [`Self::hand_over`].
+    /// Publishes a cut at `at`, the instant at which the new pieces begin. There is no other cut. Where the
+    /// reserve matters, use [`Self::hand_over`].
     ///
     /// # Errors
-    /// [`TooLate`]: barrier and new pieces are taken back.
+    /// Returns [`TooLate`]; barrier and new pieces are withdrawn.
     pub fn commit<M: Memory, const N: usize>(
         self,
         at: u32,
@@ -101,7 +103,7 @@ impl Change {
         Err(TooLate)
     }
 
-    /// Whether the cut at `at` is in time.
+    /// Publishes the cut at `at` and returns whether it is in time.
     fn publish<M: Memory, const N: usize>(
         &self,
         at: u32,
@@ -113,12 +115,12 @@ impl Change {
         is_ahead || pieces.taken().wrapping_sub(self.first) as i32 > 0
     }
 
-    /// Puts the new pieces in force from the instant `at` on, and with them the new reserve, which holds at the instant
-    /// `way`; there is none if the pieces end in a stop. At each tick one of the two reserves is in force: the new one
-    /// after the change only, the old one until the change is known to be in time.
+    /// Puts the new pieces in force from the instant `at` on, together with the new reserve, which is valid from the
+    /// instant `way`. If the pieces end in a stop, there is no new reserve. Each tick has one valid reserve: the old
+    /// one until the change is known to be in time, and the new one only after the change.
     ///
     /// # Errors
-    /// The change is too late, or the interrupt uses the old reserve. End marker and new pieces are withdrawn; nothing
+    /// The change is too late, or the interrupt uses the old reserve. Barrier and new pieces are withdrawn; nothing
     /// changes.
     pub fn hand_over<M: Memory, const N: usize>(
         self,
@@ -148,14 +150,14 @@ impl Change {
         Err(not_now)
     }
 
-    /// Takes barrier and new pieces back.
+    /// Withdraws barrier and new pieces.
     pub fn abandon<M: Memory, const N: usize>(
         self,
         pieces: &mut Producer<'_, Phase, N, M>,
         clock: &Clock<M>,
     ) {
         pieces.withdraw(self.first);
-        // A tick at hand may look at the barrier.
+        // A running tick may read the barrier.
         clock.settle();
     }
 }
@@ -165,11 +167,11 @@ pub struct Timeline<'a, M: Memory = Ram> {
     phase: Phase,
     pieces: Consumer<'a, Phase, PHASES, M>,
     reserve: Taker<'a, M>,
-    /// Ticks of the piece evaluated.
+    /// Ticks evaluated of the current piece.
     done: u16,
-    /// It stops, or stands, without the planner.
+    /// Whether the interrupt stops, or has stopped, by the reserve.
     stops: bool,
-    /// The piece of the last cut taken.
+    /// The piece after the last cut taken.
     cut: u32,
 }
 
@@ -182,7 +184,7 @@ impl<M: Replay> Clone for Timeline<'_, M> {
 }
 
 impl<M: Replay> Timeline<'_, M> {
-    /// All that it remembers from one tick to the next.
+    /// All state from one tick to the next, for comparison in tests.
     pub const fn key(&self) -> (Phase, u16, bool, ((u32, usize), u32)) {
         (self.phase, self.done, self.stops, (self.reserve.next(), self.cut))
     }
@@ -194,8 +196,8 @@ impl<'a, M: Memory> Timeline<'a, M> {
         Self { phase: Phase::BLANK, pieces, reserve, done: 0, stops: false, cut: 0 }
     }
 
-    /// A tick begins: its path distance, LSB 2^-44 mm, or `None` if there is no piece.
-    /// [`Clock::pass`] or [`Clock::rest`] ends it.
+    /// Begins a tick. Returns its path distance, LSB 2^-44 mm, or `None` if there is no piece.
+    /// [`Clock::pass`] or [`Clock::rest`] ends the tick.
     #[inline(always)]
     pub fn begin(&mut self, clock: &Clock<M>) -> Option<i64> {
         let instant = clock.begin();
@@ -225,7 +227,8 @@ impl<'a, M: Memory> Timeline<'a, M> {
         self.pieces.pop_into(&mut self.phase, |phase| phase.ticks > 0)
     }
 
-    /// Leaves the pieces it has; on its way to a standstill it has left them for good.
+    /// Leaves the current pieces and continues at the cut. If the interrupt is on a stop, it has left the
+    /// queue for good.
     #[cold]
     #[inline(never)]
     fn change_over(&mut self, number: u32) {
@@ -236,8 +239,8 @@ impl<'a, M: Memory> Timeline<'a, M> {
         }
     }
 
-    /// The next piece of the way to a standstill, which may begin here; behind it, when the planner has seen
-    /// it, of what it has put into the queue since.
+    /// Takes the next piece of the stop; `begins`: the stop may begin here. At the end of the stop, and once
+    /// the planner has seen it, takes the next piece that the planner has written since.
     #[cold]
     #[inline(never)]
     fn stop(&mut self, clock: &Clock<M>, begins: bool) -> bool {
@@ -258,7 +261,7 @@ impl<'a, M: Memory> Timeline<'a, M> {
         self.take()
     }
 
-    /// The current piece, and the tick of it that was evaluated last.
+    /// The current piece, and its tick that was evaluated last.
     pub fn at_hand(&self) -> (&Phase, u16) {
         (&self.phase, self.done.saturating_sub(1))
     }

@@ -1,47 +1,47 @@
-//! What planner, interrupt and operator share: words, each written by one of them, and places that pass from
-//! one to the other.
+//! The shared words of planner, interrupt and operator, each with one writer, and places that pass from one
+//! owner to the next.
 //!
-//! Everything behind [`Memory`] is what the target has. A test puts a memory of its own in its place: it sees
-//! every access of the code that runs on the target, and runs that code in every order of them.
+//! [`Memory`] stands for the memory of the target. A test replaces it by a memory of its own: the test sees
+//! every access of the code that runs on the target, and runs the code in every order of these accesses.
 #![allow(unsafe_code)]
 use super::Slot;
 use core::cell::UnsafeCell;
 use core::sync::atomic::{self, AtomicU32, Ordering};
 
-/// A word. One side writes it, all may read it.
+/// A word. One side writes the word, all sides may read it.
 pub trait Word: Sync {
-    /// 0.
+    /// The word with the value 0.
     const ZERO: Self;
 
-    /// Its value.
+    /// The value of the word.
     fn load(&self, order: Ordering) -> u32;
 
-    /// Its new value, from the side that writes it.
+    /// Sets a new value. Only the writing side calls it.
     fn store(&self, value: u32, order: Ordering);
 }
 
-/// A place of a ring. Counters say whose it is.
+/// A place of a ring. Counters say who owns the place.
 pub trait Place<T: Slot>: Sized {
-    /// An unused one.
+    /// An unused place.
     const BLANK: Self;
 
-    /// Reads it.
+    /// Reads the place.
     ///
     /// # Safety
-    /// No other side writes it meanwhile.
+    /// No other side writes the place during the call.
     unsafe fn read<R>(&self, take: impl FnOnce(&T) -> R) -> R;
 
-    /// Writes it.
+    /// Writes the place.
     ///
     /// # Safety
-    /// No other side reads or writes it meanwhile.
+    /// No other side reads or writes the place during the call.
     unsafe fn write(&self, fill: impl FnOnce(&mut T));
 
-    /// Where it is, for a reference that outlives the call.
+    /// The address of the place, for a reference that outlives the call.
     fn get(&self) -> *mut T;
 }
 
-/// Words, places, and what orders the accesses to them.
+/// Words, places, and the ordering of accesses to them.
 pub trait Memory {
     /// A word.
     type Word: Word;
@@ -51,15 +51,15 @@ pub trait Memory {
     /// As [`core::sync::atomic::fence`].
     fn fence(order: Ordering);
 
-    /// Waits until another side has come so far.
+    /// Waits until `is_over` returns true because of another side.
     fn wait(is_over: impl FnMut() -> bool);
 }
 
-/// A memory whose accesses can be made again: the ends of what lies in it may be copied. Never that of a
-/// target.
+/// A memory whose accesses can be repeated, so the ends of a ring may be copied. A target's memory never has
+/// this trait.
 pub trait Replay: Memory {}
 
-/// Atomics and cells.
+/// The memory of a target: atomics and cells.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Ram;
 
@@ -101,13 +101,13 @@ impl<T: Slot> Place<T> for UnsafeCell<T> {
 
     #[inline(always)]
     unsafe fn read<R>(&self, take: impl FnOnce(&T) -> R) -> R {
-        // SAFETY: nobody writes it meanwhile, says the caller.
+        // SAFETY: the caller guarantees that nobody writes the place.
         take(unsafe { &*self.get() })
     }
 
     #[inline(always)]
     unsafe fn write(&self, fill: impl FnOnce(&mut T)) {
-        // SAFETY: nobody else has it, says the caller.
+        // SAFETY: the caller guarantees that nobody else uses the place.
         fill(unsafe { &mut *self.get() });
     }
 

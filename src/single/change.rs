@@ -1,6 +1,7 @@
-//! Changes of what the interrupt has: standing still, ending an oscillation with its cycle, another speed.
+//! Changes of a motion that the interrupt already has: a stop, the end of an oscillation with its cycle,
+//! another speed.
 //!
-//! One change at a time, and one attempt a tick. A stroke that slows down already ends as it is.
+//! There is one change at a time, and one attempt per tick. A stroke that already brakes stays unchanged.
 use super::{Goal, Single, has_room, place, stroke};
 use crate::math::float::max;
 use crate::quantity::{Distance, Speed, speed_bits, speed_f32};
@@ -10,26 +11,26 @@ use crate::slope::emit::Emitter;
 use crate::slope::limits::Limits;
 use crate::slope::profile::Profile;
 
-/// Ticks from a wish to the change: what the planner may take for the new law.
+/// Ticks from a command to the change: the time in which the planner makes the new profile.
 const REACTION: u32 = 4;
 
-/// How often a raised speed is halved at most.
+/// Largest number of halvings of a raised speed.
 const SLOWER: usize = 6;
 
-/// A motion ahead, seen in its own direction.
+/// A future motion, seen in its own direction.
 struct Ahead {
-    /// The stroke it belongs to, and the instant.
+    /// The stroke of the motion, and the instant.
     k: usize,
     at: u32,
-    /// Where the axis is then, and where its stroke ends.
+    /// Position of the axis at that instant, and end of its stroke.
     from: i64,
     to: i64,
     backward: bool,
-    /// Distance 0, speed not below 0.
+    /// Distance 0; the speed is not negative.
     motion: Motion,
 }
 
-/// What takes the place of a stroke: the pieces of the emitter, then this law, then rest.
+/// The replacement of a stroke: the pieces of the emitter, then this profile, then rest.
 struct Law {
     from: i64,
     backward: bool,
@@ -37,7 +38,7 @@ struct Law {
 }
 
 impl Single {
-    /// Comes to a standstill as soon as the limits allow; whether the axis stands.
+    /// Stops the axis as soon as its limits permit. Returns whether the axis stands.
     pub(super) fn halt(&mut self, overlay: &mut OverlaySender<'_>) -> bool {
         self.drop_laying();
         if self.rests(overlay) {
@@ -72,7 +73,7 @@ impl Single {
         false
     }
 
-    /// Whether the oscillation ends with the stroke at hand, and the next one is handed over already.
+    /// Whether the oscillation ends with the current stroke, while the next stroke is already in the queue.
     pub(super) fn is_to_end_here(&self) -> bool {
         match (&self.handed.strokes, &self.laying) {
             ([Some(_), Some(next)], _) if next.before.is_ended() => self.handed.tried != Some(next.end),
@@ -81,7 +82,7 @@ impl Single {
         }
     }
 
-    /// The strokes behind the one at hand are taken back, if there is time for it.
+    /// Withdraws the strokes behind the current one, if there is time.
     pub(super) fn drop_next(&mut self, overlay: &mut OverlaySender<'_>) -> bool {
         self.drop_laying();
         if let [Some(_), Some(next)] = self.handed.strokes
@@ -93,7 +94,7 @@ impl Single {
                 self.end_with(overlay, &ahead);
             }
             if self.handed.cut.is_none() && self.is_begun(overlay) {
-                // Too late: it goes on to the end of the cycle that has begun.
+                // Too late: the axis continues to the end of the cycle that has begun.
                 self.handed.tried = Some(next.end);
             }
             return false;
@@ -101,13 +102,13 @@ impl Single {
         true
     }
 
-    /// The next stroke begins within the ticks that a change takes.
+    /// Whether the next stroke begins within the time that a change takes.
     fn is_begun(&self, overlay: &OverlaySender<'_>) -> bool {
         let at = overlay.clock.now().wrapping_add(clock::TICK * REACTION);
         self.handed.strokes[0].is_none_or(|stroke| !clock::is_before(at, stroke.end))
     }
 
-    /// The stroke at hand goes on at the speed `v`; whether that was done.
+    /// Continues the current stroke at the speed `v`. Returns whether this was done.
     pub(super) fn adjust(&mut self, overlay: &mut OverlaySender<'_>, v: f32) -> bool {
         self.drop_laying();
         if self.rests(overlay) {
@@ -150,7 +151,7 @@ impl Single {
                 if planned.is_err() || stroke::is_short(&profile) {
                     break;
                 }
-                // As far as there is room for its pieces.
+                // Lower, until there is room for the pieces.
                 limits.v = 0.5 * (limits.v + speed_f32(v_in.to_bits()));
                 planned = profile.plan(length, v_in, Speed::ZERO, &limits);
             }
@@ -172,18 +173,18 @@ impl Single {
         done
     }
 
-    /// Pieces come from a tick on; those of a change that found no room are forgotten.
+    /// Pieces start at a tick. The pieces of a change without room are dropped.
     fn emit_from_here(&mut self) {
         self.emitter = Emitter::new();
         self.emitter.resume_at(0);
     }
 
-    /// What is to be done behind the stroke `k`.
+    /// The goal behind the stroke `k`.
     fn behind(&self, k: usize) -> Goal {
         self.handed.strokes.get(k + 1).copied().flatten().map_or(self.goal, |next| next.before)
     }
 
-    /// The motion at the instant of a change decided now, if there is one.
+    /// The motion at the instant of a change that is decided now, if there is one.
     fn attempt(&mut self, overlay: &OverlaySender<'_>) -> Option<Ahead> {
         let now = overlay.clock.now();
         if self.handed.cut.is_some() || self.handed.tried == Some(now) {
@@ -204,7 +205,7 @@ impl Single {
         Some(Ahead { k, at, from: motion.distance, to, backward, motion: seen })
     }
 
-    /// The motion at an instant that the pieces handed over cover.
+    /// The motion at an instant that the queue covers.
     fn motion_at(&self, overlay: &OverlaySender<'_>, at: u32) -> Option<Motion> {
         let mut start = self.handed.end;
         let mut number = overlay.pieces.count();
@@ -225,16 +226,16 @@ impl Single {
         None
     }
 
-    /// What is handed over behind the stroke ahead is taken back.
+    /// Withdraws the pieces behind the stroke of `ahead`.
     fn end_with(&mut self, overlay: &mut OverlaySender<'_>, ahead: &Ahead) {
         if let (0, [Some(stroke), Some(next)]) = (ahead.k, self.handed.strokes) {
             self.cut(overlay, (0, stroke.end), next.before, None, ahead.to);
         }
     }
 
-    /// From the instant `at` in the stroke `k`, or at its end, the axis follows `law`, if there is one, and
-    /// stands at `stands` then, with `goal` before it. `false`, and nothing has changed, if there is no room
-    /// or if that came too late.
+    /// From the instant `at` in the stroke `k`, or at its end, the axis follows `law`, if given, and then
+    /// stands at `stands`, with `goal` before it. Returns `false` if there is no room, or if it is too late;
+    /// nothing has changed then.
     fn cut(
         &mut self,
         overlay: &mut OverlaySender<'_>,
@@ -243,7 +244,7 @@ impl Single {
         law: Option<Law>,
         stands: i64,
     ) -> bool {
-        // Of the barrier and the rest, at least.
+        // At least for the barrier and the rest.
         if !has_room(overlay, 1) {
             return false;
         }
@@ -270,7 +271,7 @@ impl Single {
         }
     }
 
-    /// All pieces of a law; `false` if there is no room.
+    /// Writes all pieces of a profile. Returns `false` if there is no room.
     fn put_law(&mut self, overlay: &mut OverlaySender<'_>, law: &Law, end: &mut u32) -> bool {
         let mut then = law.then.as_ref();
         loop {

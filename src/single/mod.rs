@@ -24,13 +24,13 @@
 //! assert_eq!(interpolator.set_points()[1], Position::from_num(-3));
 //! ```
 //!
-//! A [`Single`] takes a goal (a position, or an oscillation) and the limits of the axis, and gives pieces of a speed profile
-//! into the queue of that axis ([`crate::queue::Overlay`]). A motion consists of *strokes*, from stop to stop. A stroke is
-//! queued as a whole, and the next stroke when it runs out. If the planner gets no time, the axis stops at the end of its
-//! stroke.
+//! A [`Single`] takes a goal (a position, or an oscillation) and the limits of the axis. It writes pieces of a speed
+//! profile into the queue of that axis ([`crate::queue::Overlay`]). A motion consists of *strokes*, from stop to stop.
+//! A stroke is queued as a whole, and the next stroke follows before it ends. If the planner gets no time, the axis
+//! stops at the end of its stroke.
 //!
-//! An oscillation has the slope of P-CHAN-00071; an independent axis has that slope or one of its own. A stroke ends with
-//! the tick that shows its end, so reversals are exact and strokes last whole ticks. The remainder of a period goes to the
+//! An oscillation has the slope of P-CHAN-00071; an independent axis has this slope or its own. A stroke ends with the
+//! tick that shows its end, so reversals are exact and strokes last whole ticks. The remainder of a period goes to the
 //! next stroke, so an oscillation does not drift.
 //!
 //! Feed hold, abort and OFF act a few ticks ahead, as for the path ([`crate::queue::Change`]): the axis brakes inside its
@@ -45,46 +45,46 @@ use crate::slope::emit::{Emitter, TICK};
 use crate::slope::limits::Limits;
 use crate::slope::profile::{Profile, Unplannable};
 
-/// Most pieces of a stroke, its rest included. A longer one runs slower: so there is always room for the way
-/// to a standstill behind it. The sine has up to 36.
+/// Largest number of pieces in a stroke, its rest included. A stroke with more pieces runs slower, so there
+/// is always room for a stop behind it. The sine has up to 36.
 const PIECES_OF_A_STROKE: u32 = 36;
 
-/// A motion that takes too long for a stroke is halved so often at most, and rests in between.
+/// Largest number of halvings of a motion that takes too long for one stroke. The axis rests in between.
 const HALVES: usize = 12;
 
 /// Pieces per call.
 const PIECES: u32 = 8;
 
-/// The next stroke goes in when so few pieces are left.
+/// The next stroke is queued when so few pieces are left.
 const FEW: u32 = 6;
 
-/// Strokes handed over: the one that runs and the next one.
+/// Strokes in the queue: the current one and the next one.
 const STROKES: usize = 2;
 
-/// Longest rest of a piece, ticks.
+/// Longest rest in one piece, ticks.
 const LONGEST_REST: u64 = 65_535;
 
-/// What an axis is to do when it stands.
+/// The next action of an axis at rest.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Goal {
-    /// Nothing.
+    /// None.
     Rest,
-    /// Go there.
+    /// Move to this position.
     To(Position),
     /// The next stroke of an oscillation.
     Swing(Swing),
 }
 
-/// Where an oscillation is.
+/// State of an oscillation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Swing {
-    /// The next stroke goes to the first position.
+    /// Whether the next stroke leads to the first position.
     to_first: bool,
-    /// How often it still goes to the second position, if that is counted.
+    /// Remaining strokes to the second position, if they are counted.
     left: Option<u32>,
-    /// Ticks to rest before.
+    /// Ticks of rest before the next stroke.
     rest: u64,
-    /// Part of a tick that is left of the strokes before, LSB 2^-32.
+    /// Fraction of a tick left from the strokes before, LSB 2^-32.
     share: u64,
 }
 
@@ -101,7 +101,7 @@ pub struct Oscillating {
     pub count: Option<u32>,
 }
 
-/// The wanted speed or duration of a motion.
+/// The demanded speed or duration of a motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Pace {
     /// Speed of the axis, mm/tick or degrees/tick.
@@ -122,37 +122,37 @@ pub struct AxisLimits {
 /// Commands of the operator that act on single axes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Wishes {
-    /// The axes are to stop.
+    /// Whether the axes are to stop.
     pub hold: bool,
-    /// Reduced speed is on.
+    /// Whether reduced speed is on.
     pub reduced: bool,
     /// Override, LSB 0.1 %.
     pub feed: u16,
 }
 
-/// A stroke that is handed over.
+/// A stroke in the queue.
 #[derive(Clone, Copy, Debug)]
 struct Stroke {
-    /// The goal before it.
+    /// The goal before the stroke.
     before: Goal,
-    /// The instant behind its last tick.
+    /// The instant after its last tick.
     end: u32,
 }
 
 /// The stroke that is being cut into pieces.
 #[derive(Clone, Copy, Debug)]
 struct Laying {
-    /// The goal before it, and where it begins.
+    /// The goal before the stroke, and the stroke's start.
     before: Goal,
     from: i64,
-    /// In which direction it goes.
+    /// Whether the stroke leads in negative direction.
     backward: bool,
-    /// Where it ends.
+    /// End of the stroke.
     to: i64,
-    /// Ticks that have a piece, and those that have none, with those of rest behind it.
+    /// Ticks with pieces; ticks still without pieces, including the rest behind the stroke.
     ticks: u32,
     left: u32,
-    /// Pieces that are ready.
+    /// Number of finished pieces.
     ready: u32,
 }
 
@@ -161,9 +161,9 @@ struct Laying {
 enum Ending {
     /// It does not.
     None,
-    /// It stands where it comes to a standstill.
+    /// It ends at its stop.
     Here,
-    /// From there it goes to a position at this speed.
+    /// After its stop the axis moves to a position at this speed.
     Then(Position, f32),
 }
 
@@ -172,46 +172,47 @@ enum Ending {
 struct Course {
     ends: [Position; 2],
     waits: [u64; 2],
-    /// Ticks of a stroke, LSB 2^-32; as many as it takes where that is not given.
+    /// Ticks of a stroke, LSB 2^-32; `None`: as many as it needs.
     stroke: Option<u64>,
-    /// Ticks of a stroke that is limited by the dynamics.
+    /// Ticks of a stroke that the dynamics limit.
     limited: Option<u32>,
 }
 
-/// The planner's side of the motion of one axis. It needs an overlay to show it.
+/// The planner's side of the motion of one axis. It needs an overlay, which brings the motion to the
+/// interrupt.
 #[derive(Clone, Copy, Debug)]
 pub struct Single {
     axis: Option<u8>,
-    /// The interrupt has a stroke of it.
+    /// Whether the interrupt has a stroke of it.
     shown: bool,
     limits: AxisLimits,
-    /// Speed of strokes as they are wanted, and whether the override counts.
+    /// Demanded speed of strokes, and whether the override counts.
     v: f32,
     obeys: bool,
-    /// The speed that strokes handed over were made for.
+    /// The speed of the strokes in the queue.
     made: f32,
     goal: Goal,
     course: Course,
     ending: Ending,
-    /// The oscillation ends with its cycle.
+    /// Whether the oscillation ends with its cycle.
     finishes: bool,
-    /// Where what is laid ends.
+    /// End position of the planned strokes.
     at: i64,
     emitter: Emitter,
     laying: Option<Laying>,
     handed: Handed,
-    /// The clock's idle ticks when its motion was seen to be over.
+    /// The clock's idle ticks at the end of the motion.
     stood: Option<u32>,
 }
 
-/// What the interrupt has.
+/// The part of the motion that the interrupt has.
 #[derive(Clone, Copy, Debug)]
 struct Handed {
     strokes: [Option<Stroke>; STROKES],
-    /// The instant behind the last piece.
+    /// The instant after the last piece.
     end: u32,
     cut: Option<Cut>,
-    /// The last instant at which a cut was tried.
+    /// The instant of the last tried cut.
     tried: Option<u32>,
 }
 
@@ -235,7 +236,7 @@ impl Single {
         stood: None,
     };
 
-    /// The axis it moves, also while that stands in a hold.
+    /// The moved axis, also while it is stopped by a hold.
     pub const fn axis(&self) -> Option<usize> {
         match self.axis {
             Some(axis) => Some(axis as usize),
@@ -243,13 +244,13 @@ impl Single {
         }
     }
 
-    /// Whether the interrupt has its motion, or there is none.
+    /// Whether the interrupt has the motion, or there is none.
     pub const fn is_shown(&self) -> bool {
         self.shown || matches!((self.goal, self.laying), (Goal::Rest, None))
     }
 
-    /// Moves `axis`, which stands at `from`, to `target`. `obeys`: the override acts. Returns `false` if the axis
-    /// cannot be that fast; it then moves as fast as it can.
+    /// Moves `axis` from `from`, where it stands, to `target`. `obeys`: the override acts. Returns `false` if the
+    /// axis cannot be that fast; it then moves as fast as it can.
     ///
     /// # Errors
     /// [`Unplannable`]: the motion would take too long.
@@ -280,7 +281,7 @@ impl Single {
         Ok(within)
     }
 
-    /// Oscillates `axis`, which stands at `from`. `false` if the axis cannot be that fast.
+    /// Oscillates `axis`, which stands at `from`. Returns `false` if the axis cannot be that fast.
     ///
     /// # Errors
     /// [`Unplannable`]: a stroke would take too long.
@@ -293,7 +294,7 @@ impl Single {
     ) -> Result<bool, Unplannable> {
         self.begin(axis, from, limits);
         let [first, second] = how.ends.map(fine);
-        // A stroke of an oscillation is one.
+        // A motion of an oscillation is a single stroke.
         let length = (second - first).abs();
         let mut profile = Profile::default();
         let v_most = stroke::plan_short(&mut profile, length, &limits.limits)?;
@@ -303,7 +304,7 @@ impl Single {
             Pace::Speed(wanted) => {
                 v = min(wanted, v_most);
                 stroke::plan(&mut profile, length, &Limits { v, ..most })?;
-                // A little less is rounding.
+                // A slightly lower peak is rounding.
                 if speed_bits(wanted * CLOSE) > profile.peak().to_bits() {
                     limited = Some(0);
                 }
@@ -346,7 +347,7 @@ impl Single {
         self.goal.end_cycle();
     }
 
-    /// Stops the axis, which stays there. An axis that stands already has nothing to do.
+    /// Stops the axis, which then stays there. No effect on an axis that already stands.
     pub fn stop(&mut self) {
         let handed = self.handed.strokes.iter().any(Option::is_some);
         if handed || self.laying.is_some() || self.goal != Goal::Rest {
@@ -354,7 +355,7 @@ impl Single {
         }
     }
 
-    /// The oscillation is broken off: to its second position, at the speed `v` (mm/tick).
+    /// Breaks the oscillation off: the axis moves to the second position at the speed `v` (mm/tick).
     pub fn leave(&mut self, v: f32) {
         if matches!(self.ending, Ending::None) && self.is_swinging() {
             self.ending = Ending::Then(self.course.ends[1], v);
@@ -369,7 +370,8 @@ impl Single {
             || self.handed.strokes.iter().flatten().any(|stroke| of(&stroke.before))
     }
 
-    /// Position of the axis, when its motion has been over for `settling` ticks: the time in which its filter settles.
+    /// Position of the axis, when its motion has been over for `settling` ticks: the time in which its filter
+    /// settles.
     pub fn stands(&mut self, overlay: &OverlaySender<'_>, settling: u32) -> Option<Position> {
         let over = self.goal == Goal::Rest && self.laying.is_none() && self.ending == Ending::None;
         if !over || overlay.clock.now() != self.handed.end {
@@ -378,25 +380,25 @@ impl Single {
         }
         let idle = overlay.clock.idle();
         let rested = idle.wrapping_sub(*self.stood.get_or_insert(idle));
-        // Where the interrupt had nothing of it nothing settles: it stood there already.
+        // If the interrupt never had the motion, no filter has to settle: the axis already stood there.
         let settled = !self.shown || rested >= clock::TICK * settling;
         settled.then(|| set_point(self.at))
     }
 
-    /// The path has the axis again.
+    /// Returns the axis to the path.
     pub fn release(&mut self) {
         self.axis = None;
     }
 
-    /// Whether the axis stands, and stays there as long as the commands do not change.
+    /// Whether the axis stands, and stays there unless the commands change.
     pub fn rests(&self, overlay: &OverlaySender<'_>) -> bool {
         overlay.clock.now() == self.handed.end
     }
 
-    /// A bounded piece of work; `false` if there is none.
+    /// Does a bounded step of work. Returns `false` if there is none.
     ///
     /// # Errors
-    /// [`Unplannable`]: a defect. The axis stands at the end of what is handed over.
+    /// [`Unplannable`]: a defect. The axis stops at the end of the queued strokes.
     pub fn work(&mut self, overlay: &mut OverlaySender<'_>, wishes: &Wishes) -> Result<bool, Unplannable> {
         let Some(axis) = self.axis else { return Ok(false) };
         self.trim(overlay);
@@ -428,18 +430,18 @@ impl Single {
         }
     }
 
-    /// The speed that strokes are made for now.
+    /// The current speed of strokes.
     fn speed(&self, wishes: &Wishes) -> f32 {
         let share = if self.obeys { f32::from(wishes.feed) * 1e-3 } else { 1.0 };
         let v = min(self.v * share, self.limits.limits.v);
         if wishes.reduced { min(v, self.limits.v_reduced) } else { v }
     }
 
-    /// The next stroke, if there is one.
+    /// Plans the next stroke, if there is one.
     fn lay(&mut self, v: f32) -> Result<bool, Unplannable> {
         let before = self.goal;
         if v != self.made && self.handed.strokes[0].is_some() {
-            // Those handed over go on as they are; the speed counts from the next standstill on.
+            // Queued strokes stay unchanged; the new speed counts after the next stop.
             return Ok(false);
         }
         self.made = v;
@@ -454,7 +456,8 @@ impl Single {
                 Ok(true)
             }
             Goal::Swing(swing) if swing.left == Some(0) => {
-                // Before its rest: there is none behind the last stroke. Behind a hold it may stand elsewhere.
+                // Before its rest, because there is none behind the last stroke. After a hold the axis may
+                // stand elsewhere.
                 let is_there = self.at == fine(self.course.ends[1]);
                 let again = Goal::Swing(Swing { left: Some(1), ..swing });
                 self.goal = if is_there { Goal::Rest } else { again };
@@ -479,14 +482,14 @@ impl Single {
         }
     }
 
-    /// The next stroke of an oscillation.
+    /// Plans the next stroke of an oscillation.
     fn lay_swing(&mut self, before: Goal, swing: Swing, v: f32) -> Result<bool, Unplannable> {
         let Course { ends: [first, second], waits, stroke, limited } = self.course;
         let (target, other, wait) =
             if swing.to_first { (first, second, waits[0]) } else { (second, first, waits[1]) };
         let left = if swing.to_first { swing.left } else { swing.left.map(|left| left.saturating_sub(1)) };
         let ends = !swing.to_first && left == Some(0);
-        // From elsewhere, or slower than planned, it takes its own time.
+        // From another position, or slower than planned, the stroke takes its own time.
         let is_whole = self.at == fine(other) && v >= self.v;
         let time = stroke.filter(|_| is_whole);
         let share = if is_whole { swing.share } else { 0 };
@@ -510,9 +513,9 @@ impl Single {
         Ok(true)
     }
 
-    /// A stroke to `target`; `all` gives its ticks, with those of rest behind it, of those that it takes.
-    /// Ticks of rest that are too many for a piece are left. Where it takes too long for one stroke it ends on
-    /// the way, at [`Self::at`].
+    /// Plans a stroke to `target`. `all` turns the ticks that the stroke needs into its ticks including the
+    /// rest. If the rest is too long for a piece, some of it is left for later. If the stroke takes too long,
+    /// it ends before the target, at [`Self::at`].
     fn lay_stroke(
         &mut self,
         before: Goal,
@@ -551,7 +554,8 @@ impl Single {
         Ok(all - ticks)
     }
 
-    /// Pieces of the stroke that is being laid, as many as a call makes; `false` if there is no room.
+    /// Writes pieces of the planned stroke, at most the number of one call. Returns `false` if there is no
+    /// room.
     fn cut_pieces(&mut self, overlay: &mut OverlaySender<'_>) -> bool {
         let Self { laying: Some(laying), emitter, .. } = self else { return false };
         let mut done = false;
@@ -580,13 +584,13 @@ impl Single {
             if is_rest {
                 break;
             }
-            // The last tick is one of rest.
+            // The last tick is a tick of rest.
             *left = (*left).max(1);
         }
         done
     }
 
-    /// Hands the stroke over that is laid, when the one before runs out.
+    /// Queues the planned stroke before the current one ends.
     fn hand_over(&mut self, overlay: &mut OverlaySender<'_>, axis: u8) -> bool {
         let Some(laying) = self.laying else { return false };
         let Some(slot) = self.handed.strokes.iter_mut().find(|slot| slot.is_none()) else { return false };
@@ -602,7 +606,7 @@ impl Single {
         true
     }
 
-    /// Strokes that are over, and a cut that is, are forgotten.
+    /// Drops strokes that are over, and a cut that is over.
     fn trim(&mut self, overlay: &OverlaySender<'_>) {
         let now = overlay.clock.now();
         if self.handed.cut.is_some_and(|Cut(at)| clock::is_before(at, now)) {
@@ -615,7 +619,7 @@ impl Single {
         }
     }
 
-    /// The stroke that is being laid is not handed over.
+    /// Drops the planned stroke, which is not queued yet.
     fn drop_laying(&mut self) {
         if let Some(laying) = self.laying.take() {
             (self.goal, self.at) = (laying.before, laying.from);
@@ -624,12 +628,12 @@ impl Single {
 }
 
 impl Goal {
-    /// Whether an oscillation has come to its end, before a stroke to the first position.
+    /// Whether an oscillation has ended, before a stroke to the first position.
     const fn is_ended(self) -> bool {
         matches!(self, Self::Swing(Swing { to_first: true, left: Some(0), .. }))
     }
 
-    /// An oscillation ends with the cycle at hand: before a stroke to the first position none is begun.
+    /// Ends an oscillation with the current cycle: no further stroke to the first position begins.
     fn end_cycle(&mut self) {
         if let Self::Swing(Swing { to_first, left, .. }) = self {
             *left = Some(u32::from(!*to_first));
@@ -637,13 +641,13 @@ impl Goal {
     }
 }
 
-/// Room for another piece behind those that are ready. The place of the piece at hand is not overwritten:
-/// [`Single::motion_at`] reads it.
+/// Whether there is room for another piece behind the finished ones. The place of the current piece must
+/// stay, because [`Single::motion_at`] reads it.
 fn has_room(overlay: &OverlaySender<'_>, ready: u32) -> bool {
     overlay.pieces.room() > ready + 1
 }
 
-/// A piece of a stroke as one of the axis, whose position it begins at.
+/// Turns a piece of a stroke into positions of the axis, from the stroke's start.
 fn place(phase: &mut Phase, from: i64, backward: bool) {
     let distance = phase.distance.to_bits();
     if !backward {
@@ -656,8 +660,8 @@ fn place(phase: &mut Phase, from: i64, backward: bool) {
     phase.sixth_jerk = Jerk::from_bits(-phase.sixth_jerk.to_bits());
 }
 
-/// A speed reached but for rounding.
+/// A speed that counts as reached despite rounding.
 const CLOSE: f32 = 1.0 - 1.0 / 65_536.0;
 
-/// A stroke that has to take whole ticks is a little faster: rounding must not make it a tick longer.
+/// A stroke of whole ticks is planned a little faster, so that rounding does not make it a tick longer.
 const SOONER: f32 = 1.0 - 1.0 / 65_536.0;

@@ -1,4 +1,5 @@
-//! One stroke: the time law of an axis from rest to rest, and the speed at which it takes a given time.
+//! One stroke: the speed profile of an axis from rest to rest, and the speed at which a stroke takes a given
+//! time.
 use super::PIECES_OF_A_STROKE;
 use crate::math::float::{min, size_f32, to_f32};
 use crate::quantity::{Distance, Speed, speed_f32};
@@ -7,20 +8,21 @@ use crate::slope::limits::Limits;
 use crate::slope::profile::{Change, Form, Profile, Unplannable};
 use crate::slope::ramp_shape::RampShape;
 
-/// Steps of the search for a speed: it halves its interval.
+/// Steps of the search for a speed, which halves an interval.
 const STEPS: usize = 26;
 
-/// Fewest pieces of the slopes of a stroke.
+/// Number of pieces of the ramps of a stroke with SIN2.
 const PIECES_OF_SINES: u64 = 32;
 const PIECES_OF_SLOPES: u64 = 6;
 
-/// What the limits lose by their rounding, and a law gains in time: less than this part.
+/// Loss of the limits by rounding, which a profile gains in time: less than this part.
 const ROUNDING: u64 = 1 << 17;
 
 /// Makes the speed profile over `length` (2^-44 mm) inside `limits`.
 ///
 /// # Errors
-/// [`Unplannable`]: a defect, or a stroke of more than 2^27 ticks.
+/// [`Unplannable::Broken`]: a defect of the planner. [`Unplannable::TooSlow`]: the stroke takes more than
+/// 2^27 ticks.
 pub fn plan(profile: &mut Profile, length: i64, limits: &Limits) -> Result<(), Unplannable> {
     profile.plan(Distance::from_bits(length), Speed::ZERO, Speed::ZERO, limits)
 }
@@ -30,15 +32,15 @@ pub fn ticks(profile: &Profile) -> u32 {
     (profile.time().to_bits().div_ceil(TICK)) as u32
 }
 
-/// Ticks of a stroke that is as fast as the axis can: those of the profile, rounded up, and one at the end. Rounding of
-/// the limits does not count.
+/// Ticks of the fastest stroke of the axis: those of the profile, rounded up, and one at the end. Rounding of the
+/// limits does not count.
 pub fn fastest(profile: &Profile) -> u32 {
     let time = profile.time().to_bits();
     let exact = time - time / ROUNDING;
     (exact.div_ceil(TICK) as u32 + 1).max(ticks(profile))
 }
 
-/// Whether a profile with its last tick has few enough pieces to be queued as a whole.
+/// Whether a profile, including its last tick, has few enough pieces to be queued as a whole.
 pub fn is_short(profile: &Profile) -> bool {
     let whole = |time: u64| time.div_ceil(TICK);
     let change = |change: &Change| {
@@ -53,12 +55,12 @@ pub fn is_short(profile: &Profile) -> bool {
     change(&profile.up) + cruise(profile) + change(&profile.down) < u64::from(PIECES_OF_A_STROKE)
 }
 
-/// Pieces of a law between its slopes.
+/// Number of pieces between the ramps of a profile.
 const fn cruise(profile: &Profile) -> u64 {
     profile.cruise.div_ceil(TICK).div_ceil(65_535)
 }
 
-/// Makes the profile, slower as long as its ramps have too many pieces. Returns the speed it was made for.
+/// Makes the profile, at a lower speed if its ramps have too many pieces. Returns the speed.
 ///
 /// # Errors
 /// As [`plan`], and [`Unplannable::TooSlow`] if too many pieces lie between the ramps: more than about 196 000 ticks
@@ -70,7 +72,7 @@ pub fn plan_short(profile: &mut Profile, length: i64, limits: &Limits) -> Result
         if is_short(profile) {
             return Ok(limits.v);
         }
-        // Slower, they take longer.
+        // At lower speed the ramps take longer.
         let sine = matches!(profile.up.form, Form::JerkLimited(RampShape::SineSquare));
         let slopes = if sine { PIECES_OF_SINES } else { PIECES_OF_SLOPES };
         if slopes + cruise(profile) >= u64::from(PIECES_OF_A_STROKE) {
@@ -82,9 +84,9 @@ pub fn plan_short(profile: &mut Profile, length: i64, limits: &Limits) -> Result
     Err(Unplannable::TooSlow)
 }
 
-/// The lowest speed at which a stroke over `length` takes no longer than `time` ticks, if the fastest one
-/// takes less. With the linear slope it is the smaller root of v²/a − v·time + length = 0; of all slopes
-/// time falls with speed, and the interval is halved.
+/// The lowest speed at which a stroke over `length` takes at most `time` ticks, if the fastest stroke takes
+/// less. With STEP it is the smaller root of v²/a − v·time + length = 0. With every slope time falls with
+/// speed, so a search halves the interval.
 pub fn speed_for(length: i64, time: f32, limits: &Limits) -> f32 {
     let length = to_f32(length) * (1.0 / (1u64 << 44) as f32);
     let (up, down) = (limits.speed_up(), limits.brake());
@@ -93,7 +95,7 @@ pub fn speed_for(length: i64, time: f32, limits: &Limits) -> f32 {
         let v = 0.5 * (low + high);
         let slopes = up.distance(0.0, v)[0] + down.distance(0.0, v)[0];
         let takes = up.duration(0.0, v) + down.duration(0.0, v) + (length - slopes) / v;
-        // A speed that is not reached is faster than the fastest one.
+        // A speed that is not reached is above the fastest one.
         if slopes < length && takes > time {
             low = v;
         } else {
@@ -103,7 +105,7 @@ pub fn speed_for(length: i64, time: f32, limits: &Limits) -> f32 {
     high
 }
 
-/// A time of so many 2^-36 ticks, in ticks.
+/// A time with LSB 2^-36 tick, in ticks.
 pub fn in_ticks(time: u64) -> f32 {
     size_f32(time) * (1.0 / TICK as f32)
 }

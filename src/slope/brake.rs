@@ -1,20 +1,21 @@
-//! Slowing down from a motion at hand: from any speed and acceleration to acceleration zero at a lower speed,
-//! or at the lowest that the rest of the span permits.
+//! Braking from the current motion: from any speed and acceleration to acceleration zero at a lower speed, or
+//! at the lowest speed that the rest of the span permits.
 //!
-//! An acceleration first falls to zero with the jerk that ends a gain of speed. A deceleration goes on: with
-//! the ramp that it would be part of had it begun a/j before now, `a` being its size. Start and size of that
-//! ramp are integers computed from the state, so that speed and acceleration do not jump.
+//! A positive acceleration first falls to zero, with the jerk that ends a gain of speed. A deceleration
+//! continues on a ramp. This ramp is the one that would have begun a/j ago, where `a` is the size of the
+//! deceleration. Start and size of the ramp are integers computed from the state, so speed and acceleration
+//! do not jump.
 //!
-//! All ramps are linear, those of SIN2 too: an acceleration that a motion already has is no point of a whole
-//! sine. A linear ramp of the mean jerk stays below the peak of SIN2's jerk, which is what the limits count
-//! with. Only where an acceleration falls to zero, the jerk is that peak: the sine would do so no faster at
-//! any point, so that the linear ramp ends at no higher speed than the law it replaces. STEP has no jerk to
-//! keep: its deceleration begins at once.
+//! All ramps are linear, also with SIN2, because an existing acceleration is not a point of a whole sine. A
+//! linear ramp with the mean jerk stays below the peak of SIN2's jerk, and the limits count with this peak.
+//! Where a positive acceleration falls to zero, the ramp uses the peak jerk. The sine would not fall faster
+//! at any point, so the linear ramp ends at no higher speed than the profile it replaces. STEP has no jerk
+//! limit: the deceleration begins at once.
 //!
-//! The result is never faster than the law it replaces, at no place: that one ends with acceleration zero at
-//! the end of the span too, and slows down at most as hard. So it keeps the limits of every block of the
-//! span. (A linear ramp of SIN2 may slow down later than the sine it replaces; but there all blocks of a span
-//! have one limit, and only slowing down has begun.)
+//! The new profile is never faster than the profile it replaces, at no place: the old profile also ends with
+//! acceleration zero at the end of the span, and brakes at most as hard. So the new profile keeps the limits
+//! of every block of the span. (A linear ramp of SIN2 may brake later than the replaced sine. But then all
+//! blocks of the span have one limit, and the motion only brakes.)
 use super::area;
 use super::profile::{Change, Form, Profile};
 use super::ramp::{JerkLimited, Ramp};
@@ -38,58 +39,58 @@ pub struct Motion {
 }
 
 impl Motion {
-    /// Whether nothing moves.
+    /// Whether the motion is at rest.
     pub const fn is_rest(&self) -> bool {
         self.speed == 0 && self.accel == 0
     }
 }
 
-/// A braking: the parts of `profile`, then `tail` at its last speed.
+/// A braking profile: the parts of `profile`, then `tail` at the last speed.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Brake {
-    /// Path distance of its start, at or before the instant.
+    /// Path distance of the braking's start, at or before the instant.
     pub from: i64,
-    /// Time from there to the instant, LSB 2^-36 tick.
+    /// Time from the start to the instant, LSB 2^-36 tick.
     pub over: u64,
     /// Time at the lowest speed, LSB 2^-36 tick.
     pub tail: u64,
-    /// Path distance of its end.
+    /// Path distance of the braking's end.
     pub end: i64,
-    /// Speed there.
+    /// Speed at the end.
     pub v_out: i64,
 }
 
-/// A speed, or what comes next to it.
+/// The target speed of a braking.
 #[derive(Clone, Copy)]
 struct Aim {
     v: i64,
-    /// Where there is no room to come down to it, the nearest speed above that there is room for.
+    /// If there is no room to reach the speed, use the nearest higher speed that has room.
     or_near: bool,
 }
 
-/// Below that length (2^-44 mm) one LSB shows in the jerk of the fastest profile.
+/// Below this length (2^-44 mm) one LSB shows in the jerk of the fastest profile.
 pub const SHORT: i64 = 1 << 20;
 
 /// Accelerations up to 2^-50 mm/tick² are rounding.
 const NO_ACCEL: i64 = 1 << 8;
 
-/// Steps of the search for an end speed, and how close it comes.
+/// Steps of the search for an end speed, and the accuracy of the result.
 const STEPS: usize = 48;
 const CLOSE: f32 = 1.0 / (1u64 << 20) as f32;
 const CLOSE_BELOW: f32 = 1.0 - CLOSE;
-/// For rounding of a jerk that just takes all of the speed.
+/// Margin for the rounding of a jerk that just takes all of the speed.
 const OVER: f32 = 1.0 + 16.0 * CLOSE;
 
-/// Steps by which a ramp that came out too long by rounding gives way.
+/// Steps that shorten a ramp which is too long by rounding.
 const SHRINKS: usize = 8;
 
 impl Brake {
-    /// From `motion` down to the speed `target` or, where that is not possible before `end` (path distance of
-    /// the end of the span), to the lowest speed there. A slower motion only ends its acceleration. The parts
-    /// go into `profile`. `None` if that would not end below `v_out`, the speed planned at the end, if the
-    /// rest of the span were too short for it, or if it would go on at its end speed for more than sixteen
-    /// times as long as it slows down. It slows down with the deceleration `a_down`, the rest of the span
-    /// inside `limits`.
+    /// Brakes from `motion` to the speed `target`, or to the lowest speed that is possible before `end`, the
+    /// path distance of the span's end. A slower motion only ends its acceleration. The parts go into
+    /// `profile`. `a_down` is the deceleration; `limits` are those of the rest of the span. Returns `None` in
+    /// three cases: the end speed would not be below `v_out`, the planned speed at the end; the rest of the
+    /// span is too short for the end speed; or the time at the end speed would exceed sixteen times the
+    /// braking time.
     pub fn plan(
         profile: &mut Profile,
         motion: &Motion,
@@ -129,7 +130,7 @@ impl Brake {
         if left == 0 {
             return (brake.v_out < v_out).then_some(brake);
         }
-        // The rest at a speed near zero would hardly end: then the law that is there is the faster one.
+        // At a speed near zero the rest would hardly end: then the existing profile is the faster one.
         let tail = time_at(left, brake.v_out);
         let down = profile.down.times.iter().fold(0, |sum: u64, time| sum.saturating_add(*time));
         (brake.v_out <= v_out && tail >> 4 <= down).then_some(Self { tail, end, ..brake })
@@ -151,7 +152,8 @@ impl Brake {
         Self::reach(profile, motion, room, &firm, Aim { v: to, or_near: false })
     }
 
-    /// Whether a stop from `motion` takes less than `part` of the path up to `end`. In `f32`; cheap.
+    /// Whether a stop from `motion` takes less than `part` of the path up to `end`. Calculated in `f32`;
+    /// cheap.
     pub fn fits(motion: &Motion, end: i64, limits: &Limits, part: f32) -> bool {
         let room = mm(end.wrapping_sub(motion.distance)) * part;
         let v = speed_f32(motion.speed);
@@ -162,7 +164,7 @@ impl Brake {
         !(rises && v * v > 2.0 * limits.a_down * room) && Self::needs(motion, limits) <= room
     }
 
-    /// Path length of a stop from `motion`, mm. In `f32`; cheap.
+    /// Path length of a stop from `motion`, mm. Calculated in `f32`; cheap.
     pub fn needs(motion: &Motion, limits: &Limits) -> f32 {
         let v = speed_f32(motion.speed);
         let a = to_f32(motion.accel) * (1.0 / ACCEL_ONE);
@@ -189,7 +191,7 @@ impl Brake {
         self.v_out > motion.speed / 2 && end.wrapping_sub(self.end) >= SHORT
     }
 
-    /// Path length from [`Self::from`] to the point where the speed is below `v` for good, mm. `profile` holds the
+    /// Path length from [`Self::from`] to the point after which the speed stays below `v`, mm. `profile` holds the
     /// parts.
     #[inline(never)]
     pub fn passes(&self, profile: &Profile, v: f32) -> f32 {
@@ -203,7 +205,7 @@ impl Brake {
         }
         let before = mm(profile.up.length()) + size_f32(profile.cruise) * (1.0 / (1u64 << 36) as f32) * v0;
         let stepped = matches!(down.form, Form::Stepped);
-        // Of a part from one speed to another with even acceleration.
+        // A part with constant acceleration between two speeds.
         let even = |from: f32, to: f32, time: f32| {
             time * ((from - v) / max(from - to, f32::MIN_POSITIVE)) * (0.5 * (from + v))
         };
@@ -226,9 +228,9 @@ impl Brake {
         }
     }
 
-    /// The speed to which the profile, whose parts are in `profile`, must have braked, mm/tick, so that v + a²/2j ≤
-    /// `most` from there on, where `a_most` = √(2·j·`most`). Its own jerks are at most j. While a deceleration rises,
-    /// that sum does not grow, so the speed before may replace it; later the sum falls.
+    /// The speed from which on v + a²/2j ≤ `most` holds, mm/tick. `profile` holds the parts of the braking, `a_most`
+    /// = √(2·j·`most`), and the profile's own jerks are at most j. While a deceleration rises, this sum does not
+    /// grow, so the speed before may replace the sum. Later the sum falls.
     pub fn trade(&self, profile: &Profile, most: f32, a_most: f32) -> f32 {
         let j = a_most * a_most / (2.0 * max(most, f32::MIN_POSITIVE));
         let down = &profile.down;
@@ -238,7 +240,7 @@ impl Brake {
         if v0 <= most || j <= 0.0 {
             return f32::MAX;
         }
-        // Even ramps: dv = a·t/2.
+        // Linear ramps: dv = a·t/2.
         let decel = 2.0 * max((v0 - va) / max(t1, f32::MIN_POSITIVE), (vb - v1) / max(t3, f32::MIN_POSITIVE));
         let held = most - decel * decel / (2.0 * j);
         if held >= vb {
@@ -257,7 +259,7 @@ impl Brake {
                 let peak = shape.peak_jerk();
                 let mut ramp = Linear { up_fall: up_fall * peak, a: limits.a_down, down_rise, down_fall };
                 if motion.accel < -NO_ACCEL {
-                    // The end of a sine has less than its mean jerk left, and more speed than that would take.
+                    // The end of a sine has less than the mean jerk left, and would take more speed.
                     let decel = to_f32(motion.accel) * (1.0 / ACCEL_ONE);
                     let ends = decel * decel * OVER / (2.0 * speed_f32(motion.speed));
                     ramp.down_fall = max(down_fall, min(ends, down_fall * peak));
@@ -269,8 +271,8 @@ impl Brake {
         }
     }
 
-    /// From acceleration zero, or from any that may end at once; an acceleration that has to fall first is in
-    /// `profile.up`.
+    /// Plans from acceleration zero, or from an acceleration that may end at once. An acceleration that has
+    /// to fall first is in `profile.up`.
     fn begin(profile: &mut Profile, motion: &Motion, room: i64, ramp: &Ramp, aim: Aim) -> Option<Self> {
         let distance = motion.distance;
         let length = profile.up.length();
@@ -300,7 +302,8 @@ impl Brake {
     }
 }
 
-/// Linear ramps: jerk that ends an acceleration, deceleration, and jerks that begin and end it.
+/// Linear ramps: the jerk that ends an acceleration, the deceleration, and the jerks that begin and end the
+/// deceleration.
 struct Linear {
     up_fall: f32,
     a: f32,
@@ -313,8 +316,8 @@ impl Linear {
         JerkLimited::new(RampShape::Linear, self.a, self.down_fall, self.down_rise)
     }
 
-    /// From acceleration zero or above. Not inlined, as the next one: of what each has on the stack, only one is there
-    /// at a time.
+    /// Plans from acceleration zero or above. Not inlined, nor is the next function, so that only one of both stack
+    /// frames exists at a time.
     #[inline(never)]
     fn turn(&self, profile: &mut Profile, motion: &Motion, room: i64, aim: Aim) -> Option<Brake> {
         if motion.accel > NO_ACCEL {
@@ -324,19 +327,19 @@ impl Linear {
         Brake::begin(profile, motion, room, &Ramp::JerkLimited(self.ramp()), aim)
     }
 
-    /// From a deceleration.
+    /// Plans from a deceleration.
     #[inline(never)]
     fn go_on(&self, profile: &mut Profile, motion: &Motion, room: i64, aim: Aim) -> Option<Brake> {
         let decel = motion.accel.unsigned_abs();
         let jerk_limited = self.ramp();
         let ramp = Ramp::JerkLimited(jerk_limited);
         let over = ticks(size_f32(decel) / (self.down_rise * ACCEL_ONE));
-        // Before now it would have lost a·t/2 over the length of that ramp.
+        // From its start the ramp would have lost a·t/2.
         let begun = Change::rise(motion.speed, decel, over);
         let v = begun.speeds[0];
         let before = begun.length();
         let room = room.saturating_add(before);
-        // At least the deceleration at hand.
+        // At least the current deceleration.
         let least = (v - motion.speed).saturating_add(released(decel, self.down_fall));
         if least > v {
             return None;
@@ -358,7 +361,7 @@ impl Linear {
     }
 }
 
-/// The form of all changes made here.
+/// The form of all changes in this file.
 const LINEAR: Form = Form::JerkLimited(RampShape::Linear);
 
 /// 2^58 as a factor.
@@ -369,26 +372,26 @@ fn mm(length: i64) -> f32 {
     to_f32(length) * (1.0 / (1u64 << 44) as f32)
 }
 
-/// Ticks as time, up.
+/// Ticks as time, rounded up.
 fn ticks(t: f32) -> u64 {
     to_bits::<36>(t) as u64 + 1
 }
 
-/// Time over a length (2^-44 mm) at a speed (2^-58 mm/tick), down.
+/// Time over a length (2^-44 mm) at a speed (2^-58 mm/tick), rounded down.
 fn time_at(length: i64, v: i64) -> u64 {
     div_shift(length.max(0) as u64, 50, v.max(1) as u64)
 }
 
-/// Speed lost while a deceleration falls to zero: a²/2j, up.
+/// Speed lost while a deceleration falls to zero: a²/2j, rounded up.
 fn released(decel: u64, j: f32) -> i64 {
     let a = size_f32(decel) / ACCEL_ONE;
     let v = 0.5 * a * a / j;
     speed_bits(v + v * CLOSE)
 }
 
-/// How much of the speed `v` can be lost within `room`: `most`, or as much as ends there. Between `least`, if
-/// that is possible, and `most`. One of that much loss is the only one: the distance of a loss grows up to
-/// two thirds of `v` and stays above that of `most` from there on.
+/// The loss of the speed `v` within `room`: `most`, or as much as ends there, between `least`, if that is
+/// possible, and `most`. The solution is unique: the distance grows with the loss up to two thirds of `v`,
+/// and from there on stays above the distance of `most`.
 fn lost(ramp: &Ramp, [least, most]: [i64; 2], v: i64, room: i64, aim: Aim) -> Option<i64> {
     let target = mm(room) * (1.0 - CLOSE);
     let [mut low, mut high] = [least, most].map(speed_f32);
@@ -420,7 +423,7 @@ fn lost(ramp: &Ramp, [least, most]: [i64; 2], v: i64, room: i64, aim: Aim) -> Op
 }
 
 impl Change {
-    /// An acceleration of now falls to zero.
+    /// The current acceleration falls to zero.
     fn fall(v: i64, accel: i64, time: u64) -> Self {
         // 2^-58 · 2^-36 to 2^-58, halved
         let gained = mul_shift(accel, time as i64, 37);
@@ -433,7 +436,7 @@ impl Change {
         }
     }
 
-    /// A deceleration that has grown to `decel` within `time` and ends at the speed `v`.
+    /// A deceleration that has grown to `decel` within `time`, and ends at the speed `v`.
     fn rise(v: i64, decel: u64, time: u64) -> Self {
         let lost = mul_shift(decel as i64, time as i64, 37);
         let top = v + lost;
@@ -445,8 +448,7 @@ impl Change {
         }
     }
 
-    /// A slowing down from `v0` to `v1` whose deceleration is `decel` after the time `over`, and goes on
-    /// growing.
+    /// A braking from `v0` to `v1` whose deceleration is `decel` after the time `over`, and still grows.
     fn extended(v0: i64, v1: i64, decel: u64, over: u64, ramp: &JerkLimited, j_last: f32) -> Option<Self> {
         let [_, _, first] = ramp.times(speed_f32(v0 - v1));
         let mut first = ticks(first);
@@ -480,7 +482,7 @@ impl Change {
     }
 }
 
-/// A third, good to 2^-54 mm/tick.
+/// A third of `x`, accurate to 2^-54 mm/tick.
 fn third(x: i64) -> i64 {
     mul_near(x, 0x1555_5555_5555_5555) << 2
 }

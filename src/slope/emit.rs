@@ -1,11 +1,12 @@
-//! From the law of a span to what the tick evaluates: cubics that start at a tick and last whole ticks.
+//! From the profile of a span to the pieces of the tick: cubics that start at a tick and last whole ticks.
 //!
-//! The parts of a [`Profile`] begin and end between ticks. The planner knows where the ticks fall, so it
-//! hands over the state at the first tick inside a part: the interrupt then counts whole ticks, and a part
-//! without a tick is not handed over at all, so that a tick begins at most one piece.
+//! The parts of a [`Profile`] begin and end between ticks. The planner knows where the ticks fall, so a piece
+//! begins with the state at the first tick inside a part. The interrupt then counts whole ticks. A part
+//! without a tick has no piece, so a tick begins at most one piece.
 //!
-//! Pieces are short where rounding would grow (128 ticks with jerk, 512 with acceleration): with coefficients
-//! of 2^-58 mm the cubic stays within 2^-37 mm, a sixteenth of what rounding a set point takes.
+//! Pieces are short where rounding would grow: 128 ticks with jerk, 512 with acceleration. With coefficients
+//! of 2^-58 mm the cubic stays within 2^-37 mm of the exact curve, a sixteenth of the rounding of a set
+//! point.
 use super::area;
 use super::brake::Brake;
 use super::profile::{Change, Form, Profile};
@@ -19,49 +20,50 @@ use core::slice::IterMut;
 /// One tick, LSB 2^-36.
 pub const TICK: u64 = 1 << 36;
 
-/// Longest pieces, ticks: with jerk, with acceleration, at constant speed; with a jerk that is the product of
-/// others.
+/// Longest pieces in ticks: with jerk, with acceleration, at constant speed. The last value applies to a jerk
+/// that is a product of others.
 const LONGEST: [u32; 3] = [128, 512, 65_535];
 const LONGEST_SINE: u32 = 64;
 
-/// How speed changes within a part.
+/// The change of speed within a part.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Kind {
-    /// Acceleration grows from zero: v = v0 + Δ u².
+    /// Acceleration rises from zero: v = v0 + Δ u².
     Rise,
     /// Acceleration holds: v = v0 + Δ u.
     Hold,
     /// Acceleration falls to zero: v = v1 − Δ (1 − u)².
     Fall,
-    /// Acceleration grows, and falls, as in [`RampShape::SineSquare`]: v = v0 + Δ speed(u), v = v1 − Δ
-    /// speed(1 − u).
+    /// Acceleration rises or falls as in [`RampShape::SineSquare`]: v = v0 + Δ speed(u), v = v1 − Δ speed(1 −
+    /// u).
     SineRise,
     SineFall,
 }
 
-/// One part of a profile: `u` is its time as a fraction. Packed: a law has seven, and three laws are kept.
+/// One part of a profile; `u` is time as a fraction of the part. Packed: a profile has seven parts, and three
+/// profiles are kept.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, packed(4))]
 struct Part {
     kind: Kind,
     time: u64,
-    /// Path distance where it starts and where it ends, LSB 2^-44, on the scale of the whole path.
+    /// Path distance of the part's start and end, LSB 2^-44, on the scale of the whole path.
     from: i64,
     to: i64,
     v0: i64,
     v1: i64,
 }
 
-/// Hands out the pieces of one span after the other.
+/// Cuts profiles into pieces, one span after the other.
 #[derive(Clone, Copy, Debug)]
 pub struct Emitter {
     parts: [Part; PARTS],
-    /// Part being cut, and how many there are: those that take time.
+    /// The current part, and the number of parts that take time.
     part: usize,
     count: usize,
-    /// Time from the start of that part to the next tick.
+    /// Time from the start of the current part to the next tick.
     next: u64,
-    /// What is divided by the time of that part; often the next one has the same.
+    /// Quotients by the part's time. The next part often has the same time.
     per_time: PerTime,
 }
 
@@ -84,14 +86,13 @@ impl Emitter {
         Self { parts: [IDLE; PARTS], part: 0, count: 0, next: 0, per_time: PerTime::NONE }
     }
 
-    /// Takes the profile of the next span, which starts at path distance `start`. Call it only without a piece:
-    /// [`Self::has_piece`].
+    /// Takes the profile of the next span, which starts at path distance `start`. Call it only when no piece is
+    /// left: [`Self::has_piece`].
     pub fn begin(&mut self, profile: &Profile, start: Distance, length: Distance) {
         let end = start.to_bits().wrapping_add(length.to_bits());
         let mut slots = Slots(self.parts.iter_mut());
         let at = slots.lay_out(&profile.up, start.to_bits());
-        // The slow-down is laid out back from the end, so that the span ends on its last bit; the cruise
-        // lies between.
+        // The braking is laid out backward from the end, so the span ends exactly; the cruise lies between.
         let back = end.wrapping_sub(profile.down.length());
         let v = profile.peak().to_bits();
         slots.add(Part { kind: Kind::Hold, time: profile.cruise, from: at, to: back, v0: v, v1: v });
@@ -99,8 +100,8 @@ impl Emitter {
         (self.part, self.count) = (0, slots.used());
     }
 
-    /// Takes a slowing down, whose parts are in `profile`; it is already so far that the next tick is at
-    /// `brake.over` plus the time from the start of a block to the next tick.
+    /// Takes a braking, whose parts are in `profile`. The next tick is at `brake.over` plus the time from the
+    /// start of a block to the next tick.
     pub fn begin_brake(&mut self, profile: &Profile, brake: &Brake) {
         self.next += brake.over;
         let mut slots = Slots(self.parts.iter_mut());
@@ -115,30 +116,30 @@ impl Emitter {
         (self.part, self.count) = (0, slots.used());
     }
 
-    /// Continues `time` before a tick, and drops the rest of the current block.
+    /// Continues `time` before a tick, and drops the rest of the current profile.
     pub fn resume_at(&mut self, time: u64) {
         (self.part, self.count) = (0, 0);
         self.next = time;
     }
 
-    /// Time from the start of the block about to begin to the next tick.
+    /// Time from the start of the next profile to the next tick.
     pub fn next(&self) -> u64 {
         self.next
     }
 
-    /// Whether the block is handed out.
+    /// Whether all pieces are in the queue.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn is_done(&self) -> bool {
         self.part >= self.count
     }
 
-    /// Goes on to the part in which the next tick falls; `false` when the block is handed out.
+    /// Moves on to the part that contains the next tick. Returns `false` when no piece is left.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn has_piece(&mut self) -> bool {
         self.at_hand().is_some()
     }
 
-    /// The part at hand, with what else a piece needs.
+    /// The current part, with the other data of a piece.
     #[cfg_attr(feature = "fast", inline(always))]
     fn at_hand(&mut self) -> Option<(&Part, &mut PerTime, &mut u64)> {
         let Self { parts, part: number, count, next, per_time, .. } = self;
@@ -152,8 +153,8 @@ impl Emitter {
         None
     }
 
-    /// Puts up to `count` pieces into the queue, which has room for them, and adds their ticks to `ticks`. `false` when
-    /// the block is done.
+    /// Puts up to `count` pieces into the queue, which has room for them, and adds their ticks to `ticks`. Returns
+    /// `false` when no piece is left.
     #[inline(never)]
     pub fn hand_out(&mut self, queue: &mut Producer<'_, Phase, PHASES>, count: u32, ticks: &mut u32) -> bool {
         let mut left = count;
@@ -175,14 +176,14 @@ impl Emitter {
         false
     }
 
-    /// The next piece. Only after [`Self::has_piece`]. Bounded work.
+    /// Writes the next piece. Only after [`Self::has_piece`]. Bounded work.
     pub fn step(&mut self, phase: &mut Phase) {
         if let Some((part, per_time, next)) = self.at_hand() {
             part.cut(per_time, next, phase);
         }
     }
 
-    /// Drops what is left as if it were handed out; its ticks.
+    /// Drops the remaining pieces as if they were in the queue. Returns their ticks.
     #[cfg(feature = "plc")]
     pub fn skip(&mut self) -> u32 {
         let time: u64 = self.parts.iter().take(self.count).skip(self.part).map(|part| part.time).sum();
@@ -192,29 +193,29 @@ impl Emitter {
         ticks
     }
 
-    /// Waits for the next tick, where the axes stand still: a motion that follows starts there.
+    /// Waits for the next tick while the axes stand: the next motion starts at this tick.
     pub fn settle(&mut self) {
         self.next = 0;
     }
 
-    /// Ticks of what is left to be handed out.
+    /// Ticks of the remaining pieces.
     pub fn ticks(&self) -> u32 {
         let time: u64 = self.parts.iter().take(self.count).skip(self.part).map(|part| part.time).sum();
         (time.saturating_sub(self.next).saturating_add(TICK - 1) >> 36) as u32
     }
 
-    /// Time from the end of the block just begun to the next tick.
+    /// Time from the end of the current profile to the next tick.
     pub fn wait(&self) -> Time {
         let time: u64 = self.parts.iter().take(self.count).map(|part| part.time).sum();
         Time::from_bits(self.next.wrapping_sub(time) & (TICK - 1))
     }
 }
 
-/// Takes the parts that last any time, one behind the other.
+/// Collects the parts that take time, one after the other.
 struct Slots<'a>(IterMut<'a, Part>);
 
 impl Slots<'_> {
-    /// The three parts of a change of speed, from path distance `from` on; gives their end.
+    /// Lays out the three parts of a change of speed from path distance `from` on. Returns their end.
     #[cfg_attr(feature = "fast", inline(always))]
     fn lay_out(&mut self, change: &Change, from: i64) -> i64 {
         let mut at = from;
@@ -224,7 +225,7 @@ impl Slots<'_> {
             Form::Stepped => [Kind::Hold; 3],
         };
         for (k, kind) in kinds.into_iter().enumerate() {
-            // There are three; `min` says so where the compiler does not see it, built for few bytes.
+            // There are three parts. In builds for few bytes the compiler does not see it without `min`.
             let k = k.min(2);
             let to = at.wrapping_add(change.lengths[k]);
             let (v0, v1) = (change.speeds[k], change.speeds[k + 1]);
@@ -249,7 +250,7 @@ impl Slots<'_> {
 }
 
 impl Part {
-    /// The piece that begins at the time `next`, which goes on behind it.
+    /// Writes the piece that begins at the time `next`, and moves `next` to the piece's end.
     #[cfg_attr(feature = "fast", inline(always))]
     fn cut(&self, per_time: &mut PerTime, next: &mut u64, phase: &mut Phase) {
         let delta = self.v1 - self.v0;
@@ -268,18 +269,18 @@ impl Part {
         } else if matches!(self.kind, Kind::SineRise | Kind::SineFall) {
             longest = LONGEST_SINE;
             (*phase, end) = self.sine_piece(per_time, t);
-            // At least the tick at hand, whatever rounding does to the end.
+            // At least the current tick, whatever rounding does to the end.
             end = end.max(t + 1);
         } else if t < TICK {
             self.first_piece(per_time, (t >> 4) as u32, t as u32 & 15, phase);
         } else {
             *phase = self.piece(per_time, t);
         }
-        // The part goes on at `t`: one tick at least.
+        // The part continues at `t` for at least one tick.
         let ticks = ((end - t + (TICK - 1)) >> 36) as u32;
         let ticks = ticks.min(longest);
         phase.ticks = ticks as u16;
-        // Rounding must not take the path beyond the part: the next one would go backward.
+        // Rounding must not lead beyond the part: the next piece would go backward.
         let beyond = phase.at(ticks as u16 - 1).wrapping_sub(self.to);
         if beyond > 0 {
             phase.distance = Distance::from_bits(phase.distance.to_bits().wrapping_sub(beyond));
@@ -287,7 +288,7 @@ impl Part {
         *next = t + (u64::from(ticks) << 36);
     }
 
-    /// State at time `t` in a part at constant speed; how long the piece lasts is left open.
+    /// The state at time `t` in a part at constant speed. The caller sets the length of the piece.
     #[cfg_attr(feature = "fast", inline(always))]
     fn cruise(&self, t: u64) -> Phase {
         Phase {
@@ -302,7 +303,7 @@ impl Part {
     fn piece(&self, per_time: &PerTime, t: u64) -> Phase {
         let delta = self.v1 - self.v0;
         let fraction = |t: u64| (mul_wide(t << per_time.zeros, per_time.reciprocal).0) as i64;
-        // Good to 2^-54; the jerk, which counts n³ times, got an exact product.
+        // Accurate to 2^-54. The jerk counts n³ times, so it has an exact product.
         let by = |x: i64, u: i64| mul_near(x, u) << 2;
         let slope = per_time.slope;
         let (s, v, half_accel, sixth_jerk) = match self.kind {
@@ -339,7 +340,7 @@ impl Part {
     #[inline(never)]
     fn sine_piece(&self, per_time: &PerTime, t: u64) -> (Phase, u64) {
         let falls = self.kind == Kind::SineFall;
-        // Falling, it is the rising ramp with time reversed.
+        // A falling ramp is the rising ramp with time reversed.
         let from_zero = if falls { self.time - t } else { t };
         let u = (mul_wide(from_zero << per_time.zeros, per_time.reciprocal).0) as i64;
         let k = sine_piece(u, falls);
@@ -367,12 +368,12 @@ impl Part {
         (phase, end)
     }
 
-    /// The piece that begins within the first tick of a part, from the start of that: the powers of t stay
-    /// below 1.
+    /// The piece that begins within the first tick of a part, computed from the part's start: the powers of t
+    /// stay below 1.
     #[inline(never)]
     fn first_piece(&self, per_time: &PerTime, t32: u32, rest: u32, phase: &mut Phase) {
         let times = |x: i64| mul_u32(x, t32, 32);
-        // Speed gained on average. The others are written at once: registers are few.
+        // Mean speed gained. The other values are written at once, because registers are few.
         let mean = match self.kind {
             Kind::Rise => {
                 let bent = times(per_time.sixth);
@@ -403,10 +404,10 @@ impl Part {
     }
 }
 
-/// Speed times a time below one tick, as [`area`].
+/// Speed times a time below one tick, as in [`area`].
 #[cfg_attr(feature = "fast", inline(always))]
 fn area_in_tick(v: i64, t32: u32, rest: u32) -> i64 {
-    // LSB 2^-58, then by the lower four bits, good to 2^-62 mm.
+    // LSB 2^-58, then the lower four bits; accurate to 2^-62 mm.
     let upper = mul_u32(v, t32, 32);
     let lower = ((v >> 32) * i64::from(rest)) >> 4;
     (upper + lower + (1 << 13)) >> 14
@@ -426,16 +427,15 @@ struct PerTime {
 }
 
 impl PerTime {
-    /// Of no part.
+    /// For no part.
     const NONE: Self = Self { time: 0, delta: 0, reciprocal: 0, zeros: 0, slope: 0, sixth: 0 };
 
     #[inline(never)]
     fn divide(&mut self, time: u64, delta: i64) {
         let zeros = time.leading_zeros();
-        // Below 2^63, which says that no product has to look at its sign.
+        // Below 2^63, so no product has to check its sign.
         let reciprocal = reciprocal_near(time << (zeros & 63)) & (u64::MAX >> 1);
-        // Per tick. A part below two ticks has so few of them that the bits missing on the right do not add
-        // up.
+        // Per tick. A part below two ticks has so few of them that the missing lower bits do not add up.
         let scale = |x: i64| if zeros <= 26 { x >> (26 - zeros) } else { x << ((zeros - 26) & 63) };
         let per_tick = |x: i64| mul_hi(x, reciprocal as i64);
         let slope = scale(per_tick(delta));

@@ -1,7 +1,7 @@
-//! Limits as the look-ahead keeps them for each of its blocks: seven numbers, and in some bits what their law is.
+//! Limits of a block in the look-ahead: seven numbers, and some bits for the slope.
 //!
-//! As an enum they would take four bytes more, and the limits of a speed that is to stay four more in each block. Those
-//! have one jerk for each direction, the lower one: what they leave to accelerations is next to nothing.
+//! An enum would take four bytes more. Limits of a constant speed (CONST_VEL) would take another four bytes per block.
+//! These limits keep one jerk for each direction, the lower one, because little is left to accelerations.
 use super::limits::{Joins, Limits, Loose, SlopeLaw, lower};
 use super::ramp_shape::RampShape;
 use crate::math::float::{max, min};
@@ -13,10 +13,10 @@ pub struct Numbers {
     pub v: f32,
     /// Acceleration and deceleration, mm/tick².
     a: [f32; 2],
-    /// Those of the law: mean jerks, mm/tick³; of STEP the change-over speed, both accelerations above it, and
-    /// the deceleration at standstill. Where a speed is to stay: the lower jerk of both directions, nothing, and the
-    /// acceleration of [`Loose`]; of STEP the change-over speed, the lower one of both accelerations, the acceleration
-    /// of [`Loose`], and the deceleration at standstill.
+    /// Numbers of the slope. TRAPEZ, SIN2, HSC: mean jerks, mm/tick³. STEP: change-over speed, both accelerations
+    /// above it, deceleration at standstill. With CONST_VEL: the lower jerk of both directions, unused, the
+    /// acceleration of [`Loose`]. STEP with CONST_VEL: change-over speed, the lower acceleration, the acceleration of
+    /// [`Loose`], deceleration at standstill.
     law: [f32; 4],
 }
 
@@ -25,7 +25,7 @@ pub struct Numbers {
 pub struct LawKind(u8);
 
 impl LawKind {
-    /// Bits that are free for other use.
+    /// Bits that are free for other uses.
     pub const FREE: u8 = !(Self::LAW | Self::JOINS | Self::STAYS);
 
     const LAW: u8 = 3;
@@ -61,7 +61,7 @@ impl LawKind {
         self.0 & Self::JOINS != 0
     }
 
-    /// Whether a speed is to stay: [`Loose`].
+    /// Whether the speed is to stay constant: [`Loose`].
     #[inline(always)]
     pub const fn stays(self) -> bool {
         self.0 & Self::STAYS != 0
@@ -80,7 +80,7 @@ impl LawKind {
 }
 
 impl Numbers {
-    /// All bits zero.
+    /// All bits are zero.
     pub const NOTHING: Self = Self { v: 0.0, a: [0.0; 2], law: [0.0; 4] };
 
     /// The limits of these numbers and this slope.
@@ -110,7 +110,7 @@ impl Numbers {
 }
 
 impl Limits {
-    /// As [`Self::join`] with the limits that these numbers and this law are.
+    /// As [`Self::join`], with the limits that these numbers and this slope describe.
     #[cfg_attr(feature = "fast", inline(always))]
     pub(crate) fn join_kept(&mut self, numbers: &Numbers, kind: LawKind) {
         let SlopeLaw::JerkLimited { j, .. } = &mut self.law else { return self.join_any(numbers, kind) };

@@ -1,50 +1,51 @@
-//! Permitted path speed, acceleration and jerk, how those of several elements become one, and the ramps they
-//! give.
+//! Permitted path speed, acceleration and jerk; the common limits of several elements; and the ramps of these
+//! limits.
 use super::ramp::{JerkLimited, Ramp, Stepped};
 use super::ramp_shape::RampShape;
 use crate::math::float::{magnitude, max, min};
 use crate::math::root::sqrt_f32;
 use crate::quantity::{Speed, speed_f32};
 
-/// A speed that was lowered by this stays below its limit, whatever rounding.
+/// Factor for a lowered speed: the result stays below its limit despite rounding.
 pub(crate) const ROUNDED: f32 = 1.0 - 1.0 / 4_194_304.0;
-/// Two limits that differ by less are alike. Of the speeds a span has the higher one: four roundings.
+/// Two limits that differ by less count as equal. A span has the higher one of the speeds; the value allows
+/// four roundings.
 const ALIKE: f32 = 1.0 / 262_144.0;
 const ALIKE_SPEED: f32 = 1.0 / 4_194_304.0;
-/// A slowing down is as hard as another one with that part of its limits: what it is faster by is less than speeds
-/// leave for rounding.
+/// Two brakings whose limits differ by less count as equally hard. The difference in speed is below the margin
+/// that speeds leave for rounding.
 const AS_HARD: f32 = 1.0 - 1.0 / 131_072.0;
-/// An acceleration below this part of another one is far less.
+/// Below this part of another acceleration, an acceleration is far lower.
 const WEAK: f32 = 1.0 / 64.0;
-/// The same between parts of one curve.
+/// The same, between parts of one curve.
 const WEAK_PART: f32 = 1.0 / 5.0;
-/// Clearly more.
+/// Above this multiple of another value, a value is clearly higher.
 const STRONGER: f32 = 1.125;
-/// A stage of a way down has so many times the deceleration of the one before; the last one begins at that
-/// part of the speed at most.
+/// Each stage of a braking has so many times the deceleration of the stage before. The last stage begins at
+/// most at this part of the speed.
 const STAGE: f32 = 1.25;
 const LAST: f32 = 0.7;
-/// Each stage takes that part of the speed in any case: a curve may leave next to nothing at its highest.
+/// Each stage lowers the speed at least to this part: a curve may leave next to nothing at its highest speed.
 const LEAST: [f32; 2] = [0.9975, 0.995];
-/// Two decelerations of STEP above that part of each other are one.
+/// Two decelerations of STEP whose ratio is above this value count as one.
 const NEAR: f32 = 0.85;
-/// Parts of a way down whose length is to be known about.
+/// Number of parts in which the length of a braking is computed.
 const PARTS: u8 = 6;
-/// Below that part of its speed, that of a curve with CONST_VEL may change.
+/// Below this part of its speed, a curve with CONST_VEL may change its speed.
 const LOOSE: f32 = 0.25;
-/// For rounding.
+/// Margin for rounding.
 const LEAVES: f32 = 1.0 - 1.0 / 1_048_576.0;
-/// The four ramps of a slope: acceleration rises, falls, deceleration rises, falls.
+/// The four ramps of a slope: acceleration rises, acceleration falls, deceleration rises, deceleration falls.
 pub type Ramps = [f32; 4];
 
-/// Blocks that may follow each other without acceleration zero between.
+/// Which blocks may follow each other with acceleration at the transition.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Joins {
-    /// With the same limits: TRAPEZ, SIN2.
+    /// Blocks with the same limits: TRAPEZ, SIN2.
     Alike = 0,
-    /// All: HSC, and elements of one curve with TRAPEZ and SIN2.
+    /// All blocks: HSC, and elements of one curve with TRAPEZ and SIN2.
     Any = 4,
-    /// All, and slow ones may be entered and left with acceleration: HSC with NO_OPT=0.
+    /// All blocks, and acceleration may pass the ends of slow blocks: HSC with NO_OPT=0.
     Valleys = 8,
 }
 
@@ -55,22 +56,24 @@ pub enum SlopeLaw {
     JerkLimited {
         /// Shape of the ramps.
         shape: RampShape,
-        /// What may follow without acceleration zero between.
+        /// Which blocks may follow with acceleration at the transition.
         joins: Joins,
         /// Mean jerk of each ramp.
         j: Ramps,
     },
-    /// STEP: the path has one change-over speed, that of the axis which reaches its own first.
+    /// STEP: the path has one change-over speed, that of the axis which reaches its own change-over speed
+    /// first.
     Stepped {
         /// Speed up to which the accelerations of the limits hold.
         change_over: f32,
-        /// Acceleration above it.
+        /// Acceleration above the change-over speed.
         a_up: f32,
-        /// Deceleration above it.
+        /// Deceleration above the change-over speed.
         a_down: f32,
-        /// Deceleration at standstill: what a curve takes of it falls with the square of the speed.
+        /// Deceleration at standstill. The part that a curve takes from it falls with the square of the
+        /// speed.
         still: f32,
-        /// That is at a right angle to the path.
+        /// Whether the curve takes its part at a right angle to the path.
         across: bool,
     },
 }
@@ -84,21 +87,22 @@ pub struct Limits {
     pub a_up: f32,
     /// Deceleration.
     pub a_down: f32,
-    /// Limits of the slope in addition.
+    /// Additional limits of the slope.
     pub law: SlopeLaw,
-    /// Accelerations at low speed, where a speed is to stay constant (CONST_VEL).
+    /// Accelerations at low speed where the speed is to stay constant (CONST_VEL).
     pub loose: Loose,
 }
 
-/// Acceleration and deceleration at low speed where a speed is to stay constant (CONST_VEL), mm/tick²; 0 elsewhere.
+/// Acceleration and deceleration at low speed where the speed is to stay constant (CONST_VEL), mm/tick²;
+/// otherwise 0.
 ///
-/// With CONST_VEL accelerations are next to nothing. A profile that begins or ends below a part of that speed, near a stop,
-/// may have this acceleration, which the axes permit at any speed of the limits.
+/// With CONST_VEL accelerations are nearly zero. A profile that begins or ends near a stop, below a part of the
+/// constant speed, may have this acceleration. The axes permit it at any speed of the limits.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Loose(f32);
 
 impl Loose {
-    /// No speed is to stay.
+    /// No constant speed.
     pub const NONE: Self = Self(0.0);
 
     /// The same acceleration everywhere.
@@ -111,13 +115,13 @@ impl Loose {
         self.0
     }
 
-    /// Whether there is such a speed.
+    /// Whether there is a constant speed.
     #[inline(always)]
     pub fn is_some(self) -> bool {
         self.0 > 0.0
     }
 
-    /// No more than that.
+    /// Lowers the acceleration to at most `a`.
     pub fn lower(&mut self, a: f32) {
         self.0 = min(self.0, a);
     }
@@ -128,14 +132,14 @@ impl Loose {
     }
 }
 
-/// A braking with STEP in two stages.
+/// A braking of STEP in two stages.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fall {
-    /// Speed at its start.
+    /// Speed at the start.
     pub from: f32,
     /// Speed at which the second stage begins.
     pub change_over: f32,
-    /// Speed at its end.
+    /// Speed at the end.
     pub to: f32,
 }
 
@@ -158,7 +162,7 @@ impl Limits {
         loose: Loose::NONE,
     };
 
-    /// Whether they are the others but for rounding.
+    /// Whether both limits are equal except for rounding.
     pub(crate) fn are(&self, other: &Self) -> bool {
         let near = |a: f32, b: f32, part: f32| magnitude(a - b) <= a * part;
         let laws = match (&self.law, &other.law) {
@@ -173,7 +177,7 @@ impl Limits {
             && near(self.loose.get(), other.loose.get(), ALIKE)
     }
 
-    /// Becomes what both permit; of the speeds the higher one.
+    /// Restricts the limits to what both permit, with the higher one of the speeds.
     #[inline]
     pub(crate) fn join(&mut self, other: &Self) {
         self.v = max(self.v, other.v);
@@ -184,15 +188,15 @@ impl Limits {
             (SlopeLaw::JerkLimited { j, .. }, SlopeLaw::JerkLimited { j: other, .. }) => lower(j, *other),
             (SlopeLaw::Stepped { change_over, still, .. }, SlopeLaw::Stepped { change_over: other, .. }) => {
                 *change_over = min(*change_over, *other);
-                // What both leave below their speeds is not known of the higher one.
+                // The part that both leave below their speeds is not known for the higher speed.
                 *still = self.a_down;
             }
             _ => {}
         }
     }
 
-    /// Becomes those of a slowing down that goes on from here into a motion with the others; what ends a gain
-    /// of speed stays.
+    /// Takes the limits of a braking that continues from here into a motion with `other`. Values that end a
+    /// gain of speed stay.
     pub fn go_on_braking(&mut self, other: &Self) {
         self.a_down = min(self.a_down, other.a_down);
         match (&mut self.law, &other.law) {
@@ -208,7 +212,8 @@ impl Limits {
             ) => {
                 *a_down = min(*a_down, *other_a_down);
                 if change_over != other_change_over {
-                    // Between both of them one has the deceleration of the lower stage.
+                    // Between both change-over speeds, one of the limits has the deceleration of the lower
+                    // stage.
                     *change_over = min(*change_over, *other_change_over);
                     *a_down = min(*a_down, self.a_down);
                 }
@@ -217,9 +222,9 @@ impl Limits {
         }
     }
 
-    /// Whether a law from one speed to another, in any direction, over `length` mm may have all of the acceleration that
-    /// the axes have: where the speed is to stay, if one of both speeds is low, or if the change takes it in that direction.
-    /// What was low beside the speed that is to stay need not be so beside a lower one, of an override that came later.
+    /// Whether a profile between two speeds over `length` mm, in any direction, may use all acceleration of the axes.
+    /// With CONST_VEL this is so if one of the speeds is low, or if the change of speed needs it in that direction. A
+    /// speed that is low beside the constant speed need not be low beside a lower constant speed of a later override.
     #[inline(always)]
     fn is_loose_between(&self, speeds: [Speed; 2], length: f32) -> bool {
         self.loose.is_some() && self.lets_change(speeds, length)
@@ -234,26 +239,27 @@ impl Limits {
         low < self.lowest() || ramp.distance(low, dv)[0] > length
     }
 
-    /// Whether a law that has that speed at one end may have all of the acceleration that the axes have.
+    /// Whether a profile with this speed at one end may use all acceleration of the axes.
     #[inline(always)]
     fn is_loose_at(&self, low: Speed) -> bool {
         self.loose.is_some() && speed_f32(low.to_bits()) < self.lowest()
     }
 
-    /// Those of a law that may have that acceleration: it is no faster than `high`, mm/tick, and the low speed.
+    /// Limits of a profile that may use this acceleration. The profile is not faster than `high`, mm/tick,
+    /// and the low speed.
     #[cold]
     #[inline(never)]
     fn loosened_to(&self, high: f32) -> Self {
         Self { v: min(self.v, max(high, self.lowest())), ..self.loosened() }
     }
 
-    /// Those of a law that has that speed at one end.
+    /// Limits of a profile with this speed at one end.
     #[inline(always)]
     pub(crate) fn near<'a>(&'a self, low: Speed, room: &'a mut Option<Self>) -> &'a Self {
         if self.is_loose_at(low) { room.insert(self.loosened_to(0.0)) } else { self }
     }
 
-    /// Those of a law from one speed to another, in any direction, over `length` mm.
+    /// Limits of a profile between two speeds, in any direction, over `length` mm.
     #[inline(always)]
     pub(crate) fn between<'a>(
         &'a self,
@@ -267,7 +273,7 @@ impl Limits {
         room.insert(self.loosened_to(speed_f32(v.max(w).to_bits())))
     }
 
-    /// With all of the acceleration that the axes have.
+    /// The limits with all acceleration of the axes.
     #[cold]
     #[inline(never)]
     fn loosened(&self) -> Self {
@@ -279,7 +285,7 @@ impl Limits {
         limits
     }
 
-    /// The slope that loses speed with all of the acceleration that the axes have, seen backward from the lower speed.
+    /// The ramp that loses speed with all acceleration of the axes, seen backward from the lower speed.
     #[inline(always)]
     pub(crate) fn loose_brake(&self) -> Ramp {
         if self.loose.is_some() { self.loosened_brake() } else { self.brake() }
@@ -291,7 +297,7 @@ impl Limits {
         self.loosened().brake()
     }
 
-    /// Where a speed is to stay, that is so from this one on, mm/tick.
+    /// The lowest speed that counts as the constant speed, mm/tick.
     #[inline(always)]
     fn lowest(&self) -> f32 {
         LOOSE * self.v
@@ -317,9 +323,9 @@ impl Limits {
         limits
     }
 
-    /// Highest part of its speeds at which any motion inside the limits is inside them as well. Its accelerations are
-    /// the square of that part, so any will do, but with STEP where less acceleration is permitted below the change-over
-    /// speed than above: what was above may then be below. 0..=1, within 2^-22.
+    /// Highest factor for the speed at which every motion inside `self` stays inside the limits. Accelerations scale
+    /// with the square of the factor. STEP is the exception: the acceleration permitted below the change-over speed may
+    /// be lower, and speeds from above may come below. 0..=1, within 2^-22.
     pub fn part_inside(&self) -> f32 {
         match self.law {
             SlopeLaw::JerkLimited { .. } => 1.0,
@@ -330,8 +336,8 @@ impl Limits {
         }
     }
 
-    /// Whether one braking suits both limits about as well as one after the other. It matters for STEP, whose
-    /// deceleration may change anywhere; with other slopes the answer is yes.
+    /// Whether one braking suits both limits about as well as two brakings in turn. Only STEP can return
+    /// `false`, because its deceleration may change anywhere.
     pub fn slows_alike(&self, other: &Self) -> bool {
         let near = |a: f32, b: f32| min(a, b) >= NEAR * max(a, b);
         match (&self.law, &other.law) {
@@ -342,8 +348,8 @@ impl Limits {
         }
     }
 
-    /// Whether a slowing down with these limits is at least as hard as with the others, but for rounding: until its
-    /// deceleration falls, and later.
+    /// Whether a braking with these limits is at least as hard as with the others, except for rounding. First
+    /// value: until the deceleration falls; second value: later.
     pub fn brakes_like(&self, other: &Self) -> [bool; 2] {
         match (&self.law, &other.law) {
             (
@@ -357,7 +363,7 @@ impl Limits {
         }
     }
 
-    /// For STEP: whether each of its decelerations is above those of the others.
+    /// For STEP: whether each deceleration is above those of the other limits.
     pub fn brakes_above(&self, other: &Self) -> bool {
         match (&self.law, &other.law) {
             (SlopeLaw::Stepped { a_down, .. }, SlopeLaw::Stepped { a_down: above, .. }) => {
@@ -367,18 +373,18 @@ impl Limits {
         }
     }
 
-    /// NO_OPT=0.
+    /// Whether the slope is HSC with NO_OPT=0.
     pub(crate) fn may_have_valleys(&self) -> bool {
         matches!(self.law, SlopeLaw::JerkLimited { joins: Joins::Valleys, .. })
     }
 
-    /// Whether blocks with other speeds may be in one span with it: [`Joins::Any`].
+    /// Whether blocks with other speeds may be in one span with this block: [`Joins::Any`].
     pub fn varies(&self) -> bool {
         matches!(self.law, SlopeLaw::JerkLimited { joins: Joins::Any | Joins::Valleys, .. })
     }
 
-    /// The limits of the same profile at `part` of its speed: accelerations with the square, jerks with the cube, and a
-    /// little more for rounding.
+    /// The limits of the same profile at `part` of its speed, with a margin for rounding. Accelerations scale with the
+    /// square, jerks with the cube.
     pub fn at_part(&self, part: f32) -> Self {
         let mut limits = *self;
         if part >= 1.0 {
@@ -395,7 +401,8 @@ impl Limits {
         limits
     }
 
-    /// Speed is gained with half of the jerk at first, and with no more acceleration than near the speed of the limits.
+    /// Halves the first jerk of a gain of speed. The acceleration is at most that near the speed of the
+    /// limits.
     pub const fn gain_gently(&mut self) {
         self.loose = Loose::NONE;
         if let SlopeLaw::JerkLimited { j: [rise, ..], .. } = &mut self.law {
@@ -403,7 +410,7 @@ impl Limits {
         }
     }
 
-    /// Takes over how the others accelerate; both have the same slope.
+    /// Takes the acceleration limits of `other`; both have the same slope.
     pub const fn gain_like(&mut self, other: &Self) {
         self.a_up = other.a_up;
         if let (
@@ -429,37 +436,37 @@ impl Limits {
     }
 
     /// Speed, acceleration and jerk that a motion may have in both directions; `None` with a slope that has
-    /// no jerk.
+    /// no jerk limit.
     pub fn along(&self) -> Option<[f32; 3]> {
         let SlopeLaw::JerkLimited { j, .. } = self.law else { return None };
         Some([self.v, min(self.a_up, self.a_down), j.into_iter().fold(f32::MAX, min)])
     }
 
-    /// Permits no speed above those.
+    /// Lowers the speed limit to the higher one of these speeds.
     pub(crate) fn flatten(&mut self, v_in: Speed, v_out: Speed) {
         self.v = speed_f32(v_in.max(v_out).to_bits());
     }
 
-    /// Largest acceleration or deceleration of both.
+    /// Largest acceleration or deceleration of both limits.
     pub(crate) fn fastest(&self, other: &Self) -> f32 {
         max(max(self.a_up, self.a_down), max(other.a_up, other.a_down))
     }
 
-    /// Whether neither has far less acceleration, or deceleration, than the other. `flows`: between parts of
-    /// one curve, of which many are in one span.
+    /// Whether neither limit has far less acceleration or deceleration than the other. `flows`: between parts
+    /// of one curve, of which many are in one span.
     pub(crate) fn is_as_strong(&self, other: &Self, flows: bool) -> bool {
         let weak = if flows { WEAK_PART } else { WEAK };
         let near = |a: f32, b: f32| min(a, b) >= weak * max(a, b);
         near(self.a_up, other.a_up) && near(self.a_down, other.a_down)
     }
 
-    /// Whether it has clearly more acceleration or jerk.
+    /// Whether these limits have clearly more acceleration or jerk.
     pub(crate) fn is_stronger(&self, other: &Self) -> bool {
         let jerks = (0..4).any(|ramp| self.jerk(ramp) > STRONGER * other.jerk(ramp));
         jerks || self.a_up > STRONGER * other.a_up || self.a_down > STRONGER * other.a_down
     }
 
-    /// Makes the ramps linear, and returns the slope before.
+    /// Makes the ramps linear, and returns the previous slope.
     pub const fn straighten(&mut self) -> SlopeLaw {
         let before = self.law;
         if let SlopeLaw::JerkLimited { shape, .. } = &mut self.law {
@@ -477,7 +484,7 @@ impl Limits {
         }
     }
 
-    /// The least of them.
+    /// The least acceleration or deceleration at any speed.
     pub(crate) fn least(&self) -> f32 {
         let a = min(self.a_up, self.a_down);
         match self.law {
@@ -486,7 +493,7 @@ impl Limits {
         }
     }
 
-    /// The slope that gains speed.
+    /// The ramp that gains speed.
     pub fn speed_up(&self) -> Ramp {
         match self.law {
             SlopeLaw::JerkLimited { shape, j: [rise, fall, ..], .. } => {
@@ -498,7 +505,7 @@ impl Limits {
         }
     }
 
-    /// The slope that loses speed, seen backward from the lower one.
+    /// The ramp that loses speed, seen backward from the lower speed.
     pub fn brake(&self) -> Ramp {
         match self.law {
             SlopeLaw::JerkLimited { shape, j: [.., rise, fall], .. } => {
@@ -510,7 +517,7 @@ impl Limits {
         }
     }
 
-    /// Accelerations times `part`.
+    /// Multiplies all accelerations by `part`.
     pub(crate) fn scale_accelerations(&mut self, part: f32) {
         self.a_up *= part;
         self.a_down *= part;
@@ -521,7 +528,7 @@ impl Limits {
         }
     }
 
-    /// No acceleration above `a`.
+    /// Lowers all accelerations to at most `a`.
     pub(crate) fn lower_accelerations(&mut self, a: f32) {
         self.a_up = min(a, self.a_up);
         self.a_down = min(a, self.a_down);
@@ -533,8 +540,9 @@ impl Limits {
         }
     }
 
-    /// No acceleration above `a` at their speed, where a curve takes the rest of it, at a right angle to the
-    /// path or not; at standstill up to `rest`.
+    /// Lowers all accelerations to at most `a` at the speed of the limits, where a curve takes the rest of
+    /// the acceleration. At standstill up to `rest` is left. `right_angle`: the curve's part is at a right
+    /// angle to the path.
     pub(crate) fn curve(&mut self, a: f32, rest: f32, right_angle: bool) {
         self.lower_accelerations(a);
         if let SlopeLaw::Stepped { still, across, .. } = &mut self.law {
@@ -542,11 +550,11 @@ impl Limits {
         }
     }
 
-    /// Deceleration of STEP at the speed `v`, at most the lower change-over speed. With V, the speed of these
-    /// limits, and V·q = v a curve leaves at least
+    /// Deceleration of STEP at the speed `v`, which is at most the lower change-over speed. V is the speed of
+    /// these limits, and q = v/V. A curve leaves at least
     ///
-    /// - a(0) − (a(0) − a(V))·q², as an axis has a_max − |x''|·v² left for |x'|·a;
-    /// - √(a(0)² − (a(0)² − a(V)²)·q⁴) of an arc, which has √(a_max² − v⁴·κ²).
+    /// - a(0) − (a(0) − a(V))·q²: an axis has a_max − |x''|·v² left for |x'|·a;
+    /// - √(a(0)² − (a(0)² − a(V)²)·q⁴) for an arc, which has √(a_max² − v⁴·κ²).
     fn left_at(&self, v: f32, still: f32, across: bool) -> f32 {
         let q = min(v / max(self.v, f32::MIN_POSITIVE), 1.0);
         let (part, low) = (q * q, self.a_down);
@@ -558,8 +566,8 @@ impl Limits {
         max(low, left * LEAVES)
     }
 
-    /// The braking of STEP from the speed `v`, where a curve permits more while speed falls. `None` with another slope,
-    /// or above the change-over speed.
+    /// The braking of STEP from the speed `v` where a curve permits more deceleration as speed falls. `None` with
+    /// another slope, or above the change-over speed.
     pub fn fall(&self, v: f32) -> Option<Fall> {
         let SlopeLaw::Stepped { change_over, still, across, .. } = self.law else { return None };
         if v > change_over {
@@ -569,7 +577,7 @@ impl Limits {
         if a * (STAGE * STAGE) >= still {
             return Some(Fall { from: v, change_over: LAST * v, to: 0.0 });
         }
-        // The speed at which it leaves so many times more; a little lower in any case.
+        // The speed at which the curve leaves so many times more deceleration; at least a little lower.
         let at = |times: f32, part: f32| {
             let (a, low) = (times * a, self.a_down);
             let q = if across {
@@ -582,8 +590,8 @@ impl Limits {
         Some(Fall { from: v, change_over: at(STAGE, LEAST[0]), to: at(STAGE * STAGE, LEAST[1]) })
     }
 
-    /// Path length of a braking of STEP from the speed `v`, mm, about. `None` with another slope, or above the
-    /// change-over speed.
+    /// Approximate path length of a braking of STEP from the speed `v`, mm. `None` with another slope, or
+    /// above the change-over speed.
     pub fn falls(&self, v: f32) -> Option<f32> {
         let SlopeLaw::Stepped { change_over, still, across, .. } = self.law else { return None };
         let part = |k: u8| 1.0 - f32::from(k) * (1.0 / f32::from(PARTS));
@@ -593,7 +601,7 @@ impl Limits {
         (v <= change_over).then(|| 0.5 * v * v * (0..PARTS).map(lost).sum::<f32>())
     }
 
-    /// For STEP: takes the limits of that braking.
+    /// For STEP: takes the limits of this braking.
     pub fn fall_from(&mut self, fall: &Fall) {
         let SlopeLaw::Stepped { change_over, still, across, .. } = self.law else { return };
         if fall.from > change_over {

@@ -1,11 +1,12 @@
-//! The law of one span: speed up (three parts), cruise, slow down (three parts), exact in its length.
+//! The speed profile of one span: gain of speed (three parts), cruise, braking (three parts), exact in its
+//! length.
 //!
-//! The fastest profile from `v_in` to `v_out` over the length has the highest peak that the length and the
-//! limits allow. The peak is searched in `f32`; with its ramp times taken as given, the distance of both
-//! slopes is then computed in integers and the cruise gets what is left, to 2^-36 tick. If nothing is left (a
-//! slope that fills the span, rounded against us), all times shrink by the missing part in ten million; the
-//! margins of the limits hold that, and [`Profile::plan`] verifies it. In a span so short that rounding its
-//! length is more than that, a length gives way by up to 2^-42 mm instead.
+//! The fastest profile from `v_in` to `v_out` over the length has the highest peak that length and limits
+//! permit. A search in `f32` finds the peak. The ramp times of this peak are then fixed, and integers compute
+//! the distance of both ramps. The cruise gets the rest, to 2^-36 tick. If the rest is negative (rounding of
+//! a ramp that fills the span), all times shrink by the missing part in ten million. The margins of the
+//! limits cover this, and [`Profile::plan`] verifies it. In a very short span, where rounding of the length
+//! is more than the margin, a length changes by up to 2^-42 mm instead.
 use super::area;
 use super::ramp::{JerkLimited, Ramp, Stepped, root_of_cubic};
 use super::ramp_shape::RampShape;
@@ -22,7 +23,7 @@ use crate::slope::limits::{Limits, SlopeLaw};
 pub enum Form {
     /// Acceleration rises, holds, falls.
     JerkLimited(RampShape),
-    /// One acceleration, nothing, another one.
+    /// One acceleration, an unused part, another acceleration.
     Stepped,
 }
 
@@ -37,11 +38,11 @@ impl Default for Form {
 pub struct Change {
     /// The form of the parts.
     pub form: Form,
-    /// Their times, LSB 2^-36 tick.
+    /// Times of the parts, LSB 2^-36 tick.
     pub times: [u64; 3],
-    /// Speed before the first, between them and after the last, LSB 2^-58 mm/tick.
+    /// Speeds before the first part, between the parts and after the last part, LSB 2^-58 mm/tick.
     pub speeds: [i64; 4],
-    /// Their path lengths, LSB 2^-44 mm.
+    /// Path lengths of the parts, LSB 2^-44 mm.
     pub lengths: [i64; 3],
 }
 
@@ -68,26 +69,26 @@ impl Profile {
     }
 }
 
-/// Why a span has no profile.
+/// The reason why a span has no profile.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Unplannable {
     /// The plan broke a limit: a defect of the planner, reported instead of executed.
     Broken,
-    /// It takes more than 2^27 ticks: only a reduced speed (P-AXIS-00214) asks for that.
+    /// The profile takes more than 2^27 ticks. Only a reduced speed (P-AXIS-00214) leads to this.
     TooSlow,
 }
 
 /// Longest span: 2^27 ticks.
 const LONGEST: u64 = 1 << 63;
 
-/// How far `high` is above `low`.
+/// The difference of `high` and `low`.
 #[cfg_attr(feature = "fast", inline(always))]
 fn gap_f32(low: i64, high: i64) -> f32 {
     size_f32((high - low) as u64) * SPEED_LSB
 }
 
-/// What a change by `dv` with these times gains in a ramp of that time.
+/// The gain of speed in a ramp of this time, for a change by `dv` with these three times.
 #[inline(never)]
 fn part(dv: i64, time: u64, [t1, t2, t3]: [u64; 3]) -> i64 {
     let (hi, lo) = mul_wide(dv.unsigned_abs(), time);
@@ -96,8 +97,8 @@ fn part(dv: i64, time: u64, [t1, t2, t3]: [u64; 3]) -> i64 {
 }
 
 impl Change {
-    /// Becomes the change from `low` to `high` along a ramp, which begins at `low`. Rounded so that no
-    /// acceleration and no jerk is raised.
+    /// Becomes the change from `low` to `high` along a ramp that begins at `low`. Rounding raises no
+    /// acceleration and no jerk.
     #[cfg_attr(feature = "fast", inline(always))]
     pub(super) fn speed_up(&mut self, ramp: &Ramp, low: i64, high: i64) {
         self.plan(ramp, [low, high], low, high, |times| times);
@@ -109,7 +110,7 @@ impl Change {
         self.plan(ramp, [low, high], high, low, |[near, hold, far]| [far, hold, near]);
     }
 
-    /// `ordered`: the times from `v0` to `v1` by those from `low` to `high`.
+    /// `ordered`: turns the times from `low` to `high` into those from `v0` to `v1`.
     #[cfg_attr(feature = "fast", inline(always))]
     fn plan(
         &mut self,
@@ -139,8 +140,8 @@ impl Change {
         }
     }
 
-    /// Becomes the change from `v0` to `v1` with these times. Bowed, speeds between the parts follow from
-    /// equal peak accelerations, dv = ap (t1/2 + t2 + t3/2); stepped, the speed in the middle stays.
+    /// Becomes the change from `v0` to `v1` with these times. With ramps, the speeds between the parts follow
+    /// from equal peak accelerations: dv = ap (t1/2 + t2 + t3/2). With STEP, the speed in the middle stays.
     #[cfg_attr(feature = "fast", inline(always))]
     fn set(&mut self, form: Form, v0: i64, v1: i64, times: [u64; 3]) {
         self.form = form;
@@ -163,13 +164,13 @@ impl Change {
             (dv >> 1, dv - (dv >> 1))
         };
         let [a, b] = [v0 + first, v1 - last];
-        // Good to 2^-54 mm/tick
+        // Accurate to 2^-54 mm/tick.
         let mean = |x: i64| mul_near(x, shape.mean()) << 2;
         let mean_first = mean(first);
         // Halves that differ by one bit have the same mean.
         let mean_last = if t1 == t3 { mean_first } else { mean(last) };
-        // ∫v: linear, a third of the change in a rising part, half while it holds, two thirds in a falling
-        // part
+        // ∫v for linear ramps: a third of the change in a rising part, half in a constant part, two thirds in
+        // a falling part.
         let hold = if t2 == 0 { 0 } else { area(a + (b - a) / 2, t2) };
         self.times = times;
         self.speeds = [v0, a, b, v1];
@@ -201,7 +202,7 @@ impl Change {
         self.set(self.form, self.speeds[0], self.speeds[3], times);
     }
 
-    /// The longest part loses so much of its length, which is rounding. Times and speeds stay.
+    /// Shortens the longest part by `rounding`. Times and speeds stay.
     #[cold]
     #[inline(never)]
     fn give_way(&mut self, rounding: i64) {
@@ -210,21 +211,21 @@ impl Change {
         }
     }
 
-    /// Whether both accelerations of a stepped change are permitted.
+    /// Whether both accelerations of a STEP change are permitted.
     fn is_stepped_inside(&self, a: [f32; 2]) -> bool {
         let [v0, middle, _, v1] = self.speeds;
         let parts = [(middle - v0, self.times[0]), (v1 - middle, self.times[2])];
         parts.into_iter().zip(a).all(|((dv, time), a)| {
             let dv = dv.unsigned_abs();
-            // 2^-36 to 2^-58
+            // From 2^-36 to 2^-58.
             dv <= ROUNDING
                 || size_f32(dv - ROUNDING) <= a * ACCEL_SLACK * (size_f32(time) * (1u64 << 22) as f32)
         })
     }
 
-    /// Whether peak acceleration and mean jerks of a bowed change are permitted, without a division: dv ≤
-    /// a·whole/2 and dv ≤ j·t·whole/2, `whole` being t1 + 2 t2 + t3. In `f32`: `dv` and `whole` are good to
-    /// 2^-23 each, the product to 2^-23 more.
+    /// Whether peak acceleration and mean jerks of a change with ramps are permitted, without a division: dv
+    /// ≤ a·whole/2 and dv ≤ j·t·whole/2, with whole = t1 + 2 t2 + t3. Calculated in `f32`: `dv` and `whole`
+    /// are accurate to 2^-23 each, the product adds 2^-23.
     fn is_inside(&self, a: f32, j_first: f32, j_last: f32) -> bool {
         let dv = (self.speeds[3] - self.speeds[0]).unsigned_abs();
         if dv <= ROUNDING {
@@ -232,7 +233,7 @@ impl Change {
         }
         let dv = size_f32(dv - ROUNDING);
         let [t1, t2, t3] = self.times;
-        // 2^-36 to 2^-58
+        // From 2^-36 to 2^-58.
         let half = size_f32(t1 + 2 * t2 + t3) * (1u64 << 21) as f32;
         let jerk = |j: f32, t: u64| t == 0 || dv <= j * (size_f32(t) * (JERK_SLACK / TICK as f32)) * half;
         let jerks = || {
@@ -242,32 +243,32 @@ impl Change {
     }
 }
 
-/// What the plan may use up of the margins of the limits: half of 2^-19 (speed, acceleration) and of 2^-13
-/// (jerk). Six roundings of 2^-24 in [`Change::is_inside`] come on top of it.
+/// Margins of the limits that the plan may use: half of 2^-19 (speed, acceleration) and of 2^-13 (jerk). Six
+/// roundings of 2^-24 in [`Change::is_inside`] come in addition.
 const ACCEL_SLACK: f32 = 1.0 + 1.0 / 1_048_576.0;
 const JERK_SLACK: f32 = 1.0 + 1.0 / 16_384.0;
-/// Change of speed below which rounding to 2^-58 rules: 2^-52 mm/tick.
+/// Change of speed below which rounding to 2^-58 dominates: 2^-52 mm/tick.
 const ROUNDING: u64 = 64;
-/// The six lengths of a profile are rounded to 2^-44 mm each: all together are longer than the block by that
-/// at most.
+/// The six lengths of a profile are rounded to 2^-44 mm each. Together they exceed the block by at most this
+/// value.
 const ROUNDED_LENGTHS: i64 = 4;
-/// Times may shrink by this power of two without use of the margins. Where a rounded length is a larger part
-/// of a short block, the length gives way instead of the times.
+/// Times may shrink by this power of two without use of the margins. In a short block, where a rounded length
+/// is a larger part, the length changes instead of the times.
 const MARGIN: u32 = 22;
 
-/// A peak is lowered by this power of two.
+/// A peak is lowered by this power of two in relation to itself.
 const LOWER: u32 = 18;
 
-/// Above the higher end speed by less than this power of two of it a peak is rounding: two speeds in `f32` and their
-/// difference. Its slopes may be longer than what is left of the block by more than a part of it.
+/// A peak that exceeds the higher end speed by less than this power of two, in relation to that speed, is rounding:
+/// two speeds in `f32` and their difference. Its ramps may exceed the rest of the block by more than the margin.
 const NO_PEAK: u32 = 20;
 
 impl Profile {
     /// Becomes the fastest profile over `length` inside `limits`.
     ///
     /// # Errors
-    /// [`Unplannable::Broken`] if the speeds cannot be joined over that length, which the look-ahead rules
-    /// out; [`Unplannable::TooSlow`].
+    /// [`Unplannable::Broken`] if the speeds cannot be joined over that length, which the look-ahead
+    /// excludes. [`Unplannable::TooSlow`] if the block takes more than 2^27 ticks.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn plan(
         &mut self,
@@ -278,8 +279,8 @@ impl Profile {
     ) -> Result<(), Unplannable> {
         let [length, v_in, v_out] = [length.to_bits(), v_in.to_bits(), v_out.to_bits()];
         match self.plan_to(length, [v_in, v_out], limits, false) {
-            // The peak is found in `f32`: where its slopes are longer than the block by more than the margins,
-            // they shrink by too much.
+            // The peak comes from `f32`. If its ramps exceed the block by more than the margins, the times
+            // would shrink too much.
             Err(Unplannable::Broken) => self.plan_to(length, [v_in, v_out], limits, true),
             planned => planned,
         }
@@ -309,8 +310,8 @@ impl Profile {
         let slopes = self.up.length() + self.down.length();
         let rest = length - slopes;
         if rest >= 0 {
-            // 2^-44 / 2^-58 to 2^-36; the remainder is less than 2^-36 tick of travel, or 2^-20 of a rest
-            // below 2^-20 mm
+            // From 2^-44 / 2^-58 to 2^-36. The remainder is less than 2^-36 tick of travel, or 2^-20 of a
+            // rest below 2^-20 mm.
             self.cruise = if rest < 1 << 24 && peak > 0 {
                 to_bits::<36>(to_f32(rest) * 16_384.0 / to_f32(peak)) as u64
             } else {
@@ -353,21 +354,21 @@ impl Profile {
     }
 }
 
-/// Height of the peak above `low`, the higher one of both speeds, as the limit and the length permit.
+/// Height of the peak above `low`, the higher one of both speeds, as limit and length permit.
 #[cfg_attr(feature = "fast", inline(always))]
 pub fn peak_above(up: &Ramp, down: &Ramp, speeds: [i64; 3], length: i64, v_limit: f32) -> i64 {
     match (up, down) {
         (Ramp::JerkLimited(up), Ramp::JerkLimited(down)) => highest(up, down, speeds, length, v_limit),
         (Ramp::Stepped(up), Ramp::Stepped(down)) => highest(up, down, speeds, length, v_limit),
-        // Both ramps of a block have one law.
+        // Both ramps of a block have the same slope.
         _ => 0,
     }
 }
 
-/// Highest peak of a profile whose ramps belong to one law.
+/// Highest peak of a profile whose ramps belong to one slope.
 ///
-/// The distance of both slopes grows with the peak. The root is found by Newton's method inside a bracket
-/// that halves where a step leaves it; the first guess is exact from rest to rest.
+/// The distance of both ramps grows with the peak. Newton's method finds the root inside a bracket; if a step
+/// leaves the bracket, the bracket is halved. The first guess is exact from rest to rest.
 #[cfg_attr(feature = "fast", inline(always))]
 fn highest<R: Guess>(up: &R, down: &R, [v_in, v_out, low]: [i64; 3], length: i64, v_limit: f32) -> i64 {
     let limit = speed_bits(v_limit) - low;
@@ -395,7 +396,7 @@ fn highest<R: Guess>(up: &R, down: &R, [v_in, v_out, low]: [i64; 3], length: i64
         let sides = Sides { gap, slope, lengths: [target, target - length] };
         R::beside([up, down, near], max(from_in, from_out), &sides)
     };
-    // By how much both slopes are longer than the block, and its derivative.
+    // The length by which both ramps exceed the block, and its derivative.
     let over = |x: f32| {
         let [s0, d0] = up.distance(from_in, above_in + x);
         let [s1, d1] = down.distance(from_out, above_out + x);
@@ -427,40 +428,41 @@ fn highest<R: Guess>(up: &R, down: &R, [v_in, v_out, low]: [i64; 3], length: i64
     gained(x, limit, low)
 }
 
-/// A little below the root, so that the cruise has something to take up; nothing for a peak nobody could see.
+/// A little below the root, so that the cruise has some length. 0 for an invisible peak.
 fn gained(x: f32, limit: i64, low: i64) -> i64 {
     let gain = speed_bits(x * (1.0 - 1.0 / 4_194_304.0)).clamp(0, limit);
     if gain < low >> 22 { 0 } else { gain }
 }
 
-/// Square of 2^-12: Newton's next step would be about the square of that.
+/// Square of 2^-12: Newton's next step would be about the square of this value.
 const CLOSE: f32 = 1.0 / (1u64 << 24) as f32;
 
-/// A peak so many times further above the higher speed than the lower one is below it is far.
+/// A peak counts as far if it is so many times further above the higher speed than the lower speed is below.
 const FAR: f32 = 8.0;
 
 /// Steps of the search.
 const PEAK_STEPS: usize = 25;
 
-/// Where the search for the peak begins.
+/// First guesses for the search of the peak.
 trait Guess {
     /// Path length of the change by `dv` from `low` on, and its derivative by `dv`.
     fn distance(&self, low: f32, dv: f32) -> [f32; 2];
 
-    /// The peak above `low` if both speeds were `low`, and whether that is exact.
+    /// The peak above `low` if both speeds were `low`, and whether this value is exact.
     fn level(up: &Self, down: &Self, low: f32, length: f32) -> (f32, bool);
 
-    /// The peak above the higher speed `low`, for slopes up and down and that of them which begins there.
+    /// The peak above the higher speed `low`. The slopes are: up, down, and the one of them that begins at
+    /// `low`.
     fn beside(slopes: [&Self; 3], low: f32, sides: &Sides) -> f32;
 }
 
-/// What is known where the two speeds differ.
+/// Known values where the two speeds differ.
 struct Sides {
-    /// Their difference.
+    /// The difference of the speeds.
     gap: f32,
-    /// By how much the slope from the lower one grows per speed.
+    /// Growth of the ramp from the lower speed, per speed.
     slope: f32,
-    /// Length in all, and what is left of it above the higher speed.
+    /// The whole length, and the rest of it above the higher speed.
     lengths: [f32; 2],
 }
 
@@ -470,8 +472,8 @@ impl Guess for JerkLimited {
         Self::distance(self, low, dv)
     }
 
-    /// Without a plateau: with k² = x/full of the one slope and (r·k)² of the other, both together take c1·k
-    /// + c3·k³. Exact from rest to rest, a good guess elsewhere.
+    /// Without a plateau: with k² = x/full of one ramp and (r·k)² of the other, both together take c1·k +
+    /// c3·k³. Exact from rest to rest, a good guess elsewhere.
     #[cfg_attr(feature = "fast", inline(always))]
     fn level(up: &Self, down: &Self, low: f32, length: f32) -> (f32, bool) {
         let ratio = up.full / down.full;
@@ -483,12 +485,12 @@ impl Guess for JerkLimited {
         (x, x <= min(up.full, down.full))
     }
 
-    /// If the slope from `low` reaches no plateau and the other one, already long, grows evenly: with k² =
-    /// x/full the two take c1·k + c2·k² + c3·k³ more.
+    /// For a ramp from `low` without a plateau, while the other ramp is long and grows linearly: with k² =
+    /// x/full both take c1·k + c2·k² + c3·k³ more.
     #[cfg_attr(feature = "fast", inline(always))]
     fn beside([up, down, near]: [&Self; 3], low: f32, sides: &Sides) -> f32 {
         let Sides { gap, slope, lengths: [length, left] } = *sides;
-        // A peak far above both speeds hardly knows that they differ.
+        // If the peak is far above both speeds, their difference hardly matters.
         let (x, _) = Self::level(up, down, low, length);
         if x > FAR * gap {
             return x;

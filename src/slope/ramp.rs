@@ -1,4 +1,4 @@
-//! The change of speed: how long it takes and how far it goes, for given limits.
+//! A change of speed: its duration and its distance, for given limits.
 //!
 //! **TRAPEZ, HSC, SIN2** ([`JerkLimited`]): acceleration rises, holds and falls. From v0 to v1 > v0 with
 //! plateau a and ramp times t_rise, t_fall: full = a (t_rise + t_fall)/2, whatever the shape of the ramps
@@ -10,21 +10,21 @@
 //! S = v0 (t1+t2+t3) + ap (q t1² + t1 t2/2 + t2²/2 + t1 t3/2 + t2 t3 + (1/2 − q) t3²)
 //! ```
 //!
-//! **STEP** ([`Stepped`]): acceleration a1 below the change-over speed, a2 above it: v1² = v0² + 2 a S in
-//! each.
+//! **STEP** ([`Stepped`]): acceleration a1 below the change-over speed, a2 above it. In each part v1² = v0² +
+//! 2 a S.
 //!
-//! A slowing down is the same motion backward: the ramp that ends it comes first. All of it is `f32` in
-//! ticks: it decides times, which the integers of [`super::profile`] then take as given.
+//! A braking is the same motion backward: the ramp at its end comes first. All values are `f32` in ticks.
+//! They decide the times, which the integers of [`super::profile`] then take as given.
 use super::ramp_shape::RampShape;
 use crate::math::float::{max, min};
 use crate::math::root::{cbrt_guess, sqrt_f32};
 
-/// A slope between two speeds, seen from the lower one. Times in ticks.
+/// A ramp between two speeds, seen from the lower speed. Times in ticks.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Ramp {
     /// Jerk-limited.
     JerkLimited(JerkLimited),
-    /// Acceleration steps.
+    /// Steps of acceleration.
     Stepped(Stepped),
 }
 
@@ -53,7 +53,7 @@ impl Ramp {
         }
     }
 
-    /// Duration of a change by `dv`; of stepped ones, not needed, none.
+    /// Duration of a change by `dv`. A STEP change returns 0, because nobody needs its value.
     pub fn time(&self, dv: f32) -> f32 {
         match self {
             Self::JerkLimited(ramp) => ramp.times(dv).iter().sum(),
@@ -72,7 +72,7 @@ impl Ramp {
         }
     }
 
-    /// Path length from `low` to where a change by `total` has gained `dv`.
+    /// Path length from `low` to the point where a change by `total` has gained `dv`.
     pub fn passes(&self, low: f32, total: f32, dv: f32) -> f32 {
         match self {
             Self::JerkLimited(ramp) => ramp.passes(low, total, dv),
@@ -102,15 +102,15 @@ impl Ramp {
 /// Two accelerations and the speed between them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stepped {
-    /// Below and above `change_over`.
+    /// Accelerations below and above `change_over`.
     pub a: [f32; 2],
-    /// Speed at which one follows the other.
+    /// Speed at which the second acceleration follows the first.
     pub change_over: f32,
 }
 
 impl Stepped {
-    /// The parts of a change by `dv` from `low` that lie below and above the change-over speed. A small change is known
-    /// to 2^-23 of the speed only, so distances and the plan must use the same parts.
+    /// The parts of a change by `dv` from `low` below and above the change-over speed. A small change is accurate only
+    /// to 2^-23 of the speed, so distances and the plan must use the same parts.
     pub fn parts(&self, low: f32, dv: f32) -> [f32; 2] {
         let below = min(max(self.change_over - low, 0.0), dv);
         [below, dv - below]
@@ -137,21 +137,22 @@ impl Stepped {
         gain + gained_over(low + gain, self.a[1] * rest)
     }
 
-    /// The peak above `low` of a speeding up and a slowing down that start there and take `length` together.
+    /// The peak above `low` of a gain of speed and a braking that both have `low` as lower speed and take
+    /// `length` together.
     pub fn peak(up: &Self, down: &Self, low: f32, length: f32) -> f32 {
-        // Length per half the square of speed: both together are one slope.
+        // Length per half the square of speed: both together act as one ramp.
         let both = |stage: usize| 1.0 / (1.0 / up.a[stage] + 1.0 / down.a[stage]);
         let change_over = min(up.change_over, down.change_over);
         Self { a: [both(0), both(1)], change_over }.reach(low, length)
     }
 }
 
-/// Change of speed from `low` on where half its square grows by `half`.
+/// Change of speed from `low` on if half the square of the speed grows by `half`.
 fn gained_over(low: f32, half: f32) -> f32 {
     2.0 * half / max(low + sqrt_f32(low * low + 2.0 * half), f32::MIN_POSITIVE)
 }
 
-/// Acceleration rises, holds and falls.
+/// A ramp in which acceleration rises, holds and falls.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct JerkLimited {
     shape: RampShape,
@@ -163,12 +164,12 @@ pub struct JerkLimited {
     fall: f32,
     /// Change of speed that reaches the plateau: a (rise + fall)/2.
     pub full: f32,
-    /// Distance of that change from a stop: a (q·rise² + rise·fall/2 + (1/2 − q)·fall²).
+    /// Distance of this change from a stop: a (q·rise² + rise·fall/2 + (1/2 − q)·fall²).
     pub cubic: f32,
 }
 
 impl JerkLimited {
-    /// Slope with plateau `a` and the mean jerks of its ramps at the lower and at the higher speed.
+    /// The ramp with plateau `a` and the mean jerks at the lower and at the higher speed.
     pub fn new(shape: RampShape, a: f32, j_low: f32, j_high: f32) -> Self {
         let [q, q_mirrored] = shape.distances();
         let rise = a / j_low;
@@ -188,7 +189,7 @@ impl JerkLimited {
         self.shape
     }
 
-    /// Times of the ramp at the lower speed, of the plateau and of the ramp at the higher speed.
+    /// Times of the ramp at the lower speed, of the plateau, and of the ramp at the higher speed.
     pub fn times(&self, dv: f32) -> [f32; 3] {
         if dv >= self.full {
             [self.rise, (dv - self.full) / self.a, self.fall]
@@ -214,7 +215,7 @@ impl JerkLimited {
         }
     }
 
-    /// Path length from `low` to where a change by `total` has gained `dv`.
+    /// Path length from `low` to the point where a change by `total` has gained `dv`.
     fn passes(&self, low: f32, total: f32, dv: f32) -> f32 {
         if dv <= 0.0 {
             return 0.0;
@@ -247,8 +248,8 @@ impl JerkLimited {
 
     /// Largest change of speed from `low` on within `length`.
     ///
-    /// Below `full` it is the root k of cubic·k³ + low·(rise + fall)·k = length: increasing and convex, so
-    /// that Newton's method from an upper bound falls onto it.
+    /// Below `full` the result is the root k of cubic·k³ + low·(rise + fall)·k = length. The left side is
+    /// increasing and convex, so Newton's method converges from an upper bound.
     #[cfg_attr(feature = "fast", inline(always))]
     fn reach(&self, low: f32, length: f32) -> f32 {
         let linear = low * (self.rise + self.fall);
@@ -264,9 +265,9 @@ impl JerkLimited {
     }
 }
 
-/// The root u > 0 of c3·u³ + c2·u² + c1·u = length. The left side grows and is convex: Newton's method falls
-/// onto the root from the smallest root of its terms taken alone, at most 1.9 times as large; its error falls
-/// to 23 %, 2.3 %, 2.6e-4, 1.5e-7.
+/// The root u > 0 of c3·u³ + c2·u² + c1·u = length. The left side grows and is convex, so Newton's method
+/// converges from above. It starts at the smallest root of the single terms, at most 1.9 times the result.
+/// The error falls to 23 %, 2.3 %, 2.6e-4, 1.5e-7.
 pub fn root_of_cubic(c1: f32, c2: f32, c3: f32, length: f32) -> f32 {
     let mut u = cbrt_guess(length / c3);
     if length < c1 * u {

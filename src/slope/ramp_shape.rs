@@ -1,17 +1,17 @@
-//! Shapes of a ramp: how acceleration bends away from zero to its peak and, mirrored, back.
+//! Shapes of a ramp: the course of acceleration from zero to the peak and, mirrored, back.
 //!
 //! Over the time of a ramp, u in 0…1, acceleration is peak·f(u), with f(0) = 0, f(1) = 1 and f(u) + f(1 − u)
-//! = 1: every shape gains the speed peak·time/2. It is linear between evenly spaced nodes, so that distance
-//! is a cubic between them and speed and distance are exact integrals of what is executed.
+//! = 1: every shape gains the speed peak·time/2. f is linear between evenly spaced nodes. So distance is a
+//! cubic between the nodes, and speed and distance are exact integrals of the executed motion.
 //!
-//! | shape | nodes | f at the nodes | mean speed gained, of all | highest jerk, of peak/time |
+//! | shape | nodes | f at the nodes | mean speed gained, as part of all | highest jerk, as part of peak/time |
 //! |---|---|---|---|---|
 //! | [`RampShape::Linear`] | 0, 1 | u | 1/3 | 1 |
-//! | [`RampShape::SineSquare`] | 0, 1/8, … 1 | sin²(πu/2) | 0.29994 | 1.5307; counted as π/2, that of the sine |
+//! | [`RampShape::SineSquare`] | 0, 1/8, … 1 | sin²(πu/2) | 0.29994 | 1.5307; limits count with π/2, the value of the sine |
 //!
-//! Between the nodes the acceleration of [`RampShape::SineSquare`] is off from sin² by at most 0.95 % of its
-//! peak, and the mean speed by 0.26 % of the speed gained (1/2 − 2/π² is the sine's). Equal ramps at both
-//! ends of a change make up for that: it takes the time and the distance of the sine.
+//! Between the nodes the acceleration of [`RampShape::SineSquare`] differs from sin² by at most 0.95 % of its
+//! peak, and the mean speed by 0.26 % of the speed gained (1/2 − 2/π² for the sine). If both ends of a change
+//! have equal ramps, these errors cancel: the change takes the time and the distance of the sine.
 use crate::math::float::{max, min, to_f32};
 use crate::math::root::sqrt_f32;
 use crate::math::wide::mul_near;
@@ -33,7 +33,7 @@ const PIECES_LOG2: u32 = 3;
 /// 1, LSB 2^-62.
 const ONE: i64 = 1 << 62;
 
-/// sin²(kπ/16), LSB 2^-62; each and its mirror image add up to 1.
+/// sin²(kπ/16), LSB 2^-62; each value and its mirror image add up to 1.
 const SINE_SQUARE: [i64; PIECES + 1] = [
     0,
     0x026f_9430_cd72_b9d7,
@@ -49,17 +49,17 @@ const SINE_SQUARE: [i64; PIECES + 1] = [
 /// One piece: acceleration from one node to the next.
 #[derive(Clone, Copy)]
 struct Piece {
-    /// f at its start, and what f gains in it.
+    /// f at the start of the piece, and the gain of f within the piece.
     f: i64,
     gain: i64,
-    /// Speed and distance up to its start, as [`Bent`] has them.
+    /// Speed and distance up to the start of the piece, as in [`Bent`].
     speed: i64,
     distance: i64,
 }
 
 const BLANK: Piece = Piece { f: 0, gain: 0, speed: 0, distance: 0 };
 
-/// The pieces of [`RampShape::SineSquare`]: exact integrals between the nodes, but for the last bits of a
+/// The pieces of [`RampShape::SineSquare`]: exact integrals between the nodes, except for the last bits of a
 /// division.
 const TABLE: [Piece; PIECES] = {
     let n = PIECES as i64;
@@ -81,7 +81,7 @@ const TABLE: [Piece; PIECES] = {
 pub struct Bent {
     /// Speed gained.
     pub speed: i64,
-    /// Distance that it made.
+    /// Distance travelled with that speed.
     pub distance: i64,
     /// Half the acceleration.
     pub half_accel: i64,
@@ -90,7 +90,7 @@ pub struct Bent {
 }
 
 impl RampShape {
-    /// Speed gained on average during the ramp, as part of all it gains, LSB 2^-62.
+    /// Mean speed gained during the ramp, as a part of the whole gain, LSB 2^-62.
     pub const fn mean(self) -> i64 {
         match self {
             Self::Linear => ONE / 3,
@@ -118,7 +118,8 @@ impl RampShape {
         }
     }
 
-    /// Where a ramp from a stop has gained the part `gained` of its speed: u, and the distance as in [`Bent`].
+    /// u at which a ramp from a stop has gained the part `gained` of its speed, and the distance as in
+    /// [`Bent`].
     pub fn reaches(self, gained: f32) -> [f32; 2] {
         match self {
             Self::Linear => {
@@ -134,7 +135,7 @@ impl RampShape {
                     if rest > 0.0 || k == 0 {
                         // x of the piece: (f + gain·x/2)·x = rest·n/2
                         let [f, gain] = [piece.f, piece.gain].map(|x| to_f32(x) * LSB);
-                        // above 0: in the first piece the divisor is its root
+                        // Above 0: in the first piece the divisor is the root of this value.
                         let rest = max(rest, 1e-30) * (0.5 * N);
                         let x = 2.0 * rest / (f + sqrt_f32(f * f + 2.0 * gain * rest));
                         let x = min(x, 1.0);
@@ -150,22 +151,22 @@ impl RampShape {
     }
 }
 
-/// The piece of [`RampShape::SineSquare`] at `u` (LSB 2^-62, 0…1): with time the one that begins there, with
-/// time reversed the one that ends there.
+/// The piece of [`RampShape::SineSquare`] at `u` (LSB 2^-62, 0…1): the piece that begins there, or with time
+/// reversed the piece that ends there.
 pub fn sine_piece(u: i64, reversed: bool) -> usize {
     let u = if reversed { u - 1 } else { u };
     ((u.max(0) >> (62 - PIECES_LOG2)) as usize).min(PIECES - 1)
 }
 
-/// Start or end of that piece, as a part of `time`.
+/// Start or end of this piece, as a part of `time`.
 pub fn sine_node(time: u64, node: usize) -> u64 {
     let node = node as u64;
     (time >> PIECES_LOG2) * node + (((time & (PIECES as u64 - 1)) * node) >> PIECES_LOG2)
 }
 
-/// [`RampShape::SineSquare`] at `u` in its piece `k`, good to 2^-59.
+/// [`RampShape::SineSquare`] at `u` in its piece `k`, accurate to 2^-59.
 pub fn sine_square(u: i64, k: usize) -> Bent {
-    // A product of numbers of 2^-62.
+    // Product of two numbers of 2^-62.
     let by = |x: i64, y: i64| mul_near(x, y) << 2;
     let piece = TABLE.get(k).copied().unwrap_or(BLANK);
     let x = (u - ((k as i64) << (62 - PIECES_LOG2))) << PIECES_LOG2;

@@ -1,5 +1,5 @@
-//! What stands for a kind of smoothing that is not compiled in ([`crate::machine::functions`]): no value of it
-//! exists, so that it has neither memory nor code.
+//! Replaces a kind of smoothing that is not compiled in ([`crate::machine::functions`]). No value of this type
+//! exists, so it has neither memory nor code.
 use super::spline::Mode;
 #[cfg(not(feature = "splines"))]
 use super::{Before, Selected, Smoothing, SplineError};
@@ -10,13 +10,13 @@ use crate::nc::Spline;
 use crate::nc::{NcWarningKind, Place};
 use core::convert::Infallible;
 
-/// Without direct splines: that one is switched off is all that comes here.
+/// Without direct splines: the only command that arrives here switches them off.
 #[cfg(not(feature = "splines"))]
 impl<const AXES: usize> Smoothing<AXES> {
-    /// Takes it in.
+    /// Takes the command.
     ///
     /// # Errors
-    /// #HSC is on.
+    /// `#HSC` is on.
     pub const fn spline(
         &mut self,
         command: &Spline<AXES>,
@@ -28,12 +28,12 @@ impl<const AXES: usize> Smoothing<AXES> {
         }
     }
 
-    /// No axis does.
+    /// No axis has a vector.
     pub(super) const fn leans(&self, _: usize) -> bool {
         false
     }
 
-    /// There are none.
+    /// There are no parameters.
     pub(super) const fn restart_direct(&mut self) {}
 }
 
@@ -41,7 +41,7 @@ impl<const AXES: usize> Smoothing<AXES> {
 #[derive(Clone, Copy, Debug)]
 pub struct Absent<const AXES: usize>(Infallible);
 
-/// As a spline has it.
+/// The same interface as a spline.
 impl<const AXES: usize> Absent<AXES> {
     pub const fn points(&self) -> u32 {
         match self.0 {}

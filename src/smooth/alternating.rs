@@ -1,9 +1,9 @@
-//! P-CHAN-00239: the HSC B-spline and contour mode by turns. Lines become points of the curve; where an arc
-//! begins or ends, contour mode takes over with the tolerance of the curve, as with
-//! `#CONTOUR MODE [DEV PATH_DEV=X TRACK_DEV=Y RELEVANT_PATH=X RELEVANT_TRACK=Y]`, X and Y those of #HSC.
+//! P-CHAN-00239: the HSC B-spline and contour mode take turns. Lines become points of the curve. Where an arc
+//! begins or ends, contour mode takes over with the tolerance of the curve, as with `#CONTOUR MODE [DEV
+//! PATH_DEV=X TRACK_DEV=Y RELEVANT_PATH=X RELEVANT_TRACK=Y]`; X and Y are those of `#HSC`.
 //!
-//! A line with an arc on one side is halved: one half is the last or the first leg of the curve, the other one a
-//! block of contour mode, of which a corner takes half at most. Both go straight where they meet.
+//! A line with an arc on one side is halved. One half is the last or the first leg of the curve, the other half
+//! a block of contour mode, of which a corner takes at most half. Both are straight where they meet.
 use super::contour::{Contouring, Settings};
 use super::halved::{Waiting, halve};
 use super::spline::{Mode, Rules, Splining, Start, is_leg};
@@ -13,11 +13,11 @@ use crate::nc::{Contour, ContourMethod, NcWarningKind, Place};
 use crate::path::Measure;
 use crate::quantity::Position;
 
-/// The one at work.
+/// The smoother whose turn it is.
 #[derive(Clone, Copy, Debug)]
 #[expect(clippy::large_enum_variant, reason = "one of both is at work at a time, in static memory")]
 enum Turn<const AXES: usize> {
-    /// Neither yet.
+    /// Neither smoother yet.
     None,
     /// The B-spline.
     Curve(Splining<AXES>),
@@ -25,21 +25,21 @@ enum Turn<const AXES: usize> {
     Corner(Contouring<AXES>),
 }
 
-/// The stage.
+/// The smoothing stage.
 #[derive(Clone, Copy, Debug)]
 pub struct Alternating<const AXES: usize> {
     measure: Measure,
     rules: Rules,
-    /// Of contour mode.
+    /// Settings of contour mode.
     settings: Settings,
     turn: Turn<AXES>,
-    /// The last line, or the half of it behind a corner.
+    /// The last line, or its half behind a corner.
     last: Option<Waiting<AXES>>,
-    /// The block behind it, until what is before it is done.
+    /// The block behind that line, until everything before is done.
     next: Option<Waiting<AXES>>,
-    /// Nothing follows for now; `true` demands a standstill.
+    /// No block follows for now; `true` demands a stop.
     ending: Option<bool>,
-    /// What is to be said about a corner.
+    /// The warning about a corner.
     remark: Option<NcWarningKind>,
 }
 
@@ -64,7 +64,7 @@ impl<const AXES: usize> Alternating<AXES> {
         block.form != Form::Line || (self.rules.rounds && !is_leg(&self.measure, block))
     }
 
-    /// Whether the one at work has nothing left.
+    /// Whether the current smoother has no work left.
     fn is_done(&self) -> bool {
         match &self.turn {
             Turn::None => true,
@@ -92,8 +92,7 @@ impl<const AXES: usize> Alternating<AXES> {
         self.turn = Turn::Corner(Contouring::with(self.measure, &self.settings));
     }
 
-    /// The line that waits is a leg of the curve. Only when nothing is to be done, and contour mode has nothing
-    /// left.
+    /// The waiting line becomes a leg of the curve. Only if there is no work, and contour mode holds nothing.
     fn lay(&mut self, dynamics: &Dynamics<AXES>) {
         if !matches!(self.turn, Turn::Curve(_)) {
             self.begin_curve();
@@ -104,8 +103,8 @@ impl<const AXES: usize> Alternating<AXES> {
         self.last = None;
     }
 
-    /// The line that waits is a block of contour mode. Only when nothing is to be done, and the curve has
-    /// nothing left.
+    /// The waiting line becomes a block of contour mode. Only if there is no work, and the curve holds
+    /// nothing.
     fn round(&mut self, dynamics: &Dynamics<AXES>) {
         if !matches!(self.turn, Turn::Corner(_)) {
             self.begin_corner();
@@ -116,7 +115,7 @@ impl<const AXES: usize> Alternating<AXES> {
         self.last = None;
     }
 
-    /// The one at work ends in the line that waits, of which half is left.
+    /// The current smoother ends inside the waiting line, of which half is left.
     fn end(&mut self, dynamics: &Dynamics<AXES>) {
         let Some((line, parting)) = &mut self.last else { return };
         let rest = halve(line, &self.measure);
@@ -139,7 +138,7 @@ impl<const AXES: usize> Alternating<AXES> {
         }
     }
 
-    /// The block behind the line that waits comes in, when what is before it is done. Whether it does.
+    /// Takes the block behind the waiting line, when everything before is done. Returns whether it did.
     fn let_in(&mut self, beside: bool, dynamics: &Dynamics<AXES>) -> bool {
         let is_done = match &self.turn {
             Turn::Corner(corner) if beside => !corner.hands_out(),
@@ -152,7 +151,7 @@ impl<const AXES: usize> Alternating<AXES> {
             let goes_out = self.last.is_some();
             self.round(dynamics);
             if goes_out {
-                // Before the next one comes in.
+                // Before the next block is taken.
                 return true;
             }
             if let (Turn::Corner(corner), Some((block, parting))) = (&mut self.turn, &self.next) {
@@ -166,7 +165,7 @@ impl<const AXES: usize> Alternating<AXES> {
         true
     }
 
-    /// What is left when the one at work has nothing to do. Whether there is something.
+    /// Continues when the current smoother has no work. Returns whether there was work.
     fn go_on(&mut self, dynamics: &Dynamics<AXES>) -> bool {
         if let Some((next, _)) = &self.next {
             return self.let_in(self.is_beside(next), dynamics);
@@ -198,7 +197,7 @@ impl<const AXES: usize> Smoother<AXES> for Alternating<AXES> {
                 self.end(dynamics);
                 &mut self.next
             }
-            // A curve of that line alone need not begin.
+            // A curve of this line alone need not begin.
             Turn::None | Turn::Curve(_) => &mut self.next,
             Turn::Corner(corner) if self.last.is_none() && beside => {
                 return corner.take(block, dynamics, parting);
@@ -288,12 +287,12 @@ impl<const AXES: usize> Smoother<AXES> for Alternating<AXES> {
     }
 
     fn gives_way(&mut self) -> bool {
-        // The path does not depend on when the text comes.
+        // The path must not depend on the arrival time of text.
         false
     }
 }
 
-/// Settings of contour mode beside arcs; `own` holds what the rules leave open.
+/// Settings of contour mode beside arcs; `own` has the values that the rules leave open.
 #[inline(never)]
 pub fn settings(rules: &Rules, own: &Settings) -> Settings {
     let [path, track] = [rules.path_dev, rules.track_dev]

@@ -1,13 +1,13 @@
-//! Direct splines: G151 and G150, and what is set for them.
+//! Direct splines: G151, G150, and their parameters.
 use super::spline::{self, DirectParameters, Mode, Start};
 use super::{Before, Kind, Selected, Smoothing, SplineError, Wanted};
 use crate::nc::{NcWarningKind, Spline, SplineType, Tangent};
 
 impl<const AXES: usize> Smoothing<AXES> {
-    /// Takes in a command of direct splines. What is doubtful about it.
+    /// Takes a command of direct splines. Returns the warning about it, if there is one.
     ///
     /// # Errors
-    /// It is refused, and nothing has changed.
+    /// The command is refused; nothing has changed.
     pub fn spline(
         &mut self,
         command: &Spline<AXES>,
@@ -68,7 +68,7 @@ impl<const AXES: usize> Smoothing<AXES> {
         Ok(())
     }
 
-    /// Points of the spline that is on.
+    /// Number of points of the active spline.
     fn points(&self) -> u32 {
         match &self.kind {
             Kind::Spline(splining) if self.wanted.is_none() => splining.points().max(1),
@@ -76,17 +76,18 @@ impl<const AXES: usize> Smoothing<AXES> {
         }
     }
 
-    /// The slope that the program gives for an end of the curve.
+    /// The slope that the program gives for one end of the curve.
     fn vector(&self, end: usize) -> Option<[f32; AXES]> {
         spline::slope(&self.measure, &self.spline.vector(end)?)
     }
 
-    /// Whether an axis may move at an end of the spline that is on although a block ends on it where it begins.
+    /// Whether an axis may move at an end of the active spline, although a block ends for this axis where it
+    /// begins.
     pub(super) fn leans(&self, axis: usize) -> bool {
         self.selected == Selected::Spline && self.spline.leans(axis)
     }
 
-    /// With the parameters of program start.
+    /// Restores the parameters of program start.
     pub(super) const fn restart_direct(&mut self) {
         self.spline = DirectParameters::at_start();
     }

@@ -1,9 +1,10 @@
-//! #HSC \[SURFACE\] and contour mode by turns: where two lines make an edge (`surface/edges.rs`), their corner is
+//! `#HSC \[SURFACE\]` and contour mode take turns. Where two lines make an edge (`surface/edges.rs`), contour mode rounds the corner by DEV with the tolerances of Surface. The same holds for every transition with an arc that stays an arc (CIR_MODE): at a tangential transition, a curve leads from one curvature to the other. CIR_MODE=0 leaves these transitions unchanged.
 //! one of DEV with the tolerances of Surface. So is every transition with an arc that stays one (CIR_MODE): where
 //! it is tangential, a curve leads from one curvature to the other. CIR_MODE=0 leaves them all.
 //!
-//! A line with an edge at one end is halved: one half is the last or the first chord of a row of Surface, the
-//! other one a block of contour mode, of which the corner may take nearly all. Both go straight where they meet.
+//! A line with an edge at one end is halved. One half is the last or the first chord of a run of Surface, the
+//! other half a block of contour mode, of which the corner may take nearly all. Both are straight where they
+//! meet.
 use super::contour::{Contouring, Settings};
 use super::halved::{Waiting, halve};
 use super::surface::{Edges, Parameters, Surface, Used};
@@ -12,7 +13,7 @@ use crate::dynamics::Dynamics;
 use crate::nc::{NcWarningKind, Place};
 use crate::path::Measure;
 
-/// The one at work.
+/// The smoother whose turn it is.
 #[derive(Debug)]
 #[expect(clippy::large_enum_variant, reason = "one of both is at work at a time, in static memory")]
 enum Turn<const AXES: usize> {
@@ -22,23 +23,23 @@ enum Turn<const AXES: usize> {
     Corner(Contouring<AXES>),
 }
 
-/// The stage.
+/// The smoothing stage.
 #[derive(Debug)]
 pub struct Edged<const AXES: usize> {
     measure: Measure,
     parameters: Parameters,
     turn: Turn<AXES>,
-    /// The last line before an edge, or the half of it there; behind an edge the last line.
+    /// The last line before an edge, or its half there; behind an edge the last line.
     last: Option<Waiting<AXES>>,
-    /// It is half a line.
+    /// Whether that line is half a line.
     half: bool,
-    /// What lines that it stands for use of the tolerance.
+    /// The part of the tolerance that the lines under it use.
     used: Used,
-    /// The block behind it, until what is before it is done.
+    /// The block behind that line, until everything before is done.
     next: Option<Waiting<AXES>>,
-    /// Nothing follows for now; `true` demands a standstill.
+    /// No block follows for now; `true` demands a stop.
     ending: Option<bool>,
-    /// What is to be said about a corner.
+    /// The warning about a corner.
     remark: Option<NcWarningKind>,
 }
 
@@ -82,8 +83,8 @@ impl<const AXES: usize> Edged<AXES> {
         self.turn = Turn::Corner(Contouring::with(self.measure, &settings));
     }
 
-    /// The line that waits goes into contour mode, as half a line or as a whole one. `rapid`: the block behind
-    /// it is a rapid one.
+    /// The waiting line goes into contour mode, as half a line or as a whole line. `rapid`: the block behind
+    /// it is rapid motion.
     #[inline(never)]
     fn round(&mut self, rapid: bool, half: bool, dynamics: &Dynamics<AXES>) {
         let Some((line, parting)) = &self.last else { return };
@@ -94,8 +95,8 @@ impl<const AXES: usize> Edged<AXES> {
         }
     }
 
-    /// Whether a block makes an edge with the last line of a row, which ends before that then. A call of its
-    /// own: what is left of the line is large.
+    /// Whether a block makes an edge with the last line of a run, which then ends before that line. A
+    /// separate function, because the rest of the line is large.
     #[inline(never)]
     fn leave(&mut self, block: &ProgrammedBlock<AXES>, parting: Parting, dynamics: &Dynamics<AXES>) -> bool {
         let Turn::Surface(surface) = &mut self.turn else { return false };
@@ -105,13 +106,13 @@ impl<const AXES: usize> Edged<AXES> {
         true
     }
 
-    /// A block waits. A call of its own: it is there twice.
+    /// A block waits. A separate function, because it has two callers.
     #[inline(never)]
     fn wait(&mut self, block: &ProgrammedBlock<AXES>, parting: Parting) {
         self.next = Some((*block, parting));
     }
 
-    /// A block comes in behind the line that waits, which is one of contour mode.
+    /// Takes a block behind the waiting line, which belongs to contour mode.
     #[inline(never)]
     fn follow(&mut self, block: &ProgrammedBlock<AXES>, parting: Parting, dynamics: &Dynamics<AXES>) {
         let rapid = block.data.feed.is_none();
@@ -129,7 +130,7 @@ impl<const AXES: usize> Edged<AXES> {
         self.next = Some((*block, parting));
     }
 
-    /// No edge is behind the line that waits: half of it is one of contour mode, the other half waits.
+    /// There is no edge behind the waiting line: half of the line goes to contour mode, the other half waits.
     #[inline(never)]
     fn end(&mut self, dynamics: &Dynamics<AXES>) {
         let Some((line, _)) = &mut self.last else { return };
@@ -148,7 +149,7 @@ impl<const AXES: usize> Edged<AXES> {
         }
     }
 
-    /// What is left when the one at work has nothing to do. Whether there is something.
+    /// Continues when the current smoother has no work. Returns whether there was work.
     fn go_on(&mut self, dynamics: &Dynamics<AXES>) -> bool {
         let busy = match &self.turn {
             Turn::Surface(surface) => surface.hands_out(),
@@ -160,7 +161,7 @@ impl<const AXES: usize> Edged<AXES> {
         self.change(dynamics)
     }
 
-    /// The one at work takes what waits, or the other one begins.
+    /// The current smoother takes the waiting line, or the other smoother begins.
     #[cold]
     #[inline(never)]
     fn change(&mut self, dynamics: &Dynamics<AXES>) -> bool {

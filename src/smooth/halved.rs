@@ -1,9 +1,9 @@
-//! A line between a curve and contour mode, halved: one half belongs to each.
+//! A line between a curve and contour mode is halved: each gets one half.
 use super::{Parting, ProgrammedBlock, middle};
 use crate::path::{Measure, Straight, straight_line};
 use crate::quantity::Position;
 
-/// A block that waits, and what stands before it.
+/// A waiting block, and the commands between it and the block before.
 pub type Waiting<const AXES: usize> = (ProgrammedBlock<AXES>, Parting);
 
 /// The rest of a line.
@@ -14,7 +14,7 @@ pub struct Rest<const AXES: usize> {
 }
 
 impl<const AXES: usize> Rest<AXES> {
-    /// A block that ends in the middle of its line becomes the other half.
+    /// Makes the other half of a block that ends in the middle of its line.
     pub fn follow(&self, block: &mut ProgrammedBlock<AXES>) {
         (block.from, block.to) = (block.to, self.to);
         self.line.assign_to(&mut block.element);
@@ -22,7 +22,7 @@ impl<const AXES: usize> Rest<AXES> {
     }
 }
 
-/// The line ends in its middle; what is left of it. `None` if it is too short and stays whole.
+/// Ends the line in its middle, and returns the rest. `None` if the line is too short to be halved.
 pub fn halve<const AXES: usize>(block: &mut ProgrammedBlock<AXES>, measure: &Measure) -> Option<Rest<AXES>> {
     let middle = middle(&block.from, &block.to);
     let line = straight_line(&middle, &block.to, measure).ok()??;

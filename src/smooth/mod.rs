@@ -1,10 +1,10 @@
 //! Smoothing of the path: from programmed blocks to the elements that are driven.
 //!
-//! A [`Smoother`] takes programmed blocks, holds back as many as it needs to know, works on them a bounded
-//! piece per call, and emits elements. Stages above know [`Smoothing`], not which kind is at work.
+//! A [`Smoother`] takes programmed blocks, holds back as many as it needs, works on them in bounded steps,
+//! and emits elements. Other stages know only [`Smoothing`], not the kind of smoother.
 //!
-//! What a build leaves out ([`crate::machine::functions`]) is a kind without values (`absent.rs`), at the only place
-//! where kinds are named, below.
+//! A kind that a build leaves out ([`crate::machine::functions`]) is a type without values (`absent.rs`). This file
+//! is the only place that names the kinds.
 #![cfg_attr(
     not(all(feature = "contour", feature = "surface", feature = "splines")),
     allow(dead_code, clippy::large_enum_variant, reason = "what is left out is not used, and has no size")
@@ -46,23 +46,23 @@ use contour::Preset;
 use spline::{DirectParameters, Start};
 use spline::{HscParameters, Mode};
 
-/// How a block was programmed, to make the rest of it again.
+/// How a block was programmed, so that its rest can be made again.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Form {
     /// Straight.
     Line,
-    /// About a centre.
+    /// An arc about a centre.
     Arc {
-        /// In the two axes of the plane.
+        /// Centre in the two axes of the plane.
         centre: [Position; 2],
-        /// Its plane.
+        /// Plane of the arc.
         plane: Plane,
-        /// G02.
+        /// Whether the arc is G02.
         clockwise: bool,
     },
 }
 
-/// Data that go with a block.
+/// Data of a block.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Data {
     /// Feed, mm/min; rapid without.
@@ -71,7 +71,7 @@ pub struct Data {
     pub n: u32,
     /// Place of the block in the text.
     pub place: Place,
-    /// Motion blocks before it.
+    /// Number of motion blocks before the block.
     pub number: u32,
     /// Whether the block ends in an exact stop.
     pub stop: bool,
@@ -110,17 +110,17 @@ pub struct Smoothed<'a, const AXES: usize> {
     pub element: &'a Element<AXES>,
     /// End of the element, if it is known, to the last bit.
     pub end: Option<&'a [Position; AXES]>,
-    /// Data of its block.
+    /// Data of the element's block.
     pub data: &'a Data,
-    /// Set for a part of the curve in a corner.
+    /// Set for a part of a corner's curve.
     pub curving: Option<Curving>,
-    /// Functions with no more motion blocks before them come before it.
+    /// Functions with at most this number of motion blocks before them come before the element.
     pub due: u32,
-    /// Limits of the element, if they are known already.
+    /// Limits of the element, if already known.
     pub known: Option<&'a Known>,
 }
 
-/// Half way from one point to another.
+/// The point half way between two points.
 fn middle<const AXES: usize>(from: &[Position; AXES], to: &[Position; AXES]) -> [Position; AXES] {
     let mut middle = *from;
     for (x, to) in middle.iter_mut().zip(to) {
@@ -129,53 +129,52 @@ fn middle<const AXES: usize>(from: &[Position; AXES], to: &[Position; AXES]) -> 
     middle
 }
 
-/// What separates a block from the one before.
+/// Commands between a block and the block before.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Parting {
     /// Nothing.
     None,
     /// Functions.
     Functions,
-    /// Functions, of which an acknowledgement is waited for.
+    /// Functions, at least one with an acknowledgement.
     Awaited,
 }
 
 /// A stage between programmed blocks and the look-ahead.
 pub trait Smoother<const AXES: usize> {
-    /// Takes in the next block; only when [`Self::work`] has nothing to do and [`Self::emit`] no more.
+    /// Takes the next block. Only if [`Self::work`] has no work and [`Self::emit`] has no element.
     fn take(&mut self, block: &ProgrammedBlock<AXES>, dynamics: &Dynamics<AXES>, parting: Parting);
 
-    /// Does a bounded piece of work. `false` if nothing is to be done, and only then [`Self::emit`] knows
-    /// what goes on.
+    /// Does a bounded step of work. `false` if there is no work; only then [`Self::emit`] may be asked.
     fn work(&mut self, dynamics: &Dynamics<AXES>) -> bool;
 
-    /// Hands the next element `into` the look-ahead, where it lies; `false` if none goes on before another
-    /// block comes.
+    /// Passes the next element to `into`, in place. `false` if no element is ready before another block
+    /// comes.
     fn emit(&mut self, into: impl FnOnce(&Smoothed<'_, AXES>)) -> bool;
 
-    /// Holds nothing back any longer; `stop` demands a standstill at the end of the last block.
+    /// Releases all blocks; `stop` demands a stop at the end of the last block.
     fn flush(&mut self, stop: bool);
 
-    /// The last block ends where it was programmed to. If it is left out, the corner before it stays.
+    /// The last block ends at its programmed point. If this block is left out, the corner before it stays.
     fn cancel(&mut self);
 
-    /// Forgets what it holds.
+    /// Drops all blocks.
     fn clear(&mut self);
 
-    /// Off, with the parameters of program start. Only when it holds nothing.
+    /// Switches off, with the parameters of program start. Only if no block is held back.
     fn restart(&mut self);
 
-    /// Where the block held back stands in the text: the one behind the corner that is emitted.
+    /// Place of the held block in the text: the block behind the corner that is being emitted.
     fn place(&self) -> Option<Place>;
 
-    /// What is to be said about the curve that the last block led to, once.
+    /// The warning about the curve that the last block led to, once.
     fn remark(&mut self) -> Option<NcWarningKind>;
 
-    /// Whether a block can go past this stage: nothing is held back, and its end is not rounded. Asked only
-    /// when [`Self::emit`] has no more.
+    /// Whether a block can bypass this stage: no block is held back, and its end is not rounded. Asked only
+    /// if [`Self::emit`] has no element.
     fn is_idle(&self) -> bool;
 
-    /// Whether nothing is to be done and nothing goes on before another block comes.
+    /// Whether there is neither work nor an element before another block comes.
     fn is_empty(&self) -> bool;
 
     /// Whether the end of the last block is to be rounded.
@@ -184,11 +183,12 @@ pub trait Smoother<const AXES: usize> {
     /// Whether a block is held back.
     fn holds(&self) -> bool;
 
-    /// The text is late, and the motion would stand still for it: whether what is held back now goes on.
+    /// The text is late, and the motion would stop because of this. Returns whether the held blocks are
+    /// released now.
     fn gives_way(&mut self) -> bool;
 }
 
-/// The kinds, in one memory.
+/// The kinds of smoother, in shared memory.
 #[derive(Debug)]
 enum Kind<const AXES: usize> {
     /// #CONTOUR MODE, G61, G261, and #HSC \[OPMODE=1\].
@@ -202,7 +202,7 @@ enum Kind<const AXES: usize> {
 }
 
 impl<const AXES: usize> Kind<AXES> {
-    /// Becomes contour mode with these settings: in its place, if it is that already.
+    /// Becomes contour mode with these settings; in place if it already is contour mode.
     #[inline(never)]
     fn begin_contour(&mut self, measure: Measure, settings: &contour::Settings) {
         match self {
@@ -212,10 +212,10 @@ impl<const AXES: usize> Kind<AXES> {
     }
 }
 
-/// A kind that is to be at work as soon as nothing is held back.
+/// The kind that begins as soon as no block is held back.
 #[derive(Debug)]
 enum Wanted<const AXES: usize> {
-    /// Contour mode as it is in force.
+    /// Contour mode with the current settings.
     Contour,
     /// #HSC \[OPMODE=1\].
     Rounding,
@@ -227,7 +227,7 @@ enum Wanted<const AXES: usize> {
     Surface,
 }
 
-/// What the program has switched on beside contour mode.
+/// The function that the program has switched on in addition to contour mode.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Selected {
     /// Nothing.
@@ -238,18 +238,18 @@ enum Selected {
     Hsc(HscMethod),
 }
 
-/// Why a command about splines is refused.
+/// The reason why a spline command is refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum SplineError {
-    /// Less points than the curve needs: those that there are, and those it needs.
+    /// Fewer points than the curve needs.
     TooFewPoints {
-        /// Since it was switched on.
+        /// Number of points since the spline was switched on.
         points: u32,
-        /// At least.
+        /// Number of points needed.
         needed: u32,
     },
-    /// 120255: contour mode or #HSC while a spline is on, or the other way round.
+    /// 120255: contour mode or `#HSC` while a spline is on, or vice versa.
     InSpline,
     /// 120370: G150 or G151 while #HSC is on.
     InHsc,
@@ -260,18 +260,18 @@ pub enum SplineError {
 /// State of the program where it switches a spline on.
 #[derive(Clone, Copy, Debug)]
 pub struct Before<'a, const AXES: usize> {
-    /// Motion blocks taken in.
+    /// Number of motion blocks taken.
     pub taken: u32,
-    /// End of the last one.
+    /// End of the last block.
     pub exit: Option<&'a End<AXES>>,
 }
 
-/// The smoother at work, and what each of the others is to begin with.
+/// The current smoother, and the start parameters of the others.
 #[derive(Debug)]
 pub struct Smoothing<const AXES: usize> {
     measure: Measure,
     kind: Kind<AXES>,
-    /// Contour mode while another kind is at work.
+    /// Settings of contour mode while another kind is active.
     contour: contour::Settings,
     #[cfg(feature = "splines")]
     spline: DirectParameters<AXES>,
@@ -283,8 +283,8 @@ pub struct Smoothing<const AXES: usize> {
 }
 
 impl<const AXES: usize> Smoothing<AXES> {
-    /// Contour mode, off; `auto_contour_mode`: P-CHAN-00239.
-    // In place, in every build: as a result it would be on the stack twice.
+    /// Contour mode, switched off. `auto_contour_mode`: P-CHAN-00239.
+    // In place, in every build: a returned value would be on the stack twice.
     #[inline(always)]
     pub fn new(measure: Measure, preset: Preset, auto_contour_mode: u8) -> Self {
         Self {
@@ -301,10 +301,10 @@ impl<const AXES: usize> Smoothing<AXES> {
         }
     }
 
-    /// Takes in a command of contour mode. `in_motion`: it stands in a block with a motion.
+    /// Takes a command of contour mode. `in_motion`: the command is in a block with a motion.
     ///
     /// # Errors
-    /// It would round corners of a spline.
+    /// The command would round corners of a spline.
     pub fn contour(&mut self, command: &Contour, in_motion: bool) -> Result<(), SplineError> {
         let rounds = matches!(command.switch, Some(ContourSwitch::Block | ContourSwitch::On));
         if rounds && self.selected == Selected::Spline {
@@ -324,7 +324,7 @@ impl<const AXES: usize> Smoothing<AXES> {
         Ok(())
     }
 
-    /// Path length counts along three axes at most.
+    /// Checks that path length counts along at most three axes.
     fn check_axes(&self) -> Result<(), SplineError> {
         let fed = (0..AXES).filter(|k| self.measure.feeds(*k)).count();
         if fed > 3 { Err(SplineError::FeedAxes) } else { Ok(()) }
@@ -341,7 +341,7 @@ impl<const AXES: usize> Smoothing<AXES> {
         self.rounding().is_on()
     }
 
-    /// Contour mode, at work or not.
+    /// Settings of contour mode, active or not.
     fn rounding(&self) -> contour::Settings {
         match &self.kind {
             Kind::Contour(contouring) if self.wanted.is_none() => contouring.settings(),
@@ -349,8 +349,8 @@ impl<const AXES: usize> Smoothing<AXES> {
         }
     }
 
-    /// Axes that a block may move although it ends on them where it begins, bit i for axis i: by the interim point
-    /// of POS, or by a vector at an end of a spline.
+    /// Axes that a block may move although it ends for them where it begins, bit i for axis i: because of the
+    /// interim point of POS, or of a vector at an end of a spline.
     #[inline(never)]
     pub fn swung(&self) -> u32 {
         let swings = self.measure.main.places().into_iter().zip(self.rounding().swings());
@@ -359,12 +359,12 @@ impl<const AXES: usize> Smoothing<AXES> {
         swung.chain(given).fold(0, |axes, k| axes | 1u32.wrapping_shl(k as u32))
     }
 
-    /// Takes in parameters of #HSC, and its switch. What is held back ends where it was programmed to.
+    /// Takes parameters and switch of `#HSC`. The held blocks end at their programmed points.
     ///
-    /// While HSC is on, its parameters stay: `false` if the command gives some.
+    /// While HSC is on, its parameters stay. Returns `false` if the command tries to change them.
     ///
     /// # Errors
-    /// It is refused, and nothing has changed.
+    /// The command is refused; nothing has changed.
     pub fn hsc(&mut self, command: &Hsc) -> Result<bool, SplineError> {
         let on = matches!(self.selected, Selected::Hsc(_));
         if self.selected == Selected::Spline {
@@ -406,7 +406,7 @@ impl<const AXES: usize> Smoothing<AXES> {
             HscMethod::Bspline => spline(Mode::Control(self.hsc.rules)),
             #[cfg(feature = "splines")]
             HscMethod::Op(2) => spline(Mode::Interpolating(self.hsc.conterror_mm())),
-            // What is not compiled in does not come here.
+            // Kinds that are not compiled in never arrive here.
             _ => Wanted::Rounding,
         };
         self.keep_contour();
@@ -414,12 +414,12 @@ impl<const AXES: usize> Smoothing<AXES> {
         self.want(wanted);
     }
 
-    /// The method that #HSC ON takes with this command.
+    /// The method that `#HSC ON` selects with this command.
     pub fn method(&self, command: &Hsc) -> HscMethod {
         command.method.unwrap_or(self.hsc.method)
     }
 
-    /// Whether a direct B-spline is on, which has no arcs.
+    /// Whether a direct B-spline is on, which permits no arcs.
     pub fn refuses_arcs(&self) -> bool {
         self.selected == Selected::Spline && self.spline_mode() == Some(Mode::Direct)
     }
@@ -433,20 +433,20 @@ impl<const AXES: usize> Smoothing<AXES> {
         }
     }
 
-    /// Another kind is to be at work. What is held back ends where it was programmed to.
+    /// Selects another kind. The held blocks end at their programmed points.
     fn want(&mut self, wanted: Wanted<AXES>) {
         self.cancel();
         self.wanted = Some(wanted);
     }
 
-    /// What is in force of contour mode stays for later. Only where nothing is selected beside it.
+    /// Saves the settings of contour mode for later. Only if no other function is selected.
     fn keep_contour(&mut self) {
         if let (Kind::Contour(contouring), None) = (&self.kind, &self.wanted) {
             self.contour = contouring.settings();
         }
     }
 
-    /// Another kind gets to work. Only when nothing is held back.
+    /// Changes to another kind. Only if no block is held back.
     #[cold]
     #[inline(never)]
     fn change(&mut self, wanted: &Wanted<AXES>) {
@@ -468,7 +468,7 @@ impl<const AXES: usize> Smoothing<AXES> {
         }
     }
 
-    // One at a time on the stack, and nothing twice.
+    // Only one kind at a time is on the stack.
 
     #[inline(never)]
     fn begin_contour(&mut self) {
@@ -481,7 +481,7 @@ impl<const AXES: usize> Smoothing<AXES> {
         self.kind.begin_contour(self.measure, &settings);
     }
 
-    /// Contour mode as #HSC \[OPMODE=1\] has it.
+    /// Contour mode with the settings of `#HSC \[OPMODE=1\]`.
     #[inline(never)]
     fn settings_of_hsc(&self) -> contour::Settings {
         let dev = Contour {
@@ -499,7 +499,8 @@ impl<const AXES: usize> Smoothing<AXES> {
         self.kind = Kind::Spline(Splining::new(self.measure, check_jerk, start));
     }
 
-    /// A B-spline inside a tolerance: the kernels of Surface are its curves, and edges have those of contour mode.
+    /// A B-spline inside a tolerance. Its curves are the smoothing curves of Surface; contour mode rounds the
+    /// edges.
     #[cfg(all(feature = "surface", feature = "splines"))]
     #[inline(never)]
     fn begin_bounded(&mut self, rules: &spline::Rules) {
@@ -527,7 +528,7 @@ impl<const AXES: usize> Smoothing<AXES> {
     }
 }
 
-/// What the kind at work does.
+/// Calls the current kind.
 macro_rules! at_work {
     ($smoothing:ident, $kind:ident => $what:expr) => {
         match &mut $smoothing.kind {

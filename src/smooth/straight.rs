@@ -1,5 +1,4 @@
-//! What stands for contour mode where it is not compiled in ([`crate::machine::functions`]): always off, so that
-//! blocks go past it.
+//! Replaces contour mode in a build without it ([`crate::machine::functions`]): always off, so blocks bypass it.
 use super::contour::{Preset, Settings};
 use super::{Parting, ProgrammedBlock, Smoothed, Smoother};
 use crate::dynamics::Dynamics;
@@ -33,7 +32,7 @@ impl<const AXES: usize> Straight<AXES> {
         self.settings
     }
 
-    /// Switching off is all that comes here.
+    /// The only command that arrives here switches contour mode off.
     pub const fn command(&mut self, _: &Contour, _: bool) {}
 }
 

@@ -1,27 +1,27 @@
-//! NO_OPT=0: acceleration where a slow block begins and ends.
+//! NO_OPT=0: acceleration at the ends of a slow block.
 //!
-//! An anchor at the end of a slow block makes acceleration zero where its limit is met. The optimum passes
-//! such a point with an acceleration: it goes on slowing down inside the slow block, and begins to speed up
-//! before its end. So the anchor moves into the slow block, and is as much slower: a *valley*. The piece
-//! between it and the end of the slow block belongs to the fast span. With jerk J and a depth of h below the
-//! limit V the ramp between them takes t = √(2h/J) and a way of t (V − 2h/3).
+//! An anchor at the end of a slow block makes acceleration zero where the limit is met. The optimum passes
+//! this point with an acceleration: the motion still brakes inside the slow block, and begins to speed up
+//! before its end. So the anchor moves into the slow block, and gets a lower speed: a *valley*. The piece
+//! between the anchor and the end of the slow block belongs to the fast span. With jerk J and a depth of h
+//! below the limit V, the ramp between them takes t = √(2h/J) and the distance t (V − 2h/3).
 //!
-//! Such a piece needs no check of its limit. From an anchor on, the speed v = w + J t²/2 is reached at s = w
-//! t + J t³/6 at the soonest, and where s is given, v grows with w above v/2 and falls below: its highest
-//! values are those of w = V − h, which is V, and of w = 0, which is below V as long as h ≤ V/8. The same
-//! seen backward. So any motion that begins or ends with acceleration zero at the anchor, at its speed or
-//! slower, keeps the limit of the piece: after a hold, with another override, with new blocks behind. The
-//! piece is *lent* to the fast span: its own limit does not count there. With another level the slow block
-//! gets all of it back ([`super::Lookahead::set_level`]).
+//! Such a piece needs no check of its limit. From an anchor of the speed w on, the speed v = w + J t²/2 is
+//! reached at s = w t + J t³/6 at the earliest. For a given s, v grows with w above v/2 and falls below. So
+//! its highest values are those of w = V − h, which is V, and of w = 0, which is below V as long as h ≤ V/8.
+//! The same holds backward. So any motion that begins or ends at the anchor with acceleration zero, at the
+//! anchor's speed or slower, keeps the limit of the piece: after a hold, with another override, with new
+//! blocks behind. The piece is *lent* to the fast span, where its own limit does not count. At another level
+//! the slow block gets all of its pieces back ([`super::Lookahead::set_level`]).
 //!
-//! A valley costs time inside the slow block and gains some in front of it: with a fast block of speed F the
-//! best depth is about V (1 − V/F)/4. A slow block too short for two valleys gets one from end to end. Two
-//! laws, or three, are compared with those of the plan as it is: what is no faster is left. Speeds at the
-//! other ends of both spans stay, what follows relies on them.
+//! A valley costs time inside the slow block and saves time before it: with a fast block of speed F the best
+//! depth is about V (1 − V/F)/4. A slow block that is too short for two valleys gets one from end to end. Two
+//! or three profiles are compared with those of the current plan; a valley that is not faster is dropped.
+//! Speeds at the other ends of both spans stay, because later blocks rely on them.
 //!
-//! Beside that, an anchor may move: [`mod@self::shift`].
+//! An anchor may also move: [`mod@self::shift`].
 //!
-//! A block that is cut takes two places of the ring. They share its curve.
+//! A block that is cut takes two places of the ring. Both parts share its curve.
 mod shift;
 
 use super::block::{Block, Marks};
@@ -33,22 +33,22 @@ use crate::math::float::{max, min, to_bits};
 use crate::math::root::sqrt_f32;
 use crate::quantity::{Speed, speed_bits};
 
-/// Part of the ring that is left free for cuts.
+/// Part of the ring that stays free for cuts.
 pub(super) const SPARE: usize = 8;
 /// Blocks per call that are counted.
 const WALK: usize = 32;
-/// Valleys tried: a part of the best depth, and whether both sides get one depth.
+/// Valleys to try: a factor for the best depth, and whether both sides get the same depth.
 const DEPTHS: [(f32, bool); 3] = [(1.0, false), (1.0, true), (0.4, false)];
-/// Two speeds that differ by less are one.
+/// Two speeds that differ by less count as equal.
 const SAME: f32 = 1.0 + 1.0 / 65_536.0;
-/// Deepest valley, as a part of the speed: up to 0.133 the limit is kept from a standstill too.
+/// Deepest valley, as a part of the speed. Up to 0.133 the limit is kept from a stop too.
 const DEEPEST: f32 = 0.125;
-/// Depth of the best valley below a speed that is small beside that of the fast block.
+/// Depth of the best valley for a speed that is small beside that of the fast block.
 const BEST: f32 = 1.0 / 3.9;
-/// A valley is so much shorter than its jerk permits.
+/// A valley is shorter than its jerk permits by this factor.
 const SHORTER: f32 = 1.0 - 1.0 / 1024.0;
 
-/// A ramp from a lower speed, where acceleration is zero, up to the limit of a slow block.
+/// A ramp from a lower speed with acceleration zero up to the limit of a slow block.
 #[derive(Clone, Copy, Debug, Default)]
 struct Side {
     /// Speed at the anchor.
@@ -64,13 +64,13 @@ impl Side {
         Self { v: v - gain, way: t * (v - gain * (2.0 / 3.0)) * SHORTER }
     }
 
-    /// Time of the best one beside a peak, `a` being the largest acceleration.
+    /// Time of the best ramp beside a peak; `a` is the largest acceleration.
     fn best(v: f32, peak: f32, j: f32, a: f32, part: f32) -> f32 {
         let depth = v * part * min(DEEPEST, BEST * max(0.0, 1.0 - v / peak));
         min(sqrt_f32(2.0 * depth / j), a / j)
     }
 
-    /// Time of one of that way.
+    /// Time of a ramp over this distance.
     fn fill(v: f32, j: f32, way: f32) -> f32 {
         let mut t = way / v;
         for _ in 0..3 {
@@ -81,44 +81,44 @@ impl Side {
     }
 }
 
-/// What to do next.
+/// The next step.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Step {
-    /// Find out which span is the slow one.
+    /// Find out which span is slow.
     Look,
-    /// Take in the blocks.
+    /// Collect the blocks.
     TakeIn,
-    /// Find the time of the plan as it is.
+    /// Compute the time of the current plan.
     Measure,
-    /// Find how deep, or how far the anchor moves.
+    /// Compute the depth, or the distance by which the anchor moves.
     Weigh,
-    /// Fit the law of one of the spans to its blocks.
+    /// Fit the profile of one of the spans to its blocks.
     Fit(u8),
-    /// Do it.
+    /// Carry the change out.
     Do,
 }
 
 impl Step {
-    /// What follows when the law of that span is fitted.
+    /// The step after the profile of this span is fitted.
     const fn behind(which: u8) -> Self {
         if which < 3 { Self::Fit(which + 1) } else { Self::Do }
     }
 }
 
-/// Up to three spans, of which the middle one is slow.
+/// Up to three spans; the middle one is slow.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Valley {
-    /// The span whose law is being fitted to its blocks: before (1), behind (2), between (3).
+    /// The span whose profile is being fitted to its blocks: before (1), behind (2), between (3).
     fitting: u8,
-    /// Valleys tried.
+    /// Number of valleys tried.
     tried: u8,
-    /// Where the spans begin, and the last one ends.
+    /// First blocks of the spans, and the end of the last span.
     edges: [usize; 4],
     spans: [Span; 3],
     speeds: [Speed; 4],
     /// Highest speeds on both sides.
     peaks: [f32; 2],
-    /// Time as it is, and of the laws: before, behind, between.
+    /// Time of the current plan, and of the new profiles: before, behind, between.
     before: f32,
     times: [f32; 3],
     cut: Cut,
@@ -126,25 +126,25 @@ pub(super) struct Valley {
     shift: Shift,
 }
 
-/// Where a slow block is cut.
+/// The cuts of a slow block.
 #[derive(Clone, Copy, Debug)]
 struct Cut {
-    /// From its start and from its end.
+    /// Distances of the cuts from the block's start and from its end.
     cuts: [i64; 2],
-    /// Speeds there.
+    /// Speeds at the cuts.
     v: [f32; 2],
-    /// There is only one valley, from end to end.
+    /// Whether there is only one valley, from end to end.
     meet: bool,
 }
 
-/// An anchor that moves, instead of a valley.
+/// The shift of an anchor, in place of a valley.
 #[derive(Clone, Copy, Debug)]
 struct Shift {
     on: bool,
-    /// Where it was, and by how much it moves in whole blocks.
+    /// The old place of the anchor, and its shift in whole blocks.
     was: usize,
     moved: i64,
-    /// The search for its place: steps done, distances into the block, speed and time found.
+    /// The search for the new place: steps done, distances into the block, speed and time found.
     steps: u8,
     between: [i64; 2],
     best: Option<(Speed, f32)>,
@@ -173,7 +173,7 @@ impl Valley {
         shift: Shift::NONE,
     };
 
-    /// Of all laws.
+    /// Time of all new profiles.
     fn time(&self) -> f32 {
         self.times.iter().sum()
     }
@@ -188,7 +188,7 @@ impl Valley {
 }
 
 impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
-    /// One step.
+    /// Does one step.
     pub(super) fn valley(&mut self, pass: &mut Trial, valley: &mut Valley, step: Step) {
         match step {
             Step::Look => self.look(pass, valley),
@@ -202,7 +202,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         }
     }
 
-    /// The next anchor. `tried`: not this one again.
+    /// Moves on to the next anchor. `tried`: the current anchor is not tried again.
     fn leave_anchor(&mut self, pass: &mut Trial, valley: &mut Valley, tried: bool) {
         (pass.fit.fitting, pass.fit.head) = (false, 0);
         *valley = Valley::NONE;
@@ -230,7 +230,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         }
         let mut edges = [pass.from, at, to, to];
         if before > v * RISE {
-            // Into a slow span.
+            // The anchor moves into a slow span.
             let leaves = to < self.blocks.len()
                 && self.limit(to) > self.limit(to - 1) * RISE
                 && self.blocks.get(to).is_some_and(|block| {
@@ -338,7 +338,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             let mut leave = Side::new(v_out, j_out, t_out);
             let mut meet = false;
             if b + 1 == c {
-                // One block: both, or one from end to end.
+                // One block: both valleys, or one from end to end.
                 let most = lengths[0] * (1.0 - 1.0 / 16.0);
                 if a < b && c < d && enter.way + leave.way > most {
                     meet = true;
@@ -359,14 +359,14 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
                     leave = Side::new(v_out, j_out, Side::fill(v_out, j_out, most[1]));
                 }
             }
-            // What is no gain leaves the next depth to be tried.
+            // Without a gain the next depth will be tried.
             let _ = self.try_dip(pass, valley, [enter, leave], meet);
             return;
         }
         self.leave_anchor(pass, valley, true);
     }
 
-    /// `None`: no gain.
+    /// Returns `None` if there is no gain.
     fn try_dip(
         &mut self,
         pass: &mut Trial,
@@ -432,7 +432,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         Some(())
     }
 
-    /// Fits the law of one of the outer spans to its blocks.
+    /// Fits the profile of one of the outer spans to its blocks.
     fn fit(&mut self, pass: &mut Trial, valley: &mut Valley, which: u8) {
         let [a, b, c, d] = valley.edges;
         (valley.fitting, pass.fit.fitting) = (which, true);
@@ -458,7 +458,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             ],
         };
         pass.speeds = [v_in, v_out, v_out];
-        // The piece of an anchor that moves is compared too.
+        // The piece that a moved anchor adds is compared too.
         let (mut from, mut to) = (from, to);
         let mut before = 0;
         if valley.shift.on && cut > 0 {
@@ -487,7 +487,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         }
         pass.spans[0] = span;
         pass.ease = ease;
-        // What is left for it.
+        // The time that is left for this span.
         if let Some(time) = valley.times.get_mut(usize::from(which) - 1) {
             *time = 0.0;
         }
@@ -497,7 +497,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         self.try_law(pass);
     }
 
-    /// The law keeps the limits of the blocks.
+    /// The profile keeps the limits of the blocks.
     pub(super) fn fitted(&mut self, pass: &mut Trial, valley: &mut Valley) {
         if let Some(time) = valley.times.get_mut(usize::from(valley.fitting) - 1) {
             *time = pass.law.time();
@@ -511,7 +511,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         pass.step = ease::Step::Valley(Step::behind(valley.fitting));
     }
 
-    /// Cuts a block at a distance from its start: what is behind becomes the next one.
+    /// Cuts a block at a distance from its start. The rest becomes the next block.
     fn cut(&mut self, k: usize, distance: i64) {
         let Some(block) = self.blocks.get_mut(k) else { return };
         let mut piece = *block;
@@ -529,7 +529,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         }
     }
 
-    /// Acceleration is zero where the block `k` begins, at that speed, for good.
+    /// Sets acceleration zero at the start of the block `k`, at this speed, permanently.
     fn dip_at(&mut self, k: usize, v: f32) {
         let Some(block) = self.blocks.get_mut(k) else { return };
         let speed = Planned::below_by_call(Speed::from_bits(speed_bits(v)));
@@ -540,7 +540,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         self.counts.through -= 1;
     }
 
-    /// The transition at the start of block `k` no longer counts.
+    /// Removes the limit of the transition at the start of block `k`.
     fn open_up(&mut self, k: usize, cap: f32) {
         let Some(block) = self.blocks.get_mut(k) else { return };
         let open = block.joint.is_open();
@@ -551,7 +551,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         self.counts.untried -= usize::from(open).min(self.counts.untried);
     }
 
-    /// The block `k` is part of a faster span.
+    /// Lends the block `k` to a faster span.
     fn lend(&mut self, k: usize) {
         if let Some(block) = self.blocks.get_mut(k) {
             block.joint.lend();
@@ -582,7 +582,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             span.limits.ease(plan.eases[0]);
             self.renew(a, &span, Speed::from_bits(speed_bits(plan.cut.v[0])));
             if plan.leaves() {
-                // The other end in the next call.
+                // The other end follows in the next call.
                 valley.edges = [at, at, c, d + 1];
                 pass.last += 1;
                 return;
@@ -607,7 +607,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             }
             self.keep_ease(at, plan.eases[1]);
         }
-        // It gets no faster there, although the new law might.
+        // The span gets no faster there, although the new profile might.
         if let Some(end) = self.blocks.get_mut(d + cuts) {
             end.v_in = end.v_reached;
         }
@@ -618,7 +618,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         pass.step = ease::Step::Seek;
     }
 
-    /// The span that begins with this block leaves that unused.
+    /// Stores the ease of the span that begins with this block.
     fn keep_ease(&mut self, from: usize, ease: Ease) {
         if let Some(second) = self.blocks.get_mut(from + 1)
             && !second.is(Marks::ANCHOR)

@@ -1,8 +1,8 @@
-//! An anchor that moves.
+//! Moves an anchor.
 //!
-//! An anchor that is slower than its limit, because the way on one side of it is too short, is no place for
-//! acceleration zero either: it moves into the block on the other side, as far as the limit where it was
-//! permits.
+//! An anchor may be slower than its limit because the length on one side is too short. Then it is a poor
+//! place for acceleration zero. The anchor moves into the block on the other side, as far as the limit at its
+//! old place permits.
 use super::{Shift, Step, Valley};
 use crate::lookahead::block::Marks;
 use crate::lookahead::ease::{self, Ease, Trial};
@@ -12,16 +12,16 @@ use crate::math::float::to_f32;
 use crate::quantity::{DISTANCE_LSB, Speed, speed_bits, speed_f32};
 use crate::slope::limits::{Limits, ROUNDED};
 
-/// Whole blocks that an anchor passes, at most; steps of the search for its place in the next one, and how
-/// many of them a call makes.
+/// Largest number of whole blocks that an anchor passes; steps of the search for its place in the next block;
+/// steps of the search per call.
 const MOVES: u8 = 4;
 const SHIFTS: u8 = 12;
 const LAWS: usize = 2;
-/// An anchor moves only for so much: less is better gained without it.
+/// An anchor moves only for at least this gain of time.
 const WORTH: f32 = 0.995;
 
 impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
-    /// An anchor that is slower than it may be.
+    /// Handles an anchor that is slower than its limit.
     pub(in crate::lookahead) fn look_further(&mut self, pass: &mut Trial, valley: &mut Valley) {
         let (from, at) = (pass.from, pass.at);
         let to = self.anchor_behind(at);
@@ -34,7 +34,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         pass.step = ease::Step::Valley(Step::TakeIn);
     }
 
-    /// Goes on with the knee.
+    /// Continues with a knee.
     fn try_knee(&mut self, pass: &mut Trial, valley: &mut Valley) {
         (pass.fit.fitting, pass.fit.head) = (false, 0);
         *valley = Valley::NONE;
@@ -43,7 +43,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         pass.step = ease::Step::Gather;
     }
 
-    /// Moves the anchor into the faster block beside it, as far as the limit at its block's end permits; or
+    /// Moves the anchor into the faster block beside it, as far as the limit at the block's end permits, or
     /// not at all.
     pub(super) fn weigh_shift(&mut self, pass: &mut Trial, valley: &mut Valley) {
         let moves = if pass.fit.fitting { None } else { self.search_shift(pass, valley) };
@@ -53,7 +53,8 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         }
     }
 
-    /// Whether the motion speeds up to the anchor, or slows down from it: which block it moves into.
+    /// Whether the motion speeds up to the anchor or brakes from it, which decides the block that the anchor
+    /// moves into.
     fn shifts_early(&self, valley: &Valley) -> Option<bool> {
         let high = speed_f32(valley.speeds[1].to_bits()) * RISE;
         match [valley.peaks[0] > high, valley.peaks[1] > high] {
@@ -63,8 +64,8 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         }
     }
 
-    /// Speed at the anchor and time of the law that has it at its end, if the anchor moves `way` into a
-    /// block; `None` if that law is too fast where the anchor was.
+    /// Speed at the anchor, and time of the profile that ends there, if the anchor moves by `way` into a
+    /// block; `None` if this profile is too fast at the anchor's old place.
     fn shifted(&self, valley: &Valley, limits: &Limits, early: bool, way: i64) -> Option<(Speed, f32)> {
         let mut span = valley.spans[if early { 2 } else { 0 }];
         let at = to_f32(if early { valley.shift.moved + way } else { span.length - valley.shift.moved })
@@ -82,7 +83,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         law.keeps(cap, at, at).then(|| (v, law.time()))
     }
 
-    /// Goes on with the search. `None`: it stays.
+    /// Continues the search. `None`: the anchor stays.
     fn search_shift(&mut self, pass: &mut Trial, valley: &mut Valley) -> Option<()> {
         let early = self.shifts_early(valley)?;
         let [a, b, _, d] = valley.edges;
@@ -126,7 +127,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         Some(())
     }
 
-    /// `None`: no gain.
+    /// Returns `None` if there is no gain.
     fn try_shift(&mut self, pass: &mut Trial, valley: &mut Valley, early: bool) -> Option<()> {
         let [_, b, ..] = valley.edges;
         let [v_from, .., v_end] = valley.speeds;
@@ -172,7 +173,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             k + 1
         };
         let early = at < was;
-        // The anchor that was.
+        // The old anchor.
         let cap = self.blocks.get(was).map_or(0.0, |block| block.cap);
         self.open_up(was, cap);
         let (cap_here, open_here) =
@@ -194,7 +195,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         }
         self.keep_ease(at, plan.eases[1]);
         self.keep_ease(a, plan.eases[0]);
-        // It gets no faster there, although the new law might.
+        // The span gets no faster there, although the new profile might.
         let end = plan.edges[3] + usize::from(plan.cut.cuts[0] != 0);
         if let Some(end) = self.blocks.get_mut(end) {
             end.v_in = end.v_reached;

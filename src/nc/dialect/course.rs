@@ -1,4 +1,4 @@
-//! Blocks that make several motions: G28 and G30, arcs of several turns, canned cycles. One part per call.
+//! Blocks with several motions: G28 and G30, arcs of several turns, canned cycles. One part per call.
 use crate::math::angle::atan2_turns;
 use crate::nc::compose::carry;
 use crate::nc::{ArcBy, MotionKind, Plane, real};
@@ -28,32 +28,32 @@ pub enum CycleKind {
 }
 
 impl CycleKind {
-    /// It has a dwell at the bottom.
+    /// Whether the cycle has a dwell at the bottom.
     pub const fn dwells(self) -> bool {
         matches!(self, Self::Dwell | Self::BoreDwell | Self::BoreStop | Self::Tap | Self::TapLeft)
     }
 
-    /// It needs P.
+    /// Whether the cycle needs P.
     pub const fn needs_dwell(self) -> bool {
         matches!(self, Self::Dwell | Self::BoreDwell)
     }
 
-    /// The spindle turns the other way on the way out.
+    /// Whether the spindle reverses on the way out.
     const fn taps(self) -> bool {
         matches!(self, Self::Tap | Self::TapLeft)
     }
 
-    /// It goes down in pecks.
+    /// Whether the cycle drills in pecks.
     pub const fn pecks(self) -> bool {
         matches!(self, Self::Peck | Self::Break)
     }
 }
 
-/// What a block does in several parts.
+/// A block that is carried out in several parts.
 #[derive(Clone, Copy)]
 pub enum Course<const AXES: usize> {
     None,
-    /// G28 or G30: perhaps to a place on the way, then to the stored one.
+    /// G28 or G30: first to an intermediate point, if given, then to the stored position.
     Home {
         way: Option<[Position; AXES]>,
         to: [Position; AXES],
@@ -63,18 +63,18 @@ pub enum Course<const AXES: usize> {
     Holes(Holes<AXES>),
 }
 
-/// One part.
+/// One part of a block.
 #[derive(Clone, Copy)]
 pub enum Part<const AXES: usize> {
     Motion(MotionKind, [Position; AXES]),
     /// Seconds.
     Dwell(Position),
-    /// Of the spindle.
+    /// An M function of the spindle.
     M(u16),
 }
 
 impl<const AXES: usize> Course<AXES> {
-    /// The next part from `at`; `None` when the block is done. `rests` is what rounding of increments has left.
+    /// The next part from `at`; `None` when the block is done. `rests`: remainders of rounded increments.
     pub fn next(&mut self, at: &[Position; AXES], rests: &mut [i32; AXES]) -> Option<Part<AXES>> {
         match self {
             Self::None => None,
@@ -100,7 +100,7 @@ impl<const AXES: usize> Course<AXES> {
     }
 }
 
-/// An arc of several turns: full circles, and the arc as it was programmed.
+/// An arc of several turns: full circles, then the arc as programmed.
 #[derive(Clone, Copy)]
 pub struct Turns<const AXES: usize> {
     pub start: [Position; AXES],
@@ -110,7 +110,7 @@ pub struct Turns<const AXES: usize> {
     pub centre: [Position; 2],
     pub plane: Plane,
     pub clockwise: bool,
-    /// Full circles before the arc.
+    /// Number of full circles before the arc.
     pub full: u32,
     pub done: u32,
 }
@@ -128,7 +128,7 @@ impl<const AXES: usize> Turns<AXES> {
         Some(Part::Motion(kind, target))
     }
 
-    /// From the centre to a point, along an axis of the plane.
+    /// Distance from the centre to a point, along an axis of the plane.
     fn off_centre(&self, point: &[Position; AXES], k: usize) -> i64 {
         let (axis, centre) = (self.axes.get(k), self.centre.get(k));
         let at = axis.and_then(|axis| point.get(*axis)).copied().unwrap_or_default();
@@ -149,14 +149,15 @@ impl<const AXES: usize> Turns<AXES> {
     fn angle(&self) -> u64 {
         let turned = self.direction(&self.end).wrapping_sub(self.direction(&self.start));
         let turned = if self.clockwise { turned.wrapping_neg() } else { turned };
-        // To nearest; as little as nothing is a full circle.
+        // To nearest; a nearly zero angle is a full circle.
         match ((turned >> 15) + 1) >> 1 {
             0 => 1 << 48,
             angle => angle,
         }
     }
 
-    /// Where all axes are behind `turns` full circles: those outside the plane have gone on with the angle.
+    /// Position of all axes after `turns` full circles: those outside the plane move in proportion to the
+    /// angle.
     fn behind(&self, turns: u32) -> [Position; AXES] {
         let whole = (i128::from(self.full) << 48) + i128::from(self.angle());
         let part = i128::from(turns) << 48;
@@ -174,14 +175,14 @@ impl<const AXES: usize> Turns<AXES> {
     }
 }
 
-/// An arc whose radius grows or shrinks evenly with its angle, in several arcs.
+/// An arc whose radius changes linearly with its angle, in several arcs.
 #[derive(Clone, Copy)]
 pub struct Spiral<const AXES: usize> {
     /// The arc as it was programmed.
     pub turns: Turns<AXES>,
     /// At the start and at the end, mm.
     pub radii: [f64; 2],
-    /// A whole number of arcs.
+    /// Number of arcs, a whole number.
     pub count: f64,
 }
 
@@ -197,7 +198,7 @@ impl<const AXES: usize> Spiral<AXES> {
         Some(Part::Motion(MotionKind::Arc { plane, clockwise, by: ArcBy::Centre(centre) }, target))
     }
 
-    /// Where all axes are behind a part of the angle.
+    /// Position of all axes after a part of the angle.
     fn behind(&self, part: f64) -> [Position; AXES] {
         let turns = &self.turns;
         let degrees = |turns: u64, lsb: f64| turns as f64 * 360.0 / lsb;
@@ -222,17 +223,17 @@ impl<const AXES: usize> Spiral<AXES> {
     }
 }
 
-/// A peck that ends so near to the bottom is the last one: a nanometre, which rounding may leave.
+/// A peck that ends so near to the bottom is the last one: a nanometre, for rounding.
 const NEAR: Position = Position::from_bits(1 << 12);
 
-/// What the spindle does in a hole.
+/// Actions of the spindle in a hole.
 #[derive(Clone, Copy)]
 pub struct Acts {
-    /// M3 or M4, as the spindle turns behind the hole.
+    /// M3 or M4: direction of the spindle after the hole.
     pub turn: u16,
-    /// Tapping goes out at feed to R alone, and the spindle turns there.
+    /// Whether tapping retracts at feed only to R, where the spindle reverses.
     pub to_level: bool,
-    /// How many acts at the bottom, or behind the hole, are done.
+    /// Number of actions done at the bottom, or after the hole.
     pub done: u8,
 }
 
@@ -240,36 +241,36 @@ pub struct Acts {
 #[derive(Clone, Copy)]
 pub struct Holes<const AXES: usize> {
     pub kind: CycleKind,
-    /// Axes of the plane, and the one of the hole.
+    /// Axes of the plane, and axis of the hole.
     pub axes: [usize; 3],
-    /// From hole to hole, and what its rounding left.
+    /// Step from hole to hole, and its rounding remainder.
     pub step: [(Position, i64); 2],
-    /// The hole at hand in the plane.
+    /// The current hole in the plane.
     pub hole: [Position; 2],
     pub r: Position,
     pub bottom: Position,
-    /// Where the tool ends above the hole.
+    /// Position of the tool after the hole.
     pub clear: Position,
-    /// And what its rounding left.
+    /// Depth of a peck, and its rounding remainder.
     pub peck: (Position, i64),
-    /// What the pecks of this hole have left.
+    /// Rounding remainder of the pecks of this hole.
     pub rest: i32,
     pub back: Position,
     pub dwell: Position,
     pub acts: Acts,
-    /// Holes still to come.
+    /// Number of remaining holes.
     pub left: u32,
-    /// How deep this one is.
+    /// Current depth.
     pub depth: Position,
     pub stage: Stage,
 }
 
-/// What comes next in a cycle.
+/// The next stage of a cycle.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Stage {
     /// Up to R, before the first hole.
     Lift,
-    /// Over the hole.
+    /// Move over the hole.
     Over,
     /// To R.
     Down,
@@ -278,13 +279,13 @@ pub enum Stage {
     Back,
     /// Down again to the last depth.
     Again,
-    /// A short way up, to break the chip.
+    /// Retract a little, to break the chip.
     Break,
     Bottom,
     Out,
-    /// What the spindle does outside.
+    /// Actions of the spindle outside the hole.
     Outside,
-    /// From R to where the hole ends.
+    /// From R to the end position of the hole.
     Clear,
     End,
 }
@@ -321,7 +322,7 @@ impl<const AXES: usize> Holes<AXES> {
         }
     }
 
-    /// The next thing that is done while the axes stand, at the bottom or outside; `None` when there is no more.
+    /// The next action while the axes stand, at the bottom or outside; `None` when there is no more.
     fn do_act(&mut self) -> Option<Part<AXES>> {
         let dwell = || Some(Part::Dwell(self.dwell));
         let back = if self.acts.turn == 3 { 4 } else { 3 };
@@ -351,7 +352,7 @@ impl<const AXES: usize> Holes<AXES> {
         part
     }
 
-    /// The next hole.
+    /// Begins the next hole.
     fn over(&mut self, target: &mut [Position; AXES], rests: &mut [i32; AXES]) {
         self.left = self.left.saturating_sub(1);
         for ((hole, (step, left)), axis) in self.hole.iter_mut().zip(self.step).zip(self.axes) {
@@ -362,7 +363,7 @@ impl<const AXES: usize> Holes<AXES> {
         }
     }
 
-    /// The next level, and whether the way there is rapid.
+    /// The next level, and whether the motion to it is rapid.
     fn level(&mut self) -> (Position, bool) {
         let stage = self.stage;
         let (level, rapid, next) = match stage {

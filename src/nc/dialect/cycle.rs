@@ -1,4 +1,4 @@
-//! Canned cycles: what their words make.
+//! Canned cycles: the meaning of their words.
 use super::Cycle;
 use super::block::Block;
 use super::course::{Acts, Course, CycleKind, Holes, Stage};
@@ -9,14 +9,14 @@ use crate::nc::number::Factor;
 use crate::nc::{Fault, NcErrorKind, Span};
 use crate::quantity::Position;
 
-/// How far above the last depth a deep hole goes on, and how far a tool backs off to break the chip: 0.01 inch.
+/// Distance above the last depth at which a deep hole continues, and distance of a chip break: 0.01 inch.
 const BACK: Position = Position::from_bits(0x4106_24dd);
 
-/// Most holes of L.
+/// Largest number of holes by L.
 const REPEATS: u32 = 10_000;
 
 impl<const AXES: usize> Interpreter<AXES> {
-    /// A block of a cycle with axis words: its holes.
+    /// A block of a cycle with axis words: makes its holes.
     pub(super) fn drill(
         &mut self,
         kind: CycleKind,
@@ -57,7 +57,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         self.needs_turning(span)?;
         let turn = self.turn_of(kind, span)?;
         if repeats == 0 {
-            // Fanuc keeps the words, and drills nothing.
+            // Fanuc keeps the words without drilling.
             self.foreign.now.cycle = Some(cycle);
             return Ok(Course::None);
         }
@@ -90,7 +90,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         }))
     }
 
-    /// How the spindle is to turn behind the hole.
+    /// Direction of the spindle after the hole.
     fn turn_of(&self, kind: CycleKind, span: Span) -> Result<u16, Fault> {
         let spindle = self.foreign.now.spindle;
         let fanuc = self.setup.foreign.dialect.is_fanuc();
@@ -111,7 +111,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         }
     }
 
-    /// Axes of the plane in force, and the one across.
+    /// Axes of the active plane, and the axis across.
     pub(super) fn axes_of_plane(&self, span: Span) -> Result<[usize; 3], Fault> {
         let [first, second] = self.modal.plane.main_axes();
         let places = [first, second, 3 - first - second];
@@ -125,7 +125,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         Ok(axes)
     }
 
-    /// The words of a cycle; what is left out is that of the block before.
+    /// The words of a cycle; a missing word has the value of the block before.
     fn cycle_of(
         &self,
         kind: CycleKind,
@@ -179,7 +179,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         value.ok_or(Fault { span: given.span, kind })
     }
 
-    /// Seconds of P; `is_ms`: it counts milliseconds.
+    /// P in seconds; `is_ms`: P counts milliseconds.
     pub(super) fn seconds(&self, given: Given, is_ms: bool) -> Result<Position, Fault> {
         let factor = if is_ms { Factor::new(1, 1000) } else { Factor::ONE };
         let value = given.number.fixed(factor).filter(|v| *v >= Position::ZERO && in_range(*v));
@@ -187,7 +187,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         value.ok_or(Fault { span: given.span, kind })
     }
 
-    /// Where the way to the first hole begins, and the step from hole to hole.
+    /// Start position for the first hole, and the step from hole to hole.
     #[expect(clippy::type_complexity, reason = "two pairs that the caller takes apart at once")]
     fn first_hole(
         &mut self,

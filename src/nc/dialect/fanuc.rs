@@ -1,4 +1,4 @@
-//! What Fanuc's controllers read otherwise: numbers without a decimal point, and the order of some functions.
+//! Differences of Fanuc's controllers: numbers without a decimal point, and the order of some functions.
 use super::block::Block;
 use super::words::{Meaning, group};
 use crate::machine::AxisKind;
@@ -8,7 +8,8 @@ use crate::nc::line::Line;
 use crate::nc::number::Number;
 use crate::nc::{NcWarningKind, Span};
 
-/// Whether all numbers of a line but 0 have a decimal point, those of G, M and N aside. Lines with others are not plain.
+/// Whether all numbers of a line except 0 have a decimal point; G, M and N do not count. Other lines are not
+/// plain.
 pub(super) fn has_points(bytes: &[u8]) -> bool {
     let (mut counts, mut digits, mut point) = (false, false, false);
     for byte in bytes.iter().chain(b" ") {
@@ -28,7 +29,7 @@ pub(super) fn has_points(bytes: &[u8]) -> bool {
     true
 }
 
-/// The decimal point goes some places to the left.
+/// Moves the decimal point to the left.
 fn shift(given: &mut Given, places: u8) -> bool {
     match &mut given.number {
         Number::Decimal { mantissa, scale: scale @ 0, .. } => {
@@ -40,8 +41,8 @@ fn shift(given: &mut Given, places: u8) -> bool {
 }
 
 impl<const AXES: usize> Interpreter<AXES> {
-    /// Lengths without a decimal point count in 0.001 mm or 0.0001 inch, angles in 0.001 degrees. `inch`: the unit that
-    /// holds in the block.
+    /// Lengths without a decimal point count in 0.001 mm or 0.0001 inch, angles in 0.001 degrees. `inch`: unit of the
+    /// block.
     pub(super) fn least_increments(&mut self, block: &mut Block<AXES>, inch: bool, line: &Line) {
         if !self.setup.foreign.dialect.is_fanuc() || block.pointless == 0 {
             return;
@@ -88,7 +89,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         }
     }
 
-    /// Letters that Fanuc takes in blocks that do not use them: D without G41, and H0.
+    /// Drops letters that Fanuc accepts without use: D without G41, and H0.
     pub(super) fn drop_unused(&mut self, block: &mut Block<AXES>) {
         if !self.setup.foreign.dialect.is_fanuc() {
             return;
@@ -102,7 +103,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         }
     }
 
-    /// X or U of G4, and whether it counts milliseconds.
+    /// X or U of G4, and whether the value counts milliseconds.
     pub(super) fn dwell_by_axis(&self, block: &mut Block<AXES>) -> Option<(Given, bool)> {
         if !self.setup.foreign.dialect.is_fanuc() {
             return None;
@@ -122,7 +123,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         None
     }
 
-    /// P of M98: the program, and how often it is called, as the digits before the last four say.
+    /// P of M98: the program, and the number of calls from the digits before the last four.
     pub(super) const fn called_by(number: u32) -> (u32, u32) {
         let (times, program) = (number / 10_000, number % 10_000);
         (program, if times == 0 { 1 } else { times })

@@ -1,4 +1,4 @@
-//! What is in force between two lines, for whoever shows it or brings it back: a controller on a serial line.
+//! The modal state between two lines: a controller on a serial line shows and restores it.
 use super::course::CycleKind;
 use super::{Interpreter, State};
 use crate::machine::{MORE_OFFSETS, ZERO_OFFSETS};
@@ -7,7 +7,7 @@ use crate::nc::compose::in_range;
 use crate::nc::modal::{Modal, Mode};
 use crate::quantity::{Feed, Position};
 
-/// Modal words, F, tool, G92 and tool length, as a line has left them. Zero offsets belong to the set-up.
+/// Modal words, F, tool, G92 and tool length after a line. Zero offsets belong to the set-up.
 #[derive(Clone, Copy)]
 pub struct InForce<const AXES: usize> {
     modal: Modal<AXES>,
@@ -17,7 +17,7 @@ pub struct InForce<const AXES: usize> {
 /// Zero offsets: G54…G59.3.
 const SETS: usize = ZERO_OFFSETS + MORE_OFFSETS;
 
-/// What G10, G28.1 and G30.1 store, machine coordinates.
+/// Values that G10, G28.1 and G30.1 store, machine coordinates.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct StoredOffsets<const AXES: usize> {
     /// G54…G59.3.
@@ -30,7 +30,7 @@ impl<const AXES: usize> StoredOffsets<AXES> {
     /// All are 0.
     pub const ZERO: Self = Self { zero: [[Position::ZERO; AXES]; SETS], places: [[Position::ZERO; AXES]; 2] };
 
-    /// Whether all are inside ±100 000 mm.
+    /// Whether all values are inside ±100 000 mm.
     pub fn is_in_range(&self) -> bool {
         self.zero.iter().chain(&self.places).flatten().all(|value| in_range(*value))
     }
@@ -134,19 +134,19 @@ impl<const AXES: usize> InForce<AXES> {
 }
 
 impl<const AXES: usize> Interpreter<AXES> {
-    /// What is in force.
+    /// The modal state.
     pub fn in_force(&self) -> InForce<AXES> {
         InForce { modal: self.modal, now: self.foreign.now }
     }
 
-    /// This is in force from the next line on.
+    /// Restores a modal state, from the next line on.
     pub fn put_in_force(&mut self, force: &InForce<AXES>) {
         (self.modal, self.foreign.now) = (force.modal, force.now);
         self.settle_plain();
         self.settle_shift();
     }
 
-    /// Zero offsets and places as programs have stored them.
+    /// Zero offsets and places, as programs have stored them.
     pub fn stored(&self) -> StoredOffsets<AXES> {
         let mut zero = [[Position::ZERO; AXES]; SETS];
         let sets = self.setup.zero_offsets.iter().chain(&self.setup.foreign.offsets);
@@ -156,7 +156,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         StoredOffsets { zero, places: self.setup.foreign.stored }
     }
 
-    /// Zero offsets and places as they were before. They count from the next line on.
+    /// Restores zero offsets and places, from the next line on.
     pub fn put_stored(&mut self, stored: &StoredOffsets<AXES>) {
         let sets = self.setup.zero_offsets.iter_mut().chain(&mut self.setup.foreign.offsets);
         for (to, from) in sets.zip(&stored.zero) {

@@ -1,4 +1,4 @@
-//! What moves the origin: zero offsets, G92, tool lengths, and the places of G28 and G30.
+//! Shifts of the origin: zero offsets, G92, tool lengths; and the places of G28 and G30.
 use super::block::{Block, Said};
 use super::words::Meaning;
 use crate::machine::{Dialect, ZERO_OFFSETS, of_tenths};
@@ -28,7 +28,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         set.and_then(|set| set.get(axis)).copied().unwrap_or(Position::ZERO)
     }
 
-    /// Words that store or clear an offset, in their place of the order.
+    /// Carries out words that store or clear an offset, in their order.
     pub(super) fn store(&mut self, said: Said, block: &mut Block<AXES>) -> Result<(), Fault> {
         let clears = matches!(said.word.meaning, Meaning::HereClear | Meaning::HereOff | Meaning::HereBack);
         if let (true, Some(first)) = (clears, block.first) {
@@ -65,8 +65,8 @@ impl<const AXES: usize> Interpreter<AXES> {
         Ok(())
     }
 
-    /// G92: the axes named stand at these coordinates. G52: they are shifted by them. The others keep what they have
-    /// in force.
+    /// G92: the named axes get these coordinates. G52: they are shifted by these values. Other axes keep their
+    /// offsets.
     fn set_here(&mut self, block: &Block<AXES>, stands: bool) -> Result<(), Fault> {
         if core::mem::take(&mut self.foreign.now.here_off) {
             self.foreign.now.here = [Position::ZERO; AXES];
@@ -128,7 +128,7 @@ impl<const AXES: usize> Interpreter<AXES> {
             Some(set) => set as usize,
             None => self.modal.zero_set.unwrap_or(0),
         };
-        // Nothing is stored unless all of the block is right.
+        // No value is stored unless the whole block is right.
         block.is_used_up()?;
         let mut stored = [None; AXES];
         for ((axis, given), stored) in block.axes.iter().enumerate().zip(&mut stored) {
@@ -189,7 +189,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         Ok(())
     }
 
-    /// The length of a tool. Without a table it is 0, which is told.
+    /// The length of a tool. Without a table it is 0, with a warning.
     fn length_of(&mut self, (number, span): (u32, Span), line: &Line) -> Result<Position, Fault> {
         let tools = &self.setup.foreign.tools;
         match tools.of(number) {
@@ -219,7 +219,7 @@ impl<const AXES: usize> Interpreter<AXES> {
     }
 }
 
-/// That the block names axes.
+/// Checks that the block names axes.
 fn needs_axes<const AXES: usize>(span: Span, block: &Block<AXES>) -> Result<(), Fault> {
     if block.first.is_some() { Ok(()) } else { span.fault(NcErrorKind::Missing("axis words")) }
 }

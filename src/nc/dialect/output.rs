@@ -74,7 +74,7 @@ impl<const AXES: usize> Interpreter<AXES> {
                 // Below 2^54 times 1000.
                 ((i128::from(time.to_bits()) * 1000 + 0xffff_ffff) >> 32) as u32
             }
-            // LinuxCNC takes Q and does not look at it.
+            // LinuxCNC accepts Q without effect here.
             Some(_) => 0,
             None if mode > 0 => return span.fault(NcErrorKind::Missing("Q, the longest wait in seconds")),
             None => 0,

@@ -1,6 +1,6 @@
 //! O words: subroutines, loops, branches; and subprograms by number, M98 and M99.
 //!
-//! A word finds its partner by its label, `o100` or `o<name>`. Where lines are passed over, only O words are read.
+//! A word finds its partner by its label, `o100` or `o<name>`. In skipped lines only O words are read.
 use super::Interpreter;
 use super::block::literal;
 use super::parameter::{ARGUMENTS, name};
@@ -12,25 +12,25 @@ use crate::nc::number::Number;
 use crate::nc::{Fault, NcErrorKind, Place, Span};
 use heapless::Vec;
 
-/// What stands behind O: a number, or the hash of a name with bit 31 set.
+/// The label after O: a number, or the hash of a name with bit 31 set.
 pub(super) type Label = u32;
 
-/// Why lines are passed over.
+/// The reason why lines are skipped.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Skip {
-    /// They are not.
+    /// No lines are skipped.
     No,
-    /// To `endsub`: a definition is not carried out where it stands.
+    /// Up to `endsub`: a definition is not carried out in its place.
     Sub(Label),
-    /// To `elseif`, `else` or `endif`.
+    /// Up to `elseif`, `else` or `endif`.
     Branch(Label),
-    /// To `endif`.
+    /// Up to `endif`.
     EndIf(Label),
-    /// To the end of a loop, which is left.
+    /// Up to the end of a loop that is left.
     Out(Label),
-    /// To the `while` that ends a `do` loop, which is then carried out.
+    /// Up to the `while` that ends a `do` loop, which is then carried out.
     Round(Label),
-    /// To the subprogram with this number.
+    /// Up to the subprogram with this number.
     Program(Label),
 }
 
@@ -41,7 +41,7 @@ enum Kind {
     While(Mark2),
     /// The mark is the first line inside.
     Do(Mark2),
-    /// The mark is the first line inside; how often it is still to go round.
+    /// The mark is the first line inside; the number counts the remaining rounds.
     Repeat(Mark2, u32),
 }
 
@@ -63,35 +63,35 @@ struct Open {
     place: Place,
 }
 
-/// A call under way.
+/// An open call.
 #[derive(Clone, Copy)]
 struct Frame {
     label: Label,
     back: Mark2,
-    /// Start of the file of the caller.
+    /// Start of the caller's file.
     program: Mark,
-    /// Blocks that were open at the call.
+    /// Number of open blocks at the call.
     blocks: u8,
     /// `#1` to `#30` of the caller.
     locals: [f64; ARGUMENTS],
-    /// Of M98: the first line, once it is known, and how often it is to be run again.
+    /// For M98: the first line, once known, and the number of remaining runs.
     again: Option<(Mark2, u32)>,
-    /// The definition has not been reached: it stands in a file of its own, or behind M98.
+    /// Whether the definition is still searched: it is in its own file, or after M98.
     seeks: bool,
 }
 
 /// State of calls, loops and branches.
 pub(super) struct Calls {
-    /// `#1` to `#30` of the call at hand.
+    /// `#1` to `#30` of the current call.
     pub locals: [f64; ARGUMENTS],
-    /// What the last subroutine has returned.
+    /// Value that the last subroutine returned.
     pub value: f64,
     pub returned: bool,
     frames: Vec<Frame, CALL_DEPTH>,
     blocks: Vec<Open, NESTING>,
     subroutines: Vec<(Label, Mark2), SUBROUTINES>,
     skip: Skip,
-    /// What the passing began with, for messages.
+    /// The origin of the skipping, for messages.
     origin: Place,
 }
 
@@ -107,7 +107,7 @@ impl Calls {
         origin: Place::NONE,
     };
 
-    /// A program begins: nothing is open.
+    /// Begins a program without open blocks.
     pub fn clear(&mut self) {
         self.frames.clear();
         self.blocks.clear();
@@ -116,12 +116,12 @@ impl Calls {
         (self.locals, self.value, self.returned) = ([0.0; ARGUMENTS], 0.0, false);
     }
 
-    /// Calls under way.
+    /// Number of open calls.
     pub fn level(&self) -> usize {
         self.frames.len()
     }
 
-    /// Whether lines are passed over.
+    /// Whether lines are skipped.
     pub fn skips(&self) -> bool {
         self.skip != Skip::No
     }
@@ -130,12 +130,12 @@ impl Calls {
         self.frames.last().map_or(0, |frame| frame.blocks.into())
     }
 
-    /// The innermost open block of the call at hand.
+    /// The innermost open block of the current call.
     fn innermost(&mut self) -> Option<&mut Open> {
         if self.blocks.len() > self.base() { self.blocks.last_mut() } else { None }
     }
 
-    /// Where the text has ended: what is still open.
+    /// The block or call that is still open at the end of the text.
     pub fn unfinished(&mut self) -> Option<(Place, NcErrorKind)> {
         let closing = match self.skip {
             Skip::No => None,
@@ -177,7 +177,7 @@ const KEYS: [&str; 15] = [
     "CONTINUE",
 ];
 
-/// An O word: label, where it stands, key. A program number has the key "".
+/// An O word: label, place, key. A program number has the key "".
 struct Head {
     label: Label,
     name: Option<Span>,
@@ -186,7 +186,7 @@ struct Head {
 }
 
 impl<const AXES: usize> Interpreter<AXES> {
-    /// An O word at the start of a block; `None` and nothing read where there is none.
+    /// Reads an O word at the start of a block; `None` if there is none, and nothing is read.
     pub(super) fn o_word(
         &mut self,
         c: &mut Cursor<'_>,
@@ -254,7 +254,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         Ok(Head { label, name: spelled, span, key: key.unwrap_or("") })
     }
 
-    /// An O word among lines that are passed over.
+    /// An O word in skipped lines.
     fn passed(
         &mut self,
         head: &Head,
@@ -298,7 +298,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         Ok(Next::Line)
     }
 
-    /// An O word that is carried out.
+    /// Carries out an O word.
     fn do_o_word(
         &mut self,
         head: &Head,
@@ -324,7 +324,7 @@ impl<const AXES: usize> Interpreter<AXES> {
                 Next::Line
             }
             "ELSEIF" | "ELSE" => {
-                // Behind the branch that was taken: its condition is not looked at.
+                // After the branch that was taken: the condition is not evaluated.
                 self.close_branch(head)?;
                 self.skip(Skip::EndIf(head.label), head, line);
                 return Ok(Next::Line);
@@ -454,7 +454,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         self.foreign.calls.origin = line.place(head.span);
     }
 
-    /// `sub`: is remembered, and passed over.
+    /// `sub`: stores the definition and skips it.
     fn define(&mut self, head: &Head, line: &Line, bounds: Bounds) -> Result<Next, Fault> {
         let calls = &mut self.foreign.calls;
         if let Some(frame) = calls.frames.last_mut()
@@ -495,7 +495,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         };
         self.enter(head.label, bounds.next, head.span, None, body.is_none())?;
         if body.is_none() {
-            // What the decoder takes back where there is no such file.
+            // The decoder takes this back if there is no such file.
             let frame = crate::nc::flow::Frame { back: bounds.next, program: self.flow.program, blocks: 0 };
             let deep = Fault { span: head.span, kind: NcErrorKind::CallTooDeep };
             if self.flow.frames.push(frame).is_err() {
@@ -525,7 +525,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         Ok(())
     }
 
-    /// A call whose file is not there has not begun.
+    /// A call whose file does not exist has not begun.
     pub(in crate::nc) fn leave_missing_file(&mut self) {
         if let Some(frame) = self.foreign.calls.frames.pop() {
             self.foreign.calls.locals = frame.locals;
@@ -546,7 +546,7 @@ impl<const AXES: usize> Interpreter<AXES> {
     }
 
     fn go_back(&mut self, frame: &Frame, level: usize) -> Next {
-        // Names of the call: their level is in bits 27 to 30.
+        // Names of the call have its level in bits 27 to 30.
         let from = 1 << 31 | (level as u32 + 1) << 27;
         self.calculator.parameters.forget(from, from | ((1 << 27) - 1));
         let calls = &mut self.foreign.calls;
@@ -594,7 +594,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         Ok(self.go_back(&frame, level))
     }
 
-    /// The text of a file ends: back to the caller, if `endsub` was left out.
+    /// The text of a file ends: returns to the caller, if `endsub` is missing.
     pub(super) fn end_of_called_file(&mut self) -> Option<Next> {
         if self.phase == Phase::Ended || self.foreign.calls.skips() {
             return None;

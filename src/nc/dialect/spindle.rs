@@ -1,4 +1,4 @@
-//! Where feed and spindle speed depend on each other: G95, F per revolution, and G96, constant surface speed.
+//! Feed and spindle speed that depend on each other: G95, F per revolution, and G96, constant surface speed.
 use super::block::Block;
 use crate::nc::interpreter::{Gathered, Interpreter};
 use crate::nc::{Fault, Motion, MotionKind, NcErrorKind, Span, real};
@@ -11,7 +11,7 @@ pub(in crate::nc) struct Surface {
     pub most: Option<f64>,
 }
 
-/// 2^32: what a bit is worth.
+/// 2^32: the factor of an LSB.
 const BITS: f64 = 4_294_967_296.0;
 
 impl<const AXES: usize> Interpreter<AXES> {
@@ -26,7 +26,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         Feed::from_bits(i64::try_from(product).unwrap_or(i64::MAX).max(1))
     }
 
-    /// That the spindle turns where F is per revolution.
+    /// Checks that the spindle turns if F is per revolution.
     pub(super) fn needs_turning(&self, span: Span) -> Result<(), Fault> {
         let now = &self.foreign.now;
         if now.per_turn && (now.spindle == 0 || now.speed == Position::ZERO) {
@@ -65,7 +65,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         Ok(())
     }
 
-    /// The spindle speed that G96 asks for where the axes stand.
+    /// The spindle speed for G96 at the position of the axes.
     pub(super) fn speed_of_surface(&self, surface: Surface, span: Span) -> Result<Position, Fault> {
         let axis = self.setup.main.first().copied().flatten().unwrap_or_default();
         let place = self.position.get(axis).copied().unwrap_or_default().saturating_sub(self.offset(axis));

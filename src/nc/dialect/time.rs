@@ -1,4 +1,4 @@
-//! G93: F is how many times a minute the block could be driven. The length of its path makes a feed of it.
+//! G93: F is the inverse of the block's time in minutes. With the length of the path this gives a feed.
 use crate::math::angle::atan2_turns;
 use crate::nc::interpreter::Interpreter;
 use crate::nc::{ArcBy, Motion, MotionKind, Plane};
@@ -7,13 +7,14 @@ use crate::quantity::{Feed, Position};
 /// 2π, LSB 2^-60.
 const TWO_PI: u128 = 0x6487_ED51_10B4_611A;
 
-/// How far one is from the other, LSB 2^-32.
+/// Distance between two positions, LSB 2^-32.
 fn between(from: Position, to: Position) -> u128 {
     u128::from(to.to_bits().abs_diff(from.to_bits()))
 }
 
 impl<const AXES: usize> Interpreter<AXES> {
-    /// The feed of a motion from `start` whose F is a number per minute. A motion without a path has the least feed.
+    /// The feed of a motion from `start` whose F is inverse time. A motion without a path has the smallest
+    /// feed.
     pub(super) fn feed_by_time(&self, motion: &Motion<AXES>, start: &[Position; AXES]) -> Feed {
         let per_minute = u128::from(motion.feed.to_bits().unsigned_abs());
         // Below 2^55 times below 2^63.
@@ -21,7 +22,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         Feed::from_bits(i64::try_from(feed).unwrap_or(i64::MAX).max(1))
     }
 
-    /// Length of the path, LSB 2^-32 mm: along the main axes, or along all others if none of those moves.
+    /// Length of the path, LSB 2^-32 mm: along the main axes; if none of them moves, along all other axes.
     fn length(&self, motion: &Motion<AXES>, start: &[Position; AXES]) -> u128 {
         let travel = |axis: usize| match (start.get(axis), motion.target.get(axis)) {
             (Some(from), Some(to)) => between(*from, *to),
@@ -64,7 +65,7 @@ impl<const AXES: usize> Interpreter<AXES> {
                 let turned = atan2_turns(y1, x1).wrapping_sub(atan2_turns(y0, x0));
                 let turned = if clockwise { turned.wrapping_neg() } else { turned };
                 let [x, y] = [x0, y0].map(|x| u128::from(x.unsigned_abs()));
-                // As little as nothing is a full circle.
+                // A nearly zero angle is a full circle.
                 let full = turned < 1 << 10 || from == to;
                 ((x * x + y * y).isqrt(), if full { 1 << 64 } else { u128::from(turned) })
             }

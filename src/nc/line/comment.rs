@@ -1,30 +1,31 @@
-//! Comments of LinuxCNC and Grbl: they do not nest, `\\` continues nothing, and some of them are meant for somebody.
+//! Comments of LinuxCNC and Grbl. They do not nest, `\\` continues nothing, and some of them are messages or
+//! commands.
 use super::LineReader;
 use crate::nc::dialect::Note;
 use crate::nc::{Place, Text};
 
-/// Letters by which active comments are told apart.
+/// Number of letters that distinguish active comments.
 const LETTERS: usize = 6;
 
-/// The comment at hand, and the last active one of the line.
+/// The current comment, and the last active one of the line.
 #[derive(Clone, Copy)]
 pub struct ForeignComments {
-    /// Programs are LinuxCNC's or Grbl's.
+    /// Whether programs are LinuxCNC's or Grbl's.
     pub is_on: bool,
-    /// The first letters of the comment, in upper case.
+    /// The first letters of the comment in upper case.
     letters: [u8; LETTERS],
-    /// How many; more than there is room for when the comment is none.
+    /// Number of letters; above the capacity if the comment is not active.
     count: u8,
-    /// What the comment is, once `,` has come, and where its text begins.
+    /// The kind of comment, known after `,`, and the place of its text.
     begun: Option<(Note, Place)>,
     note: Option<(Note, Place)>,
 }
 
 impl ForeignComments {
-    /// ISG's comments. All bits zero but for what is none.
+    /// ISG's comments.
     pub const ISG: Self = Self { is_on: false, letters: [0; LETTERS], count: 0, begun: None, note: None };
 
-    /// A line begins.
+    /// Begins a line.
     pub fn clear(&mut self) {
         (self.count, self.begun, self.note) = (0, None, None);
     }
@@ -34,7 +35,7 @@ impl ForeignComments {
         self.note.take()
     }
 
-    /// A byte of a comment.
+    /// Adds a byte of a comment.
     fn add(&mut self, byte: u8, here: Place) {
         if self.begun.is_some() {
             return;
@@ -69,7 +70,7 @@ impl ForeignComments {
         }
     }
 
-    /// The comment ends here.
+    /// Ends the comment.
     fn close(&mut self, here: Place) {
         if let Some((note, place)) = self.begun.take() {
             let length = here.offset.wrapping_sub(place.offset).min(u32::from(u16::MAX)) as u16;
@@ -80,7 +81,7 @@ impl ForeignComments {
 }
 
 impl<T: Text> LineReader<T> {
-    /// Follows comments; true for a byte that is not part of the line.
+    /// Follows comments. Returns true for a byte that is not part of the line.
     pub(super) fn foreign_dropped(&mut self, byte: u8, here: Place) -> bool {
         if self.logical.remark {
             return true;

@@ -1,25 +1,25 @@
-//! What is not read: the rest of a refused line, and of a text that another one follows.
+//! Skipped text: the rest of a refused line, and the rest of a text that another one replaces.
 use super::{Fill, LineReader, Mark, SLICE};
 use crate::nc::{NcError, Text};
 
 impl<T: Text> LineReader<T> {
-    /// Goes on with another text, from its start; the one before.
+    /// Continues with another text, from its start. Returns the text before.
     pub fn replace(&mut self, mut text: T) -> T {
         self.seek(Mark { offset: text.start(), ..Mark::start_of(0) });
         core::mem::replace(&mut self.text, text)
     }
 
-    /// Goes on with the program that follows in the main file, behind a line that ends at `mark`.
+    /// Continues with the next program in the main file, after a line that ends at `mark`.
     pub fn next_program(&mut self, mark: Mark) {
         let begins = self.text.next_program();
-        // A part of a line was read that is not the program's.
+        // The part of a line that is already read does not belong to the program.
         let begun = !self.fresh && self.offset != self.logical.start.offset;
         let goes_on = begun && mark == self.next_start() && begins.is_none();
         self.seek(Mark { offset: begins.unwrap_or(mark.offset), ..mark });
         self.skips = goes_on;
     }
 
-    /// Behind a refusal: goes on with the next line.
+    /// After a refusal: continues with the next line.
     pub fn go_on(&mut self) {
         self.skips |= core::mem::take(&mut self.refused);
     }
@@ -29,7 +29,7 @@ impl<T: Text> LineReader<T> {
         self.text.holds(mark.file, mark.offset)
     }
 
-    /// Passes over what is left of a line, at most a slice.
+    /// Skips the rest of a line, at most a slice.
     #[cold]
     #[inline(never)]
     pub(super) fn skip(&mut self) -> Result<Fill, NcError> {

@@ -1,9 +1,9 @@
-//! Chords that become one line: a curve cut into chords that are short beside the tolerance is held up at
-//! each of its corners, for a curve there takes half a block. So the machine data may give a part of PATH_DEV
-//! to straight lines over several chords, and the curves at their corners have the rest.
+//! Merges chords into one line. A curve cut into chords that are short beside the tolerance would be slow at
+//! each corner, because a curve there takes half a block. So the machine data may give a part of PATH_DEV to
+//! straight lines over several chords. The curves at the corners of these lines have the rest.
 //!
-//! The largest deviation is that of a point left out: between two of them the contour is straight as well.
-//! [`POINTS`] of them are known one by one. Beyond that, what the line is beside them adds up.
+//! The largest deviation is that of a point left out, because the contour between two points is straight too.
+//! [`POINTS`] points are stored one by one. Beyond that number, the deviations of the line add up.
 use super::curve::{aside, foot, plus, size};
 use super::held_block::{HeldBlock, LONGEST_TICKS, Stray, travel};
 use super::{Form, Parameters, ProgrammedBlock};
@@ -12,39 +12,39 @@ use crate::math::float::{max, to_f32};
 use crate::path::{Measure, straight_line};
 use crate::quantity::DISTANCE_LSB;
 
-/// Points left out that are known.
+/// Number of stored points.
 const POINTS: usize = 15;
 
-/// Longest line of several chords, in tolerances: a curve at the corner of a longer one is not held up by it.
+/// Longest line of several chords, in tolerances: a curve at the corner of a longer line is fast enough.
 const LONGEST: f32 = 256.0;
 
 /// Largest sine between a chord and the line.
 const GENTLE: f32 = 0.25;
 
-/// Of the line's length: rounding of the distance of a point, in `f32`.
+/// Rounding of the distance of a point in `f32`, as a part of the line's length.
 const ROUNDED: f32 = 1.0 / (1u32 << 21) as f32;
 
-/// Mm or degrees that other axes may be beside the line without TRACK_DEV: what rounding makes of a straight one.
+/// Permitted deviation of other axes without TRACK_DEV, mm or degrees: the rounding of a straight line.
 const STRAIGHT: f32 = 1.0 / 65_536.0;
 
-/// What the line that may still grow is made of.
+/// The parts of a line that may still grow.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Chords<const AXES: usize> {
-    /// From its start, mm; the first so many count.
+    /// Points from the line's start, mm; the first ones are used.
     points: [[f32; AXES]; POINTS],
     count: u8,
-    /// How far others may be from the line up to the last point.
+    /// Deviation of other axes from the line, up to the last point.
     before: Stray,
 }
 
 impl<const AXES: usize> Chords<AXES> {
-    /// No chord is merged yet; the line may deviate from them by so much.
+    /// No chord is merged yet; the line may deviate from its blocks by `before`.
     pub const fn beside(before: Stray) -> Self {
         Self { points: [[0.0; AXES]; POINTS], count: 0, before }
     }
 
-    /// `held` becomes the line over it and the next block, which has this rule, if all points between are
-    /// inside their part of the tolerance. Whether it does.
+    /// Makes `held` the line over itself and the next block, which has this rule, if all points between are
+    /// inside their part of the tolerance. Returns whether it did.
     #[inline(never)]
     pub fn gather(
         &mut self,
@@ -78,8 +78,8 @@ impl<const AXES: usize> Chords<AXES> {
         true
     }
 
-    /// How far the points left out are from a line, the `last` one among them. `None` where a chord does not
-    /// go nearly its way.
+    /// Deviation of the points left out from a line, including the `last` one. `None` if a chord has nearly
+    /// another direction.
     fn stray(&self, over: &[f32; AXES], last: &[f32; AXES], length: f32, measure: &Measure) -> Option<Stray> {
         let main = &measure.main;
         let (mut stray, mut before) = (Stray::NONE, [0.0; AXES]);
@@ -88,7 +88,7 @@ impl<const AXES: usize> Chords<AXES> {
             let chord = plus(point, -1.0, &before);
             let off = plus(point, -foot(main, over, point), over);
             let turned = plus(&chord, -foot(main, over, &chord), over);
-            // One that turns other axes alone has no length.
+            // A chord that moves only other axes has no length.
             let is_gentle = size(main, &turned) < GENTLE * size(main, &chord);
             if !is_gentle {
                 return None;
@@ -100,7 +100,7 @@ impl<const AXES: usize> Chords<AXES> {
         Some(stray.and(self.before).and(rounded))
     }
 
-    /// The point is left out. `stray`: of the line up to it.
+    /// Adds a point that is left out. `stray`: deviation of the line up to this point.
     fn push(&mut self, point: [f32; AXES], stray: Stray) {
         if usize::from(self.count) == POINTS {
             (self.count, self.before) = (0, stray);
@@ -113,8 +113,8 @@ impl<const AXES: usize> Chords<AXES> {
 }
 
 impl Parameters {
-    /// What chords may be beside the line that stands for them. Without TRACK_DEV all axes that are no main
-    /// axes have to go straight.
+    /// Permitted deviation of chords from their line. Without TRACK_DEV all axes except the main axes have to
+    /// move evenly.
     pub(super) fn chords(&self) -> Option<Stray> {
         let part = self.preset().chords;
         let counts = self.method == crate::nc::ContourMethod::Dev && part > 0.0;

@@ -1,9 +1,9 @@
 //! How far the curve of a corner reaches into its blocks.
 //!
 //! The curve is a polynomial of the fifth degree that leaves one block and enters the other with their
-//! directions and curvatures, and with a speed over its parameter that makes it even: through a corner of 90°
-//! its arc length goes with the parameter to 0.2 %. Its deviation grows with the corner distances. Those with
-//! which it takes all of a tolerance are searched for, a few trials per call.
+//! directions and curvatures. Its speed over the parameter makes it even: through a corner of 90° arc length
+//! is proportional to the parameter to 0.2 %. The deviation grows with the corner distances. A search finds
+//! the distances that use all of a tolerance, with a few trials per call.
 use super::curve::{Deviation, Main, Quintic, Side, Site, aside, dot, even_speed, plus, size};
 use super::{Parameters, TANGENTIAL};
 use crate::math::float::{max, min};
@@ -11,24 +11,24 @@ use crate::math::root::sqrt_f32;
 use crate::nc::ContourMethod;
 use crate::path::Measure;
 
-/// Part of a tolerance that is aimed at, and how closely: the rest is for rounding.
+/// Part of a tolerance that the search aims at, and its accuracy: the rest is for rounding.
 pub const AIM: f32 = 1.0 - 2e-4;
 const NEAR: f32 = 1.2e-4;
 
 /// Trials for a corner distance.
 const TRIALS: usize = 16;
 
-/// What of [`AIM`] is left to elements beside the curve.
+/// Part of [`AIM`] that is left to elements beside the curve.
 const SLACK: f32 = 6e-5;
 
-/// Trials per call between lines: each is a hundredth of the work beside an arc.
+/// Trials per call between lines: each takes a hundredth of the work of a trial beside an arc.
 const TRIALS_PER_CALL: usize = 4;
 
 /// The two blocks of a corner. Offsets count from the end of the first block.
 pub struct Corner<'a, const AXES: usize> {
     /// Main axes.
     pub main: &'a Main,
-    /// The block before it.
+    /// The block before the corner.
     pub before: Side<AXES>,
     /// The block after the corner.
     pub behind: Side<AXES>,
@@ -36,23 +36,23 @@ pub struct Corner<'a, const AXES: usize> {
     pub gap: Option<[f32; AXES]>,
 }
 
-/// A change of curvature of less than that part is none.
+/// A relative change of curvature below this value counts as none.
 const ALIKE: f32 = 1.0 / 256.0;
 
 /// Cosine of 102 degrees.
 const SHARP: f32 = -0.207_912;
 
-/// Tolerances of a corner, mm and degrees; a tracking tolerance of 0 is none.
+/// Tolerances of a corner, mm and degrees. A tracking tolerance of 0 means none.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tolerance {
-    /// Tolerance of the main axes; none where distances are given.
+    /// Tolerance of the main axes; `None` if distances are given.
     pub path: Option<f32>,
     /// Tolerance of each other axis.
     pub track: f32,
 }
 
 impl<const AXES: usize> Corner<'_, AXES> {
-    /// DIST_MASTER: whether the master axis goes on in its direction, and is the path on both sides.
+    /// DIST_MASTER: whether the master axis keeps its direction, and is the path on both sides.
     pub fn follows_master(&self, rule: &Parameters, measure: &Measure) -> bool {
         let Some(k) = measure.master().filter(|_| rule.method == ContourMethod::DistMaster) else {
             return false;
@@ -63,26 +63,27 @@ impl<const AXES: usize> Corner<'_, AXES> {
         self.before.rate == 0.0 && self.behind.rate == 0.0 && product > 1.0 - 1e-4 && product < 1.0 + 1e-4
     }
 
-    /// Whether its curve is known in closed form, with equal distances: both sides are lines, with nothing
-    /// left out, and the path is that in space.
+    /// Whether the curve with equal distances is known in closed form: both sides are lines, no block is left
+    /// out, and the path is that in space.
     pub fn is_symmetric(&self, rule: &Parameters, measure: &Measure) -> bool {
         let lines = self.before.rate == 0.0 && self.behind.rate == 0.0 && self.gap.is_none();
         lines && measure.is_space() && rule.method != ContourMethod::Pos
     }
 
-    /// Whether any axis changes its speed here.
+    /// Whether any axis changes its speed at the corner.
     pub fn turns(&self) -> bool {
         let ends = self.before.tangent().iter().zip(self.behind.tangent());
         ends.fold(0.0, |most, (a, b)| max(most, max(a - b, b - a))) >= TANGENTIAL
     }
 
-    /// Whether a main axis changes its curvature here: an arc begins or ends, or goes on with another radius.
+    /// Whether a main axis changes its curvature at the corner: an arc begins or ends, or continues with
+    /// another radius.
     pub fn steps(&self) -> bool {
         let change = size(self.main, &plus(self.behind.curvature(), -1.0, self.before.curvature()));
         change > ALIKE * max(self.before.rate, self.behind.rate)
     }
 
-    /// Whether the corner turns by more than 102 degrees, over the main axes.
+    /// Whether the corner turns the main axes by more than 102 degrees.
     pub fn is_sharp(&self) -> bool {
         let [before, behind] = self.spaces_per_path();
         dot(self.main, self.before.tangent(), self.behind.tangent()) < SHARP * before * behind
@@ -99,7 +100,7 @@ impl<const AXES: usize> Corner<'_, AXES> {
         Quintic::new(&begin, &end, speed)
     }
 
-    /// Its ends and its speed there, mm per u.
+    /// Ends of the curve, and its speed there, mm per u.
     fn ends(&self, [c1, c2]: [f32; 2]) -> ([Site<AXES>; 2], f32) {
         let (begin, mut end) = (self.before.at(-c1), self.behind.at(c2));
         if let Some(gap) = &self.gap {
@@ -109,17 +110,17 @@ impl<const AXES: usize> Corner<'_, AXES> {
         ([begin, end], speed)
     }
 
-    /// How far such a curve takes an axis that is not a main one from the contour at most.
+    /// Largest distance of a non-main axis from the contour on such a curve.
     ///
-    /// Which place of the contour belongs to a place of the curve: the one as far on along the path, s = −c1
-    /// … c2 about the corner. Of a quintic with the same ends that is s(u), and an axis with the slopes g1
-    /// and g2 is (g2 − g1)·y(u) off before the corner and (g1 − g2)·x(u) behind it, with x and y the quintics
-    /// from −c1 to rest at 0, and from there to c2. With equal distances both are largest at the corner,
-    /// which is at u = 1/2. With unequal ones the shorter motion begins by swinging out to the other side
-    /// where the speed is more than 2.5 times its distance: there its third coefficient is negative.
+    /// Each place of the curve has a place of the contour: the one at the same path distance, s = −c1 … c2
+    /// about the corner. A quintic with the same ends gives s(u). An axis with the slopes g1 and g2 is (g2 −
+    /// g1)·y(u) off before the corner and (g1 − g2)·x(u) behind it. x and y are the quintics from −c1 to rest
+    /// at 0, and from there to c2. With equal distances both are largest at the corner, at u = 1/2. With
+    /// unequal distances the shorter motion begins by swinging to the other side where the speed is more than
+    /// 2.5 times its distance: there its third coefficient is negative.
     ///
-    /// With blocks left out their line is the contour between both, and the places looked at are evenly
-    /// spaced, too.
+    /// If blocks are left out, their line is the contour between both, and the checked places are evenly
+    /// spaced too.
     fn track_deviation(&self, curve: &Quintic<AXES>, reach: [f32; 2]) -> f32 {
         let [c1, c2] = reach;
         if self.gap.is_none() && c1 == c2 {
@@ -169,8 +170,8 @@ impl<const AXES: usize> Corner<'_, AXES> {
     }
 }
 
-/// Where the quintic from rest at 0 to `distance`, with the speed 1 there, is furthest on the other side of
-/// 0, if it is there at all.
+/// The place where the quintic from rest at 0 to `distance`, with the speed 1 there, is furthest on the other
+/// side of 0; `None` if it does not go there.
 fn swing(distance: f32) -> Option<f32> {
     // u³·(a + b·u + c·u²) has its extremes at 3a + 4b·u + 5c·u² = 0.
     let (a, b, c) = (10.0 * distance - 4.0, 7.0 - 15.0 * distance, 6.0 * distance - 3.0);
@@ -178,7 +179,7 @@ fn swing(distance: f32) -> Option<f32> {
     (a < 0.0 && square >= 0.0).then(|| -3.0 * a / (2.0 * b + sqrt_f32(square)))
 }
 
-/// How often the search for a place is halved, and places in all of a curve.
+/// Halvings of the search for a place, and places on a whole curve.
 const HALVINGS: u32 = 20;
 const TRACK_PLACES: u32 = 16;
 
@@ -187,27 +188,28 @@ pub fn mean([before, behind]: [f32; 2]) -> f32 {
     0.5 * (before + behind)
 }
 
-/// How much of a tolerance a curve takes: 1 is all of it. And how far, mm, its elements may be beside it:
-/// they pass the place nearest to the corner, where the deviation mostly is largest.
+/// Part of a tolerance that a curve uses (1 is all of it), and the permitted distance of its elements from
+/// it, mm. The elements pass the place nearest to the corner, where the deviation is usually largest.
 type Use = (f32, f32);
 
-/// The search for the largest part, at most 1, of given distances with which the curve stays inside a
-/// tolerance: regula falsi with the Illinois rule.
+/// Searches the largest part, at most 1, of given distances with which the curve stays inside a tolerance:
+/// regula falsi with the Illinois rule.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Search<const AXES: usize> {
     distances: [f32; 2],
-    /// Beside arcs and blocks left out the deviation is looked for along all of the curve, which is a hundred
-    /// times the work.
+    /// Beside arcs and blocks left out, the deviation is searched along all of the curve, which takes a
+    /// hundred times the work.
     along: bool,
-    /// The curve at hand, when it is made, and how far its deviation is known.
+    /// The current curve, if it is made, and the progress of its deviation.
     curve: Quintic<AXES>,
     is_made: bool,
     deviation: Deviation,
-    /// Trials before it, and the part it is made for.
+    /// Number of trials before, and the current part.
     trials: usize,
     part: f32,
-    /// Parts that keep the tolerance and that do not, with what they take more than [`AIM`], counted half if
-    /// they stand for long; and room for elements at the lower one.
+    /// The largest known part that keeps the tolerance, and the smallest that does not, with their excess
+    /// over [`AIM`]; the excess is halved if the part has stayed for long. Also the room for elements at the
+    /// lower part.
     low: f32,
     high: f32,
     under: f32,
@@ -224,7 +226,7 @@ impl<const AXES: usize> Search<AXES> {
         Self { distances, along, curve, is_made, deviation, trials, part, low, high, under, over, room, side }
     }
 
-    /// What the curve at hand takes of the tolerance, when that is known.
+    /// The part of the tolerance that the current curve uses, when known.
     fn use_of(&mut self, corner: &Corner<'_, AXES>, tolerance: &Tolerance) -> Option<Use> {
         if !self.is_made {
             self.curve = corner.between(self.distances.map(|c| c * self.part));
@@ -249,7 +251,7 @@ impl<const AXES: usize> Search<AXES> {
         Some((most, slack))
     }
 
-    /// Goes on with one trial; the part and the room for elements when it ends, or that there is none.
+    /// Does one trial. At the end returns the part and the room for elements, or that there is none.
     fn go_on(&mut self, corner: &Corner<'_, AXES>, tolerance: &Tolerance) -> Option<Option<Use>> {
         let (used, slack) = self.use_of(corner, tolerance)?;
         let off = used - AIM;
@@ -265,7 +267,7 @@ impl<const AXES: usize> Search<AXES> {
             }
         }
         if self.trials >= TRIALS {
-            // Not that near, but inside.
+            // Less accurate, but inside the tolerance.
             return Some(if self.low > 0.0 { Some((self.low, self.room)) } else { None });
         }
         self.trials += 1;
@@ -274,7 +276,7 @@ impl<const AXES: usize> Search<AXES> {
         None
     }
 
-    /// Takes over what came of the trial.
+    /// Uses the result of a trial.
     fn narrow(&mut self, off: f32, slack: f32) {
         if off > 0.0 {
             (self.high, self.over) = (self.part, off);
@@ -298,7 +300,7 @@ impl<const AXES: usize> Search<AXES> {
 pub struct Reach<const AXES: usize> {
     tolerance: Tolerance,
     search: Search<AXES>,
-    /// The part with which the tolerance is kept at the corner; mostly that is it.
+    /// The part that keeps the tolerance at the corner, which is usually the result.
     first: f32,
 }
 
@@ -313,12 +315,12 @@ impl<const AXES: usize> Reach<AXES> {
         Self::new(self.tolerance, distances)
     }
 
-    /// The curve with the part that was found, if it was the last one tried.
+    /// The curve with the found part, if it was the last one tried.
     pub fn curve(&self, part: f32) -> Option<&Quintic<AXES>> {
         (self.first * self.search.part == part).then_some(&self.search.curve)
     }
 
-    /// Continues the search. At the end it gives the part and the largest deviation of the curve's elements, or that
+    /// Continues the search. At the end returns the part and the largest deviation of the curve's elements, or that
     /// there is no curve.
     #[inline(never)]
     pub fn go_on(&mut self, corner: &Corner<'_, AXES>) -> Option<Option<(f32, f32)>> {
@@ -341,18 +343,18 @@ impl<const AXES: usize> Reach<AXES> {
 /// Directions before and after a corner.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Turn {
-    /// Half the angle it turns by, as sine and cosine: over the main axes.
+    /// Sine and cosine of half the angle of the turn, over the main axes.
     pub sine: f32,
-    /// See there.
+    /// See [`Self::sine`].
     pub cosine: f32,
     /// Largest change of slope of the other axes.
     pub track: f32,
 }
 
-/// Least way in space per path distance.
+/// Smallest distance in space per path distance.
 const SLOWEST: f32 = 1.0 / 1024.0;
 
-/// `None` where main axes do not move on both sides, or, as feed axes, not as far as the path.
+/// `None` if main axes do not move on both sides or, as feed axes, do not cover the path.
 pub fn turn<const AXES: usize>(measure: &Measure, before: &Side<AXES>, behind: &Side<AXES>) -> Option<Turn> {
     let main = &measure.main;
     let moves = |side: &Side<AXES>| {

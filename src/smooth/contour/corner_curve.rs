@@ -1,13 +1,13 @@
 //! The curve of a corner over its arc length, cut into elements.
 //!
-//! One polynomial of the fifth degree, or two that meet where the interim point is given. Elements are cut
-//! from it at places of which position, direction and curvature are computed once for both neighbours, and
-//! each is again a polynomial, now over its own arc length; as many of them as it takes for the right path
-//! speed.
+//! The curve is one polynomial of the fifth degree, or two that meet at a given interim point. It is cut into
+//! elements. Position, direction and curvature at a cut are computed once for both neighbours. Each element
+//! is again a polynomial, over its own arc length. There are as many elements as the accuracy of the path
+//! speed needs.
 //!
-//! Where the feed counts along other axes than the main ones, a path distance is another way in space on
-//! either side of the corner. There path is the polynomial's own parameter: its speed goes over from the one
-//! to the other, and both halves are one element each.
+//! If the feed counts along other axes than the main ones, a path distance means different distances in space
+//! before and after the corner. Then the path is the polynomial's own parameter: its speed changes from the
+//! one to the other, and each half is one element.
 use super::corner::mean;
 use super::curve::{Main, Quintic, Site, even_speed, plus, size};
 use super::{LSB_32, ONE_32};
@@ -16,80 +16,81 @@ use crate::path::poly::{Draft, Knot};
 use crate::path::{Bounds, Element, End, Measure};
 use crate::quantity::{Distance, Position};
 
-/// Largest relative difference between path speed and speed along the curve; a third of it, up or down, where
+/// Largest relative difference between path speed and speed along the curve. A third of it, up or down, if
 /// the speed is to be constant.
 pub const EVEN: f32 = 9e-4;
 /// See [`EVEN`].
 pub const CONSTANT: f32 = 3e-4;
 
-/// Largest sum of coefficients, mm: see [`mod@crate::path::poly`], where they grow by 2^5.
+/// Largest sum of coefficients, mm: see [`mod@crate::path::poly`], which scales them by 2^5.
 pub const HEAVIEST: f32 = 4096.0;
 
-/// Elements of half a curve at most.
+/// Largest number of elements in half a curve.
 const MOST_PARTS: u32 = 16;
 
-/// Elements of which it is kept what was seen of them: as many as mostly are enough.
+/// Number of elements whose length and speed are stored: usually all of them.
 const SEEN: usize = 16;
-/// Of a curve through a given point, which is seldom: in a small build each is looked at again.
+/// For a curve through a given point, which is rare: a small build computes each element again.
 const SEEN_GIVEN: usize = if cfg!(any(feature = "surface", feature = "splines")) { SEEN } else { 0 };
 
-/// Steps of half a curve through a given point, at which it may be cut, and elements of all of it at most.
+/// Steps of half a curve through a given point, at which a cut is possible; and the largest number of its
+/// elements.
 const STEPS: u16 = 256;
 const MOST_CUTS: usize = 96;
 
 const ONE_40: f32 = (1u64 << 40) as f32;
 
-/// A curve that is handed out element by element.
+/// A curve that is emitted element by element.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CornerCurve<const AXES: usize> {
-    /// Way in space per path distance before and behind the corner.
+    /// Distance in space per path distance before and behind the corner.
     spaces_per_path: [f32; 2],
     origin: [Position; AXES],
-    /// All of it, or the first half of one through a given point.
+    /// The whole curve, or the first half of a curve through a given point.
     curve: Quintic<AXES>,
     kept: Kept<AXES>,
-    /// Where path is the parameter: mm per u of both.
+    /// If the path is the parameter: mm per u of both halves.
     path: Option<[f32; 2]>,
-    /// Where the last element ended, and its site.
+    /// End of the last element, and its site.
     at: Knot<AXES>,
     last: Knot<AXES>,
-    /// Elements of each half, and those of both that are found fine, later those handed out.
+    /// Number of elements in each half; number of accepted elements, later of emitted elements.
     parts: u32,
     done: u32,
-    /// More elements would not help: they only have to fit the format.
+    /// Whether more elements would not help, so that they only have to fit the format.
     any: bool,
-    /// Where the element looked at last ends.
+    /// End of the last examined element.
     seam: Seam<AXES>,
 }
 
-/// What is kept of a curve beside its polynomial.
+/// Data of a curve in addition to its polynomial.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Kept<const AXES: usize> {
-    /// Where its halves meet. And of the first elements: path length, and how far its speed is above what that says.
-    /// 0: not known.
+    /// `joint`: where the halves meet. `seen`: path length of the first elements, and the excess of their speed over
+    /// it; 0 if unknown.
     Whole { joint: f32, seen: [[f32; 2]; SEEN] },
-    /// Through a given point: its second half. The curve is what it is, and may bend sharply in places. There its
-    /// elements are the shorter.
+    /// A curve through a given point: its second half. Such a curve may bend sharply in places; its elements are
+    /// shorter there.
     Given { second: Quintic<AXES>, cuts: Cuts, seen: [[f32; 2]; SEEN_GIVEN] },
 }
 
-/// The end of one element, where another one of the same half begins.
+/// The end of an element, where another one of the same half begins.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Seam<const AXES: usize> {
-    /// Number of the one that begins there; that of none if it is not known.
+    /// Number of the element that begins there; an invalid number if unknown.
     of: u32,
-    /// The one before belongs to the first half.
+    /// Whether the element before belongs to the first half.
     is_first: bool,
     site: Site<AXES>,
 }
 
-/// An element before it is made.
+/// An element before its axes are made.
 pub struct Rehearsal<const AXES: usize> {
     /// Whether the element belongs to the block before the corner.
     pub is_first: bool,
     /// Path length, mm.
     pub length: f32,
-    /// Speed along it per path speed at most.
+    /// Largest speed along the element per path speed.
     pub fastest: f32,
     ends: [Site<AXES>; 2],
 }
@@ -102,41 +103,41 @@ impl<const AXES: usize> Rehearsal<AXES> {
     }
 }
 
-/// What an element is of the curve of its half.
+/// The part of a half that an element covers.
 struct Portion<'a, const AXES: usize> {
     curve: &'a Quintic<AXES>,
-    /// It is the first half.
+    /// Whether the half is the first one.
     is_first: bool,
-    /// The part of the curve that belongs to the course.
+    /// The part of the curve that belongs to the half.
     span: [f32; 2],
-    /// Of that, where it begins and how much it is, in so many steps of all of it.
+    /// Start and size of the element, in steps of the half; and the number of steps.
     steps: [f32; 2],
     of: f32,
 }
 
 impl<const AXES: usize> Portion<'_, AXES> {
-    /// The curve's parameter at the share `t` of it.
+    /// The curve's parameter at the fraction `t` of the element.
     fn at(&self, t: f32) -> f32 {
         let ([u0, u1], [from, more]) = (self.span, self.steps);
         u0 + (u1 - u0) * ((from + more * t) / self.of)
     }
 }
 
-/// Where a curve through a given point is cut.
+/// The cuts of a curve through a given point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Cuts {
     /// Steps of each element, less one.
     steps: [u8; MOST_CUTS],
-    /// How many elements there are, and steps of the one that is tried behind them.
+    /// Number of elements, and steps of the one that is tried next.
     count: u8,
     step: u16,
 }
 
 impl Cuts {
-    /// Both halves are tried whole.
+    /// Each half is first tried as one element.
     const NEW: Self = Self { steps: [0; MOST_CUTS], count: 0, step: STEPS };
 
-    /// Evenly, as often as any other curve.
+    /// Even cuts, as many as any other curve has.
     const EVEN: Self = Self {
         steps: [(STEPS / MOST_PARTS as u16 - 1) as u8; MOST_CUTS],
         count: 2 * MOST_PARTS as u8,
@@ -155,8 +156,8 @@ impl Cuts {
         [from, from + steps]
     }
 
-    /// What is tried is fine: the next one may be twice as long, as far as its half goes. Whether there is no
-    /// next one.
+    /// Accepts the tried element. The next one may be twice as long, as far as its half goes. Returns whether
+    /// there is no next one.
     fn accept(&mut self) -> bool {
         let [_, to] = self.ends(u32::from(self.count));
         if let Some(steps) = self.steps.get_mut(usize::from(self.count)) {
@@ -167,7 +168,7 @@ impl Cuts {
         to >= 2 * STEPS
     }
 
-    /// It is not: half as long. Whether it can be tried.
+    /// Rejects the tried element: the next try has half the length. Returns whether a try is possible.
     fn shorten(&mut self) -> bool {
         self.step /= 2;
         self.step > 0
@@ -184,18 +185,18 @@ impl Cuts {
 pub enum Fit {
     /// There is more to do.
     Working,
-    /// The course is ready to be handed out.
+    /// The curve is ready to be emitted.
     Ready,
-    /// It cannot be made.
+    /// The curve cannot be made.
     Failed,
 }
 
-/// Length of the halves of a course through a given point that is tried first, and how often it is improved.
+/// First length of the halves of a curve through a given point, and number of improvements.
 const LENGTHS: usize = 3;
 
 impl<const AXES: usize> CornerCurve<AXES> {
-    /// A curve between two knots, whose halves are made by [`Self::lay`]; `given`: through a given point. Inline, in
-    /// every build: it is made where it stays.
+    /// A curve between two knots; [`Self::lay`] makes its halves. `given`: through a given point. Inline in every
+    /// build: it is made in its final place.
     #[inline(always)]
     pub fn new(
         spaces_per_path: [f32; 2],
@@ -222,13 +223,13 @@ impl<const AXES: usize> CornerCurve<AXES> {
         }
     }
 
-    /// Makes both halves, through `interim` if that is given. `lead`: the path between both ends, where a master
-    /// axis is the path. Whether it can be made. Before it is handed out: [`Self::fit`].
+    /// Makes both halves, through `interim` if given. `lead`: the path between both ends, if a master axis is
+    /// the path. Returns whether the halves can be made. [`Self::fit`] has to follow.
     #[inline(never)]
     pub fn lay(&mut self, measure: &Measure, interim: Option<&[f32; AXES]>, lead: Option<f32>) -> bool {
         let main = &measure.main;
         let a = site_of(&self.at, &self.origin);
-        // What begins at no element stands in for the end.
+        // The unused element number stands for the end.
         self.seam.site = site_of(&self.last, &self.origin);
         let b = &self.seam.site;
         let space_per_path = mean(self.spaces_per_path);
@@ -249,8 +250,8 @@ impl<const AXES: usize> CornerCurve<AXES> {
                     return false;
                 }
                 *curve = Quintic::new(&a, b, speed);
-                // The joint is where the curve is nearest to the corner: there the elements are exactly as far as
-                // planned. A master axis has reached the corner's coordinate.
+                // The halves meet where the curve is nearest to the corner, so the elements are exactly at the
+                // planned distance there. A master axis has reached the corner's coordinate.
                 let nearest = || min(max(curve.nearest(main, &[0.0; AXES], 0.5), 0.25), 0.75);
                 *joint = if lead.is_some() { 0.5 } else { nearest() };
                 [speed; 2]
@@ -261,13 +262,13 @@ impl<const AXES: usize> CornerCurve<AXES> {
         true
     }
 
-    /// Start and end of the curve, before it is handed out.
+    /// Start and end of the curve, before the first element is emitted.
     pub fn ends(&self) -> [&Knot<AXES>; 2] {
         [&self.at, &self.last]
     }
 
-    /// Continues by one element to cut the curve into as few as possible. Their path speed is right to `even`
-    /// (relative), and they deviate by at most `slack` (mm).
+    /// Examines one more element, to cut the curve into as few as possible. Path speed is accurate to `even`
+    /// (relative), and elements deviate by at most `slack` (mm).
     pub fn fit(&mut self, measure: &Measure, even: f32, slack: f32) -> Fit {
         if self.cuts().is_some() && !self.any {
             return self.fit_given(measure, even);
@@ -288,8 +289,8 @@ impl<const AXES: usize> CornerCurve<AXES> {
         Fit::Working
     }
 
-    /// Goes on to cut a curve through a given point. What no number of elements makes even is as even as it
-    /// can be.
+    /// Continues to cut a curve through a given point. If no number of elements makes it even, it is as even
+    /// as possible.
     fn fit_given(&mut self, measure: &Measure, even: f32) -> Fit {
         let next = self.cuts().filter(|cuts| !cuts.is_full()).map(|cuts| u32::from(cuts.count));
         let fits = next.is_some_and(|i| self.is_fine(measure, i, even, f32::MAX));
@@ -303,7 +304,7 @@ impl<const AXES: usize> CornerCurve<AXES> {
         Fit::Working
     }
 
-    /// Where it is cut, through a given point.
+    /// The cuts of a curve through a given point.
     const fn cuts(&self) -> Option<&Cuts> {
         match &self.kept {
             Kept::Given { cuts, .. } => Some(cuts),
@@ -311,12 +312,12 @@ impl<const AXES: usize> CornerCurve<AXES> {
         }
     }
 
-    /// Elements of both halves.
+    /// Number of elements in both halves.
     fn count(&self) -> u32 {
         self.cuts().map_or(2 * self.parts, |cuts| u32::from(cuts.count))
     }
 
-    /// What of the curve element `i` is.
+    /// The part of the curve that element `i` covers.
     fn portion(&self, i: u32) -> Portion<'_, AXES> {
         match &self.kept {
             Kept::Given { second, cuts, .. } => {
@@ -353,14 +354,14 @@ impl<const AXES: usize> CornerCurve<AXES> {
         }
     }
 
-    /// Both ends of element `i`, which is this portion.
+    /// Both ends of element `i`, which covers this part.
     fn sites(&self, measure: &Measure, i: u32, portion: &Portion<'_, AXES>) -> [Site<AXES>; 2] {
         let Seam { of, is_first, site } = &self.seam;
         let begins = *of == i && *is_first == portion.is_first;
         [if begins { *site } else { self.site(measure, portion, 0.0) }, self.site(measure, portion, 1.0)]
     }
 
-    /// The point of a portion at the share `t` of it.
+    /// The point at the fraction `t` of a part.
     fn site(&self, measure: &Measure, portion: &Portion<'_, AXES>, t: f32) -> Site<AXES> {
         let u = portion.at(t);
         match self.path_of(portion) {
@@ -369,12 +370,12 @@ impl<const AXES: usize> CornerCurve<AXES> {
         }
     }
 
-    /// Where path is the parameter: mm per u in a portion.
+    /// If the path is the parameter: mm per u in a part.
     fn path_of(&self, portion: &Portion<'_, AXES>) -> Option<f32> {
         self.path.map(|[first, second]| if portion.is_first { first } else { second })
     }
 
-    /// How far the speed along an element is above and below what its path says at most, relative.
+    /// Largest relative excess of the speed along an element above and below its path speed.
     fn unevenness(&self, measure: &Measure, element: &Quintic<AXES>, length: f32) -> [f32; 2] {
         if self.path.is_some() {
             let [before, behind] = self.spaces_per_path;
@@ -383,7 +384,7 @@ impl<const AXES: usize> CornerCurve<AXES> {
         element.unevenness(&measure.main, length)
     }
 
-    /// Whether element `i` has the right path speed, and is not too far beside the curve.
+    /// Whether element `i` has an accurate path speed, and is near enough to the curve.
     fn is_fine(&mut self, measure: &Measure, i: u32, even: f32, slack: f32) -> bool {
         let portion = self.portion(i);
         let ([a, b], length) = (self.sites(measure, i, &portion), self.length(measure, &portion));
@@ -411,12 +412,12 @@ impl<const AXES: usize> CornerCurve<AXES> {
         if let (Some(kept), Some(seen)) = (kept.get_mut(i as usize), seen) {
             *kept = seen;
         }
-        // What is not fine is tried again from the same place, or all of it from the begin.
+        // A rejected element is tried again from the same place, or all of the half from its start.
         self.seam = Seam { of: if is_fine { i + 1 } else { i }, is_first, site: if is_fine { b } else { a } };
         is_fine
     }
 
-    /// Path length of element `i`, and how far its speed is above what that says.
+    /// Path length of element `i`, and the excess of its speed.
     fn known(&self, measure: &Measure, i: u32) -> [f32; 2] {
         let seen = match &self.kept {
             Kept::Whole { seen, .. } => seen.as_slice(),
@@ -428,7 +429,7 @@ impl<const AXES: usize> CornerCurve<AXES> {
         }
     }
 
-    /// The same of one that is not kept.
+    /// The same for an element that is not stored.
     #[cold]
     #[inline(never)]
     fn look_at(&self, measure: &Measure, i: u32) -> [f32; 2] {
@@ -447,21 +448,21 @@ impl<const AXES: usize> CornerCurve<AXES> {
         &self.at.position
     }
 
-    /// No further element is handed out; where the curve ends.
+    /// Ends the curve early: no further element is emitted. Returns the end of the curve.
     pub fn finish(&mut self) -> &[Position; AXES] {
         self.done = self.count();
         self.at = self.last;
         &self.last.position
     }
 
-    /// Whether all elements are handed out.
+    /// Whether all elements are emitted.
     pub fn is_done(&self) -> bool {
         self.done >= self.count()
     }
 }
 
 impl<const AXES: usize> CornerCurve<AXES> {
-    /// The first element after the joint of both halves.
+    /// The number of the first element after both halves meet.
     pub fn behind_joint(&self) -> u32 {
         match self.cuts() {
             Some(_) => (0..self.count()).find(|i| !self.is_first(*i)).unwrap_or(0),
@@ -469,7 +470,7 @@ impl<const AXES: usize> CornerCurve<AXES> {
         }
     }
 
-    /// Element `i`, but for the last bit of its ends. `None` after the last one.
+    /// Element `i`, without the last bit of its ends. `None` after the last one.
     pub fn rehearse(&mut self, measure: &Measure, i: u32) -> Option<Rehearsal<AXES>> {
         if i >= self.count() {
             return None;
@@ -487,7 +488,7 @@ impl<const AXES: usize> CornerCurve<AXES> {
         Bounds::between(from, to, element.length, element.fastest)
     }
 
-    /// The next element, with its axes to be made.
+    /// The next element, whose axes are not made yet.
     pub fn next_element(&mut self, measure: &Measure, element: &mut Element<AXES>) -> Option<Draft<AXES>> {
         if self.is_done() {
             return None;
@@ -506,9 +507,9 @@ impl<const AXES: usize> CornerCurve<AXES> {
     }
 }
 
-/// Two polynomials that meet at a point with as many derivatives in common as they have to spare: four. Their
-/// path lengths follow in a few rounds, beginning with the straight lines. `space_per_path`: of the path in
-/// space. Made in their places; both lengths. `None` where they cannot be made.
+/// Two polynomials that meet at a point with as many equal derivatives as possible: four. Their path lengths
+/// follow in a few rounds, beginning with straight lines. `space_per_path`: distance in space per path
+/// distance. Returns both lengths; `None` if the polynomials cannot be made.
 #[inline(never)]
 fn through<const AXES: usize>(
     main: &Main,
@@ -527,8 +528,7 @@ fn through<const AXES: usize>(
             return None;
         }
         let (r1, r2) = (1.0 / h1, 1.0 / h2);
-        // Third and fourth derivative of both at the point agree: two equations for slope and second
-        // derivative.
+        // Third and fourth derivative at the point are equal: two equations for slope and second derivative.
         let m11 = 36.0 * (r2 * r2 - r1 * r1);
         let m12 = 9.0 * (r1 + r2);
         let m21 = -192.0 * (r1 * r1 * r1 + r2 * r2 * r2);
@@ -554,7 +554,7 @@ fn through<const AXES: usize>(
         if round == LENGTHS {
             break;
         }
-        // No longer than twice the way: what is longer would swing out the further.
+        // At most twice the straight distance: a longer curve would swing out further.
         lengths = [
             min(first.length(main, 0.0, 1.0) / space_per_path, 2.0 * chords[0]),
             min(second.length(main, 0.0, 1.0) / space_per_path, 2.0 * chords[1]),
@@ -563,7 +563,7 @@ fn through<const AXES: usize>(
     Some(lengths)
 }
 
-/// Speed along an element per path speed at most, from what is seen of it at some places.
+/// Largest speed along an element per path speed, from its values at some places.
 pub fn fastest(above: f32) -> f32 {
     1.0 + 1.25 * above + 1e-6
 }

@@ -1,6 +1,6 @@
-//! The geometry of a corner in `f32`, relative to its corner point: what decides how large a curve becomes
-//! and where its inner joints lie. Rounding here shifts a curve by 10^-7 of its size; joints stay exact,
-//! because both neighbours of a joint get the same numbers.
+//! The geometry of a corner in `f32`, relative to its corner point. It decides the size of a curve and the
+//! places of its inner cuts. Rounding shifts a curve by 10^-7 of its size; cuts stay exact, because both
+//! neighbours of a cut get the same numbers.
 use crate::math::float::{magnitude, max, min, to_f32, to_i64};
 use crate::math::root::sqrt_f32;
 use crate::math::trig::sin_cos;
@@ -28,7 +28,7 @@ pub fn size<const AXES: usize>(main: &Main, a: &[f32; AXES]) -> f32 {
     sqrt_f32(dot(main, a, a))
 }
 
-/// The values, one per axis.
+/// Collects one value per axis.
 #[cfg_attr(feature = "fast", inline(always))]
 fn each<const AXES: usize>(values: impl Iterator<Item = f32>) -> [f32; AXES] {
     let mut out = [0.0; AXES];
@@ -47,19 +47,19 @@ pub fn plus<const AXES: usize>(a: &[f32; AXES], f: f32, b: &[f32; AXES]) -> [f32
     sum
 }
 
-/// The largest magnitude of any axis but the main ones.
+/// The largest magnitude of any non-main axis.
 pub fn aside<const AXES: usize>(main: &Main, a: &[f32; AXES]) -> f32 {
     let others = a.iter().enumerate().filter(|(k, _)| !main.contains(*k));
     others.fold(0.0, |most, (_, x)| max(most, magnitude(*x)))
 }
 
-/// The share of the straight line to `end` at which it is nearest to a point; both from its start.
+/// The fraction of the straight line to `end` at which it is nearest to a point; both count from its start.
 pub fn foot<const AXES: usize>(main: &Main, end: &[f32; AXES], point: &[f32; AXES]) -> f32 {
     let square = dot(main, end, end);
     if square > 0.0 { min(max(dot(main, point, end) / square, 0.0), 1.0) } else { 0.0 }
 }
 
-/// Distance of a point from that line.
+/// Distance of a point from this line.
 fn segment_distance<const AXES: usize>(main: &Main, end: &[f32; AXES], point: &[f32; AXES]) -> f32 {
     size(main, &plus(point, -foot(main, end, point), end))
 }
@@ -80,7 +80,7 @@ impl<const AXES: usize> Site<AXES> {
     pub const NONE: Self = Self { offset: [0.0; AXES], tangent: [0.0; AXES], curvature: [0.0; AXES] };
 }
 
-/// A block at the corner, over the distance from the corner; after the corner that is negative.
+/// A block at the corner, over the distance from the corner; after the corner this distance is negative.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Side<const AXES: usize> {
     tangent: [f32; AXES],
@@ -89,11 +89,11 @@ pub struct Side<const AXES: usize> {
     plane: Option<[usize; 2]>,
     /// Angle per path distance, 1/mm; 0 for a line.
     pub rate: f32,
-    /// Way in space per path distance: exactly 1 where the main axes are the feed axes.
+    /// Distance in space per path distance: exactly 1 if the main axes are the feed axes.
     pub space_per_path: f32,
 }
 
-/// Way in space per path distance of a direction.
+/// Distance in space per path distance of a direction.
 pub fn space_per_path<const AXES: usize>(measure: &Measure, tangent: &[f32; AXES]) -> f32 {
     if measure.is_space() { 1.0 } else { size(&measure.main, tangent) }
 }
@@ -136,7 +136,7 @@ impl<const AXES: usize> Side<AXES> {
         let mut site = Site { offset, tangent: self.tangent, curvature: self.curvature };
         if let Some(plane) = self.plane {
             let angle = self.rate * s;
-            // Of the half: what is left of the cosine of a small angle is known as well.
+            // From half the angle: the difference of the cosine from 1 stays accurate for small angles.
             let (half, other) = sine(0.5 * angle);
             let (sin, cos) = (2.0 * half * other, 1.0 - 2.0 * half * half);
             let along = sin / self.rate;
@@ -175,8 +175,8 @@ impl<const AXES: usize> Side<AXES> {
         point
     }
 
-    /// Distance of a point from the block on one side of the corner: `side` is −1 before it, 1 after it. If the
-    /// distance is surely at most `most`, any such value may be returned.
+    /// Distance of a point from the block on one side of the corner: `side` is −1 before the corner, 1 after
+    /// it. If the distance is surely at most `most`, any such value may be returned.
     pub fn distance(&self, main: &Main, point: &[f32; AXES], (guess, side): (f32, f32), most: f32) -> f32 {
         let inside = |s: f32| side * max(side * s, 0.0);
         if self.rate == 0.0 {
@@ -198,7 +198,7 @@ impl<const AXES: usize> Side<AXES> {
             let (before, next) = (s, inside(s + step));
             s = next;
             if magnitude(next - before) * self.rate <= NEXT {
-                // So far it is as good as straight.
+                // Up to here the block is practically straight.
                 away = plus(&away, before - next, &site.tangent);
                 break;
             }
@@ -207,10 +207,11 @@ impl<const AXES: usize> Side<AXES> {
     }
 }
 
-/// Angle of the last step towards the foot of a perpendicular: beside the tangent it is 2^-25 of a radius.
+/// Angle of the last step towards the foot of a perpendicular: the point is 2^-25 of a radius beside the
+/// tangent.
 const NEXT: f32 = 1.0 / 4096.0;
 
-/// Steps towards it at most.
+/// Largest number of steps towards the foot.
 const FOOT_STEPS: usize = 4;
 
 /// Sine and cosine.
@@ -229,7 +230,8 @@ impl<const AXES: usize> Quintic<AXES> {
     /// Not made yet.
     pub const NONE: Self = Self { power: [[0.0; AXES]; 6] };
 
-    /// The curve from one site to the other, at both ends with `speed` (mm per u) and no acceleration along the path.
+    /// The curve from one site to the other, with `speed` (mm per u) at both ends and no acceleration along
+    /// the path.
     pub fn new(a: &Site<AXES>, b: &Site<AXES>, speed: f32) -> Self {
         let square = speed * speed;
         let mut power = [[0.0; AXES]; 6];
@@ -259,7 +261,7 @@ impl<const AXES: usize> Quintic<AXES> {
     pub fn cubic(points: &[[f32; AXES]; 4]) -> Self {
         let [b0, b1, b2, b3] = points;
         let first = plus(b1, -1.0, b0).map(|x| 3.0 * x);
-        // The steps between the points, and the steps between those.
+        // The differences of the points, and the differences of those.
         let bend = plus(&plus(b2, -2.0, b1), 1.0, b0).map(|x| 3.0 * x);
         let twist = plus(&plus(b3, -1.0, b0), -3.0, &plus(b2, -1.0, b1));
         let none = [0.0; AXES];
@@ -312,8 +314,8 @@ impl<const AXES: usize> Quintic<AXES> {
         }))
     }
 
-    /// Largest magnitudes of the derivatives over a path of that length (mm), which passes with u, or more: by
-    /// control points, and what rounding may hide of numbers that nearly cancel out.
+    /// Upper bounds of the derivatives over a path of this length (mm), linear in u. They come from control
+    /// points, plus the rounding of numbers that nearly cancel out.
     pub fn hull(&self, length: f32) -> [[f32; AXES]; 3] {
         let [_, p1, p2, p3, p4, p5] = &self.power;
         let mut hull = [[0.0; AXES]; 3];
@@ -335,12 +337,12 @@ impl<const AXES: usize> Quintic<AXES> {
         hull
     }
 
-    /// Squares of the speed over the main axes at some places.
+    /// Squares of the speed over the main axes at the given places.
     #[cfg_attr(feature = "fast", inline(always))]
     fn squares<const N: usize>(&self, main: &Main, places: &[f32; N]) -> [f32; N] {
         let [_, p1, p2, p3, p4, p5] = &self.power;
         let mut sums = [0.0; N];
-        // Axis by axis: what all places have in common is taken once.
+        // Axis by axis, so that common terms are computed once.
         for k in main.of::<AXES>() {
             let get = |p: &[f32; AXES]| p.get(k).copied().unwrap_or(0.0);
             let [c1, c2, c3, c4] = [get(p1), 2.0 * get(p2), 3.0 * get(p3), 4.0 * get(p4)];
@@ -381,15 +383,15 @@ impl<const AXES: usize> Quintic<AXES> {
         Site { offset, tangent, curvature }
     }
 
-    /// The point at `u`, with direction and curvature over a path of which there are so many mm per u.
+    /// The point at `u`, with direction and curvature over a path with `path` mm per u.
     pub fn site_over(&self, path: f32, u: f32) -> Site<AXES> {
         let [offset, first, second] = self.at(u);
         let per = 1.0 / path;
         Site { offset, tangent: first.map(|x| x * per), curvature: second.map(|x| x * (per * per)) }
     }
 
-    /// Relative excess of the feed axes over the speed of a path with so many mm per u, at most, at places between the
-    /// ends; for the main axes over `space_per_path` times that speed, if given.
+    /// Largest relative excess of the feed axes over the speed of a path with `path` mm per u, at places between the
+    /// ends. Also of the main axes over `space_per_path` times that speed, if given.
     pub fn haste(&self, measure: &Measure, path: f32, space_per_path: f32) -> f32 {
         let mut most = 0.0;
         for u in PLACES {
@@ -402,7 +404,7 @@ impl<const AXES: usize> Quintic<AXES> {
         most
     }
 
-    /// Arc length from `u0` to `u1`: Gauss's rule of eight points.
+    /// Arc length from `u0` to `u1`: Gauss's rule with eight points.
     pub fn length(&self, main: &Main, u0: f32, u1: f32) -> f32 {
         let (middle, half) = (0.5 * (u0 + u1), 0.5 * (u1 - u0));
         let places = GAUSS.map(|(x, _)| middle + half * x);
@@ -413,7 +415,8 @@ impl<const AXES: usize> Quintic<AXES> {
             .fold(0.0, |sum, (square, (_, weight))| sum + weight * sqrt_f32(*square))
     }
 
-    /// Relative deviation of the speed along the curve above and below `speed`, at most, at places between the ends.
+    /// Largest relative deviation of the speed along the curve above and below `speed`, at places between the
+    /// ends.
     pub fn unevenness(&self, main: &Main, speed: f32) -> [f32; 2] {
         let [mut most, mut least] = [0.0, f32::MAX];
         for square in self.squares(main, &PLACES) {
@@ -423,16 +426,16 @@ impl<const AXES: usize> Quintic<AXES> {
         [max(sqrt_f32(most) / speed - 1.0, 0.0), max(1.0 - sqrt_f32(least) / speed, 0.0)]
     }
 
-    /// Whether the speed in the middle shows that [`Self::unevenness`] is more than `even`, which is little.
+    /// Whether the speed in the middle already shows that [`Self::unevenness`] exceeds `even`, a small value.
     pub fn is_uneven(&self, main: &Main, speed: f32, even: f32) -> bool {
         let [square] = self.squares(main, &[0.5]);
         let off = square / (speed * speed) - 1.0;
-        // Of the squares twice as much; a little more is for rounding.
+        // Squares deviate twice as much; the rest is for rounding.
         magnitude(off) > 2.01 * even + 4e-6
     }
 
-    /// Seen from a point, over the main axes: square of the way to the place `u`, half of its change over u, and
-    /// half of the change of that.
+    /// Seen from a point, over the main axes: square of the distance to the place `u`, half of its change over
+    /// u, and half of the change of that.
     #[cfg_attr(feature = "fast", inline(always))]
     fn seen(&self, main: &Main, point: &[f32; AXES], u: f32) -> [f32; 3] {
         let [p0, p1, p2, p3, p4, p5] = &self.power;
@@ -451,8 +454,8 @@ impl<const AXES: usize> Quintic<AXES> {
         [square, along, slope + bend]
     }
 
-    /// The parameter of the curve's point nearest to `point`, beginning to search at `u`. `None` where a place is
-    /// seen whose distance has at most the square `most`.
+    /// The parameter of the curve's point nearest to `point`; the search begins at `u`. `None` if a place is
+    /// found whose squared distance is at most `most`.
     fn search(&self, main: &Main, point: &[f32; AXES], mut u: f32, most: f32) -> Option<f32> {
         for _ in 0..NEAREST_STEPS {
             let [square, along, slope] = self.seen(main, point, u);
@@ -469,38 +472,38 @@ impl<const AXES: usize> Quintic<AXES> {
         Some(u)
     }
 
-    /// The parameter of the curve's point nearest to `point`, beginning to search at `u`.
+    /// The parameter of the curve's point nearest to `point`; the search begins at `u`.
     pub fn nearest(&self, main: &Main, point: &[f32; AXES], u: f32) -> f32 {
         self.search(main, point, u, -1.0).unwrap_or(u)
     }
 
-    /// Whether a point is no further from the curve than that, beginning to search at `u`.
+    /// Whether the distance of a point from the curve is at most `most`; the search begins at `u`.
     pub fn is_near(&self, main: &Main, point: &[f32; AXES], u: f32, most: f32) -> bool {
-        // No nearer than its nearest point is the one where its tangent says it is.
+        // The foot on the tangent is no farther away than the nearest point.
         let (away, along) = (plus(&self.point(u), -1.0, point), self.first(u));
         let foot = u - dot(main, &away, &along) / max(dot(main, &along, &along), f32::MIN_POSITIVE);
         let there = self.point(min(max(foot, 0.0), 1.0));
         size(main, &plus(&there, -1.0, point)) <= most || self.distance(main, point, u, most) <= most
     }
 
-    /// Distance of a point from the curve, beginning to search at `u`; where it is surely no more than `most`, it
-    /// may be any that is not.
+    /// Distance of a point from the curve; the search begins at `u`. If the distance is surely at most `most`,
+    /// any such value may be returned.
     pub fn distance(&self, main: &Main, point: &[f32; AXES], u: f32, most: f32) -> f32 {
         let nearest = self.search(main, point, u, SURELY * most * most);
         nearest.map_or(0.0, |u| size(main, &plus(&self.point(u), -1.0, point)))
     }
 }
 
-/// For rounding.
+/// Margin for rounding.
 const SURELY: f32 = 0.999;
 
-/// Search for the largest distance between a curve and the contour that it replaces, measured from places along both. A
-/// call looks at a few places.
+/// Searches the largest distance between a curve and the contour that it replaces, measured from places along both. A
+/// call examines a few places.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Deviation {
     outward: Peak,
     inward: Peak,
-    /// Beside blocks left out.
+    /// Beside the blocks left out.
     across: Peak,
 }
 
@@ -528,7 +531,7 @@ impl Deviation {
                 let (q, s) = (curve.point(0.5 + 0.5 * place), block(place).1);
                 let off_before = || before.distance(main, &q, (min(s, 0.0), -1.0), top);
                 let off_behind = || behind.distance(main, &past(&q), (max(s, 0.0), 1.0), top);
-                // Where it is near to one of them, the others do not matter.
+                // If the curve is near to one of the blocks, the others do not matter.
                 let mut off = if place < 0.0 { off_before() } else { off_behind() };
                 if off > top {
                     off = min(off, if place < 0.0 { off_behind() } else { off_before() });
@@ -548,7 +551,7 @@ impl Deviation {
         }
         let most = max(self.inward.top, self.outward.top);
         let Some(gap) = gap else { return Some(most) };
-        // Its ends too: the curve may be furthest from them.
+        // Also the ends of the line: the curve may be furthest from them.
         let over = |part: f32| gap.map(|x| part * x);
         self.across.climb(INWARD, |place, top| curve.distance(main, &over(0.5 + 0.5 * place), 0.5, top));
         if !self.across.is_found() {
@@ -560,13 +563,13 @@ impl Deviation {
     }
 }
 
-/// The search for the largest value over -1…1: the best of evenly spaced places beside 0, outward, and uphill from
-/// there in ever shorter steps, to both sides each.
+/// Searches the largest value over -1…1: from the best of evenly spaced places outward and uphill, in ever shorter
+/// steps to both sides.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Peak {
-    /// Places looked at.
+    /// Number of examined places.
     seen: u8,
-    /// Where it goes uphill from: twice.
+    /// The two places from which the search goes uphill.
     around: f32,
     step: f32,
     top: f32,
@@ -580,7 +583,8 @@ impl Peak {
         self.seen >= EVEN_PLACES + 2 * REFINEMENTS
     }
 
-    /// Looks at the next places, at most so many. A value up to the largest one so far may be any of those.
+    /// Examines at most `places` more places. A value up to the largest one so far may be replaced by any
+    /// such value.
     fn climb(&mut self, places: u8, value: impl Fn(f32, f32) -> f32) {
         for _ in 0..places {
             if self.is_found() {
@@ -598,8 +602,8 @@ impl Peak {
         let seen = self.seen;
         self.seen += 1;
         if seen < EVEN_PLACES {
-            // Outward, since it mostly is largest beside the corner, and a lower value need not be known. Not at the
-            // corner.
+            // Outward, because the value is usually largest beside the corner, and lower values need not be known.
+            // Not at the corner.
             let away = f32::from(1 + seen / 2) * self.step;
             return if seen.is_multiple_of(2) { -away } else { away };
         }
@@ -612,28 +616,28 @@ impl Peak {
     }
 }
 
-/// Places per call: out from the curve there are two blocks to look for.
+/// Places per call: two blocks count for each place on the curve.
 const OUTWARD: u8 = 4;
 const INWARD: u8 = 12;
 
-/// How often the step is halved.
+/// Number of halvings of the step.
 const REFINEMENTS: u8 = 4;
 
 /// Newton's steps to the nearest point of a curve.
 const NEAREST_STEPS: usize = 4;
-/// A step of that search after which the next one would be nothing: each is about the square of the one
-/// before.
+/// The last step of that search: the next one would be about the square of this one, which is negligible.
 const NEAR: f32 = 1.0 / 2048.0;
 
-/// Steps on each side of the corner, and places between them, where the distance from an arc is measured.
+/// Steps on each side of the corner, and the places between them at which the distance from an arc is
+/// measured.
 const SAMPLES: u8 = 8;
 const EVEN_PLACES: u8 = 2 * SAMPLES - 2;
 
-/// Of a path length, for the rounding of derivatives: products of coefficients up to 60 with sums of some that
+/// Rounding of derivatives, as a part of the path length: products of coefficients up to 60 with sums that
 /// have 24 bits.
 const HIDDEN: f32 = 1.0 / 1024.0;
 
-/// Places between the ends where speed is looked at.
+/// Places between the ends at which speed is examined.
 const PLACES: [f32; 9] = [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9];
 
 /// Gauss's rule of eight points: places and weights.
@@ -648,9 +652,9 @@ const GAUSS: [(f32, f32); 8] = [
     (0.960_289_84, 0.101_228_54),
 ];
 
-/// The speed with which a [`Quintic`] between two sites moves evenly: with that, it has the same speed in its
-/// middle, where Q' = 15/8·D − 7/16·v·(tA + tB) − v²·(kA − kB)/32. `space_per_path`: of the path there, in
-/// space.
+/// The speed with which a [`Quintic`] between two sites moves evenly: its speed in the middle is the same,
+/// where Q' = 15/8·D − 7/16·v·(tA + tB) − v²·(kA − kB)/32. `space_per_path`: distance in space per path
+/// distance.
 pub fn even_speed<const AXES: usize>(
     main: &Main,
     a: &Site<AXES>,
@@ -666,7 +670,7 @@ pub fn even_speed<const AXES: usize>(
     let a = space_per_path * space_per_path - (49.0 / 256.0) * dot(main, &both, &both);
     let mut speed = 0.0;
     for _ in 0..3 {
-        // Of the way less a part of the bend.
+        // The distance, reduced by a part of the bend.
         let part = speed * speed * (1.0 / 60.0);
         let b = (105.0 / 128.0) * (along - part * across);
         let c = (225.0 / 64.0) * (square - part * (2.0 * mixed - part * bent));

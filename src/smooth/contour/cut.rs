@@ -1,5 +1,5 @@
-//! What the curve of a corner takes from both blocks: how far it may reach into them, where it leaves the one and enters
-//! the other, and what is left of them.
+//! The parts of both blocks that the curve of a corner takes: how far it may reach, where it leaves one block and
+//! enters the other, and the rest of both.
 use super::curve::Side;
 use super::held_block::HeldBlock;
 use super::{ONE_44, Parameters};
@@ -9,24 +9,25 @@ use crate::path::poly::Knot;
 use crate::path::{Measure, Passage};
 use crate::quantity::{DISTANCE_LSB, Distance, Position};
 
-/// What two corners leave of a block may go to the second one if it is this part, as a power of two: far less
-/// than what the tolerance has to spare.
+/// The part of a block that two corners leave goes to the second corner if it is below this power of two: far
+/// less than the margin of the tolerance.
 const SLIVER: u32 = 14;
 
-/// Part of the distance that a curve over time leaves, as a power of two: it comes short of what is there by
-/// what its rounding needs.
+/// Part of the distance that a curve over time leaves, as a power of two: its rounding needs this length.
 const SCRAP: u32 = 18;
 
-/// Least that a corner leaves of a block that its neighbours divide, LSB 2^-44 mm: four of a position.
+/// Smallest length that a corner leaves of a block that its neighbours divide, LSB 2^-44 mm: four steps of a
+/// position.
 const LEFT: i64 = 1 << 14;
 
-/// What halving a block and making it anew adds to its length at most, LSB 2^-44 mm.
+/// Largest change of a block's length by halving and making it again, LSB 2^-44 mm.
 const HALVED: i64 = 64;
 
 /// Shortest corner distance worth a curve, mm.
 pub(super) const SHORTEST: f32 = 1e-5;
 
-/// The speed changes beside a curve, not in it, where the blocks have this part of its corner distance left.
+/// The speed changes beside a curve, not inside it, if the blocks have this multiple of the corner distance
+/// left.
 const BESIDE: i64 = 4;
 
 /// π/2.
@@ -35,15 +36,15 @@ const QUARTER: f32 = core::f32::consts::FRAC_PI_2;
 /// How far a curve may reach into both blocks.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Room {
-    /// Largest corner distances, mm, and whether they are those of the blocks' shares, not of a quarter of a
+    /// Largest corner distances, mm; and whether they come from the blocks' shares, not from a quarter of a
     /// turn.
     pub most: [f32; 2],
     whole: [bool; 2],
-    /// Corner distances that are asked for.
+    /// Demanded corner distances.
     pub distances: [f32; 2],
 }
 
-/// What a corner takes from its blocks, LSB 2^-44 mm.
+/// Lengths that a corner takes from its blocks, LSB 2^-44 mm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Cut {
     pub before: i64,
@@ -51,8 +52,8 @@ pub(super) struct Cut {
 }
 
 impl Room {
-    /// Between blocks of these programmed lengths, LSB 2^-44 mm: parts of both, less what is to remain, a
-    /// quarter of a turn.
+    /// The room between blocks of these programmed lengths, LSB 2^-44 mm: their shares, less REMAIN_PART, at
+    /// most a quarter of a turn.
     pub(super) fn new<const AXES: usize>(
         lengths: [(i64, &Side<AXES>); 2],
         parts: [f32; 2],
@@ -72,13 +73,13 @@ impl Room {
         Self { most, whole, distances: rule.distances(most) }
     }
 
-    /// The smaller of both.
+    /// The smaller distance.
     pub(super) fn least(&self) -> f32 {
         min(self.most[0], self.most[1])
     }
 
-    /// What a curve over arc length takes from the blocks, with what was found about it: the part of the
-    /// distances, and how far its elements may be beside it.
+    /// The lengths that a curve over arc length takes, from the results of the search: the part of the
+    /// distances, and the permitted distance of its elements.
     pub(super) fn cut<const AXES: usize>(
         &self,
         held: &HeldBlock<AXES>,
@@ -111,19 +112,20 @@ impl Room {
     }
 }
 
-/// What a corner takes at most of a block that its neighbours divide: all of it would leave a line without motion.
+/// The largest length that a corner takes from a block that its neighbours divide: all of it would leave a
+/// line without motion.
 fn weighed(length: i64) -> i64 {
     (length - (length >> SCRAP).max(LEFT)).max(length / 2)
 }
 
 impl Cut {
-    /// Whether it is as much of both, but for what hardly shows.
+    /// Whether both lengths are equal except for a negligible difference.
     pub(super) fn is_even(&self) -> bool {
         let more = self.before - self.behind;
         more.abs() <= self.before >> SCRAP
     }
 
-    /// As much of both blocks; no sliver is left of either. And how much that is.
+    /// Takes equal lengths of both blocks, so that no sliver of either is left. Returns the length.
     pub(super) fn even<const AXES: usize>(
         held: &HeldBlock<AXES>,
         next: &HeldBlock<AXES>,
@@ -132,7 +134,7 @@ impl Cut {
     ) -> (Self, i64) {
         let left = held.block.element.shape.length.to_bits();
         let half = if rule.weighs() { weighed(next.length) } else { next.length / 2 };
-        // What rounding leaves of a block between two curves would be too short for their speed.
+        // The rest that rounding leaves between two curves would be too short for their speed.
         let slack = if rule.weighs() { 0 } else { half >> SCRAP };
         if rule.weighs() {
             reach = reach.min(half);
@@ -143,13 +145,13 @@ impl Cut {
                 reach = all;
             }
         }
-        // What is left of a halved line may be some LSB less than its half, or more.
+        // The rest of a halved line may be a few LSB more or less than its half.
         let before = if left - reach <= HALVED { left } else { reach };
         (Self { before, behind: reach.min(half + slack) }, reach)
     }
 }
 
-/// Where a curve leaves one block and enters the other: its knots. `false` where there are none.
+/// The knots where a curve leaves one block and enters the other. `false` if there are none.
 #[inline(never)]
 pub(super) fn ends<const AXES: usize>(
     held: &HeldBlock<AXES>,
@@ -165,7 +167,7 @@ pub(super) fn ends<const AXES: usize>(
     true
 }
 
-/// The same; the second block becomes what is left of it.
+/// The same; the second block becomes its rest behind the curve.
 #[inline(never)]
 pub(super) fn enter<const AXES: usize>(
     held: &HeldBlock<AXES>,
@@ -196,7 +198,7 @@ fn leave<const AXES: usize>(held: &HeldBlock<AXES>, cut: Cut, knot: &mut Knot<AX
     }
 }
 
-/// Where it enters the second one.
+/// The point where the curve enters the second block.
 #[inline(always)]
 fn begin<const AXES: usize>(next: &HeldBlock<AXES>, cut: Cut) -> [Position; AXES] {
     let from = &next.block.from;
@@ -204,8 +206,8 @@ fn begin<const AXES: usize>(next: &HeldBlock<AXES>, cut: Cut) -> [Position; AXES
 }
 
 impl Cut {
-    /// Both blocks become what a curve between these knots leaves of them. What its speed does, which may be to stay
-    /// `constant`; `None` where there is no rest of the second block.
+    /// Both blocks become their rests beside a curve between these knots. Returns the behaviour of the curve's
+    /// speed, which may have to stay `constant`; `None` if the second block has no rest.
     pub(super) fn part<const AXES: usize>(
         self,
         held: &mut HeldBlock<AXES>,
@@ -217,8 +219,7 @@ impl Cut {
         Some(self.leave(held, next, from, constant))
     }
 
-    /// The first block becomes what a curve from this knot leaves of it, as the second one has already. What
-    /// the speed of the curve does.
+    /// The first block becomes its rest before the curve's knot. Returns the behaviour of the curve's speed.
     pub(super) fn leave<const AXES: usize>(
         self,
         held: &mut HeldBlock<AXES>,
@@ -231,7 +232,7 @@ impl Cut {
         if rest > 0 {
             held.block.element.exit = from.end;
         }
-        // The next corner may take half of the block behind this one.
+        // The next corner may take half of the second block.
         let beside = rest.min(next.block.element.shape.length.to_bits() - next.length / 2);
         if constant {
             Passage::Constant

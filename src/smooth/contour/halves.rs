@@ -1,11 +1,11 @@
-//! A curve of two polynomials that meet where it is nearest to the corner, both with the same path length.
+//! A curve of two polynomials with equal path length, which meet where the curve is nearest to the corner.
 use crate::path::poly::{Draft, Knot};
 use crate::path::{Element, Passage};
 use crate::quantity::Position;
 
 use super::timed::larger;
 
-/// A curve that is handed out in two halves.
+/// A curve that is emitted in two halves.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Halves<const AXES: usize> {
     pub from: Knot<AXES>,
@@ -13,11 +13,11 @@ pub struct Halves<const AXES: usize> {
     pub to: Knot<AXES>,
     /// Path length of a half, mm.
     pub length: f32,
-    /// Speed along the curve per path speed at most.
+    /// Largest speed along the curve per path speed.
     pub fastest: f32,
-    /// Magnitudes of the third derivative, where acceleration passes the curve.
+    /// Magnitudes of the third derivative, if acceleration passes the curve.
     pub third: Option<[f32; AXES]>,
-    /// Halves handed out.
+    /// Number of emitted halves.
     pub done: u8,
 }
 
@@ -33,7 +33,7 @@ impl<const AXES: usize> Halves<AXES> {
         self.done == 0
     }
 
-    /// Whether both are handed out.
+    /// Whether both halves are emitted.
     pub fn is_done(&self) -> bool {
         self.done >= 2
     }
@@ -47,13 +47,13 @@ impl<const AXES: usize> Halves<AXES> {
         }
     }
 
-    /// No further element is handed out; where the curve ends.
+    /// Ends the curve early: no further element is emitted. Returns the end of the curve.
     pub fn finish(&mut self) -> &[Position; AXES] {
         self.done = 2;
         &self.to.position
     }
 
-    /// The next element, with its axes to be made; then: [`Self::settle`].
+    /// The next element, whose axes are not made yet. Call [`Self::settle`] afterwards.
     pub fn next_element(&mut self, element: &mut Element<AXES>) -> Option<Draft<AXES>> {
         let ends = match self.done {
             0 => [&self.from, &self.middle],
@@ -65,8 +65,8 @@ impl<const AXES: usize> Halves<AXES> {
         Some(if self.third.is_some() { made.cubic() } else { made })
     }
 
-    /// Sets the derivatives of an element that acceleration passes: they are known better here than from the points of
-    /// a short piece.
+    /// Sets the derivatives of an element that acceleration passes. These values are more accurate than those from the
+    /// points of a short piece.
     pub fn settle(&self, element: &mut Element<AXES>) {
         if let (Some(bounds), Some(third)) = (&mut element.bounds, self.third) {
             bounds.passage = Passage::Through;

@@ -1,4 +1,4 @@
-//! A block that waits for the next one, and the blocks behind it that are left out because they are short.
+//! A block that waits for the next one, and the short blocks behind it that are left out.
 use super::curve::{Main, aside, direction, foot, plus, size, space_per_path};
 use super::{Data, Form, LSB_32, Parameters, ProgrammedBlock, Smoothed};
 use crate::dynamics::{Dynamics, Known};
@@ -34,24 +34,24 @@ pub(super) struct Skipped<const AXES: usize> {
     /// Largest deviation of the blocks from the straight line over them, and from its start, mm.
     pub stray: Stray,
     pub radius: f32,
-    /// Whether no more such blocks come, so that their line is the block after the corner.
+    /// Whether no further blocks are left out, so that their line is the block after the corner.
     pub over: bool,
 }
 
-/// How far blocks may be from a line that stands for them.
+/// Deviation of blocks from a line that replaces them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Stray {
     /// Deviation in space, mm.
     pub path: f32,
-    /// Each of the other axes, at the place of the line that is nearest in space.
+    /// Deviation of each other axis, at the place of the line that is nearest in space.
     pub track: f32,
 }
 
 impl Stray {
-    /// The line itself.
+    /// No deviation.
     pub const NONE: Self = Self { path: 0.0, track: 0.0 };
 
-    /// How far a point is from the line to `end`; both from its start.
+    /// Deviation of a point from the line to `end`; both count from its start.
     fn of<const AXES: usize>(main: &Main, end: &[f32; AXES], point: &[f32; AXES]) -> Self {
         let off = plus(point, -foot(main, end, point), end);
         Self { path: size(main, &off), track: aside(main, &off) }
@@ -62,7 +62,7 @@ impl Stray {
         Self { path: self.path + other.path, track: self.track + other.track }
     }
 
-    /// The larger of both.
+    /// The larger of both deviations.
     pub fn or(self, other: Self) -> Self {
         Self { path: max(self.path, other.path), track: max(self.track, other.track) }
     }
@@ -72,7 +72,7 @@ impl Stray {
     }
 }
 
-/// A line that stands for several blocks.
+/// A line that replaces several blocks.
 pub(super) struct Standing {
     /// Whether the line begins at the start of the block held back, not at its end.
     pub whole: bool,
@@ -80,21 +80,21 @@ pub(super) struct Standing {
     pub stray: Stray,
 }
 
-/// A block below 16 µm behind blocks left out is replaced by a line from where they began; before a corner it
-/// is joined to the block behind it.
+/// A block below 16 µm behind blocks left out is replaced by a line from their start. Before a corner it is
+/// joined to the block behind.
 const SYSTEM_LEAST: f32 = 0.016;
 
-/// How far, LSB 2^-32 mm and mm, the corner between two blocks may be from the line over both, and how much
-/// the direction may change, LSB 2^-40. And how far blocks may be from a line over many.
+/// Three limits for merging two blocks: distance of their corner from the line over both, LSB 2^-32 mm and
+/// mm; change of direction, LSB 2^-40; and the distance of many blocks from their line.
 const STRAIGHT: f64 = 4096.0;
 const STRAIGHT_MM: f32 = 4096.0 * LSB_32;
 const TURN: i64 = 1 << 20;
 const MERGED_STRAY: f32 = 64.0 * STRAIGHT_MM;
 
-/// Ticks that a line over several blocks takes at most.
+/// Largest duration of a line over several blocks, ticks.
 pub(super) const LONGEST_TICKS: f32 = (1 << 25) as f32;
 
-/// The way from one point to another, mm.
+/// The vector from one point to another, mm.
 pub(super) fn travel<const AXES: usize>(from: &[Position; AXES], to: &[Position; AXES]) -> [f32; AXES] {
     let mut travel = [0.0; AXES];
     for (travel, (from, to)) in travel.iter_mut().zip(from.iter().zip(to)) {
@@ -152,21 +152,21 @@ impl<const AXES: usize> HeldBlock<AXES> {
         self.known = None;
     }
 
-    /// Whether the way from one point to another is irrelevant: along the main axes and every other one.
+    /// Whether the distance between two points is irrelevant, along the main axes and along every other axis.
     fn is_irrelevant(from: &[Position; AXES], to: &[Position; AXES], rule: &Parameters, main: &Main) -> bool {
         let travel = travel(from, to);
         let [path, track] = rule.relevant();
         size(main, &travel) <= path && aside(main, &travel) <= track
     }
 
-    /// A length of path of a block in space, mm.
+    /// The distance in space of a path length of a block, mm.
     fn in_space(element: &Element<AXES>, length: i64, measure: &Measure) -> f32 {
         to_f32(length) * DISTANCE_LSB * space_per_path(measure, &direction(&element.entry))
     }
 
-    /// The blocks left out, those `before` among them, if the next block is one of them: it is short, and ends no further from the end
-    /// of this one. Where there is a tolerance only as long as a straight line over them keeps a part of it;
-    /// the corner has the rest.
+    /// Returns the blocks left out, including those in `before`, if the next block is left out too. Two conditions hold
+    /// for it: it is short, and it ends near the end of this block. With a tolerance, the straight line over these
+    /// blocks may use only a part of it; the corner has the rest.
     pub fn leave_out(
         &self,
         before: Option<&Skipped<AXES>>,
@@ -185,7 +185,7 @@ impl<const AXES: usize> HeldBlock<AXES> {
         {
             return None;
         }
-        // An arc is no further from its chord than half its length.
+        // An arc is at most half its length away from its chord.
         let bent = if arc { 0.5 * length } else { 0.0 };
         let turned = if arc { aside(main, &travel(&next.from, &next.to)) } else { 0.0 };
         let over = travel(&self.block.to, &next.to);
@@ -199,9 +199,9 @@ impl<const AXES: usize> HeldBlock<AXES> {
         stray.is_within(rule.stray()).then_some(skipped)
     }
 
-    /// Whether a line stands for blocks held back or left out together with the next one: this one is too
-    /// short to begin a curve, or the next one is to end it. Short is what is short in space and along every
-    /// other axis.
+    /// Whether one line replaces held or left-out blocks together with the next one. Either this block is too
+    /// short to begin a curve, or the next block is too short to end it. A short block is short in space and
+    /// along every other axis.
     pub fn stands(
         &self,
         skipped: Option<&Skipped<AXES>>,
@@ -215,10 +215,10 @@ impl<const AXES: usize> HeldBlock<AXES> {
             let ProgrammedBlock { element, from, to, .. } = &held.block;
             Self::in_space(element, held.length, measure) <= path && aside(main, &travel(from, to)) <= track
         };
-        // A curve that ends in this block goes on in its direction.
+        // A curve that ends inside this block keeps its direction.
         let entered = self.block.element.shape.length.to_bits() < self.length;
         let lines = next.is_line() && self.is_line() && !entered;
-        // RELEVANT_PATH is for both neighbours of a corner with DEV alone.
+        // With DEV alone RELEVANT_PATH applies to both neighbours of a corner.
         let least = if rule.method == ContourMethod::Dev { path } else { min(path, SYSTEM_LEAST) };
         let whole = lines && rule.method != ContourMethod::Pos && is_short(self, least);
         let standing = match skipped {
@@ -238,11 +238,11 @@ impl<const AXES: usize> HeldBlock<AXES> {
         standing.stray.is_within(rule.stray()).then_some(standing)
     }
 
-    /// Becomes the line over this block and the next one, if PTP makes one of both: the next one goes straight
-    /// on with the same feed. Whether it does.
+    /// PTP: becomes the line over this block and the next one, if the next block continues straight with the
+    /// same feed. Returns whether it did.
     ///
-    /// Of the tangential joints that MERGE is for, those between lines are all that PTP has: an arc switches
-    /// it off.
+    /// MERGE covers tangential transitions. With PTP only those between lines occur, because an arc switches
+    /// PTP off.
     pub fn merge(&mut self, next: &Self, dynamics: &Dynamics<AXES>, measure: &Measure) -> bool {
         let (block, data) = (&next.block, &next.block.data);
         if self.rule.as_ref().is_none_or(|rule| rule.method != ContourMethod::Ptp || !rule.merge)
@@ -262,7 +262,7 @@ impl<const AXES: usize> HeldBlock<AXES> {
         });
         let tangents = self.block.element.entry.tangent.iter().zip(line.tangent());
         let turns = tangents.fold(0, |most: i64, (a, b)| most.max((a - b).abs()));
-        // No longer than what one block may take.
+        // At most the duration of one block.
         let in_time =
             to_f32(both) * DISTANCE_LSB < dynamics.line(line.tangent(), data.feed).0.v * LONGEST_TICKS;
         let stray = self.stray.or(next.stray).and(Stray { path: STRAIGHT_MM, track: STRAIGHT_MM });
@@ -282,13 +282,12 @@ impl<const AXES: usize> HeldBlock<AXES> {
         true
     }
 
-    /// Whether the part that the block has in the corner before it depends on the next block, or on a block that may
-    /// join it.
+    /// Whether the block's share in the corner before it depends on the next block, or on a block that may join it.
     pub fn waits(&self) -> bool {
         self.rule.as_ref().is_some_and(|rule| rule.weighs() || self.is_line() && rule.chords().is_some())
     }
 
-    /// Whether no corner has been before it.
+    /// Whether no corner has cut the block yet.
     pub fn is_untouched(&self) -> bool {
         let whole = self.block.element.shape.length.to_bits() == self.length;
         whole && self.previous.is_none()
@@ -310,13 +309,13 @@ impl<const AXES: usize> HeldBlock<AXES> {
         Smoothed { element, end: None, data, curving: None, due: data.number, known: self.known.as_ref() }
     }
 
-    /// Makes the blocks left out the next block, when no more of them come: the line over them, with its end as
-    /// programmed. It is written to `next`, which is blank. Returns whether there is one.
+    /// Makes the line over the left-out blocks the next block, when no further blocks are left out. The end is
+    /// as programmed. The result is written to `next`, which is blank. Returns whether there is a line.
     pub fn behind(&mut self, skipped: &Skipped<AXES>, measure: &Measure, next: &mut Self) -> bool {
         let &Skipped { to, data, stray, .. } = skipped;
         let from = self.block.to;
         if line_to([&from, &to], measure, &mut next.block.element) != Ok(true) {
-            // They led back.
+            // The blocks led back to their start.
             self.rule = None;
             self.block.data.stop |= data.stop;
             return false;
@@ -326,7 +325,7 @@ impl<const AXES: usize> HeldBlock<AXES> {
         true
     }
 
-    /// The end that the rest of the block from a point on it has there.
+    /// The direction at the start of the block's rest, from a point on the block.
     pub fn entry_at(&self, from: &[Position; AXES], measure: &Measure) -> Result<End<AXES>, PathError> {
         if *from == self.block.from {
             return Ok(self.block.element.entry);
@@ -337,7 +336,7 @@ impl<const AXES: usize> HeldBlock<AXES> {
         }
     }
 
-    /// Becomes the rest of the block from a point on it, which is `cut` (LSB 2^-44 mm) from its start.
+    /// Becomes the rest of the block from a point on it, `cut` (LSB 2^-44 mm) behind its start.
     pub fn renew(&mut self, from: &[Position; AXES], cut: i64, measure: &Measure) -> Result<(), PathError> {
         if *from == self.block.from {
             return Ok(());
@@ -362,8 +361,8 @@ impl<const AXES: usize> HeldBlock<AXES> {
     }
 }
 
-/// An arc of this form between two points, in the place of an element. Of the limits it has those of the arc that it was
-/// cut from: what was compared with them stays true.
+/// An arc of this form between two points, in place of an element. It keeps the limits of the original arc, so earlier
+/// comparisons stay valid.
 #[inline(never)]
 fn rest_of_arc<const AXES: usize>(
     ends: [&[Position; AXES]; 2],

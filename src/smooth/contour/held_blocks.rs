@@ -1,21 +1,21 @@
-//! The blocks held back, in their order. They stay where they are: when the first one leaves, the others are
-//! only counted anew. Where it was, the elements behind it have their place, one after the other.
+//! The held blocks in order. Blocks are not moved in memory: when the first one leaves, only the indices
+//! change. The free place then holds the elements behind it, one after the other.
 use super::Made;
 use super::held_block::HeldBlock;
 
-/// What is in a place.
+/// Content of a place.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Slot<const AXES: usize> {
     /// Nothing.
     Free,
     /// A block.
     Block(HeldBlock<AXES>),
-    /// An element on its way out: only in the last place.
+    /// An element to be emitted: only in the last place.
     Made(Made<AXES>),
 }
 
 impl<const AXES: usize> Slot<AXES> {
-    /// The block in it.
+    /// The block in this place.
     #[inline(always)]
     pub const fn block(&self) -> Option<&HeldBlock<AXES>> {
         if let Self::Block(block) = self { Some(block) } else { None }
@@ -28,23 +28,23 @@ impl<const AXES: usize> Slot<AXES> {
     }
 }
 
-/// Places of three blocks.
+/// Places for three blocks.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct HeldBlocks<const AXES: usize> {
     slots: [Slot<AXES>; 3],
-    /// Where the first one is: 0…2.
+    /// Index of the first place: 0…2.
     first: u8,
 }
 
 impl<const AXES: usize> HeldBlocks<AXES> {
-    /// None.
-    // In its place: a constant is copied as a whole.
+    /// No blocks.
+    // In its place, because a constant would be copied as a whole.
     #[inline(always)]
     pub const fn none() -> Self {
         Self { slots: [Slot::Free, Slot::Free, Slot::Free], first: 0 }
     }
 
-    /// The one held back.
+    /// The first held block.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn first(&self) -> Option<&HeldBlock<AXES>> {
         self.slots.get(usize::from(self.first))?.block()
@@ -73,7 +73,7 @@ impl<const AXES: usize> HeldBlocks<AXES> {
         }
     }
 
-    /// The block held back, and the place of an element before it, where no block leaves.
+    /// The held block, and the place of an element before it, if no block is leaving.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn made(&mut self) -> Option<(&HeldBlock<AXES>, &mut Made<AXES>)> {
         let [held, _, last] = self.all_mut();
@@ -83,7 +83,7 @@ impl<const AXES: usize> HeldBlocks<AXES> {
         if let (Slot::Block(held), Slot::Made(made)) = (held, last) { Some((held, made)) } else { None }
     }
 
-    /// The first one becomes the last one, and each other one the one before.
+    /// The first place becomes the last one, and every other place moves forward.
     pub const fn leave(&mut self) {
         self.first = if self.first < 2 { self.first + 1 } else { 0 };
     }

@@ -1,5 +1,5 @@
-//! A corner on its way from two blocks to a curve, a bounded piece of work per call: whether there is a curve
-//! and of which kind, how far it reaches into the blocks, and the elements that it is cut into.
+//! The work on a corner, in bounded steps: whether there is a curve and of which kind, how far it reaches
+//! into the blocks, and its elements.
 use super::choice::{Approach, Candidate, Choice, bends, passes, shallow_distance};
 use super::corner::{AIM, Corner, Reach, Tolerance, turn};
 use super::corner_curve::{CONSTANT, CornerCurve, EVEN, Fit, Rehearsal};
@@ -19,35 +19,35 @@ use crate::path::{Measure, Passage};
 use crate::quantity::{DISTANCE_LSB, Distance, Position};
 use core::num::NonZeroI64;
 
-/// Of a tolerance, for what lies between the places that are looked at beside blocks left out.
+/// Part of a tolerance for the parts between the examined places, beside blocks left out.
 const UNSEEN: f32 = 1.0 / 256.0;
 /// See [`UNSEEN`].
 const UNSEEN_TRACK: f32 = 1.0 / 32.0;
 
-/// How often a corner is made smaller.
+/// How often a curve is made smaller.
 const SMALLER: u8 = 8;
 
-/// Trials for the corner distances in one call, and elements that are fitted: each call has its own cost.
+/// Trials per call for the corner distances, and fitted elements per call: each call has its own cost.
 const TRIALS: usize = 4;
 const ELEMENTS: usize = 8;
-/// Elements whose speed is looked at.
+/// Elements per call whose speed is examined.
 const TIMED: u32 = 4;
 
-/// Settings of a corner, in addition to its blocks and their rule.
+/// Data of a corner in addition to its blocks and their rule.
 pub struct Setting<'a, const AXES: usize> {
     /// Main axes and feed axes.
     pub measure: &'a Measure,
-    /// CHECK_JERK and CONST_VEL as they stand now.
+    /// Current CHECK_JERK and CONST_VEL.
     pub check_jerk: u8,
-    /// See there.
+    /// See `check_jerk`.
     pub const_vel: bool,
     /// Limits of the axes.
     pub dynamics: &'a Dynamics<AXES>,
-    /// The blocks left out between both.
+    /// The blocks left out at the corner.
     pub skipped: Option<&'a Skipped<AXES>>,
 }
 
-/// What a curve over arc length is compared with: a curve over time, and with DEV a standstill in the corner.
+/// Alternatives to a curve over arc length: a curve over time, and with DEV a stop in the corner.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Rivals {
     approach: Approach,
@@ -55,8 +55,8 @@ struct Rivals {
     may_stop: bool,
 }
 
-/// Corner distances are searched for, those of a curve over arc length. Then what is quickest is taken: that curve,
-/// or one of these.
+/// The search for the corner distances of a curve over arc length. At its end the quickest choice is taken: this
+/// curve, or an alternative.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Search<const AXES: usize> {
     room: Room,
@@ -64,41 +64,41 @@ pub struct Search<const AXES: usize> {
     rivals: Rivals,
 }
 
-/// What is done next.
+/// The next step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum JoinStep {
-    /// Corner distances are searched for: [`Course::Reaching`].
+    /// Search the corner distances: [`Course::Reaching`].
     Reaching,
-    /// A curve over arc length with these distances is made, and its elements may be beside it by that much,
-    /// mm.
+    /// Make a curve over arc length with these distances, whose elements may deviate by `slack`, mm.
     Cutting { cut: Cut, slack: f32, smaller: u8 },
-    /// Its elements are.
+    /// Fit its elements.
     Fitting { cut: Cut, slack: f32, smaller: u8 },
-    /// CONST_VEL: of so many elements the speed that all of them permit, and their length, are known. `None`:
-    /// the one behind the joint comes first, where it turns most; it permits less than most others.
+    /// CONST_VEL: find the speed that all elements permit. Speed and length of the elements so far are known.
+    /// `None`: the element in the middle comes first. It turns most and usually permits the least.
     Timing { cut: Cut, element: Option<u32>, steady: Steady },
-    /// They are: both blocks become what is left of them.
+    /// Elements are known: both blocks become their rests.
     Joining { cut: Cut, steady: Option<Steady> },
-    /// A curve over time is made.
+    /// Make a curve over time.
     Overlapping(Overlap),
-    /// The curve of a shallow corner is made, with that distance, mm.
+    /// Make the curve of a shallow corner with this distance, mm.
     Bending(f32),
     /// There is no curve.
     Sharp,
 }
 
-/// What is quickest in a corner.
+/// The quickest choice in a corner.
 enum Quickest {
-    /// To stand still.
+    /// A stop.
     Standing,
     /// A curve over time.
     Timed(Overlap),
-    /// A curve over arc length, with the part of the distances and how far its elements may be beside it, mm.
+    /// A curve over arc length, with the part of the distances, and the permitted distance of its elements,
+    /// mm.
     Even((f32, f32)),
 }
 
 impl JoinStep {
-    /// What is quickest comes next. In place: as a whole a step would be copied.
+    /// Sets the step for the quickest choice. In place, because a whole step would be copied.
     #[inline(always)]
     fn take<const AXES: usize>(
         &mut self,
@@ -144,8 +144,8 @@ impl Joining {
         Self { stage: JoinStep::Sharp }
     }
 
-    /// Whether a curve is possible between both blocks, and the warning about it. `behind`: length of the block after
-    /// both, LSB 2^-44 mm, if the corner before that block is rounded and it is known.
+    /// Whether a curve between both blocks is possible, and the warning about it. `behind`: length of the block after
+    /// both, LSB 2^-44 mm, if it is known and the corner before it is rounded.
     pub fn go_into<const AXES: usize>(
         &mut self,
         [held, next]: [&mut HeldBlock<AXES>; 2],
@@ -165,7 +165,7 @@ impl Joining {
         remark
     }
 
-    /// How far a curve may reach into both, if one comes into question.
+    /// How far a curve may reach into both blocks, if a curve is possible.
     #[inline(always)]
     fn room<const AXES: usize>(
         (held, corner): (&HeldBlock<AXES>, &Corner<'_, AXES>),
@@ -176,7 +176,7 @@ impl Joining {
     ) -> Option<Room> {
         let (before, behind) = (&corner.before, &corner.behind);
         if corner.follows_master(rule, setting.measure) {
-            // All others are alike: whether it is a corner in space does not matter.
+            // The other methods need only a change of direction, not a corner in space.
             if !corner.turns() {
                 return None;
             }
@@ -206,7 +206,7 @@ impl Joining {
         Some(room)
     }
 
-    /// Which kinds of curve come into question.
+    /// Decides which kinds of curve are possible.
     #[inline(never)]
     fn choose<const AXES: usize>(
         [held, next]: [&HeldBlock<AXES>; 2],
@@ -232,7 +232,7 @@ impl Joining {
             return;
         }
         let candidate = Candidate::new(&choice);
-        // Blocks left out have no corner to stand still in, and a constant speed is none.
+        // Blocks left out have no corner to stop at, and a constant speed permits no stop.
         let may_stop = rule.may_stand() && setting.skipped.is_none() && !setting.const_vel;
         if let Some(Candidate { way, only: true, full }) = candidate {
             let stands = may_stop
@@ -244,7 +244,7 @@ impl Joining {
         let position = rule.method == ContourMethod::Pos;
         if position || (tolerance.path.is_none() && tolerance.track <= 0.0 && candidate.is_none()) {
             if may_stop {
-                // Nothing bounds its distances: the search finds all of them, and compares.
+                // The distances have no bound: the search finds all of them, and compares.
                 *stage = JoinStep::Reaching;
                 Self::search(&room, tolerance, (&approach, &None, may_stop), into);
             } else {
@@ -273,12 +273,12 @@ impl Joining {
             stage.take([held, next], rule, &room, Self::compare(&room, rivals, found));
             return;
         }
-        // With a curve over time to choose instead: the same search.
+        // The same search, with a curve over time as alternative.
         *stage = JoinStep::Reaching;
         Self::search(&room, tolerance, (&approach, &candidate, may_stop), into);
     }
 
-    /// Corner distances are searched for. A call of its own: it is there twice.
+    /// Searches the corner distances. A separate function, because it has two callers.
     #[inline(never)]
     fn search<const AXES: usize>(
         room: &Room,
@@ -291,14 +291,14 @@ impl Joining {
             Course::Reaching(Search { room: *room, reach: Reach::new(tolerance, room.distances), rivals });
     }
 
-    /// What a curve may deviate.
+    /// The permitted deviation of a curve.
     fn tolerance<const AXES: usize>(
         [held, next]: [&HeldBlock<AXES>; 2],
         skipped: Option<&Skipped<AXES>>,
         rule: &Parameters,
     ) -> Tolerance {
         let mut tolerance = rule.tolerance();
-        // What straight lines that stand for several blocks have already taken.
+        // The part of the tolerance that lines over several blocks have already used.
         let stray = held.stray.or(next.stray).or(skipped.map_or(Stray::NONE, |skipped| skipped.stray));
         let [unseen, unseen_track] = if skipped.is_some() { [UNSEEN, UNSEEN_TRACK] } else { [0.0; 2] };
         if let Some(path) = &mut tolerance.path {
@@ -310,8 +310,8 @@ impl Joining {
         tolerance
     }
 
-    /// Whether a curve over arc length is compared with anything. In the sharp corners of Surface it is not, where
-    /// there is one over time: it may be slower than a standstill there.
+    /// Whether a curve over arc length has alternatives. In a sharp corner of Surface with a curve over time there
+    /// is none, even if the curve is slower than a stop.
     fn compares<const AXES: usize>(
         rule: &Parameters,
         corner: &Corner<'_, AXES>,
@@ -321,9 +321,9 @@ impl Joining {
         if candidate.is_some() { !rule.edges || !corner.is_sharp() } else { may_stop }
     }
 
-    /// What is quickest: a curve over arc length with the part of the distances that was found, one over
-    /// time, or a standstill. `even`: path length of the first one, and the speed over its parameter with
-    /// which it is passed, if there is something to compare.
+    /// The quickest choice: a curve over arc length with the found part of the distances, a curve over time,
+    /// or a stop. `even`: path length of the first, and its speed over the parameter, if there is an
+    /// alternative.
     #[inline(never)]
     fn compare(
         room: &Room,
@@ -336,7 +336,7 @@ impl Joining {
         let may_win = candidate.as_ref().filter(|candidate| candidate.way.duration() < even);
         let over_time = may_win.map(|candidate| approach.overlapping(&candidate.way));
         let quickest = min(even, over_time.unwrap_or(f32::MAX));
-        // Times are known to a tick, and to the speeds at which the parts of other corners begin.
+        // Times are accurate to a tick, and to the speeds at which the parts of other corners begin.
         if may_stop && approach.stops_within(quickest * approach.known() + 1.0) {
             return Quickest::Standing;
         }
@@ -346,8 +346,8 @@ impl Joining {
         }
     }
 
-    /// Goes on. Whether it is done: then the course is the curve if there is one, and both blocks are what is
-    /// left of them.
+    /// Continues. Returns whether the corner is done. Then the course holds the curve, if there is one, and
+    /// both blocks are their rests.
     #[inline(never)]
     pub fn go_on<const AXES: usize>(
         &mut self,
@@ -380,9 +380,9 @@ impl Joining {
         true
     }
 
-    // What follows is not inlined: of what each has on the stack, only one is there at a time.
+    // The following functions are not inlined, so that only one of their stack frames exists at a time.
 
-    /// Looks for the kind of curve and its distances.
+    /// Decides the kind of curve and its distances.
     #[inline(never)]
     fn decide<const AXES: usize>(
         [held, next]: [&HeldBlock<AXES>; 2],
@@ -413,7 +413,7 @@ impl Joining {
         let all = found.filter(|_| compares).map(|(part, _)| (part, even(part)));
         if let Some((part, made)) = all {
             let reached = room.distances.map(|c| c * part);
-            // More of the blocks than leaves them a way to change their speed is no gain.
+            // A longer curve that leaves the blocks no room to change their speed gains nothing.
             if let Some(less) = approach.loosened(reached).filter(|_| rule.method != ContourMethod::DistSoft)
             {
                 let loose = reached.map(|c| c * less);
@@ -430,7 +430,7 @@ impl Joining {
         stage.take([held, next], rule, room, quickest);
     }
 
-    /// Makes the curve over arc length. Whether that is all: it needs no fitting.
+    /// Makes the curve over arc length. Returns whether it needs no fitting.
     #[inline(never)]
     fn cut<const AXES: usize>(
         held: &mut HeldBlock<AXES>,
@@ -464,7 +464,7 @@ impl Joining {
         false
     }
 
-    /// Whether the curve is known in closed form, each half in one element.
+    /// Whether the curve is known in closed form, with each half in one element.
     #[inline(never)]
     fn is_symmetric<const AXES: usize>(
         [held, next]: [&HeldBlock<AXES>; 2],
@@ -480,7 +480,7 @@ impl Joining {
         symmetric.is_even()
     }
 
-    /// The curve in closed form, and both blocks without what it takes of them.
+    /// Makes the curve in closed form, and shortens both blocks.
     #[inline(never)]
     fn halve<const AXES: usize>(
         [held, next]: [&mut HeldBlock<AXES>; 2],
@@ -501,7 +501,7 @@ impl Joining {
         *passage = cut.leave(held, next, &halves.from, setting.const_vel);
     }
 
-    /// Cuts it into elements.
+    /// Cuts the curve into elements.
     #[inline(never)]
     fn fit<const AXES: usize>(stage: &mut JoinStep, setting: &Setting<'_, AXES>, into: &mut Course<AXES>) {
         let &Setting { measure, const_vel, .. } = setting;
@@ -527,7 +527,7 @@ impl Joining {
         }
     }
 
-    /// Takes some of its elements into account for the speed of all of them, and one that may lower it.
+    /// Takes some elements into account for their common speed, and one that may lower it.
     #[inline(never)]
     fn time<const AXES: usize>(
         [held, next]: [&HeldBlock<AXES>; 2],
@@ -568,7 +568,7 @@ impl Joining {
         }
     }
 
-    /// Length of one of its elements, and the speed that it permits. `None` where it cannot be made.
+    /// Length of an element, and its permitted speed. `None` if it cannot be made.
     #[inline(never)]
     fn permitted<const AXES: usize>(
         course: &CornerCurve<AXES>,
@@ -583,7 +583,7 @@ impl Joining {
         Some((length, limits.v))
     }
 
-    /// The curve over arc length, and both blocks without what it takes of them.
+    /// Completes the curve over arc length, and shortens both blocks.
     #[inline(never)]
     fn join<const AXES: usize>(
         held: &mut HeldBlock<AXES>,
@@ -602,7 +602,7 @@ impl Joining {
         }
     }
 
-    /// Cuts both blocks where a curve over time begins and ends, and makes it.
+    /// Cuts both blocks where a curve over time begins and ends, and makes the curve.
     #[inline(never)]
     fn overlap<const AXES: usize>(
         held: &mut HeldBlock<AXES>,
@@ -627,7 +627,7 @@ impl Joining {
         cut.leave(held, next, &from, setting.const_vel);
     }
 
-    /// The curve over time between two knots, as far as `all` (LSB 2^-44 mm) from the corner.
+    /// The curve over time between two knots, up to `all` (LSB 2^-44 mm) from the corner.
     #[inline(never)]
     fn pass<const AXES: usize>(
         [held, next]: [&HeldBlock<AXES>; 2],
@@ -666,8 +666,8 @@ impl Joining {
         cut.leave(held, next, &halves.from, setting.const_vel);
     }
 
-    /// The way in space per path distance on both sides, and the path of a curve that takes so much of both blocks
-    /// where a master axis is the path.
+    /// Distance in space per path distance on both sides; and the path of a curve with these cuts, if a master
+    /// axis is the path.
     #[inline(never)]
     fn lead<const AXES: usize>(
         [held, next]: [&HeldBlock<AXES>; 2],
@@ -681,8 +681,7 @@ impl Joining {
         corner.follows_master(rule, setting.measure).then(path)
     }
 
-    /// A curve over arc length where it leaves one block and enters the other, without its halves. Whether there are
-    /// such places.
+    /// Begins a curve over arc length at its two knots, without its halves. Returns whether there are such knots.
     #[inline(never)]
     fn begin<const AXES: usize>(
         [held, next]: [&HeldBlock<AXES>; 2],
@@ -701,7 +700,7 @@ impl Joining {
         true
     }
 
-    /// Makes its halves about the corner. Whether they can be made.
+    /// Makes the halves of the curve. Returns whether they can be made.
     #[inline(never)]
     fn lay<const AXES: usize>(
         course: &mut CornerCurve<AXES>,
@@ -730,8 +729,8 @@ fn even<const AXES: usize>(course: &mut Course<AXES>) -> Option<&mut CornerCurve
 }
 
 impl Cut {
-    /// An arc may come back so near to the other block that no even curve joins them there: with less of
-    /// both.
+    /// An arc may come back so near to the other block that no even curve joins them: the next try takes less
+    /// of both.
     fn smaller(self, slack: f32, smaller: u8) -> JoinStep {
         if smaller + 1 >= SMALLER {
             return JoinStep::Sharp;
@@ -742,7 +741,7 @@ impl Cut {
 }
 
 impl<const AXES: usize> Course<AXES> {
-    /// A curve in two halves, which are not made yet. A call of its own: it is there twice.
+    /// Begins a curve in two halves, which are not made yet. A separate function, because it has two callers.
     #[inline(never)]
     fn begin_halves(&mut self, blocks: [&HeldBlock<AXES>; 2], setting: &Setting<'_, AXES>) {
         *self = Self::Turning(Turning::new(blocks, Cornering::Halves(Halves::NONE), setting));
@@ -750,7 +749,7 @@ impl<const AXES: usize> Course<AXES> {
 }
 
 impl<const AXES: usize> Turning<AXES> {
-    /// Between these blocks; what its speed does, if it is not over time, comes later.
+    /// A curve between these blocks. The behaviour of its speed is set later, unless it is over time.
     #[inline(always)]
     fn new(
         [held, next]: [&HeldBlock<AXES>; 2],

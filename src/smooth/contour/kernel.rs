@@ -1,14 +1,15 @@
-//! A shallow corner between two lines as two cubics that meet where the curve is nearest to the corner.
+//! The curve of a shallow corner between two lines: two cubics that meet where the curve is nearest to the
+//! corner.
 //!
 //! ```text
 //! Q(s) = P(s) + d·(c − |s|)³ / (6·c²)     −c ≤ s ≤ c,   d = t2 − t1
 //! ```
 //!
-//! P is the contour over its own length s, from the corner on. The direction goes from t1 to t2 over 2·c, and
-//! the second derivative rises and falls evenly: up to d/c in the middle, zero at both ends. So the third
-//! derivative is ±d/c², the least that any curve of that length can have. The deviation is |d|·c/6 in the
-//! middle and less elsewhere. As |Q'| is at most 1, the length of the contour counts as path, and no speed is
-//! above the feed; in the middle it is below by 1 − cos θ/2.
+//! P is the contour over its own length s, counted from the corner. The direction changes from t1 to t2 over
+//! 2·c. The second derivative rises and falls linearly: up to d/c in the middle, zero at both ends. So the
+//! third derivative is ±d/c², the least of all curves of this length. The deviation is |d|·c/6 in the middle
+//! and less elsewhere. As |Q'| is at most 1, the length of the contour counts as path, and no speed exceeds
+//! the feed; in the middle the speed is lower by 1 − cos θ/2.
 use crate::math::float::{magnitude, to_i64};
 use crate::quantity::Position;
 
@@ -35,5 +36,5 @@ pub fn kernel<const AXES: usize>(origin: &[Position; AXES], c: f32, halves: &mut
     (halves.length, halves.fastest, halves.third) = (c, 1.0 + 1e-6, Some(third));
 }
 
-/// For rounding.
+/// Margin for rounding.
 const ROUNDED: f32 = 1.0 + 1.0 / 1_048_576.0;

@@ -1,36 +1,38 @@
-//! Contour mode (G61, G261, #CONTOUR MODE): corners between blocks become curves that are continuous in
-//! direction and curvature, inside a tolerance (DEV), at given distances (DIST), through a given point (POS),
-//! or such that axes change their speed as they can (DIST_SOFT, DIST_MASTER, PTP; DEV where that is
-//! quickest): `timed.rs` says why and where.
+//! Contour mode (G61, G261, `#CONTOUR MODE`): corners between blocks become curves with continuous direction
+//! and curvature. The curve is inside a tolerance (DEV), at given distances (DIST), or through a given point
+//! (POS). With DIST_SOFT, DIST_MASTER and PTP, and with DEV where it is quickest, axes change their speed as
+//! fast as their limits permit; `timed.rs` explains this.
 //!
-//! A block whose end is to be rounded is held back until the next one is known; nothing else is. What the
-//! corner cuts from it only shortens its path length: the curve of the block stays the same to the last bit.
-//! Its end is then between two steps of a position, and the corner's curve begins on the nearest one, half a
-//! step of each axis beside it at most. The block behind the corner begins on the step nearest to where the
-//! corner's curve ends: an arc is made anew from there; a line keeps its direction, and has so much less path.
+//! Only a block whose end is to be rounded is held back, until the next block is known. A corner only shortens
+//! the block's path length; the block's curve stays the same to the last bit. The shortened end is between two
+//! steps of a position. The corner's curve begins on the nearest step, at most half a step of each axis beside
+//! the end. The block behind the corner begins on the step nearest to the curve's end. An arc is made again
+//! from there; a line keeps its direction and has a shorter path.
 //!
-//! Blocks too short for a curve (RELEVANT_PATH, RELEVANT_TRACK) are left out: the curve goes from the last
-//! relevant block to the first one that ends beyond the limit. A short line to begin with is joined to the
-//! line behind it: with DEV where it is short by RELEVANT_PATH, with the others below 16 µm. Where no curve
-//! comes of it, a straight line stands for the blocks left out. Their deviation is counted, which the sources
-//! leave out; so RELEVANT_PATH counts up to the tolerance, and its least value of 32 µm up to a quarter of a
-//! given corner distance.
+//! Blocks too short for a curve (RELEVANT_PATH, RELEVANT_TRACK) are left out: the curve leads from the last
+//! relevant block to the first one that ends beyond the limit. A short line at the start is joined to the
+//! next line: with DEV if it is shorter than RELEVANT_PATH, with the other methods below 16 µm. If there is
+//! no curve, a straight line replaces the blocks left out. Their deviation counts, which the sources do not
+//! do; so RELEVANT_PATH is limited by the tolerance, and its least value of 32 µm by a quarter of a given
+//! corner distance.
 //!
-//! With DEV a line may stand for nearly straight chords, if the machine data say so: `chords.rs`.
+//! With DEV a line may replace nearly straight chords, if the machine data permit it: `chords.rs`.
 //!
-//! When something is sampled: whether the end of a block is rounded, by which method and how far, when that
-//! block comes; CHECK_JERK and CONST_VEL when the next one comes. G260 and #CONTOUR MODE OFF between two
-//! blocks cancel the corner between them, inside the second one they do not. PRE_ACTION, INTER_ACTION and
-//! POST_ACTION count as they stood when the block before the corner came. A keyword that the method in force
-//! does not have counts as if it had never been given.
+//! Parameters are read at these times. Whether, how and how far the end of a block is rounded: when that
+//! block comes. CHECK_JERK and CONST_VEL: when the next block comes. G260 and `#CONTOUR MODE OFF` between two
+//! blocks cancel the corner between them; inside the second block they do not. PRE_ACTION, INTER_ACTION and
+//! POST_ACTION have the values of the time when the block before the corner came. A keyword that the current
+//! method does not have counts as never given.
 //!
-//! A dwell, or whatever else demands a standstill between two blocks, is at the programmed corner: the motion
-//! cannot rest in a curve that stands for it. So there is no curve there, and a warning says so for a dwell.
-//! (The sources print a program with a dwell behind G61 and do not say what becomes of the corner.)
+//! A dwell, or another command that demands a stop between two blocks, belongs to the programmed corner: the
+//! motion cannot stop there on a curve that replaces the corner. So there is no curve, and a warning reports
+//! this for a dwell. (The sources print a program with a dwell behind G61 and do not say what happens to the
+//! corner.)
 //!
-//! A row of blocks left out ends where contouring is switched off or gets other parameters, at a standstill,
-//! and at the program end: the corner before them is rounded, with the line over them as the block behind it,
-//! whose end is passed exactly. What changes nothing, as a second G261, ends nothing.
+//! A run of blocks left out ends where contour mode is switched off or gets other parameters, at a stop, and
+//! at the program end. The corner before the run is rounded, with the line over the run as the block behind
+//! it; the end of this line is passed exactly. A command that changes nothing, for example a second G261,
+//! does not end the run.
 mod choice;
 mod chords;
 mod corner;
@@ -78,7 +80,7 @@ struct Made<const AXES: usize> {
 }
 
 impl<const AXES: usize> Made<AXES> {
-    /// None yet.
+    /// No element.
     const BLANK: Self = Self { element: Element::BLANK, end: None, data: Data::BLANK, curving: None, due: 0 };
 
     fn smoothed(&self) -> Smoothed<'_, AXES> {
@@ -87,24 +89,24 @@ impl<const AXES: usize> Made<AXES> {
     }
 }
 
-/// A curve in a corner on its way out.
+/// A corner's curve that is being emitted.
 #[derive(Clone, Copy, Debug)]
 struct Turning<const AXES: usize> {
     course: Cornering<AXES>,
-    /// What goes with its first half; with the second one what goes with the block behind it.
+    /// Data of the first half. The second half has the data of the block behind the corner.
     before: Data,
     /// Functions due before each half.
     due: [u32; 2],
     curving: Curving,
-    /// It is passed at one speed where the blocks beside it have the way to change theirs. A curve over time
-    /// has its own.
+    /// The curve is passed at one speed if the blocks beside it have room to change theirs. A curve over time
+    /// has its own speeds.
     passage: Passage,
-    /// Of the element that is being made.
+    /// The element that is being made.
     draft: Option<Draft<AXES>>,
 }
 
 impl<const AXES: usize> Turning<AXES> {
-    /// The next element, which is not made yet, before the block behind the curve or of it. `None` if there is none.
+    /// Begins the next element of the curve. `None` if there is none.
     fn begin(&mut self, behind: &Data, measure: &Measure, made: &mut Made<AXES>) -> Option<()> {
         self.label(behind, made);
         let draft = self.draft.insert(self.course.next_element(measure, &mut made.element)?);
@@ -116,7 +118,7 @@ impl<const AXES: usize> Turning<AXES> {
         Some(())
     }
 
-    /// What goes with the next element.
+    /// Sets the data of the next element.
     #[inline(always)]
     fn label(&self, behind: &Data, made: &mut Made<AXES>) {
         let [before_due, behind_due] = self.due;
@@ -125,12 +127,12 @@ impl<const AXES: usize> Turning<AXES> {
         (made.data, made.due) = (Data { stop: false, ..*data }, due);
     }
 
-    /// Whether its last element is made.
+    /// Whether the last element is made.
     fn is_done(&self) -> bool {
         self.draft.is_none() && self.course.is_done()
     }
 
-    /// A line from there to the end of the curve, in place of what cannot be made; `None` at its end.
+    /// A line from this point to the end of the curve, for a curve that cannot be made; `None` at its end.
     #[cold]
     #[inline(never)]
     fn go_straight(
@@ -148,7 +150,7 @@ impl<const AXES: usize> Turning<AXES> {
         Some(())
     }
 
-    /// Goes on making it. `None` where it cannot be made.
+    /// Continues to make the element. `None` if it cannot be made.
     fn go_on(&mut self, element: &mut Element<AXES>) -> Option<()> {
         let Some(draft) = &mut self.draft else { return Some(()) };
         draft.go_on(element)?;
@@ -160,7 +162,7 @@ impl<const AXES: usize> Turning<AXES> {
     }
 }
 
-/// Settings in force: all state that stays when no block is held back.
+/// Settings in force: all state that remains while no block is held back.
 #[derive(Clone, Copy, Debug)]
 pub struct Settings {
     parameters: Parameters,
@@ -169,7 +171,7 @@ pub struct Settings {
 }
 
 impl Settings {
-    /// Takes in a command, while another kind of smoothing is at work.
+    /// Takes a command while another kind of smoothing is active.
     pub fn command(&mut self, contour: &Contour) {
         self.parameters.update(contour);
         match contour.switch {
@@ -179,7 +181,7 @@ impl Settings {
         }
     }
 
-    /// The interim point of POS by main axes, if corners may have it.
+    /// Main axes with an interim point of POS, if corners may have one.
     pub fn swings(&self) -> [bool; 3] {
         let pos = (self.on || self.once) && self.parameters.method == ContourMethod::Pos;
         self.parameters.point().map(|point| pos && point.is_some())
@@ -195,7 +197,7 @@ impl Settings {
         Self::off(self.parameters.preset())
     }
 
-    /// Off.
+    /// Contour mode off.
     pub fn off(preset: Preset) -> Self {
         Self { parameters: Parameters::new(preset), on: false, once: false }
     }
@@ -220,53 +222,54 @@ impl Settings {
     }
 }
 
-/// The stage: between the blocks' curves and the look-ahead.
+/// The smoothing stage between the blocks' curves and the look-ahead.
 #[derive(Clone, Copy, Debug)]
 pub struct Contouring<const AXES: usize> {
     measure: Measure,
     parameters: Parameters,
-    /// G261.
+    /// Whether G261 is on.
     on: bool,
-    /// G61, for the next motion block.
+    /// Whether G61 is on, for the next motion block.
     once: bool,
-    /// What goes out, in this order: the block before a corner, element by element its curve, or what stands
-    /// for blocks left out, the block behind it. The first one is the last of `blocks` then.
+    /// Whether elements are being emitted, in this order: the block before a corner, its curve element by
+    /// element, or the line over blocks left out, and the block behind. The first one is then the last of
+    /// `blocks`.
     is_leaving: bool,
-    /// The element at hand is there: of the curve, or what stands for blocks left out.
+    /// Whether the current element is made: of the curve, or the line over blocks left out.
     is_made: bool,
-    /// The corner between the block held back and the one that waits, while it is worked on: nothing goes out then.
+    /// The corner between the held block and the waiting one, while it is worked on. Meanwhile no element is
+    /// emitted.
     joining: Option<Joining>,
     course: Course<AXES>,
-    /// The block held back. The one behind it, whose end is rounded by DIST_WEIGHT: its share in the corner
-    /// before it depends on the next one. Or a line that may still grow by the next one. Only behind a block
-    /// whose end is rounded. The one behind that, while the corner between both others is worked on.
+    /// The held blocks. First: the held block. Second, only behind a block whose end is rounded: a block
+    /// whose share in the corner depends on the next one (DIST_WEIGHT), or a line that may still grow. Third:
+    /// the block behind that, while the corner between the first two is worked on.
     blocks: HeldBlocks<AXES>,
-    /// The blocks left out behind the one held back; until the line that stands for them is made, behind the one that
-    /// leaves.
+    /// The blocks left out behind the held block, until the line over them is made.
     skipped: Option<Skipped<AXES>>,
-    /// The next block is half a line that ends or begins where nothing turns.
+    /// Whether the next block is half a line whose one end has no turn.
     half: bool,
-    /// What is to be said about the curve that the last block led to.
+    /// The warning about the curve that the last block led to.
     remark: Option<NcWarningKind>,
-    /// Since the last command a warning has told that the slope STEP optimises nothing.
+    /// Whether a warning since the last command has said that the slope STEP does not optimise.
     told: bool,
 }
 
-/// What is being made, one at a time.
+/// The work in progress, one at a time.
 #[derive(Clone, Copy, Debug)]
 enum Course<const AXES: usize> {
     /// Nothing.
     None,
-    /// What the last line is made of, while it may grow.
+    /// The parts of the last line, while it may grow.
     Gathering(Chords<AXES>),
-    /// The distances of a curve are searched for.
+    /// The search for the distances of a curve.
     Reaching(Search<AXES>),
     /// A curve.
     Turning(Turning<AXES>),
 }
 
 impl<const AXES: usize> Course<AXES> {
-    /// A line that may be beside what it stands for by so much may grow. A call of its own: it is there twice.
+    /// Lets the line grow, with this permitted deviation. A separate function, because it has two callers.
     #[inline(never)]
     fn gather(&mut self, stray: Stray) {
         *self = Self::Gathering(Chords::beside(stray));
@@ -296,7 +299,7 @@ impl<const AXES: usize> Cornering<AXES> {
 }
 
 impl<const AXES: usize> Cornering<AXES> {
-    /// The next element, with its axes to be made.
+    /// The next element, whose axes are not made yet.
     fn next_element(&mut self, measure: &Measure, element: &mut Element<AXES>) -> Option<Draft<AXES>> {
         match self {
             Self::Even(course) => course.next_element(measure, element),
@@ -305,7 +308,7 @@ impl<const AXES: usize> Cornering<AXES> {
         }
     }
 
-    /// Whether all elements are handed out.
+    /// Whether all elements are emitted.
     fn is_done(&self) -> bool {
         match self {
             Self::Even(course) => course.is_done(),
@@ -314,7 +317,7 @@ impl<const AXES: usize> Cornering<AXES> {
         }
     }
 
-    /// Where the last element ended.
+    /// End of the last element.
     fn stands(&self) -> [Position; AXES] {
         match self {
             Self::Even(course) => *course.stands(),
@@ -323,7 +326,7 @@ impl<const AXES: usize> Cornering<AXES> {
         }
     }
 
-    /// No further element is handed out; where the curve ends.
+    /// Ends the curve early: no further element is emitted. Returns the end of the curve.
     fn finish(&mut self) -> &[Position; AXES] {
         match self {
             Self::Even(course) => course.finish(),
@@ -332,7 +335,7 @@ impl<const AXES: usize> Cornering<AXES> {
         }
     }
 
-    /// The element is made.
+    /// Completes the element.
     fn settle(&self, element: &mut Element<AXES>) {
         match self {
             Self::Even(_) => {}
@@ -353,8 +356,8 @@ const TANGENTIAL: f32 = 1.0 / 65_536.0;
 const REVERSAL: f32 = 1.0 / 1024.0;
 
 impl<const AXES: usize> Contouring<AXES> {
-    /// Off.
-    // In place, in every build: as a result it would be on the stack twice.
+    /// Contour mode off.
+    // In place, in every build: a returned value would be on the stack twice.
     #[inline(always)]
     pub fn new(measure: Measure, preset: Preset) -> Self {
         let parameters = Parameters::new(preset);
@@ -375,8 +378,8 @@ impl<const AXES: usize> Contouring<AXES> {
         }
     }
 
-    /// With what was in force.
-    // In place, in every build: as a result it would be on the stack twice.
+    /// Contour mode with earlier settings.
+    // In place, in every build: a returned value would be on the stack twice.
     #[inline(always)]
     pub fn with(measure: Measure, settings: &Settings) -> Self {
         let Settings { parameters, on, once } = *settings;
@@ -396,19 +399,19 @@ impl<const AXES: usize> Contouring<AXES> {
         Settings { parameters, on, once }
     }
 
-    /// The tolerances of the corner behind the next block, which is half a line that ends or begins where
-    /// nothing turns, or a whole block.
+    /// Sets the tolerances of the corner behind the next block. `half`: this block is half a line whose one
+    /// end has no turn.
     pub(super) const fn tolerate(&mut self, [path_dev, track_dev]: [f32; 2], half: bool) {
         (self.parameters.path_dev, self.parameters.track_dev, self.half) = (path_dev, track_dev, half);
     }
 
-    /// Takes in a command. `in_motion`: it stands in a block with a motion.
+    /// Takes a command. `in_motion`: the command is in a block with a motion.
     pub fn command(&mut self, contour: &Contour, in_motion: bool) {
         let before = self.parameters;
         self.told = false;
         self.parameters.update(contour);
         if self.parameters != before && self.left_behind().is_some() && !in_motion {
-            // Blocks left out: contouring goes on up to here.
+            // Blocks left out: contour mode lasts up to here.
             self.cancel();
         }
         match contour.switch {
@@ -424,7 +427,7 @@ impl<const AXES: usize> Contouring<AXES> {
         }
     }
 
-    /// The block held back, and the one that waits behind it.
+    /// The held block.
     fn held(&self) -> Option<&HeldBlock<AXES>> {
         self.blocks.first()
     }
@@ -434,14 +437,14 @@ impl<const AXES: usize> Contouring<AXES> {
         self.skipped.as_ref().filter(|_| !self.is_leaving)
     }
 
-    /// See [`Self::held`].
+    /// The waiting block, see [`Self::held`].
     fn waiting(&self) -> Option<&HeldBlock<AXES>> {
         let [_, waiting, _] = self.blocks.all();
         waiting.block()
     }
 
-    /// What came last has no curve at its end: the last block, if it is held back, or those left out behind it.
-    /// `stop` demands a standstill there.
+    /// The last block gets no curve at its end: the held block, or the blocks left out behind it. `stop`
+    /// demands a stop there.
     #[inline(never)]
     fn end(&mut self, stop: bool) {
         let is_leaving = self.is_leaving;
@@ -459,9 +462,8 @@ impl<const AXES: usize> Contouring<AXES> {
         }
     }
 
-    /// The block that waits comes behind the one held back: left out, part of it, or behind a corner.
-    /// `behind`: length of the one after it, LSB 2^-44 mm, if the corner between them is rounded and that is
-    /// known.
+    /// The waiting block comes behind the held one: left out, joined to it, or behind a corner. `behind`:
+    /// length of the block after it, LSB 2^-44 mm, if it is known and the corner between them is rounded.
     fn enter(&mut self, behind: Option<i64>, parted: bool, dynamics: &Dynamics<AXES>) {
         if !self.left_out() && (parted || !self.merges(dynamics)) {
             self.join(behind, dynamics);
@@ -471,8 +473,7 @@ impl<const AXES: usize> Contouring<AXES> {
         }
     }
 
-    /// Whether the next block is left out. If it stands for one left out before it, it becomes the line over
-    /// both.
+    /// Whether the next block is left out. If it replaces one left out before, it becomes the line over both.
     #[inline(never)]
     fn left_out(&mut self) -> bool {
         let Self { blocks, skipped, measure, .. } = self;
@@ -493,7 +494,7 @@ impl<const AXES: usize> Contouring<AXES> {
                 next.stray = standing.stray;
                 *skipped = None;
                 if standing.whole {
-                    // The short one to begin with is part of it.
+                    // The short line at the start is part of the joined line.
                     *slot = Slot::Free;
                 }
             }
@@ -501,8 +502,8 @@ impl<const AXES: usize> Contouring<AXES> {
         false
     }
 
-    /// Whether the line that came last grows by the next block. A line behind a corner that is done begins
-    /// where that ends.
+    /// Whether the last line grows by the next block. A line behind a finished corner begins at the end of
+    /// its curve.
     fn gathers(
         &mut self,
         block: &ProgrammedBlock<AXES>,
@@ -525,7 +526,7 @@ impl<const AXES: usize> Contouring<AXES> {
         chords.gather(last, (block, rule), dynamics, &self.measure)
     }
 
-    /// Whether the block held back and the next one become one.
+    /// Whether the held block and the next one become one.
     #[inline(never)]
     fn merges(&mut self, dynamics: &Dynamics<AXES>) -> bool {
         let Self { blocks, skipped: None, measure, .. } = self else { return false };
@@ -533,7 +534,7 @@ impl<const AXES: usize> Contouring<AXES> {
         held.merge(next, dynamics, measure)
     }
 
-    /// The corner between the block held back and the next one.
+    /// Begins the corner between the held block and the next one.
     #[inline(never)]
     fn join(&mut self, behind: Option<i64>, dynamics: &Dynamics<AXES>) {
         let Self { blocks, skipped, measure, joining, course, .. } = self;
@@ -553,8 +554,8 @@ impl<const AXES: usize> Contouring<AXES> {
         }
     }
 
-    /// The corner is done: the block before it goes on, and what stands for blocks left out, if there is no
-    /// curve. The block behind it is held back in its place.
+    /// The corner is done: the block before it is emitted, and the line over blocks left out, if there is no
+    /// curve. The block behind it becomes the held block.
     #[inline(never)]
     fn joined(&mut self) {
         self.joining = None;
@@ -569,7 +570,7 @@ impl<const AXES: usize> Contouring<AXES> {
         }
     }
 
-    /// The block before a corner has gone.
+    /// The block before a corner is emitted.
     fn left(&mut self) {
         self.is_leaving = false;
         if self.skipped.is_some() {
@@ -580,7 +581,7 @@ impl<const AXES: usize> Contouring<AXES> {
         *last = Slot::Free;
     }
 
-    /// What stands for blocks left out comes in its place.
+    /// Makes the line over blocks left out the next element.
     #[cold]
     #[inline(never)]
     fn bridge(&mut self) {
@@ -594,12 +595,12 @@ impl<const AXES: usize> Contouring<AXES> {
         self.is_made = line_to([&from, &to], measure, &mut made.element) == Ok(true);
     }
 
-    /// The block held back, which of two that are joined is the second one.
+    /// The held block; of two joined blocks the second one.
     fn current(&self) -> Option<&HeldBlock<AXES>> {
         if self.joining.is_some() { self.waiting() } else { self.held() }
     }
 
-    /// What is left of a curve that cannot be made is a line; nothing is left at its end.
+    /// Replaces the rest of a curve that cannot be made by a line; at its end there is no rest.
     #[cold]
     #[inline(never)]
     fn go_straight(&mut self) {
@@ -613,14 +614,15 @@ impl<const AXES: usize> Contouring<AXES> {
         }
     }
 
-    /// Whether something goes out before anything comes in.
+    /// Whether an element is to be emitted before a block is taken.
     pub(super) fn hands_out(&self) -> bool {
         let goes_out = self.current().is_some_and(|held| held.rule.is_none());
         self.is_leaving || self.is_made || goes_out
     }
 
-    /// The block that waits comes in, when what is before it is done and gone and it need not wait for
-    /// another one; or the line over blocks left out, when no more of them come. Whether one does.
+    /// Takes the waiting block, when everything before is done and emitted, and it need not wait for another
+    /// block. Or takes the line over blocks left out, when no further blocks are left out. Returns whether it
+    /// did.
     #[inline(never)]
     fn let_in(&mut self, dynamics: &Dynamics<AXES>) -> bool {
         if self.is_leaving || self.is_made {
@@ -637,14 +639,14 @@ impl<const AXES: usize> Contouring<AXES> {
         true
     }
 
-    /// The line over blocks left out comes in, before a block that waits.
+    /// Takes the line over blocks left out, before a waiting block.
     #[cold]
     #[inline(never)]
     fn let_in_skipped(&mut self, dynamics: &Dynamics<AXES>) {
         let Self { blocks, skipped, measure, .. } = self;
         let [held, waiting, third] = blocks.all_mut();
         let (Some(skipped), Slot::Block(held)) = (skipped.take(), held) else { return };
-        // What waits is the third one while the corner before it is worked on.
+        // The waiting block is the third one while the corner before it is worked on.
         *third = *waiting;
         *waiting = Slot::Block(HeldBlock::BLANK);
         let Slot::Block(next) = waiting else { return };
@@ -655,13 +657,13 @@ impl<const AXES: usize> Contouring<AXES> {
         }
     }
 
-    /// The place of a block that waits.
+    /// The place of a waiting block.
     fn free(&mut self) -> &mut Slot<AXES> {
         let [_, waiting, third] = self.blocks.all_mut();
         if self.joining.is_some() { third } else { waiting }
     }
 
-    /// A block waits.
+    /// Puts a block into the waiting place.
     #[inline(never)]
     fn put(&mut self, block: &ProgrammedBlock<AXES>, rule: Option<Parameters>) {
         let half = core::mem::take(&mut self.half);
@@ -670,7 +672,7 @@ impl<const AXES: usize> Contouring<AXES> {
         let Slot::Block(held) = place else { return };
         held.rule = rule;
         if half {
-            // Nearly all of it is for the one corner.
+            // Nearly all of the block is for its one corner.
             held.length += held.length / 8 * 7;
         }
     }
@@ -728,7 +730,7 @@ impl<const AXES: usize> Smoother<AXES> for Contouring<AXES> {
         let Course::Turning(turning) = &mut self.course else {
             return self.let_in(dynamics);
         };
-        // The block before the corner, or an element that is made.
+        // The block before the corner, or a finished element.
         if self.is_leaving || (self.is_made && turning.draft.is_none()) {
             return false;
         }
@@ -741,7 +743,7 @@ impl<const AXES: usize> Smoother<AXES> for Contouring<AXES> {
             if turning.is_done() {
                 self.course = Course::None;
             }
-            // What is made goes out in the same call.
+            // The element is emitted in the same call.
             return goes_on;
         }
         self.go_straight();
@@ -808,7 +810,7 @@ impl<const AXES: usize> Smoother<AXES> for Contouring<AXES> {
 
     #[cfg_attr(feature = "fast", inline(always))]
     fn is_empty(&self) -> bool {
-        // Whatever there is else, is there with a block held back.
+        // Other state exists only together with a held block.
         self.held().is_none() && !self.is_made
     }
 
@@ -829,8 +831,8 @@ impl<const AXES: usize> Smoother<AXES> for Contouring<AXES> {
     }
 
     fn gives_way(&mut self) -> bool {
-        // A corner that is held back waits for its second block: the path does not depend on when the text
-        // comes.
+        // A corner that is held back waits for its second block: the path must not depend on the arrival time
+        // of text.
         false
     }
 }

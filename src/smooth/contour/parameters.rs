@@ -1,4 +1,4 @@
-//! What #CONTOUR MODE sets, each until it is set again.
+//! Parameters of `#CONTOUR MODE`; each stays until the program sets it again.
 use super::corner::{Tolerance, Turn};
 use super::held_block::Stray;
 use super::{REVERSAL, TANGENTIAL};
@@ -21,7 +21,7 @@ pub struct Preset {
 /// The parameters, in mm and degrees.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Parameters {
-    /// Which of the others count.
+    /// The method, which selects the parameters that count.
     pub method: ContourMethod,
     /// PATH_DEV.
     pub path_dev: f32,
@@ -29,13 +29,14 @@ pub struct Parameters {
     pub track_dev: f32,
     /// RELEVANT_PATH.
     pub relevant_path: f32,
-    /// Corners of #HSC \[SURFACE\]: no block is left out, and a curve over time goes before one over arc length.
+    /// For corners of `#HSC \[SURFACE\]`: no block is left out, and a curve over time comes before one over
+    /// arc length.
     pub edges: bool,
     /// RELEVANT_TRACK.
     pub relevant_track: f32,
-    /// Largest part of a block that one corner takes: from REMAIN_PART.
+    /// Largest part of a block that one corner takes, from REMAIN_PART.
     pub share: f32,
-    /// CHECK_JERK, and what it is where a method has no such keyword.
+    /// CHECK_JERK, and the value for methods without this keyword.
     pub check_jerk: u8,
     check_jerk_preset: u8,
     /// Part of the tolerance that chords may have.
@@ -46,9 +47,9 @@ pub struct Parameters {
     pub const_vel: bool,
     /// PRE_DIST and POST_DIST.
     pub dist: [f32; 2],
-    /// PATH_DIST and TRACK_DIST; negative: not monitored. TRACK_DIST follows PATH_DIST until it is set.
+    /// PATH_DIST and TRACK_DIST; negative: not monitored. TRACK_DIST equals PATH_DIST until it is set.
     pub path_dist: f32,
-    /// See there.
+    /// See `path_dist`.
     pub track_dist: Option<f32>,
     /// SYM_DIST, of DIST_MASTER.
     pub sym_dist: f32,
@@ -60,12 +61,12 @@ pub struct Parameters {
     pub dist_weight: f32,
     /// MERGE.
     pub merge: bool,
-    /// PTP: which of PATH_DEV and PATH_DIST was given last, of both in one command both (CF-33).
+    /// PTP: which of PATH_DEV and PATH_DIST was given last; both if one command gave both (CF-33).
     pub given: [bool; 2],
-    /// Interim point, where it is given; else the corner's coordinate.
+    /// Interim point, if given; otherwise the corner's coordinate.
     point: [Position; 3],
     pointed: [bool; 3],
-    /// Point at which functions between the blocks come out.
+    /// Point at which functions between the blocks are output.
     pub action: ContourAction,
 }
 
@@ -76,14 +77,14 @@ pub fn half_sine(angle: Position) -> f32 {
     to_f32(sin_cos(turns).0) * (1.0 / (1u64 << 62) as f32)
 }
 
-/// RELEVANT_PATH at least, mm.
+/// Smallest RELEVANT_PATH, mm.
 const LEAST_RELEVANT: f32 = 0.032;
 
-/// Of a corner distance, what is left out without being asked for: it adds to the deviation, which without is
-/// 3/8 of the distance at 90°.
+/// Largest part of a corner distance that is left out without RELEVANT_PATH. It adds to the deviation, which
+/// is otherwise 3/8 of the distance at 90°.
 const LEFT_OUT: f32 = 0.25;
 
-/// Of a tolerance: so much that all blocks inside a sphere of nearly its size can be left out.
+/// Part of a tolerance with which all blocks inside a sphere of nearly its size can be left out.
 const STRAY: f32 = 0.75;
 
 impl Parameters {
@@ -117,7 +118,7 @@ impl Parameters {
         }
     }
 
-    /// Takes over what is programmed.
+    /// Takes the programmed values.
     pub fn update(&mut self, contour: &Contour) {
         let set = |own: &mut f32, value: Option<Position>| {
             if let Some(value) = value {
@@ -190,13 +191,13 @@ impl Parameters {
         point
     }
 
-    /// What the machine data say.
+    /// The presets of the machine data.
     pub(super) const fn preset(&self) -> Preset {
         Preset { check_jerk: self.check_jerk_preset, chords: self.chords }
     }
 
-    /// What counts by a method: a keyword that it does not have keeps its value for those that do, and is
-    /// here as if it had never been given.
+    /// The parameters that count with a method. A keyword that the method does not have counts as never
+    /// given; its value stays for other methods.
     pub(super) fn by(&self, method: ContourMethod) -> Self {
         let unset = Self::new(self.preset());
         let mut own = Self { method, ..*self };
@@ -214,7 +215,7 @@ impl Parameters {
         own
     }
 
-    /// CHECK_JERK and CONST_VEL as they count by a method.
+    /// CHECK_JERK and CONST_VEL for a method.
     pub(super) fn curving(&self, method: ContourMethod) -> (u8, bool) {
         if matches!(method, ContourMethod::Dev | ContourMethod::Dist | ContourMethod::Pos) {
             (self.check_jerk, self.const_vel)
@@ -223,9 +224,9 @@ impl Parameters {
         }
     }
 
-    /// Whether a transition is rounded at all: not if it goes straight on or straight back, nor, between
-    /// lines, beyond the largest angle, which POS does not have. Where Surface `steps` from one curvature to
-    /// another, going straight on is rounded too.
+    /// Whether a transition is rounded. Not if the path continues straight or goes straight back. Between
+    /// lines not beyond the largest angle, which POS does not have. With Surface, where the curvature
+    /// `steps`, a straight continuation is rounded too.
     pub(super) fn rounds(&self, turn: &Turn, with_arc: bool, steps: bool) -> bool {
         let tangential = turn.sine < TANGENTIAL && (turn.track < TANGENTIAL || self.track_dev == 0.0);
         let tolerated = match self.method {
@@ -237,7 +238,7 @@ impl Parameters {
         tolerated && (!tangential || self.edges && steps) && turn.cosine >= REVERSAL && !far
     }
 
-    /// Corner distances that are asked for, or allowed where a tolerance decides.
+    /// Demanded corner distances, or permitted ones if a tolerance decides.
     pub(super) fn distances(&self, most: [f32; 2]) -> [f32; 2] {
         let least = min(most[0], most[1]);
         let [pre, post] = self.dist;
@@ -256,8 +257,8 @@ impl Parameters {
         self.dist_weight > 0.0 && matches!(self.method, ContourMethod::DistSoft | ContourMethod::DistMaster)
     }
 
-    /// The part of a block that a corner may take: half of it, or with DIST_WEIGHT as much as the neighbour
-    /// in this corner (`own`) is of both neighbours; between 0 and 100 % a mix. The lengths are those
+    /// The part of a block that a corner may take: half of it, or with DIST_WEIGHT the relation of the
+    /// neighbour in this corner (`own`) to both neighbours; between 0 and 100 % a mix. Lengths are as
     /// programmed, LSB 2^-44 mm.
     pub(super) fn part(&self, own: i64, other: Option<i64>) -> f32 {
         let Some(other) = other.filter(|_| self.weighs()) else { return 0.5 };
@@ -265,8 +266,8 @@ impl Parameters {
         0.5 + self.dist_weight * (own / (own + other) - 0.5)
     }
 
-    /// Whether the motion may stand still in a corner where a curve takes longer. With ACC_MAX below 100 % a curve of
-    /// DIST_SOFT takes less of the acceleration than a standstill.
+    /// Whether the motion may stop in a corner if a curve takes longer. With ACC_MAX below 100 % a curve of DIST_SOFT
+    /// uses less acceleration than a stop.
     pub(super) fn may_stand(&self) -> bool {
         match self.method {
             ContourMethod::Dev | ContourMethod::Ptp => true,
@@ -281,7 +282,7 @@ impl Parameters {
         if counts { monitored(self.path_dist) } else { f32::MAX }
     }
 
-    /// The deviation that is to be kept: of PTP where PATH_DEV is given, or nothing is.
+    /// The deviation to keep: for PTP if PATH_DEV is given, or neither is given.
     pub(super) fn deviation(&self) -> Option<f32> {
         let kept = match self.method {
             ContourMethod::Dev => true,
@@ -291,7 +292,7 @@ impl Parameters {
         kept.then_some(self.path_dev)
     }
 
-    /// DIST_SOFT: the corner distance from which other axes may deviate.
+    /// DIST_SOFT: the corner distance at which other axes may begin to deviate.
     pub(super) fn track_distance(&self) -> f32 {
         match self.method {
             ContourMethod::DistSoft => monitored(self.track_dist.unwrap_or(self.path_dist)),
@@ -299,8 +300,8 @@ impl Parameters {
         }
     }
 
-    /// Paths of main axes and of each other one up to which blocks are left out. At least 32 µm of path, but
-    /// no more than a tolerance allows for, nor than a part of corner distances that are asked for.
+    /// Paths of the main axes and of each other axis up to which blocks are left out. At least 32 µm of path,
+    /// but limited by a tolerance, and by a part of demanded corner distances.
     pub(super) fn relevant(&self) -> [f32; 2] {
         let Tolerance { path, track } = self.tolerance();
         let least = if self.edges { 0.0 } else { LEAST_RELEVANT };
@@ -314,14 +315,14 @@ impl Parameters {
         [most, if track > 0.0 { min(self.relevant_track, track) } else { self.relevant_track }]
     }
 
-    /// How far blocks may be from a straight line that stands for them: a part of a tolerance.
+    /// Permitted distance of blocks from a straight line that replaces them: a part of a tolerance.
     pub(super) fn stray(&self) -> Stray {
         let Tolerance { path, track } = self.tolerance();
         let path = path.map_or(f32::MAX, |dev| STRAY * dev);
         Stray { path, track: if track > 0.0 { STRAY * track } else { f32::MAX } }
     }
 
-    /// What the curve has to keep.
+    /// The tolerance of the curve.
     pub(super) fn tolerance(&self) -> Tolerance {
         let track = match self.method {
             ContourMethod::Dev | ContourMethod::Dist => self.track_dev,
@@ -331,7 +332,7 @@ impl Parameters {
     }
 }
 
-/// A distance, of which a negative one says that it is not monitored.
+/// A distance; a negative one means not monitored.
 fn monitored(dist: f32) -> f32 {
     if dist < 0.0 { f32::MAX } else { dist }
 }

@@ -1,4 +1,4 @@
-//! A corner between two lines with the same distance c on both sides: all about its curve in closed form.
+//! The curve of a corner between two lines with the same distance c on both sides, in closed form.
 //!
 //! With p = (t1 + t2)/2 and n = (t2 − t1)/2, which are at a right angle, C = |p| = cos θ/2 and x = 2·u − 1, the
 //! even quintic of [`super::corner`] is
@@ -7,9 +7,9 @@
 //! Q'(u) = p·(v + w·15/8·(1 − x²)²) + n·v·x·(3 − x²)/2      w = 2·c − v,   v = 30·C·c/(8 + 7·C)
 //! ```
 //!
-//! Its speed is v at both ends and in the middle. There it is c − 5/16·v times n from the corner, with the
-//! direction p/C and the curvature 3·n/v: that is known without a search, and both halves are alike. Their length
-//! depends on C alone, as does how evenly they are passed: to 0.9 ‰ up to a turn of 100°.
+//! The speed is v at both ends and in the middle. The middle is at c − 5/16·v times n from the corner, with the
+//! direction p/C and the curvature 3·n/v. So the middle is known without a search, and both halves are equal.
+//! Their length and their evenness depend on C alone: 0.9 ‰ up to a turn of 100°.
 use super::ONE_32;
 use super::corner::{Corner, Tolerance};
 use super::corner_curve::EVEN;
@@ -31,10 +31,10 @@ pub struct Symmetric<const AXES: usize> {
 /// Cosine of half the turn up to which each half is one element: 100°.
 const LEAST_COSINE: f32 = 0.643;
 
-/// Length of a half, by 1 − C from the first power on: to 3·10^-8 up to 104°.
+/// Length of a half as a polynomial in 1 − C, from the first power on: accurate to 3·10^-8 up to 104°.
 const LENGTH: [f32; 5] = [-0.514_288_7, -0.332_221_84, -0.080_998_49, -0.037_167_14, -0.028_881_88];
 
-/// How far the speed along a half is above its path speed, by 1 − C; no more than [`EVEN`].
+/// Relative excess of the speed along a half, as a multiple of 1 − C; at most [`EVEN`].
 const ABOVE: f32 = 0.0067;
 
 impl<const AXES: usize> Symmetric<AXES> {
@@ -49,7 +49,7 @@ impl<const AXES: usize> Symmetric<AXES> {
         Self { along, across, cosine, speed: 30.0 * cosine / (8.0 + 7.0 * cosine) }
     }
 
-    /// The part that a curve with the distance `c` takes of its tolerances.
+    /// The part of its tolerances that a curve with the distance `c` uses.
     pub fn used(&self, main: &Main, tolerance: &Tolerance, c: f32) -> f32 {
         let off = c * (1.0 - 0.3125 * self.speed);
         let path = tolerance.path.map_or(0.0, |path| size(main, &self.across) / path);
@@ -63,7 +63,7 @@ impl<const AXES: usize> Symmetric<AXES> {
         1.0 + y * LENGTH.iter().rev().fold(0.0, |sum, x| sum * y + x)
     }
 
-    /// Path length of all of it.
+    /// Path length of the whole curve.
     pub fn path(&self, c: f32) -> f32 {
         2.0 * c * self.half()
     }

@@ -1,34 +1,34 @@
-//! A corner between two lines as a course of time: the motion along the first line slows down to a
-//! standstill, the one along the second speeds up, and the second begins before the first has ended. Both
-//! change their speed as a slope does, by a trapezoid of acceleration with ramps of constant jerk.
+//! A curve over time for a corner between two lines. The motion along the first line brakes to a stop. The
+//! motion along the second line speeds up, and begins before the first has ended. Both change their speed by
+//! a trapezoid of acceleration, with ramps of constant jerk.
 //!
 //! ```text
 //! Q(t) = C − t1·p(T − t) + t2·p(t − S)      p: path from rest to the speed v in the time T,  S = T − overlap
 //! ```
 //!
-//! **Why this shape.** With a small tolerance only the last ramp of the one motion and the first of the other
-//! overlap, and the curve is the cubic with the corner as its double inner control point, Q = C − c·t1·(1 −
-//! u)³ + c·t2·u³, which is the fastest of the shapes that keep the jerk of every axis. A curve over its arc
-//! length cannot be passed like that: there jerk needs 3·κ·v·a, so that with limits of its own for speed,
-//! acceleration and jerk either speed is low or acceleration is none. So time is taken as path: the elements
-//! run over σ = v·t, each axis is a polynomial of the third degree between two changes of jerk, and at the
-//! constant path speed v every axis moves exactly as planned, with the braking on the line before and the
-//! speeding up on the line behind the corner. At a lower path speed r·v all accelerations are r², all jerks
-//! r³ of that. With the whole of both motions overlapping the path speed is that of the feed, and each axis
-//! changes its speed by one even acceleration: the curve of DIST_SOFT.
+//! **Why this shape.** With a small tolerance only the last ramp of one motion and the first ramp of the
+//! other overlap. The curve is then the cubic with the corner as its double inner control point, Q = C −
+//! c·t1·(1 − u)³ + c·t2·u³. It is the fastest shape that keeps the jerk of every axis. A curve over arc
+//! length is slower: its jerk needs 3·κ·v·a, so with separate limits of speed, acceleration and jerk either
+//! speed is low or acceleration is zero. So time is taken as path: the elements run over σ = v·t, and each
+//! axis is a polynomial of the third degree between two changes of jerk. At the constant path speed v every
+//! axis moves exactly as planned, with the braking on the line before the corner and the gain of speed on the
+//! line behind. At a lower path speed r·v all accelerations are r² and all jerks r³ of these values. If both
+//! motions overlap completely, the path speed is the feed, and each axis changes its speed by one constant
+//! acceleration: the curve of DIST_SOFT.
 //!
-//! DIST_MASTER is that with the master axis as path ([`mod@crate::path::measure`]): its tangent is 1 on both
-//! lines, so it is 1 all along the curve, and the master goes on at its speed.
+//! DIST_MASTER is this curve with the master axis as path ([`mod@crate::path::measure`]). The master's
+//! tangent is 1 on both lines, so it is 1 along the whole curve, and the master keeps its speed.
 //!
-//! The speed along the curve is below the path speed, at the corner far below. So this is no curve for
+//! The speed along the curve is below the path speed, far below at the corner. So this curve is not for
 //! CONST_VEL.
 //!
 //! **Deviation.** At the time when both motions are equally far from the corner, p(overlap/2) = e, the curve
-//! is e·|t2 − t1| from it. The distance of a point from the line it is about to reach, or has left, is at
-//! most e·sin θ, which is less.
+//! is e·|t2 − t1| from the corner. A point is at most e·sin θ from the line that it will reach or has left,
+//! which is less.
 //!
-//! **Numbers.** Which overlap is worth it is asked in `f32`. The course is in integers over its own path: p as
-//! a part of the way of a motion, the place as a part of the path of a motion, both with 62 fraction bits.
+//! **Numbers.** The overlap is chosen in `f32`. The curve itself uses integers over its own path: p as a part
+//! of a motion's distance, the place as a part of a motion's path, both with 62 fraction bits.
 use super::LSB_40;
 use crate::math::divide::reciprocal_near;
 use crate::math::float::{magnitude, max, min, to_bits, to_f32};
@@ -41,7 +41,7 @@ use crate::quantity::{DISTANCE_LSB, Position};
 /// A change of speed between a stop and `v` along a line, in mm and ticks.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rise {
-    /// Times of a ramp, and of the acceleration between both.
+    /// Time of a ramp, and time of the constant acceleration.
     ramp: f32,
     hold: f32,
     /// The speed.
@@ -57,32 +57,32 @@ impl Rise {
         Self { ramp, hold, v }
     }
 
-    /// The fastest one that goes no further than `distance`, up to the speed `v`.
+    /// The fastest rise that covers at most `distance`, up to the speed `v`.
     pub fn within(distance: f32, v: f32, a: f32, j: f32) -> Self {
         let full = a * a / j;
         let mut fastest = cbrt_f32(distance * distance * j);
         if fastest > full {
             fastest = 2.0 * a * distance / (0.5 * full + sqrt_f32(0.25 * full * full + 2.0 * a * distance));
         }
-        // A little less: what rounding adds must not reach beyond the middle of a block.
+        // A little less: rounding must not lead beyond the middle of a block.
         Self::new(min(v, fastest * SHORTER), a, j)
     }
 
-    /// The speed of the rise that has gone as far as `off` at half its time, with the acceleration `a` and the jerk
-    /// `j`.
+    /// The speed of the rise that has covered `off` at half its time, with the acceleration `a` and the jerk `j`.
     pub fn speed_of(off: f32, a: f32, j: f32) -> f32 {
         let full = a * a / j;
         let v = cbrt_f32(36.0 * off * off * j);
-        // Beyond its ramps: with the ramp r it is at a·(r²/6 + u·(r + u)/2) at half its time r + u.
+        // Beyond the ramps: with the ramp time r the distance is a·(r²/6 + u·(r + u)/2) at half the time r +
+        // u.
         if v <= full { v } else { 2.0 * sqrt_f32(2.0 * a * off - full * full * (1.0 / 12.0)) }
     }
 
-    /// A rise to the speed of this one in so many times its time.
+    /// A rise to the same speed in `by` times the time.
     pub fn stretched(self, by: f32) -> Self {
         Self { ramp: self.ramp * by, hold: self.hold * by, v: self.v }
     }
 
-    /// Its time.
+    /// Duration of the rise.
     fn time(&self) -> f32 {
         2.0 * self.ramp + self.hold
     }
@@ -92,26 +92,26 @@ impl Rise {
         0.5 * self.v * self.time()
     }
 
-    /// Its largest acceleration.
+    /// Largest acceleration of the rise.
     fn acceleration(&self) -> f32 {
         self.v / (self.ramp + self.hold)
     }
 
-    /// The time at which it has gone as far as `path`, which is no further than at half its time.
+    /// The time at which the rise has covered `path`, which is at most the distance at half the time.
     fn reaches(&self, path: f32) -> f32 {
         let (ramp, a) = (self.ramp, self.acceleration());
         let first = a * ramp * ramp * (1.0 / 6.0);
         let t = if path <= first {
             cbrt_f32(6.0 * path * ramp / a)
         } else {
-            // a·(r·u + u²)/2 beyond it
+            // a·(r·u + u²)/2 beyond that time.
             let beyond = 2.0 * (path - first) / a;
             ramp + beyond / (0.5 * ramp + sqrt_f32(0.25 * ramp * ramp + beyond))
         };
         min(t, 0.5 * self.time())
     }
 
-    /// The time at which it has gone as far as `path`, or a little less.
+    /// The time at which the rise has covered `path`, or slightly earlier.
     fn arrives(&self, path: f32) -> f32 {
         let (whole, distance) = (self.time(), self.distance());
         if path >= distance {
@@ -119,8 +119,8 @@ impl Rise {
         }
         let mut time = self.reaches(path);
         if path > self.half_way() {
-            // Newton's steps from the end: speed grows, so none goes too far. Seen from there, it is the
-            // same motion, which takes from the way at full speed.
+            // Newton's steps from the end: the speed grows, so no step goes too far. Seen from the end, the
+            // same motion reduces the distance at full speed.
             let missing = distance - path;
             let mut left = 0.0;
             for _ in 0..ARRIVAL_STEPS {
@@ -150,25 +150,26 @@ impl Rise {
     }
 }
 
-/// For rounding.
+/// Margin for rounding.
 const SHORTER: f32 = 1.0 - 1.0 / 1_048_576.0;
 
-/// Two motions that overlap.
+/// Two overlapping motions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Overlap {
-    /// Both rises; the first one runs backward.
+    /// Both rises have this shape; the first motion runs it backward.
     pub rise: Rise,
-    /// Time that they have in common.
+    /// Common time of both motions.
     pub time: f32,
 }
 
 impl Overlap {
-    /// Both rises in full.
+    /// Both rises overlap completely.
     pub fn whole(rise: Rise) -> Self {
         Self { rise, time: rise.time() }
     }
 
-    /// Overlap in which each motion is `off` from the corner at the moment when both are equally far from it.
+    /// The overlap in which each motion is `off` from the corner at the moment when both are equally far from
+    /// it.
     pub fn off(rise: Rise, off: f32) -> Self {
         Self { rise, time: 2.0 * rise.reaches(off) }
     }
@@ -178,7 +179,7 @@ impl Overlap {
         Self { rise, time: rise.arrives(distance) }
     }
 
-    /// An overlap of the ramps alone.
+    /// An overlap of the ramps only.
     pub fn brief(self) -> Self {
         Self { time: min(self.time, self.rise.ramp), ..self }
     }
@@ -199,18 +200,18 @@ impl Overlap {
     }
 }
 
-/// Shortest time in common, ticks, and longest way of a motion, mm.
+/// Shortest common time, ticks, and longest distance of a motion, mm.
 const SHORTEST: f32 = 4.0;
 const LONGEST: f32 = 2048.0;
 
 /// Newton's steps: from half the time off to 10^-7 of it.
 const ARRIVAL_STEPS: usize = 4;
 
-/// Shortest piece, ticks. What rounding makes of its third derivative does not show: third differences over
-/// ticks are means of it.
+/// Shortest piece, ticks. Rounding of its third derivative does not show: third differences over ticks are
+/// means of it.
 const LEAST: f32 = 1.0 / 4096.0;
 
-/// Changes of jerk up to the middle, and that.
+/// Changes of jerk up to the middle, and the middle.
 const PIECES: usize = 4;
 
 /// 1.0 with 62 fraction bits, and thirds of it.
@@ -223,51 +224,51 @@ fn times(a: i64, b: i64) -> i64 {
     mul_near(a, b) << 2
 }
 
-/// A number that others are parts of.
+/// A number of which parts are computed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Whole {
-    /// Zeros above it, and what it then is the reciprocal of.
+    /// Leading zeros, and the reciprocal of the shifted number.
     up: u32,
     reciprocal: u64,
 }
 
 impl Whole {
-    /// Of a number above 0.
+    /// For a number above 0.
     fn new(all: i64) -> Self {
         let up = all.leading_zeros() & 63;
         Self { up, reciprocal: reciprocal_near(all.unsigned_abs() << up) }
     }
 
-    /// The part that `a` is of it, 62 fraction bits; `a` is not below 0, and no larger than all of it.
+    /// The fraction `a` / number with 62 fraction bits; 0 ≤ `a` ≤ number.
     fn part(&self, a: i64) -> i64 {
         (mul_hi_u(a.unsigned_abs() << (self.up & 63), self.reciprocal) as i64).min(ONE)
     }
 }
 
-/// a·b / 2^`SHIFT`. One of the motions is often at rest, or leaves an axis alone.
+/// a·b / 2^`SHIFT`. One of the motions is often at rest, or does not move an axis.
 #[cfg_attr(feature = "fast", inline(always))]
 fn scaled<const SHIFT: u32>(a: i64, b: i64) -> i64 {
     if a == 0 || b == 0 { 0 } else { product::<SHIFT>(a, b) }
 }
 
-/// The same: a call, since there are many of them.
+/// As [`scaled`], as a function call, because there are many callers.
 #[inline(never)]
 fn product<const SHIFT: u32>(a: i64, b: i64) -> i64 {
     mul_shift(a, b, SHIFT)
 }
 
-/// A rise over the path s = v·t, LSB 2^-44 mm: what of it is left when a way and a speed of 1 are all of it.
-/// Parts have 62 fraction bits.
+/// A rise over the path s = v·t, LSB 2^-44 mm, scaled to a distance and a speed of 1. Fractions have 62
+/// fraction bits.
 ///
-/// With α for the part that a ramp has of the path, and k = 1/(1 − α): at the part q of the first ramp the way
-/// is α²k/3·q³, the speed αk/2·q², the acceleration k·q; from there on, at the part τ of the whole, they are
-/// k·(α²/3 + τ·(τ − α)), k·(τ − α/2) and k. The last ramp is the first one seen from the end.
+/// α is the fraction of the path that a ramp takes, and k = 1/(1 − α). At the fraction q of the first ramp,
+/// the distance is α²k/3·q³, the speed αk/2·q², the acceleration k·q. From there on, at the fraction τ of the
+/// whole, they are k·(α²/3 + τ·(τ − α)), k·(τ − α/2) and k. The last ramp is the first one seen from the end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Form {
-    /// Path of all of it, twice its way, and of a ramp.
+    /// Path of the whole rise, which is twice its distance, and path of a ramp.
     path: i64,
     ramp: i64,
-    /// What parts of both are known by.
+    /// Data for fractions of both.
     whole: Whole,
     rising: Whole,
     /// α and k/4.
@@ -276,7 +277,7 @@ struct Form {
 }
 
 impl Form {
-    /// With the part that a ramp has of the time.
+    /// With the fraction of the time that a ramp takes.
     fn new(path: i64, ramp: f32) -> Self {
         let ramp = share(path, ramp).min(path / 2).max(1);
         let (whole, rising) = (Whole::new(path), Whole::new(ramp));
@@ -286,7 +287,8 @@ impl Form {
         Self { path, ramp, whole, rising, alpha, k }
     }
 
-    /// Way (LSB 2^-44 mm), speed and a fourth of the acceleration; before it at rest, behind it at its speed.
+    /// Distance (LSB 2^-44 mm), speed and a fourth of the acceleration. Before its start the motion is at
+    /// rest, after its end at its speed.
     fn at(&self, s: i64) -> [i64; 3] {
         let &Self { path, ramp, ref whole, ref rising, alpha, k } = self;
         let left = path - s;
@@ -311,9 +313,8 @@ impl Form {
         if first || !last { [way, gained, a] } else { [path / 2 - left + way, ONE - gained, a] }
     }
 
-    /// Lengths of the pieces up to the middle of a course of this motion and the one behind it, which ends about
-    /// `end`, how many they are, and where the middle is: jerk changes between them. Changes closer than `least` become
-    /// one.
+    /// Lengths of the pieces up to the middle of the curve, their number, and the place of the middle. Jerk changes
+    /// between pieces. `end`: approximate end of the second motion. Changes closer than `least` become one.
     #[inline(never)]
     fn pieces(&self, end: i64, least: i64) -> ([f32; PIECES], u8, i64) {
         let Self { path, ramp, .. } = *self;
@@ -330,7 +331,7 @@ impl Form {
                 continue;
             }
             let Some(length) = next.next() else { break };
-            // Lengths are rounded first, and places follow.
+            // Lengths are rounded first; places follow from them.
             *length = to_f32(s - at) * DISTANCE_LSB;
             at += to_bits::<44>(*length);
             count += 1;
@@ -338,7 +339,7 @@ impl Form {
         (lengths, count, at)
     }
 
-    /// The sign of the jerk there.
+    /// The sign of the jerk at a place.
     fn jerk(&self, s: i64) -> f32 {
         let left = self.path - s;
         if s <= 0 || left <= 0 {
@@ -358,34 +359,34 @@ fn share(path: i64, part: f32) -> i64 {
     to_bits::<44>(to_f32(path) * DISTANCE_LSB * part)
 }
 
-/// A course that is handed out element by element.
+/// A curve that is emitted element by element.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Timed<const AXES: usize> {
     origin: [Position; AXES],
     tangents: [[i64; AXES]; 2],
-    /// Their difference and their sum, LSB 2^-40.
+    /// Difference and sum of both directions, LSB 2^-40.
     turns: [[f32; AXES]; 2],
     form: Form,
-    /// Its speed, mm/tick.
+    /// Path speed, mm/tick.
     v: f32,
-    /// Where the second motion begins, LSB 2^-44 mm.
+    /// Start of the second motion, LSB 2^-44 mm.
     start: i64,
-    /// Path lengths of the elements up to the middle, and how many there are; beyond it they are the same, the
-    /// other way round.
+    /// Path lengths of the elements up to the middle, and their number. The second half has the same lengths
+    /// in reverse order.
     lengths: [f32; PIECES],
     count: u8,
     done: u8,
-    /// Where the next one begins, LSB 2^-44 mm, and its knot.
+    /// Start of the next element, LSB 2^-44 mm, and its knot.
     at: i64,
     from: Knot<AXES>,
     to: Knot<AXES>,
-    /// Magnitudes of the third derivative in the element before that.
+    /// Magnitudes of the third derivative in the last element.
     third: [f32; AXES],
 }
 
 impl<const AXES: usize> Timed<AXES> {
-    /// The curve about the corner `origin` from one knot to the other, which are `reach` (LSB 2^-44 mm) from
-    /// it: as far as the motions go. Inline: it is made where it stays.
+    /// The curve about the corner `origin` between two knots at the distance `reach` (LSB 2^-44 mm) from it,
+    /// the range of both motions. Inline: the curve is made in its final place.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn new(
         origin: &[Position; AXES],
@@ -397,7 +398,7 @@ impl<const AXES: usize> Timed<AXES> {
         let form = Form::new(path, rise.ramp / whole);
         let common = if time < whole { share(path, time / whole).min(path) } else { path };
         let (lengths, count, middle) = form.pieces(2 * path - common, to_bits::<44>(rise.v * LEAST));
-        // The course is as long as its pieces: the last of them may be short, and what rounding makes of the others
+        // The curve is as long as the sum of its pieces. The last piece may be short, and rounding of the others
         // would be a jump in it.
         let start = 2 * middle - path;
         let tangents = [from.end.tangent, to.end.tangent];
@@ -431,10 +432,10 @@ impl<const AXES: usize> Timed<AXES> {
         let axes = position.iter_mut().zip(&mut end.tangent);
         for (((x, tangent), t1), t2) in axes.zip(before).zip(behind) {
             if *t1 | *t2 == 0 {
-                // At rest.
+                // The motion is at rest.
                 continue;
             }
-            // LSB 2^-42 mm
+            // LSB 2^-42 mm.
             let offset = scaled::<42>(*t2, p2) - scaled::<42>(*t1, p1);
             *x = Position::from_bits(x.to_bits().saturating_add((offset + 512) >> 10));
             *tangent = scaled::<62>(*t1, v1) + scaled::<62>(*t2, v2);
@@ -446,13 +447,14 @@ impl<const AXES: usize> Timed<AXES> {
     fn third_at(&self, s: i64) -> [f32; AXES] {
         let Form { path, ramp, .. } = self.form;
         let per = 0.5 / (to_f32(ramp) * DISTANCE_LSB * (to_f32(path - ramp) * DISTANCE_LSB));
-        // The motion that runs backward has its jerk turned twice: with time and with its direction.
+        // The motion that runs backward has its jerk reversed twice: with time and with direction.
         let [j1, j2] = [self.form.jerk(path - s), self.form.jerk(s - self.start)];
         let [sum, difference] = [j2 - j1, j2 + j1].map(|j| j * per);
         self.bent(sum, difference).map(magnitude)
     }
 
-    /// t2·(sum + difference) − t1·(sum − difference) of its tangents: of what nearly cancels out nothing is lost.
+    /// t2·(sum + difference) − t1·(sum − difference) for its tangents, without loss where terms nearly cancel
+    /// out.
     #[cfg_attr(feature = "fast", inline(always))]
     fn bent(&self, sum: f32, difference: f32) -> [f32; AXES] {
         let [changes, both] = &self.turns;
@@ -468,7 +470,7 @@ impl<const AXES: usize> Timed<AXES> {
         self.done < self.count
     }
 
-    /// Whether all elements are handed out.
+    /// Whether all elements are emitted.
     pub fn is_done(&self) -> bool {
         self.done >= 2 * self.count
     }
@@ -478,7 +480,7 @@ impl<const AXES: usize> Timed<AXES> {
         &self.from.position
     }
 
-    /// No further element is handed out; where the curve ends.
+    /// Ends the curve early: no further element is emitted. Returns the end of the curve.
     pub fn finish(&mut self) -> &[Position; AXES] {
         self.done = 2 * self.count;
         self.from = self.to;
@@ -487,7 +489,7 @@ impl<const AXES: usize> Timed<AXES> {
 }
 
 impl<const AXES: usize> Timed<AXES> {
-    /// The next element, with its axes to be made; then: [`Self::settle`].
+    /// The next element, whose axes are not made yet. Call [`Self::settle`] afterwards.
     pub fn next_element(&mut self, element: &mut Element<AXES>) -> Option<Draft<AXES>> {
         let all = 2 * self.count;
         let left = all.checked_sub(self.done + 1)?;
@@ -502,7 +504,8 @@ impl<const AXES: usize> Timed<AXES> {
         Some(made)
     }
 
-    /// Acceleration changes evenly: of a short piece that is known better than from its points.
+    /// Sets the derivatives: acceleration changes linearly, so they are more accurate than those from the
+    /// points of a short piece.
     pub fn settle(&self, element: &mut Element<AXES>) {
         if let Some(bounds) = &mut element.bounds {
             bounds.passage = Passage::Timed(self.v);

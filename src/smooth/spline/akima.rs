@@ -1,35 +1,35 @@
-//! Akima's curve: through every point, with a slope that the five points around it give.
+//! Akima's curve: it passes every point, with a slope that depends on the five points around.
 //!
 //! The parameter of the curve is the length of the chords. With the slopes m of the chords, two before a
-//! point and two behind it, the slope of the curve in the point is
+//! point and two behind it, the slope of the curve at the point is
 //!
 //! ```text
 //! t = (w_behind·m₋₁ + w_before·m₊₁) / (w_behind + w_before)
 //! w_behind = |m₊₂ − m₊₁|, w_before = |m₋₁ − m₋₂|
 //! ```
 //!
-//! Lengths count along the axes of the path, so that the curve does not depend on how it lies in the machine;
-//! other axes take the same weights. At an end, chords that are missing go on evenly: m₋₁ = 2·m₊₁ − m₊₂, and so
-//! on (automatic), or such that the slope is the one given (tangential, by the user).
+//! Lengths count along the axes of the path, so the curve does not depend on its direction in the machine.
+//! Other axes use the same weights. Missing chords at an end continue evenly: m₋₁ = 2·m₊₁ − m₊₂, and so on
+//! (automatic), or give the demanded slope (tangential, by the user).
 //!
 //! Akima, A new method of interpolation and smooth curve fitting based on local procedures, J. ACM 17 (1970).
 use super::window::{Leg, Window};
 use crate::math::float::{magnitude, max};
 use crate::smooth::contour::curve::{plus, size};
 
-/// Slopes below this part of a chord's are a reversal: the point is a corner.
+/// A slope below this part of a chord's slope is a reversal: the point is a corner.
 const LEAST_SLOPE: f32 = 0.25;
-/// Chords that differ by less go on straight.
+/// Chords that differ by less count as straight.
 const STRAIGHT: f32 = 1.0 / 4_194_304.0;
 
-/// Slopes that the program or a neighbour gives at both ends of the curve.
+/// Slopes that the program or a neighbour gives for both ends of the curve.
 #[derive(Clone, Copy, Debug)]
 pub struct Given<const AXES: usize> {
     pub start: Option<[f32; AXES]>,
     pub end: Option<[f32; AXES]>,
 }
 
-/// Slopes on both sides of a point: different ones in a corner.
+/// Slopes on both sides of a point; they differ at a corner.
 pub type Slopes<const AXES: usize> = [[f32; AXES]; 2];
 
 /// a, b ↦ 2a − b.
@@ -45,7 +45,7 @@ pub fn slopes<const AXES: usize>(
     is_corner: impl Fn(i32) -> bool,
 ) -> Option<Slopes<AXES>> {
     let axes = window.axes();
-    // The chord beside a point, and the next one of the same part of the curve: no corner between them.
+    // The chord beside a point, and the next chord of the same part of the curve, without a corner between.
     let side = |i: i32, step: i32| {
         let chord = |leg: i32| window.leg(leg).map(|leg: Leg<AXES>| leg.slope);
         let next = if step > 0 { i } else { i - 1 };
@@ -83,7 +83,7 @@ pub fn slopes<const AXES: usize>(
     }
 }
 
-/// The slope given at the other end of a curve of one chord.
+/// The slope given at the other end of a curve with one chord.
 fn far<'a, const AXES: usize>(
     window: &Window<AXES>,
     given: &'a Given<AXES>,
@@ -94,7 +94,8 @@ fn far<'a, const AXES: usize>(
     slope.filter(|_| window.is_end(i + step))
 }
 
-/// The slope at an end: given, or from the two chords beside it, or from one and the slope at its other end.
+/// The slope at an end: given, or from the two nearest chords, or from one chord and the slope at its other
+/// end.
 fn end<const AXES: usize>(
     given: Option<&[f32; AXES]>,
     near: &[f32; AXES],
@@ -103,23 +104,23 @@ fn end<const AXES: usize>(
 ) -> [f32; AXES] {
     match (given, next, far) {
         (Some(slope), ..) => *slope,
-        // Both weights are the same: the mean of the chord and the one before it, 2·m₁ − m₂.
+        // Both weights are equal: the mean of the chord and the missing one, 2·m₁ − m₂.
         (None, Some(next), _) => plus(near, 0.5, &plus(near, -1.0, next)),
-        // A parabola.
+        // With one chord, the curve is a parabola.
         (None, None, Some(far)) => evenly(near, far),
         (None, None, None) => *near,
     }
 }
 
-/// Whether the point `i` is a corner: the curve would have hardly any slope in it, or the path turns by more
-/// than `cosine` says, or its legs differ more than so many times in length.
+/// Whether the point `i` is a corner: the curve would have nearly no slope there, or the path turns by more
+/// than `cosine`, or the lengths of the legs differ by more than `ratio`.
 pub fn is_corner<const AXES: usize>(window: &Window<AXES>, i: i32, cosine: f32, ratio: f32) -> bool {
     let (Some(before), Some(behind)) = (window.leg(i - 1), window.leg(i)) else { return false };
     if window.is_end(i) {
         return false;
     }
     let axes = window.axes();
-    // The mean of both chords is the least slope that turns so far.
+    // The mean of both chords is the smallest slope at such a turn.
     let mean = 0.5 * size(axes, &plus(&before.slope, 1.0, &behind.slope));
     if mean < LEAST_SLOPE {
         return true;

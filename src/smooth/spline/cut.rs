@@ -1,8 +1,8 @@
-//! A piece of a curve, a cubic over a parameter u = 0…1, becomes elements over their own arc length.
+//! Cuts a piece of a curve, a cubic over a parameter u = 0…1, into elements over their own arc length.
 //!
-//! An element is a polynomial of the fifth degree that has position, direction and curvature of the cubic at
-//! both its ends. It is taken where its path speed is right to [`EVEN`] and where it is no farther beside the
-//! cubic than [`NEAR`] says; else it is tried half as long.
+//! An element is a polynomial of the fifth degree with position, direction and curvature of the cubic at both
+//! ends. It is accepted if its path speed is accurate to [`EVEN`], and its distance from the cubic is below
+//! [`NEAR`]. Otherwise an element of half the length is tried.
 use crate::math::float::max;
 use crate::path::poly::{Draft, Knot};
 use crate::path::{Element, End};
@@ -10,17 +10,17 @@ use crate::quantity::Position;
 use crate::smooth::contour::corner_curve::{EVEN, HEAVIEST, fastest, knot_of, site_of};
 use crate::smooth::contour::curve::{Main, Quintic, Site, plus, size};
 
-/// An element is so near to its curve, mm, and so near relative to its size where that is more: what `f32` can
-/// tell.
+/// Permitted distance of an element from its curve, mm; relative to its size if that is larger: the resolution
+/// of `f32`.
 const NEAR: f32 = 1e-4;
 const NEAR_PART: f32 = 1.0 / 1_048_576.0;
 /// Distance from a point within which the curvature of a curve is made continuous, mm.
 pub const BENT: f32 = 1e-3;
 
-/// Steps of a piece at which it may be cut.
+/// Steps of a piece at which a cut is possible.
 const STEPS: u16 = 512;
 
-/// Elements are not cut shorter, mm.
+/// Shortest element, mm.
 const SHORTEST: f32 = 2.5e-4;
 
 /// A cubic whose speed at an end is below this part of its size has no direction there.
@@ -29,49 +29,50 @@ const LEAST_SPEED: f32 = 1.0 / 1024.0;
 /// How the curve continues at an end of a piece.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Joint<const AXES: usize> {
-    /// With the direction and the curvature that the piece before had; with those of the piece itself.
+    /// With the direction and curvature of the piece before; at the end of the piece, with its own.
     Smooth,
-    /// With that curvature, along so much of the piece.
+    /// With this curvature, along this part of the piece.
     Bent([f32; AXES], f32),
-    /// With the direction that the piece before had and another curvature.
+    /// With the direction of the piece before, and another curvature.
     Tangent,
     /// In another direction.
     Corner,
 }
 
-/// A piece that is cut into elements.
+/// A piece that is being cut into elements.
 #[derive(Clone, Copy, Debug)]
 pub struct Piece<const AXES: usize> {
     curve: Quintic<AXES>,
-    /// Its coordinates are from here.
+    /// Origin of the coordinates.
     origin: [Position; AXES],
-    /// Where the next element begins.
+    /// Start of the next element.
     here: Knot<AXES>,
-    /// Where the last one ends.
+    /// End of the last element.
     end: Knot<AXES>,
-    /// Steps done, and steps that are tried.
+    /// Steps done, and steps of the current try.
     done: u16,
     step: u16,
-    /// Steps of the first and the last element at most.
+    /// Largest number of steps of the first and of the last element.
     edges: [u16; 2],
-    /// mm.
+    /// Permitted distance, mm.
     near: f32,
 }
 
-/// The result of a cut.
+/// The result of a try.
 #[derive(Clone, Copy, Debug)]
 pub enum Cut<const AXES: usize> {
     /// A shorter element has to be tried.
     Again,
-    /// An element, with its axes to be made, and whether it is the last one.
+    /// An element whose axes are not made yet, and whether it is the last one.
     Element(Element<AXES>, Draft<AXES>, bool),
-    /// A straight line to there, in place of what has no format, and whether it is the last one.
+    /// A straight line to this point, for an element that the format cannot hold; and whether it is the last
+    /// one.
     Straight([Position; AXES], bool),
 }
 
 impl<const AXES: usize> Piece<AXES> {
-    /// The cubic of these points of Bézier, from `origin`. It begins at `from`, whose direction and curvature
-    /// count as `joints` says, and ends at the position `to`.
+    /// The cubic of these Bézier points, relative to `origin`. It begins at `from` and ends at the position
+    /// `to`. `joints` says how direction and curvature of `from` count.
     pub fn new(
         axes: &Main,
         bezier: &[[f32; AXES]; 4],
@@ -110,7 +111,7 @@ impl<const AXES: usize> Piece<AXES> {
     /// Tries the next element.
     pub fn cut(&mut self, axes: &Main) -> Cut<AXES> {
         let left = STEPS - self.done;
-        // The last element begins where its curvature is to agree from.
+        // The last element begins where its curvature has to agree.
         let before_edge = left.saturating_sub(self.edges[1]);
         if before_edge > 0 && self.step > before_edge {
             self.step = before_edge;
@@ -158,8 +159,7 @@ impl<const AXES: usize> Piece<AXES> {
     }
 }
 
-/// An end of a cubic of that size, from its start or to its end. Where it has no speed, with the direction from
-/// a point nearby.
+/// An end of a cubic of this size. If the cubic has no speed there, the direction comes from a point nearby.
 #[inline(never)]
 fn end<const AXES: usize>(axes: &Main, curve: &Quintic<AXES>, u: f32, extent: f32) -> Site<AXES> {
     let site = curve.site(axes, u);
@@ -187,7 +187,7 @@ pub fn curvature<const AXES: usize>(axes: &Main, first: &[f32; AXES], second: &[
     plus(second, -along, &tangent).map(|x| x / (speed * speed))
 }
 
-/// A knot at rest: for what begins with a corner.
+/// A knot without direction, for the start after a corner.
 pub const fn at<const AXES: usize>(position: [Position; AXES]) -> Knot<AXES> {
     Knot { position, end: End { tangent: [0; AXES], curvature: [0.0; AXES] } }
 }

@@ -7,16 +7,16 @@
 //! | #HSC \[BSPLINE\] | controlled by the points, inside a tolerance | `polygon.rs` |
 //! | #HSC \[OPMODE=2\] | through all points, inside a tolerance in prismatic parts | both |
 //!
-//! The curve over a block depends on a few points before and behind it: blocks are held back until those are
-//! known. What demands a standstill between two blocks ends the curve there, and the next block begins another
-//! one: a dwell, a wait, the end of the program. An exact stop (G60, G360) stands on the curve, a B-spline where
-//! it is next to the point. A block whose axes along the path rest, that is far longer than those travel, or
-//! shorter than half a micrometre, is a straight line between two curves. An arc is passed as it is; an Akima spline goes into it and out of it
-//! tangentially.
+//! The curve over a block depends on a few points before and behind it, so blocks are held back until these points are
+//! known. A command that demands a stop between two blocks ends the curve there, and the next block begins another one:
+//! a dwell, a wait, the end of the program. An exact stop (G60, G360) stops on the curve; on a B-spline this is the
+//! place next to the point. Three kinds of blocks become a straight line between two curves: blocks that move no axis
+//! of the path, blocks far longer than the travel of these axes, and blocks below half a micrometre. An arc is passed
+//! unchanged; an Akima spline enters and leaves it tangentially.
 //!
-//! An Akima spline is continuous in direction; its curvature steps in its points. Where machine data limit the
-//! jerk of such a step (P-CHAN-00009), the curvature is made to agree: both sides get the mean, along so much
-//! of them that the curve moves by at most `cut::BENT`.
+//! An Akima spline is continuous in direction; its curvature has steps at its points. Where machine data limit
+//! the jerk of such a step (P-CHAN-00009), both sides get the mean curvature near the point. The length of
+//! this change is such that the curve moves by at most `cut::BENT`.
 mod akima;
 mod cut;
 mod parameters;
@@ -41,20 +41,20 @@ use crate::smooth::{Data, Form, Parting, ProgrammedBlock, Smoothed, Smoother};
 
 const LSB_32: f32 = 1.0 / (1u64 << 32) as f32;
 
-/// How much longer the path of a block may be than what the axes along it travel.
+/// Permitted ratio of a block's path length to the travel of the path axes.
 const LONGER: f32 = 1.0 + 1.0 / 1024.0;
-/// Legs of the curve are at least so long, mm: shorter ones are a few steps of a position, which shows in their
+/// Shortest leg of the curve, mm: shorter legs are a few steps of a position, which would show in their
 /// direction.
 const SHORTEST_LEG: f32 = 5e-4;
-/// Least length of a direction along the axes that count, for a tangential end.
+/// Smallest length of a direction along the path axes, for a tangential end.
 const LEAST_TANGENT: f32 = 0.5;
-/// Cosine of the knee, and ratio of lengths, from which a part is prismatic: 20°, 4.
+/// Cosine of the knee, and ratio of lengths, above which a part is prismatic: 20°, 4.
 const PRISMATIC: [f32; 2] = [0.939_692_6, 4.0];
-/// Cosine of the angle beyond which no corner is rounded: 178°.
+/// Cosine of the largest angle of a rounded corner: 178°.
 const REVERSAL: f32 = -0.999_390_8;
 /// A step of curvature that moves an element of length 1 by 1.
 const SHIFT: f32 = 0.017_28;
-/// Least part of a leg along which curvature is made to agree.
+/// Smallest part of a leg in which curvature changes.
 const LEAST_PART: f32 = 1.0 / 256.0;
 /// Points left out together move the path by at most this part of PATH_DEV.
 const MERGED: f32 = 1.0 / 128.0;
@@ -82,7 +82,7 @@ pub struct Start<const AXES: usize> {
     pub entry: Option<End<AXES>>,
 }
 
-/// An element that is made, or waits to be emitted.
+/// An element in progress, or one that waits to be emitted.
 #[derive(Clone, Copy, Debug)]
 struct Made<const AXES: usize> {
     element: Element<AXES>,
@@ -96,26 +96,26 @@ struct Made<const AXES: usize> {
 #[derive(Clone, Copy, Debug)]
 struct Ends<const AXES: usize> {
     given: Given<AXES>,
-    /// Where it begins tangentially, with the curvature there.
+    /// Start point of a tangential start, with the curvature there.
     entry: Option<End<AXES>>,
-    /// Where it ends tangentially.
+    /// End point of a tangential end.
     exit: Option<End<AXES>>,
 }
 
 /// Where on the curve the next element begins.
 #[derive(Clone, Copy, Debug)]
 struct Course<const AXES: usize> {
-    /// Part of the leg at hand.
+    /// Part of the current leg.
     part: usize,
-    /// Where the last element ended, and how the next piece goes on.
+    /// End of the last element, and how the next piece continues.
     here: Knot<AXES>,
     joint: Joint<AXES>,
     piece: Option<Piece<AXES>>,
-    /// What goes with the piece, and the motion blocks whose functions come before it.
+    /// Data of the piece, and the number of motion blocks whose functions come before it.
     data: (Data, u32),
 }
 
-/// The stage: from linear blocks to the elements of a curve.
+/// The smoothing stage: from linear blocks to the elements of a curve.
 #[derive(Clone, Copy, Debug)]
 pub struct Splining<const AXES: usize> {
     measure: Measure,
@@ -123,13 +123,13 @@ pub struct Splining<const AXES: usize> {
     check_jerk: u8,
     mode: Mode,
     on: bool,
-    /// The next block gives the direction of the end.
+    /// Whether the next block gives the direction of the end.
     waits: bool,
     window: Window<AXES>,
     ends: Ends<AXES>,
-    /// Points since it was switched on.
+    /// Number of points since the spline was switched on.
     points: u32,
-    /// How far points left out are from the path, together, mm.
+    /// Distance from the path of all points left out together, mm.
     stray: f32,
     course: Course<AXES>,
     made: Option<Made<AXES>>,
@@ -164,12 +164,12 @@ impl<const AXES: usize> Splining<AXES> {
         self.mode
     }
 
-    /// Points since it was switched on, the start among them.
+    /// Number of points since the spline was switched on, including the start.
     pub const fn points(&self) -> u32 {
         self.points
     }
 
-    /// No point follows. `end`: the slope there; `waits`: the one with which the next block begins.
+    /// No point follows. `end`: the slope at the end; `waits`: the next block gives that slope.
     pub fn switch_off(&mut self, end: Option<[f32; AXES]>, waits: bool) {
         self.on = false;
         if waits && self.window.has_leg() && !self.window.is_closed() {
@@ -180,20 +180,20 @@ impl<const AXES: usize> Splining<AXES> {
         }
     }
 
-    /// The curve ends with the last point.
+    /// Ends the curve with the last point.
     fn close(&mut self) {
         self.waits = false;
         self.window.close();
     }
 
-    /// The curve ends where the element `next` begins, and goes into it tangentially.
+    /// Ends the curve tangentially where the element `next` begins.
     fn close_into(&mut self, next: &Element<AXES>) {
         self.ends.given.end = tangent(&self.window, &next.entry);
         self.ends.exit = self.ends.given.end.map(|_| next.entry);
         self.close();
     }
 
-    /// Forgets the curve; the next one begins with that end, or as it likes.
+    /// Drops the curve; the next one begins with this end, or freely.
     fn begin(&mut self, entry: Option<End<AXES>>) {
         self.window.clear();
         let slope = entry.as_ref().and_then(|entry| tangent(&self.window, entry));
@@ -203,8 +203,8 @@ impl<const AXES: usize> Splining<AXES> {
         (self.course.part, self.course.joint) = (0, Joint::Corner);
     }
 
-    /// MERGE: the point before is left out. It is on the straight line between its neighbours, the feed stays,
-    /// and nothing else belongs to it.
+    /// MERGE: leaves the point before out. It is on the straight line between its neighbours, the feed does
+    /// not change, and no command belongs to it.
     #[inline(never)]
     fn merges(&mut self, block: &ProgrammedBlock<AXES>) -> bool {
         let Mode::Control(Rules { merge: true, path_dev, .. }) = self.mode else { return false };
@@ -229,7 +229,7 @@ impl<const AXES: usize> Splining<AXES> {
         true
     }
 
-    /// Whether the curve has a corner in a point: no slope, or the path is prismatic there.
+    /// Whether the curve has a corner at a point: it has no slope, or the path is prismatic there.
     fn is_corner(&self, i: i32) -> bool {
         match self.mode {
             Mode::Interpolating(_) => is_corner(&self.window, i, PRISMATIC[0], PRISMATIC[1]),
@@ -237,18 +237,18 @@ impl<const AXES: usize> Splining<AXES> {
         }
     }
 
-    /// Whether a leg is straight but for its rounded ends.
+    /// Whether a leg is straight except for its rounded ends.
     fn is_straight(&self, leg: i32) -> bool {
         match self.mode {
             Mode::Akima => false,
-            // Ended by a standstill with too few points: a polygon whose ends the curve passes.
+            // A stop has ended the curve with too few points: a polygon whose ends the curve passes.
             Mode::Direct => self.window.is_short(),
             Mode::Control(_) => true,
             Mode::Interpolating(_) => self.is_corner(leg) || self.is_corner(leg + 1),
         }
     }
 
-    /// Slopes of the curve before and behind a point.
+    /// Slopes of the curve before and after a point.
     fn slopes(&self, i: i32) -> Option<[[f32; AXES]; 2]> {
         let slope = |leg: i32| self.window.leg(leg).map(|leg: Leg<AXES>| leg.slope);
         if self.is_straight(i - 1)
@@ -264,7 +264,7 @@ impl<const AXES: usize> Splining<AXES> {
         slopes(&self.window, &self.ends.given, i, |i| self.is_corner(i))
     }
 
-    /// How a curve of Akima goes on in a point behind the first: the curvature that both sides get.
+    /// How a curve of Akima continues at a point behind the first: the common curvature of both sides.
     fn joint(&self, i: i32, dynamics: &Dynamics<AXES>) -> Joint<AXES> {
         let axes = self.window.axes();
         if self.is_corner(i) || (self.window.is_end(i) && self.ends.exit.is_none()) {
@@ -291,7 +291,7 @@ impl<const AXES: usize> Splining<AXES> {
         bent(axes, &own, mean, shortest)
     }
 
-    /// The piece of an Akima spline over the leg at hand.
+    /// The piece of an Akima spline over the current leg.
     fn akima_piece(&mut self, dynamics: &Dynamics<AXES>) -> Option<()> {
         let (leg, from) = (self.window.leg(0)?, self.window.point(0)?.at);
         let to = *self.window.point(1)?;
@@ -315,7 +315,7 @@ impl<const AXES: usize> Splining<AXES> {
         Some(())
     }
 
-    /// The piece of a direct B-spline over the leg at hand; the outer legs have none.
+    /// The piece of a direct B-spline over the current leg; the outer legs have none.
     fn direct_piece(&mut self) -> Option<()> {
         let Some(bezier) = direct(&self.window) else {
             self.window.advance();
@@ -351,7 +351,7 @@ impl<const AXES: usize> Splining<AXES> {
         }
     }
 
-    /// How far from a point control points may be; `None` where the curve passes it.
+    /// Permitted distance of control points from a point; `None` if the curve passes the point.
     fn reach(&self, i: i32) -> Option<f32> {
         let window = &self.window;
         if window.is_end(i) || !self.is_straight(i - 1) || !self.is_straight(i) {
@@ -383,7 +383,7 @@ impl<const AXES: usize> Splining<AXES> {
         Some(Inside::new(self.window.leg(leg)?.length, [reach(leg), reach(leg + 1)]))
     }
 
-    /// The next piece of a polygon over the leg at hand.
+    /// The next piece of a polygon over the current leg.
     fn control_piece(&mut self) -> Option<()> {
         let (leg, inside) = (self.window.leg(0)?, self.inside(0)?);
         let (from, to) = (*self.window.point(0)?, *self.window.point(1)?);
@@ -413,7 +413,7 @@ impl<const AXES: usize> Splining<AXES> {
         let data = Data { stop: to.data.stop && is_last, ..to.data };
         let rounded = (is_first && before.is_some()) || (is_last && behind.is_some());
         if !rounded {
-            // Along the leg all the way.
+            // The piece is straight along the whole leg.
             self.go_straight(&begins, &end, (data, data.number));
             (self.course.here, self.course.joint) = (cut::at(end), joint);
             if let Some(made) = &self.made {
@@ -431,7 +431,7 @@ impl<const AXES: usize> Splining<AXES> {
         !self.window.is_end(i) && self.is_straight(i - 1) != self.is_straight(i)
     }
 
-    /// A piece is to be cut.
+    /// Starts to cut a piece.
     #[inline(never)]
     fn lay(
         &mut self,
@@ -450,13 +450,13 @@ impl<const AXES: usize> Splining<AXES> {
         self.course.data = data;
     }
 
-    /// A straight line goes on.
+    /// Continues with a straight line.
     fn go_straight(&mut self, from: &[Position; AXES], to: &[Position; AXES], (data, due): (Data, u32)) {
         let Ok(Some(element)) = line(from, to, &self.measure) else { return };
         self.made = Some(Made { element, data, curving: None, due, draft: None });
     }
 
-    /// Behind a piece: the next part of the leg, or the next leg.
+    /// Moves on to the next part of the leg, or to the next leg.
     fn next_part(&mut self) {
         self.course.part += 1;
         let parts = if self.is_straight(0) { self.inside(0) } else { None };
@@ -465,7 +465,7 @@ impl<const AXES: usize> Splining<AXES> {
         }
     }
 
-    /// Behind the last piece over a leg.
+    /// Moves on behind the last piece of a leg.
     fn next_leg(&mut self) {
         self.window.advance();
         self.course.part = 0;
@@ -501,7 +501,7 @@ impl<const AXES: usize> Splining<AXES> {
         }
     }
 
-    /// The piece over the leg at hand.
+    /// The piece over the current leg.
     fn next_piece(&mut self, dynamics: &Dynamics<AXES>) -> Option<()> {
         match self.mode {
             _ if self.is_straight(0) => self.control_piece(),
@@ -510,7 +510,8 @@ impl<const AXES: usize> Splining<AXES> {
         }
     }
 
-    /// All of the curve is done: the block behind it, or a new beginning. Whether there was something to do.
+    /// The curve is complete: emits the block behind it, or begins a new curve. Returns whether there was
+    /// work.
     fn finish(&mut self) -> bool {
         if let Some(block) = self.behind.take() {
             let ProgrammedBlock { element, data, .. } = block;
@@ -531,7 +532,7 @@ fn piece_end<'a, const AXES: usize>(piece: &'a Option<Piece<AXES>>, other: &'a K
     piece.as_ref().map_or(other, Piece::end)
 }
 
-/// Whether a straight block is a leg of a curve: the axes along the path travel what its path says.
+/// Whether a straight block is a leg of a curve: the travel of the path axes equals the path length.
 pub fn is_leg<const AXES: usize>(measure: &Measure, block: &ProgrammedBlock<AXES>) -> bool {
     let travel = window::travel(&block.from, &block.to);
     let length = to_f32(block.element.shape.length.to_bits()) * DISTANCE_LSB;
@@ -539,7 +540,7 @@ pub fn is_leg<const AXES: usize>(measure: &Measure, block: &ProgrammedBlock<AXES
     block.form == Form::Line && along >= SHORTEST_LEG && length <= LONGER * along
 }
 
-/// The direction of an end as a slope, if it has one along the axes that count.
+/// The direction of an end as a slope, if it has one along the path axes.
 fn tangent<const AXES: usize>(window: &Window<AXES>, end: &End<AXES>) -> Option<[f32; AXES]> {
     let tangent = direction(end);
     (size(window.axes(), &tangent) > LEAST_TANGENT).then_some(tangent)
@@ -554,7 +555,7 @@ fn shifted<const AXES: usize>(from: &[Position; AXES], by: &[f32; AXES]) -> [Pos
     to
 }
 
-/// Both sides of a point get this curvature, as far as [`BENT`] allows.
+/// Gives both sides of a point this curvature, as far as [`BENT`] permits.
 fn bent<const AXES: usize>(
     axes: &crate::smooth::contour::curve::Main,
     own: &[f32; AXES],
@@ -598,13 +599,13 @@ impl<const AXES: usize> Smoother<AXES> for Splining<AXES> {
         if let Some(made) = &mut self.made {
             let Some(draft) = made.draft.as_mut().filter(|draft| !draft.is_done()) else { return false };
             if draft.go_on(&mut made.element).is_none() {
-                // It has no format.
+                // The format cannot hold the element.
                 let (from, to, data) = (*draft.from(), *draft.to(), (made.data, made.due));
                 self.made = None;
                 self.go_straight(&from, &to, data);
                 return true;
             }
-            // What is made goes out in the same call.
+            // The element is emitted in the same call.
             return !draft.is_done();
         }
         if self.course.piece.is_some() {
@@ -641,7 +642,7 @@ impl<const AXES: usize> Smoother<AXES> for Splining<AXES> {
         if let Some(behind) = &mut self.behind {
             behind.data.stop |= stop;
         } else if stop && self.window.has_leg() {
-            // It stands on the curve.
+            // The stop is on the curve.
             if let Some(last) = self.window.last() {
                 last.data.stop = true;
             }
@@ -692,7 +693,7 @@ impl<const AXES: usize> Smoother<AXES> for Splining<AXES> {
     }
 
     fn gives_way(&mut self) -> bool {
-        // The path does not depend on when the text comes.
+        // The path must not depend on the arrival time of text.
         false
     }
 }

@@ -1,4 +1,4 @@
-//! What programs say about splines: types, transitions, tolerances.
+//! Parameters of splines in programs: types, transitions, tolerances.
 use super::LSB_32;
 use super::polygon::Tolerance;
 use super::window::along;
@@ -35,7 +35,7 @@ impl<const AXES: usize> DirectParameters<AXES> {
         Self { kind: SplineType::Akima, ends: [Tangent::Auto; 2], vectors: [[None; AXES]; 2], chosen: None }
     }
 
-    /// Takes in a command that is no switch; `taken` motion blocks are before it.
+    /// Takes a command other than a switch; `taken` motion blocks are before it.
     pub fn update(&mut self, command: &Spline<AXES>, taken: u32) {
         match command {
             Spline::Type(kind) => (self.kind, self.chosen) = (*kind, Some(taken)),
@@ -49,12 +49,12 @@ impl<const AXES: usize> DirectParameters<AXES> {
         }
     }
 
-    /// Whether the type was chosen with `taken` motion blocks before it: no block since gives a direction.
+    /// Whether no motion block came since the type was chosen, so that no block gives a direction.
     pub fn is_fresh(&self, taken: u32) -> bool {
         self.chosen == Some(taken)
     }
 
-    /// The vector of one end as it was given; none where it was not.
+    /// The given vector of one end; `None` without one.
     pub fn vector(&self, end: usize) -> Option<[f32; AXES]> {
         let vector = self.vectors.get(end)?;
         vector
@@ -63,14 +63,14 @@ impl<const AXES: usize> DirectParameters<AXES> {
             .then(|| vector.map(|value| value.map_or(0.0, |value| to_f32(value.to_bits()) * LSB_32)))
     }
 
-    /// Whether the vector of an end that has one goes along this axis.
+    /// Whether the given vector of an end has a component along this axis.
     pub fn leans(&self, axis: usize) -> bool {
         let leans = |value: &Option<Value>| value.is_some_and(|value| value.to_bits() != 0);
         let ends = self.ends.iter().zip(&self.vectors);
         ends.filter(|(end, _)| **end == Tangent::User).any(|(_, vector)| vector.get(axis).is_some_and(leans))
     }
 
-    /// Points that a curve needs.
+    /// Number of points that a curve needs.
     pub fn points(&self) -> u32 {
         match self.kind {
             SplineType::Bspline => 4,
@@ -80,7 +80,7 @@ impl<const AXES: usize> DirectParameters<AXES> {
     }
 }
 
-/// #HSC, without what Surface has alone.
+/// Parameters of `#HSC`, without those that only Surface has.
 #[derive(Clone, Copy, Debug)]
 pub struct HscParameters {
     /// The method named last.
@@ -91,14 +91,14 @@ pub struct HscParameters {
     pub conterror: Position,
 }
 
-/// When, and how far, the HSC B-spline leaves its polygon.
+/// When the HSC B-spline leaves its polygon, and how far.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rules {
     /// PATH_DEV, mm, and TRACK_DEV, degrees; 0: not monitored.
     pub path_dev: f32,
     pub track_dev: f32,
-    /// AUTO_OFF_PATH and AUTO_OFF_TRACK: beyond the tolerance the curve passes the point, else the block is
-    /// split.
+    /// AUTO_OFF_PATH and AUTO_OFF_TRACK: beyond the tolerance the curve passes the point; without them the
+    /// block is split.
     pub off_path: bool,
     pub off_track: bool,
     /// AUTO_OFF_G00 and AUTO_OFF_G60.
@@ -110,9 +110,9 @@ pub struct Rules {
     pub longest: f32,
     /// Cosine of MAX_ANGLE.
     pub cosine: f32,
-    /// P-CHAN-00239 = 1: points where it deselects itself are rounded.
+    /// P-CHAN-00239 = 1: contour mode rounds points at which the spline deselects itself.
     pub rounds: bool,
-    /// P-CHAN-00239 = 1 or 2: so are the ends of arcs.
+    /// P-CHAN-00239 = 1 or 2: contour mode rounds the ends of arcs.
     pub rounds_arcs: bool,
 }
 
@@ -147,7 +147,7 @@ impl HscParameters {
         to_f32(self.conterror.to_bits()) * LSB_32
     }
 
-    /// Takes in the keywords of a command.
+    /// Takes the keywords of a command.
     pub fn update(&mut self, hsc: &Hsc) {
         let number = |value: Option<Position>, into: &mut f32| {
             if let Some(value) = value {
@@ -178,7 +178,7 @@ impl HscParameters {
 }
 
 impl Rules {
-    /// Whether the curve has a tolerance along its path, and keeps to it without deselection.
+    /// Whether the curve has a tolerance along its path, and keeps it without deselection.
     #[cfg(feature = "surface")]
     pub const fn is_bounded(&self) -> bool {
         self.path_dev > 0.0 && !self.off_path && !self.off_track
@@ -190,7 +190,7 @@ impl Rules {
         Tolerance { path: monitored(self.path_dev), track: monitored(self.track_dev) }
     }
 
-    /// The path alone, or the tracking axes alone.
+    /// The tolerance of the path alone, or of the tracking axes alone.
     pub fn part_of_tolerance(&self, track: bool) -> Tolerance {
         let Tolerance { path, track: turn } = self.tolerance();
         if track { Tolerance { path: f32::MAX, track: turn } } else { Tolerance { path, track: f32::MAX } }
@@ -205,7 +205,7 @@ pub fn cosine(degrees: f32) -> f32 {
     to_f32(cosine) * (1.0 / (1u64 << 62) as f32)
 }
 
-/// A given direction as a slope: of length 1 along the axes that count. `None` where it has none.
+/// A given direction as a slope with length 1 along the path axes; `None` if it has no such length.
 pub fn slope<const AXES: usize>(measure: &Measure, vector: &[f32; AXES]) -> Option<[f32; AXES]> {
     let axes = along(measure, AXES);
     let length = size(&axes, vector);
@@ -214,7 +214,7 @@ pub fn slope<const AXES: usize>(measure: &Measure, vector: &[f32; AXES]) -> Opti
     }
     let mut slope = *vector;
     for k in axes.of::<AXES>() {
-        // A tracking axis has its way per path way.
+        // The slope of a tracking axis is its travel per path distance.
         if let Some(x) = slope.get_mut(k) {
             *x /= length;
         }

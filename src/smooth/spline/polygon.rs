@@ -7,21 +7,21 @@
 //! B₀ = C₁ + Δ₁/6,  B₁ = C₁ + D/3,  B₂ = C₁ + 2D/3,  B₃ = C₂ + Δ₂/6        D = C₂ − C₁,  Δᵢ = Cᵢ₋₁ − 2·Cᵢ + Cᵢ₊₁
 //! ```
 //!
-//! so that the piece is L(u) + (1−u)³·Δ₁/6 + u³·Δ₂/6 with the point L(u) of the leg: how far it is from the leg
-//! is known without a search. With directions t₁, t₂ of two legs and distances a, b of the control points beside a
-//! corner, Δ = b·t₂ − a·t₁. What of it lies along a leg moves the curve along that leg alone; what remains is at
-//! most max(a, b)·|t₂ − t₁|/6. So a corner keeps its tolerance where no control point beside it is farther than
+//! The piece is L(u) + (1−u)³·Δ₁/6 + u³·Δ₂/6 with the point L(u) of the leg, so its distance from the leg is known
+//! without a search. With directions t₁, t₂ of two legs and distances a, b of the control points beside a corner,
+//! Δ = b·t₂ − a·t₁. The part of Δ along a leg moves the curve along that leg alone; the rest is at most max(a,
+//! b)·|t₂ − t₁|/6. So a corner keeps its tolerance if no control point beside it is farther away than
 //!
 //! ```text
 //! d = 6·PATH_DEV / |t₂ − t₁|
 //! ```
 //!
-//! and a leg that is longer gets another control point at that distance: the block is split. Such a point has Δ = 0,
-//! as if another one were on its other side at the same distance: what is between two of them is a line. A tracking axis has
-//! the same d with the step of its slope dx/ds and TRACK_DEV. Where Δ is 0 the curve passes the point, along both
+//! A longer leg gets another control point at that distance: the block is split. Such a point has Δ = 0, as if another
+//! one were on its other side at the same distance, so the curve between two such points is a line. A tracking axis has
+//! the same formula with the step of its slope dx/ds and TRACK_DEV. Where Δ is 0 the curve passes the point along both
 //! legs.
 //!
-//! The direct spline begins and ends in its outer points with knots of distance 0 (clamped): see [`direct`].
+//! The direct spline begins and ends at its outer points with knots of distance 0 (clamped): see [`direct`].
 use super::window::{Leg, Window};
 use crate::math::float::{magnitude, max, min};
 use crate::smooth::contour::curve::{plus, size};
@@ -29,16 +29,16 @@ use crate::smooth::contour::curve::{plus, size};
 /// Tolerances of the distance between the curve and its polygon.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tolerance {
-    /// mm; infinite where it is not monitored.
+    /// Path tolerance, mm; infinite if not monitored.
     pub path: f32,
     /// Tolerance of other axes, mm or degrees.
     pub track: f32,
 }
 
-/// Part of the tolerance that rounding and the fit leave.
+/// Part of the tolerance that remains after rounding and the fit.
 const PART: f32 = 1.0 - 1.0 / 4096.0;
 
-/// Coordinates count from the start of a leg: rounding adds so much of its travel.
+/// Coordinates count from the start of a leg: rounding adds this part of the travel.
 const ROUNDED: f32 = 1.0 / 8_388_608.0;
 
 /// Largest distance of the control points next to point `i` from it, mm; `None` if a leg is missing on one side.
@@ -49,7 +49,7 @@ pub fn reach<const AXES: usize>(window: &Window<AXES>, i: i32, tolerance: &Toler
     let mut reach = f32::MAX;
     let mut lower = |deviation: f32, step: f32, travel: f32| {
         let room = 6.0 * max(PART * deviation - ROUNDED * travel, 0.5 * deviation);
-        // Not where the quotient would be too large.
+        // Not if the quotient would be too large.
         if room < step * 1e6 {
             reach = min(reach, room / step);
         }
@@ -64,10 +64,10 @@ pub fn reach<const AXES: usize>(window: &Window<AXES>, i: i32, tolerance: &Toler
     Some(reach)
 }
 
-/// Control points inside a leg, from its start, with the reach of the points at both its ends.
+/// Control points inside a leg, and the reach of the points at both ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Inside {
-    /// Distances, mm; unused ones hold the length of the leg.
+    /// Distances from the start of the leg, mm; unused ones hold the length of the leg.
     pub at: [f32; 2],
     pub count: usize,
 }
@@ -89,7 +89,7 @@ impl Inside {
         self.at[0]
     }
 
-    /// Way from the last control point before the end of a leg of this length to it.
+    /// Distance from the last control point to the end of a leg of this length.
     pub fn last(&self, length: f32) -> f32 {
         match self.count {
             0 => length,
@@ -133,12 +133,12 @@ pub fn part<const AXES: usize>(
 
 /// Bézier's points of the direct spline over the leg at hand, from its start.
 ///
-/// The spline has knots at distances k = 1 where there is a piece and 0 beside. The piece over a leg lies between
-/// two others: Bézier's inner points divide it as k₋₁ : k : k₊₁, an end of the piece the way between the inner
-/// points beside it as k₋₁ : k.
+/// Knots are at distances k = 1 where there is a piece, and 0 beside. The piece over a leg lies between two
+/// others. The inner Bézier points divide the leg as k₋₁ : k : k₊₁. An end of the piece divides the distance
+/// between the inner points beside it as k₋₁ : k.
 pub fn direct<const AXES: usize>(window: &Window<AXES>) -> Option<[[f32; AXES]; 4]> {
     let (leg, before, behind) = (window.leg(0)?, window.leg(-1)?, window.leg(1)?);
-    // Pieces are over all legs but the first and the last one.
+    // All legs have a piece, except the first and the last one.
     let knot = |i: i32| {
         let inner = window.leg(i).is_some() && !window.is_end(i) && !window.is_end(i + 1);
         if inner { 1.0_f32 } else { 0.0 }
@@ -157,7 +157,7 @@ pub fn direct<const AXES: usize>(window: &Window<AXES>) -> Option<[[f32; AXES]; 
     Some([start, inner1, inner2, end])
 }
 
-/// The larger one of both legs at a point, if it is longer than control points may be away from the point.
+/// The longer leg at a point, if it is longer than the permitted distance of control points.
 pub fn exceeds<const AXES: usize>(window: &Window<AXES>, i: i32, tolerance: &Tolerance) -> bool {
     let (Some(before), Some(behind)) = (window.leg(i - 1), window.leg(i)) else { return false };
     reach(window, i, tolerance).is_some_and(|reach| reach < max(before.length, behind.length))

@@ -1,4 +1,4 @@
-//! The points of a curve that are known, a few at a time, and the legs between them.
+//! The known points of a curve, a few at a time, and the legs between them.
 use super::LSB_32;
 use crate::math::float::to_f32;
 use crate::nc::Place;
@@ -7,18 +7,18 @@ use crate::quantity::Position;
 use crate::smooth::Data;
 use crate::smooth::contour::curve::{Main, size};
 
-/// Points of the window: two before the current leg, its two ends, three after it, and one that comes in.
+/// Points of the window: two before the current leg, its two ends, three after it, and one new point.
 pub const POINTS: usize = 8;
-/// Points before the leg at hand that are kept.
+/// Kept points before the current leg.
 const BEFORE: usize = 2;
-/// Points behind the end of the leg at hand that its curve depends on.
+/// Points behind the end of the current leg on which its curve depends.
 const BEHIND: usize = 3;
 
 /// A point, and the block that leads to it.
 #[derive(Clone, Copy, Debug)]
 pub struct Vertex<const AXES: usize> {
     pub at: [Position; AXES],
-    /// Data of that block; unused for the first point.
+    /// Data of the block; unused for the first point.
     pub data: Data,
 }
 
@@ -56,11 +56,11 @@ pub fn travel<const AXES: usize>(from: &[Position; AXES], to: &[Position; AXES])
 pub struct Window<const AXES: usize> {
     points: [Vertex<AXES>; POINTS],
     count: usize,
-    /// The leg at hand begins at this point.
+    /// The current leg begins at this point.
     at: usize,
-    /// The first point known is the first of the curve.
+    /// Whether the first known point is the first of the curve.
     whole: bool,
-    /// The last point known is the last of the curve.
+    /// Whether the last known point is the last of the curve.
     closed: bool,
     axes: Main,
 }
@@ -79,17 +79,17 @@ impl<const AXES: usize> Window<AXES> {
         &self.axes
     }
 
-    /// Forgets all points.
+    /// Drops all points.
     pub const fn clear(&mut self) {
         (self.count, self.at, self.whole, self.closed) = (0, 0, true, false);
     }
 
-    /// Whether there is none.
+    /// Whether there is no point.
     pub const fn is_empty(&self) -> bool {
         self.count == 0
     }
 
-    /// Whether there is a leg to be driven.
+    /// Whether there is a leg to drive.
     pub const fn has_leg(&self) -> bool {
         self.at + 1 < self.count
     }
@@ -109,12 +109,12 @@ impl<const AXES: usize> Window<AXES> {
         self.closed
     }
 
-    /// Whether the curve has too few points for a cubic that they control.
+    /// Whether the curve has too few points to control a cubic.
     pub const fn is_short(&self) -> bool {
         self.whole && self.closed && self.count < 4
     }
 
-    /// Takes the next point in. There is room when no leg [`Self::is_ready`].
+    /// Adds the next point. There is room if no leg [`Self::is_ready`].
     pub fn push(&mut self, vertex: Vertex<AXES>) {
         if let Some(point) = self.points.get_mut(self.count) {
             *point = vertex;
@@ -127,14 +127,14 @@ impl<const AXES: usize> Window<AXES> {
         self.points.get_mut(..self.count)?.last_mut()
     }
 
-    /// The last point is another one.
+    /// Replaces the last point.
     pub fn replace(&mut self, vertex: Vertex<AXES>) {
         if let Some(last) = self.last() {
             *last = vertex;
         }
     }
 
-    /// Goes on to the next leg.
+    /// Moves on to the next leg.
     pub fn advance(&mut self) {
         self.at += 1;
         if self.at > BEFORE {
@@ -150,7 +150,7 @@ impl<const AXES: usize> Window<AXES> {
         self.points.get(..self.count)?.get(at)
     }
 
-    /// Whether that is the first or the last point of the curve.
+    /// Whether this is the first or the last point of the curve.
     pub fn is_end(&self, i: i32) -> bool {
         let at = self.at as i32 + i;
         (self.whole && at <= 0) || (self.closed && at + 1 >= self.count as i32)

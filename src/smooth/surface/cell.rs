@@ -1,10 +1,10 @@
-//! A cell of the path: the quintic between two knots, and the proof in integers that it, or a line, stays
-//! inside the tolerance.
+//! A cell of the path: the quintic between two knots. A proof in integers shows that the cell, or a line,
+//! stays inside the tolerance.
 //!
 //! A polynomial lies inside the hull of its Bernstein coefficients. The part of a cell beside each chord of
-//! the program, less the chord itself, is such a polynomial: if all its coefficients are inside the tolerance,
-//! so is the path. Over a cell and its chords the same distance counts, in parts of both lengths; so the path
-//! keeps to the order of the contour too.
+//! the program, minus the chord, is such a polynomial: if all its coefficients are inside the tolerance, so is
+//! the path. The same distance counts over a cell and its chords, in parts of both lengths, so the path also
+//! keeps the order of the contour.
 use super::parameters::Tolerance;
 use crate::math::float::{max, to_f32};
 use crate::math::wide::mul_shift;
@@ -22,10 +22,10 @@ const ONE_26: f32 = (1u32 << 26) as f32;
 /// From the LSB of a position.
 const COARSER: u32 = 6;
 
-/// Of a tolerance, for rounding: 2^-17 mm.
+/// Margin of a tolerance for rounding: 2^-17 mm.
 const ROUNDING: i64 = 1 << 9;
 
-/// An offset in the LSB of a hull; beyond its range the largest one.
+/// An offset in the LSB of a hull, limited to its range.
 fn coarse(x: Position, from: Position) -> i32 {
     let d = x.to_bits().wrapping_sub(from.to_bits()) >> COARSER;
     d.clamp(i64::from(-BEYOND), i64::from(BEYOND)) as i32
@@ -34,7 +34,7 @@ fn coarse(x: Position, from: Position) -> i32 {
 /// 16 mm or degrees: no cell is that large.
 const BEYOND: i32 = 1 << 30;
 
-/// Between two numbers; `part`: LSB 2^-31.
+/// Interpolates between two numbers; `part`: LSB 2^-31.
 #[cfg_attr(feature = "fast", inline(always))]
 fn between(a: i32, b: i32, part: i32) -> i32 {
     let d = i64::from(b) - i64::from(a);
@@ -59,8 +59,8 @@ fn most(tolerance: f32) -> i64 {
     ((tolerance * ONE_26) as i64 - ROUNDING).max(0)
 }
 
-/// A chord, or the part of it, next to a cell: its ends, its tolerance, and the path length of the cell to its end as a
-/// part of the rest of the cell.
+/// A chord, or its part next to a cell: its ends, its tolerance, and the path length of the cell to the chord's end as
+/// a part of the cell's rest.
 pub struct Beside<'a, const AXES: usize> {
     pub ends: [&'a [Position; AXES]; 2],
     pub tolerance: Tolerance,
@@ -68,7 +68,7 @@ pub struct Beside<'a, const AXES: usize> {
 }
 
 impl<const AXES: usize> Hull<AXES> {
-    /// The cell of that length between two knots; `None` if it is too large.
+    /// The cell of this length between two knots; `None` if it is too large.
     pub fn new(from: &Knot<AXES>, to: &Knot<AXES>, length: f32) -> Option<Self> {
         let mut points = [[0; AXES]; 6];
         let fine = ONE_26 * length;
@@ -91,7 +91,7 @@ impl<const AXES: usize> Hull<AXES> {
         Some(Self { points })
     }
 
-    /// A bound of the largest speed over its length.
+    /// An upper bound of the speed over the cell's length.
     pub fn fastest(&self, length: f32, space: impl Fn(&[f32; AXES]) -> f32) -> f32 {
         let mut most = 0.0;
         for pair in self.points.windows(2) {
@@ -105,7 +105,7 @@ impl<const AXES: usize> Hull<AXES> {
         most * 5.0 / (ONE_26 * length) * (1.0 + 1.0 / 1_048_576.0)
     }
 
-    /// Cuts it: becomes what is behind that part of it, and returns what is before.
+    /// Cuts the cell: keeps the part behind the cut, and returns the part before.
     fn cut(&mut self, part: i32) -> Self {
         let mut before = *self;
         for k in 0..AXES {
@@ -131,7 +131,8 @@ impl<const AXES: usize> Hull<AXES> {
         before
     }
 
-    /// Whether the part of the cell next to a chord is inside the tolerance. The rest after that part remains.
+    /// Whether the part of the cell next to a chord is inside the tolerance. The rest behind that part
+    /// remains.
     pub fn keeps(&mut self, origin: &[Position; AXES], chord: &Beside<'_, AXES>, main: u32) -> bool {
         let part = part_of(chord.part);
         let own = if part == i32::MAX { *self } else { self.cut(part) };
@@ -164,7 +165,7 @@ impl<const AXES: usize> Hull<AXES> {
     }
 }
 
-/// A line that is proven, one chord after the other.
+/// A line that is checked chord by chord.
 pub struct Straight<'a, const AXES: usize> {
     at: [Position; AXES],
     to: &'a [Position; AXES],

@@ -1,4 +1,5 @@
-//! Points of the smoothed path: the control polygon P with a kernel at each vertex.
+//! Points of the smoothed path: the control polygon P with a smoothing polynomial, the kernel, at each
+//! vertex.
 //!
 //! Over the length s of the polygon, with d_i the step of its direction at vertex i, c_i the half width of its
 //! kernel and u = 1 − |s − s_i|/c_i,
@@ -7,9 +8,9 @@
 //! Q = P + Σ d_i·c_i·u³/6      Q' = P' ± Σ d_i·u²/2      Q'' = Σ d_i·u/c_i
 //! ```
 //!
-//! over all vertices nearer than c_i. Q is twice continuously differentiable whatever the widths are. The path
-//! distance of an element is s: |Q'| is 1 but for what the path is shorter than the polygon, so the feed is not
-//! exceeded, and a sharp turn is as gentle as its kernel makes it.
+//! over all vertices nearer than c_i. Q is twice continuously differentiable for any widths. The path distance
+//! of an element is s. |Q'| is at most 1, because the path is shorter than the polygon. So the feed is not
+//! exceeded, and a sharp turn is as gentle as its kernel.
 use super::window::{SLOWEST, Vertex, Window, step};
 use crate::math::float::{max, min, to_i64};
 use crate::math::wide::mul_shift;
@@ -24,21 +25,21 @@ pub struct Spot {
     pub x: f32,
 }
 
-/// Part of the width of a kernel that an element goes over.
+/// Part of a kernel's width that an element covers.
 const CELL: f32 = 0.9;
-/// No element is made shorter than this part of that, for the end of a kernel.
+/// For the end of a kernel, no element gets shorter than this part of its length.
 const SLIVER: f32 = 0.1;
-/// Of the widest kernel: so much further on the path has been looked at. What makes kernels narrower there moves
-/// points here, and an element that begins where they were and ends where they are turns sharply.
+/// Part of the widest kernel by which more of the path has been checked. Narrower kernels there move points
+/// here, and an element between old and new points would turn sharply.
 const SETTLED: f32 = 0.5;
 /// Longest element, mm.
 const LONGEST: f32 = 8.0;
 /// Shortest line, mm.
 const LINE: f32 = 1.0;
-/// Less is no distance, mm.
+/// Shorter distances count as none, mm.
 const NOTHING: f32 = 1e-6;
 
-/// Of the width of the kernel at a step of curvature: what is nearer is passed at one speed.
+/// Part of the kernel's width at a step of curvature: elements nearer than that have one speed.
 const NEAR_STEP: f32 = 0.4652;
 
 const ONE_40: f32 = (1u64 << 40) as f32;
@@ -53,13 +54,14 @@ pub struct Aim {
     pub is_straight: bool,
 }
 
-/// What lies ahead of a place.
+/// The path ahead of a place.
 struct Ahead {
-    /// Some kernel is at work there.
+    /// Whether a kernel acts at the place.
     active: bool,
-    /// Distance to the first kernel.
+    /// Distance to the first kernel ahead.
     start: f32,
-    /// Distance to the first place at which an element has to end, of a strong turn or of the program.
+    /// Distance to the first place at which an element has to end, because of a strong turn or of the
+    /// program.
     strong: f32,
     forced: f32,
 }
@@ -92,7 +94,7 @@ impl<const AXES: usize> Window<AXES> {
         if from.vertex == to.vertex { to.x - from.x } else { self.to_vertex(from, to.vertex) + to.x }
     }
 
-    /// The place at a distance after another one.
+    /// The place at a distance behind another one.
     pub fn advance(&self, spot: &Spot, way: f32) -> Spot {
         let Spot { mut vertex, mut x } = *spot;
         x += way;
@@ -109,7 +111,7 @@ impl<const AXES: usize> Window<AXES> {
         Spot { vertex, x }
     }
 
-    /// What lies ahead; what is nearer than `least` is no place to end.
+    /// The path ahead; a place nearer than `least` is no place for an end.
     fn look_ahead(&self, spot: &Spot, least: f32) -> Ahead {
         let mut ahead = Ahead { active: false, start: f32::MAX, strong: f32::MAX, forced: f32::MAX };
         let note = |place: &mut f32, at: f32| {
@@ -152,7 +154,7 @@ impl<const AXES: usize> Window<AXES> {
         ahead
     }
 
-    /// The sharp turn at a place, or the next one whose kernel ends before the neighbours of its vertex, and the
+    /// The sharp turn at a place, or the next one whose kernel ends before the neighbours of its vertex; and the
     /// distance to its start.
     pub fn sharp(&self, spot: &Spot) -> Option<(&Vertex<AXES>, f32)> {
         let mut away = -spot.x;
@@ -167,7 +169,7 @@ impl<const AXES: usize> Window<AXES> {
         None
     }
 
-    /// Whether an element of that length comes near a step of curvature. The curve uses most of the jerk there, and
+    /// Whether an element of this length comes near a step of curvature. The curve uses most of the jerk there, and
     /// little is left to change the speed.
     pub fn is_near_step(&self, spot: &Spot, length: f32) -> bool {
         let near = |vertex: &Vertex<AXES>, away: f32| {
@@ -200,7 +202,7 @@ impl<const AXES: usize> Window<AXES> {
     pub fn aim(&self, spot: &Spot) -> Option<Aim> {
         let all = self.ended && self.checked == self.len();
         let last = self.checked.checked_sub(1)?;
-        // Beyond what is looked at, kernels are known as far as they reach.
+        // Behind the checked vertices, kernels are known as far as they reach.
         let known = if all { f32::MAX } else { self.to_vertex(spot, last) + self.reach };
         if known < 0.0 || last < spot.vertex && !all {
             return None;
@@ -232,7 +234,7 @@ impl<const AXES: usize> Window<AXES> {
             return None;
         }
         if near < 4.0 * way {
-            // In even parts.
+            // In equal parts.
             let parts = 1.0 + (near / (1.1 * way)) as i32 as f32;
             way = if near <= 1.1 * way { near } else { near / parts };
         }
@@ -281,7 +283,7 @@ impl<const AXES: usize> Window<AXES> {
         away = rest;
         let first = spot.vertex + 1;
         let mut ahead = self.from(first).take(self.moved.saturating_sub(first)).peekable();
-        // The last vertex that is moved does not turn yet.
+        // The last moved vertex does not turn yet.
         while let (Some(vertex), Some(next)) = (ahead.next(), ahead.peek()) {
             if away >= self.widest {
                 break;
@@ -302,7 +304,7 @@ impl<const AXES: usize> Window<AXES> {
         self.knot_of(position, &direction, &bend)
     }
 
-    /// Of the path over the length of the polygon, of which no more goes by than of the path.
+    /// The point, with derivatives over the polygon's length. The path is at most as long as the polygon.
     fn knot_of(
         &self,
         position: [Position; AXES],
@@ -332,7 +334,7 @@ fn signed(x: f32) -> i64 {
     if x < 0.0 { -positive(-x) } else { positive(x) }
 }
 
-/// A point on a chord of the program that no kernel reaches: to the last bit.
+/// A point on a programmed chord that no kernel reaches: exact to the last bit.
 fn on_chord<const AXES: usize>(
     (from, to): (&Vertex<AXES>, &Vertex<AXES>),
     (x, rest): (f32, f32),

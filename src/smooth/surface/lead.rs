@@ -1,58 +1,60 @@
-//! What lies before a curve: where a straight run goes over into an even turn, points of the control polygon lead.
+//! The path before a curve: where a straight run changes into an even turn, points of the control polygon
+//! lead.
 //!
-//! Kernels lay the ramp of curvature evenly on both sides of such a joint: as far inside the curve as outside the
-//! run before it. Beside a curve there is little room, since its chords have used the tolerance; beside the
-//! straight run there is all of it. So points of the run go inwards some way before the joint, those near the joint
-//! go outwards, and most of the ramp lies on the run.
+//! Kernels distribute the ramp of curvature evenly on both sides of such a transition: inside the curve, and
+//! outside of the straight run before. Beside a curve there is little room, because its chords have used the
+//! tolerance. Beside the straight run all of the tolerance is free. So points of the run move inwards some distance
+//! before the transition, points near the transition move outwards, and most of the ramp lies on the run.
 //!
-//! How far is a sum over the turns ahead, within 1.25 kernels, weighted so that a step of curvature k at a distance
-//! of t kernels moves the point by k·c²/24·L(t): inwards where L is positive. It counts as far as the contour is
-//! straight on the other side: in comparison with what is ahead, and beside its tolerance. The same holds the
-//! other way round, so a path has the same points in both directions. Where curvature is even nothing moves, and on a
-//! free-form surface, which is bent on both sides, next to nothing.
+//! The shift of a point is a sum over the turns ahead, within 1.25 kernels. A step of curvature k at a distance of t
+//! kernels moves the point by k·c²/24·L(t): inwards where L is positive. The shift counts as far as the contour on
+//! the other side is straight, compared with the part ahead and with its tolerance. The same holds in reverse, so a
+//! path has the same points in both directions. In an even curvature no point moves; on a free-form surface, which is
+//! bent on both sides, nearly none.
 //!
-//! It fades out where it would gain nothing: before a curve whose kernels are narrow, since the tolerance leaves no room
-//! beside the run either, and before one of so short chords that the window has no room for kernels as wide as those on
-//! the run. Before a gentle curve it is less.
+//! The shift fades out where it gains nothing: before a curve with narrow kernels, because then the tolerance leaves no
+//! room beside the run either; and before one with chords so short that the window has no room for kernels as wide as
+//! on the run. Before a gentle curve the shift is smaller.
 use super::parameters::{Parameters, Tolerance};
 use super::window::{VERTICES, Vertex, Window};
 use crate::math::float::{max, min};
 use crate::math::root::sqrt_f32;
 
-/// L at every quarter of a kernel from the joint on. It ends with 0, and without a slope. Found by trials with circles
-/// of 64 chords, for the least time with which their path stays within 10 µm.
+/// L at every quarter of a kernel from the transition on. L ends with 0 and slope 0. Found by trials with circles of
+/// 64 chords, for the least time with a path inside 10 µm.
 const LEAD: [f32; 6] = [-1.4578, -1.3704, 1.2, 2.6956, 1.2566, 0.0];
 const PER_KERNEL: f32 = 4.0;
 
-/// Of a kernel: how far what is ahead counts, with its turns and its curvature.
+/// Range of the part ahead that counts, with its turns and its curvature, in kernels.
 const REACH: f32 = 1.25;
-/// Of a kernel: how far behind a vertex the contour is compared with what is ahead.
+/// Range behind a vertex in which the contour is compared with the part ahead, in kernels.
 const BEHIND: f32 = 1.1511;
-/// A contour with this part of the curvature ahead, or more, is as even as that.
+/// A contour with at least this part of the curvature ahead counts as equally even.
 const EVEN: f32 = 0.6518;
-/// So many tolerances (k·c²/24, with the widest kernel) beside its tangent a contour is not straight.
+/// A contour this many tolerances beside its tangent (k·c²/24, with the widest kernel) is not straight.
 const BENT: f32 = 0.7729;
 
-/// No point leads by more tolerances than that: what is before the joint is to stay inside them.
+/// Largest lead of a point, in tolerances: the path before the transition has to stay inside them.
 const MOST: f32 = 2.3;
-/// Parts of the widest kernel from which on points lead, and lead as far as they are to.
+/// Parts of the widest kernel: from the first on points lead, from the second on by the full amount.
 const WIDE: f32 = 0.5;
 const FULL: f32 = 0.8;
 
-/// Of a kernel: over so much the curvature and the chords of a curve ahead are measured. Points that lead, up to
-/// [`REACH`] before it, have more than one of its chords there. It is known: a vertex is moved when kernels are known
-/// 1.25 kernels behind it, and those when a contour is known one more.
+/// Range over which curvature and chords of a curve ahead are measured, in kernels. Points that lead, up to [`REACH`]
+/// before the curve, have more than one chord of it there. This part is known: a vertex moves when kernels are known
+/// 1.25 kernels behind it, and kernels are known when the contour is known one kernel further.
 const SEEN: f32 = 2.0;
-/// So many tolerances (k·c²/24, with the widest kernel) of a curve from which on points lead less, and not at all: its
-/// kernels are much narrower than those on the run.
+/// Numbers of tolerances (k·c²/24, with the widest kernel) of a curve: from the first on points lead less, from the
+/// second on not at all, because its kernels are much narrower than those on the run.
 const NARROW: f32 = 1.15;
 const NARROWEST: f32 = 1.45;
-/// The window has room for so many of the widest kernel in chords of a curve: no point leads, and all do. Where points
-/// lead the path bends earlier, and more has to be known: with less room kernels become narrower.
+/// The window's room for chords of a curve, in widest kernels: with the first number no point leads, with the second
+/// all do. Where points lead, the path bends earlier, and more has to be known: with less room kernels would get
+/// narrower.
 const CRAMPED: f32 = 7.0;
 const ROOMY: f32 = 8.5;
-/// So many tolerances of a curve below which points lead less, as it is further from them than it has to be, and the
-/// part that they lead by at least.
+/// Number of tolerances of a curve below which points lead less, because they are further away than needed; and the
+/// least part of the lead.
 const GENTLE: f32 = 0.95;
 const LEAST: f32 = 0.8;
 
@@ -75,42 +77,42 @@ fn weight(away: f32) -> f32 {
     -PER_KERNEL * (rest * (value(k + 1) - value(k)) + first * slope(k) + last * slope(k + 1))
 }
 
-/// 0 at one value, 1 at another one, even between, and constant beyond.
+/// 0 at one value, 1 at another one, linear between, constant beyond.
 fn ramp(x: f32, none: f32, all: f32) -> f32 {
     min(max((x - none) / (all - none), 0.0), 1.0)
 }
 
-/// The weights of a mean curvature over so many mm, falling with the distance.
+/// The weight of a curvature in a mean over `over` mm, falling with the distance.
 fn mean(away: f32, over: f32) -> f32 {
     2.0 / over * max(0.0, 1.0 - away / over)
 }
 
-/// Where a vertex is beside another one.
+/// Position of a vertex relative to another one.
 struct Beside {
     /// Distance, mm.
     away: f32,
-    /// How much it counts: the vertex itself by half.
+    /// Weight: the vertex itself counts half.
     part: f32,
     /// Mean distance from its neighbours, mm.
     length: f32,
 }
 
-/// What is on one side of a vertex.
+/// The path on one side of a vertex.
 #[derive(Clone, Copy)]
 struct Side<const AXES: usize> {
     lead: [f32; AXES],
-    /// Mean curvatures, per mm: ahead of the other side, and behind it.
+    /// Mean curvatures, per mm: for the part ahead, and for the comparison.
     ahead: [f32; AXES],
     behind: [f32; AXES],
-    /// Sums of the squares of the turns over [`SEEN`], less with the distance: of these alone, by the squares of the
-    /// mean distances from the neighbours, and by the squares of the turns.
+    /// Sums of squares of the turns over [`SEEN`], falling with the distance: unweighted, weighted by the squares of
+    /// the mean distances from the neighbours, and by the squares of the turns.
     squares: f32,
     lengths: f32,
     fourths: f32,
 }
 
 impl<const AXES: usize> Window<AXES> {
-    /// The vertices on one side of a vertex, up to `over` mm, each with where it is.
+    /// The vertices on one side of a vertex, up to `over` mm, each with its relative position.
     #[inline]
     fn beside_of(&self, k: usize, ahead: bool, over: f32, mut add: impl FnMut(&Vertex<AXES>, &Beside)) {
         let mut at = Beside { away: 0.0, part: 0.5, length: 0.0 };
@@ -153,7 +155,7 @@ impl<const AXES: usize> Window<AXES> {
         rest * rest
     }
 
-    /// What the turns on one side of a vertex ask for.
+    /// The lead that the turns on one side of a vertex demand.
     fn side(&self, k: usize, ahead: bool, width: f32) -> Side<AXES> {
         let none = [0.0; AXES];
         let mut side =
@@ -177,9 +179,9 @@ impl<const AXES: usize> Window<AXES> {
         side
     }
 
-    /// The part that points lead by before a curve.
+    /// The part of the lead before a curve.
     fn share(&self, side: &Side<AXES>, path: f32) -> f32 {
-        // A circle of any chords turns at each point by its curvature times the mean length beside it.
+        // A circle of any chords turns at each point by its curvature times the mean length beside the point.
         let curvature = sqrt_f32(side.fourths / max(side.lengths, f32::MIN_POSITIVE));
         let chord = sqrt_f32(side.lengths / max(side.squares, f32::MIN_POSITIVE));
         let deviation = curvature * self.widest * self.widest * (1.0 / 24.0) / max(path, f32::MIN_POSITIVE);
@@ -189,7 +191,7 @@ impl<const AXES: usize> Window<AXES> {
         gentle * most * ramp(deviation, NARROWEST, NARROW) * ramp(kernels, CRAMPED, ROOMY)
     }
 
-    /// Distance by which the point of a vertex leads, mm. The point lies towards the inside of the curve that follows.
+    /// The lead of a vertex's point, mm, towards the inside of the following curve.
     #[inline(never)]
     pub fn lead(&self, k: usize, parameters: &Parameters) -> [f32; AXES] {
         let mut lead = [0.0; AXES];

@@ -1,21 +1,21 @@
-//! #HSC \[SURFACE\]: short blocks become one curve that is continuous in direction and curvature, inside a
+//! `#HSC \[SURFACE\]`: short blocks become one curve with continuous direction and curvature, inside a tolerance. The curve hardly depends on which points of the surface the blocks pass.
 //! tolerance, and much the same whatever points of the surface the blocks go through.
 //!
-//! The contour is a row of vertices. Each has a kernel of its own width that rounds the polygon over a stretch
-//! of path (`knot.rs`), as wide as the tolerance permits; the vertices are moved out by as much as the kernels
-//! would cut, so that the curve behind the chords comes back (`window.rs`), and more where a straight run goes over
-//! into a curve (`lead.rs`). What is handed on are quintics through
-//! position, direction and curvature at knots about half a kernel apart (`cell.rs`): far fewer than there are
-//! blocks. Whatever all of that finds in `f32`, an element goes on only after a proof in integers that it is inside
-//! the tolerance. Where the proof fails the kernels become narrower; at last the motion goes straight to the next
-//! vertex, where it stands still.
+//! The contour is a row of vertices. Each vertex has a smoothing polynomial, its kernel, which rounds the polygon
+//! over a part of the path (`knot.rs`) and is as wide as the tolerance permits. The vertices move out by the amount
+//! that the kernels cut, so the curve behind the chords is restored (`window.rs`); they move more where a straight
+//! run changes into a curve (`lead.rs`). The output are quintics through position, direction and curvature at knots
+//! about half a kernel apart (`cell.rs`): far fewer than blocks. The search uses `f32`, but an element leaves only
+//! after a proof in integers that it is inside the tolerance. If the proof fails, the kernels get narrower; in the
+//! end the motion leads straight to the next vertex and stops there.
 //!
-//! A row ends in the middle of a line before an edge, which is for contour mode (`edges.rs`, `smooth/edged.rs`). And
-//! exactly in a vertex: at an exact stop, a dwell, a function that is waited for, a turn beyond MAX_ANGLE, before
-//! and behind an arc that stays one, a block without main axes, and with AUTO_OFF_G00 a rapid one. Another feed,
-//! and a function that is not waited for, begins with an element, and ends nothing.
+//! A run ends in the middle of a line before an edge, which belongs to contour mode (`edges.rs`, `smooth/edged.rs`).
+//! It ends exactly in a vertex in these cases: an exact stop, a dwell, a function with acknowledgement, a turn
+//! beyond MAX_ANGLE, an arc that stays exact, a block without main axes, and with AUTO_OFF_G00 a rapid block.
+//! Another feed, and a function without acknowledgement, begin with an element and end no run.
 //!
-//! Text that comes late ends a row too, when the motion would stand still for it: the path depends on that alone.
+//! Late text also ends a run, if the motion would stop because of it. Only then the path depends on the
+//! arrival time of text.
 mod cell;
 mod chords;
 mod edges;
@@ -41,7 +41,7 @@ use crate::path::{Element, Measure, Passage, line_to};
 use crate::quantity::Position;
 use crate::smooth::{Data, Form, Parting, ProgrammedBlock, Smoothed, Smoother, middle};
 
-/// A line as a block of its own, in its place. Whether there is one.
+/// Puts a line into place as a separate block. Returns whether there is one.
 #[inline(never)]
 fn lay<const AXES: usize>(
     place: &mut Option<(ProgrammedBlock<AXES>, Parting)>,
@@ -58,26 +58,26 @@ fn lay<const AXES: usize>(
     made
 }
 
-/// An element on its way out.
+/// An element that waits to be emitted.
 #[derive(Clone, Copy, Debug)]
 struct Made<const AXES: usize> {
     element: Element<AXES>,
     data: Data,
     due: u32,
-    /// Of a curve, the sharp turn beside it.
+    /// For a curve: the sharp turn beside it.
     curve: Option<Near>,
-    /// Axes still to be made.
+    /// Axes that are not made yet.
     draft: Option<Draft<AXES>>,
 }
 
-/// Where the elements end that are made.
+/// End of the elements made so far.
 #[derive(Clone, Copy, Debug)]
 struct Front<const AXES: usize> {
     spot: Spot,
     knot: Knot<AXES>,
 }
 
-/// What has been tried for the next element.
+/// The tries for the next element.
 #[derive(Clone, Copy, Debug)]
 struct Tried {
     halved: u8,
@@ -88,47 +88,47 @@ impl Tried {
     const NOTHING: Self = Self { halved: 0, narrowed: 0 };
 }
 
-/// What was known when it was not enough for the next element: vertices that are looked at, the widest kernel,
-/// and whether the row has its end.
+/// State when the window did not suffice for the next element: checked vertices, the widest kernel, and
+/// whether the run has its end.
 type Waits = Option<(usize, f32, bool)>;
 
-/// The stage.
+/// The smoothing stage.
 #[derive(Debug)]
 pub struct Surface<const AXES: usize> {
     measure: Measure,
     parameters: Parameters,
     window: Window<AXES>,
-    /// The block at hand, as far as it has not gone into the window.
+    /// The current block, as far as it is not in the window.
     source: Option<Source<AXES>>,
-    /// The last chord, which waits for the next one, and the one before it.
+    /// The last chord, which waits for the next one, and the chord before.
     pending: Option<Chord<AXES>>,
     passed: Option<Chord<AXES>>,
-    /// Direction of the polygon at its end.
+    /// Direction of the polygon at the end of the last chord.
     heading: Option<[f32; AXES]>,
-    /// The row is to end behind the chords that are there; in a standstill.
+    /// Whether the run ends behind the current chords; the value demands a stop there.
     ending: Option<bool>,
     front: Option<Front<AXES>>,
     tried: Tried,
     waits: Waits,
     made: Option<Made<AXES>>,
     place: Place,
-    /// The last sharp turn, and how far the front is behind it.
+    /// The last sharp turn, and the distance of the front behind it.
     behind: Near,
-    /// What is to be said about corners that stay.
+    /// The warning about corners that stay.
     remark: Option<NcWarningKind>,
 }
 
-/// How often an element becomes half as long, and the kernels narrower.
+/// How often an element is halved, and how often the kernels get narrower.
 const HALVED: u8 = 2;
 const NARROWED: u8 = 14;
 const NARROWER: f32 = 0.7;
 
-/// A turn (twice the sine of half the angle) that the motion slows down for and passes at one speed: 41 degrees.
+/// A turn (twice the sine of half the angle) for which the motion slows down to one speed: 41 degrees.
 const SHARP: f32 = 0.7;
-/// It may be so much faster than curves of corners are.
+/// Factor by which its speed may exceed that of corner curves.
 const QUICK: f32 = 1.1;
 
-/// A cell may be so much faster than its path.
+/// Largest speed along a cell per path speed.
 const FASTEST: f32 = 1.5;
 
 const ONE_30: f32 = (1u32 << 30) as f32;
@@ -156,7 +156,7 @@ impl<const AXES: usize> Surface<AXES> {
         }
     }
 
-    /// The row is done.
+    /// Ends the run.
     fn end_row(&mut self) {
         self.window.vertices.clear();
         (self.window.wide, self.window.moved, self.window.checked) = (0, 0, 0);
@@ -165,17 +165,17 @@ impl<const AXES: usize> Surface<AXES> {
         (self.tried, self.waits, self.behind) = (Tried::NOTHING, None, Near::NONE);
     }
 
-    /// Takes a chord, or the end of the row, into the window. `false` if nothing is to be done.
+    /// Takes a chord, or the end of the run, into the window. Returns `false` if there is no work.
     fn feed(&mut self) -> bool {
         if self.window.ended {
             return false;
         }
         if self.pending.is_some() && self.window.is_full() {
-            // Full, and nothing can be made of it.
+            // The window is full, and no element is possible.
             self.window.hurry();
             return true;
         }
-        // By reference: a source is large.
+        // By reference, because a source is large.
         let Some(source) = self.source.as_ref().filter(|source| !source.exact && self.ending.is_none())
         else {
             if self.ending.is_none() && self.source.is_some() && self.pending.is_some() {
@@ -196,7 +196,7 @@ impl<const AXES: usize> Surface<AXES> {
             return false;
         };
         let Some(mut next) = source.chord(&self.window) else {
-            // Nothing of it moves in space: of an arc, the rest of a rounding.
+            // No main axis moves: the rest of an arc's rounding.
             if let Some(source) = &mut self.source {
                 source.go_on(&source.block.to.clone());
             }
@@ -242,7 +242,8 @@ impl<const AXES: usize> Surface<AXES> {
         self.finish_source()
     }
 
-    /// Whether a block turns from the one before by more than kernels take, though MAX_ANGLE permits it.
+    /// Whether a block turns from the block before by more than kernels permit, although MAX_ANGLE permits
+    /// it.
     fn is_sharp(&self, source: &Source<AXES>) -> bool {
         let Some(pending) = self.pending.as_ref().filter(|_| !source.exact && self.ending.is_none()) else {
             return false;
@@ -252,9 +253,9 @@ impl<const AXES: usize> Surface<AXES> {
         turn > SHARPEST && (is_arc || !self.parameters.is_beyond(turn))
     }
 
-    /// The `rest` of the last line, in the middle of which the row ends, if the next block makes an edge with
-    /// it, or is an arc that stays one: half of it, or all of it where the row has nothing else. Whether it is half,
-    /// and what the lines it stands for use of the tolerance. Only where a block may be taken.
+    /// The `rest` of the last line, in whose middle the run ends, if the next block makes an edge with it, or is an
+    /// arc that stays exact: half of the line, or all of it if the run has no other line. Returns whether it is
+    /// half, and the part of the tolerance that the lines under it use. Only if a block may be taken.
     pub(super) fn leave(
         &mut self,
         block: &ProgrammedBlock<AXES>,
@@ -283,7 +284,7 @@ impl<const AXES: usize> Surface<AXES> {
         Some((!alone, used))
     }
 
-    /// Takes the second half of a line, in the middle of which the row begins.
+    /// Takes the second half of a line, in whose middle the run begins.
     pub(super) fn take_half(&mut self, block: &ProgrammedBlock<AXES>, dynamics: &Dynamics<AXES>) {
         self.take(block, dynamics, Parting::None);
         if let Some(source) = &mut self.source {
@@ -291,12 +292,12 @@ impl<const AXES: usize> Surface<AXES> {
         }
     }
 
-    /// Whether an element is on its way out.
+    /// Whether an element waits to be emitted.
     pub(super) const fn hands_out(&self) -> bool {
         self.made.is_some()
     }
 
-    /// The block at hand may have gone on as a whole.
+    /// The current block may have left completely.
     fn finish_source(&mut self) -> bool {
         if let Some(source) = self.source.as_ref().filter(|source| source.is_over) {
             if source.block.data.stop && !self.parameters.stands() {
@@ -307,7 +308,7 @@ impl<const AXES: usize> Surface<AXES> {
         true
     }
 
-    /// The chord that waits goes into the window.
+    /// The waiting chord enters the window.
     fn push(&mut self, behind: Option<&Chord<AXES>>, marks: u8) {
         let Some(chord) = self.pending.take() else { return };
         if self.window.len() == 0 {
@@ -320,7 +321,7 @@ impl<const AXES: usize> Surface<AXES> {
         self.passed = Some(chord);
     }
 
-    /// Makes the next element, or a part of it. `false` if more has to be known.
+    /// Makes the next element, or a part of it. Returns `false` if more has to be known.
     fn advance(&mut self, dynamics: &Dynamics<AXES>) -> bool {
         let Some(front) = &self.front else {
             if self.window.checked < 2 {
@@ -339,7 +340,7 @@ impl<const AXES: usize> Surface<AXES> {
             self.end_row();
             return true;
         }
-        // Asked again where more is known, not with each vertex that comes in, gets its width or is moved.
+        // Tried again only when more is known, not with each vertex that enters, gets its width or moves.
         let known =
             Some((self.window.checked, self.window.reach, self.window.ended || self.window.is_full()));
         if self.waits == known {
@@ -349,7 +350,7 @@ impl<const AXES: usize> Surface<AXES> {
             self.waits = known;
             return false;
         };
-        // One after the other: each has much on the stack.
+        // One after the other, because each uses much stack.
         let is_done = aim.is_straight && self.go_straight(&aim);
         if !is_done && !self.bend(&aim, dynamics) {
             self.give_up();
@@ -357,7 +358,7 @@ impl<const AXES: usize> Surface<AXES> {
         true
     }
 
-    /// What goes with an element from the front to a place.
+    /// Data of an element from the front to a place.
     fn data(&self, from: &Spot, to: &Spot) -> (Data, u32) {
         let chord = |k: usize| self.window.get(k).map(|vertex| vertex.programmed);
         let none = Programmed { feed: None, n: 0, number: 0 };
@@ -371,7 +372,8 @@ impl<const AXES: usize> Surface<AXES> {
         (Data { feed, n, place: self.place, number, stop }, first.number)
     }
 
-    /// A line, where nothing turns. `false`: the polygon itself may leave the tolerance, and what is there is narrowed.
+    /// A line where the polygon does not turn. Returns `false` if the polygon leaves the tolerance; its
+    /// kernels then get narrower.
     #[inline(never)]
     fn go_straight(&mut self, aim: &Aim) -> bool {
         let Some(front) = &self.front else { return false };
@@ -391,14 +393,14 @@ impl<const AXES: usize> Surface<AXES> {
             self.made = None;
             return false;
         }
-        // But for rounding it has the direction of the polygon.
+        // Except for rounding it has the direction of the polygon.
         knot.end = made.element.exit;
         self.behind.way += aim.way;
         self.reach(spot, &knot);
         true
     }
 
-    /// A cell. `false`: there is none.
+    /// A cell. Returns `false` if there is none.
     #[inline(never)]
     fn bend(&mut self, aim: &Aim, dynamics: &Dynamics<AXES>) -> bool {
         let Some(front) = &self.front else { return false };
@@ -426,8 +428,8 @@ impl<const AXES: usize> Surface<AXES> {
         true
     }
 
-    /// An element from the front to a knot begins, of this length and at most so much faster than its path. Whether
-    /// it can be made.
+    /// Begins an element from the front to a knot, with this length and at most this speed relative to the path.
+    /// Returns whether it can be made.
     #[inline(never)]
     fn begin(&mut self, spot: &Spot, knot: &Knot<AXES>, [length, fastest]: [f32; 2]) -> bool {
         let Some(from) = self.front.as_ref().map(|front| front.spot) else { return false };
@@ -445,7 +447,7 @@ impl<const AXES: usize> Surface<AXES> {
         self.made.is_some()
     }
 
-    /// The sharp turn in an element of that length, or the nearer one of those beside it.
+    /// The sharp turn in an element of this length, or the nearer one of those beside it.
     #[inline(never)]
     fn near(&mut self, from: &Spot, length: f32, rapid: bool, dynamics: &Dynamics<AXES>) -> Near {
         self.behind.way += length;
@@ -465,8 +467,8 @@ impl<const AXES: usize> Surface<AXES> {
         self.behind
     }
 
-    /// The cell from the front to a place, if it is inside the tolerance: its `knot` there, its length, and how much
-    /// faster than its path it may be.
+    /// The cell from the front to a place, if it is inside the tolerance: its `knot` there, its length, and its
+    /// largest speed relative to the path.
     #[inline(never)]
     fn cell(&self, front: &Front<AXES>, spot: &Spot, knot: &mut Knot<AXES>) -> Option<[f32; 2]> {
         *knot = self.window.knot(spot, &self.measure)?;
@@ -482,7 +484,7 @@ impl<const AXES: usize> Surface<AXES> {
         inside.then_some([length, fastest])
     }
 
-    /// Whether all of an element is inside the tolerance: `keeps` looks at one chord beside it after the other.
+    /// Whether all of an element is inside the tolerance: `keeps` checks the chords beside it one by one.
     fn is_inside(&self, from: &Spot, to: &Spot, mut keeps: impl FnMut(&Beside<'_, AXES>) -> bool) -> bool {
         let mut left = self.window.way(from, to);
         let mut x = from.x;
@@ -506,7 +508,7 @@ impl<const AXES: usize> Surface<AXES> {
         true
     }
 
-    /// What is left of the tolerance beside the chord to a vertex.
+    /// The rest of the tolerance beside the chord to a vertex.
     fn tolerance(&self, k: usize) -> parameters::Tolerance {
         let vertex = self.window.get(k);
         let arc = vertex.is_some_and(|vertex| vertex.is(Vertex::<AXES>::ARC));
@@ -542,7 +544,7 @@ impl<const AXES: usize> Surface<AXES> {
         at
     }
 
-    /// The front is there now; what lies far behind is forgotten.
+    /// Moves the front; vertices far behind are dropped.
     #[inline(never)]
     fn reach(&mut self, mut spot: Spot, knot: &Knot<AXES>) {
         (self.tried, self.waits) = (Tried::NOTHING, None);
@@ -563,7 +565,7 @@ impl<const AXES: usize> Surface<AXES> {
         self.front = Some(Front { spot, knot: *knot });
     }
 
-    /// Kernels that reach the next element become narrower.
+    /// Kernels that reach the next element get narrower.
     #[cold]
     #[inline(never)]
     fn narrow(&mut self, from: &Spot, way: f32) {
@@ -584,7 +586,7 @@ impl<const AXES: usize> Surface<AXES> {
         self.window.narrow(first.unwrap_or(from.vertex), last, NARROWER, &self.parameters);
     }
 
-    /// Straight to the next vertex of the program, where the motion stands still.
+    /// Leads straight to the next vertex of the program, where the motion stops.
     #[cold]
     #[inline(never)]
     fn give_up(&mut self) {
@@ -615,7 +617,8 @@ impl<const AXES: usize> Surface<AXES> {
         }
     }
 
-    /// A cell that cannot be made becomes a line. That does not come: a cell in the range of a hull is made.
+    /// Replaces a cell that cannot be made by a line. This does not occur: a cell in the range of a hull can
+    /// be made.
     #[cold]
     #[inline(never)]
     fn replace(&mut self, from: &[Position; AXES]) {
@@ -630,7 +633,7 @@ impl<const AXES: usize> Surface<AXES> {
         }
     }
 
-    /// The block at hand goes on as it is.
+    /// Passes the current block unchanged.
     #[inline(never)]
     fn pass(&mut self) {
         if let Some(source) = &self.source {
@@ -641,7 +644,7 @@ impl<const AXES: usize> Surface<AXES> {
         (self.source, self.ending) = (None, None);
     }
 
-    /// An element is to be made.
+    /// Starts to make an element.
     #[inline(never)]
     fn make(&mut self, (data, due): (Data, u32)) {
         self.made = Some(Made { element: Element::BLANK, data, due, curve: None, draft: None });
@@ -676,7 +679,7 @@ impl<const AXES: usize> Smoother<AXES> for Surface<AXES> {
         if let Some(made) = &mut self.made {
             let Some(draft) = made.draft.as_mut().filter(|draft| !draft.is_done()) else { return false };
             if draft.go_on(&mut made.element).is_some() {
-                // What is made goes out in the same call.
+                // The element is emitted in the same call.
                 return !draft.is_done();
             }
             let from = *draft.from();

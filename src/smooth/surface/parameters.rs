@@ -1,4 +1,4 @@
-//! What #HSC \[SURFACE\] sets, each until it is set again.
+//! Parameters of `#HSC \[SURFACE\]`; each stays until the program sets it again.
 use crate::math::float::{max, min, to_f32};
 use crate::math::root::sqrt_f32;
 use crate::nc::Hsc;
@@ -23,7 +23,7 @@ pub struct Parameters {
     track_dev_g00: Option<f32>,
     /// Sine of half of MAX_ANGLE.
     max_angle: f32,
-    /// CHECK_JERK, and what P-CHAN-00110 says.
+    /// CHECK_JERK, and the value of P-CHAN-00110.
     check_jerk: u8,
     of_channel: u8,
     /// AUTO_OFF_G00.
@@ -38,23 +38,22 @@ pub struct Parameters {
     merge: bool,
     /// LENGTH_LONG_CIR.
     length_long_cir: f32,
-    /// MAX_PATH_LENGTH of the B-spline, mm: a longer line is passed as it is.
+    /// MAX_PATH_LENGTH of the B-spline, mm: a longer line stays unchanged.
     longest: f32,
-    /// AUTO_OFF_G60 of the B-spline is 0: an exact stop stands on the curve.
+    /// AUTO_OFF_G60 of the B-spline is 0: an exact stop is on the curve.
     stands: bool,
-    /// Points control the curve, as those of a B-spline do: it need not pass them.
+    /// Whether points control the curve, as in a B-spline, so that the curve need not pass them.
     controlled: bool,
 }
 
-/// Largest width of a kernel is this times the square root of the tolerance (mm): 6.5 mm at 0.02 mm, which is
-/// four or five segments of usual programs of free-form surfaces. Where they are shorter, the window has room for
-/// less.
+/// The largest width of a kernel is this factor times the square root of the tolerance (mm): 6.5 mm at 0.02 mm,
+/// which is four or five segments of usual free-form programs. With shorter segments the window has less room.
 const WIDTH: f32 = 46.0;
-/// Its largest value, mm.
+/// Largest width of a kernel, mm.
 const WIDEST: f32 = 16.0;
 
-/// What points of a B-spline are moved out by, as a part of what kernels cut: they control the curve, which need not
-/// pass them.
+/// Part of the cut of the kernels by which points of a B-spline move out. Points of a B-spline control the curve;
+/// the curve need not pass them.
 const CONTROLLED: f32 = 0.5;
 
 /// Tolerance of tracking axes that are not monitored, degrees.
@@ -64,24 +63,24 @@ const NOT_MONITORED: f32 = 1e6;
 /// Sagitta of a chord of an arc, as a part of the tolerance.
 const SAGITTA: f32 = 1.0 / 20.0;
 
-/// What lines that become one may be beside each other, as a part of the tolerance. What they do not use is for the
-/// curve. With a 16th, rows of short segments take up to 0.8 % longer than without MERGE; with a half, 14 %.
+/// Permitted deviation of merged lines, as a part of the tolerance; the curve has the rest. With a 16th, rows of
+/// short segments take up to 0.8 % longer than without MERGE; with a half, 14 %.
 const MERGED: f32 = 1.0 / 32.0;
 
-/// What merged lines use of that, in so many parts.
+/// Resolution of the part that merged lines use.
 const PARTS: f32 = 255.0;
 
 /// Least tolerance of a tracking axis, degrees: TRACK_DEV=0 permits no deviation beyond what single precision
 /// resolves.
 const LEAST_TRACK: f32 = 0.001;
 
-/// A turn of just the largest angle is none beyond it.
+/// Margin, so that a turn of exactly the largest angle is not beyond it.
 const ROUNDED: f32 = 1.0 + 1.0 / 65_536.0;
 
-/// An arc of so many tolerances or less is of their order.
+/// An arc with a radius of at most so many tolerances is as small as the tolerance.
 const SMALL_RADIUS: f32 = 4.0;
 
-/// A tolerance of main axes together, in space, and of each other axis.
+/// A tolerance of the main axes together, in space, and of each other axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tolerance {
     /// mm.
@@ -98,12 +97,12 @@ impl Used {
     /// No share: the chord is one line.
     pub const NOTHING: Self = Self(0, 0);
 
-    /// The shares at a vertex between two chords: the larger ones.
+    /// The parts at a vertex between two chords: the larger ones.
     pub fn larger(self, other: Self) -> Self {
         Self(self.0.max(other.0), self.1.max(other.1))
     }
 
-    /// Rounds up.
+    /// Parts of a deviation, rounded up.
     fn parts(stray: f32, most: f32) -> u8 {
         if stray <= 0.0 {
             return 0;
@@ -121,7 +120,7 @@ impl Parameters {
             path_dev_g00: None,
             track_dev: 2.0,
             track_dev_g00: None,
-            // 160 degrees
+            // 160 degrees.
             max_angle: 0.984_807_7,
             check_jerk,
             of_channel: check_jerk,
@@ -155,17 +154,17 @@ impl Parameters {
         }
     }
 
-    /// Whether a line of that length (mm) is passed as it is.
+    /// Whether a line of this length (mm) stays unchanged.
     pub fn is_longer(&self, length: f32) -> bool {
         length > self.longest
     }
 
-    /// The part of what kernels cut that vertices are moved out by, at most.
+    /// Largest part of the kernels' cut by which vertices move out.
     pub const fn gain(&self) -> f32 {
         if self.controlled { CONTROLLED } else { 1.0 }
     }
 
-    /// Whether an exact stop stands on the curve.
+    /// Whether an exact stop is on the curve.
     pub const fn stands(&self) -> bool {
         self.stands
     }
@@ -175,7 +174,7 @@ impl Parameters {
         *self = Self::new(self.of_channel);
     }
 
-    /// Takes over what is programmed.
+    /// Takes the programmed values.
     pub fn update(&mut self, hsc: &Hsc) {
         let value = |given: Option<Position>| given.map(|given| to_f32(given.to_bits()) * LSB_32);
         let set = |own: &mut f32, given: Option<Position>| *own = value(given).unwrap_or(*own);
@@ -202,7 +201,7 @@ impl Parameters {
         self.check_jerk
     }
 
-    /// Whether a block is passed as it is because it is a rapid one.
+    /// Whether a block stays unchanged because it is rapid motion.
     pub const fn leaves_rapid(&self) -> bool {
         self.auto_off_g00
     }
@@ -217,7 +216,7 @@ impl Parameters {
         Tolerance { path: MERGED * min(feed.path, rapid.path), track: MERGED * min(feed.track, rapid.track) }
     }
 
-    /// The parts of it that merged lines use.
+    /// The parts of the tolerance that merged lines use.
     pub fn used(&self, stray: &Tolerance) -> Used {
         let most = self.most_merged();
         Used(Used::parts(stray.path, most.path), Used::parts(stray.track, most.track))
@@ -262,12 +261,12 @@ impl Parameters {
         min(WIDTH * sqrt_f32(self.path_dev), WIDEST)
     }
 
-    /// CIR_MODE: whether transitions with arcs that stay exact are smoothed.
+    /// CIR_MODE: whether transitions with arcs that stay exact get curves.
     pub const fn rounds_arcs(&self) -> bool {
         self.cir_mode != 0
     }
 
-    /// Length of the chords (mm) that stand for an arc; `None` if it is passed exactly.
+    /// Length of the chords (mm) that replace an arc; `None` if the arc stays exact.
     pub fn chord_of<const AXES: usize>(&self, arc: &Element<AXES>) -> Option<f32> {
         let circle = arc.circle.as_ref()?;
         if self.cir_mode == 0 {
@@ -281,7 +280,7 @@ impl Parameters {
         if angle < self.cir_min_angle || small {
             return Some(chord / circle.share);
         }
-        // Long arcs: as long as segments of the least length stay inside.
+        // Long arcs: as long as chords of the least length stay inside.
         (self.cir_mode == 2 && chord >= self.length_long_cir).then_some(chord / circle.share)
     }
 }

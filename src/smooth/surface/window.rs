@@ -1,8 +1,8 @@
-//! The vertices that a point of the path depends on.
+//! The vertices on which a point of the path depends.
 //!
-//! A vertex is a point of the programmed contour, or one put in between on a chord. Beside it lies the point of
-//! the *control polygon*, which the kernels smooth. Three passes go over the vertices, each as far behind the
-//! last one as it has to know ahead: widths, then points of the control polygon, then knots of the path.
+//! A vertex is a point of the programmed contour, or an additional point on a chord. Beside it lies its point
+//! of the *control polygon*, which the kernels smooth. Three passes run over the vertices, each as far behind
+//! the last one as it has to look ahead: widths, then points of the control polygon, then knots of the path.
 use super::knot::Spot;
 use super::parameters::{Parameters, Tolerance, Used};
 use crate::math::float::{magnitude, max, min, to_f32};
@@ -23,7 +23,7 @@ pub struct Programmed {
     pub feed: Option<f32>,
     /// N number.
     pub n: u32,
-    /// Motion blocks before it.
+    /// Number of motion blocks before it.
     pub number: u32,
 }
 
@@ -34,22 +34,22 @@ pub struct Vertex<const AXES: usize> {
     pub at: [Position; AXES],
     /// Offset from the vertex to its point of the control polygon, mm.
     pub offset: [f32; AXES],
-    /// Step of the direction of the polygon before its points were moved.
+    /// Step of the polygon's direction before its points moved.
     pub turn: [f32; AXES],
     /// Step of the direction of the control polygon.
     pub moved_turn: [f32; AXES],
-    /// Length of the polygon from the vertex before, mm: before points were moved, and after.
+    /// Length of the polygon from the vertex before, mm: before points moved, and after.
     pub length: f32,
     pub moved_length: f32,
-    /// Distance from the start of the row, LSB 2^-20 mm, for differences.
+    /// Distance from the start of the run, LSB 2^-20 mm, for differences.
     pub distance: u32,
-    /// Half width of its kernel, mm.
+    /// Half width of the vertex's kernel, mm.
     pub width: f32,
-    /// Part of the deviation that its point is moved out: 1 where the contour is smooth, 0 at an edge.
+    /// Part of the deviation by which the point moves out: 1 where the contour is smooth, 0 at an edge.
     pub gain: f32,
     pub programmed: Programmed,
     pub marks: u8,
-    /// Shares of the tolerance that the lines of the chord before it use.
+    /// Parts of the tolerance that the lines of the chord before use.
     pub used: Used,
 }
 
@@ -60,14 +60,14 @@ impl<const AXES: usize> Vertex<AXES> {
     pub const FORCED: u8 = 2;
     /// The chord up to it is a part of an arc.
     pub const ARC: u8 = 4;
-    /// The control polygon turns here, above rounding; sharply.
+    /// The control polygon turns here, by more than rounding; sharply.
     pub const TURNS: u8 = 8;
     pub const STRONG: u8 = 16;
     /// A long line meets a curve here: its curvature steps.
     pub const STEPS: u8 = 32;
-    /// The point of the control polygon is not moved: the run begins or ends along the line.
+    /// The point of the control polygon does not move: the run begins or ends along the line.
     pub const FIXED: u8 = 64;
-    /// The motion stands there, on the curve.
+    /// The motion stops there, on the curve.
     pub const STANDS: u8 = 128;
 
     pub const fn is(&self, mark: u8) -> bool {
@@ -79,7 +79,7 @@ impl<const AXES: usize> Vertex<AXES> {
         self.offset.iter().all(|x| *x == 0.0)
     }
 
-    /// The step of the direction of the control polygon, which is so long, becomes another one.
+    /// Changes the step of the control polygon's direction, whose length is given.
     fn turn_by(&mut self, turn: [f32; AXES], length: f32) {
         self.moved_turn = turn;
         self.marks &= !(Self::TURNS | Self::STRONG);
@@ -92,7 +92,7 @@ impl<const AXES: usize> Vertex<AXES> {
     }
 }
 
-/// A turn that makes an element end at its vertex and where its kernel ends.
+/// A turn that ends an element at its vertex and where its kernel ends.
 const STRONG: f32 = 0.2;
 
 /// Rounding of a direction.
@@ -119,76 +119,78 @@ impl Space {
         sqrt_f32(sum)
     }
 
-    /// Whether an axis is a main one.
+    /// Whether an axis is a main axis.
     #[cfg_attr(feature = "fast", inline(always))]
     pub const fn is_main(self, axis: usize) -> bool {
         self.0 >> (axis & 31) & 1 == 1
     }
 }
 
-/// The current vertices of the run, from the place where the path is made to the newest one.
+/// The current vertices of the run, from the place where the path is made to the newest vertex.
 #[derive(Debug)]
 pub struct Window<const AXES: usize> {
     pub vertices: Deque<Vertex<AXES>, VERTICES>,
     pub space: Space,
-    /// Vertices with their width; with their point of the control polygon.
+    /// Number of vertices with a width, and with a point of the control polygon.
     pub wide: usize,
     pub moved: usize,
-    /// Vertices up to which the path was looked at, and how often it was changed for the next one.
+    /// Vertices up to which the path is checked, and number of changes for the next one.
     pub checked: usize,
     pub again: u8,
-    /// Vertices up to which it was looked at before it was changed.
+    /// Vertices up to which the path was checked before the change.
     pub furthest: usize,
-    /// The widest kernel of the row, mm, and now: less where the window is full.
+    /// Widest kernel of the run, mm; and the current one, which is narrower if the window is full.
     pub widest: f32,
     pub reach: f32,
     /// The largest gain of a vertex.
     pub most: f32,
-    /// The last vertex is the end of the row.
+    /// Whether the last vertex is the end of the run.
     pub ended: bool,
-    /// The start of the row is near: its distance.
+    /// Distance of the run's start, if it is near.
     pub begun: Option<u32>,
 }
 
-/// Turns (twice the sine of half the angle) below which a vertex is smooth, and above which it is an edge.
+/// A vertex whose turn (twice the sine of half the angle) is below the first value is smooth; above the
+/// second value it is an edge.
 const SMOOTH: f32 = 0.14;
 const EDGE: f32 = 0.35;
 
-/// How much more a kernel may deviate than the tolerance where its vertex is moved out.
+/// Additional deviation of a kernel, relative to the tolerance, if its vertex moves out.
 const MORE: f32 = 0.6;
 
-/// Steps of the search for a width, and the part of it that ends the search.
+/// Steps of the search for a width, and the relative change that ends the search.
 const STEPS: usize = 9;
 const ALIKE: f32 = 1.0 / 64.0;
 
-/// The part of a tolerance that the path is inside where it is looked at, in space and of other axes, how much
-/// narrower kernels become where it is not, and how often. Other axes have kinks where the path has none: their
-/// points are moved out there too.
+/// Part of a tolerance inside which the checked path must be, in space and of other axes; reduction of the
+/// kernels if it is not; and how often they are reduced. Other axes have kinks where the path has none: their
+/// points move out there too.
 const WELL: f32 = 0.98;
 const WELL_BESIDE: f32 = 0.93;
 const LITTLE: f32 = 0.85;
 const AGAIN: u8 = 8;
 
-/// Where a path is looked at, in halves of a chord, and where else if the half is that part of a kernel.
+/// Places at which the path is checked, in halves of a chord; and additional places if the half exceeds this
+/// part of a kernel.
 const PLACES: [f32; 2] = [0.0, 1.0];
 const BETWEEN_PLACES: [f32; 2] = [0.5, 1.5];
 const SPARSE: f32 = 0.2;
 
-/// What is left of a bulge where kernels become narrower.
+/// Factor for a bulge where kernels get narrower.
 const NARROWED_BULGE: f32 = 0.97;
 
 /// Change of width over distance.
 pub const SLOPE: f32 = 0.5;
 
-/// A vertex is moved when so many times the widest kernel is known behind it. A kernel behind that may make
-/// others narrower over twice the widest: what that is is known to within a slope of 0.8, where 1 would do.
+/// A vertex moves when so many times the widest kernel is known behind it. A later kernel may make others
+/// narrower over twice the widest; the effect is known to within a slope of 0.8, where 1 would suffice.
 const KNOWN: f32 = 1.25;
 
-/// What is left of the widest kernel where the window is full. Less at once, and kernels would be narrower
-/// than the window demands for long.
+/// Factor for the widest kernel while the window is full. A smaller factor would keep kernels narrower than
+/// the window demands for long.
 const HURRIED: f32 = 0.92;
 
-/// The least speed of the point over the distance along the polygon.
+/// Smallest speed of the point over the distance along the polygon.
 pub const SLOWEST: f32 = 0.6;
 
 /// From 2^-20 mm.
@@ -220,7 +222,7 @@ impl<const AXES: usize> Window<AXES> {
         self.space.length(d)
     }
 
-    /// Whether an axis is a main one.
+    /// Whether an axis is a main axis.
     #[cfg_attr(feature = "fast", inline(always))]
     pub const fn is_main(&self, axis: usize) -> bool {
         self.space.is_main(axis)
@@ -233,7 +235,7 @@ impl<const AXES: usize> Window<AXES> {
         tracks && self.length(d) <= tolerance.path * part
     }
 
-    /// Empties it for a row.
+    /// Empties the window for a run.
     pub fn begin(&mut self, from: &[Position; AXES], parameters: &Parameters) {
         let widest = parameters.widest();
         self.most = parameters.gain();
@@ -299,7 +301,7 @@ impl<const AXES: usize> Window<AXES> {
         Some((d, self.length(&d)))
     }
 
-    /// Appends a vertex; `turn`: the step of the direction at the one before. There is room.
+    /// Appends a vertex; `turn`: step of the direction at the vertex before. There is room.
     pub fn push(
         &mut self,
         (at, offset): (&[Position; AXES], &[f32; AXES]),
@@ -366,7 +368,7 @@ impl<const AXES: usize> Window<AXES> {
         parameters.left(parameters.tolerance(rapid(k) && rapid(k + 1)), false, used)
     }
 
-    /// The next vertex gets its width; `false` if that has to wait.
+    /// Gives the next vertex its width. Returns `false` if it has to wait.
     pub fn widen(&mut self, parameters: &Parameters) -> bool {
         let (k, last) = (self.wide, self.len().saturating_sub(1));
         if k > last || !(self.ended || self.between(k, last) >= self.reach) || !self.ended && k == last {
@@ -394,7 +396,7 @@ impl<const AXES: usize> Window<AXES> {
         true
     }
 
-    /// Vertices before it, as far as they are not moved yet, are not much wider.
+    /// Vertices before it that have not moved yet get widths that are not much larger.
     fn slope_down(&mut self, from: usize) {
         let mut k = from;
         while k > self.moved {
@@ -409,8 +411,8 @@ impl<const AXES: usize> Window<AXES> {
         }
     }
 
-    /// The largest width up to `cap` with which the deviation at a vertex is inside the tolerance; `near`: that
-    /// of the vertex before, which is mostly much the same.
+    /// The largest width up to `cap` with which the deviation at a vertex is inside the tolerance. `near`:
+    /// width of the vertex before, which is usually similar.
     fn search(&self, (k, near): (usize, f32), cap: f32, tolerance: &Tolerance, more: f32) -> f32 {
         let (mut low, mut high) = (0.0, max(cap, 0.0));
         let above = near * (1.0 + ALIKE);
@@ -439,7 +441,7 @@ impl<const AXES: usize> Window<AXES> {
         low
     }
 
-    /// Whether a width common to all vertices nearby would do.
+    /// Whether a common width of all vertices nearby would suffice.
     fn fits(&self, k: usize, width: f32, tolerance: &Tolerance, more: f32) -> bool {
         let Some((chord, length)) = self.chord(k) else { return true };
         let per = 1.0 / max(length, f32::MIN_POSITIVE);
@@ -455,7 +457,7 @@ impl<const AXES: usize> Window<AXES> {
                 *direction += turn * t;
             }
         };
-        // The direction before the vertex: what is there counts ahead.
+        // The direction before the vertex: vertices there count as ahead.
         let mut away = 0.0;
         let mut ahead = self.from(k).peekable();
         while let Some(vertex) = ahead.next()
@@ -475,7 +477,7 @@ impl<const AXES: usize> Window<AXES> {
         self.is_inside(&off, tolerance, more) && self.length(&direction) >= SLOWEST
     }
 
-    /// The next vertex gets its point of the control polygon; `false` if that has to wait.
+    /// Gives the next vertex its point of the control polygon. Returns `false` if it has to wait.
     pub fn move_out(&mut self, parameters: &Parameters) -> bool {
         let k = self.moved;
         let known = self.wide.checked_sub(1);
@@ -498,7 +500,7 @@ impl<const AXES: usize> Window<AXES> {
         true
     }
 
-    /// What the point of a vertex is moved back by where its gain is 1: what kernels cut, less what it leads.
+    /// The shift of a vertex's point with gain 1: the cut of the kernels, less its lead.
     fn back(&self, k: usize, parameters: &Parameters) -> [f32; AXES] {
         let mut back = self.deviation(k);
         for (back, lead) in back.iter_mut().zip(self.lead(k, parameters)) {
@@ -507,7 +509,7 @@ impl<const AXES: usize> Window<AXES> {
         back
     }
 
-    /// The deviation of the smoothed polygon at a vertex, before points are moved.
+    /// The deviation of the smoothed polygon at a vertex, before points move.
     fn deviation(&self, k: usize) -> [f32; AXES] {
         let mut off = [0.0; AXES];
         let mut add = |vertex: &Vertex<AXES>, away: f32| {
@@ -562,7 +564,7 @@ impl<const AXES: usize> Window<AXES> {
         }
     }
 
-    /// The window is full and nothing can be made of it: kernels become narrower.
+    /// The window is full and no element is possible: kernels get narrower.
     pub fn hurry(&mut self) {
         self.reach *= HURRIED;
         for k in self.moved..self.wide {
@@ -572,8 +574,8 @@ impl<const AXES: usize> Window<AXES> {
         }
     }
 
-    /// Compares the path with the tolerance at the next vertex and in the middle of the chord after it. Where the path
-    /// is not well inside, kernels nearby become narrower. `false` if more must be known first.
+    /// Compares the path with the tolerance at the next vertex and in the middle of the chord behind it. If the path
+    /// is not well inside, kernels nearby get narrower. Returns `false` if more must be known first.
     pub fn check(&mut self, parameters: &Parameters) -> bool {
         let k = self.checked;
         let last = self.moved.saturating_sub(2);
@@ -610,7 +612,7 @@ impl<const AXES: usize> Window<AXES> {
         true
     }
 
-    /// The smoothed path less the chord of the program, at a place.
+    /// The smoothed path minus the programmed chord, at a place.
     fn beside(&self, spot: &Spot) -> [f32; AXES] {
         let Some(from) = self.get(spot.vertex) else { return [0.0; AXES] };
         let mut off = from.offset;
@@ -648,11 +650,11 @@ impl<const AXES: usize> Window<AXES> {
         off
     }
 
-    /// Kernels of these vertices become narrower, and their points move accordingly.
+    /// Makes the kernels of these vertices narrower, and moves their points accordingly.
     pub fn narrow(&mut self, from: usize, to: usize, part: f32, parameters: &Parameters) {
         let to = to.min(self.moved.saturating_sub(1));
         for sign in [1.0, -1.0] {
-            // First all points go back.
+            // First all points move back.
             for k in from..=to {
                 let raw = self.back(k, parameters);
                 if let Some(vertex) = self.vertices.get_mut(k) {
@@ -677,7 +679,7 @@ impl<const AXES: usize> Window<AXES> {
         }
     }
 
-    /// A vertex becomes the start of a row, and those before it are forgotten.
+    /// A vertex becomes the start of a run, and earlier vertices are dropped.
     pub fn restart(&mut self, k: usize) {
         for _ in 0..k {
             self.pop();
@@ -705,7 +707,7 @@ impl<const AXES: usize> Window<AXES> {
         }
     }
 
-    /// Forgets the first vertex.
+    /// Drops the first vertex.
     pub fn pop(&mut self) {
         if self.vertices.pop_front().is_some() {
             (self.wide, self.moved) = (self.wide.saturating_sub(1), self.moved.saturating_sub(1));
@@ -730,7 +732,7 @@ pub fn step<const AXES: usize>(
     d
 }
 
-/// From the vertex before, mm.
+/// Length from the vertex before, mm.
 fn length_of<const AXES: usize>(vertex: Option<&Vertex<AXES>>) -> f32 {
     vertex.map_or(0.0, |vertex| vertex.length)
 }
