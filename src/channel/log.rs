@@ -28,8 +28,8 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
     /// bounded: one pass over the pieces and curves in the queue. [`Question::Standstill`] costs as much as a call of
     /// [`Self::poll`] for a feed hold.
     ///
-    /// The answer assumes a motion without a later command, acknowledgement or late text. Filters of the axes act
-    /// after the answered positions.
+    /// The answer assumes a motion without a later command, acknowledgement or late text. The positions of the answer
+    /// are those before the filters of the axes.
     ///
     /// # Errors
     /// [`Unknown`] gives the reason for no answer, and when to ask again.

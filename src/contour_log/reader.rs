@@ -45,9 +45,10 @@ impl<'a> ContourReader<'a> {
         Self { window, log }
     }
 
-    /// Distance up to which the path is known, from program start or from the last `#DISTANCE PROG START CLEAR`
-    /// that is read: max_dist_prog_start. Override, hold, dwell and waiting functions do not change it. It
-    /// decreases only at program start, at such a CLEAR, and by an abort, which drops lines already read.
+    /// The distance at which the known path ends, ISG's max_dist_prog_start. The distance counts from program start,
+    /// or from the last `#DISTANCE PROG START CLEAR` that was read. Override, hold, dwell and waiting functions do
+    /// not change it. It decreases only at program start, at such a CLEAR, and by an abort, which drops lines already
+    /// read.
     pub fn reach(&self) -> ProgramDistance {
         ProgramDistance::from_bits(self.window.row().reach)
     }

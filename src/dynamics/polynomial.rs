@@ -167,9 +167,9 @@ impl<const AXES: usize> Dynamics<AXES> {
     ///
     /// |x''|·v² + |x'|·a ≤ a_max,  |x'''|·v³ + 3·|x''|·v·a + |x'|·j ≤ B.
     ///
-    /// As in an arc, of five speeds the one is taken with which the element alone is fastest; where it is to
-    /// be passed at one speed, the highest, and what is left to its acceleration is for an operator's
-    /// command, and with CONST_VEL for the way from a standstill and to one ([`Loose`]).
+    /// Of five speeds the one is taken with which the element alone takes the least time, as in an arc. An element
+    /// that is passed at one speed takes the highest. The rest of its acceleration then serves commands of the
+    /// operator, and with CONST_VEL the motion from and to a standstill ([`Loose`]).
     pub fn polynomial(
         &self,
         length: Distance,

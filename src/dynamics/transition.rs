@@ -149,9 +149,9 @@ impl<const AXES: usize> Dynamics<AXES> {
         v * MARGIN
     }
 
-    /// Shortest time of a straight line, in ticks, at which a knee at its end does not show although the end is `off`
-    /// (mm) from its exact place. The knee is at most `off` over the line's length. If that takes too long, the knee
-    /// shows.
+    /// Returns the least duration of a straight line, in ticks, at which its rounded end causes no step of speed above
+    /// the limits. The end is `off` (mm) from its exact place, so the direction changes by `off` over the line's length.
+    /// The result is at most [`LONGEST_SMOOTHING`]; a line of that duration may still have such a step.
     pub fn smoothing(&self, off: f32, rapid: bool) -> f32 {
         let least = self.axes.iter().fold(f32::MAX, |least, axis| min(least, axis.set(rapid).joint.budget));
         min(off / (SMOOTH * least), LONGEST_SMOOTHING)

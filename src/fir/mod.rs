@@ -238,7 +238,7 @@ impl<const AXES: usize, const TAPS: usize> Filters<AXES, TAPS> {
         Settings::new(machine).check::<TAPS>(&nc::Filter::default())
     }
 
-    /// The ends of planner and interrupt, with the filters that machine data switch on. The axes stand at
+    /// Returns the handles of planner and interrupt, with the filters that machine data enable. The axes stand at
     /// `start`.
     ///
     /// # Errors

@@ -708,7 +708,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
     /// programmed together with a motion. Only after [`super::Work::Hungry`].
     ///
     /// # Errors
-    /// The function back, if there is no room: [`Self::make_room`], and again when there is.
+    /// Returns the function if there is no room. Then [`Self::make_room`] is called, and this again.
     pub fn output(
         &mut self,
         n: u32,

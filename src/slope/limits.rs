@@ -304,8 +304,8 @@ impl Limits {
     }
 
     /// Limits of a stop with these decelerations and jerks, at its start and at its end. With STEP the second
-    /// deceleration acts from the speed `lower` on. An acceleration falls with the mean jerk `ends`, if that is more.
-    /// The ramps are linear.
+    /// deceleration acts below the speed `lower`, the first above. An acceleration that is left falls to zero with
+    /// the mean jerk `ends` or that of these limits, whichever is higher. The ramps are linear.
     pub fn braked(&self, [above, below]: [f32; 2], lower: f32, jerks: [f32; 2], ends: f32) -> Self {
         let mut limits = *self;
         match &mut limits.law {

@@ -265,9 +265,9 @@ impl JerkLimited {
     }
 }
 
-/// The root u > 0 of c3·u³ + c2·u² + c1·u = length. The left side grows and is convex, so Newton's method
-/// converges from above. It starts at the smallest root of the single terms, at most 1.9 times the result.
-/// The error falls to 23 %, 2.3 %, 2.6e-4, 1.5e-7.
+/// The root u > 0 of c3·u³ + c2·u² + c1·u = length. The left side grows and is convex, so Newton's method converges
+/// from above. Newton's method starts at the least u at which one term alone, c3·u³, c2·u² or c1·u, is the length.
+/// This start is at most 1.9 times the result. The error falls to 23 %, 2.3 %, 2.6e-4, 1.5e-7.
 pub fn root_of_cubic(c1: f32, c2: f32, c3: f32, length: f32) -> f32 {
     let mut u = cbrt_guess(length / c3);
     if length < c1 * u {

@@ -164,9 +164,9 @@ impl<const AXES: usize> HeldBlock<AXES> {
         to_f32(length) * DISTANCE_LSB * space_per_path(measure, &direction(&element.entry))
     }
 
-    /// Returns the blocks left out, including those in `before`, if the next block is left out too. Two conditions hold
-    /// for it: it is short, and it ends near the end of this block. With a tolerance, the straight line over these
-    /// blocks may use only a part of it; the corner has the rest.
+    /// Returns the blocks left out, including those in `before`, if the next block is left out too. The next block is
+    /// left out if it is short and ends near the end of this block. The straight line over these blocks may use only
+    /// a part of the tolerance; the corner curve has the rest.
     pub fn leave_out(
         &self,
         before: Option<&Skipped<AXES>>,

@@ -133,9 +133,9 @@ pub fn part<const AXES: usize>(
 
 /// Bézier's points of the direct spline over the leg at hand, from its start.
 ///
-/// Knots are at distances k = 1 where there is a piece, and 0 beside. The piece over a leg lies between two
-/// others. The inner Bézier points divide the leg as k₋₁ : k : k₊₁. An end of the piece divides the distance
-/// between the inner points beside it as k₋₁ : k.
+/// The knot interval k is 1 for a leg with a piece of the curve, and 0 for the first and the last leg. The piece over
+/// a leg lies between two others. The inner Bézier points divide the leg as k₋₁ : k : k₊₁. An end of the piece
+/// divides the distance between the inner points beside it as k₋₁ : k.
 pub fn direct<const AXES: usize>(window: &Window<AXES>) -> Option<[[f32; AXES]; 4]> {
     let (leg, before, behind) = (window.leg(0)?, window.leg(-1)?, window.leg(1)?);
     // All legs have a piece, except the first and the last one.
