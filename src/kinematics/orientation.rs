@@ -5,17 +5,17 @@ use crate::math::angle::atan2_turns;
 use crate::quantity::Position;
 use core::fmt;
 
-/// Why a direction has no angles.
+/// The reason why a direction has no angles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Reach {
-    /// The machine has not two rotary axes but so many.
+    /// The machine has this number of rotary axes, not two.
     Rotaries(u8),
-    /// No angle of the axis with this index tilts the tool so far.
+    /// No angle of the axis with this index tilts the tool far enough.
     Beyond(u8),
-    /// The tool stands along the axis with this index, so that every angle of it will do.
+    /// The tool is parallel to the axis with this index, so every angle of this axis fits.
     Singular(u8),
-    /// The direction has no length, or the angles are beyond ±200 000 degrees.
+    /// The direction has length 0, or the angles are beyond ±200 000 degrees.
     Range,
 }
 
@@ -40,11 +40,13 @@ impl core::error::Error for Reach {}
 const SINGULAR: f64 = 1.7e-7;
 
 impl Chain {
-    /// Angles (degree, by index of the rotary axes) that turn the tool from tip to holder towards `direction`.
-    /// Of the two solutions the one nearest to `last` in the sum of both turns, without a limit of the axes.
+    /// Angles (degrees, by index of the rotary axes) that turn the tool, seen from tip to holder, towards
+    /// `direction`. Of the two solutions, the result is the one nearest to `last` by the sum of both turns.
+    /// Limits of the axes do not count.
     ///
-    /// With outer axis u, inner axis w, tool d at 0 and direction t: u·R_w(θ)·d = u·t has the form
-    /// `A cos θ + B sin θ = C`. The outer angle then turns the projection of the tilted tool to that of t.
+    /// Let u be the outer axis, w the inner axis, d the tool at 0, and t the direction. The equation
+    /// u·R_w(θ)·d = u·t has the form `A cos θ + B sin θ = C`. The outer angle then turns the projection of
+    /// the tilted tool to that of t.
     ///
     /// # Errors
     /// The direction cannot be reached, or is singular: [`Reach`].

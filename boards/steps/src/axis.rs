@@ -13,25 +13,25 @@ struct Words {
     negative: u32,
 }
 
-/// An axis and where it is.
+/// An axis and its position.
 #[derive(Clone, Copy, Debug)]
 pub struct Axis {
     counter: Counter,
     timing: Timing,
     take_up: TakeUp,
-    /// A set point that moves further in a tick is not followed.
+    /// The axis does not follow a set point that moves further in a tick.
     reach: i64,
-    /// The set point before.
+    /// The set point of the tick before.
     last: i64,
-    /// Steps put out, as a position.
+    /// Sum of the steps, as a position.
     count: i64,
-    /// Steps that did not fit into their tick, with their sign.
+    /// Steps that did not fit into their tick, signed.
     owed: i32,
     /// The level of the direction pins, once it is known.
     is_positive: Option<bool>,
-    /// Before this slot of the next tick no step may begin.
+    /// No step may begin before this slot of the next tick.
     free: u32,
-    /// Before this slot the direction may not change.
+    /// The direction may not change before this slot.
     turn: u32,
     /// The slot of the next tick in which a pulse ends.
     end: Option<u32>,
@@ -42,17 +42,17 @@ pub struct Axis {
     off: u32,
 }
 
-/// What an axis has to do in a tick.
+/// The work of an axis in a tick.
 #[derive(Clone, Copy, Debug)]
 pub struct Plan {
-    /// Steps, with their sign.
+    /// Number of steps, signed.
     steps: i32,
-    /// The slots they should have; none where they are late.
+    /// The planned slots of the steps; `None` if they are late.
     spread: Option<Spread>,
 }
 
 impl Axis {
-    /// A place for one.
+    /// A blank plan.
     pub fn blank() -> Self {
         let counter = Counter::new(1, core::num::NonZeroU32::MIN, 0);
         let take_up = TakeUp::new(&Backlash::NONE, &counter.0, [0; 3]);
@@ -60,7 +60,7 @@ impl Axis {
         Self::new(counter, timing, take_up, 1, 0, &[None; MOTORS])
     }
 
-    /// At rest on the set point `bits`; steps per tick: `most`.
+    /// An axis at rest on the set point `bits`; steps per tick: `most`.
     pub fn new(
         counter: (Counter, i64),
         timing: Timing,
@@ -70,7 +70,7 @@ impl Axis {
         motors: &[Option<Motor>; MOTORS],
     ) -> Self {
         let (mut counter, mut count) = counter;
-        // What is taken up at the start is part of the position of the motor.
+        // The position of the motor contains the backlash that is taken up at the start.
         let added = counter.advance(take_up.added());
         count += i64::from(added.count);
         let words = motors.map(|motor| {
@@ -100,7 +100,7 @@ impl Axis {
         }
     }
 
-    /// Stands at the set point `bits` from now on. No step is owed.
+    /// Sets the position to the set point `bits`, without pending steps.
     pub fn stand_at(&mut self, bits: i64) {
         self.count =
             self.counter.stand_at(bits) + i64::from(self.counter.advance(self.take_up.added()).count);
@@ -113,7 +113,7 @@ impl Axis {
         self.on = if is_on { self.on | words.step } else { self.on & !words.step };
     }
 
-    /// Steps put out, as a position in counts.
+    /// Sum of the steps, as a position in counts.
     pub fn count(&self) -> i64 {
         self.count
     }
@@ -123,12 +123,12 @@ impl Axis {
         words.iter().fold(0, |steps, word| steps + u32::from(word & self.on != 0))
     }
 
-    /// The word that all pins have at rest: no pulse, positive direction.
+    /// The word for all pins at rest: no pulse, positive direction.
     pub fn rest(&self) -> u32 {
         self.motors.iter().fold(self.off, |word, motor| word | motor.positive)
     }
 
-    /// What leads to the set point `bits`; none where that is too far away.
+    /// The plan for the set point `bits`; `None` if the set point is too far away.
     pub fn plan(&mut self, bits: i64, slots: u32) -> Option<Plan> {
         let distance = bits.wrapping_sub(self.last);
         self.last = bits;
@@ -146,7 +146,7 @@ impl Axis {
         (steps.unsigned_abs() <= slots).then_some(Plan { steps, spread })
     }
 
-    /// The words of the tick; whether all steps fit.
+    /// Writes the words of the tick. Returns whether all steps fit.
     pub fn write(&mut self, plan: Plan, words: &mut [u32]) -> bool {
         self.end_pulse(words);
         let slots = words.len() as u32;
@@ -162,7 +162,7 @@ impl Axis {
         self.owed == 0
     }
 
-    /// A tick without steps: a pulse ends.
+    /// Handles a tick without steps, in which a pulse may end.
     pub fn pause(&mut self, words: &mut [u32]) {
         let slots = words.len() as u32;
         self.end_pulse(words);
@@ -176,7 +176,7 @@ impl Axis {
         }
     }
 
-    /// Sets the direction, as early as the hold time lets it.
+    /// Sets the direction as early as the hold time permits.
     fn face(&mut self, is_positive: bool, words: &mut [u32]) {
         if self.is_positive == Some(is_positive) {
             return;
@@ -189,7 +189,8 @@ impl Axis {
         self.free = self.free.max(self.turn + self.timing.setup);
     }
 
-    /// Puts steps out, each in the slot wanted or as soon behind it as it may be. What does not fit is owed.
+    /// Writes steps, each in its wanted slot or as early as possible after it. Steps that do not fit stay
+    /// pending.
     #[inline(always)]
     fn step(&mut self, steps: i32, words: &mut [u32], mut wanted: impl FnMut() -> u32) {
         let (on, off) = (self.on, self.off);

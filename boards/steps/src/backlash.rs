@@ -1,20 +1,20 @@
 //! Backlash: the motor takes up the play of the drive train when the axis reverses.
 //!
-//! The set point reverses when it has come back by a whole count from where it went furthest. Then the play is
-//! added to what the motor does, or taken away again, as a motion of its own from rest to rest: it accelerates and
-//! brakes at a constant rate and keeps a speed limit.
+//! The set point reverses when it has come back by a whole count from its furthest position. Then the play is
+//! added to the motion of the motor, or removed again, as a separate motion from rest to rest: this motion
+//! accelerates and brakes at a constant rate and keeps a speed limit.
 use crate::counter::Counter;
 
-/// Play of an axis, and how fast it is taken up.
+/// Play of an axis, and the speed at which it is taken up.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Backlash {
     /// Width of the play, 0.1 µm (rotary: 0.0001°), 0…1,000,000; 0: none.
     pub width: u32,
-    /// Largest speed at which it is taken up, µm/s (0.001°/s), above the motion of the axis.
+    /// Largest speed at which the play is taken up, µm/s (0.001°/s), in addition to the motion of the axis.
     pub speed: u32,
-    /// Acceleration of that, mm/s² (°/s²).
+    /// Acceleration of this motion, mm/s² (°/s²).
     pub accel: u32,
-    /// On which flank the axis stands at the start: `true` where its last motion was in the positive direction.
+    /// The flank on which the axis stands at the start: `true` after a motion in the positive direction.
     pub starts_positive: bool,
 }
 
@@ -23,7 +23,8 @@ impl Backlash {
     pub const NONE: Self = Self { width: 0, speed: 0, accel: 0, starts_positive: false };
 }
 
-/// What has been taken up, in grains of the axis. A positive flank is `width` grains ahead of a negative one.
+/// The play taken up so far, in grains of the axis. A positive flank is `width` grains ahead of a negative
+/// one.
 #[derive(Clone, Copy, Debug)]
 pub struct TakeUp {
     width: i64,
@@ -33,13 +34,13 @@ pub struct TakeUp {
     fastest: i64,
     /// Grains of a count.
     count: i64,
-    /// Added to the set point now, 0…`width`.
+    /// The amount added to the set point now, 0…`width`.
     added: i64,
     /// Speed, in rates.
     speed: i64,
-    /// The flank in force.
+    /// Whether the axis is on the positive flank.
     is_positive: bool,
-    /// How far the set point has come back from where it went furthest, grains.
+    /// Distance of the set point from its furthest position, grains.
     back: i64,
 }
 
@@ -60,12 +61,12 @@ impl TakeUp {
         }
     }
 
-    /// What is added to the set point now, grains.
+    /// The amount added to the set point now, grains.
     pub fn added(&self) -> i64 {
         self.added
     }
 
-    /// The set point moves by `grains`; what the motor moves beyond that in this tick.
+    /// Moves the set point by `grains`. Returns the additional motion of the motor in this tick.
     pub fn step(&mut self, grains: i64) -> i64 {
         if self.width == 0 {
             return 0;
@@ -90,10 +91,10 @@ impl TakeUp {
     fn toward(&mut self, left: i64) -> i64 {
         let sign = if left < 0 || left == 0 && self.speed < 0 { -1 } else { 1 };
         let (left, speed) = (left * sign, self.speed * sign);
-        // The way at `speed` and at each lower speed down to a standstill.
+        // The distance at `speed` and at each lower speed down to a stop.
         let way = |speed: i64| self.rate * (speed * (speed + 1) / 2);
         let speed = if speed < 0 {
-            // Away from the goal: it brakes first.
+            // Away from the goal: brakes first.
             speed + 1
         } else {
             let wanted = [speed + 1, speed, speed - 1];
@@ -101,7 +102,7 @@ impl TakeUp {
             wanted.into_iter().find(fits).unwrap_or(0)
         };
         self.speed = speed * sign;
-        // What is less than the first rate is done at once.
+        // A distance below the first rate is covered at once.
         let step = if speed == 0 && left < self.rate { left } else { speed * self.rate };
         step * sign
     }

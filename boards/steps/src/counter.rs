@@ -1,8 +1,8 @@
-//! From set points to counts, exactly: the digital differential analyser.
+//! From set points to counts, exactly: a digital differential analyser.
 //!
 //! A set point in units of 2^-32 mm, times `counts`, is a distance in *grains*; a count is `length` · 2^32 of them. The
-//! counter keeps how many grains the set point is beyond the last rounding boundary. Boundaries lie half a count
-//! below each whole count, so that the counts passed are those of the rounded set point.
+//! counter keeps the distance of the set point from the last rounding boundary, in grains. Boundaries lie half a count
+//! below each whole count, so the passed counts are those of the rounded set point.
 use core::num::NonZeroU32;
 
 /// Grains of one axis.
@@ -17,25 +17,25 @@ pub struct Counter {
 /// Boundaries that a move passes.
 #[derive(Clone, Copy, Debug)]
 pub struct Crossings {
-    /// How many.
+    /// Number of boundaries.
     pub count: u32,
-    /// Grains from the start of the move to the first one, 1…`unit`.
+    /// Grains from the start of the move to the first boundary, 1…`unit`.
     pub first: u64,
-    /// Grains from one to the next.
+    /// Grains from boundary to boundary.
     pub unit: u64,
     /// Grains of the whole move.
     pub size: u64,
 }
 
 impl Counter {
-    /// At rest on the set point `bits`; also which count that is. `counts` below 2^31.
+    /// A counter at rest on the set point `bits`; also returns its count. `counts` is below 2^31.
     pub fn new(counts: u32, length: NonZeroU32, bits: i64) -> (Self, i64) {
         let mut counter = Self { counts: i64::from(counts), length, phase: 0 };
         let count = counter.stand_at(bits);
         (counter, count)
     }
 
-    /// Goes to the set point `bits` without a motion; which count that is.
+    /// Sets the position to the set point `bits` without motion; returns its count.
     pub fn stand_at(&mut self, bits: i64) -> i64 {
         let unit = i128::from(self.unit());
         let grains = i128::from(bits) * i128::from(self.counts) + unit / 2;
@@ -49,12 +49,12 @@ impl Counter {
         (self.length.get() as u64) << 32
     }
 
-    /// Grains of a move of the set point. It has to be shorter than [`Self::reach`].
+    /// Grains of a move of the set point. The move has to be shorter than [`Self::reach`].
     pub const fn grains(&self, move_bits: i64) -> i64 {
         self.counts.wrapping_mul(move_bits)
     }
 
-    /// The longest move of a set point that has fewer counts than `most`, LSB 2^-32 mm. At least 1.
+    /// The longest move of a set point with fewer counts than `most`, LSB 2^-32 mm. At least 1.
     pub fn reach(&self, most: u32) -> i64 {
         let grains = i64::from(most).saturating_mul(self.unit() as i64);
         grains.checked_div(self.counts).unwrap_or(0).max(1)
@@ -64,12 +64,12 @@ impl Counter {
     pub fn advance(&mut self, grains: i64) -> Crossings {
         let unit = self.unit();
         let forward = grains >= 0;
-        // Backward everything is mirrored: a boundary is passed by the first grain below it.
+        // Backward all values are mirrored: a boundary is passed by the first grain below it.
         let mirror = |phase: u64| if forward { phase } else { unit.wrapping_sub(1).wrapping_sub(phase) };
         let size = grains.unsigned_abs();
         let phase = mirror(self.phase);
         let total = phase.wrapping_add(size);
-        // Of the lower 32 bits nothing matters: the unit has none.
+        // The lower 32 bits do not matter: those of the unit are 0.
         let count = ((total >> 32) as u32) / self.length;
         self.phase = mirror(total.wrapping_sub(u64::from(count).wrapping_mul(unit)));
         Crossings { count, first: unit.wrapping_sub(phase), unit, size }

@@ -4,32 +4,32 @@ use crate::backlash::Backlash;
 /// Motors that an axis may have.
 pub const MOTORS: usize = 2;
 
-/// A pin of the port, and which level means "on".
+/// A pin of the port, and the level that means "on".
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Pin {
     /// Bit of the port, 0…15.
     pub bit: u8,
-    /// The pin is low where it is on: a pulse goes down, or the positive direction is low.
+    /// Whether the pin is low when on: a pulse goes down, or the positive direction is low.
     pub is_inverted: bool,
 }
 
 impl Pin {
-    /// A pin that is on where it is high.
+    /// A pin that is high when on.
     pub const fn new(bit: u8) -> Self {
         Self { bit, is_inverted: false }
     }
 
-    /// The same pin, on where it is low.
+    /// The same pin, low when on.
     pub const fn inverted(self) -> Self {
         Self { is_inverted: !self.is_inverted, ..self }
     }
 
-    /// The port word that switches it on.
+    /// The port word that switches the pin on.
     pub(crate) const fn on(self) -> u32 {
         if self.is_inverted { self.reset() } else { self.set() }
     }
 
-    /// The port word that switches it off.
+    /// The port word that switches the pin off.
     pub(crate) const fn off(self) -> u32 {
         if self.is_inverted { self.set() } else { self.reset() }
     }
@@ -45,22 +45,22 @@ impl Pin {
     }
 }
 
-/// A motor: its two pins.
+/// A motor with its two pins.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Motor {
-    /// Goes on for a pulse.
+    /// Pin that is on during a pulse.
     pub step: Pin,
-    /// On: the axis moves in the positive direction.
+    /// Pin that is on while the axis moves in the positive direction.
     pub direction: Pin,
 }
 
 impl Motor {
-    /// A motor on two pins of the port that are on where they are high.
+    /// A motor on two pins of the port that are high when on.
     pub const fn new(step: u8, direction: u8) -> Self {
         Self { step: Pin::new(step), direction: Pin::new(direction) }
     }
 
-    /// The same motor, mounted the other way round.
+    /// The same motor, mounted in reverse.
     pub const fn reversed(self) -> Self {
         Self { direction: self.direction.inverted(), ..self }
     }
@@ -68,8 +68,8 @@ impl Motor {
 
 /// The step output of one axis.
 ///
-/// Counts per length are a fraction, so that nothing is rounded: 80 steps per mm are 80 in 1, 250.123 are
-/// 250,123 in 1,000, and 3,200 steps per turn of a rotary axis are 3,200 in 360 (degrees).
+/// Counts per length are a fraction, so that nothing is rounded. 80 steps per mm are 80 in 1; 250.123 steps
+/// per mm are 250,123 in 1,000; 3,200 steps per turn of a rotary axis are 3,200 in 360 (degrees).
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct AxisSteps {
     /// Counts in [`Self::length`], 1…1,000,000,000.
@@ -112,6 +112,6 @@ impl AxisSteps {
 pub struct StepData<const AXES: usize> {
     /// Length of a slot, ns. Slots fill the interpolation cycle exactly.
     pub slot_ns: u32,
-    /// Of each axis.
+    /// Step output of each axis.
     pub axes: [AxisSteps; AXES],
 }

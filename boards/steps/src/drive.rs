@@ -1,30 +1,30 @@
-//! The timer interrupt of a board with step output: the interpolator's set points in, port words out.
+//! The timer interrupt of a board with step output: from the interpolator's set points to port words.
 use crate::port::{State, Steps};
 use glidepath::fir::FilterTick;
 use glidepath::machine::MachineData;
 use glidepath::quantity::{Distance, Position};
 use glidepath::tick::{self, Interpolator};
 
-/// What a tick has done.
+/// The result of a tick.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Done {
-    /// Of the interpolator.
+    /// State of the interpolator.
     pub motion: tick::State,
-    /// Of the words.
+    /// State of the words.
     pub steps: State,
 }
 
-/// Step output behind an interpolator, and where the axes are.
+/// Step output after an interpolator, and the positions of the axes.
 ///
-/// A tick writes the words for the tick that follows. So there are three positions: where the axes are when the tick
-/// begins, where the words that begin now lead, and where the words that are written now lead.
+/// A tick writes the words for the following tick. So there are three positions: of the axes when the tick begins,
+/// at the end of the words that begin now, and at the end of the words that are written now.
 ///
-/// Where the planner gives an axis at rest another coordinate, no motor turns. The tick of such a change is like none of a
-/// motion: the path stands, and an axis that stood moves further than its acceleration lets it. Changes smaller than that
-/// are driven: with 1 m/s² and 1 ms they are below 2 µm.
+/// When the planner gives an axis at rest another coordinate, no motor turns. `Drive` recognises the tick of such a
+/// change, which no motion can cause: the path rests, and an axis at rest moves further than its acceleration permits.
+/// Smaller changes are driven: with 1 m/s² and 1 ms they are below 2 µm.
 ///
-/// Steps that are cut stay cut until the planned motion rests. Then the axes stand somewhere else than the set points
-/// say: [`Self::losses`] counts that.
+/// Steps that are cut off stay off until the planned motion rests. Then the axes are not at the set points;
+/// [`Self::losses`] counts these cases.
 #[derive(Clone, Debug)]
 pub struct Drive<const AXES: usize, const SLOTS: usize> {
     steps: Steps<AXES, SLOTS>,
@@ -32,15 +32,16 @@ pub struct Drive<const AXES: usize, const SLOTS: usize> {
     under_way: [Position; AXES],
     written: [Position; AXES],
     distance: Distance,
-    /// Axes that have another coordinate for the same place, by the next set points.
+    /// Axes whose next set point is another coordinate for the same place.
     shifted: [bool; AXES],
-    /// Ways that no axis makes in its first tick, LSB 2^-32 mm.
+    /// Distances that no axis covers in its first tick, LSB 2^-32 mm.
     leaps: [u64; AXES],
     losses: u32,
 }
 
 impl<const AXES: usize, const SLOTS: usize> Drive<AXES, SLOTS> {
-    /// At rest at `start`, where `steps` stand too. `machine`: the data that the steps were made for.
+    /// A drive at rest at `start`, where `steps` stand too. `machine`: the data for which the steps were
+    /// made.
     pub fn new(steps: Steps<AXES, SLOTS>, machine: &MachineData<AXES>, start: [Position; AXES]) -> Self {
         let cycle = u128::from(machine.channel.cycle_us);
         // mm/s² · µs² = 10^-12 mm, twice
@@ -57,7 +58,7 @@ impl<const AXES: usize, const SLOTS: usize> Drive<AXES, SLOTS> {
         }
     }
 
-    /// Writes the words that lead to the set points of `interpolator`, then lets it compute the next ones. Bounded: see
+    /// Writes the words to the set points of `interpolator`, then lets it compute the next ones. Bounded: see
     /// [`Steps::fill`] and [`Interpolator::tick`].
     pub fn tick<F: FilterTick<AXES>, const OVERLAYS: usize>(
         &mut self,
@@ -95,7 +96,7 @@ impl<const AXES: usize, const SLOTS: usize> Drive<AXES, SLOTS> {
         Done { motion, steps }
     }
 
-    /// Which axes stood, and now are further than they can come in a tick.
+    /// Finds axes that stood, and are now further away than they can move in a tick.
     fn look_for_shifts(
         &mut self,
         before: &[Position; AXES],
@@ -108,7 +109,7 @@ impl<const AXES: usize, const SLOTS: usize> Drive<AXES, SLOTS> {
         }
     }
 
-    /// Steps end with the words that are written, until the planned motion rests.
+    /// Stops all steps after the words already written, until the planned motion rests.
     pub fn cut(&mut self) {
         if !self.steps.is_stopped() {
             self.steps.stop();
@@ -116,17 +117,17 @@ impl<const AXES: usize, const SLOTS: usize> Drive<AXES, SLOTS> {
         }
     }
 
-    /// Times that steps were cut, or had no room; the number may wrap. The position is not known then.
+    /// How often steps were cut or had no room; the number may wrap. The position is unknown afterwards.
     pub const fn losses(&self) -> u32 {
         self.losses
     }
 
-    /// Where the axes were when the last tick began.
+    /// Positions of the axes when the last tick began.
     pub const fn here(&self) -> &[Position; AXES] {
         &self.here
     }
 
-    /// Where the words lead that began with the last tick.
+    /// Positions at the end of the words that began with the last tick.
     pub const fn under_way(&self) -> &[Position; AXES] {
         &self.under_way
     }

@@ -4,11 +4,11 @@
 pub struct Levels(pub u16);
 
 impl Levels {
-    /// The levels behind a word.
+    /// The levels after a word.
     #[must_use]
     pub const fn behind(self, word: u32) -> Self {
         let (set, reset) = (word as u16, (word >> 16) as u16);
-        // Where both are wanted a BSRR sets.
+        // If both bits are set, BSRR sets the pin.
         Self(self.0 & !reset | set)
     }
 

@@ -5,10 +5,10 @@
 //!        backlash ──────────↗                                          timing ↗
 //! ```
 //!
-//! A tick is divided into `SLOTS` slots of equal length. [`Steps::fill`] takes the set points that a tick has
-//! computed and writes the words that lead to them from those of the tick before. A timer and DMA write one word
-//! per slot to the port while the next tick is computed. So the pulses come one tick after the set points, on all
-//! axes alike.
+//! A tick is divided into `SLOTS` slots of equal length. [`Steps::fill`] takes the set points of a tick and
+//! writes the words from the set points of the tick before to these. A timer and DMA write one word per slot to
+//! the port while the next tick is computed. So the pulses come one tick after the set points, equally on all
+//! axes.
 //!
 //! | quantity | unit, range | rounding |
 //! |---|---|---|
@@ -16,8 +16,8 @@
 //! | count, a step of the motor | integer | set point · counts / length, to the nearest, half a count up |
 //! | slot of a step | 0…`SLOTS` − 1 | set point linear inside the tick; the slot that holds the crossing |
 //!
-//! The fraction of a count is kept exactly, as an integer in units of 1 / (length · 2^32) of a count. Nothing adds
-//! up: at the end of every tick the steps put out are exactly the rounded set point.
+//! The fraction of a count is kept exactly, as an integer in units of 1 / (length · 2^32) of a count. Errors do
+//! not add up: at the end of every tick the sum of the steps is exactly the rounded set point.
 //!
 #![doc = include_str!("../README.md")]
 #![no_std]

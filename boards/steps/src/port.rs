@@ -1,4 +1,4 @@
-//! All axes of a port: set points in, the words of a tick out.
+//! All axes of a port: from set points to the words of a tick.
 use crate::axis::Axis;
 use crate::backlash::{Backlash, TakeUp};
 use crate::counter::Counter;
@@ -13,13 +13,13 @@ use glidepath::quantity::Position;
 /// Whether the words lead to the set points.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum State {
-    /// Yes: each axis has put out the steps to its rounded set point.
+    /// The sum of each axis's steps is its rounded set point.
     InTime,
-    /// Some steps did not fit into the tick and follow in the next ones, as early as they may. Set points inside
-    /// the limits of the machine data never lead to that.
+    /// Some steps did not fit into the tick and follow in the next ones, as early as possible. Set points inside
+    /// the limits of the machine data never cause this.
     Late,
-    /// A set point jumped by more than the tick can put out, or more steps were late than a tick has slots. No
-    /// axis gets steps until [`Steps::stand_at`].
+    /// A set point jumped by more steps than a tick can hold, or more steps were late than a tick has slots.
+    /// No axis gets steps until [`Steps::stand_at`].
     Stopped,
 }
 
@@ -31,10 +31,10 @@ pub struct Steps<const AXES: usize, const SLOTS: usize> {
 }
 
 impl<const AXES: usize, const SLOTS: usize> Steps<AXES, SLOTS> {
-    /// At rest at the set points `start`.
+    /// Step output at rest at the set points `start`.
     ///
     /// # Errors
-    /// Data with which steps could be lost or come too close to each other: [`Unfit`].
+    /// The data could lose steps, or put them too close together: [`Unfit`].
     pub fn new(
         data: &StepData<AXES>,
         machine: &MachineData<AXES>,
@@ -72,8 +72,8 @@ impl<const AXES: usize, const SLOTS: usize> Steps<AXES, SLOTS> {
         }
     }
 
-    /// The words that lead from the set points of the last call to `set_points`, one per slot. Bits 0…15 of a word
-    /// set pins, bits 16…31 reset them, as the register BSRR of an STM32 has it. Words without a bit are 0.
+    /// Writes the words from the set points of the last call to `set_points`, one per slot. Bits 0…15 of a word
+    /// set pins, bits 16…31 reset them, as the register BSRR of an STM32. Words without a bit are 0.
     ///
     /// Bounded: a store for each slot, three divisions of 32 bits per axis, and a few additions for each step.
     pub fn fill(&mut self, set_points: &[Position; AXES], words: &mut [u32; SLOTS]) -> State {
@@ -99,8 +99,8 @@ impl<const AXES: usize, const SLOTS: usize> Steps<AXES, SLOTS> {
         }
     }
 
-    /// The axes stand at these set points: at power-up, after homing, or behind [`State::Stopped`]. No step is put
-    /// out for that. What backlash has taken up stays taken up.
+    /// Sets the positions of the axes: at power-up, after homing, or after [`State::Stopped`]. No step is output.
+    /// Backlash that is taken up stays so.
     pub fn stand_at(&mut self, set_points: &[Position; AXES]) {
         for (axis, set_point) in self.axes.iter_mut().zip(set_points) {
             axis.stand_at(set_point.to_bits());
@@ -108,14 +108,14 @@ impl<const AXES: usize, const SLOTS: usize> Steps<AXES, SLOTS> {
         self.is_stopped = false;
     }
 
-    /// An axis that rests has another coordinate for the same place, and gets no step for that.
+    /// Gives an axis at rest another coordinate for the same place, without a step.
     pub fn shift(&mut self, axis: usize, set_point: Position) {
         if let Some(axis) = self.axes.get_mut(axis) {
             axis.stand_at(set_point.to_bits());
         }
     }
 
-    /// No axis gets steps any more until [`Self::stand_at`]; a pulse that has begun ends.
+    /// Stops the steps of all axes until [`Self::stand_at`]; a pulse that has begun ends.
     pub fn stop(&mut self) {
         self.is_stopped = true;
     }
@@ -125,33 +125,33 @@ impl<const AXES: usize, const SLOTS: usize> Steps<AXES, SLOTS> {
         self.is_stopped
     }
 
-    /// Steps put out by an axis until the end of the last words, as a position in counts; 0 for an axis that does
+    /// Sum of an axis's steps until the end of the last words, as a position in counts; 0 for an axis that does
     /// not exist.
     pub fn count(&self, axis: usize) -> i64 {
         self.axes.get(axis).map_or(0, Axis::count)
     }
 
-    /// Steps of an axis that begin in `words`. For a switch or probe that is seen in slot k of a tick, the first
-    /// k + 1 words say how far the axis had come.
+    /// Steps of an axis that begin in `words`. If a switch or probe changes in slot k of a tick, the first k + 1
+    /// words give the position of the axis.
     pub fn steps_in(&self, axis: usize, words: &[u32]) -> u32 {
         self.axes.get(axis).map_or(0, |axis| axis.steps_in(words))
     }
 
-    /// Whether motor 0 or 1 of an axis gets steps; both do at first. With one of two motors at rest a gantry is
-    /// squared. Change it at rest.
+    /// Sets whether motor 0 or 1 of an axis gets steps; at first both do. With one of two motors at rest, a
+    /// gantry can be squared. Change it only at rest.
     pub fn set_motor(&mut self, axis: usize, motor: usize, is_on: bool) {
         if let Some(axis) = self.axes.get_mut(axis) {
             axis.set_motor(motor, is_on);
         }
     }
 
-    /// The word that brings all pins to rest, to be written before they become outputs: no pulse, positive direction.
+    /// The word for all pins at rest: no pulse, positive direction. Write it before the pins become outputs.
     pub fn rest_word(&self) -> u32 {
         self.axes.iter().fold(0, |word, axis| word | axis.rest())
     }
 }
 
-/// Lengths of a tick.
+/// Lengths in a tick.
 #[derive(Clone, Copy)]
 struct Tick {
     slot_ns: u32,
@@ -175,7 +175,7 @@ fn check_pins(steps: &AxisSteps, name: AxisName, taken: &mut u32) -> Result<(), 
     Ok(())
 }
 
-/// One axis, if its data can work.
+/// Makes one axis, if its data are valid.
 fn make(steps: &AxisSteps, axis: &AxisData, bits: i64, tick: Tick) -> Result<Axis, Unfit> {
     let name = axis.name;
     let length = NonZeroU32::new(steps.length).filter(|length| length.get() <= 1_000_000);

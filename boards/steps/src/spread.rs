@@ -1,39 +1,39 @@
-//! In which slots of the tick the boundaries are passed.
+//! The slots of the tick in which boundaries are passed.
 //!
-//! Inside a tick the set point counts as linear. The first slot and the interval are two divisions of 32 bits per axis
-//! and tick; each step behind the first one is an addition that carries its remainder.
+//! Inside a tick the set point counts as linear. The first slot and the interval take two divisions of 32 bits per
+//! axis and tick. Each further step takes an addition that carries its remainder.
 //!
-//! Moves are cut to [`BITS`] bits for that. The slot of a step is off by less than 0.04 slots because of it: each of
-//! the up to 256 intervals by less than 512 · 2^-22, the move as a whole by as much.
+//! For this, moves are cut to [`BITS`] bits. The resulting error of a step's slot is below 0.04 slots: each of up to
+//! 256 intervals contributes less than 512 · 2^-22, the whole move the same.
 use crate::counter::Crossings;
 
-/// Bits of a move that count. Times 512 slots it has 32 of them.
+/// Bits of a move that count. Multiplied by 512 slots, it has 32 bits.
 const BITS: u32 = 23;
 
 /// Largest number of slots of a tick.
 pub const MAX_SLOTS: u32 = 512;
 
-/// The slots of the steps of a tick, one behind the other.
+/// The slots of a tick's steps, one after the other.
 #[derive(Clone, Copy, Debug)]
 pub struct Spread {
-    /// Of the next step.
+    /// Slot of the next step.
     slot: u32,
-    /// Its remainder, below `size`.
+    /// Remainder of the slot, below `size`.
     rest: u32,
-    /// From step to step.
+    /// Interval between steps.
     interval: u32,
     interval_rest: u32,
     size: u32,
 }
 
 impl Spread {
-    /// Of a move that passes a boundary at least; `slots` up to [`MAX_SLOTS`].
+    /// For a move that passes at least one boundary; `slots` up to [`MAX_SLOTS`].
     pub fn new(crossings: &Crossings, slots: u32) -> Self {
         let cut = (u64::BITS - crossings.size.leading_zeros()).saturating_sub(BITS);
-        // Rounded up: what lies inside the move stays in the tick.
+        // Rounded up, so that every step inside the move stays in the tick.
         let size = ((crossings.size >> cut) as u32).max(1) + u32::from(cut > 0);
         let [first, interval] = [crossings.first, crossings.unit].map(|grains| {
-            // With one boundary alone the unit may be longer than the move: then the interval is not used.
+            // With a single boundary the unit may be longer than the move; the interval is then unused.
             ((grains >> cut).min(u64::from(size)) as u32).wrapping_mul(slots)
         });
         // A boundary at the very end of a slot belongs to that slot.
@@ -45,7 +45,7 @@ impl Spread {
         Self { slot, rest, interval, interval_rest, size }
     }
 
-    /// The slot of the next step, not before the one that the last call gave.
+    /// The slot of the next step, not before that of the last call.
     pub fn next(&mut self) -> u32 {
         let slot = self.slot;
         self.slot += self.interval;

@@ -4,13 +4,13 @@ use crate::data::AxisSteps;
 /// Times in slots. All are at most the number of slots of a tick.
 #[derive(Clone, Copy, Debug)]
 pub struct Timing {
-    /// The step pin is on for so long.
+    /// Time for which the step pin is on.
     pub pulse: u32,
-    /// Least distance of two steps: a pulse and a gap.
+    /// Smallest distance of two steps: a pulse and a gap.
     pub period: u32,
     /// From a change of direction to the next step.
     pub setup: u32,
-    /// From the begin of a step to the next change of direction: the pulse and the hold time.
+    /// From the start of a step to the next change of direction: the pulse and the hold time.
     pub hold: u32,
 }
 
@@ -35,9 +35,10 @@ impl Timing {
         slots.checked_div(self.period).unwrap_or(0)
     }
 
-    /// Steps that fit into a tick of `slots` in which the direction changes as late as it can.
+    /// Steps that fit into a tick of `slots` in which the direction changes as late as possible.
     pub fn most_behind_turn(&self, slots: u32) -> u32 {
-        // The step before begins in the last slot of the tick before, the first one behind the turn at `begin`.
+        // The step before begins in the last slot of the tick before; the first step after the turn begins at
+        // `begin`.
         let begin = self.hold.saturating_sub(1).saturating_add(self.setup);
         match slots.checked_sub(begin) {
             Some(left) => left.div_ceil(self.period.max(1)),

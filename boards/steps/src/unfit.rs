@@ -1,16 +1,16 @@
-//! Machine data that cannot work, and why.
+//! Refused machine data, and the reason.
 use glidepath::machine::AxisName;
 
-/// Why [`crate::Steps::new`] refuses the data of a machine.
+/// The reason why [`crate::Steps::new`] refuses the data of a machine.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Unfit {
     /// The slots do not fill the cycle exactly.
     Cycle {
         /// P-CHAN `cycle_us` of the machine data.
         cycle_us: u32,
-        /// Of the step data.
+        /// Slot length of the step data.
         slot_ns: u32,
-        /// Of the buffer.
+        /// Number of slots in the buffer.
         slots: u32,
     },
     /// The buffer has fewer than 4 or more than 512 slots.
@@ -25,25 +25,25 @@ pub enum Unfit {
     PinTaken(AxisName, u8),
     /// Hold time, set-up time and one pulse with its gap are longer than a tick.
     Times(AxisName),
-    /// More steps per tick than its slots can put out.
+    /// More steps per tick than its slots can hold.
     TooFast {
-        /// Of that axis.
+        /// Name of the axis.
         axis: AxisName,
         /// P-AXIS-00212 and the speed at which backlash is taken up, µm/s (rotary: 0.001°/s).
         speed: u64,
-        /// What the slots permit.
+        /// Speed that the slots permit.
         permitted: u64,
     },
-    /// More steps in the tick of a reversal than fit behind the change of direction.
+    /// More steps in the tick of a reversal than fit after the change of direction.
     TurnsTooFast {
-        /// Of that axis.
+        /// Name of the axis.
         axis: AxisName,
         /// P-AXIS-00008 and the acceleration with which backlash is taken up, mm/s² (rotary: °/s²).
         accel: u64,
-        /// What the times permit.
+        /// Acceleration that the times permit.
         permitted: u64,
     },
-    /// The backlash is wider than 1,000,000 (100 mm), or there is one without speed or acceleration.
+    /// The backlash is wider than 1,000,000 (100 mm), or it has no speed or no acceleration.
     Backlash(AxisName),
     /// The start is so far from 0 that its count has more than 62 bits.
     Start(AxisName),

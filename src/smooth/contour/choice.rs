@@ -1,9 +1,9 @@
-//! Which kind of curve a corner gets: over time, as the dynamic methods ask for it or where it is faster,
-//! over arc length, or with DEV none.
+//! The kind of curve that a corner gets: over time, if the method demands it or if it is quicker; over arc
+//! length; or with DEV none.
 //!
-//! PATH_DEV is the largest deviation that is permitted. What takes the least time with it is taken, over all
-//! of the path that the corner may have: a smaller deviation where that is faster, and at last a standstill
-//! in the corner. So a corner is never slower than a stop in it, and no faster with less tolerance.
+//! PATH_DEV is the largest permitted deviation. Over all of the path that the corner may use, the code takes
+//! the quickest choice: a curve with a smaller deviation if that is quicker, and at last a stop in the
+//! corner. So a corner is never slower than a stop in it, and never quicker with a smaller tolerance.
 use super::Parameters;
 use super::corner::{Corner, Tolerance};
 use super::curve::{Main, Quintic, aside, plus, size};
@@ -18,27 +18,27 @@ use crate::path::Measure;
 use crate::slope::limits::Limits;
 use crate::slope::ramp::Ramp;
 
-/// The two blocks of a corner as seen from it: how long the parts beside a curve take.
+/// The two blocks of a corner: times of the parts beside a curve.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Approach {
-    /// From the speed in the corner to that of the block and back.
+    /// Ramps from the speed in the corner to that of the block and back.
     slopes: [Ramp; 2],
-    /// Speeds, mm/tick, and what the corner may have of both, mm.
+    /// Speeds, mm/tick, and the path of both blocks that the corner may use, mm.
     v: [f32; 2],
     room: [f32; 2],
-    /// Speed, acceleration and jerk that each has in both directions; none with a slope that has no jerk.
+    /// Speed, acceleration and jerk of each block in both directions; `None` with a slope without jerk limit.
     along: [Option<[f32; 3]>; 2],
 }
 
 impl Approach {
-    /// The approach of two blocks with these limits, of which the corner may use so much.
+    /// The approach of two blocks with these limits; the corner may use `room` of them.
     pub fn new([first, second]: [&Limits; 2], room: [f32; 2]) -> Self {
         let along = [first.along(), second.along()];
         Self { slopes: [first.brake(), second.speed_up()], v: [first.v, second.v], room, along }
     }
 
-    /// Ticks over all of it with a curve at the speed `v` which begins and ends at the distances `c`, and
-    /// takes `inside` ticks.
+    /// Ticks over the whole path, with a curve at the speed `v` which begins and ends at the distances `c`
+    /// and takes `inside` ticks.
     fn time(&self, v: f32, c: [f32; 2], inside: f32) -> f32 {
         let sides = self.slopes.iter().zip(self.v).zip(self.room.iter().zip(c));
         sides.fold(inside, |sum, ((slope, fastest), (room, c))| {
@@ -50,7 +50,8 @@ impl Approach {
                 return sum + way / max(v, f32::MIN_POSITIVE);
             }
             let (mut gain, mut gaining) = (missing, f32::MAX);
-            // What surely is reached needs no root. It may be, if all of the acceleration makes it.
+            // A speed that is surely reached needs no root. It may be reached if all of the acceleration
+            // reaches it.
             if (v + 0.5 * missing) * missing <= way * slope.acceleration() {
                 gaining = slope.distance(v, gain)[0];
             }
@@ -63,15 +64,15 @@ impl Approach {
         })
     }
 
-    /// A curve is to be quicker than a standstill by that part: times of ramps are known to it. STEP has none.
+    /// A curve must be quicker than a stop by this factor, the accuracy of ramp times. STEP has no ramps.
     pub fn known(&self) -> f32 {
         if self.along.iter().all(Option::is_some) { KNOWN } else { 1.0 }
     }
 
-    /// Whether stopping in the corner takes fewer ticks than that.
+    /// Whether a stop in the corner takes fewer ticks than `most`.
     pub fn stops_within(&self, most: f32) -> bool {
         let sides = self.slopes.iter().zip(self.v).zip(self.room);
-        // No part is faster than its feed, nor than all of the acceleration makes it.
+        // No part is faster than its feed, or than all of the acceleration makes it.
         let least = sides.fold(0.0, |sum, ((slope, v), room)| {
             sum + max(room / v, sqrt_f32(2.0 * room / slope.acceleration()))
         });
@@ -83,8 +84,8 @@ impl Approach {
         self.time(way.rise.v, [way.rise.distance(); 2], way.duration())
     }
 
-    /// Ticks with a curve over arc length that has this path length and these distances. Its speed over the parameter
-    /// is at most `passes`.
+    /// Ticks with a curve over arc length with this path length and these distances. The speed over its parameter is
+    /// at most `passes`.
     pub fn even(&self, (length, passes): (f32, f32), distances: [f32; 2]) -> f32 {
         let [v1, v2] = self.v;
         let (even, tight) = (length * passes, self.is_tight(distances));
@@ -98,13 +99,14 @@ impl Approach {
 }
 
 impl Approach {
-    /// The speed that can be reached from a standstill over the shorter part.
+    /// The speed that the shorter part reaches from a stop.
     fn reached(&self) -> f32 {
         let [v1, v2] = self.v;
         min(min(v1, v2), self.slopes[0].reach(0.0, min(self.room[0], self.room[1])))
     }
 
-    /// Whether next to nothing is left beside a curve with these distances: then it has to leave acceleration.
+    /// Whether nearly no path is left beside a curve with these distances, so that the curve has to leave
+    /// acceleration.
     fn is_tight(&self, distances: [f32; 2]) -> bool {
         let beside = self.room.iter().zip(distances).fold(f32::MAX, |least, (room, c)| min(least, room - c));
         beside < LITTLE * max(distances[0], distances[1])
@@ -119,10 +121,10 @@ impl Approach {
     }
 }
 
-/// The part of a distance beside a curve from which on its speed does not have to change in it.
+/// Part of a distance beside a curve from which on the speed need not change inside the curve.
 const LITTLE: f32 = 0.25;
-/// Otherwise that is about the part of the highest speed that the curve is passed with: three of the steps of
-/// four fifths in which that is lowered.
+/// Otherwise the curve is passed at about this part of the highest speed: three of the steps of four fifths
+/// by which the speed is lowered.
 const VARYING: f32 = 0.512;
 /// STEP: two of those steps, where the curve limits the speed at all.
 const VARYING_STEPPED: f32 = 0.64;
@@ -130,18 +132,18 @@ const VARYING_STEPPED: f32 = 0.64;
 /// See [`Approach::known`].
 const KNOWN: f32 = 1.0 + 1.0 / 256.0;
 
-/// For rounding.
+/// Margin for rounding.
 const SURELY: f32 = 0.999;
 
-/// Less than that part of a speed in the corner is not worth a curve that is passed with it.
+/// Below this part of the speed, a curve passed in the corner is not worth it.
 const SLOWEST: f32 = 0.25;
 
-/// A corner, and all that its curve is chosen by.
+/// A corner, and the data for the choice of its curve.
 #[derive(Clone, Copy)]
 pub struct Choice<'a, const AXES: usize> {
     /// The blocks before and after the corner.
     pub blocks: [&'a HeldBlock<AXES>; 2],
-    /// Between both.
+    /// The corner between both blocks.
     pub corner: &'a Corner<'a, AXES>,
     /// The parameters of the program.
     pub rule: &'a Parameters,
@@ -156,7 +158,8 @@ pub struct Choice<'a, const AXES: usize> {
 }
 
 impl<const AXES: usize> Choice<'_, AXES> {
-    /// Whether it is rapid; none where it is not between two lines of one kind, with nothing left out.
+    /// Whether the corner is rapid motion; `None` if it is not between two lines of one kind without left-out
+    /// blocks.
     fn lines(&self) -> Option<bool> {
         let [held, next] = self.blocks;
         let [first, second] = [&held.block, &next.block];
@@ -172,14 +175,14 @@ impl<const AXES: usize> Choice<'_, AXES> {
 pub struct Candidate {
     /// Overlap of both motions.
     pub way: Overlap,
-    /// No other curve comes into question.
+    /// Whether no other curve is possible.
     pub only: bool,
-    /// The corner takes all of the acceleration, so a standstill is no less even.
+    /// Whether the corner uses all of the acceleration, so that a stop is no less even.
     pub full: bool,
 }
 
 impl Candidate {
-    /// The curve over time between two lines, if the method asks for it or allows for it.
+    /// The curve over time between two lines, if the method demands or permits it.
     pub fn new<const AXES: usize>(choice: &Choice<'_, AXES>) -> Option<Self> {
         let Choice { corner, rule, setting, most, tolerance, approach, .. } = *choice;
         let dynamics = setting.dynamics;
@@ -199,10 +202,10 @@ impl Candidate {
         let (t1, t2) = (corner.before.tangent(), corner.behind.tangent());
         let mut change = plus(t2, -1.0, t1);
         if let (true, Some(x)) = (led, setting.measure.master().and_then(|k| change.get_mut(k))) {
-            // But for rounding.
+            // Except for rounding.
             *x = 0.0;
         }
-        // Both at once: every axis changes its speed evenly.
+        // Both motions at once: every axis changes its speed evenly.
         let of = match rule.method {
             ContourMethod::Ptp => PART_PTP,
             ContourMethod::Dev => PART_DEV,
@@ -230,15 +233,15 @@ struct Sharing<'a, const AXES: usize> {
     rapid: bool,
     /// Parts of a_max and of the jerk budget that the curve takes.
     of: [f32; 2],
-    /// Speed at most, mm/tick, and largest distance from the corner, mm.
+    /// Highest speed, mm/tick, and largest distance from the corner, mm.
     v: f32,
     most: f32,
     tangents: [[f32; AXES]; 2],
 }
 
 impl<const AXES: usize> Sharing<'_, AXES> {
-    /// The quickest overlap whose middle is `off` from the corner along both lines, and which begins no farther from
-    /// the corner than `reach`, at most. With acceleration and jerk of the change of direction, and along the lines.
+    /// The quickest overlap whose middle is at most `off` from the corner along both lines, and which begins at most
+    /// `reach` from the corner. With acceleration and jerk of the change of direction, and along the lines.
     fn overlap(
         &self,
         approach: &Approach,
@@ -270,13 +273,15 @@ impl<const AXES: usize> Sharing<'_, AXES> {
                 if by_off.time < by_reach.time { by_off } else { by_reach }
             };
             let way = overlap(brief);
-            // Beyond their ramps both share what the axes have: less of the tolerance may be faster.
+            // Beyond their ramps both motions share the limits of the axes: a smaller tolerance may be
+            // quicker.
             let way = if way.is_brief() {
                 way
             } else {
                 quickest(overlap([min(brief[0], a), min(brief[1], j)]), way.brief())
             };
-            // Where the lines are too short for their feed, so may less speed be: all of both motions overlap.
+            // If the lines are too short for their feed, a lower speed may be quicker too: both motions
+            // overlap completely.
             let slower = min(v, Rise::speed_of(off, a, j));
             if slower < SLOWEST * approach.reached() {
                 way
@@ -299,22 +304,23 @@ pub struct Edge<'a, const AXES: usize> {
 }
 
 impl<const AXES: usize> Edge<'_, AXES> {
-    /// Ticks with a kernel that begins `half` (mm) before the corner and is passed with the speed `v` (mm/tick).
+    /// Ticks with a kernel that begins `half` (mm) before the corner and is passed at the speed `v`
+    /// (mm/tick).
     fn kernel(&self, approach: &Approach, (v, half): (f32, f32)) -> f32 {
         let [first, second] = self.limits;
         let (v, c) = (min(v, min(first.v, second.v)), min(half, min(self.room[0], self.room[1])));
         approach.time(v, [c; 2], 2.0 * c / max(v, f32::MIN_POSITIVE))
     }
 
-    /// Whether a standstill takes fewer ticks than such a kernel.
+    /// Whether a stop takes fewer ticks than such a kernel.
     #[inline(never)]
     pub fn stands(&self, kernel: (f32, f32)) -> bool {
         let approach = Approach::new(self.limits, self.room);
         approach.stops_within(self.kernel(&approach, kernel))
     }
 
-    /// Whether contour mode takes fewer ticks than such a kernel: with a curve of DEV whose middle is `off` (mm) from the
-    /// corner along both lines, or with a standstill.
+    /// Whether contour mode takes fewer ticks than such a kernel: by a curve of DEV whose middle is `off` (mm) from the
+    /// corner along both lines, or by a stop.
     #[inline(never)]
     pub fn is_quicker(&self, off: f32, kernel: (f32, f32)) -> bool {
         let &Self { dynamics, rapid, tangents, room, .. } = self;
@@ -333,13 +339,14 @@ impl<const AXES: usize> Edge<'_, AXES> {
     }
 }
 
-/// A kernel of many in a row is passed quicker than alone: a change to contour mode and back costs that part of its time.
+/// A kernel among many is passed more quickly than a single one: a change to contour mode and back costs this
+/// part of its time.
 const KERNEL: f32 = 1.33;
 
-/// The distance of the curve of a shallow corner between two lines, mm, where both have it: the curve of least jerk of
-/// [`super::kernel`]. DEV with HSC takes it where all of both blocks lies inside the tolerance. Acceleration passes that
-/// curve, so a row of short lines is driven as one curve. Longer lines are faster with curves over time, and with
-/// their speed beside them.
+/// The distance of the curve at a shallow corner between two lines, mm, equal on both sides: the curve of least jerk of
+/// [`super::kernel`]. DEV with HSC takes this curve if all of both blocks lies inside the tolerance. Acceleration
+/// passes the curve, so a row of short lines is driven as one curve. Longer lines are quicker with curves over time,
+/// and with their speed beside these curves.
 pub fn shallow_distance<const AXES: usize>(choice: &Choice<'_, AXES>) -> Option<f32> {
     let Choice { corner, rule, setting, most, tolerance, approach, .. } = *choice;
     let dev = rule.method == ContourMethod::Dev && !setting.const_vel;
@@ -356,12 +363,12 @@ pub fn shallow_distance<const AXES: usize>(choice: &Choice<'_, AXES>) -> Option<
     (size(&setting.measure.main, &change) <= SHALLOW && 6.0 * off >= most).then_some(most)
 }
 
-/// A line is short below one part of so many of a³/j², six times the way on which a ramp reaches the acceleration.
+/// A line is short below this part of a³/j², six times the distance in which a ramp reaches the acceleration.
 const BRIEF: f32 = 5.0;
-/// Change of direction up to which a corner is shallow.
+/// Largest change of direction of a shallow corner.
 const SHALLOW: f32 = 0.05;
 
-/// Where a curve of DIST_SOFT begins, mm from the corner: `most` at most.
+/// Distance at which a curve of DIST_SOFT begins, mm from the corner; at most `most`.
 fn soft_distance<const AXES: usize>(
     rule: &Parameters,
     most: f32,
@@ -372,15 +379,15 @@ fn soft_distance<const AXES: usize>(
     if tracks(&measure.main, change) { min(distance, rule.track_distance()) } else { distance }
 }
 
-/// How far both motions may be from the corner when they are equally far from it, mm: by the tolerances, of
-/// which a hair is left.
+/// Permitted distance of both motions from the corner when they are equally far from it, mm, by the
+/// tolerances less a small margin.
 fn off_corner<const AXES: usize>(main: &Main, change: &[f32; AXES], tolerance: &Tolerance) -> f32 {
     let off = tolerance.path.map_or(f32::MAX, |dev| dev * EXACT / size(main, change));
     let turn = aside(main, change);
     if tolerance.track > 0.0 && turn > 0.0 { min(off, tolerance.track * EXACT / turn) } else { off }
 }
 
-/// Largest magnitudes of the second and third derivative of a curve at the places that are looked at.
+/// Largest magnitudes of the second and third derivative of a curve at some places.
 pub fn bends<const AXES: usize>(curve: &Quintic<AXES>) -> [[f32; AXES]; 2] {
     let mut most = [[0.0; AXES]; 2];
     for u in PLACES {
@@ -390,10 +397,10 @@ pub fn bends<const AXES: usize>(curve: &Quintic<AXES>) -> [[f32; AXES]; 2] {
     most
 }
 
-/// Where a curve is looked at.
+/// The examined places of a curve.
 const PLACES: [f32; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
 
-/// About the speed over its parameter with which a curve with these second and third derivatives is passed.
+/// Approximate speed over its parameter of a curve with these second and third derivatives.
 pub fn passes<const AXES: usize>(
     [second, third]: &[[f32; AXES]; 2],
     rapid: bool,
@@ -409,37 +416,37 @@ pub fn passes<const AXES: usize>(
     min(sqrt_f32(NORMAL * min(a, UNLIMITED)), cbrt_f32(TWISTED * min(j, UNLIMITED)))
 }
 
-/// Whether other than main axes change their direction.
+/// Whether axes other than main axes change their direction.
 fn tracks<const AXES: usize>(main: &Main, change: &[f32; AXES]) -> bool {
     change.iter().enumerate().any(|(k, x)| *x != 0.0 && !main.contains(k))
 }
 
-/// A jerk that is none, mm/tick³.
+/// Jerk that counts as no limit, mm/tick³.
 const UNLIMITED: f32 = 1e6;
 
-/// Of a tolerance.
+/// Part of a tolerance that is used.
 const EXACT: f32 = 1.0 - 1.0 / 16_384.0;
 
-/// What a curve over time takes at most of the axes' largest acceleration and of their jerk budget. The rest
-/// is for changes of path speed inside it, for a feed hold before all: the less is left, the longer that
+/// Parts of the axes' largest acceleration and of their jerk budget that a curve over time uses. The rest is
+/// for changes of path speed inside the curve, above all for a feed hold: the less is left, the longer a hold
 /// takes. PTP is for the shortest time.
 const PART: [f32; 2] = [0.93, 0.85];
-/// DEV has standstills to compete with: with a little tolerance no more time may be lost than that saves. And
-/// a feed hold is not to take longer than 1.3 s in the corners of `host-tests/tests/commands/hold.rs`.
+/// DEV competes with stops: at a small tolerance it must not lose more time than a stop saves. And a feed
+/// hold must not take longer than 1.3 s in the corners of `host-tests/tests/commands/hold.rs`.
 const PART_DEV: [f32; 2] = [0.95, 0.905];
 /// See [`PART`].
 const PART_PTP: [f32; 2] = [0.975, 0.96];
 
-/// Parts of acceleration and jerk that a curve over arc length takes, a little less than it does.
+/// Parts of acceleration and jerk that a curve over arc length uses, slightly lower.
 const NORMAL: f32 = 0.932;
 const TWISTED: f32 = 0.866;
 
-/// The least part of acceleration of DIST_SOFT.
+/// Smallest part of the acceleration for DIST_SOFT.
 const GENTLEST: f32 = 0.01;
 
 /// DIST_SOFT: the least acceleration, from ACC_MIN to ACC_MAX, with which the speed changes within
-/// `distance`; a lower speed if ACC_MAX is not enough. `ramp`: the longest ramp time of the axes that change
-/// their speed, ticks. Whether the rise takes all of the acceleration, too.
+/// `distance`; a lower speed if ACC_MAX is not enough. `ramp`: longest ramp time of the axes that change
+/// their speed, ticks. Also returns whether the rise uses all of the acceleration.
 fn soft_rise(rule: &Parameters, distance: f32, [v, a, j]: [f32; 3], ramp: f32) -> Option<(Rise, bool)> {
     let [least, most] = rule.acc;
     let ramp = max(rule.ramp_time, 1e-4) * ramp;
@@ -449,7 +456,7 @@ fn soft_rise(rule: &Parameters, distance: f32, [v, a, j]: [f32; 3], ramp: f32) -
     if v > part * a * ramp && hold > 0.0 {
         part = v * v / (2.0 * a * hold);
     }
-    // 0 % is the gentlest, as 1 % is.
+    // 0 % is the gentlest value, as 1 % is.
     let part = min(max(part, least), max(most, GENTLEST));
     if part <= 0.0 || distance <= 0.0 {
         return None;
