@@ -48,14 +48,15 @@ impl Choice {
 /// The text is a program for a 3-D printer.
 pub fn choose(choice: Choice, program: &Source) -> Result<Dialect, Vec<Diagnostic>> {
     if let Some(dialect) = choice.dialect() {
+        let found = Found::of(program);
         if dialect == Dialect::Isg {
-            let found = Found::of(program);
             tell_traps(if found.isg.is_none() { found.traps } else { Vec::new() });
         }
-        return Ok(dialect);
+        return ends_once(dialect, found.end.behind, program);
     }
-    let mut found = Found::of(program);
-    let traps = if found.isg.is_none() { core::mem::take(&mut found.traps) } else { Vec::new() };
+    let found = Found::of(program);
+    let traps = if found.isg.is_none() { found.traps.clone() } else { Vec::new() };
+    let behind = found.end.behind.clone();
     match found.decide() {
         Shown::Isg => {
             tell_traps(traps);
@@ -74,6 +75,11 @@ pub fn choose(choice: Choice, program: &Source) -> Result<Dialect, Vec<Diagnosti
             let wanted = format!("expected --dialect {} or --dialect {}", first.name(), second.name());
             Err(vec![error.expected(wanted)])
         }
+        Shown::Unclear(mark, meaning) => {
+            let message = format!("{} {meaning}, and no other word shows the dialect", mark.word);
+            let error = Diagnostic::error(message).at(program, mark.line, mark.column, mark.length);
+            Err(vec![error.expected("expected --dialect isg, linuxcnc, grbl or fanuc")])
+        }
         Shown::Printer(mark) => {
             let message = format!("{} is a word of 3-D printers (Marlin)", mark.word);
             let error = Diagnostic::error(message).at(program, mark.line, mark.column, mark.length);
@@ -82,14 +88,25 @@ pub fn choose(choice: Choice, program: &Source) -> Result<Dialect, Vec<Diagnosti
         Shown::Is(dialect, mark) => {
             let (name, Mark { word, line, .. }) = (dialect.name(), mark);
             anstream::eprintln!("note: dialect {name}: {word} in line {line} (--dialect chooses another)");
-            Ok(dialect)
+            ends_once(dialect, behind, program)
         }
     }
 }
 
+/// Grbl goes on behind M2 and M30 with what a sender still sends; a program ends there here.
+fn ends_once(dialect: Dialect, behind: Option<Mark>, program: &Source) -> Result<Dialect, Vec<Diagnostic>> {
+    let Some(mark) = behind.filter(|_| dialect == Dialect::Grbl) else { return Ok(dialect) };
+    let error = Diagnostic::error("a word behind M2 or M30, which Grbl carries out");
+    let error = error.at(program, mark.line, mark.column, mark.length);
+    Err(vec![error.expected("expected M2 or M30 in the last block, or --dialect linuxcnc, which ends there")])
+}
+
 /// Words that the controller of another dialect carries out otherwise, each once.
-fn tell_traps(traps: Vec<(Mark, &'static str)>) {
-    for (Mark { word, line, .. }, meaning) in traps {
+fn tell_traps(mut traps: Vec<(Mark, &'static str, bool)>) {
+    traps.sort_by(|one, other| one.0.word.cmp(&other.0.word).then(one.0.line.cmp(&other.0.line)));
+    traps.dedup_by(|next, first| next.0.word == first.0.word);
+    traps.sort_by_key(|(mark, ..)| mark.line);
+    for (Mark { word, line, .. }, meaning, _) in traps {
         anstream::eprintln!("note: line {line}: {word} {meaning}");
     }
 }
@@ -108,23 +125,49 @@ struct Mark {
 #[derive(Default)]
 struct Found {
     isg: Option<Mark>,
+    /// ISG's language has it, and so have others: it counts where nothing else shows them.
+    perhaps_isg: Option<Mark>,
     linuxcnc: Option<Mark>,
     grbl: Option<Mark>,
     fanuc: Option<Mark>,
+    numbers: Numbers,
     /// G4 with X or U: Fanuc's and ISG's dwell.
     dwell: Option<Mark>,
     /// LinuxCNC and Fanuc have it, Grbl has not.
     full: Option<Mark>,
-    /// A length without a decimal point, which Fanuc counts in least increments.
-    whole: Option<Mark>,
     /// LinuxCNC and Grbl have it, ISG's language has not.
     either: Option<Mark>,
+    /// One of them that ISG's programs do not hold: a unit, a tool length, a return to a place.
+    foreign: bool,
     printer: Option<Mark>,
     /// S beside axes in G1: pixel rows of a laser.
     rows: Vec<Mark>,
-    ends: bool,
+    end: End,
     /// Words that ISG's language has with another meaning, each once.
-    traps: Vec<(Mark, &'static str)>,
+    /// With whether it would lead to another path.
+    traps: Vec<(Mark, &'static str, bool)>,
+}
+
+/// How the text ends.
+#[derive(Default)]
+struct End {
+    /// With M2, M30 or `%`.
+    is_shown: bool,
+    /// M2 or M30 has come.
+    is_over: bool,
+    /// The first word behind it: Grbl carries it out, others do not read it.
+    behind: Option<Mark>,
+}
+
+/// What decides between Fanuc's numbers and those of others.
+#[derive(Default)]
+struct Numbers {
+    /// A program number, which Fanuc's programs begin with, and some of others.
+    program: Option<Mark>,
+    /// G90.1 or G91.1, which Fanuc has not.
+    centre: Option<Mark>,
+    /// A length without a decimal point, which Fanuc counts in least increments.
+    whole: Option<Mark>,
 }
 
 /// What the text shows.
@@ -134,8 +177,47 @@ enum Shown {
     Is(Dialect, Mark),
     /// Words of two dialects.
     Two([(Dialect, Mark); 2]),
+    /// A word that means another path in ISG's language, and nothing that shows a dialect.
+    Unclear(Mark, &'static str),
     Printer(Mark),
 }
+
+/// Programs that write texts for LinuxCNC, Grbl and their like, as comments name them.
+const SENDERS: [&str; 30] = [
+    "autodesk",
+    "bcnc",
+    "cambam",
+    "carbide",
+    "carvera",
+    "cncjs",
+    "dmap2gcode",
+    "estlcam",
+    "f-engrave",
+    "flatcam",
+    "freecad",
+    "fusion 360",
+    "gcmc",
+    "gcodetools",
+    "heekscnc",
+    "inkscape",
+    "jscut",
+    "kiri:moto",
+    "lasergrbl",
+    "laserweb",
+    "lightburn",
+    "mach3",
+    "mach4",
+    "openbuilds",
+    "pcb-gcode",
+    "pcb2gcode",
+    "pycam",
+    "sheetcam",
+    "uccnc",
+    "vectric",
+];
+
+/// G words of LinuxCNC and Grbl that programs of ISG do not hold: they are refused there, or mean mirroring.
+const FOREIGN: &[u32] = &[200, 210, 280, 281, 300, 301, 382, 383, 384, 385, 430, 431, 490, 901, 911, 921];
 
 /// Blocks with S and axes from which on a text is taken for that of a laser.
 const ROWS: usize = 3;
@@ -160,17 +242,28 @@ impl Found {
     }
 
     fn decide(mut self) -> Shown {
-        if self.isg.is_some() {
+        let others =
+            [&self.linuxcnc, &self.grbl, &self.fanuc, &self.printer].into_iter().any(Option::is_some);
+        let perhaps = self.perhaps_isg.is_some() && !self.foreign && !others;
+        if self.isg.is_some() || perhaps {
             return Shown::Isg;
         }
-        if let Some(mark) = self.printer {
+        // LinuxCNC's programs call functions of the machine by such numbers.
+        let called = self.linuxcnc.is_some();
+        if let Some(mark) = self.printer.filter(|mark| !called || !mark.word.starts_with("M1")) {
             return Shown::Printer(mark);
+        }
+        if let Some(mark) = self.numbers.program {
+            match self.numbers.centre {
+                Some(centre) => self.linuxcnc = self.linuxcnc.or(Some(centre)),
+                None => self.fanuc = self.fanuc.or(Some(mark)),
+            }
         }
         // Beside a word that ISG does not have, it is Fanuc's.
         let foreign = self.full.is_some() || self.either.is_some();
         if let Some(mark) = self.fanuc.or(self.dwell.filter(|_| foreign)) {
             // Where the two would drive different ways, nothing is guessed.
-            let other = self.linuxcnc.or(self.whole).map(|other| (Dialect::LinuxCnc, other));
+            let other = self.linuxcnc.or(self.numbers.whole).map(|other| (Dialect::LinuxCnc, other));
             let other = other.or(self.grbl.map(|other| (Dialect::Grbl, other)));
             return match other {
                 Some(other) => Shown::Two([(Dialect::Fanuc, mark), other]),
@@ -192,12 +285,19 @@ impl Found {
             return Shown::Is(Dialect::LinuxCnc, mark);
         }
         match self.either {
-            Some(mark) if self.ends => Shown::Is(Dialect::LinuxCnc, mark),
+            Some(_) if self.end.behind.is_some() => {
+                let meaning = "behind M2 or M30 is not read by LinuxCNC, and carried out by Grbl";
+                self.end.behind.map_or(Shown::Isg, |mark| Shown::Unclear(mark, meaning))
+            }
+            Some(mark) if self.end.is_shown => Shown::Is(Dialect::LinuxCnc, mark),
             Some(mark) => Shown::Is(Dialect::Grbl, mark),
-            None if !self.ends && self.rows.len() >= ROWS => {
+            None if !self.end.is_shown && self.rows.len() >= ROWS => {
                 Shown::Is(Dialect::Grbl, self.rows.swap_remove(0))
             }
-            None => Shown::Isg,
+            None => match self.traps.into_iter().find(|(.., is_path)| *is_path) {
+                Some((mark, meaning, _)) => Shown::Unclear(mark, meaning),
+                None => Shown::Isg,
+            },
         }
     }
 
@@ -214,6 +314,11 @@ impl Found {
                 *slot = Some(Mark { word, line: number, column: 1, length: 1 });
             }
         }
+        if let (Some(name), None) = (SENDERS.iter().find(|name| comment.contains(**name)), &self.either) {
+            let word = format!("\"{name}\" in a comment");
+            self.either = Some(Mark { word, line: number, column: 1, length: 1 });
+            self.foreign = true;
+        }
         if comment.replace(' ', "").starts_with("(msg,") && self.either.is_none() {
             self.either = Some(Mark { word: "(MSG, …)".into(), line: number, column: 1, length: 1 });
         }
@@ -221,20 +326,33 @@ impl Found {
 
     fn marks(&mut self, line: &Line) {
         let plain = line.text.as_str();
-        self.ends |= line.has('M', 20) || line.has('M', 300) || plain == "%";
+        if self.end.behind.is_none()
+            && self.end.is_over
+            && let Some(word) = line.words.first()
+        {
+            self.end.behind = Some(line.mark("a word", *word));
+        }
+        self.end.is_over |= line.has('M', 20) || line.has('M', 300);
+        self.end.is_shown |= line.has('M', 20) || line.has('M', 300) || plain == "%";
         let slot = |slot: &mut Option<Mark>, mark: Option<Mark>| *slot = slot.take().or(mark);
         for (mark, meaning) in line.traps() {
-            if !self.traps.iter().any(|(known, _)| known.word == mark.word) {
-                self.traps.push((mark, meaning));
+            let is_path = line.is_path(&mark);
+            let is_known = |known: &(Mark, &str, bool)| known.0.word == mark.word && known.2 >= is_path;
+            if !self.traps.iter().any(is_known) {
+                self.traps.push((mark, meaning, is_path));
             }
         }
         slot(&mut self.isg, line.isg());
+        slot(&mut self.perhaps_isg, line.any('G', &[700, 710]).or_else(|| line.any('M', &[170])));
+        slot(&mut self.numbers.program, line.numbered());
+        slot(&mut self.numbers.centre, line.any('G', &[901, 911]));
+        self.foreign |= line.any('G', FOREIGN).is_some();
         slot(&mut self.linuxcnc, line.linuxcnc());
         slot(&mut self.grbl, line.grbl());
         slot(&mut self.fanuc, line.fanuc());
         slot(&mut self.dwell, line.dwell());
         slot(&mut self.full, line.full());
-        slot(&mut self.whole, line.whole());
+        slot(&mut self.numbers.whole, line.whole());
         slot(&mut self.either, line.either());
         slot(&mut self.printer, line.printer());
     }
@@ -369,7 +487,7 @@ impl Line {
         });
         let own = high.map(|word| self.mark("a G word of ISG", *word));
         let assigned = assigns.then(|| self.at_start("a P parameter"));
-        own.or(assigned).or_else(|| self.any('G', &[600, 700, 710])).or_else(|| self.any('M', &[170]))
+        own.or(assigned).or_else(|| self.any('G', &[600]))
     }
 
     /// What LinuxCNC has, and Grbl has not.
@@ -401,17 +519,30 @@ impl Line {
 
     /// What Fanuc has, and the others have not.
     fn fanuc(&self) -> Option<Mark> {
-        let body = self.body();
-        let digits = |text: &str| !text.is_empty() && text.chars().all(|c| c.is_ascii_digit());
-        if body.strip_prefix(['O', ':']).is_some_and(digits) {
-            return Some(self.at_start(body));
-        }
         let far = self
             .any('G', &[541, 501, 511])
             .or_else(|| self.any('M', &[290]).filter(|_| self.first('S').is_some()));
         let call = self.any('M', &[980]).filter(|_| self.first('P').is_some_and(|p| p.tenths >= 100_000));
         let mode = self.any('G', &[51]).filter(|_| self.first('Q').is_some());
         far.or(call).or(mode)
+    }
+
+    /// A program number alone.
+    fn numbered(&self) -> Option<Mark> {
+        let body = self.body();
+        let digits = |text: &str| !text.is_empty() && text.chars().all(|c| c.is_ascii_digit());
+        body.strip_prefix(['O', ':']).is_some_and(digits).then(|| self.at_start(body))
+    }
+
+    /// Whether the word at the mark, one of the traps, means another path in ISG's language.
+    fn is_path(&self, mark: &Mark) -> bool {
+        let axes = self.words.iter().any(|word| "XYZABCUVW".contains(word.letter));
+        match mark.word.as_str() {
+            "G53" | "G92" => axes,
+            "G61" => true,
+            "M98" => self.first('P').is_some(),
+            _ => false,
+        }
     }
 
     /// A dwell that neither LinuxCNC nor Grbl has.
@@ -445,7 +576,9 @@ impl Line {
     /// What Grbl has alone.
     fn grbl(&self) -> Option<Mark> {
         let commands = ["$H", "$X", "$J=", "$$", "$RST"];
-        commands.iter().find(|command| self.text.starts_with(*command)).map(|command| self.at_start(command))
+        let alone = ["$I", "$G", "$N", "$#", "?"];
+        let found = commands.iter().find(|command| self.text.starts_with(*command));
+        found.or(alone.iter().find(|command| self.text == **command)).map(|command| self.at_start(command))
     }
 
     /// What both have, and ISG's language has not, or means otherwise.
@@ -523,7 +656,7 @@ mod tests {
         match shown(text) {
             Shown::Isg => Some(Dialect::Isg),
             Shown::Is(dialect, _) => Some(dialect),
-            Shown::Printer(_) | Shown::Two(_) => None,
+            Shown::Printer(_) | Shown::Two(_) | Shown::Unclear(..) => None,
         }
     }
 
@@ -568,7 +701,8 @@ mod tests {
             "G70 X1 F100\nG80",
             "LL name\nG20",
             "(comment with G20 and G64 P1)\nG0 X1",
-            "G92 X5\nG53\nG61 X1 F1",
+            "G53\nG92\nM19\nG1 X1 F1",
+            "G71 G40\nG80\nM17",
             "M3 S100\nG1 X1 F100\nG1 X2\nM30",
             "X[OSC ON]\nG21",
         ] {
@@ -610,6 +744,51 @@ mod tests {
         }
         for text in ["%\nO1234\nG21\nG0 X0 Y1.\nM30\n%", ":10\nG20\nG0 X.5\nM30", "G21\nG4 X1.5\nM30"] {
             assert_eq!(dialect(text), Some(Dialect::Fanuc), "{text}");
+        }
+    }
+
+    #[test]
+    fn words_that_others_have_too_do_not_hide_them() {
+        for (text, wanted) in [
+            ("N10G00G21G17G90G40G49G80\nN20G71G91.1\nM30", Some(Dialect::LinuxCnc)),
+            ("G17 G71 G49\nG0 X1\nM30", Some(Dialect::LinuxCnc)),
+            ("M17\nG21\nG1 X1 F5", Some(Dialect::Grbl)),
+            ("M17\nM104 S5", None),
+            ("%\nO1001\nG20 G91.1\nG0 X1\nM30", Some(Dialect::LinuxCnc)),
+            ("(Haas)\nO1001\nG20 G91.1\nG0 X1.\nM30", None),
+            ("G64 P0.1\nM190 P1\nM2", Some(Dialect::LinuxCnc)),
+            ("G21\nM190 S60", None),
+            ("(Created by Estlcam)\nG92 X0\nG1 X1 F5\nM30", Some(Dialect::LinuxCnc)),
+            ("$G\nG0 X1", Some(Dialect::Grbl)),
+        ] {
+            assert_eq!(dialect(text), wanted, "{text}");
+        }
+    }
+
+    #[test]
+    fn a_word_that_means_another_path_is_asked_about_where_nothing_shows_the_dialect() {
+        for (text, word, line) in [
+            ("G0 X1\nG92 X0\nG1 X1 F5", "G92", 2),
+            ("G53 G0 Z0\nX1", "G53", 1),
+            ("G90\nG61\nG1 X1 F5\nM30", "G61", 2),
+            ("M98 P100\nM30\nO100 G1", "M98", 1),
+        ] {
+            let Shown::Unclear(mark, meaning) = shown(text) else { panic!("{text}: {:?}", shown(text)) };
+            assert_eq!((mark.word.as_str(), mark.line), (word, line), "{text}: {meaning}");
+        }
+        let Shown::Unclear(mark, _) = shown("G21\nG0 X1\nM30\n(next)\n%\nG0 X2") else {
+            panic!("behind M30")
+        };
+        assert_eq!(mark.line, 6);
+        for text in [
+            "%m\nG92 X0\nM30",
+            "G64 P1\nM30\nG0 X1",
+            "O1\nG21\nM30\nO2\nM99",
+            "G21\nG92 X0",
+            "G53\nG0 X1",
+            "G92 X1\nM2\n#HSC ON",
+        ] {
+            assert!(!matches!(shown(text), Shown::Unclear(..)), "{text}");
         }
     }
 

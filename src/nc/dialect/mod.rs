@@ -13,6 +13,7 @@ mod cycle;
 mod expression;
 mod fanuc;
 mod force;
+mod lathe;
 mod offset;
 mod order;
 mod output;
@@ -254,10 +255,10 @@ impl<const AXES: usize> Interpreter<AXES> {
 
     /// What holds at program start. The unit, F, G92 and the tool length stay.
     pub fn begin_program(&mut self, mode: Mode) {
-        let Modal { inch, shift, .. } = self.modal;
+        let Modal { inch, diameter, shift, .. } = self.modal;
         // In inverse time F is of its block alone.
         let feed = self.modal.feed.filter(|_| !self.foreign.now.by_time && !self.foreign.now.per_turn);
-        self.modal = Modal { mode, inch, feed, shift, zero_set: Some(0), ..Modal::BLANK };
+        self.modal = Modal { mode, inch, diameter, feed, shift, zero_set: Some(0), ..Modal::BLANK };
         let State { here, here_off, length, degrees, tool, speed, .. } = self.foreign.now;
         self.foreign.now = State { here, here_off, length, degrees, tool, speed, ..State::START };
         let Foreign { percent, course, tail, note, .. } = &mut self.foreign;
@@ -279,7 +280,8 @@ impl<const AXES: usize> Interpreter<AXES> {
         let State { cycle, no_motion, by_time, per_turn, surface, degrees, .. } = &self.foreign.now;
         let turns = self.setup.kinds.contains(&AxisKind::Rotary) && (self.modal.inch || degrees.is_some());
         let by_spindle = *per_turn || surface.is_some();
-        self.foreign.plain = cycle.is_none() && !no_motion && !by_time && !by_spindle && !turns;
+        let others = turns || self.modal.diameter;
+        self.foreign.plain = cycle.is_none() && !no_motion && !by_time && !by_spindle && !others;
     }
 
     /// G92 and the tool length make one shift.
