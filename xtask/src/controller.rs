@@ -1,21 +1,26 @@
 //! The controller's firmware in the emulator, talked to over its serial line as a sender does.
 use crate::firmware::{Firmware, Place};
+use crate::senders;
 use crate::shell::step;
 use crate::target;
 use std::collections::VecDeque;
 
 /// The firmware.
 const BOARD: &str = "boards/stm32f405";
-const BINARY: &str = "glidepath-stm32f405-controller";
+pub const BINARY: &str = "glidepath-stm32f405-controller";
 
 /// Bytes that may wait at the controller.
 const WINDOW: usize = 127;
 
-/// Lines of the job in the tests.
+/// Lines of the job, and in the short form.
 pub const LINES: usize = 1000;
+const SHORT: usize = 200;
 
 /// Most instructions of an interrupt: 40 % of a millisecond at 168 MHz.
-const INTERRUPT: u64 = 67_200;
+pub const INTERRUPT: u64 = 67_200;
+
+/// Bytes of stack that are never in use.
+const STACK_FREE: u64 = 2048;
 
 /// Counts per mm, and where the job ends, mm.
 const COUNTS: f64 = 1000.0;
@@ -31,17 +36,37 @@ pub fn all(lines: &str) -> Result<(), String> {
     let firmware = Firmware::prepare(Place::Emulator)?;
     build(&firmware)?;
     step("a controller and its sender");
-    run(&firmware, lines)
+    run(&firmware, lines).map(|_| ())
+}
+
+/// Only the short form: `cargo xtask controller --short`.
+pub fn only_short() -> Result<(), String> {
+    step("firmware");
+    short(&Firmware::prepare(Place::Emulator)?).map(|_| ())
+}
+
+/// The short form, for every run of the tests; the longest interrupt, instructions.
+pub fn short(firmware: &Firmware) -> Result<u64, String> {
+    let longest = interrupt(firmware)?;
+    senders::with_firmware(firmware)?;
+    Ok(longest)
+}
+
+/// The longest interrupt of a short job, instructions.
+pub fn interrupt(firmware: &Firmware) -> Result<u64, String> {
+    build(firmware)?;
+    step("a controller and its sender");
+    run(firmware, SHORT)
 }
 
 /// Builds it.
-fn build(firmware: &Firmware) -> Result<(), String> {
+pub fn build(firmware: &Firmware) -> Result<(), String> {
     firmware.build(BOARD, &["--features", "qemu,controller", "--bin", BINARY], &[])
 }
 
 /// A job of so many lines: each is acknowledged once, and the axes end where the job ends, in set points and in counted
-/// steps. No interrupt takes longer than it may.
-fn run(firmware: &Firmware, lines: usize) -> Result<(), String> {
+/// steps. No interrupt takes longer than it may: the longest, instructions.
+fn run(firmware: &Firmware, lines: usize) -> Result<u64, String> {
     let mut sender = Sender::new(lines);
     let output = firmware.speak(BINARY, |said| sender.answer(said))?;
     let text = String::from_utf8_lossy(&output.out);
@@ -67,17 +92,22 @@ fn run(firmware: &Firmware, lines: usize) -> Result<(), String> {
     }
     let [ticks, active, missed, longest] = ["ticks", "active", "missed", "longest"].map(value);
     let (ticks, active, missed, longest) = (ticks?, active?, missed?, longest?);
+    let (stack, size) = (value("stack")?, value("of")?);
     if missed != 0 {
         return Err(format!("{missed} ticks came while the one before was computed"));
     }
     eprintln!(
-        "   {} lines, {} answers, {ticks} ticks, {active} of them in motion; longest interrupt {longest} instructions",
+        "   {} lines, {} answers, {ticks} ticks, {active} of them in motion; longest interrupt {longest} instructions; \
+         {stack} of {size} bytes of stack",
         sender.count, sender.answers
     );
+    if stack + STACK_FREE > size {
+        return Err(format!("the stack was {stack} bytes deep, less than {STACK_FREE} of {size} are free"));
+    }
     if longest > INTERRUPT {
         return Err(format!("an interrupt of {longest} instructions, limit {INTERRUPT}"));
     }
-    Ok(())
+    Ok(longest)
 }
 
 /// The last lines.
