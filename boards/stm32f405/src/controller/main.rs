@@ -167,15 +167,34 @@ fn serve(
         // SAFETY: `machine` of the round before is gone, and so is the interrupt's side. Nothing else refers to them.
         let (channel, memory): (&'static mut Channel<AXES, BLOCKS, AXES>, &'static mut Memory) =
             unsafe { (&mut *channel, &mut *memory) };
-        memory.data = machine::data(&carried.settings);
-        // A constant of zeros: the compiler clears the memory in place. A call would leave the channel on the stack first.
-        *channel = const { Channel::new() };
+        clear(channel, memory, carried);
         let goes_on = desk.round(channel, memory, carried);
         tick::set(None);
         if !goes_on {
             return;
         }
     }
+}
+
+/// As at power-up, with the machine data of the settings.
+#[inline(never)]
+fn clear(channel: &mut Channel<AXES, BLOCKS, AXES>, memory: &mut Memory, carried: &Carried<AXES>) {
+    memory.data = machine::data(&carried.settings);
+    // A constant is copied to its place at once. What a call returns is on the stack first, and has no room there.
+    *channel = const { Channel::new() };
+}
+
+/// A machine that stands where the one before has ended, and the interrupt's side.
+#[inline(never)]
+fn make(
+    channel: &'static mut Channel<AXES, BLOCKS, AXES>,
+    memory: &'static mut MachineMemory<AXES>,
+    data: &'static MachineData<AXES>,
+    carried: &Carried<AXES>,
+) -> Option<(Machine<'static, AXES, BLOCKS, AXES>, Interpolator<'static, AXES, Unfiltered, AXES>)> {
+    let parts = memory.split();
+    let handles = channel.split(data, carried.position, parts.0);
+    Some(Machine::new(handles.ok()?, parts, data, carried))
 }
 
 impl Desk {
@@ -189,7 +208,12 @@ impl Desk {
     ) -> bool {
         let Memory { machine, data } = memory;
         let data = &*data;
-        let Some(machine) = &mut self.make(channel, machine, data, carried) else { return false };
+        let mut made = make(channel, machine, data, carried);
+        let Some((ref mut machine, interpolator)) = made else { return false };
+        if self.start_tick(interpolator, data, carried).is_none() {
+            return false;
+        }
+        machine.set_fits(machine::check);
         loop {
             self.turn(machine);
             self.change_steps(machine, data);
@@ -202,23 +226,6 @@ impl Desk {
                 return false;
             }
         }
-    }
-
-    /// A machine, whose interrupt's side runs.
-    #[inline(never)]
-    fn make(
-        &mut self,
-        channel: &'static mut Channel<AXES, BLOCKS, AXES>,
-        memory: &'static mut MachineMemory<AXES>,
-        data: &'static MachineData<AXES>,
-        carried: &Carried<AXES>,
-    ) -> Option<Machine<'static, AXES, BLOCKS, AXES>> {
-        let parts = memory.split();
-        let handles = channel.split(data, carried.position, parts.0).ok()?;
-        let (mut machine, interpolator) = Machine::new(handles, parts, data, carried);
-        machine.set_fits(machine::check);
-        self.start_tick(interpolator, data, carried)?;
-        Some(machine)
     }
 
     /// Hands the interrupt its side.
