@@ -53,7 +53,9 @@ def pygrbl(path, lines):
     acknowledged, end = sum(line.strip() == "ok" for line in heard), place("\n".join(heard))
     functions(sender, heard)
     sender.disconnect()
-    return done and not errors and acknowledged >= len(job(lines)), errors[:3], acknowledged, end
+    # Its own `$X` at connect has an answer too.
+    once = 0 <= acknowledged - len(job(lines)) <= 1
+    return done and not errors and once, errors[:3], acknowledged, end
 
 
 def functions(sender, heard):

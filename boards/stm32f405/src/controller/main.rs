@@ -30,11 +30,12 @@ mod words;
 
 use cortex_m::asm::wfi;
 use cortex_m_rt::entry;
-use glidepath::channel::Channel;
+use glidepath::channel::{Channel, Handles};
 use glidepath::fir::Unfiltered;
 use glidepath::machine::MachineData;
+use glidepath::nc::DecoderMemory;
 use glidepath::tick::Interpolator;
-use glidepath_controller::machine::{Carried, Machine, MachineMemory};
+use glidepath_controller::machine::{Carried, Machine, MachineMemory, Spool};
 use glidepath_controller::store::Parameters;
 use glidepath_controller::{Config, Controller, Look, Message, Motion, Serial, Settings, Signals, State};
 use glidepath_copy as _;
@@ -68,7 +69,7 @@ struct Memory {
     data: MachineData<AXES>,
 }
 
-/// All of it is zero, so it takes no flash.
+/// With programs of other dialects 17 of its bytes are not zero, so flash holds what it begins with.
 static CHANNEL: ConstStaticCell<Channel<AXES, BLOCKS, AXES>> = ConstStaticCell::new(Channel::new());
 static MEMORY: ConstStaticCell<Memory> =
     ConstStaticCell::new(Memory { machine: MachineMemory::new(), data: machine::BLANK });
@@ -193,8 +194,21 @@ fn make(
     carried: &Carried<AXES>,
 ) -> Option<(Machine<'static, AXES, BLOCKS, AXES>, Interpolator<'static, AXES, Unfiltered, AXES>)> {
     let parts = memory.split();
-    let handles = channel.split(data, carried.position, parts.0);
-    Some(Machine::new(handles.ok()?, parts, data, carried))
+    match channel.split(data, carried.position, parts.0) {
+        Ok(handles) => Some(joined(handles, parts, data, carried)),
+        Err(_) => None,
+    }
+}
+
+/// A machine of the handles of its channel.
+#[inline(never)]
+fn joined(
+    handles: Handles<'static, &'static Spool, AXES, BLOCKS, Unfiltered, Unfiltered, AXES>,
+    parts: (&'static Spool, &'static mut DecoderMemory<AXES>),
+    data: &'static MachineData<AXES>,
+    carried: &Carried<AXES>,
+) -> (Machine<'static, AXES, BLOCKS, AXES>, Interpolator<'static, AXES, Unfiltered, AXES>) {
+    Machine::new(handles, parts, data, carried)
 }
 
 impl Desk {
