@@ -145,6 +145,8 @@ struct Sender {
     step: Talk,
     reports: usize,
     held: bool,
+    /// The jog was under way, and was cancelled.
+    cancelled: bool,
     failed: Option<String>,
 }
 
@@ -171,6 +173,7 @@ impl Sender {
             step: Talk::Silent,
             reports: 0,
             held: false,
+            cancelled: false,
             failed: None,
         }
     }
@@ -193,19 +196,28 @@ impl Sender {
 
     fn hear(&mut self, line: &str, bytes: &mut Vec<u8>) {
         match line {
-            "ok" if self.open.pop_front().is_some() => self.answers += 1,
+            // The emulator ends, whatever else is said.
+            _ if self.failed.is_some() && line.starts_with("Grbl ") => bytes.extend(b"$SLP\n"),
+            _ if self.failed.is_some() => {}
+            "ok" if self.open.pop_front().is_some() => {
+                self.answers += 1;
+                // A report before it might be older than the jog.
+                if self.step == Talk::Jogging {
+                    bytes.push(b'?');
+                }
+            }
             _ if line.starts_with("Grbl ") && self.step == Talk::Silent => self.step = Talk::Sending,
             _ if line.starts_with('<') => self.report(line, bytes),
             _ if line == "ok" || line.starts_with("error") || line.starts_with("ALARM") => {
-                self.fail(format!("{line}, when {:?} waited", self.open));
-                bytes.extend(b"\x18");
+                self.fail(format!("{line}, when {:?} waited", self.open), bytes);
             }
             _ => {}
         }
     }
 
-    fn fail(&mut self, why: String) {
-        self.failed.get_or_insert(why);
+    fn fail(&mut self, why: String, bytes: &mut Vec<u8>) {
+        self.failed = Some(why);
+        bytes.push(0x18);
     }
 
     fn send(&mut self, bytes: &mut Vec<u8>) {
@@ -232,7 +244,7 @@ impl Sender {
     fn report(&mut self, line: &str, bytes: &mut Vec<u8>) {
         self.reports += 1;
         if self.reports > REPORTS {
-            self.fail(format!("still {line}"));
+            return self.fail(format!("still {line}"), bytes);
         }
         let state = line.trim_start_matches('<').split('|').next().unwrap_or_default();
         let [x, y, z] = END;
@@ -243,28 +255,28 @@ impl Sender {
                 bytes.push(b'~');
             }
             (Talk::Ending, "Idle") if !line.contains(&end) => {
-                self.fail(format!("the end is {line}, wanted {end}"))
+                self.fail(format!("the end is {line}, wanted {end}"), bytes);
             }
             (Talk::Ending, "Idle") => {
                 self.step = Talk::Jogging;
                 self.open.push_back(0);
                 // Cancelled, and back.
-                bytes.extend(b"$J=G91X50F1000\n?");
+                bytes.extend(b"$J=G91X50F1000\n");
             }
-            (Talk::Jogging, "Jog") => bytes.extend(b"\x85?"),
-            (Talk::Jogging, "Idle") if line.contains(&end) => {
+            (Talk::Jogging, "Jog") if !self.cancelled => {
+                self.cancelled = true;
+                bytes.extend(b"\x85?");
+            }
+            (Talk::Jogging, "Idle") if line.contains(&end) && self.cancelled => {
                 self.step = Talk::Asleep;
                 self.open.push_back(0);
                 bytes.extend(b"$SLP\n");
             }
-            (Talk::Jogging, "Idle") => {
+            (Talk::Jogging, "Idle") if self.cancelled => {
                 self.open.push_back(0);
-                bytes.extend(format!("$J=G90X{x}F6000\n?").bytes());
+                bytes.extend(format!("$J=G90X{x}F6000\n").bytes());
             }
             _ => bytes.push(b'?'),
-        }
-        if self.failed.is_some() {
-            bytes.extend(b"\x18$SLP\n");
         }
     }
 }

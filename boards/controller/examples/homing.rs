@@ -18,5 +18,7 @@ fn main() {
             println!("{done} machines homed");
         }
     }
-    println!("{machines} machines homed: at most {stray:.3} ways of a slot off a switch, {beyond:.3} mm behind one");
+    println!(
+        "{machines} machines homed: at most {stray:.3} ways of a slot off a switch, {beyond:.3} mm behind one"
+    );
 }

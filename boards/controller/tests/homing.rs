@@ -1,8 +1,8 @@
 //! Homing and probing with simulated switches: hysteresis of 20 µm, bounce, and a hard stop behind each switch.
 mod bench;
 
-use bench::homing::home;
-use bench::world::{Rig, Switch, World, mm, settings, with_rig};
+use bench::homing::{HARD_STOP, home};
+use bench::world::{Rig, SLOTS, Switch, World, mm, settings, with_rig};
 use glidepath_controller::{Settings, Signals};
 
 const AXES: usize = bench::AXES;

@@ -4,7 +4,7 @@ use super::corruption::Random;
 use super::world::{SLOTS, Switch, World, settings, with_rig};
 
 /// Way between a switch and what it protects.
-const HARD_STOP: f64 = 5.0;
+pub const HARD_STOP: f64 = 5.0;
 
 /// What a homing cycle came to.
 pub struct Homed {
