@@ -1,21 +1,26 @@
 //! The controller's firmware in the emulator, talked to over its serial line as a sender does.
 use crate::firmware::{Firmware, Place};
+use crate::senders;
 use crate::shell::step;
 use crate::target;
 use std::collections::VecDeque;
 
 /// The firmware.
 const BOARD: &str = "boards/stm32f405";
-const BINARY: &str = "glidepath-stm32f405-controller";
+pub const BINARY: &str = "glidepath-stm32f405-controller";
 
 /// Bytes that may wait at the controller.
 const WINDOW: usize = 127;
 
-/// Lines of the job in the tests.
+/// Lines of the job, and in the short form.
 pub const LINES: usize = 1000;
+const SHORT: usize = 200;
 
 /// Most instructions of an interrupt: 40 % of a millisecond at 168 MHz.
-const INTERRUPT: u64 = 67_200;
+pub const INTERRUPT: u64 = 67_200;
+
+/// Bytes of stack that are never in use.
+const STACK_FREE: u64 = 2048;
 
 /// Counts per mm, and where the job ends, mm.
 const COUNTS: f64 = 1000.0;
@@ -31,17 +36,37 @@ pub fn all(lines: &str) -> Result<(), String> {
     let firmware = Firmware::prepare(Place::Emulator)?;
     build(&firmware)?;
     step("a controller and its sender");
-    run(&firmware, lines)
+    run(&firmware, lines).map(|_| ())
+}
+
+/// Only the short form: `cargo xtask controller --short`.
+pub fn only_short() -> Result<(), String> {
+    step("firmware");
+    short(&Firmware::prepare(Place::Emulator)?).map(|_| ())
+}
+
+/// The short form, for every run of the tests; the longest interrupt, instructions.
+pub fn short(firmware: &Firmware) -> Result<u64, String> {
+    let longest = interrupt(firmware)?;
+    senders::with_firmware(firmware)?;
+    Ok(longest)
+}
+
+/// The longest interrupt of a short job, instructions.
+pub fn interrupt(firmware: &Firmware) -> Result<u64, String> {
+    build(firmware)?;
+    step("a controller and its sender");
+    run(firmware, SHORT)
 }
 
 /// Builds it.
-fn build(firmware: &Firmware) -> Result<(), String> {
+pub fn build(firmware: &Firmware) -> Result<(), String> {
     firmware.build(BOARD, &["--features", "qemu,controller", "--bin", BINARY], &[])
 }
 
 /// A job of so many lines: each is acknowledged once, and the axes end where the job ends, in set points and in counted
-/// steps. No interrupt takes longer than it may.
-fn run(firmware: &Firmware, lines: usize) -> Result<(), String> {
+/// steps. No interrupt takes longer than it may: the longest, instructions.
+fn run(firmware: &Firmware, lines: usize) -> Result<u64, String> {
     let mut sender = Sender::new(lines);
     let output = firmware.speak(BINARY, |said| sender.answer(said))?;
     let text = String::from_utf8_lossy(&output.out);
@@ -67,17 +92,22 @@ fn run(firmware: &Firmware, lines: usize) -> Result<(), String> {
     }
     let [ticks, active, missed, longest] = ["ticks", "active", "missed", "longest"].map(value);
     let (ticks, active, missed, longest) = (ticks?, active?, missed?, longest?);
+    let (stack, size) = (value("stack")?, value("of")?);
     if missed != 0 {
         return Err(format!("{missed} ticks came while the one before was computed"));
     }
     eprintln!(
-        "   {} lines, {} answers, {ticks} ticks, {active} of them in motion; longest interrupt {longest} instructions",
+        "   {} lines, {} answers, {ticks} ticks, {active} of them in motion; longest interrupt {longest} instructions; \
+         {stack} of {size} bytes of stack",
         sender.count, sender.answers
     );
+    if stack + STACK_FREE > size {
+        return Err(format!("the stack was {stack} bytes deep, less than {STACK_FREE} of {size} are free"));
+    }
     if longest > INTERRUPT {
         return Err(format!("an interrupt of {longest} instructions, limit {INTERRUPT}"));
     }
-    Ok(())
+    Ok(longest)
 }
 
 /// The last lines.
@@ -115,6 +145,8 @@ struct Sender {
     step: Talk,
     reports: usize,
     held: bool,
+    /// The jog was under way, and was cancelled.
+    cancelled: bool,
     failed: Option<String>,
 }
 
@@ -141,6 +173,7 @@ impl Sender {
             step: Talk::Silent,
             reports: 0,
             held: false,
+            cancelled: false,
             failed: None,
         }
     }
@@ -163,19 +196,28 @@ impl Sender {
 
     fn hear(&mut self, line: &str, bytes: &mut Vec<u8>) {
         match line {
-            "ok" if self.open.pop_front().is_some() => self.answers += 1,
+            // The emulator ends, whatever else is said.
+            _ if self.failed.is_some() && line.starts_with("Grbl ") => bytes.extend(b"$SLP\n"),
+            _ if self.failed.is_some() => {}
+            "ok" if self.open.pop_front().is_some() => {
+                self.answers += 1;
+                // A report before it might be older than the jog.
+                if self.step == Talk::Jogging {
+                    bytes.push(b'?');
+                }
+            }
             _ if line.starts_with("Grbl ") && self.step == Talk::Silent => self.step = Talk::Sending,
             _ if line.starts_with('<') => self.report(line, bytes),
             _ if line == "ok" || line.starts_with("error") || line.starts_with("ALARM") => {
-                self.fail(format!("{line}, when {:?} waited", self.open));
-                bytes.extend(b"\x18");
+                self.fail(format!("{line}, when {:?} waited", self.open), bytes);
             }
             _ => {}
         }
     }
 
-    fn fail(&mut self, why: String) {
-        self.failed.get_or_insert(why);
+    fn fail(&mut self, why: String, bytes: &mut Vec<u8>) {
+        self.failed = Some(why);
+        bytes.push(0x18);
     }
 
     fn send(&mut self, bytes: &mut Vec<u8>) {
@@ -202,7 +244,7 @@ impl Sender {
     fn report(&mut self, line: &str, bytes: &mut Vec<u8>) {
         self.reports += 1;
         if self.reports > REPORTS {
-            self.fail(format!("still {line}"));
+            return self.fail(format!("still {line}"), bytes);
         }
         let state = line.trim_start_matches('<').split('|').next().unwrap_or_default();
         let [x, y, z] = END;
@@ -213,28 +255,28 @@ impl Sender {
                 bytes.push(b'~');
             }
             (Talk::Ending, "Idle") if !line.contains(&end) => {
-                self.fail(format!("the end is {line}, wanted {end}"))
+                self.fail(format!("the end is {line}, wanted {end}"), bytes);
             }
             (Talk::Ending, "Idle") => {
                 self.step = Talk::Jogging;
                 self.open.push_back(0);
                 // Cancelled, and back.
-                bytes.extend(b"$J=G91X50F1000\n?");
+                bytes.extend(b"$J=G91X50F1000\n");
             }
-            (Talk::Jogging, "Jog") => bytes.extend(b"\x85?"),
-            (Talk::Jogging, "Idle") if line.contains(&end) => {
+            (Talk::Jogging, "Jog") if !self.cancelled => {
+                self.cancelled = true;
+                bytes.extend(b"\x85?");
+            }
+            (Talk::Jogging, "Idle") if line.contains(&end) && self.cancelled => {
                 self.step = Talk::Asleep;
                 self.open.push_back(0);
                 bytes.extend(b"$SLP\n");
             }
-            (Talk::Jogging, "Idle") => {
+            (Talk::Jogging, "Idle") if self.cancelled => {
                 self.open.push_back(0);
-                bytes.extend(format!("$J=G90X{x}F6000\n?").bytes());
+                bytes.extend(format!("$J=G90X{x}F6000\n").bytes());
             }
             _ => bytes.push(b'?'),
-        }
-        if self.failed.is_some() {
-            bytes.extend(b"\x18$SLP\n");
         }
     }
 }

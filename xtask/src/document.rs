@@ -80,7 +80,10 @@ fn instructions(figures: &Figures, text: &mut String) {
          of the largest call.\n\n\
          `Channel::split` takes {} instructions with 3 axes, {} with 4 and {} with 6 (`total.start_max`), with filters and axes beside the \
          path {} (`beside.start_max`).\nThe largest call of a planner with those, filters that are switched included, takes {} \
-         (`beside.poll_max`).\n",
+         (`beside.poll_max`).\n\n\
+         `controller.interrupt_max` is the longest interrupt of the controller's firmware (`boards/stm32f405`): tick, steps of three axes at up \
+         to\n100,000 per second, and inputs. The count depends on when the sender's bytes arrive, so only its limit is compared: 40 % of a \
+         millisecond\nat 168 MHz, taken as instructions.\n",
         CONTOUR.join(", "),
         SMOOTHED.join(", "),
         SHORT_ARCS.join(", "),

@@ -174,10 +174,20 @@ impl Firmware {
 
     /// The same with what it wrote besides, whether it failed or not.
     pub fn speak(&self, name: &str, sender: impl FnMut(&[u8]) -> Option<Vec<u8>>) -> Result<Output, String> {
+        shell::talk(&mut self.with_line(name, "stdio"), TALK_LIMIT, sender)
+    }
+
+    /// What runs a binary in the emulator with its first serial line at a pseudo terminal. Its first output names that.
+    pub fn at_terminal(&self, name: &str) -> Command {
+        self.with_line(name, "pty")
+    }
+
+    fn with_line(&self, name: &str, line: &str) -> Command {
         let mut command = Command::new(&self.runner);
-        command.args(["-M", "netduinoplus2", "-nographic", "-monitor", "none", "-serial", "stdio"]);
+        command.args(["-M", "netduinoplus2", "-nographic", "-monitor", "none", "-serial", line]);
         command.args(["-semihosting-config", "enable=on,target=native", "-icount", "shift=0,sleep=off"]);
-        shell::talk(command.arg("-kernel").arg(artifact(name)), TALK_LIMIT, sender)
+        command.arg("-kernel").arg(artifact(name));
+        command
     }
 
     /// The text a binary wrote; an error if it failed.

@@ -1,4 +1,5 @@
 //! The target's tests: same bits, real interrupt, no panicking path, and the figures.
+use crate::controller;
 use crate::figures::{self, Beside, Commanded, Figures, MemoryFigures};
 use crate::firmware::{CORES, Firmware, Place, artifact, small};
 use crate::host::{self, HostRun};
@@ -86,6 +87,9 @@ pub fn all(place: Place) -> Result<(), String> {
     memory.interrupted = target::read_memory(&report)?;
     step("an overflow of the stack");
     overflow(&firmware)?;
+    if place == Place::Emulator {
+        memory.controller = controller::short(&firmware)?;
+    }
     let measured = Figures::measured(firmware.compiler(), &runs, &memory)?;
     if place == Place::Probe {
         eprint!("{}", measured.table());
@@ -115,6 +119,7 @@ pub fn bench(accept: bool) -> Result<(), String> {
     memory.commands = commands(&firmware)?;
     memory.slim = slim(&firmware)?;
     memory.interrupted = target::read_memory(&firmware.report("interrupt")?)?;
+    memory.controller = controller::interrupt(&firmware)?;
     let measured = Figures::measured(firmware.compiler(), &runs, &memory)?;
     step("figures");
     eprint!("{}", measured.table());

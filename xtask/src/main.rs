@@ -41,11 +41,13 @@ cargo xtask COMMAND
   rtos          only the programs in an operating system and in C: RTIC, Embassy, C, FreeRTOS; digests
   rtos NAME     only that of one of them: rtic, embassy, c, freertos
   senders       real senders stream jobs of up to 5,000 lines to `glidepath serve`: pygrbl-streamer, grbl-streamer, bCNC,
-                cncjs; needs Python, Node and a network for the first installation
+                cncjs; the first two also to the controller's firmware in the emulator; needs Python, Node and a network for
+                the first installation
   senders LINES  the same with another number of lines
   senders --short  the first two with 300 lines, as `test` has them; skipped where they cannot be installed
   controller    the controller's firmware in the emulator: a sender streams a job of 1,000 lines to its serial line
   controller LINES  the same with another number of lines
+  controller --short  the same with 200 lines, then the senders of `senders --short`; `hil` has this
   header        writes the header of boards/c anew
   bench         instruction counts and memory, against the accepted ones
   bench --accept  makes the measured figures the accepted ones and writes docs/figures.md
@@ -77,6 +79,7 @@ fn main() -> ExitCode {
         ["senders"] => senders::all("5000"),
         ["senders", lines] => senders::all(lines),
         ["controller"] => controller::all(&controller::LINES.to_string()),
+        ["controller", "--short"] => controller::only_short(),
         ["controller", lines] => controller::all(lines),
         ["header"] => rtos::header(),
         ["bench"] => hil::bench(false),

@@ -1,4 +1,6 @@
-//! Real senders against `glidepath serve`.
+//! Real senders against `glidepath serve`, and against the firmware of the controller in the emulator.
+use crate::controller;
+use crate::firmware::{Firmware, Place};
 use crate::shell::{capture, cargo, root, run, step};
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -25,32 +27,59 @@ const JOBS: &str = "10";
 /// Lines of a job in the short form.
 const SHORT: &str = "300";
 
-/// All four; what cannot be installed is an error. The jobs have up to so many lines.
+/// All four to `serve`, and the two quick ones to the firmware; what cannot be installed is an error. The jobs have up to
+/// so many lines.
 pub fn all(lines: &str) -> Result<(), String> {
     step("senders");
     let python = python(&[PYTHON.as_slice(), &BCNC].concat())?;
     let modules = node()?;
     let program = serve()?;
     let script = |name: &str| root().join(SCRIPTS).join(name);
-    run(Command::new(&python).arg(script("python.py")).arg(&program).arg(lines))?;
+    quick(&python, lines, &desktop(&program))?;
     run(Command::new(&python).arg(script("bcnc.py")).arg(&program).args([lines, JOBS]))?;
-    run(Command::new("node").arg(script("cncjs.mjs")).arg(&program).arg(modules).args([lines, JOBS]))
+    run(Command::new("node").arg(script("cncjs.mjs")).arg(&program).arg(modules).args([lines, JOBS]))?;
+    step("firmware");
+    let firmware = Firmware::prepare(Place::Emulator)?;
+    controller::build(&firmware)?;
+    step("senders, firmware in the emulator");
+    quick(&python, lines, &firmware.at_terminal(controller::BINARY))
 }
 
-/// The two quick ones, for every run of the tests: about 10 s, and 10 s more where they are installed first. Where they
-/// cannot be installed (no network, no Python), that is told, and is no error.
+/// The two quick ones to `serve`, for every run of the tests: about 10 s, and 10 s more where they are installed first.
 pub fn short() -> Result<(), String> {
     step("senders (short)");
+    installed(|python| quick(python, SHORT, &desktop(&serve()?)))
+}
+
+/// The same to the firmware, which is built.
+pub fn with_firmware(firmware: &Firmware) -> Result<(), String> {
+    step("senders (short), firmware in the emulator");
+    installed(|python| quick(python, SHORT, &firmware.at_terminal(controller::BINARY)))
+}
+
+/// Where the senders cannot be installed (no network, no Python), that is told, and is no error.
+fn installed(what: impl FnOnce(&Path) -> Result<(), String>) -> Result<(), String> {
     match python(&PYTHON) {
-        Ok(python) => {
-            let script = root().join(SCRIPTS).join("python.py");
-            run(Command::new(python).arg(script).arg(serve()?).arg(SHORT))
-        }
+        Ok(python) => what(&python),
         Err(reason) => {
             eprintln!("   SKIPPED: the senders cannot be installed: {reason}");
             Ok(())
         }
     }
+}
+
+/// The two quick ones to the controller that this command runs.
+fn quick(python: &Path, lines: &str, controller: &Command) -> Result<(), String> {
+    let mut command = Command::new(python);
+    command.arg(root().join(SCRIPTS).join("python.py")).arg(lines);
+    run(command.arg(controller.get_program()).args(controller.get_args()))
+}
+
+/// The controller on the desktop, twenty times as fast as the clock.
+fn desktop(program: &Path) -> Command {
+    let mut command = Command::new(program);
+    command.args(["serve", "--pty", "--speed", "20"]);
+    command
 }
 
 fn folder() -> PathBuf {

@@ -1,6 +1,7 @@
 //! A machine to talk to: a motion side that knows a handful of words, and a sender that keeps what it reads.
 #![allow(dead_code)]
 pub mod corruption;
+pub mod homing;
 pub mod soak;
 pub mod world;
 

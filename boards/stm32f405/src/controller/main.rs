@@ -21,18 +21,23 @@ mod machine;
 mod outputs;
 mod safety;
 mod serial;
+#[cfg(feature = "qemu")]
+#[expect(dead_code, reason = "the tests on the target have more to measure")]
+#[path = "../../../../hil-tests/src/stack.rs"]
+mod stack;
 mod tick;
 mod words;
 
 use cortex_m::asm::wfi;
 use cortex_m_rt::entry;
-use glidepath::channel::Channel;
+use glidepath::channel::{Channel, Handles};
+use glidepath::fir::Unfiltered;
 use glidepath::machine::MachineData;
-use glidepath_controller::machine::{Carried, Machine, MachineMemory};
+use glidepath::nc::DecoderMemory;
+use glidepath::tick::Interpolator;
+use glidepath_controller::machine::{Carried, Machine, MachineMemory, Spool};
 use glidepath_controller::store::Parameters;
-use glidepath_controller::{
-    Config, Controller, Look, Message, Motion, Serial, Settings, Signals, State, Status,
-};
+use glidepath_controller::{Config, Controller, Look, Message, Motion, Serial, Settings, Signals, State};
 use glidepath_copy as _;
 use glidepath_steps::Drive;
 use machine::{AXES, BLOCKS};
@@ -58,18 +63,16 @@ type Flash = &'static mut glidepath_controller::store::MemoryFlash<8192>;
 static FLASH: ConstStaticCell<glidepath_controller::store::MemoryFlash<8192>> =
     ConstStaticCell::new(glidepath_controller::store::MemoryFlash([0; 8192]));
 
-/// What a machine works in. It is made anew when settings change machine data.
+/// What a machine works in beside its channel. It is made anew when settings change machine data.
 struct Memory {
-    channel: Channel<AXES, BLOCKS, AXES>,
     machine: MachineMemory<AXES>,
     data: MachineData<AXES>,
 }
 
-static MEMORY: ConstStaticCell<Memory> = ConstStaticCell::new(Memory {
-    channel: Channel::new(),
-    machine: MachineMemory::new(),
-    data: machine::BLANK,
-});
+/// With programs of other dialects 17 of its bytes are not zero, so flash holds what it begins with.
+static CHANNEL: ConstStaticCell<Channel<AXES, BLOCKS, AXES>> = ConstStaticCell::new(Channel::new());
+static MEMORY: ConstStaticCell<Memory> =
+    ConstStaticCell::new(Memory { machine: MachineMemory::new(), data: machine::BLANK });
 static SERIAL: ConstStaticCell<Serial<BUFFER>> = ConstStaticCell::new(Serial::new());
 
 /// What outlives a change of the settings.
@@ -90,17 +93,21 @@ struct Desk {
 
 #[entry]
 fn main() -> ! {
-    if let (Some(board), Some(memory), Some(serial)) =
-        (Peripherals::take(), MEMORY.try_take(), SERIAL.try_take())
+    if let (Some(board), Some(channel), Some(memory), Some(serial)) =
+        (Peripherals::take(), CHANNEL.try_take(), MEMORY.try_take(), SERIAL.try_take())
+        && let Some((desk, carried)) = &mut start(board, serial)
     {
-        run(board, memory, serial);
+        serve(desk, channel, memory, carried);
     }
     loop {
         wfi();
     }
 }
 
-fn run(board: Peripherals, memory: &'static mut Memory, serial: &'static mut Serial<BUFFER>) {
+/// Starts everything but the machine. The frame of this call is gone when the machine works, as are those of the other
+/// calls here that are not inlined.
+#[inline(never)]
+fn start(board: Peripherals, serial: &'static mut Serial<BUFFER>) -> Option<(Desk, Carried<AXES>)> {
     #[cfg(feature = "hardware")]
     {
         clock::start(&board.RCC, &board.FLASH);
@@ -119,84 +126,141 @@ fn run(board: Peripherals, memory: &'static mut Memory, serial: &'static mut Ser
     let (receiver, inbox) = serial.split();
     let line = serial::start(&board, receiver);
     let watchdog = safety::Watchdog::start(&board);
-    let settings = machine::DEFAULTS;
-    let data = machine::data(&settings);
-    if let Ok(steps) = machine::steps(&settings, &data, &Place::default()) {
-        words::start(&board, steps.rest_word());
-    }
+    start_words(&board);
     #[cfg(feature = "hardware")]
     let flash = flash::Sectors::new(board.FLASH);
     #[cfg(not(feature = "hardware"))]
-    let Some(flash) = FLASH.try_take() else { return };
-    let Ok(mut store) = Parameters::open(flash) else { return };
+    let flash = FLASH.try_take()?;
+    let mut store = Parameters::open(flash).ok()?;
     let stored = store.load(&mut config);
     if !machine::fits(&config.settings) {
         config.settings = config.defaults;
         config.notice = Message::try_from("the stored settings do not fit this build").unwrap_or_default();
     }
     let carried = Carried::new(Place::default(), config.settings, stored);
-    let controller = Controller::new(inbox, config);
-    let controls = inputs::Controls::new();
-    let desk = Desk {
-        controller,
-        line,
-        store,
-        controls,
-        outputs,
-        watchdog,
-        signals: Signals::default(),
-        counts: tick::Counts::default(),
-        faults: 0,
-        made: carried.settings,
-    };
-    serve(desk, memory, carried);
+    let made = carried.settings;
+    let (controller, controls) = (Controller::new(inbox, config), inputs::Controls::new());
+    let (signals, counts) = (Signals::default(), tick::Counts::default());
+    let desk =
+        Desk { controller, line, store, controls, outputs, watchdog, signals, counts, faults: 0, made };
+    Some((desk, carried))
+}
+
+/// Starts the step output with the pins at rest.
+#[inline(never)]
+fn start_words(board: &Peripherals) {
+    let settings = machine::DEFAULTS;
+    let data = machine::data(&settings);
+    if let Ok(steps) = machine::steps(&settings, &data, &Place::default()) {
+        words::start(board, steps.rest_word());
+    }
 }
 
 /// One machine after the other, for ever; in the emulator until `$SLP`.
-fn serve(mut desk: Desk, memory: &'static mut Memory, mut carried: Carried<AXES>) {
-    let memory: *mut Memory = memory;
+fn serve(
+    desk: &mut Desk,
+    channel: &'static mut Channel<AXES, BLOCKS, AXES>,
+    memory: &'static mut Memory,
+    carried: &mut Carried<AXES>,
+) {
+    let (channel, memory): (*mut _, *mut Memory) = (channel, memory);
     loop {
-        // SAFETY: `machine` of the round before is gone, and so is the interrupt's side. Nothing else refers to it.
-        let memory: &'static mut Memory = unsafe { &mut *memory };
-        memory.data = machine::data(&carried.settings);
-        memory.channel = Channel::new();
-        let next = desk.round(memory, &carried);
+        // SAFETY: `machine` of the round before is gone, and so is the interrupt's side. Nothing else refers to them.
+        let (channel, memory): (&'static mut Channel<AXES, BLOCKS, AXES>, &'static mut Memory) =
+            unsafe { (&mut *channel, &mut *memory) };
+        clear(channel, memory, carried);
+        let goes_on = desk.round(channel, memory, carried);
         tick::set(None);
-        match next {
-            Some(next) => carried = next,
-            None => return,
+        if !goes_on {
+            return;
         }
     }
 }
 
+/// As at power-up, with the machine data of the settings.
+#[inline(never)]
+fn clear(channel: &mut Channel<AXES, BLOCKS, AXES>, memory: &mut Memory, carried: &Carried<AXES>) {
+    memory.data = machine::data(&carried.settings);
+    // A constant is copied to its place at once. What a call returns is on the stack first, and has no room there.
+    *channel = const { Channel::new() };
+}
+
+/// A machine that stands where the one before has ended, and the interrupt's side.
+#[inline(never)]
+fn make(
+    channel: &'static mut Channel<AXES, BLOCKS, AXES>,
+    memory: &'static mut MachineMemory<AXES>,
+    data: &'static MachineData<AXES>,
+    carried: &Carried<AXES>,
+) -> Option<(Machine<'static, AXES, BLOCKS, AXES>, Interpolator<'static, AXES, Unfiltered, AXES>)> {
+    let parts = memory.split();
+    match channel.split(data, carried.position, parts.0) {
+        Ok(handles) => Some(joined(handles, parts, data, carried)),
+        Err(_) => None,
+    }
+}
+
+/// A machine of the handles of its channel.
+#[inline(never)]
+fn joined(
+    handles: Handles<'static, &'static Spool, AXES, BLOCKS, Unfiltered, Unfiltered, AXES>,
+    parts: (&'static Spool, &'static mut DecoderMemory<AXES>),
+    data: &'static MachineData<AXES>,
+    carried: &Carried<AXES>,
+) -> (Machine<'static, AXES, BLOCKS, AXES>, Interpolator<'static, AXES, Unfiltered, AXES>) {
+    Machine::new(handles, parts, data, carried)
+}
+
 impl Desk {
-    /// Runs until settings ask for another machine. `None`: the machine data cannot be, or the emulator is to end.
-    fn round(&mut self, memory: &'static mut Memory, carried: &Carried<AXES>) -> Option<Carried<AXES>> {
-        let parts = memory.machine.split();
-        let handles = memory.channel.split(&memory.data, carried.position, parts.0).ok()?;
-        let (mut machine, interpolator) = Machine::new(handles, parts, &memory.data, carried);
+    /// Runs until settings ask for another machine. `false`: the machine data cannot be, or the emulator is to end.
+    #[inline(never)]
+    fn round(
+        &mut self,
+        channel: &'static mut Channel<AXES, BLOCKS, AXES>,
+        memory: &'static mut Memory,
+        carried: &mut Carried<AXES>,
+    ) -> bool {
+        let Memory { machine, data } = memory;
+        let data = &*data;
+        let mut made = make(channel, machine, data, carried);
+        let Some((ref mut machine, interpolator)) = made else { return false };
+        if self.start_tick(interpolator, data, carried).is_none() {
+            return false;
+        }
         machine.set_fits(machine::check);
-        let steps = machine::steps(&carried.settings, &memory.data, &carried.position).ok()?;
-        let drive = Drive::new(steps, &memory.data, carried.position);
-        (self.made, self.faults) = (carried.settings, 0);
-        let polarity = polarity(&carried.settings, false);
-        tick::set(Some(Tick::new(interpolator, drive, polarity, self.counts)));
         loop {
-            self.turn(&mut machine);
-            self.change_steps(&machine.status(), &memory.data);
-            if let Some(next) = machine.successor() {
-                return Some(next);
+            self.turn(machine);
+            self.change_steps(machine, data);
+            if goes_on(machine, carried) {
+                return true;
             }
             #[cfg(feature = "qemu")]
             if self.controller.state(&machine.status()) == State::Sleep {
                 report();
-                return None;
+                return false;
             }
         }
     }
 
+    /// Hands the interrupt its side.
+    #[inline(never)]
+    fn start_tick(
+        &mut self,
+        interpolator: Interpolator<'static, AXES, Unfiltered, AXES>,
+        data: &MachineData<AXES>,
+        carried: &Carried<AXES>,
+    ) -> Option<()> {
+        let steps = machine::steps(&carried.settings, data, &carried.position).ok()?;
+        let drive = Drive::new(steps, data, carried.position);
+        (self.made, self.faults) = (carried.settings, 0);
+        let polarity = polarity(&carried.settings, false);
+        tick::set(Some(Tick::new(interpolator, drive, polarity, self.counts)));
+        Some(())
+    }
+
     /// One look at everything.
-    fn turn<const O: usize>(&mut self, machine: &mut Machine<'static, AXES, BLOCKS, O>) {
+    #[inline(never)]
+    fn turn(&mut self, machine: &mut Machine<'static, AXES, BLOCKS, AXES>) {
         let Some((latch, faults, counts)) = tick::with(|tick| tick.seen()) else { return };
         let is_new = core::mem::replace(&mut self.counts, counts).ticks != counts.ticks;
         if is_new {
@@ -223,8 +287,9 @@ impl Desk {
     }
 
     /// Settings of the step output alone act at rest, without another machine.
-    fn change_steps(&mut self, status: &Status<AXES>, data: &MachineData<AXES>) {
-        let settings = self.controller.settings();
+    #[inline(never)]
+    fn change_steps(&mut self, machine: &Machine<'static, AXES, BLOCKS, AXES>, data: &MachineData<AXES>) {
+        let (status, settings) = (machine.status(), self.controller.settings());
         if machine::same_steps(settings, &self.made) || status.is_busy || !status.is_at_rest {
             return;
         }
@@ -236,6 +301,12 @@ impl Desk {
             let _ = tick::with(|tick| tick.change(drive));
         }
     }
+}
+
+/// Whether settings ask for another machine; what goes on from this one is then in `carried`.
+#[inline(never)]
+fn goes_on(machine: &mut Machine<'static, AXES, BLOCKS, AXES>, carried: &mut Carried<AXES>) -> bool {
+    machine.successor().map(|next| *carried = next).is_some()
 }
 
 /// What the interrupt has to know of the settings.
@@ -261,8 +332,11 @@ fn count_cycles() {
 fn report() {
     use cortex_m_semihosting::{debug, heprintln};
     let seen = tick::with(|tick| (tick.counts, tick.positions()));
+    let (size, stack) = stack::depth();
     if let Some((tick::Counts { ticks, active, missed, longest }, [x, y, z])) = seen {
-        heprintln!("ticks {ticks} active {active} missed {missed} longest {longest} x {x} y {y} z {z}");
+        heprintln!(
+            "ticks {ticks} active {active} missed {missed} longest {longest} x {x} y {y} z {z} stack {stack} of {size}"
+        );
     }
     debug::exit(debug::EXIT_SUCCESS);
 }
