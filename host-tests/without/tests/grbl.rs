@@ -102,9 +102,10 @@ fn what_computes_is_refused_by_its_name() {
         ("O100 sub", 1, "an O word"),
         ("G81 X1 Z-1 R1 F100", 1, "drill"),
         ("G95 F1", 1, "feed per revolution"),
-        ("G96 S100", 1, "constant surface speed"),
         ("M98 P100", 1, "call the subprogram"),
         ("M99", 1, "return"),
+        ("M64 P1", 1, "digital output"),
+        ("M70", 1, "save modal state"),
         ("G2 X0 Y0 I5 P3 F100", 13, "an arc of several turns"),
     ];
     for (line, column, what) in table {
