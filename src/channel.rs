@@ -31,7 +31,7 @@ mod error;
 #[cfg(feature = "examine")]
 mod examine;
 mod filter;
-#[cfg(feature = "dialects")]
+#[cfg(feature = "grbl")]
 mod force;
 #[cfg(feature = "kinematics")]
 mod kinematics;
@@ -115,7 +115,7 @@ struct Held {
     function: Function,
     in_motion: bool,
     /// The motion waits for this function, whatever the machine data say.
-    #[cfg(feature = "dialects")]
+    #[cfg(feature = "grbl")]
     pauses: bool,
 }
 
@@ -125,7 +125,7 @@ impl Held {
             n: head.n,
             function,
             in_motion: head.in_motion,
-            #[cfg(feature = "dialects")]
+            #[cfg(feature = "grbl")]
             pauses: false,
         }
     }
@@ -191,7 +191,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
 {
     /// Carries `command` out before the first line, as if the program began with it. Call `begin_with` before the
     /// first [`Self::poll`]. A program that [`Self::load`] starts begins without `command`.
-    #[cfg(feature = "dialects")]
+    #[cfg(feature = "grbl")]
     pub fn begin_with(&mut self, command: Command<AXES>) {
         self.decoder.begin_with(command);
     }
@@ -562,11 +562,11 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
             Command::RtWhile(head, modulo) => self.begin_loop(head, Some(*modulo))?,
             #[cfg(feature = "plc")]
             Command::RtEndWhile(head) => self.begin_loop(head, None)?,
-            #[cfg(feature = "dialects")]
+            #[cfg(feature = "grbl")]
             Command::Pause(..) | Command::Output(..) | Command::WaitInput(..) => {
                 return self.put_out(command);
             }
-            #[cfg(any(feature = "dialects", feature = "plc"))]
+            #[cfg(any(feature = "grbl", feature = "plc"))]
             Command::Message(_) => {}
             #[cfg(feature = "plc")]
             Command::Flush(_) => self.planning.keep_corner(),
@@ -576,7 +576,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
     }
 
     /// A pause, an output or a wait for an input, in a dialect other than ISG's.
-    #[cfg(feature = "dialects")]
+    #[cfg(feature = "grbl")]
     fn put_out(&mut self, command: &Command<AXES>) -> Result<Progress, Error> {
         let held = match command {
             Command::Pause(head, code) => Held { pauses: true, ..Held::new(head, Function::M(*code)) },
@@ -706,10 +706,10 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
             Function::M(code) => setup.m_synch.of(code),
             Function::H(code) => setup.h_synch.of(code),
             Function::Spindle(_) | Function::Tool(_) => Synch::Mos,
-            #[cfg(feature = "dialects")]
+            #[cfg(feature = "grbl")]
             Function::Digital(..) | Function::Analog(..) | Function::Input(_) => Synch::Mos,
         };
-        #[cfg(feature = "dialects")]
+        #[cfg(feature = "grbl")]
         let synch = if held.pauses { Synch::MnsSns } else { synch };
         let Held { n, function, in_motion, .. } = held;
         if self.planning.output(n, function, synch, in_motion).is_err() {

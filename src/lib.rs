@@ -68,7 +68,8 @@
 //! | `beside` | single axes: oscillation, independent axes |
 //! | `filters` | FIR filters of the axes |
 //! | `fast` | fewer instructions for more flash, with `opt-level = 3` |
-//! | `dialects` | programs in the languages of LinuxCNC and Grbl |
+//! | `grbl` | programs in the language of Grbl 1.1 |
+//! | `dialects` | programs in the languages of LinuxCNC and Grbl, with parameters, cycles and O words |
 //! | `fanuc` | programs in the language of Fanuc controllers |
 //! | `plc` | for a PLC: elements of the path ahead, real-time loops, `V.` variables |
 //! | `kinematics` | transformations of machines with rotary axes: `#KIN ID`, `#TRAFO` |

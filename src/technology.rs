@@ -41,19 +41,19 @@ pub enum Function {
     /// T: tool number.
     Tool(u32),
     /// M62 to M65 of LinuxCNC: digital output with this port number, switched on or off.
-    #[cfg(feature = "dialects")]
+    #[cfg(feature = "grbl")]
     Digital(u8, bool),
     /// M67 and M68 of LinuxCNC: analogue output with this port number, and the value.
-    #[cfg(feature = "dialects")]
+    #[cfg(feature = "grbl")]
     Analog(u8, #[cfg_attr(feature = "defmt", defmt(Debug2Format))] Position),
     /// M66 of LinuxCNC: the axes stand until this function is acknowledged.
-    #[cfg(feature = "dialects")]
+    #[cfg(feature = "grbl")]
     Input(InputWait),
 }
 
 /// The condition of M66. The application acknowledges the function when the input fulfils the condition, or
 /// when the time is over.
-#[cfg(feature = "dialects")]
+#[cfg(feature = "grbl")]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct InputWait {

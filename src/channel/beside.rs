@@ -501,7 +501,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
     ///
     /// # Errors
     /// Returns [`MoveError`] with the reason; nothing changes.
-    #[cfg(feature = "dialects")]
+    #[cfg(feature = "grbl")]
     pub fn seek_axis(&mut self, axis: usize, target: Position, feed: Option<Feed>) -> Result<(), MoveError> {
         self.start_alone(axis, target, feed, false)
     }

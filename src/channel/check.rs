@@ -29,6 +29,10 @@ pub(super) fn check<const AXES: usize, const BLOCKS: usize>(
     if let Some((said, expected)) = channel.interpolator.functions.refused() {
         return Err(MachineError::Interpolator(said, expected));
     }
+    #[cfg(feature = "grbl")]
+    if channel.foreign.dialect == crate::machine::Dialect::LinuxCnc {
+        functions::DIALECTS.check().map_err(MachineError::NotBuilt)?;
+    }
     if channel.slope_profile == SLOPE_HSC {
         functions::HSC.check().map_err(MachineError::NotBuilt)?;
     }

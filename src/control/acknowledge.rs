@@ -54,10 +54,10 @@ const fn word(function: Function) -> Option<u32> {
         Function::M(code) => Some((code as u32) << CODE),
         Function::H(code) => Some((code as u32) << CODE | OF_H),
         Function::Spindle(_) | Function::Tool(_) => None,
-        #[cfg(feature = "dialects")]
+        #[cfg(feature = "grbl")]
         Function::Digital(..) | Function::Analog(..) => None,
         // Numbers above those of M functions.
-        #[cfg(feature = "dialects")]
+        #[cfg(feature = "grbl")]
         Function::Input(wait) => {
             let code =
                 1 << 15 | (wait.is_analog as u32) << 12 | (wait.mode as u32 & 7) << 8 | wait.port as u32;

@@ -13,7 +13,8 @@
 //! | `expressions` | `P` parameters, operators and functions, `$` statements | words have plain numbers; subroutines stay |
 //! | `filters` | `#FILTER`, P-AXIS-00586 | |
 //! | `beside` | `[OSC …]`, `[INDP …]`, `#WAIT INDP` | |
-//! | `dialects` (off by default) | the words of LinuxCNC and Grbl | programs are ISG's |
+//! | `grbl` (off by default) | the words of Grbl 1.1 | programs are ISG's |
+//! | `dialects` (off by default, brings `grbl`) | the words of LinuxCNC; parameters, O words, `M98` and cycles of Grbl's programs | |
 //! | `fanuc` (off by default, needs `dialects`) | the words of Fanuc's controllers | |
 //! | `kinematics` (off by default, needs `hsc`) | `#KIN ID`, `#TRAFO` | |
 //! | `plc` (off by default) | `#CONTOUR LOOKAHEAD LOG`, `#DISTANCE PROG START CLEAR`, `#RT WHILE`, `#FLUSH`, `V.` variables | |
@@ -80,4 +81,6 @@ functions! {
     FILTERS = "filters": "#FILTER";
     /// Axes that move independently of the path.
     BESIDE = "beside": "an axis beside the path ([OSC], [INDP], #WAIT INDP)";
+    /// LinuxCNC's language, and its parameters, O words, subprograms and cycles in Grbl's.
+    DIALECTS = "dialects": "the language of LinuxCNC";
 }

@@ -26,7 +26,7 @@
 //! [`parameter`] lists all parameters with unit, range and default. [`functions`] lists the functions that a
 //! build may leave out.
 
-#[cfg(feature = "dialects")]
+#[cfg(feature = "grbl")]
 mod foreign;
 pub mod functions;
 #[cfg(feature = "plc")]
@@ -36,7 +36,7 @@ mod planned;
 mod synch;
 mod travel;
 
-#[cfg(feature = "dialects")]
+#[cfg(feature = "grbl")]
 pub use foreign::{Dialect, ForeignAxis, ForeignChannel, MORE_OFFSETS, TOOLS, ToolLengths};
 #[cfg(feature = "plc")]
 pub use interpolator::{FB_STORAGE_MIN, INTERPOLATOR_FUNCTIONS, InterpolatorData, InterpolatorFunctions};
@@ -173,7 +173,7 @@ pub struct AxisData {
     /// The filter of the axis's set points.
     pub filter: FilterData,
     /// Data that only programs of LinuxCNC and Grbl need.
-    #[cfg(feature = "dialects")]
+    #[cfg(feature = "grbl")]
     pub foreign: ForeignAxis,
 }
 
@@ -301,7 +301,7 @@ impl AxisData {
             swe_neg: -NO_LIMIT,
             swe_pos: NO_LIMIT,
             filter: FilterData::NONE,
-            #[cfg(feature = "dialects")]
+            #[cfg(feature = "grbl")]
             foreign: ForeignAxis::NONE,
         }
     }
@@ -424,7 +424,7 @@ pub struct ChannelData {
     #[cfg(feature = "plc")]
     pub interpolator: InterpolatorData,
     /// The dialect of programs, and data that only dialects other than ISG's need.
-    #[cfg(feature = "dialects")]
+    #[cfg(feature = "grbl")]
     pub foreign: ForeignChannel,
 }
 
@@ -457,7 +457,7 @@ impl ChannelData {
             default_index: 0,
             #[cfg(feature = "plc")]
             interpolator: InterpolatorData::ISG,
-            #[cfg(feature = "dialects")]
+            #[cfg(feature = "grbl")]
             foreign: ForeignChannel::ISG,
         }
     }

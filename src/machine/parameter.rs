@@ -300,7 +300,7 @@ pub const CHANNEL: &[Parameter<ChannelData>] = &[
 ];
 
 /// Axis parameters for dialects other than ISG's. These parameters are Glidepath's own.
-#[cfg(feature = "dialects")]
+#[cfg(feature = "grbl")]
 pub const AXIS_FOREIGN: &[Parameter<AxisData>] = &[
     Parameter {
         set: |t, milli| t.foreign.versch[0] = (milli / 1000) as i32,
@@ -330,13 +330,13 @@ pub const AXIS_FOREIGN: &[Parameter<AxisData>] = &[
 ];
 
 /// A stored position of an axis.
-#[cfg(feature = "dialects")]
+#[cfg(feature = "grbl")]
 const fn place(name: &'static str) -> Parameter<AxisData> {
     plain("", name, "0.1 µm or 0.0001°", -ZERO_OFFSET_MAX * 1000, ZERO_OFFSET_MAX * 1000)
 }
 
 /// Channel parameters for dialects other than ISG's. These parameters are Glidepath's own.
-#[cfg(feature = "dialects")]
+#[cfg(feature = "grbl")]
 pub const CHANNEL_FOREIGN: &[Parameter<ChannelData>] = &[
     Parameter {
         set: |t, milli| t.foreign.blend_tolerance_um = (milli / 1000) as u32,

@@ -42,19 +42,19 @@ pub(super) enum ItemKind {
     H(u16),
     ProgramEnd(u16),
     /// M0, M1, M6, M60 of other dialects.
-    #[cfg(feature = "dialects")]
+    #[cfg(feature = "grbl")]
     Pause(u16),
     /// M62 to M68 of other dialects; the interpreter keeps the details.
-    #[cfg(feature = "dialects")]
+    #[cfg(feature = "grbl")]
     Output,
     /// G38.n: the digit after the point.
-    #[cfg(feature = "dialects")]
+    #[cfg(feature = "grbl")]
     Probe(u8),
     /// The comment of the line.
-    #[cfg(feature = "dialects")]
+    #[cfg(feature = "grbl")]
     Message,
     /// G64 with its largest deviation.
-    #[cfg(feature = "dialects")]
+    #[cfg(feature = "grbl")]
     Blend(Position),
 }
 

@@ -1,10 +1,10 @@
 //! Commands: the output of the decoder, one at a time.
-#[cfg(feature = "dialects")]
+#[cfg(feature = "grbl")]
 use super::dialect::ForeignSetup;
 use super::function::*;
 use crate::machine::{AxisKind, AxisName, MachineData, SynchTable, ZERO_OFFSETS, of_tenths};
 use crate::quantity::{Feed, Position};
-#[cfg(feature = "dialects")]
+#[cfg(feature = "grbl")]
 use crate::technology::{Function, InputWait};
 
 /// A place in the program text: the origin of a command or an error.
@@ -50,7 +50,7 @@ pub struct Setup<const AXES: usize> {
     /// P-CHAN-00027: H functions that are output before the motion of their block.
     pub h_synch: SynchTable,
     /// Data that only programs of LinuxCNC and Grbl need.
-    #[cfg(feature = "dialects")]
+    #[cfg(feature = "grbl")]
     pub foreign: ForeignSetup<AXES>,
 }
 
@@ -66,7 +66,7 @@ impl<const AXES: usize> Setup<AXES> {
         default_index: 0,
         m_synch: SynchTable::BLANK,
         h_synch: SynchTable::BLANK,
-        #[cfg(feature = "dialects")]
+        #[cfg(feature = "grbl")]
         foreign: ForeignSetup::ISG,
     };
 
@@ -88,7 +88,7 @@ impl<const AXES: usize> Setup<AXES> {
             default_index: machine.channel.default_index,
             m_synch: machine.channel.m_synch,
             h_synch: machine.channel.h_synch,
-            #[cfg(feature = "dialects")]
+            #[cfg(feature = "grbl")]
             foreign: ForeignSetup::new(machine),
         }
     }
@@ -235,29 +235,29 @@ pub enum Command<const AXES: usize> {
     ProgramEnd(Head, u16),
     /// M0, M1, M6 and M60 of LinuxCNC and Grbl: the axes stop until the operator acknowledges this M
     /// function.
-    #[cfg(feature = "dialects")]
+    #[cfg(feature = "grbl")]
     Pause(Head, u16),
     /// M62 to M65, M67, M68 of LinuxCNC. `true`: at once, and the corner before it stays sharp. `false`: together
     /// with the next motion.
-    #[cfg(feature = "dialects")]
+    #[cfg(feature = "grbl")]
     Output(Head, Function, bool),
     /// M66 of LinuxCNC: the axes stop until the operator acknowledges [`Function::Input`].
-    #[cfg(feature = "dialects")]
+    #[cfg(feature = "grbl")]
     WaitInput(Head, InputWait),
     /// A text for the operator, `#MSG ["text"]` or the comment `(MSG, text)`. The place is that of the text.
-    #[cfg(any(feature = "dialects", feature = "plc"))]
+    #[cfg(any(feature = "grbl", feature = "plc"))]
     Message(Head),
     /// `#FLUSH`: releases blocks that wait for the next block.
     #[cfg(feature = "plc")]
     Flush(Head),
     /// G38.2…G38.5 of other dialects. The planner refuses the command by name: an application with a probe
     /// carries it out.
-    #[cfg(feature = "dialects")]
+    #[cfg(feature = "grbl")]
     Probe(Head, Probe<AXES>),
 }
 
 /// A probing motion: straight, until the probe switches.
-#[cfg(feature = "dialects")]
+#[cfg(feature = "grbl")]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Probe<const AXES: usize> {
     /// `true`: the probe closes during the motion. `false`: it opens (G38.4, G38.5).
@@ -303,9 +303,9 @@ impl<const AXES: usize> Command<AXES> {
             | Self::Independent(h, _)
             | Self::WaitIndependent(h, _)
             | Self::ProgramEnd(h, _) => Some(h),
-            #[cfg(feature = "dialects")]
+            #[cfg(feature = "grbl")]
             Self::Pause(h, _) | Self::Probe(h, _) | Self::Output(h, ..) | Self::WaitInput(h, _) => Some(h),
-            #[cfg(any(feature = "dialects", feature = "plc"))]
+            #[cfg(any(feature = "grbl", feature = "plc"))]
             Self::Message(h) => Some(h),
             #[cfg(feature = "plc")]
             Self::Flush(h) => Some(h),
@@ -386,17 +386,17 @@ impl<const AXES: usize> Command<AXES> {
             Self::Independent(..) => "independent axis [INDP_…]",
             Self::WaitIndependent(..) => "#WAIT INDP",
             Self::ProgramEnd(..) => "program end",
-            #[cfg(feature = "dialects")]
+            #[cfg(feature = "grbl")]
             Self::Pause(..) => "pause",
-            #[cfg(feature = "dialects")]
+            #[cfg(feature = "grbl")]
             Self::Output(..) => "output (M62 to M68)",
-            #[cfg(feature = "dialects")]
+            #[cfg(feature = "grbl")]
             Self::WaitInput(..) => "wait for an input (M66)",
-            #[cfg(any(feature = "dialects", feature = "plc"))]
+            #[cfg(any(feature = "grbl", feature = "plc"))]
             Self::Message(_) => "message",
             #[cfg(feature = "plc")]
             Self::Flush(_) => "#FLUSH",
-            #[cfg(feature = "dialects")]
+            #[cfg(feature = "grbl")]
             Self::Probe(..) => "probing (G38.2 to G38.5)",
         }
     }

@@ -96,7 +96,7 @@ impl<const AXES: usize> Interpreter<AXES> {
     pub fn offset(&self, axis: usize) -> Position {
         let set = self.modal.zero_set.and_then(|set| self.setup.zero_offsets.get(set));
         let zero = set.and_then(|set| set.get(axis)).copied().unwrap_or(Position::ZERO);
-        #[cfg(feature = "dialects")]
+        #[cfg(feature = "grbl")]
         let zero = zero.wrapping_add(self.more_offset(axis));
         // Two coordinates cannot overflow.
         zero.wrapping_add(self.modal.shift.get(axis).copied().unwrap_or(Position::ZERO))

@@ -8,7 +8,7 @@ use super::line::{Fill, Line, LineReader, Mark};
 use super::modal::Before;
 use super::*;
 use crate::machine::MachineData;
-#[cfg(feature = "dialects")]
+#[cfg(feature = "grbl")]
 use crate::technology::Function;
 
 /// A command that changes what the following blocks may do.
@@ -91,9 +91,9 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
         let DecoderMemory { line, interpreter } = memory;
         line.clear();
         interpreter.begin(&setup);
-        #[cfg_attr(not(feature = "dialects"), expect(unused_mut, reason = "only dialects change it"))]
+        #[cfg_attr(not(feature = "grbl"), expect(unused_mut, reason = "only dialects change it"))]
         let mut reader = LineReader::new(text);
-        #[cfg(feature = "dialects")]
+        #[cfg(feature = "grbl")]
         {
             reader.foreign.is_on = !interpreter.is_isg();
         }
@@ -120,7 +120,7 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
 
     /// Returns `command` before the first line, as if the program began with it: for a smoothing that the program
     /// does not select. Call it before the first step.
-    #[cfg(feature = "dialects")]
+    #[cfg(feature = "grbl")]
     pub fn begin_with(&mut self, command: Command<AXES>) {
         self.interpreter.gathered = Gathered::Single(core::cell::Cell::new(command));
     }
@@ -148,7 +148,7 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
         }
         let is_motion = match self.interpreter.front() {
             Some(item) => matches!(item.kind, ItemKind::Motion),
-            #[cfg(feature = "dialects")]
+            #[cfg(feature = "grbl")]
             None if self.interpreter.foreign.is_under_way() => {
                 self.interpreter.foreign_part(self.line);
                 return Ok(Step::Working);
@@ -299,14 +299,14 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
     }
 
     /// The modal state after the lines read so far; `None` inside a line.
-    #[cfg(feature = "dialects")]
+    #[cfg(feature = "grbl")]
     pub fn in_force(&self) -> Option<super::InForce<AXES>> {
         self.is_between_lines().then(|| self.interpreter.in_force())
     }
 
     /// Restores an earlier modal state, or that of program start. It counts from the next line on. Returns
     /// `false` inside a line; nothing has changed then.
-    #[cfg(feature = "dialects")]
+    #[cfg(feature = "grbl")]
     #[must_use]
     pub fn put_in_force(&mut self, force: &super::InForce<AXES>) -> bool {
         let may = self.is_between_lines();
@@ -317,14 +317,14 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
     }
 
     /// Zero offsets and places, as programs have stored them.
-    #[cfg(feature = "dialects")]
+    #[cfg(feature = "grbl")]
     pub fn stored(&self) -> super::StoredOffsets<AXES> {
         self.interpreter.stored()
     }
 
     /// Restores zero offsets and places. They count from the next line on. Returns `false` if a value is beyond ±100
     /// 000 mm; nothing has changed then.
-    #[cfg(feature = "dialects")]
+    #[cfg(feature = "grbl")]
     #[must_use]
     pub fn put_stored(&mut self, stored: &super::StoredOffsets<AXES>) -> bool {
         let may = stored.is_in_range();
@@ -342,7 +342,7 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
     /// Whether the lines read so far are completely decoded, and all their commands are returned.
     pub(crate) fn is_between_lines(&self) -> bool {
         let Interpreter { queue, gathered, calculator, .. } = &self.interpreter;
-        #[cfg(feature = "dialects")]
+        #[cfg(feature = "grbl")]
         if !self.refused && self.interpreter.foreign.is_under_way() {
             return false;
         }
@@ -360,7 +360,7 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
                 let bounds = Bounds { start: self.reader.line_start(), next: self.reader.next_start() };
                 self.interpreter.line(self.line, bounds, goes_on)
             }
-            #[cfg(feature = "dialects")]
+            #[cfg(feature = "grbl")]
             Fill::End if !self.interpreter.is_isg() => {
                 self.interpreter.end_of_foreign_text(self.reader.here())
             }
@@ -420,7 +420,7 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
         let fill = self.reader.fill(self.line)?;
         let bytes = self.reader.next_start().offset.wrapping_sub(from);
         self.interpreter.calculator.charge(LINE + bytes / BYTES);
-        #[cfg(feature = "dialects")]
+        #[cfg(feature = "grbl")]
         if fill == Fill::Line {
             self.interpreter.foreign.note = self.reader.foreign.take();
         }
@@ -449,7 +449,7 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
         };
         // The call has not begun.
         self.interpreter.flow.leave_call();
-        #[cfg(feature = "dialects")]
+        #[cfg(feature = "grbl")]
         self.interpreter.leave_missing_file();
         Err(self.error(Refusal::Here(Fault { span: name, kind })))
     }
@@ -482,7 +482,7 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
     fn command_of(&mut self, item: Item) -> Option<Command<AXES>> {
         let i = &mut *self.interpreter;
         let head = Head { n: i.n, place: self.line.place(item.span), in_motion: i.moves };
-        #[cfg(feature = "dialects")]
+        #[cfg(feature = "grbl")]
         let head = Head { in_motion: head.in_motion && i.is_isg(), ..head };
         let contour = |switch| Command::Contour(head, Contour { switch: Some(switch), ..Contour::default() });
         Some(match item.kind {
@@ -495,22 +495,22 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
             ItemKind::ToolOffset(number) => Command::ToolOffset(head, number),
             ItemKind::EndFeed => Command::EndFeed(head),
             ItemKind::ProgramEnd(code) => Command::ProgramEnd(head, code),
-            #[cfg(feature = "dialects")]
+            #[cfg(feature = "grbl")]
             ItemKind::Pause(code) => Command::Pause(head, code),
-            #[cfg(feature = "dialects")]
+            #[cfg(feature = "grbl")]
             ItemKind::Output => match i.foreign.output {
                 (Function::Input(wait), _) => Command::WaitInput(head, wait),
                 (function, at_once) => Command::Output(head, function, at_once),
             },
-            #[cfg(feature = "dialects")]
+            #[cfg(feature = "grbl")]
             ItemKind::Message => Command::Message(Head { place: i.foreign.message, ..head }),
-            #[cfg(feature = "dialects")]
+            #[cfg(feature = "grbl")]
             ItemKind::Probe(tenth) => {
                 let Motion { target, feed, .. } = i.gathered.motion()?;
                 let (towards, must_switch) = (tenth < 4, tenth % 2 == 0);
                 Command::Probe(head, Probe { towards, must_switch, target, feed })
             }
-            #[cfg(feature = "dialects")]
+            #[cfg(feature = "grbl")]
             ItemKind::Blend(deviation) => {
                 let (switch, method) = (Some(ContourSwitch::On), Some(ContourMethod::Dev));
                 let path_dev = Some(deviation);

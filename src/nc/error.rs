@@ -177,7 +177,7 @@ pub enum NcErrorKind {
     #[cfg(feature = "plc")]
     InLoop,
     /// A word that the dialect has and Glidepath does not. The texts name the word and what to write.
-    #[cfg(feature = "dialects")]
+    #[cfg(feature = "grbl")]
     Known {
         /// The word.
         what: &'static str,
@@ -185,19 +185,19 @@ pub enum NcErrorKind {
         hint: &'static str,
     },
     /// A G or M word that this dialect does not have.
-    #[cfg(feature = "dialects")]
+    #[cfg(feature = "grbl")]
     UnknownCode(&'static str),
     /// A parameter with a name that has no value.
-    #[cfg(feature = "dialects")]
+    #[cfg(feature = "grbl")]
     NameUnset,
     /// O call or M98 of a subroutine that the text does not have.
-    #[cfg(feature = "dialects")]
+    #[cfg(feature = "grbl")]
     NoProgram,
     /// A value that no word of the block uses.
-    #[cfg(feature = "dialects")]
+    #[cfg(feature = "grbl")]
     Unused,
     /// A tool without a length in the machine data.
-    #[cfg(feature = "dialects")]
+    #[cfg(feature = "grbl")]
     NoTool,
 }
 
@@ -337,7 +337,7 @@ impl fmt::Display for NcError {
             ),
             K::NoLabel => write!(f, "label \"{found}\" is not in this program"),
             K::NoMainProgram => write!(f, "no main program: expected a head % without L"),
-            #[cfg(feature = "dialects")]
+            #[cfg(feature = "grbl")]
             K::NoProgram => write!(
                 f,
                 "no subprogram for \"{found}\": expected it before its call, or behind the main program for M98"
@@ -364,20 +364,20 @@ impl fmt::Display for NcError {
                 "\"{found}\" at the end of a numbered line is a checksum: expected a line without one, or brackets around arithmetic"
             ),
             K::Missing(what) => write!(f, "missing in \"{found}\": expected {what}"),
-            #[cfg(feature = "dialects")]
+            #[cfg(feature = "grbl")]
             K::Known { what, hint } => {
                 write!(f, "{what} \"{found}\" is known, not available in this version; expected {hint}")
             }
-            #[cfg(feature = "dialects")]
+            #[cfg(feature = "grbl")]
             K::NameUnset => write!(f, "parameter {found} has no value: expected an assignment before"),
-            #[cfg(feature = "dialects")]
+            #[cfg(feature = "grbl")]
             K::UnknownCode(dialect) => write!(
                 f,
                 "unknown word \"{found}\": expected a word of the dialect {dialect} (`glidepath words {dialect}`)"
             ),
-            #[cfg(feature = "dialects")]
+            #[cfg(feature = "grbl")]
             K::Unused => write!(f, "no word of this block uses \"{found}\": expected a word that does"),
-            #[cfg(feature = "dialects")]
+            #[cfg(feature = "grbl")]
             K::NoTool => write!(f, "\"{found}\" has no length: expected it in the machine data, tool_length"),
         }
     }
@@ -446,43 +446,43 @@ pub enum NcWarningKind {
     /// The first motion before F, G00 and G01: such motions are rapid.
     RapidWithoutFeed,
     /// G64 without P. The value is the permitted distance from the path, µm.
-    #[cfg(feature = "dialects")]
+    #[cfg(feature = "grbl")]
     BlendTolerance(u32),
     /// Q of G64.
-    #[cfg(feature = "dialects")]
+    #[cfg(feature = "grbl")]
     NoMerging,
     /// M49 to M53: the operator's overrides stay enabled.
-    #[cfg(feature = "dialects")]
+    #[cfg(feature = "grbl")]
     OverridesStay,
     /// `/` in a program of Grbl, which carries out the block.
-    #[cfg(feature = "dialects")]
+    #[cfg(feature = "grbl")]
     BlockSkip,
     /// G4 of more than a minute.
-    #[cfg(feature = "dialects")]
+    #[cfg(feature = "grbl")]
     LongDwell,
     /// F in the block of a G20 or G21 that changes the unit.
-    #[cfg(feature = "dialects")]
+    #[cfg(feature = "grbl")]
     FeedBeforeUnit,
     /// A program of LinuxCNC without M2, M30 or %.
-    #[cfg(feature = "dialects")]
+    #[cfg(feature = "grbl")]
     NoProgramEnd,
     /// A comment that LinuxCNC carries out.
-    #[cfg(feature = "dialects")]
+    #[cfg(feature = "grbl")]
     ActiveComment,
     /// G43 on a machine without tool lengths.
-    #[cfg(feature = "dialects")]
+    #[cfg(feature = "grbl")]
     NoToolTable,
     /// A length without a decimal point in a program of Fanuc.
-    #[cfg(feature = "dialects")]
+    #[cfg(feature = "grbl")]
     LeastIncrement,
     /// G95: the feed counts by the programmed spindle speed.
-    #[cfg(feature = "dialects")]
+    #[cfg(feature = "grbl")]
     FeedOfSpindle,
     /// G96: the spindle speed changes from block to block.
-    #[cfg(feature = "dialects")]
+    #[cfg(feature = "grbl")]
     SpeedByBlock,
     /// A mode of the controller without effect here.
-    #[cfg(feature = "dialects")]
+    #[cfg(feature = "grbl")]
     ModeWithoutEffect,
     /// A command to Grbl that reports or unlocks.
     #[cfg(feature = "dialects")]
@@ -583,7 +583,7 @@ impl fmt::Display for NcWarning {
             NcWarningKind::MotionLimited => {
                 "the dynamics of the axis do not allow this TIME: the motion takes longer"
             }
-            #[cfg(feature = "dialects")]
+            #[cfg(feature = "grbl")]
             NcWarningKind::BlendTolerance(um) => {
                 return write!(
                     f,
@@ -591,35 +591,35 @@ impl fmt::Display for NcWarning {
                     f64::from(um) / 1000.0
                 );
             }
-            #[cfg(feature = "dialects")]
+            #[cfg(feature = "grbl")]
             NcWarningKind::OverridesStay => "M49 to M53 and M56 change nothing here: overrides stay on",
-            #[cfg(feature = "dialects")]
+            #[cfg(feature = "grbl")]
             NcWarningKind::NoMerging => "Q of G64 merges no lines here: the motion is nearer to the path",
-            #[cfg(feature = "dialects")]
+            #[cfg(feature = "grbl")]
             NcWarningKind::BlockSkip => "Grbl carries out a block with / before it, and so does this version",
-            #[cfg(feature = "dialects")]
+            #[cfg(feature = "grbl")]
             NcWarningKind::LongDwell => "a dwell of more than a minute: P of G4 is in seconds, not milliseconds",
-            #[cfg(feature = "dialects")]
+            #[cfg(feature = "grbl")]
             NcWarningKind::FeedBeforeUnit => {
                 "F beside a change of the unit: LinuxCNC takes F in the unit before; expected F in the next block"
             }
-            #[cfg(feature = "dialects")]
+            #[cfg(feature = "grbl")]
             NcWarningKind::NoProgramEnd => "the text ends without M2, M30 or %: what is in force stays",
-            #[cfg(feature = "dialects")]
+            #[cfg(feature = "grbl")]
             NcWarningKind::ActiveComment => "this comment is carried out by LinuxCNC, not by this version",
-            #[cfg(feature = "dialects")]
+            #[cfg(feature = "grbl")]
             NcWarningKind::NoToolTable => {
                 "the machine data have no tool lengths: the length is 0; expected tool_length in the machine data"
             }
-            #[cfg(feature = "dialects")]
+            #[cfg(feature = "grbl")]
             NcWarningKind::LeastIncrement => {
                 "numbers without a decimal point count 0.001 mm or degrees, or 0.0001 inch; expected a point behind millimetres and inches"
             }
-            #[cfg(feature = "dialects")]
+            #[cfg(feature = "grbl")]
             NcWarningKind::FeedOfSpindle => "G95: the feed is F times the programmed S, whatever the spindle does",
-            #[cfg(feature = "dialects")]
+            #[cfg(feature = "grbl")]
             NcWarningKind::SpeedByBlock => "G96: the spindle speed is put out at the start of each block, and stays inside of it",
-            #[cfg(feature = "dialects")]
+            #[cfg(feature = "grbl")]
             NcWarningKind::ModeWithoutEffect => "this mode of the controller has no effect here: the path is the programmed one",
             #[cfg(feature = "dialects")]
             NcWarningKind::Report => "a command to Grbl that moves nothing: it has no effect here",

@@ -3,7 +3,7 @@
 use super::block::{Item, Items, Waiting, checksum_of};
 use super::calculator::Calculator;
 use super::cursor::Cursor;
-#[cfg(feature = "dialects")]
+#[cfg(feature = "grbl")]
 use super::dialect::Foreign;
 use super::expression::expression;
 use super::flow::{Ending, Flow, Frame, Passing, Subroutine, hash};
@@ -96,7 +96,7 @@ pub(super) struct Interpreter<const AXES: usize> {
     #[cfg(feature = "plc")]
     pub in_loop: bool,
     /// State that only programs of other dialects need.
-    #[cfg(feature = "dialects")]
+    #[cfg(feature = "grbl")]
     pub foreign: Foreign<AXES>,
 }
 
@@ -180,7 +180,7 @@ impl<const AXES: usize> Interpreter<AXES> {
             written: None,
             #[cfg(feature = "plc")]
             in_loop: false,
-            #[cfg(feature = "dialects")]
+            #[cfg(feature = "grbl")]
             foreign: Foreign::BLANK,
         }
     }
@@ -203,7 +203,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         *values = [None; AXES];
         warnings.clear();
         (self.computed, self.headless) = (None, false);
-        #[cfg(feature = "dialects")]
+        #[cfg(feature = "grbl")]
         self.begin_foreign();
     }
 
@@ -245,7 +245,7 @@ impl<const AXES: usize> Interpreter<AXES> {
     /// Interprets one line, or continues it. [`Calculator::is_halted`] tells whether a refusal only means a
     /// later continuation.
     pub fn line(&mut self, line: &Line, bounds: Bounds, goes_on: bool) -> Result<Next, Refusal> {
-        #[cfg(feature = "dialects")]
+        #[cfg(feature = "grbl")]
         let goes_on = goes_on || !self.takes_plain(line);
         if !goes_on
             && self.phase == Phase::Running
@@ -254,7 +254,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         {
             return Ok(Next::Motion);
         }
-        #[cfg(feature = "dialects")]
+        #[cfg(feature = "grbl")]
         if !self.is_isg() {
             return self.foreign_line(line, bounds);
         }

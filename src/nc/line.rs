@@ -2,11 +2,11 @@
 //!
 //! A line ends with LF, CR LF or a lone CR. The line end closes comments, as with ISG. A comment left open
 //! causes a warning, because the text after it in the line is lost.
-#[cfg(feature = "dialects")]
+#[cfg(feature = "grbl")]
 mod comment;
 mod skip;
 
-#[cfg(feature = "dialects")]
+#[cfg(feature = "grbl")]
 pub(super) use comment::ForeignComments;
 
 use super::{NcError, NcErrorKind, Place, Span, Text, TextError};
@@ -189,7 +189,7 @@ pub(super) struct LineReader<T> {
     /// Whether the rest of such a line is being skipped.
     skips: bool,
     /// Comments of LinuxCNC and Grbl.
-    #[cfg(feature = "dialects")]
+    #[cfg(feature = "grbl")]
     pub foreign: ForeignComments,
 }
 
@@ -241,7 +241,7 @@ impl<T: Text> LineReader<T> {
             logical: Logical::NONE,
             refused: false,
             skips: false,
-            #[cfg(feature = "dialects")]
+            #[cfg(feature = "grbl")]
             foreign: ForeignComments::ISG,
         }
     }
@@ -287,7 +287,7 @@ impl<T: Text> LineReader<T> {
         self.logical.gap = 0;
         self.logical.broken = false;
         self.logical.in_words = false;
-        #[cfg(feature = "dialects")]
+        #[cfg(feature = "grbl")]
         self.foreign.clear();
     }
 
@@ -447,7 +447,7 @@ impl<T: Text> LineReader<T> {
 
     /// Follows comments and continuations. Returns true for a byte that is not part of the line.
     fn dropped(&mut self, byte: u8, here: Place) -> bool {
-        #[cfg(feature = "dialects")]
+        #[cfg(feature = "grbl")]
         if self.foreign.is_on {
             return self.foreign_dropped(byte, here);
         }

@@ -36,7 +36,7 @@ mod compose;
 mod control;
 mod cursor;
 mod decoder;
-#[cfg(feature = "dialects")]
+#[cfg(feature = "grbl")]
 mod dialect;
 mod error;
 mod expression;
@@ -61,7 +61,7 @@ mod variable;
 pub use command::*;
 pub(crate) use decoder::Restriction;
 pub use decoder::{Decoder, DecoderMemory, Step};
-#[cfg(feature = "dialects")]
+#[cfg(feature = "grbl")]
 pub use dialect::{ADDRESSES, AddressEntry, ForeignSetup, InForce, StoredOffsets, WORDS, WordEntry};
 use error::{Fault, Span};
 pub use error::{NcError, NcErrorKind, NcWarning, NcWarningKind};

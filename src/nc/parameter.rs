@@ -30,7 +30,7 @@ impl Parameters {
     }
 
     /// Removes the values of the parameters with an index from `first` to `last`.
-    #[cfg(any(feature = "dialects", feature = "plc"))]
+    #[cfg(any(feature = "grbl", feature = "plc"))]
     pub fn forget(&mut self, first: u32, last: u32) {
         self.entries.retain(|entry| !(first..=last).contains(&{ entry.index }));
     }

@@ -168,7 +168,7 @@ impl<const AXES: usize> Interpreter<AXES> {
 
     /// Factor from F to mm/min (°/min): P-CHAN-00108; in other dialects the factor of lengths.
     pub fn feed_factor(&self) -> Factor {
-        #[cfg(feature = "dialects")]
+        #[cfg(feature = "grbl")]
         if !self.is_isg() {
             return self.length_factor();
         }

@@ -3,7 +3,7 @@ use super::NcErrorKind;
 use super::flow::Passing;
 use super::interpreter::{Gathered, Interpreter, Next, Phase};
 use super::line::Mark;
-#[cfg(feature = "dialects")]
+#[cfg(feature = "grbl")]
 use super::modal::Mode;
 use super::modal::{Before, Modal};
 
@@ -12,14 +12,14 @@ impl<const AXES: usize> Interpreter<AXES> {
     pub fn restart(&mut self, keeps: bool) {
         self.phase = Phase::Start;
         self.flow.clear();
-        #[cfg(feature = "dialects")]
+        #[cfg(feature = "grbl")]
         self.clear_calls();
         if !keeps {
             self.calculator.parameters.clear();
-            #[cfg(feature = "dialects")]
+            #[cfg(feature = "grbl")]
             let kept = self.modal;
             self.modal = Modal::new(self.setup.default_index);
-            #[cfg(feature = "dialects")]
+            #[cfg(feature = "grbl")]
             if !self.is_isg() {
                 self.modal = kept;
                 self.begin_program(Mode::Rapid);
@@ -33,7 +33,7 @@ impl<const AXES: usize> Interpreter<AXES> {
     /// Refuses the current line: the modal state from before the line is restored. P parameters keep assigned
     /// values.
     pub fn refuse(&mut self) {
-        #[cfg(feature = "dialects")]
+        #[cfg(feature = "grbl")]
         self.refuse_foreign();
         match core::mem::replace(&mut self.before, Before::Alike) {
             Before::Alike => {}

@@ -18,7 +18,7 @@
 //!   refers to: PATH_DEV, RELEVANT_PATH, points left out of straight lines. **Corner distances are path**:
 //!   PRE_DIST, POST_DIST, PATH_DIST ("on the feed axes' path"), SYM_DIST, shares of blocks.
 use super::{FINER, path_length, travelled};
-#[cfg(feature = "dialects")]
+#[cfg(feature = "grbl")]
 use crate::machine::Dialect;
 use crate::machine::{AxisData, MODE_MASTER, MachineData};
 use crate::math::root::sqrt_f32;
@@ -76,7 +76,7 @@ pub struct Measure {
     feed: Option<u32>,
     master: Option<usize>,
     /// Whether radii of an arc may differ as much as LinuxCNC and Grbl permit.
-    #[cfg(feature = "dialects")]
+    #[cfg(feature = "grbl")]
     tolerant: bool,
 }
 
@@ -108,7 +108,7 @@ impl Measure {
             main: Main::new(main),
             feed: (feed != space).then_some(feed),
             master,
-            #[cfg(feature = "dialects")]
+            #[cfg(feature = "grbl")]
             tolerant: false,
         }
     }
@@ -123,19 +123,19 @@ impl Measure {
             named(|axis| axis.default_feed_axis),
             named(|axis| axis.achs_mode & MODE_MASTER != 0),
         );
-        #[cfg(feature = "dialects")]
+        #[cfg(feature = "grbl")]
         let measure = Self { tolerant: machine.channel.foreign.dialect != Dialect::Isg, ..measure };
         measure
     }
 
     /// Whether the radii of an arc may differ as much as LinuxCNC and Grbl permit.
-    #[cfg(feature = "dialects")]
+    #[cfg(feature = "grbl")]
     pub const fn is_tolerant(&self) -> bool {
         self.tolerant
     }
 
     /// Whether radii may differ: never in a build without other dialects.
-    #[cfg(not(feature = "dialects"))]
+    #[cfg(not(feature = "grbl"))]
     #[inline(always)]
     pub const fn is_tolerant(&self) -> bool {
         false

@@ -8,7 +8,7 @@
 #![allow(unsafe_code)]
 use super::{ACTIONS, PlacedAction};
 use crate::quantity::{Distance, Position};
-#[cfg(feature = "dialects")]
+#[cfg(feature = "grbl")]
 use crate::technology::InputWait;
 use crate::technology::{Action, Function, Ticket};
 use core::cell::UnsafeCell;
@@ -48,14 +48,14 @@ impl Record {
             Function::H(code) => (1, code.into()),
             Function::Spindle(speed) => (2, speed.to_bits()),
             Function::Tool(tool) => (3, tool.into()),
-            #[cfg(feature = "dialects")]
+            #[cfg(feature = "grbl")]
             Function::Digital(port, on) => (4, i64::from(port) << 1 | i64::from(on)),
-            #[cfg(feature = "dialects")]
+            #[cfg(feature = "grbl")]
             Function::Input(wait) => (
                 5 | u16::from(wait.port) << 8 | u16::from(wait.is_analog) << 7,
                 i64::from(wait.mode) << 32 | i64::from(wait.timeout_ms),
             ),
-            #[cfg(feature = "dialects")]
+            #[cfg(feature = "grbl")]
             Function::Analog(port, value) => (6 | u16::from(port) << 8, value.to_bits()),
         };
         Self { distance, value, n, kind, ticket, tick: 0 }
@@ -67,16 +67,16 @@ impl Record {
             0 => Function::M(value as u16),
             1 => Function::H(value as u16),
             2 => Function::Spindle(Position::from_bits(value)),
-            #[cfg(feature = "dialects")]
+            #[cfg(feature = "grbl")]
             4 => Function::Digital((value >> 1) as u8, value & 1 != 0),
-            #[cfg(feature = "dialects")]
+            #[cfg(feature = "grbl")]
             kind if kind & 0x7f == 5 => Function::Input(InputWait {
                 port: (kind >> 8) as u8,
                 is_analog: kind & 0x80 != 0,
                 mode: (value >> 32) as u8,
                 timeout_ms: value as u32,
             }),
-            #[cfg(feature = "dialects")]
+            #[cfg(feature = "grbl")]
             kind if kind & 0x7f == 6 => Function::Analog((kind >> 8) as u8, Position::from_bits(value)),
             _ => Function::Tool(value as u32),
         };

@@ -17,7 +17,7 @@ const CORES: [&str; 5] = [
 ];
 
 /// Functions that a build may leave out: the library is checked with each alone.
-const FUNCTIONS: [&str; 12] = [
+const FUNCTIONS: [&str; 13] = [
     "contour",
     "surface",
     "splines",
@@ -25,6 +25,7 @@ const FUNCTIONS: [&str; 12] = [
     "expressions",
     "filters",
     "beside",
+    "grbl",
     "dialects",
     "fanuc",
     "kinematics",

@@ -116,5 +116,10 @@ fn host_tests() -> Result<(), String> {
         command.args(["test", "--release", "--features", features]);
         shell::run(command.env("CARGO_TARGET_DIR", shell::root().join("target")))?;
     }
+    for features in ["grbl", "dialects"] {
+        let mut command = shell::cargo(&shell::root().join(WITHOUT));
+        command.args(["test", "--release", "--features", features, "--test", "grbl"]);
+        shell::run(command.env("CARGO_TARGET_DIR", shell::root().join("target")))?;
+    }
     senders::short()
 }

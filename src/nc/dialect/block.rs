@@ -1,6 +1,6 @@
 //! The words of a line, by modal group and by letter; nothing is carried out yet.
-use super::words::{WordEntry, find, group};
-use crate::machine::Dialect;
+use super::words::{NOT_BUILT, WordEntry, find, group};
+use crate::machine::{Dialect, functions};
 use crate::nc::block::Given;
 use crate::nc::cursor::Cursor;
 use crate::nc::interpreter::Interpreter;
@@ -228,6 +228,9 @@ impl<const AXES: usize> Interpreter<AXES> {
 
     /// `#5=…`.
     fn read_assignment(&self, c: &mut Cursor<'_>, block: &mut Block<AXES>) -> Result<(), Fault> {
+        if !functions::DIALECTS.is_built() {
+            return c.here().fault(NO_PARAMETERS);
+        }
         let mark = c.mark();
         let target = self.target(c)?;
         c.require(b'=', "= behind the parameter")?;
@@ -251,6 +254,9 @@ impl<const AXES: usize> Interpreter<AXES> {
         {
             if self.setup.foreign.dialect.is_fanuc() {
                 return c.here().fault(MACRO);
+            }
+            if !functions::DIALECTS.is_built() {
+                return c.here().fault(NO_PARAMETERS);
             }
             c.back_to(at);
             let value = self.evaluate(c)?;
@@ -307,6 +313,10 @@ fn no_macro(c: &mut Cursor<'_>) -> Result<(), Fault> {
 
 /// What macro B is refused with.
 const MACRO: NcErrorKind = NcErrorKind::Known { what: "macro B", hint: "a program without macros" };
+
+/// What parameters and expressions are refused with in a build without them.
+const NO_PARAMETERS: NcErrorKind =
+    NcErrorKind::Known { what: "a parameter or an expression", hint: NOT_BUILT };
 
 /// A number without a sign.
 pub(super) fn literal(c: &mut Cursor<'_>, mark: usize, negative: bool) -> Result<Given, Fault> {

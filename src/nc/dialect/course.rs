@@ -1,4 +1,5 @@
 //! Blocks with several motions: G28 and G30, arcs of several turns, canned cycles. One part per call.
+use crate::machine::functions;
 use crate::math::angle::atan2_turns;
 use crate::nc::compose::carry;
 use crate::nc::{ArcBy, MotionKind, Plane, real};
@@ -6,9 +7,10 @@ use crate::quantity::Position;
 
 /// Canned cycles.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[repr(u8)]
 pub enum CycleKind {
-    /// G81.
-    Drill,
+    /// G81. From 1, so that a cycle that is not there is all zero: [`super::Foreign::BLANK`].
+    Drill = 1,
     /// G82.
     Dwell,
     /// G83.
@@ -49,8 +51,9 @@ impl CycleKind {
     }
 }
 
-/// A block that is carried out in several parts.
+/// A block that is carried out in several parts. `None` is all zero: [`super::Foreign::BLANK`].
 #[derive(Clone, Copy)]
+#[repr(u8)]
 pub enum Course<const AXES: usize> {
     None,
     /// G28 or G30: first to an intermediate point, if given, then to the stored position.
@@ -78,6 +81,7 @@ impl<const AXES: usize> Course<AXES> {
     pub fn next(&mut self, at: &[Position; AXES], rests: &mut [i32; AXES]) -> Option<Part<AXES>> {
         match self {
             Self::None => None,
+            Self::Turns(_) | Self::Holes(_) if !functions::DIALECTS.is_built() => None,
             Self::Home { way, to } => {
                 let (target, last) = match way.take() {
                     Some(way) if way != *at => (way, false),
@@ -168,7 +172,8 @@ impl<const AXES: usize> Turns<AXES> {
             }
             // Below 2^50, times below 2^62.
             let travel = i128::from(end.to_bits()) - i128::from(slot.to_bits());
-            let gone = (travel * part * 2 + whole).div_euclid(whole * 2);
+            // The angle is above 0.
+            let gone = (travel * part * 2 + whole).checked_div_euclid(whole * 2).unwrap_or(0);
             *slot = Position::from_bits(slot.to_bits().saturating_add(gone as i64));
         }
         target

@@ -165,9 +165,10 @@ impl<const AXES: usize> State<AXES> {
 
 /// A comment that is meant for somebody.
 #[derive(Clone, Copy, PartialEq, Eq)]
+#[repr(u8)]
 pub(super) enum Note {
-    /// `(MSG, text)`.
-    Message,
+    /// `(MSG, text)`. From 1, so that a comment that is not there is all zero.
+    Message = 1,
     /// `(DEBUG, …)`, `(PRINT, …)`, `(LOG…, …)`, `(PROBE…)`.
     Other,
     /// `(ABORT, …)`.
@@ -205,7 +206,7 @@ pub(super) struct Foreign<const AXES: usize> {
 }
 
 impl<const AXES: usize> Foreign<AXES> {
-    /// Nothing is in it.
+    /// Nothing is in it. All bytes are zero, so that a static channel takes no flash.
     pub const BLANK: Self = Self {
         now: State::START,
         before: State::START,

@@ -1,7 +1,7 @@
 //! What the words of a line do, in the order that the dialects share: the order of the text does not count.
 use super::block::{Block, Said, skip_switch};
 use super::course::{Course, Spiral, Turns};
-use super::words::{Meaning, group};
+use super::words::{Meaning, NOT_BUILT, group};
 use super::{Interpreter, Note};
 use crate::machine::{AxisKind, Dialect, functions};
 use crate::nc::block::{Given, Item, ItemKind, Words};
@@ -83,8 +83,10 @@ impl<const AXES: usize> Interpreter<AXES> {
         let mut block = self.read_block(&mut c)?;
         self.take_note()?;
         self.carry_out(&mut block, line)?;
-        for (index, value) in &block.assigned {
-            self.assign(*index, *value).map_err(|kind| Fault { span: Span::default(), kind })?;
+        if functions::DIALECTS.is_built() {
+            for (index, value) in &block.assigned {
+                self.assign(*index, *value).map_err(|kind| Fault { span: Span::default(), kind })?;
+            }
         }
         Ok(self.go_to(&block, line, bounds)?)
     }
@@ -118,7 +120,8 @@ impl<const AXES: usize> Interpreter<AXES> {
 
     /// M98 and M99.
     fn go_to(&mut self, block: &Block<AXES>, line: &Line, bounds: Bounds) -> Result<Next, Fault> {
-        let Some(said) = block.said(group::USER) else { return Ok(Next::Line) };
+        let said = block.said(group::USER).filter(|_| functions::DIALECTS.is_built());
+        let Some(said) = said else { return Ok(Next::Line) };
         match said.word.meaning {
             Meaning::Call => {
                 let (number, times) = self.foreign.called;
@@ -131,9 +134,8 @@ impl<const AXES: usize> Interpreter<AXES> {
 
     /// P and L of M98.
     fn read_call(&mut self, block: &mut Block<AXES>) -> Result<(), Fault> {
-        let Some(said) = block.said(group::USER).filter(|said| said.word.meaning == Meaning::Call) else {
-            return Ok(());
-        };
+        let is_call = |said: &Said| functions::DIALECTS.is_built() && said.word.meaning == Meaning::Call;
+        let Some(said) = block.said(group::USER).filter(is_call) else { return Ok(()) };
         let Some(given) = block.take(b'P') else {
             return said.span.fault(NcErrorKind::Missing("P, the number of the subprogram"));
         };
@@ -279,7 +281,7 @@ impl<const AXES: usize> Interpreter<AXES> {
             }
             match word.meaning {
                 Meaning::Call | Meaning::Return => continue,
-                Meaning::Save(_) | Meaning::Forget | Meaning::Restore => {
+                Meaning::Save(_) | Meaning::Forget | Meaning::Restore if functions::DIALECTS.is_built() => {
                     self.keep_state(word.meaning, span)?;
                     continue;
                 }
@@ -316,7 +318,8 @@ impl<const AXES: usize> Interpreter<AXES> {
 
     /// S: with G96 a speed of the surface, of which the spindle speed is put out.
     fn speed(&mut self, block: &mut Block<AXES>, line: &Line) -> Result<(), Fault> {
-        if let Some(said) = block.said(group::SPINDLE_MODE) {
+        let said = block.said(group::SPINDLE_MODE).filter(|_| functions::DIALECTS.is_built());
+        if let Some(said) = said {
             let on = said.word.meaning == Meaning::Surface(true);
             if on && self.foreign.now.surface.is_none() {
                 self.warn(line, said.span, NcWarningKind::SpeedByBlock);
@@ -327,7 +330,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         let speed = given.number.fixed(Factor::ONE).filter(|speed| *speed >= Position::ZERO);
         let kind = NcErrorKind::Range { what: "S", min: 0, max: 2_147_483_647, unit: "1/min", above: false };
         let mut speed = speed.ok_or(Fault { span: given.span, kind })?;
-        if let Some(surface) = &mut self.foreign.now.surface {
+        if let (Some(surface), true) = (&mut self.foreign.now.surface, functions::DIALECTS.is_built()) {
             // Metres, or feet.
             let unit = block
                 .said(group::UNITS)
@@ -342,7 +345,8 @@ impl<const AXES: usize> Interpreter<AXES> {
 
     /// With G96 a block with axis words begins with the spindle speed for the place where it begins.
     fn follow_surface(&mut self, block: &Block<AXES>) -> Result<(), Fault> {
-        let (Some(surface), Some(span)) = (self.foreign.now.surface, block.first) else { return Ok(()) };
+        let surface = self.foreign.now.surface.filter(|_| functions::DIALECTS.is_built());
+        let (Some(surface), Some(span)) = (surface, block.first) else { return Ok(()) };
         let speed = self.speed_of_surface(surface, span)?;
         if core::mem::replace(&mut self.foreign.now.speed, speed) != speed {
             self.push(ItemKind::Spindle(speed), span)?;
@@ -502,6 +506,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         }
         let said = motion.map(|said| said.word.meaning);
         let cycle = match (said, self.foreign.now.cycle) {
+            _ if !functions::DIALECTS.is_built() => None,
             (Some(Meaning::Cycle(kind)), _) => Some(kind),
             (None, Some(cycle)) => Some(cycle.kind),
             _ => None,
@@ -709,6 +714,9 @@ impl<const AXES: usize> Interpreter<AXES> {
         self.feed_of_time(&start);
         self.feed_of_turns(span)?;
         let Some(given) = turns else { return Ok(self.spiral(&start, span)) };
+        if !functions::DIALECTS.is_built() {
+            return given.span.fault(NcErrorKind::Known { what: "an arc of several turns", hint: NOT_BUILT });
+        }
         let turns = self.whole(given, "P", TURNS)?;
         if turns == 0 {
             return given.span.fault(NcErrorKind::Expected("P of 1 and more"));

@@ -1,6 +1,7 @@
 //! Outputs and inputs of LinuxCNC: M62 to M68.
 use super::block::Block;
 use super::words::{Meaning, group};
+use crate::machine::functions;
 use crate::nc::block::ItemKind;
 use crate::nc::interpreter::Interpreter;
 use crate::nc::number::Factor;
@@ -17,7 +18,8 @@ const LONGEST: i64 = 4_000_000;
 impl<const AXES: usize> Interpreter<AXES> {
     /// The word of the block for an output or an input.
     pub(super) fn outputs(&mut self, block: &mut Block<AXES>) -> Result<(), Fault> {
-        let Some(said) = block.said(group::OUTPUT) else { return Ok(()) };
+        let said = block.said(group::OUTPUT).filter(|_| functions::DIALECTS.is_built());
+        let Some(said) = said else { return Ok(()) };
         self.foreign.output = match said.word.meaning {
             Meaning::Digital(on, at_once) => {
                 (Function::Digital(self.port(block, b'P', "P, the output", said.span)?, on), at_once)

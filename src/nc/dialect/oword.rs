@@ -4,6 +4,8 @@
 use super::Interpreter;
 use super::block::literal;
 use super::parameter::{ARGUMENTS, name};
+use super::words::NOT_BUILT;
+use crate::machine::functions;
 use crate::nc::cursor::Cursor;
 use crate::nc::flow::{CALL_DEPTH, NESTING, SUBROUTINES};
 use crate::nc::interpreter::{Bounds, Next, Phase};
@@ -123,7 +125,7 @@ impl Calls {
 
     /// Whether lines are skipped.
     pub fn skips(&self) -> bool {
-        self.skip != Skip::No
+        functions::DIALECTS.is_built() && self.skip != Skip::No
     }
 
     fn base(&self) -> usize {
@@ -137,6 +139,9 @@ impl Calls {
 
     /// The block or call that is still open at the end of the text.
     pub fn unfinished(&mut self) -> Option<(Place, NcErrorKind)> {
+        if !functions::DIALECTS.is_built() {
+            return None;
+        }
         let closing = match self.skip {
             Skip::No => None,
             Skip::Sub(_) => Some("endsub"),
@@ -204,6 +209,9 @@ impl<const AXES: usize> Interpreter<AXES> {
         if c.peek_upper() != b'O' && !(fanuc && c.peek() == b':') {
             c.back_to(start);
             return Ok(None);
+        }
+        if !functions::DIALECTS.is_built() {
+            return c.here().fault(NcErrorKind::Known { what: "an O word", hint: NOT_BUILT });
         }
         let head = self.o_head(c)?;
         if self.foreign.calls.skips() {
@@ -596,6 +604,9 @@ impl<const AXES: usize> Interpreter<AXES> {
 
     /// The text of a file ends: returns to the caller, if `endsub` is missing.
     pub(super) fn end_of_called_file(&mut self) -> Option<Next> {
+        if !functions::DIALECTS.is_built() {
+            return None;
+        }
         if self.phase == Phase::Ended || self.foreign.calls.skips() {
             return None;
         }

@@ -37,27 +37,58 @@ pub(super) struct Saved<const AXES: usize> {
     length: [Position; AXES],
 }
 
+impl<const AXES: usize> Saved<AXES> {
+    const BLANK: Self = Self {
+        modes: Modes {
+            relative: false,
+            centre_absolute: false,
+            inch: false,
+            exact_stop: false,
+            to_level: false,
+            by_time: false,
+            per_turn: false,
+        },
+        plane: Plane::G17,
+        coolant: 0,
+        spindle: 0,
+        zero_set: None,
+        feed: None,
+        degrees: None,
+        speed: Position::ZERO,
+        blend: None,
+        surface: None,
+        length: [Position::ZERO; AXES],
+    };
+}
+
 /// States by call level, 0 for the main program.
 pub(super) struct SavedStates<const AXES: usize> {
-    states: [Option<Saved<AXES>>; CALL_DEPTH + 1],
+    states: [Saved<AXES>; CALL_DEPTH + 1],
+    /// A bit for each level whose state is kept.
+    kept: u16,
     /// A bit for each level whose state comes back where it ends: M73.
     comes_back: u16,
 }
 
 impl<const AXES: usize> SavedStates<AXES> {
-    pub const BLANK: Self = Self { states: [None; CALL_DEPTH + 1], comes_back: 0 };
+    /// Nothing is kept; all bytes are zero.
+    pub const BLANK: Self = Self { states: [Saved::BLANK; CALL_DEPTH + 1], kept: 0, comes_back: 0 };
 
     /// Nothing is kept of a level.
     pub fn clear(&mut self, level: usize) {
-        if let Some(slot) = self.states.get_mut(level) {
-            *slot = None;
-        }
-        self.comes_back &= !1_u16.wrapping_shl(level as u32);
+        let others = !1_u16.wrapping_shl(level as u32);
+        (self.kept, self.comes_back) = (self.kept & others, self.comes_back & others);
+    }
+
+    /// What is kept of a level.
+    fn get(&self, level: usize) -> Option<Saved<AXES>> {
+        let is_kept = self.kept & 1_u16.wrapping_shl(level as u32) != 0;
+        self.states.get(level).filter(|_| is_kept).copied()
     }
 
     /// Nothing is kept of any level.
     pub fn clear_all(&mut self) {
-        (self.states, self.comes_back) = ([None; CALL_DEPTH + 1], 0);
+        (self.kept, self.comes_back) = (0, 0);
     }
 }
 
@@ -97,7 +128,8 @@ impl<const AXES: usize> Interpreter<AXES> {
                 };
                 self.foreign.saved.clear(level);
                 if let Some(slot) = self.foreign.saved.states.get_mut(level) {
-                    *slot = Some(saved);
+                    *slot = saved;
+                    self.foreign.saved.kept |= 1_u16.wrapping_shl(level as u32);
                 }
                 if comes_back {
                     self.foreign.saved.comes_back |= 1_u16.wrapping_shl(level as u32);
@@ -105,7 +137,7 @@ impl<const AXES: usize> Interpreter<AXES> {
             }
             Meaning::Forget => self.foreign.saved.clear(level),
             _ => {
-                let Some(saved) = self.foreign.saved.states.get(level).copied().flatten() else {
+                let Some(saved) = self.foreign.saved.get(level) else {
                     return span.fault(NcErrorKind::Missing("M70 or M73 before it, in the same subroutine"));
                 };
                 self.bring_back(&saved, span)?;
@@ -118,7 +150,7 @@ impl<const AXES: usize> Interpreter<AXES> {
     pub(super) fn end_of_level(&mut self, level: usize) {
         let saved = &mut self.foreign.saved;
         let comes_back = saved.comes_back & 1_u16.wrapping_shl(level as u32) != 0;
-        let state = saved.states.get(level).copied().flatten();
+        let state = saved.get(level);
         saved.clear(level);
         if let Some(state) = state.filter(|_| comes_back) {
             // The block of an end holds nothing else: there is room for what changes.

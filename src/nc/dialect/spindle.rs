@@ -1,14 +1,15 @@
 //! Feed and spindle speed that depend on each other: G95, F per revolution, and G96, constant surface speed.
 use super::block::Block;
+use crate::machine::functions;
 use crate::nc::interpreter::{Gathered, Interpreter};
 use crate::nc::{Fault, Motion, MotionKind, NcErrorKind, Span, real};
 use crate::quantity::{Feed, Position};
 
-/// G96: speed of the surface, mm/min, and the highest spindle speed, 1/min.
+/// G96: speed of the surface, mm/min, and the highest spindle speed, 1/min, infinite without one.
 #[derive(Clone, Copy, PartialEq)]
 pub(in crate::nc) struct Surface {
     pub speed: f64,
-    pub most: Option<f64>,
+    pub most: f64,
 }
 
 /// 2^32: the factor of an LSB.
@@ -18,7 +19,7 @@ impl<const AXES: usize> Interpreter<AXES> {
     /// F in mm/min: with G95 that at the programmed spindle speed.
     pub(super) fn path_feed(&self) -> Feed {
         let feed = self.modal.feed.unwrap_or(Feed::ZERO);
-        if !self.foreign.now.per_turn {
+        if !functions::DIALECTS.is_built() || !self.foreign.now.per_turn {
             return feed;
         }
         // Below 2^63 times below 2^63.
@@ -29,7 +30,8 @@ impl<const AXES: usize> Interpreter<AXES> {
     /// Checks that the spindle turns if F is per revolution.
     pub(super) fn needs_turning(&self, span: Span) -> Result<(), Fault> {
         let now = &self.foreign.now;
-        if now.per_turn && (now.spindle == 0 || now.speed == Position::ZERO) {
+        if functions::DIALECTS.is_built() && now.per_turn && (now.spindle == 0 || now.speed == Position::ZERO)
+        {
             return span.fault(NcErrorKind::Missing("S above 0 and M3 or M4 before it: F is per revolution"));
         }
         Ok(())
@@ -39,7 +41,11 @@ impl<const AXES: usize> Interpreter<AXES> {
     pub(super) fn feed_of_turns(&mut self, span: Span) -> Result<(), Fault> {
         let Gathered::Motion(cell) = &self.gathered else { return Ok(()) };
         let motion = cell.get();
-        if self.foreign.now.per_turn && self.moves && motion.kind != MotionKind::Rapid {
+        if functions::DIALECTS.is_built()
+            && self.foreign.now.per_turn
+            && self.moves
+            && motion.kind != MotionKind::Rapid
+        {
             self.needs_turning(span)?;
             cell.set(Motion { feed: self.path_feed(), ..motion });
         }
@@ -57,7 +63,7 @@ impl<const AXES: usize> Interpreter<AXES> {
             self.foreign.now.surface = None;
             return Ok(());
         }
-        let most = block.take(b'D').map(|given| given.number.real());
+        let most = block.take(b'D').map_or(f64::INFINITY, |given| given.number.real());
         if block.value(b'S').is_none() {
             return span.fault(NcErrorKind::Missing("S, the speed of the surface"));
         }
@@ -71,10 +77,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         let place = self.position.get(axis).copied().unwrap_or_default().saturating_sub(self.offset(axis));
         let around = real::abs(place.to_bits() as f64 / BITS) * core::f64::consts::TAU;
         let free = if around > 0.0 { surface.speed / around } else { f64::INFINITY };
-        let speed = match surface.most {
-            Some(most) if free > most => most,
-            _ => free,
-        };
+        let speed = if free > surface.most { surface.most } else { free };
         if !(0.0..1e9).contains(&speed) {
             return span.fault(NcErrorKind::Missing("D, the highest spindle speed, so near to X0"));
         }

@@ -1,11 +1,17 @@
 //! G93: F is the inverse of the block's time in minutes. With the length of the path this gives a feed.
 use crate::math::angle::atan2_turns;
+use crate::math::root::sqrt_wide;
 use crate::nc::interpreter::Interpreter;
 use crate::nc::{ArcBy, Motion, MotionKind, Plane};
 use crate::quantity::{Feed, Position};
 
 /// 2π, LSB 2^-60.
 const TWO_PI: u128 = 0x6487_ED51_10B4_611A;
+
+/// floor(√x), exact.
+fn root(x: u128) -> u128 {
+    u128::from(sqrt_wide((x >> 64) as u64, x as u64))
+}
 
 /// Distance between two positions, LSB 2^-32.
 fn between(from: Position, to: Position) -> u128 {
@@ -36,11 +42,11 @@ impl<const AXES: usize> Interpreter<AXES> {
         };
         if let MotionKind::Arc { plane, clockwise, by } = motion.kind {
             let along = self.arc_length(motion, start, (plane, clockwise, by));
-            return (along * along + across(plane).map_or(0, square)).isqrt();
+            return root(along * along + across(plane).map_or(0, square));
         }
         let space: u128 = main().map(square).sum();
         let all = || (0..AXES).map(square).sum();
-        if space > 0 { space.isqrt() } else { u128::isqrt(all()) }
+        root(if space > 0 { space } else { all() })
     }
 
     /// Length of an arc in its plane.
@@ -67,13 +73,13 @@ impl<const AXES: usize> Interpreter<AXES> {
                 let [x, y] = [x0, y0].map(|x| u128::from(x.unsigned_abs()));
                 // A nearly zero angle is a full circle.
                 let full = turned < 1 << 10 || from == to;
-                ((x * x + y * y).isqrt(), if full { 1 << 64 } else { u128::from(turned) })
+                (root(x * x + y * y), if full { 1 << 64 } else { u128::from(turned) })
             }
             ArcBy::Radius(radius) => {
                 let [dx, dy] = [between(from[0], to[0]), between(from[1], to[1])];
                 let r = u128::from(radius.to_bits().unsigned_abs());
-                let half = (dx * dx + dy * dy).isqrt() / 2;
-                let rest = (r * r).saturating_sub(half * half).isqrt();
+                let half = root(dx * dx + dy * dy) / 2;
+                let rest = root((r * r).saturating_sub(half * half));
                 let turned = u128::from(atan2_turns(half as i64, rest as i64)) * 2;
                 (r, if radius < Position::ZERO { (1 << 64) - turned } else { turned })
             }

@@ -1,6 +1,6 @@
 //! The G and M words of LinuxCNC, Grbl and Fanuc: one table for the decoder and for whoever lists them.
 use super::course::CycleKind;
-use crate::machine::Dialect;
+use crate::machine::{Dialect, functions};
 use crate::nc::Plane;
 use crate::nc::modal::Mode;
 
@@ -195,10 +195,28 @@ impl WordEntry {
     pub const fn is_built(&self) -> Result<(), &'static str> {
         match self.meaning {
             Meaning::Later(hint) => Err(hint),
+            Meaning::Cycle(_)
+            | Meaning::PerTurn
+            | Meaning::Surface(true)
+            | Meaning::Digital(..)
+            | Meaning::Analog(_)
+            | Meaning::Input
+            | Meaning::Save(_)
+            | Meaning::Forget
+            | Meaning::Restore
+            | Meaning::Call
+            | Meaning::Return
+                if !functions::DIALECTS.is_built() =>
+            {
+                Err(NOT_BUILT)
+            }
             _ => Ok(()),
         }
     }
 }
+
+/// What a build without this function needs.
+pub(super) const NOT_BUILT: &str = "a build with the library's feature `dialects`";
 
 /// The word with this number, if the dialect has it.
 pub(super) fn find(dialect: Dialect, letter: u8, tenths: u16) -> Option<&'static WordEntry> {
@@ -236,8 +254,28 @@ const PLAIN: &str = "coordinates as they are to be driven";
 const ORIENTED: &str = "G85 or G89";
 const MACRO: &str = "a program without macros";
 
-/// All words, by letter and number.
-pub static WORDS: &[WordEntry] = &[
+/// All words, by letter and number. A build without LinuxCNC's language has those of Grbl alone.
+pub static WORDS: &[WordEntry] = if functions::DIALECTS.is_built() { TABLE } else { &OF_GRBL };
+
+/// The part of [`TABLE`] that Grbl has.
+const OF_GRBL: [WordEntry; of_grbl::<0>().0] = of_grbl().1;
+
+/// How many words Grbl has, and the words, with others behind them.
+const fn of_grbl<const N: usize>() -> (usize, [WordEntry; N]) {
+    let (mut words, mut count, mut k) = ([USER; N], 0, 0);
+    while k < TABLE.len() {
+        if TABLE[k].dialects & GRBL != 0 {
+            if count < N {
+                words[count] = TABLE[k];
+            }
+            count += 1;
+        }
+        k += 1;
+    }
+    (count, words)
+}
+
+const TABLE: &[WordEntry] = &[
     g(0, ALL, group::MOTION, Meaning::Motion(Mode::Rapid), "rapid motion"),
     g(10, ALL, group::MOTION, Meaning::Motion(Mode::Line), "straight motion at feed"),
     g(20, ALL, group::MOTION, Meaning::Motion(Mode::Clockwise), "arc clockwise: I J K or R, P turns"),
