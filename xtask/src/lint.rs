@@ -17,7 +17,7 @@ const CORES: [&str; 5] = [
 ];
 
 /// Functions that a build may leave out: the library is checked with each alone.
-const FUNCTIONS: [&str; 12] = [
+const FUNCTIONS: [&str; 13] = [
     "contour",
     "surface",
     "splines",
@@ -29,6 +29,7 @@ const FUNCTIONS: [&str; 12] = [
     "fanuc",
     "kinematics",
     "plc",
+    "driven",
     "examine",
 ];
 
