@@ -50,9 +50,13 @@ pub struct Status<const AXES: usize> {
     pub n: u32,
     /// Number of the motion block, counted from 0 since `Channel::split`.
     pub block: u32,
+    /// Distance that the feed axes have driven; wraps at ±2^19 mm. Without the feature `driven` it is the path distance as
+    /// planned.
+    pub distance: Distance,
     /// Path distance as planned; wraps at ±2^19 mm. Inside a curve over time, the distance counts the time
     /// that the curve takes at the feed.
-    pub distance: Distance,
+    #[cfg(feature = "driven")]
+    pub planned: Distance,
     /// Mean speed of the set points over the last tick, along the feed axes; 0 at rest. If no feed axis moves, the main
     /// axes count; if no main axis moves, all axes count. Resolution 2^-44 mm per tick.
     pub speed: Speed,
@@ -157,7 +161,12 @@ impl<'a, const AXES: usize> Operator<'a, AXES> {
     /// The result of the last tick. If a tick comes during the call, the call reads again: once or twice on the
     /// interrupt's core, and as long as the tick runs on another core.
     pub fn status(&self) -> Status<AXES> {
+        #[cfg(feature = "driven")]
+        let (seen, distance) = self.panel.read();
+        #[cfg(not(feature = "driven"))]
         let seen = self.panel.status.read();
+        #[cfg(not(feature = "driven"))]
+        let distance = seen.distance;
         let state = match (seen.moved, seen.settles) {
             (true, _) => State::Active,
             (false, true) => State::Settling,
@@ -171,7 +180,9 @@ impl<'a, const AXES: usize> Operator<'a, AXES> {
             set_points: seen.set_points,
             n: seen.n,
             block: seen.block,
-            distance: seen.distance,
+            distance,
+            #[cfg(feature = "driven")]
+            planned: seen.distance,
             // From 2^-44 to 2^-58 mm per tick.
             speed: Speed::from_bits(self.measure.path(&travel).to_bits().saturating_mul(1 << 14)),
             state,

@@ -61,7 +61,8 @@ pub struct Telemetry {
     pub n: u32,
     /// Number of the motion block, counted from 0 since the split.
     pub block: u32,
-    /// Path distance; wraps at ±2^19 mm.
+    /// Path distance as planned; wraps at ±2^19 mm. In a curve that is planned over time the axes drive less:
+    /// `Interpolator::driven_distance`, with the feature `driven`.
     pub distance: Distance,
     /// Path speed. In a curve over time the axes are slower than this value: see
     /// [`Interpolator::path_slope`].
@@ -175,7 +176,14 @@ impl<'a, const AXES: usize, F: FilterTick<AXES>, const OVERLAYS: usize> Interpol
         track.slope(along)
     }
 
-    /// Path values of the last set point.
+    /// Distance that the feed axes have driven, as in [`crate::operator::Status`]; wraps at ±2^19 mm. It is computed on
+    /// demand, in `f32`, not in the tick.
+    #[cfg(feature = "driven")]
+    pub fn driven_distance(&self) -> Distance {
+        Distance::from_bits(self.queue.driven())
+    }
+
+    /// Path values of the last set point, as planned.
     pub fn telemetry(&self) -> Telemetry {
         let (phase, tick) = self.queue.time.at_hand();
         let n = i64::from(tick);

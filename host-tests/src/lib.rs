@@ -10,6 +10,7 @@
 //! | [`cam`] | which programs of short blocks |
 //! | [`seeds`] | which random cases, the same ones each time and others |
 //! | [`never_slower`] | and is a smoothed program slower than standstills, less tolerance or less feed |
+//! | [`holds`] | and how long does a feed hold take against the shortest stop on the path ahead |
 //! | [`unlike`] | and do limits hold where axes are nothing alike |
 //! | [`five_axes`] | where the tool is on a machine with rotary axes |
 //! | [`trace`] | what the library made of them, tick by tick |
@@ -87,6 +88,8 @@ pub mod mutate;
 pub mod loops;
 
 pub mod never_slower;
+
+pub mod holds;
 
 pub mod unlike;
 

@@ -100,6 +100,23 @@ impl Case {
         Self { machine, start, body, tolerance, feed: r.magnitude(1500.0, 30_000.0) }
     }
 
+    /// Its machine with a slope.
+    pub fn machine(&self, slope: usize) -> MachineData<3> {
+        let mut machine = self.machine;
+        machine.channel.slope_profile = SLOPES[slope].1;
+        machine
+    }
+
+    /// Where it begins.
+    pub const fn start(&self) -> [Position; 3] {
+        self.start
+    }
+
+    /// Its text with a slope, a method and a part of its tolerance.
+    pub fn program(&self, slope: usize, method: usize, part: f64) -> String {
+        self.text(slope, &Self::on(METHODS[method], part * self.tolerance), [1.0, 0.0])
+    }
+
     /// What switches a method on.
     fn on(method: &str, size: f64) -> String {
         match method {
@@ -136,8 +153,7 @@ impl Case {
 
     /// Its ticks; none where it is refused. `stops`: with a standstill at the end of every block.
     fn ticks(&self, slope: usize, on: &str, [feed, stops]: [f64; 2]) -> Option<f64> {
-        let mut machine = self.machine;
-        machine.channel.slope_profile = SLOPES[slope].1;
+        let machine = self.machine(slope);
         let text = self.text(slope, on, [feed, stops]);
         let run = run_text::<3, 120>(&text, self.start, &machine, 1).ok()?;
         Some(run.trace.ticks() as f64)

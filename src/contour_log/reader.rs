@@ -85,7 +85,7 @@ impl<'a> ContourReader<'a> {
     }
 
     /// Distance from program start, or from the last passed `#DISTANCE PROG START CLEAR`, for the path distance
-    /// of [`crate::Status`]: dist_prog_start. On a polynomial it is exact at both ends and grows with the path
+    /// `planned` of [`crate::Status`]: dist_prog_start. On a polynomial it is exact at both ends and grows with the path
     /// distance. The call reads the elements from that place to the end of the known path.
     ///
     /// # Errors

@@ -58,6 +58,8 @@ pub(super) struct Mode {
     pub(super) passed: Option<Passed>,
     /// At this speed a shorter stop is searched: [`Planning::stand_sooner`].
     slowed: Speed,
+    /// The last instant at which that speed was compared.
+    looked: Option<u32>,
 }
 
 impl Mode {
@@ -73,6 +75,7 @@ impl Mode {
         tried: None,
         passed: None,
         slowed: Speed::ZERO,
+        looked: None,
     };
 
     /// The state after a stop that no command asked for: the commands have to be read again.
@@ -196,11 +199,15 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         if !worth || self.orders.mode.cut.is_some() || self.reserve.behind.is_some() {
             return None;
         }
+        // Finding the motion goes through all pieces of the way. The call that does so is work, and the next one waits.
+        if paused.is_none() && self.orders.mode.looked.replace(at) == Some(at) {
+            return None;
+        }
+        self.orders.trying = true;
         let motion = self.motion_at(at)?;
         if paused.is_none() && !self.has_slowed(&motion) {
             return None;
         }
-        self.orders.trying = true;
         let stands = self.motion_at(self.frontier.end)?.distance;
         let k = (0..self.committed.len()).find(|&k| {
             self.committed.get(k).is_some_and(|committed| committed.end().wrapping_sub(motion.distance) > 0)

@@ -405,12 +405,14 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         large: Large<'a, AXES, BLOCKS>,
         machine: &'a MachineData<AXES>,
         start: [Position; AXES],
-        queue: Sender<'a, AXES>,
+        #[cfg_attr(not(feature = "driven"), expect(unused_mut))] mut queue: Sender<'a, AXES>,
     ) -> Self {
         let Large { lookahead, committed, functions, dynamics, smoothing, held, reserve } = large;
         committed.clear();
         functions.forget();
         let measure = Measure::of(machine);
+        #[cfg(feature = "driven")]
+        queue.segments.set_measure(Some(measure));
         let depth = queue.segments.ahead().min(machine.channel.look_ahead as usize);
         let travel = Travel::new(machine);
         let pace = Pace::new(machine.channel.override_weight_prog_feed);

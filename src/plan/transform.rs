@@ -287,6 +287,8 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         self.intake.transform.active = wanted;
         self.intake.stand();
         self.dynamics().set_transformed(wanted.is_some());
+        #[cfg(feature = "driven")]
+        self.measure_driven();
         self.lookahead.ring.forget_exit();
         true
     }
@@ -298,7 +300,16 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         if transform.active.take().is_some() {
             self.intake.stand();
             self.dynamics.set_transformed(false);
+            #[cfg(feature = "driven")]
+            self.measure_driven();
         }
+    }
+
+    /// Under a transformation the path is that of the tip, so path distance is what is driven.
+    #[cfg(feature = "driven")]
+    fn measure_driven(&mut self) {
+        let measure = self.intake.transform.active.is_none().then_some(self.measure);
+        self.queue.segments.set_measure(measure);
     }
 
     /// A motion in workpiece coordinates.

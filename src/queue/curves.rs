@@ -25,6 +25,10 @@
 #![allow(unsafe_code)]
 use super::SEGMENTS;
 use super::cells::{self, BEFORE, IS_WHOLE, MOST, Place, Segment, Track, whole};
+#[cfg(feature = "driven")]
+use super::driven::{Drive, Drives, Kept};
+#[cfg(feature = "driven")]
+use crate::path::Measure;
 use crate::path::Shape;
 use crate::quantity::{Distance, Position};
 use core::hint::assert_unchecked;
@@ -154,6 +158,9 @@ pub struct CurveRing<const AXES: usize, const BLOCKS: usize> {
     taken: AtomicU32,
     /// The latest motion block in the ring. The planner writes this word.
     latest: AtomicU32,
+    /// What the axes drive on each curve.
+    #[cfg(feature = "driven")]
+    drives: Both<Kept, BLOCKS, SLOTS>,
 }
 
 /// The planner's end: writes curves. Curves are numbered from 0 since the split.
@@ -178,6 +185,15 @@ pub struct CurveProducer<'a, const AXES: usize> {
     end: i64,
     /// Whether there were long curves.
     long: bool,
+    /// What the axes drive on each curve.
+    #[cfg(feature = "driven")]
+    drives: Drives<'a>,
+    /// Driven distance at the end of the last one.
+    #[cfg(feature = "driven")]
+    driven: i64,
+    /// By what a driven distance is measured. `None`: the path distance of each curve is its driven length.
+    #[cfg(feature = "driven")]
+    measure: Option<Measure>,
 }
 
 /// The interrupt's end: follows the curves.
@@ -187,6 +203,8 @@ pub struct CurveConsumer<'a, const AXES: usize> {
     start: RingCursor<'a, Start>,
     slot: RingCursor<'a, Place<AXES>>,
     latest: &'a AtomicU32,
+    #[cfg(feature = "driven")]
+    drives: Drives<'a>,
 }
 
 /// An element of a ring, the end of its array, and the way from this end back to the ring's begin in bytes,
@@ -232,6 +250,8 @@ impl<const AXES: usize, const BLOCKS: usize> CurveRing<AXES, BLOCKS> {
             },
             taken: AtomicU32::new(0),
             latest: AtomicU32::new(0),
+            #[cfg(feature = "driven")]
+            drives: Both { front: [const { Kept::new() }; BLOCKS], back: [const { Kept::new() }; SLOTS] },
         }
     }
 
@@ -242,7 +262,11 @@ impl<const AXES: usize, const BLOCKS: usize> CurveRing<AXES, BLOCKS> {
             assert!(BLOCKS + SPARE >= MOST * LEAST + NEXT - MOST, "the least look-ahead has room");
         }
         (*self.taken.get_mut(), *self.latest.get_mut()) = (0, 0);
-        let Self { slots, starts, taken, latest } = self;
+        let Self { slots, starts, taken, latest, .. } = self;
+        #[cfg(feature = "driven")]
+        let drives = Drives::new(self.drives.as_slice(), taken);
+        #[cfg(feature = "driven")]
+        drives.clear();
         for place in slots.front.iter_mut().chain(&mut slots.back) {
             place.clear();
         }
@@ -266,8 +290,22 @@ impl<const AXES: usize, const BLOCKS: usize> CurveRing<AXES, BLOCKS> {
             place: 0,
             end: 0,
             long: false,
+            #[cfg(feature = "driven")]
+            drives,
+            #[cfg(feature = "driven")]
+            driven: 0,
+            #[cfg(feature = "driven")]
+            measure: None,
         };
-        (producer, CurveConsumer { taken, start, slot, latest })
+        let consumer = CurveConsumer {
+            taken,
+            start,
+            slot,
+            latest,
+            #[cfg(feature = "driven")]
+            drives,
+        };
+        (producer, consumer)
     }
 }
 
@@ -456,6 +494,8 @@ impl<'a, const AXES: usize> CurveProducer<'a, AXES> {
             self.latest.store(block, Ordering::Relaxed);
         }
         let (start, length) = (self.end, shape.length.to_bits());
+        #[cfg(feature = "driven")]
+        self.measure(shape, base, self.count.wrapping_add(slots as u32 - 1));
         self.end = start.wrapping_add(length);
         let place = self.place;
         self.slot = on(index, 1, self.most());
@@ -478,6 +518,31 @@ impl<'a, const AXES: usize> CurveProducer<'a, AXES> {
             self.shown = self.count;
         }
         true
+    }
+
+    /// Driven distances are measured like that from the next curve on. `None`: its path distance is its driven length.
+    #[cfg(feature = "driven")]
+    pub const fn set_measure(&mut self, measure: Option<Measure>) {
+        self.measure = measure;
+    }
+
+    /// What the axes drive on each curve, for others.
+    #[cfg(feature = "driven")]
+    pub(super) const fn drives(&self) -> Drives<'a> {
+        self.drives
+    }
+
+    /// Writes what the axes drive on the curve that goes behind the last one, as the one with this number.
+    #[cfg(feature = "driven")]
+    #[inline(never)]
+    fn measure(&mut self, shape: &Shape<AXES>, base: &[Position; AXES], number: u32) {
+        let at = [self.end, self.driven];
+        let drive = match &self.measure {
+            Some(measure) if !shape.is_line() && !shape.is_arc() => Drive::of((shape, base), measure, at),
+            _ => Drive::plain(self.end, self.driven),
+        };
+        self.drives.set(number, &drive);
+        self.driven = drive.end(shape.length.to_bits());
     }
 
     /// Releases `curves` more curves to the interrupt.
@@ -614,6 +679,14 @@ impl<'a, const AXES: usize> CurveProducer<'a, AXES> {
     /// begins.
     pub fn end_at(&mut self, stands: i64) {
         self.withdraw(self.taken());
+        #[cfg(feature = "driven")]
+        {
+            let last = self.count.wrapping_sub(1);
+            self.driven = match self.recent(last) {
+                Some(_) => self.drives.get(last).at(stands),
+                None => self.driven.wrapping_add(stands.wrapping_sub(self.end)),
+            };
+        }
         (self.end, self.hidden) = (stands, stands);
     }
 
@@ -633,6 +706,10 @@ impl<'a, const AXES: usize> CurveProducer<'a, AXES> {
         self.slot = self.index_of(number);
         self.place = self.place_of(number);
         (self.count, self.handed, self.end) = (number, number, end);
+        #[cfg(feature = "driven")]
+        {
+            self.driven = self.drives.get(number.wrapping_sub(1)).at(end);
+        }
         self.forget(first.wrapping_sub(1));
         if (number.wrapping_sub(self.shown) as i32) < 0 {
             (self.shown, self.hidden) = (number, end);
@@ -710,6 +787,12 @@ impl<const AXES: usize> CurveConsumer<'_, AXES> {
         fence(Ordering::Acquire);
         // SAFETY: as in `follow`. Before the first tick the slot may hold a part.
         unsafe { if (*self.slot.at).is_part() { None } else { Some((Track::new(self.slot.at), along)) } }
+    }
+
+    /// What the axes have driven at a path distance of the curve that the interrupt is on.
+    #[cfg(feature = "driven")]
+    pub(super) fn driven(&self, distance: i64) -> i64 {
+        self.drives.at(distance)
     }
 
     /// The motion block of a curve of the ring.

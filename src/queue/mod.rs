@@ -8,6 +8,7 @@
 //! | `reserve` | the pieces of the stop that is always ready, for a planner that gets no time |
 //! | `actions` | functions at points of the path |
 //! | `status` | the result of each tick, for the operator |
+//! | `driven` | what the axes have driven at a path distance (feature `driven`) |
 //! | `overlay` | the motion of a single axis |
 //! | `word` | words and places, from which the other files are built |
 //!
@@ -17,6 +18,8 @@ mod actions;
 mod cells;
 pub mod clock;
 mod curves;
+#[cfg(feature = "driven")]
+mod driven;
 mod overlay;
 mod reserve;
 mod ring;
@@ -226,6 +229,12 @@ impl<const AXES: usize> Receiver<'_, AXES> {
     pub fn distance(&self) -> i64 {
         self.shared.status.distance()
     }
+
+    /// What the axes have driven at that path distance, LSB 2^-44 mm.
+    #[cfg(feature = "driven")]
+    pub fn driven(&self) -> i64 {
+        self.segments.driven(self.distance())
+    }
 }
 
 /// The operator's end.
@@ -236,6 +245,19 @@ pub struct Panel<'a, const AXES: usize> {
     pub actions: Outlet<'a>,
     /// The status of the last tick.
     pub status: Display<'a, AXES>,
+    /// What the axes drive.
+    #[cfg(feature = "driven")]
+    drives: driven::Drives<'a>,
+}
+
+impl<const AXES: usize> Panel<'_, AXES> {
+    /// The result of the last tick, and the driven distance at its end.
+    #[cfg(feature = "driven")]
+    pub fn read(&self) -> (Snapshot<AXES>, Distance) {
+        let mut driven = 0;
+        let seen = self.status.read_with(|distance| driven = self.drives.at(distance.to_bits()));
+        (seen, Distance::from_bits(driven))
+    }
 }
 
 impl<const AXES: usize, const BLOCKS: usize> Rings<AXES, BLOCKS> {
@@ -263,6 +285,8 @@ impl<const AXES: usize, const BLOCKS: usize> Rings<AXES, BLOCKS> {
         let (to_reserve, reserve) = reserve.split();
         let (to_actions, outlet) = actions.ends();
         let display = Display::new(status, clock, to_phases.gauge(), to_segments.latest_word());
+        #[cfg(feature = "driven")]
+        let drives = to_segments.drives();
         (
             Sender {
                 segments: to_segments,
@@ -273,7 +297,13 @@ impl<const AXES: usize, const BLOCKS: usize> Rings<AXES, BLOCKS> {
                 clock,
             },
             Receiver { segments, time: Timeline::new(phases, reserve), shared },
-            Panel { control, actions: outlet, status: display },
+            Panel {
+                control,
+                actions: outlet,
+                status: display,
+                #[cfg(feature = "driven")]
+                drives,
+            },
         )
     }
 }

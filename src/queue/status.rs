@@ -154,6 +154,18 @@ impl<'a, const AXES: usize, M: Memory> Display<'a, AXES, M> {
         snapshot
     }
 
+    /// As [`Self::read`]. `beside` gets the path distance and reads more of the same tick; it may be called again.
+    #[cfg(feature = "driven")]
+    pub fn read_with(&self, mut beside: impl FnMut(Distance)) -> Snapshot<AXES> {
+        let mut snapshot = Snapshot::BLANK;
+        M::wait(|| {
+            let ended = self.look(&mut snapshot);
+            beside(snapshot.distance);
+            self.clock.is_at(ended)
+        });
+        snapshot
+    }
+
     /// Reads all words once. Returns the number of ticks that had ended before.
     fn look(&self, snapshot: &mut Snapshot<AXES>) -> u32 {
         let (ended, moved) = self.clock.ended();

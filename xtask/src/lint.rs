@@ -30,6 +30,7 @@ const FUNCTIONS: [&str; 13] = [
     "fanuc",
     "kinematics",
     "plc",
+    "driven",
     "examine",
 ];
 

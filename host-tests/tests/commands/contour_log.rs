@@ -188,7 +188,7 @@ fn the_distance_counts_from_the_clear_that_the_motion_has_passed() {
     let mut last = [0.0; 3];
     run::<64, 64>(text, (&machines::even(1000), [Position::ZERO; 3]), |now| {
         let status = now.operator.status();
-        let got = now.contour.distance(status.distance).expect("kept").to_mm();
+        let got = now.contour.distance(status.planned).expect("kept").to_mm();
         let [x, y, _] = status.set_points.map(|point| point.to_num::<f64>());
         let path = if x < 10.0 || (last[0] < 10.0 && y == 0.0) {
             x
@@ -270,7 +270,7 @@ fn covered(text: &str, machine: &MachineData<3>, start: [Position; 3]) {
             return;
         }
         let status = now.operator.status();
-        let at = now.contour.distance(status.distance).expect("kept");
+        let at = now.contour.distance(status.planned).expect("kept");
         assert!(now.contour.reach() >= reach, "tick {}", now.tick);
         reach = now.contour.reach();
         assert!(at <= reach);
@@ -395,7 +395,7 @@ fn program_start_and_abort() {
     let stands = status.set_points[0].to_num::<f64>();
     assert!(stands > 1.0 && stands < 9.0, "{stands}");
     assert!((contour.reach().to_mm() - stands).abs() < 1e-6, "{} {stands}", contour.reach().to_mm());
-    assert_eq!(contour.distance(status.distance), Ok(contour.reach()));
+    assert_eq!(contour.distance(status.planned), Ok(contour.reach()));
     planner.load(b"N30 G01 X30 F6000\nN40 Y3\n".as_slice()).expect("at rest");
     assert_eq!((contour.reach(), contour.log_state().entries), (ProgramDistance::ZERO, 0));
     drive(&mut planner, usize::MAX);
@@ -463,7 +463,7 @@ fn elements_have_the_block_of_the_status() {
     let mut seen = Vec::new();
     run::<64, 64>(text, (&machines::even(1000), [Position::ZERO; 3]), |now| {
         let status = now.operator.status();
-        let at = now.contour.distance(status.distance).expect("kept");
+        let at = now.contour.distance(status.planned).expect("kept");
         let mut ahead = now.contour.elements(at, EVERYTHING).map(|entry| entry.expect("kept"));
         if let Some(element) = ahead.next().filter(|element| element.start < at) {
             assert_eq!((element.id, element.n), (status.block, status.n), "tick {}", now.tick);

@@ -73,7 +73,7 @@ fn the_status_is_what_the_last_tick_did() {
         assert_eq!((status.ticks, status.state), (ticks, state));
         assert_eq!(&status.set_points, interpolator.set_points());
         assert_eq!((status.n, status.block), (telemetry.n, telemetry.block));
-        assert_eq!(status.distance, telemetry.distance);
+        assert_eq!(status.planned, telemetry.distance);
         // C1: the speed is that of the set points, to 2^-44 mm per tick.
         let points = status.set_points.map(|point| point.to_num::<f64>());
         let step = points.iter().zip(&before).map(|(to, from)| (to - from).powi(2)).sum::<f64>().sqrt();

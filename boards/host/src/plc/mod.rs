@@ -70,7 +70,7 @@ impl<'a> Plc<'a> {
         planner: &mut Planner<'_, T, AXES, BLOCKS, F, OVERLAYS>,
         operator: &Operator<'_, AXES>,
     ) {
-        let at = self.contour.distance(operator.status().distance);
+        let at = self.contour.distance(operator.status().planned);
         while let Some(request) = self.script.requests.get(self.next) {
             if ticks(request.time_ns, self.cycle_us) > tick {
                 break;

@@ -1,0 +1,195 @@
+//! What the axes have driven at a path distance, for the operator.
+//!
+//! Path distance is the coordinate of the plan. On a line or an arc it is the travel of the feed axes. On a curve that is
+//! planned over time it is time at the feed, and the axes travel less. So each curve has a [`Drive`]: the driven
+//! distance at its start, in its middle and at its end, and the travel per path distance there.
+//!
+//! Inside each half the driven distance is the cubic with these values. Where a curve over time brakes on a straight line
+//! it is exact, because the axes follow a cubic there. The interrupt does nothing for this: a reader finds the curve by
+//! the number of curves that the interrupt has left.
+use crate::math::float::{max, min, to_f32, to_i64};
+use crate::path::{Measure, Shape};
+use crate::quantity::Position;
+use core::sync::atomic::{AtomicU32, Ordering};
+
+/// Words of a [`Drive`].
+const WORDS: usize = 10;
+
+/// Weights of slopes at the ends of eight parts of a curve, for the mean of each half: Boole's rule.
+const WEIGHTS: [[f32; 2]; 9] = [
+    [7.0, 0.0],
+    [32.0, 0.0],
+    [12.0, 0.0],
+    [32.0, 0.0],
+    [7.0, 7.0],
+    [0.0, 32.0],
+    [0.0, 12.0],
+    [0.0, 32.0],
+    [0.0, 7.0],
+];
+const PARTS: i64 = WEIGHTS.len() as i64 - 1;
+const WHOLE: f32 = 90.0;
+
+/// The driven distance of one curve over its path distance, LSB 2^-44 mm.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Drive {
+    /// Path distance at its start.
+    start: i64,
+    /// Driven distance at its start.
+    driven: i64,
+    /// Half of the path length; 0 where the driven distance grows as the path distance does.
+    half: f32,
+    /// Driven length of each half.
+    travel: [f32; 2],
+    /// Travel per path distance at the start, in the middle and at the end.
+    slopes: [f32; 3],
+}
+
+impl Drive {
+    /// The drive of a curve that is driven as its path distance says.
+    pub const fn plain(start: i64, driven: i64) -> Self {
+        Self { start, driven, half: 0.0, travel: [0.0; 2], slopes: [1.0; 3] }
+    }
+
+    /// The drive of a curve. `start`, `driven`: path distance and driven distance at its start.
+    #[inline(never)]
+    pub fn of<const AXES: usize>(
+        (shape, base): (&Shape<AXES>, &[Position; AXES]),
+        measure: &Measure,
+        [start, driven]: [i64; 2],
+    ) -> Self {
+        let length = shape.length.to_bits();
+        // As in the slope of a track: 12 bits and more.
+        let by = (length >> 10).max((length >> 4).min(1 << 30)).max(1);
+        let scale = 1.0 / to_f32(2 * by);
+        let half = 0.5 * to_f32(length);
+        let (mut travel, mut slopes) = ([0.0; 2], [0.0; 3]);
+        for (k, weights) in (0..).zip(WEIGHTS) {
+            let at = (length / PARTS).wrapping_mul(k).wrapping_add(length % PARTS * k / PARTS);
+            let [from, to] = [at.wrapping_sub(by), at.wrapping_add(by)].map(|at| shape.placed(at, base));
+            let mut chord = [0i64; AXES];
+            for ((chord, from), to) in chord.iter_mut().zip(&from).zip(&to) {
+                *chord = to.to_bits().wrapping_sub(from.to_bits());
+            }
+            let slope = to_f32(measure.path(&chord).to_bits()) * scale;
+            for (travel, weight) in travel.iter_mut().zip(weights) {
+                *travel += weight / WHOLE * half * slope;
+            }
+            if k % (PARTS / 2) == 0
+                && let Some(kept) = slopes.get_mut((k / (PARTS / 2)) as usize)
+            {
+                *kept = slope;
+            }
+        }
+        Self { start, driven, half, travel, slopes }
+    }
+
+    /// The driven distance at a path distance inside the curve.
+    pub fn at(&self, distance: i64) -> i64 {
+        let along = distance.wrapping_sub(self.start);
+        let Self { half, travel: [first, second], slopes: [s0, s1, s2], .. } = *self;
+        if half == 0.0 {
+            return self.driven.wrapping_add(along);
+        }
+        let part = max(0.0, min(2.0, to_f32(along) / half));
+        let gone = if part <= 1.0 {
+            cubic(part, first, [s0 * half, s1 * half])
+        } else {
+            first + cubic(part - 1.0, second, [s1 * half, s2 * half])
+        };
+        self.driven.wrapping_add(to_i64(gone))
+    }
+
+    /// The driven distance at its end, of a curve with that path length.
+    pub fn end(&self, length: i64) -> i64 {
+        self.at(self.start.wrapping_add(length))
+    }
+
+    const fn to_words(self) -> [u32; WORDS] {
+        let Self { start, driven, half, travel: [first, second], slopes: [s0, s1, s2] } = self;
+        [
+            start as u32,
+            (start >> 32) as u32,
+            driven as u32,
+            (driven >> 32) as u32,
+            half.to_bits(),
+            first.to_bits(),
+            second.to_bits(),
+            s0.to_bits(),
+            s1.to_bits(),
+            s2.to_bits(),
+        ]
+    }
+
+    const fn of_words([a, b, c, d, half, first, second, s0, s1, s2]: [u32; WORDS]) -> Self {
+        Self {
+            start: ((b as u64) << 32 | a as u64) as i64,
+            driven: ((d as u64) << 32 | c as u64) as i64,
+            half: f32::from_bits(half),
+            travel: [f32::from_bits(first), f32::from_bits(second)],
+            slopes: [f32::from_bits(s0), f32::from_bits(s1), f32::from_bits(s2)],
+        }
+    }
+}
+
+/// The cubic over 0..1 from 0 to `travel` with these slopes at both ends, in 0..=`travel`.
+fn cubic(part: f32, travel: f32, [first, last]: [f32; 2]) -> f32 {
+    let (square, cube) = (3.0 * travel - 2.0 * first - last, first + last - 2.0 * travel);
+    max(0.0, min(travel, part * (first + part * (square + part * cube))))
+}
+
+/// A drive in memory. The planner writes it before the interrupt can come to its curve.
+pub(super) struct Kept([AtomicU32; WORDS]);
+
+impl Kept {
+    pub const fn new() -> Self {
+        Self([const { AtomicU32::new(0) }; WORDS])
+    }
+}
+
+/// The drives of the curves of a ring. A curve is found by its number, which counts from 0 since the split.
+#[derive(Clone, Copy)]
+pub(super) struct Drives<'a> {
+    kept: &'a [Kept],
+    /// Curves that the interrupt has left.
+    taken: &'a AtomicU32,
+}
+
+impl<'a> Drives<'a> {
+    /// Drives in that memory: as many as the ring has slots, at least.
+    pub const fn new(kept: &'a [Kept], taken: &'a AtomicU32) -> Self {
+        Self { kept, taken }
+    }
+
+    /// Each curve is driven as its path distance says.
+    pub fn clear(&self) {
+        for number in 0..self.kept.len() as u32 {
+            self.set(number, &Drive::plain(0, 0));
+        }
+    }
+
+    fn place(&self, number: u32) -> Option<&'a Kept> {
+        let index = number.checked_rem(self.kept.len() as u32)?;
+        self.kept.get(index as usize)
+    }
+
+    /// Writes the drive of the curve with this number.
+    pub fn set(&self, number: u32, drive: &Drive) {
+        if let Some(Kept(words)) = self.place(number) {
+            words.iter().zip(drive.to_words()).for_each(|(word, value)| word.store(value, Ordering::Relaxed));
+        }
+    }
+
+    /// The drive of the curve with this number.
+    pub fn get(&self, number: u32) -> Drive {
+        let Some(Kept(kept)) = self.place(number) else { return Drive::plain(0, 0) };
+        let mut words = [0; WORDS];
+        words.iter_mut().zip(kept).for_each(|(value, word)| *value = word.load(Ordering::Relaxed));
+        Drive::of_words(words)
+    }
+
+    /// The driven distance at a path distance of the curve that the interrupt is on.
+    pub fn at(&self, distance: i64) -> i64 {
+        self.get(self.taken.load(Ordering::Acquire)).at(distance)
+    }
+}
