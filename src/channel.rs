@@ -181,6 +181,9 @@ pub struct Planner<
     /// The last command, while a program is only checked.
     #[cfg(feature = "examine")]
     seen: Option<Command<AXES>>,
+    /// The last command of a run is kept, too.
+    #[cfg(feature = "examine")]
+    watches: bool,
     /// Real-time loops.
     #[cfg(feature = "plc")]
     loops: repeat::Loops<'a, AXES>,
@@ -475,6 +478,8 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         if self.loops.read() {
             return self.keep(command);
         }
+        #[cfg(feature = "examine")]
+        self.see_done(command);
         let Command::Motion(motion) = command else { return self.carry_out(command) };
         if self.moves_released(motion) {
             self.planning.drop_motion();
