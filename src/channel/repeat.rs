@@ -29,16 +29,18 @@ pub(super) struct Loops<'a, const AXES: usize> {
     passes: u32,
     /// #FLUSH WAIT: what follows may read a variable, and waits until the axes stand.
     waits: bool,
+    /// A function with FAW_SYNCH: behind its line the program waits for the motion.
+    pub(super) flushes: bool,
 }
 
 impl<const AXES: usize> Loops<'_, AXES> {
     /// No loop, and no memory for one.
     pub(super) const NONE: Self =
-        Self { store: None, stage: Stage::Outside, modulo: false, passes: 0, waits: false };
+        Self { store: None, stage: Stage::Outside, modulo: false, passes: 0, waits: false, flushes: false };
 
     /// The loop at hand is forgotten.
     pub(super) const fn forget(&mut self) {
-        (self.stage, self.waits) = (Stage::Outside, false);
+        (self.stage, self.waits, self.flushes) = (Stage::Outside, false, false);
     }
 
     /// Whether commands come from a loop instead of the text.
