@@ -588,6 +588,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
     }
 
     /// The axes come to rest, and so do those beside the path.
+    #[inline(always)]
     fn flush_and_wait(&mut self) {
         self.planning.rest(0);
         self.join(u32::MAX);

@@ -586,7 +586,8 @@ fn decode(
     // Only now all files of the program are known.
     if plc::is_from_outside(files) {
         return program::rehearse(files, machine, around).map_err(|refused| {
-            let told = |all: &Refusal| all.iter().any(|one| refused.iter().any(|r| r.render() == one.render()));
+            let told =
+                |all: &Refusal| all.iter().any(|one| refused.iter().any(|r| r.render() == one.render()));
             check::check(files, machine, input.bounds()).err().filter(told).unwrap_or(refused)
         });
     }

@@ -98,8 +98,7 @@ fn simulate_axes<const AXES: usize>(
         .map_err(|error| vec![Diagnostic::error(format!("{}: {error}", machine.name))])?;
 
     let (contour, outside) = outside.give(&mut handles.planner, plc::Wants::of(files, wanted.plc));
-    let plc =
-        wanted.plc.map(|script| Plc::new(script, (contour, outside), machine.channel.cycle_us));
+    let plc = wanted.plc.map(|script| Plc::new(script, (contour, outside), machine.channel.cycle_us));
     let writer = plc::Writer::new(outside, wanted.plc, machine.channel.cycle_us);
     let kinematics = machine.kinematics.fitted(&data);
     handles.planner.transform_with(&kinematics, machine.kinematics.default_id);
@@ -190,7 +189,8 @@ fn simulate_axes<const AXES: usize>(
     })?;
     match program.passes {
         Some(passes) if passes != outside.switch.passes() => {
-            let message = "internal error: the loops of the run are not those of the program; please report it";
+            let message =
+                "internal error: the loops of the run are not those of the program; please report it";
             Err(vec![Diagnostic::error(message)])
         }
         _ => Ok(result),

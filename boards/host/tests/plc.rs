@@ -136,9 +136,11 @@ fn is_log(answer: &Value, wanted: &[Logged]) {
         let value_name = if is_mark { "parameter" } else { "length_mm" };
         let knee_is = entry["tangent_variation_rad"].as_f64().unwrap_or(0.0);
         assert_eq!((entry["block_type"].as_u64(), entry["block_number"].as_u64()), (Some(*kind), Some(*n)));
-        for (got, want) in
-            [(entry["start_position_mm"].as_f64(), *start), (entry[value_name].as_f64(), *value), (Some(knee_is), *knee)]
-        {
+        for (got, want) in [
+            (entry["start_position_mm"].as_f64(), *start),
+            (entry[value_name].as_f64(), *value),
+            (Some(knee_is), *knee),
+        ] {
             assert!(got.is_some_and(|got| (got - want).abs() < 1e-6), "{entry}: expected {want}");
         }
     }
@@ -157,8 +159,13 @@ const KITE: &str = "N080 G1 X4 Y4\nN090 X8 Y4\nN100 X8 Y0\nN110 X4 Y-4\nN120 G1 
 fn pass(start: f64, knee: f64) -> Vec<Logged> {
     use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
     let long = 32f64.sqrt();
-    let lines =
-        [(80, long, knee), (90, 4.0, FRAC_PI_4), (100, 4.0, FRAC_PI_2), (110, long, FRAC_PI_4), (120, long, FRAC_PI_2)];
+    let lines = [
+        (80, long, knee),
+        (90, 4.0, FRAC_PI_4),
+        (100, 4.0, FRAC_PI_2),
+        (110, long, FRAC_PI_4),
+        (120, long, FRAC_PI_2),
+    ];
     let mut at = start;
     lines
         .map(|(n, length, knee)| {
@@ -204,7 +211,10 @@ fn c40_ex02_is_logged_once() {
         wanted.extend(pass(0.0, 0.0));
         wanted.push((5, 130, pass_mm(), 8.0, 0.0));
         is_log(&told[1], &wanted);
-        assert_eq!((told[2]["passes"].as_u64(), told[2]["loop_enabled"].as_bool()), (Some(passes), Some(false)));
+        assert_eq!(
+            (told[2]["passes"].as_u64(), told[2]["loop_enabled"].as_bool()),
+            (Some(passes), Some(false))
+        );
         let reach = told[2]["reach_mm"].as_f64().expect("a distance");
         assert!((reach - passes as f64 * pass_mm()).abs() < 1e-6, "{reach}");
     }
@@ -240,10 +250,14 @@ fn refused(arguments: &[&str]) -> String {
 /// A loop that nothing ends is told before it runs; one that nothing begins is left out, and that is told.
 #[test]
 fn a_loop_without_end_or_beginning_is_told() {
-    let program = written("loop.nc", &format!("G1 X0 Y0 F1000\nN60 #RT WHILE\n{KITE}#RT ENDWHILE\nG1 X9\nM30\n"));
+    let program =
+        written("loop.nc", &format!("G1 X0 Y0 F1000\nN60 #RT WHILE\n{KITE}#RT ENDWHILE\nG1 X9\nM30\n"));
     for text in ["0 loop on\n", "0 loop 2\n0.5 loop on\n", "0 loop on\n1 reach\n"] {
         let told = refused(&["run", &program, "--plc", &written("on.plc", text), "--answers", "-"]);
-        assert!(told.contains("does not end") && told.contains("loop.nc:2:") && told.contains("loop off"), "{told}");
+        assert!(
+            told.contains("does not end") && told.contains("loop.nc:2:") && told.contains("loop off"),
+            "{told}"
+        );
     }
     let output = glidepath(&["run", &program]);
     let told = String::from_utf8_lossy(&output.stderr).into_owned();
@@ -257,7 +271,16 @@ fn a_loop_without_end_or_beginning_is_told() {
     let events = written("abort.events", "3 abort\n");
     let told = answers(&program, &written("on.plc", "0 loop on\nend reach\n"), &["--events", &events]);
     assert_eq!(told[1]["loop_enabled"], true);
-    let few = refused(&["run", &program, "--plc", &written("many.plc", "0 loop 9999\n"), "--answers", "-", "--max-commands", "99"]);
+    let few = refused(&[
+        "run",
+        &program,
+        "--plc",
+        &written("many.plc", "0 loop 9999\n"),
+        "--answers",
+        "-",
+        "--max-commands",
+        "99",
+    ]);
     assert!(few.contains("--max-commands"), "{few}");
 }
 
@@ -339,4 +362,22 @@ fn late_requests_and_other_options_are_told() {
         let told = refused(&["run", &program, "--plc", &written("wrong2.plc", text), "--answers", "-"]);
         assert!(told.contains(place) && told.contains(word), "{text}: {told}");
     }
+}
+
+/// The firmware in the emulator changes the power at the same ticks: `LASER_POWER` of hil-tests/cases.
+#[test]
+fn the_laser_changes_at_the_ticks_of_the_firmware() {
+    let answers = answers(&shipped("programs/laser.nc"), &shipped("programs/laser.plc"), &[]);
+    let told: Vec<(u64, u64)> = answers
+        .iter()
+        .filter_map(|line| Some((line["tick"].as_u64()?, line["laser_percent"].as_u64()?)))
+        .collect();
+    let cases = fs::read_to_string(shipped("hil-tests/cases/src/plc.rs")).expect("the cases");
+    let list =
+        cases.split_once("LASER_POWER: ").and_then(|(_, rest)| rest.split_once("= [")).expect("a list").1;
+    let list = list.split_once("];").expect("its end").0;
+    let numbers: Vec<u64> =
+        list.split(|c: char| !c.is_ascii_digit()).filter_map(|text| text.parse().ok()).collect();
+    let wanted: Vec<(u64, u64)> = numbers.chunks_exact(2).map(|pair| (pair[0], pair[1])).collect();
+    assert_eq!(told, wanted);
 }

@@ -162,7 +162,8 @@ fn slp_waits_at_expl_syn() {
 /// What no block of a program demands is demanded by the next program.
 #[test]
 fn late_functions_outlive_their_program() {
-    let (first, second) = ("N05 M24 G00 X5\nN10 M26\nM30\n", "N10 G01 X9 F6000\nN20 #EXPL SYN\nN30 X12\nM30\n");
+    let (first, second) =
+        ("N05 M24 G00 X5\nN10 M26\nM30\n", "N10 G01 X9 F6000\nN20 #EXPL SYN\nN30 X12\nM30\n");
     let mut places = Vec::new();
     let (_, end, _) = run(&[first, second], &[], |now, operator| {
         if now.waits && places.last() != Some(&now.at[0]) {

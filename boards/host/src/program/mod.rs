@@ -15,8 +15,8 @@ use crate::machine::{Limits, Machine, limits};
 use crate::resolution::Resolution;
 use crate::tolerance::Tolerance;
 pub use decode::decode;
-pub use rehearse::{Around, rehearse};
 use glidepath::nc::Place;
+pub use rehearse::{Around, rehearse};
 pub use shape::{Stretch, sweep};
 pub use told::{refusal, remark};
 

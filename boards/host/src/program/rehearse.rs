@@ -3,10 +3,10 @@
 //! How often a real-time loop repeats, and what a program does that asks for a variable, is known when the motion is there.
 //! The rehearsal drives the program as a run does, with the same events and the same PLC, and collects each command that is
 //! carried out. A run is deterministic: the next one has the same blocks.
+use super::Program;
 use super::decode::Reading;
 use super::repeats::Repeats;
 use super::told::{Warned, endless, place, refusal, remark};
-use super::Program;
 use crate::acknowledge::{Automatic, Delay};
 use crate::diagnose::Diagnostic;
 use crate::events::{Schedule, Script};
@@ -107,15 +107,10 @@ const IDLE: u64 = 1000;
 const HELD: u64 = 1_000_000;
 
 type Handles<'a, const AXES: usize> = FilteredHandles<'a, Delayed<'a>, AXES, BLOCKS, TAPS, OVERLAYS>;
-type Planning<'a, const AXES: usize> =
-    Planner<'a, Delayed<'a>, AXES, BLOCKS, Bank<'a, AXES, TAPS>, OVERLAYS>;
+type Planning<'a, const AXES: usize> = Planner<'a, Delayed<'a>, AXES, BLOCKS, Bank<'a, AXES, TAPS>, OVERLAYS>;
 
 impl<const AXES: usize> Stage<'_, AXES> {
-    fn drive(
-        mut self,
-        handles: Handles<'_, AXES>,
-        late: &Cell<bool>,
-    ) -> Result<Program, Vec<Diagnostic>> {
+    fn drive(mut self, handles: Handles<'_, AXES>, late: &Cell<bool>) -> Result<Program, Vec<Diagnostic>> {
         let FilteredHandles { mut planner, mut interpolator, operator } = handles;
         let (mut done, mut idle, mut rest) = (false, 0, 0);
         loop {
@@ -222,7 +217,8 @@ impl<const AXES: usize> Stage<'_, AXES> {
     }
 
     fn unending(&self, at: Place) -> Diagnostic {
-        let message = "the real-time loop does not end: V.RTG.LOOP.ENABLED is true, and nothing makes it false";
+        let message =
+            "the real-time loop does not end: V.RTG.LOOP.ENABLED is true, and nothing makes it false";
         place(Diagnostic::error(message), self.files, at).expected(
             "expected a later line `<seconds> loop off` or a line `<seconds> loop <passes>` in --plc, or an abort in --events",
         )

@@ -189,7 +189,11 @@ impl Loader<'_> {
         let name = match plc::name(&entry.name) {
             Ok(name) => name,
             Err(expected) => {
-                self.refuse(&entry.key, format!("variables.{}: no name of a variable", entry.name), &expected);
+                self.refuse(
+                    &entry.key,
+                    format!("variables.{}: no name of a variable", entry.name),
+                    &expected,
+                );
                 return;
             }
         };

@@ -129,9 +129,8 @@ impl Loader<'_> {
             (None, Some(bits)) if bits > faw && bits & faw != 0 => (None, Some(bits & !faw), true),
             (None, number) => (None, number, false),
         };
-        let meant = Synch::ALL
-            .iter()
-            .find(|(_, name, bits)| word == Some(name) || number == Some(i128::from(*bits)));
+        let meant =
+            Synch::ALL.iter().find(|(_, name, bits)| word == Some(name) || number == Some(i128::from(*bits)));
         let here: Vec<&str> =
             Synch::ALL.iter().filter(|(synch, ..)| synch.is_available()).map(|(_, name, _)| *name).collect();
         let here = here.join(", ");
