@@ -132,15 +132,16 @@ impl<const AXES: usize> Stage<'_, AXES> {
             if is_idle && done {
                 break;
             }
-            self.put_out(&operator);
             if is_idle && !(starved || stalled || held || waiting) {
                 idle += 1;
                 if idle > IDLE {
                     break;
                 }
+                self.put_out(&operator);
                 continue;
             }
             (idle, self.tick) = (0, self.tick + 1);
+            self.put_out(&operator);
             rest = if is_idle { rest + 1 } else { 0 };
             // The run tells why nothing follows.
             let unanswered = waiting
