@@ -14,7 +14,7 @@ use glidepath::rt_loop::{LoopMemory, LoopSwitch};
 use glidepath::variable::Variable;
 
 /// Commands that a real-time loop has at most: P-STUP-00033 may allow fewer.
-pub const LOOPED: usize = 1 << 13;
+pub const LOOPED: usize = 1 << 12;
 
 /// The memory of a run.
 pub struct Memory<const AXES: usize> {
