@@ -374,7 +374,7 @@ fn the_laser_changes_at_the_ticks_of_the_firmware() {
         .collect();
     let cases = fs::read_to_string(shipped("hil-tests/cases/src/plc.rs")).expect("the cases");
     let list =
-        cases.split_once("LASER_POWER: ").and_then(|(_, rest)| rest.split_once("= [")).expect("a list").1;
+        cases.split_once("LASER_POWER: ").and_then(|(_, rest)| rest.split_once("] =")).expect("a list").1;
     let list = list.split_once("];").expect("its end").0;
     let numbers: Vec<u64> =
         list.split(|c: char| !c.is_ascii_digit()).filter_map(|text| text.parse().ok()).collect();
