@@ -181,6 +181,9 @@ pub struct Planner<
     /// The last command, while a program is only checked.
     #[cfg(feature = "examine")]
     seen: Option<Command<AXES>>,
+    /// The last command of a run is kept, too.
+    #[cfg(feature = "examine")]
+    watches: bool,
     /// Real-time loops.
     #[cfg(feature = "plc")]
     loops: repeat::Loops<'a, AXES>,
@@ -347,6 +350,12 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
     /// line takes one call. A separate function, so that its stack frame does not lie below the planning.
     #[inline(never)]
     fn decode(&mut self) -> Result<Progress, Error> {
+        #[cfg(feature = "plc")]
+        if self.loops.flushes && self.decoder.is_between_lines() {
+            self.loops.flushes = false;
+            self.flush_and_wait();
+            return Ok(Progress::Working);
+        }
         for _ in 0..2 {
             if self.decoder.restricts() && self.ends_row() {
                 break;
@@ -475,6 +484,8 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         if self.loops.read() {
             return self.keep(command);
         }
+        #[cfg(feature = "examine")]
+        self.see_done(command);
         let Command::Motion(motion) = command else { return self.carry_out(command) };
         if self.moves_released(motion) {
             self.planning.drop_motion();
@@ -482,6 +493,10 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         }
         if OVERLAYS > 0 && self.joins(motion) {
             return Ok(Progress::Working);
+        }
+        #[cfg(feature = "plc")]
+        if motion.kind != crate::nc::MotionKind::Rapid {
+            self.planning.demand(false);
         }
         self.planning.take(motion).map_err(|e| self.error_of(motion, e))?;
         if motion.exact_stop && (OVERLAYS > 0 || self.settling() > 0) {
@@ -534,12 +549,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
                 self.planning.keep_corner();
                 self.join(*axes);
             }
-            Command::FlushWait(_) => {
-                self.planning.rest(0);
-                self.join(u32::MAX);
-                #[cfg(feature = "plc")]
-                self.wait_for_standstill();
-            }
+            Command::FlushWait(_) => self.flush_and_wait(),
             Command::Oscillation(..) | Command::Independent(..) if OVERLAYS > 0 => self.hold_back(command),
             Command::WaitIndependent(_, axes) => self.wait_independent(*axes),
             // An exact stop came together with the motion. The other commands switch off functions that this
@@ -570,9 +580,20 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
             Command::Message(_) => {}
             #[cfg(feature = "plc")]
             Command::Flush(_) => self.planning.keep_corner(),
+            #[cfg(feature = "plc")]
+            Command::ExplicitSynch(_) => self.planning.demand(true),
             _ => return refuse(command.name()),
         }
         Ok(Progress::Working)
+    }
+
+    /// The axes come to rest, and so do those beside the path.
+    #[inline(always)]
+    fn flush_and_wait(&mut self) {
+        self.planning.rest(0);
+        self.join(u32::MAX);
+        #[cfg(feature = "plc")]
+        self.wait_for_standstill();
     }
 
     /// A pause, an output or a wait for an input, in a dialect other than ISG's.
@@ -711,6 +732,15 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         };
         #[cfg(feature = "grbl")]
         let synch = if held.pauses { Synch::MnsSns } else { synch };
+        #[cfg(feature = "plc")]
+        {
+            let setup = self.decoder.setup();
+            self.loops.flushes |= match held.function {
+                Function::M(code) => setup.m_synch.flushes(code),
+                Function::H(code) => setup.h_synch.flushes(code),
+                _ => false,
+            };
+        }
         let Held { n, function, in_motion, .. } = held;
         if self.planning.output(n, function, synch, in_motion).is_err() {
             self.held = Some(held);

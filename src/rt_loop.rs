@@ -51,7 +51,8 @@ struct Shared {
 
 /// Memory of real-time loops with room for `COMMANDS` commands: motion blocks and commands of the log.
 ///
-/// [`Self::BYTES`] is what P-STUP-00033 (fb_storage_size) counts. All bits but unused ones are zero when new, so that a
+/// P-STUP-00033 (fb_storage_size) counts the bytes of the commands, and says how many of them a loop may have: the smaller
+/// of both bounds counts. All bits but unused ones are zero when new, so that a
 /// static one lies in `.bss`.
 pub struct LoopMemory<const AXES: usize, const COMMANDS: usize> {
     commands: Vec<Stored<AXES>, COMMANDS>,
@@ -74,7 +75,9 @@ impl<const AXES: usize, const COMMANDS: usize> LoopMemory<AXES, COMMANDS> {
     pub fn split(&mut self) -> (LoopStore<'_, AXES>, LoopSwitch<'_>) {
         *self = Self::new();
         let Self { commands, shared } = self;
-        (LoopStore { commands: commands.as_mut_view(), shared }, LoopSwitch { shared })
+        let commands = commands.as_mut_view();
+        let room = commands.capacity();
+        (LoopStore { commands, room, shared }, LoopSwitch { shared })
     }
 }
 
@@ -115,6 +118,8 @@ impl LoopSwitch<'_> {
 /// The planner's end: the commands of a loop.
 pub struct LoopStore<'a, const AXES: usize> {
     commands: &'a mut VecView<Stored<AXES>>,
+    /// Commands that P-STUP-00033 has room for.
+    room: usize,
     shared: &'a Shared,
 }
 
@@ -122,6 +127,11 @@ impl<'a, const AXES: usize> LoopStore<'a, AXES> {
     /// V.RTG.LOOP.ENABLED, for the decoder.
     pub(crate) const fn flag(&self) -> &'a LoopFlag {
         &self.shared.flag
+    }
+
+    /// A loop has commands for so many bytes at most: P-STUP-00033.
+    pub(crate) fn limit(&mut self, bytes: u32) {
+        self.room = bytes as usize / size_of::<Stored<AXES>>().max(1);
     }
 
     /// No command.
@@ -165,8 +175,11 @@ impl<'a, const AXES: usize> LoopStore<'a, AXES> {
             Command::RtWhile(..) => return Err(LoopError::Nested),
             other => return Err(LoopError::NotInside(other.name())),
         };
-        let room = self.commands.capacity();
-        self.commands.push(stored).map_err(|_| LoopError::TooLong(room))
+        if self.commands.len() >= self.room {
+            return Err(LoopError::TooLong(self.room));
+        }
+        let built = self.commands.capacity();
+        self.commands.push(stored).map_err(|_| LoopError::Full(built))
     }
 
     /// Whether a spline is on behind the last command, if one was on before the first: `before`.
@@ -213,8 +226,12 @@ pub enum LoopError {
     NotClosed,
     /// No axis moves in the loop.
     NoMotion,
-    /// The loop has more commands than the memory has room for.
+    /// The loop has more commands than P-STUP-00033 has room for.
     TooLong(usize),
+    /// The loop has more commands than the memory of this build has room for.
+    Full(usize),
+    /// P-STUP-00033 is 0: there is no storage for loops.
+    NoStorage,
     /// The planner has no memory for loops.
     NoMemory,
     /// `#RT ENDWHILE` without `#RT WHILE`.
@@ -259,8 +276,15 @@ impl core::fmt::Display for LoopError {
                 f,
                 "the real-time loop has more than {room} commands; expected fewer, or more storage (P-STUP-00033, fb_storage_size)"
             ),
+            Self::Full(room) => write!(
+                f,
+                "the real-time loop has more than {room} commands; expected fewer: this build has memory for so many"
+            ),
+            Self::NoStorage => f.write_str(
+                "there is no storage for real-time loops; expected fb_storage_size[0] above 0 (P-STUP-00033)",
+            ),
             Self::NoMemory => f.write_str(
-                "#RT WHILE is not enabled; expected storage for real-time loops (P-STUP-00033, fb_storage_size)",
+                "#RT WHILE is not available; expected a build with memory for real-time loops",
             ),
             Self::Unopened => f.write_str("#RT ENDWHILE without #RT WHILE; expected #RT WHILE before it"),
             Self::Unclosed => f.write_str("#RT WHILE without #RT ENDWHILE; expected #RT ENDWHILE behind it"),

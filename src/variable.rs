@@ -84,6 +84,11 @@ impl Variable {
         Self { name, access, plc: Side::new(), program: Side::new() }
     }
 
+    /// Its name, without `V.E.`.
+    pub const fn name(&self) -> &'static str {
+        self.name
+    }
+
     /// Writes the variable. For the PLC, one context at a time. A program sees the value in the lines that the planner
     /// reads from now on.
     pub fn set(&self, value: f64) {

@@ -205,6 +205,32 @@ pub fn record_beside<const BLOCKS: usize>(
     exit(good)
 }
 
+/// The ring with and without a log, and the laser; whether set points and outputs are those of the host is the exit code.
+#[cfg(feature = "plc")]
+pub fn record_plc(channel: &mut Channel<3, { hil_cases::BLOCKS }>, memory: &mut hil_cases::PlcMemory) -> ! {
+    let mut report = Report::open();
+    let counter = Counter::start();
+    let _ = writeln!(report, "unit {UNIT}");
+    let (mut good, mut stacks) = (true, Stacks::default());
+    for (name, logs) in [("ring", false), ("ring_logged", true)] {
+        let _ = writeln!(report, "case {name} axes 3 blocks {}", hil_cases::BLOCKS);
+        let mut recorder = Recorder::new(&counter, &mut report, &mut stacks);
+        let result = hil_cases::ring(channel, memory, logs, &mut recorder);
+        good &= recorder.close(&result, Cost::default());
+        good &= result.is_ok_and(|outcome| outcome.digest.value() == hil_cases::RING_DIGEST);
+    }
+    let _ = writeln!(report, "case laser axes 3 blocks {}", hil_cases::BLOCKS);
+    let mut recorder = Recorder::new(&counter, &mut report, &mut stacks);
+    let (mut wanted, mut same) = (hil_cases::LASER_POWER.iter(), true);
+    let result = hil_cases::laser(channel, memory, &mut recorder, |tick, percent| {
+        same &= wanted.next() == Some(&(tick, percent));
+    });
+    good &= recorder.close(&result, Cost::default()) && same && wanted.next().is_none();
+    let _ = writeln!(report, "laser {}", if same { "same" } else { "differs" });
+    report.flush();
+    exit(good)
+}
+
 fn report_end(report: &mut Report, result: &Result<Outcome, Failure>) {
     let _ = match result {
         Ok(o) => writeln!(

@@ -42,8 +42,13 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         self.planning.begin_to_examine();
     }
 
+    /// Makes [`Self::seen`] return the commands of a run: those that are carried out, in a real-time loop pass by pass.
+    pub fn watch(&mut self) {
+        self.watches = true;
+    }
+
     /// The command that the last [`Self::poll`] read, whether accepted or refused. Each command is returned
-    /// once. Only after [`Self::examine`].
+    /// once. Only after [`Self::examine`] or [`Self::watch`].
     pub fn seen(&mut self) -> Option<Command<AXES>> {
         self.seen.take()
     }
@@ -51,6 +56,13 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
     /// Keeps a command for [`Self::seen`].
     pub(super) fn see(&mut self, step: &Result<Step<AXES>, NcError>) {
         if let (true, Ok(Step::Command(command))) = (self.planning.examines(), step) {
+            self.seen = Some(*command);
+        }
+    }
+
+    /// Keeps a command that is carried out, for [`Self::seen`].
+    pub(super) fn see_done(&mut self, command: &Command<AXES>) {
+        if self.watches {
             self.seen = Some(*command);
         }
     }

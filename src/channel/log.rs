@@ -55,7 +55,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         if !self.planning.has_recorder() {
             return Err(Error::NotEnabled(command.place(), NEEDS));
         }
-        if matches!(command, Command::ContourLog(..)) && !self.planning.has_storage() {
+        if matches!(command, Command::ContourLog(..)) && self.planning.storage() == 0 {
             return Err(Error::NotEnabled(command.place(), NO_STORAGE));
         }
         let taken = match command {

@@ -157,6 +157,8 @@ impl<const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Channel<AXES
                 beside: Beside::new(singles.write([Single::NONE; OVERLAYS]), to_overlays, &machine.channel),
                 #[cfg(feature = "examine")]
                 seen: None,
+                #[cfg(feature = "examine")]
+                watches: false,
             },
             interpolator,
             operator,

@@ -29,16 +29,18 @@ pub(super) struct Loops<'a, const AXES: usize> {
     passes: u32,
     /// #FLUSH WAIT: what follows may read a variable, and waits until the axes stand.
     waits: bool,
+    /// A function with FAW_SYNCH: behind its line the program waits for the motion.
+    pub(super) flushes: bool,
 }
 
 impl<const AXES: usize> Loops<'_, AXES> {
     /// No loop, and no memory for one.
     pub(super) const NONE: Self =
-        Self { store: None, stage: Stage::Outside, modulo: false, passes: 0, waits: false };
+        Self { store: None, stage: Stage::Outside, modulo: false, passes: 0, waits: false, flushes: false };
 
     /// The loop at hand is forgotten.
     pub(super) const fn forget(&mut self) {
-        (self.stage, self.waits) = (Stage::Outside, false);
+        (self.stage, self.waits, self.flushes) = (Stage::Outside, false, false);
     }
 
     /// Whether commands come from a loop instead of the text.
@@ -56,8 +58,10 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
     Planner<'a, T, AXES, BLOCKS, F, OVERLAYS>
 {
     /// Real-time loops are kept in this memory from now on: [`LoopMemory::split`](crate::rt_loop::LoopMemory::split). It
-    /// is called once, before the first [`Self::poll`]. Without it, the planner refuses `#RT WHILE`.
-    pub fn real_time_loops(&mut self, store: LoopStore<'a, AXES>) {
+    /// is called once, before the first [`Self::poll`]. Without it, the planner refuses `#RT WHILE`; so it does where
+    /// P-STUP-00033 (fb_storage_size) is 0 or too small for a loop.
+    pub fn real_time_loops(&mut self, mut store: LoopStore<'a, AXES>) {
+        store.limit(self.planning.storage());
         self.decoder.externals.flag = Some(store.flag());
         self.loops.store = Some(store);
     }
@@ -86,6 +90,9 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         let refuse = |error| Err(Error::Loop(head.place, error));
         let Some(modulo) = modulo else { return refuse(LoopError::Unopened) };
         let Some(store) = &mut self.loops.store else { return refuse(LoopError::NoMemory) };
+        if self.planning.storage() == 0 {
+            return refuse(LoopError::NoStorage);
+        }
         if self.planning.has_spline() {
             return refuse(LoopError::SplineBefore);
         }
@@ -157,6 +164,9 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         }
         let Loops { store, stage, modulo, passes, .. } = &mut self.loops;
         let again = store.as_ref().is_some_and(LoopStore::is_enabled);
+        // A check goes through the loop once.
+        #[cfg(feature = "examine")]
+        let again = if self.planning.examines() { *passes == 0 } else { again };
         let turn = match (again, *passes) {
             (true, 0) => Turn::Begin,
             (true, _) => Turn::Again,

@@ -120,8 +120,8 @@ pub struct InterpolatorData {
     /// P-CHAN-00658 `configuration.interpolator.contour_lookahead_log_max` (P-STUP-00076): number of elements kept of
     /// each kind, by index and by distance, as far as memory permits.
     pub log_max: u32,
-    /// P-STUP-00033 `fb_storage_size[0]`: bytes for kept blocks. 0: no storage, and no log by index. A value below
-    /// [`FB_STORAGE_MIN`] counts as [`FB_STORAGE_MIN`].
+    /// P-STUP-00033 `fb_storage_size[0]`: bytes for kept blocks. 0: no storage, no log by index, and no real-time loops.
+    /// A value below [`FB_STORAGE_MIN`] counts as [`FB_STORAGE_MIN`].
     pub fb_storage_size: u32,
 }
 

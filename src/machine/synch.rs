@@ -18,9 +18,9 @@ pub enum Synch {
     MnsSns,
     /// MNE_SNS: output at a measuring event.
     MneSns,
-    /// MVS_SLM: acknowledged where the motion changes to feed.
+    /// MVS_SLM: put out before the motion of its block, acknowledged before the next motion at feed (feature `plc`).
     MvsSlm,
-    /// MVS_SLP: acknowledged at #EXPL SYN.
+    /// MVS_SLP: put out before the motion of its block, acknowledged before the motion behind #EXPL SYN (feature `plc`).
     MvsSlp,
     /// MOS_TS: output at a time before or after the motion.
     MosTs,
@@ -32,7 +32,7 @@ pub enum Synch {
     MepSvs,
     /// MET_SVS: output at a time ahead.
     MetSvs,
-    /// FAW_SYNCH: the decoder waits too.
+    /// FAW_SYNCH: the decoder waits too. It comes beside another kind: [`SynchTable::with_flush`].
     FawSynch,
 }
 
@@ -63,16 +63,28 @@ impl Synch {
     /// Whether Glidepath supports this kind.
     pub const fn is_available(self) -> bool {
         matches!(self, Self::NoSynch | Self::Mos | Self::MvsSvs | Self::MvsSns | Self::MnsSns)
+            || (cfg!(feature = "plc") && self.is_late())
+    }
+
+    /// Whether the point of the acknowledgement is known only later in the program.
+    pub const fn is_late(self) -> bool {
+        matches!(self, Self::MvsSlm | Self::MvsSlp)
+    }
+
+    /// Whether #EXPL SYN says that point.
+    pub const fn is_explicit(self) -> bool {
+        matches!(self, Self::MvsSlp)
     }
 
     /// Whether the function is output before the motion of its block.
     pub const fn is_before(self) -> bool {
-        matches!(self, Self::MvsSvs | Self::MvsSns)
+        matches!(self, Self::MvsSvs | Self::MvsSns) || (cfg!(feature = "plc") && self.is_late())
     }
 
     /// Whether the motion waits for an acknowledgement.
     pub const fn waits(self) -> bool {
         matches!(self, Self::MvsSvs | Self::MvsSns | Self::MnsSns)
+            || (cfg!(feature = "plc") && self.is_late())
     }
 }
 
@@ -94,16 +106,31 @@ pub struct SynchTable {
     kinds: [Synch; SYNCHRONISED],
     len: u8,
     full: bool,
+    /// FAW_SYNCH, a bit for each function of the table.
+    #[cfg(feature = "plc")]
+    flushes: u32,
 }
 
 impl SynchTable {
     /// An empty table with all bits zero.
-    pub(crate) const BLANK: Self =
-        Self { codes: [0; SYNCHRONISED], kinds: [Synch::NoSynch; SYNCHRONISED], len: 0, full: false };
+    pub(crate) const BLANK: Self = Self {
+        codes: [0; SYNCHRONISED],
+        kinds: [Synch::NoSynch; SYNCHRONISED],
+        len: 0,
+        full: false,
+        #[cfg(feature = "plc")]
+        flushes: 0,
+    };
 
     /// An empty table.
-    pub const NONE: Self =
-        Self { codes: [0; SYNCHRONISED], kinds: [Synch::Mos; SYNCHRONISED], len: 0, full: false };
+    pub const NONE: Self = Self {
+        codes: [0; SYNCHRONISED],
+        kinds: [Synch::Mos; SYNCHRONISED],
+        len: 0,
+        full: false,
+        #[cfg(feature = "plc")]
+        flushes: 0,
+    };
 
     /// Adds function number `code`. Machine data with more than [`SYNCHRONISED`] functions are refused.
     #[must_use]
@@ -115,6 +142,10 @@ impl SynchTable {
         }
         if k < SYNCHRONISED {
             (self.codes[k], self.kinds[k]) = (code, synch);
+            #[cfg(feature = "plc")]
+            {
+                self.flushes &= !(1 << k);
+            }
             if k == len {
                 self.len += 1;
             }
@@ -122,6 +153,28 @@ impl SynchTable {
             self.full = true;
         }
         self
+    }
+
+    /// The same with FAW_SYNCH: behind the block with the function the program goes on when the motion has come there.
+    #[cfg(feature = "plc")]
+    #[must_use]
+    pub const fn with_flush(mut self, code: u16, synch: Synch) -> Self {
+        self = self.with(code, synch);
+        let mut k = 0;
+        while k < self.len as usize && k < SYNCHRONISED {
+            if self.codes[k] == code {
+                self.flushes |= 1 << k;
+            }
+            k += 1;
+        }
+        self
+    }
+
+    /// Whether function number `code` has FAW_SYNCH.
+    #[cfg(feature = "plc")]
+    pub fn flushes(&self, code: u16) -> bool {
+        let at = self.entries().position(|entry| entry.0 == code);
+        at.is_some_and(|k| self.flushes & (1 << k) != 0)
     }
 
     /// The synchronisation of function number `code`.

@@ -250,6 +250,9 @@ pub enum Command<const AXES: usize> {
     /// `#FLUSH`: releases blocks that wait for the next block.
     #[cfg(feature = "plc")]
     Flush(Head),
+    /// #EXPL SYN: functions of the kind MVS_SLP must be acknowledged before the next motion block.
+    #[cfg(feature = "plc")]
+    ExplicitSynch(Head),
     /// G38.2…G38.5 of other dialects. The planner refuses the command by name: an application with a probe
     /// carries it out.
     #[cfg(feature = "grbl")]
@@ -308,7 +311,7 @@ impl<const AXES: usize> Command<AXES> {
             #[cfg(any(feature = "grbl", feature = "plc"))]
             Self::Message(h) => Some(h),
             #[cfg(feature = "plc")]
-            Self::Flush(h) => Some(h),
+            Self::Flush(h) | Self::ExplicitSynch(h) => Some(h),
         }
     }
 
@@ -396,6 +399,8 @@ impl<const AXES: usize> Command<AXES> {
             Self::Message(_) => "message",
             #[cfg(feature = "plc")]
             Self::Flush(_) => "#FLUSH",
+            #[cfg(feature = "plc")]
+            Self::ExplicitSynch(_) => "#EXPL SYN",
             #[cfg(feature = "grbl")]
             Self::Probe(..) => "probing (G38.2 to G38.5)",
         }

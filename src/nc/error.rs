@@ -485,10 +485,10 @@ pub enum NcWarningKind {
     #[cfg(feature = "grbl")]
     ModeWithoutEffect,
     /// A command to Grbl that reports or unlocks.
-    #[cfg(feature = "dialects")]
+    #[cfg(feature = "grbl")]
     Report,
     /// P or Q of M100 to M199.
-    #[cfg(feature = "dialects")]
+    #[cfg(feature = "grbl")]
     NoArguments,
 }
 
@@ -621,9 +621,9 @@ impl fmt::Display for NcWarning {
             NcWarningKind::SpeedByBlock => "G96: the spindle speed is put out at the start of each block, and stays inside of it",
             #[cfg(feature = "grbl")]
             NcWarningKind::ModeWithoutEffect => "this mode of the controller has no effect here: the path is the programmed one",
-            #[cfg(feature = "dialects")]
+            #[cfg(feature = "grbl")]
             NcWarningKind::Report => "a command to Grbl that moves nothing: it has no effect here",
-            #[cfg(feature = "dialects")]
+            #[cfg(feature = "grbl")]
             NcWarningKind::NoArguments => "P and Q are not handed on: the machine gets the function's number alone",
             NcWarningKind::EndInSubroutine => "program end inside a subroutine ends the whole program",
         })

@@ -45,6 +45,8 @@ enum Hash {
     Flush,
     #[cfg(feature = "plc")]
     Message,
+    #[cfg(feature = "plc")]
+    ExplicitSynch,
     WaitIndependent,
     Time,
 }
@@ -120,6 +122,8 @@ const COMMANDS: &[(&str, Hash)] = &[
     ("FLUSH", Hash::Flush),
     #[cfg(feature = "plc")]
     ("MSG", Hash::Message),
+    #[cfg(feature = "plc")]
+    ("EXPL SYN", Hash::ExplicitSynch),
     ("WAIT INDP", Hash::WaitIndependent),
     ("TIME", Hash::Time),
 ];
@@ -334,6 +338,8 @@ impl<const AXES: usize> Interpreter<AXES> {
             Hash::FlushWait => Command::FlushWait(head),
             #[cfg(feature = "plc")]
             Hash::Flush => Command::Flush(head),
+            #[cfg(feature = "plc")]
+            Hash::ExplicitSynch => Command::ExplicitSynch(head),
             #[cfg(feature = "plc")]
             Hash::Message => Command::Message(Head { place: line.place(message(c)?), ..head }),
             Hash::WaitIndependent => Command::WaitIndependent(head, self.axis_list(c)?),

@@ -39,7 +39,7 @@ pub(super) struct Modal<const AXES: usize> {
     pub centre_absolute: bool,
     pub inch: bool,
     /// G7: X is a diameter.
-    #[cfg(feature = "dialects")]
+    #[cfg(feature = "grbl")]
     pub diameter: bool,
     pub feed: Option<Feed>,
     pub exact_stop: bool,
@@ -58,7 +58,7 @@ impl<const AXES: usize> Modal<AXES> {
         relative: false,
         centre_absolute: false,
         inch: false,
-        #[cfg(feature = "dialects")]
+        #[cfg(feature = "grbl")]
         diameter: false,
         feed: None,
         exact_stop: false,

@@ -31,6 +31,23 @@ struct Entry {
     gated: bool,
     /// Whether the function is in the queue.
     placed: bool,
+    /// The motion block before which it must be acknowledged is still to come: [`Functions::demand`].
+    #[cfg(feature = "plc")]
+    late: bool,
+    /// MVS_SLP: #EXPL SYN says which; else the next motion at feed.
+    #[cfg(feature = "plc")]
+    explicit: bool,
+}
+
+impl Entry {
+    /// Whether the motion block of its gate is known.
+    const fn has_gate(&self) -> bool {
+        #[cfg(feature = "plc")]
+        if self.late {
+            return false;
+        }
+        true
+    }
 }
 
 /// Functions and gates.
@@ -83,6 +100,10 @@ impl Functions {
             spans: synch == Synch::MvsSns,
             gated: !ticket.waits(),
             placed: false,
+            #[cfg(feature = "plc")]
+            late: synch.is_late(),
+            #[cfg(feature = "plc")]
+            explicit: synch.is_explicit(),
         };
         self.entries.push(entry).map_err(|_| ())
     }
@@ -98,14 +119,32 @@ impl Functions {
         }
     }
 
+    /// Functions of late synchronisation must be acknowledged before the motion block `number`: `explicit`, those of
+    /// #EXPL SYN; else those of the change to feed. Whether there are any.
+    #[cfg(feature = "plc")]
+    pub fn demand(&mut self, number: u32, explicit: bool) -> bool {
+        let late = |entry: &&mut Entry| entry.late && entry.explicit == explicit;
+        let mut any = false;
+        for entry in self.entries.iter_mut().filter(late) {
+            (entry.late, entry.gate, any) = (false, number, true);
+        }
+        any
+    }
+
+    /// Whether a function waits for such a demand.
+    #[cfg(feature = "plc")]
+    pub fn are_late(&self, explicit: bool) -> bool {
+        self.entries.iter().any(|entry| entry.late && entry.explicit == explicit)
+    }
+
     /// Whether a function still needs its place or its gate.
     pub fn are_open(&self) -> bool {
-        self.entries.iter().any(|entry| !entry.placed || !entry.gated)
+        self.entries.iter().any(|entry| !entry.placed || (!entry.gated && entry.has_gate()))
     }
 
     /// Whether such a function demands an acknowledgement.
     pub fn are_awaited(&self) -> bool {
-        self.entries.iter().any(|entry| !entry.gated && entry.ticket.waits())
+        self.entries.iter().any(|entry| !entry.gated && entry.has_gate() && entry.ticket.waits())
     }
 
     /// Drops functions because the motion of their line is refused.
@@ -150,7 +189,7 @@ impl Functions {
                 let Entry { n, function, ticket, .. } = *entry;
                 let _ = queue.push(PlacedAction { distance, n, action: Action::Out(function, ticket) });
             }
-            if entry.placed && !entry.gated && reaches(due, entry.gate) {
+            if entry.placed && !entry.gated && entry.has_gate() && reaches(due, entry.gate) {
                 entry.gated = true;
                 self.last |= entry.ticket.bit();
             }
@@ -164,7 +203,7 @@ impl Functions {
     pub fn pass_by(&mut self, due: u32) {
         for entry in &mut self.entries {
             entry.placed |= reaches(due, entry.out);
-            entry.gated |= entry.placed && reaches(due, entry.gate);
+            entry.gated |= entry.placed && entry.has_gate() && reaches(due, entry.gate);
         }
     }
 

@@ -728,4 +728,14 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         );
         taken.map_err(|()| function)
     }
+
+    /// Functions of late synchronisation must be acknowledged before the next motion block: `explicit`, those of #EXPL SYN;
+    /// else those of the change to feed. Only after [`super::Work::Hungry`].
+    #[cfg(feature = "plc")]
+    pub fn demand(&mut self, explicit: bool) {
+        if self.functions.are_late(explicit) {
+            self.let_go();
+            self.functions.demand(self.intake.taken, explicit);
+        }
+    }
 }

@@ -2,7 +2,7 @@
 use super::Planning;
 use super::intake::{Entrance, Pass};
 use crate::contour_log::{Crowded, Passed, Recorder};
-use crate::machine::InterpolatorFunctions;
+use crate::machine::{FB_STORAGE_MIN, InterpolatorFunctions};
 use crate::nc::ContourLog;
 use crate::path::Piece;
 use crate::quantity::Position;
@@ -43,9 +43,10 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         self.intake.plc.recorder = Some(recorder);
     }
 
-    /// Whether blocks can be kept for a log by index: P-STUP-00033.
-    pub fn has_storage(&self) -> bool {
-        self.intake.machine.channel.interpolator.fb_storage_size > 0
+    /// Bytes for blocks that are kept, for a log by index and for real-time loops: P-STUP-00033.
+    pub const fn storage(&self) -> u32 {
+        let bytes = self.intake.machine.channel.interpolator.fb_storage_size;
+        if bytes == 0 || bytes > FB_STORAGE_MIN { bytes } else { FB_STORAGE_MIN }
     }
 
     /// Whether there is a log.

@@ -177,6 +177,20 @@ pub fn only_beside() -> Result<(), String> {
     Ok(())
 }
 
+/// A PLC beside the motion only: `cargo xtask hil --plc`. The binary compares with what the host gives.
+pub fn only_plc() -> Result<(), String> {
+    step("firmware");
+    let firmware = Firmware::prepare(Place::Emulator)?;
+    firmware.build(TESTS, &["--bin", "plc", "--features", "plc"], &[])?;
+    step("a PLC that ends a loop and sets a laser");
+    for run in target::read_runs(&firmware.report("plc")?)? {
+        let tick = &run.tick;
+        let mean = tick.sum / tick.calls.max(1);
+        eprintln!("   {:<16} {:016x}  tick {} at most, {mean} on average", run.name, run.digest, tick.max);
+    }
+    Ok(())
+}
+
 /// The programs of all configurations, and what memory they took.
 fn measure(firmware: &Firmware, host: &[HostRun]) -> Result<(Vec<TargetRun>, MemoryFigures), String> {
     let (mut runs, mut said, mut success) = (Vec::new(), String::new(), true);

@@ -17,7 +17,7 @@ const CORES: [&str; 5] = [
 ];
 
 /// Functions that a build may leave out: the library is checked with each alone.
-const FUNCTIONS: [&str; 13] = [
+const FUNCTIONS: [&str; 14] = [
     "contour",
     "surface",
     "splines",

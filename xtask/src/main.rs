@@ -68,6 +68,7 @@ fn main() -> ExitCode {
         ["hil"] => hil::all(firmware::Place::Emulator),
         ["hil", "--probe"] => hil::all(firmware::Place::Probe),
         ["hil", "--beside"] => hil::only_beside(),
+        ["hil", "--plc"] => hil::only_plc(),
         ["hil", "--slim"] => hil::only_slim(),
         ["hil", "--interrupt"] => hil::only_interrupt(),
         ["hil", "--commands"] => hil::only_commands(),

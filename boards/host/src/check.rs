@@ -6,6 +6,7 @@ use crate::diagnose::Diagnostic;
 use crate::files::Files;
 use crate::machine::{Machine, with_axes};
 use crate::mistakes::Mistakes;
+use crate::plc;
 use crate::program::repeats::Repeats;
 use crate::program::told::{Warned, endless, message};
 use crate::program::{plural, remark};
@@ -90,6 +91,7 @@ fn check_axes<const AXES: usize>(
     // Static on a controller; here too large for some stacks.
     let mut channel = Box::new(Channel::<AXES, BLOCKS, OVERLAYS>::new());
     let mut filters = Box::new(Filters::<AXES, TAPS>::new());
+    let mut outside = plc::Memory::<AXES>::new(machine, None);
     let mut handles = channel
         .split_filtered(&mut filters, &data, start, files)
         .map_err(|error| vec![Diagnostic::error(format!("{}: {error}", machine.name))])?;
@@ -97,6 +99,7 @@ fn check_axes<const AXES: usize>(
     if let Some(smooth) = machine.smooth {
         planner.begin_with(smooth.command());
     }
+    outside.give(planner, plc::Wants { contour: true, outside: true });
     planner.examine();
     let mut checked = Checked::default();
     let mut mistakes = Mistakes::new(bounds.mistakes);

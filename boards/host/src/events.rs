@@ -214,6 +214,11 @@ impl<'a> Schedule<'a> {
         commands.abort || later(|what| what == What::Abort) || (resumed && fed)
     }
 
+    /// Whether a later event ends the program.
+    pub fn aborts(&self) -> bool {
+        self.events[self.next..].iter().any(|event| event.what == What::Abort)
+    }
+
     /// Whether an event acknowledges this function, now or before.
     pub fn acknowledges(&self, function: Function) -> bool {
         self.events.iter().any(|event| event.what == What::Acknowledge(function))

@@ -42,9 +42,10 @@ use clap::{CommandFactory, Parser, Subcommand};
 use diagnose::Diagnostic;
 use events::Script;
 use files::Files;
-use glidepath::machine::InterpolatorData;
+use glidepath::machine::{InterpolatorData, InterpolatorFunctions};
 use machine::{Machine, Overrides};
 use output::Outputs;
+use program::Around;
 use run::Wanted;
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
@@ -135,6 +136,9 @@ struct Input {
     /// The language of the program, in place of that of the machine data.
     #[arg(long, value_enum, ignore_case = true)]
     dialect: Option<dialect::Choice>,
+    /// A variable V.E.NAME of programs and its first value; again for each. Machine data may have a table [variables].
+    #[arg(long, value_name = "NAME=VALUE", value_parser = plc::parse_variable)]
+    set: Vec<(&'static str, f64)>,
     /// Commands (motions, functions, switches) of lines carried out before, after which a program is taken for endless.
     #[arg(long, value_name = "N", default_value_t = 1_000_000)]
     max_commands: u64,
@@ -245,9 +249,10 @@ struct Run {
     /// A page to look into, complete in one file: path in space, speed, acceleration, jerk, NC lines.
     #[arg(long, value_name = "FILE.html")]
     report: Option<PathBuf>,
-    /// Requests of a PLC, one per line: `<seconds> reach`, `elements <mm> <mm>`, `log <index>`, `state <seconds>`, `feed`,
-    /// `standstill`, `laser <mm> <degrees> <mm> <percent>`. They need FCT_CONTOUR_LAH and others of P-CHAN-00650: the
-    /// built-in machine has them.
+    /// What a PLC does, one per line: `<seconds> reach`, `elements <mm> <mm>`, `log <index>`, `state <seconds>`, `feed`,
+    /// `standstill`, `laser <mm> <degrees> <mm> <percent>`, `variable <name>`; `end` is the time of the program's end. It
+    /// writes `set <name> <value>` and `loop on|off|<passes>`. Questions need FCT_CONTOUR_LAH and others of P-CHAN-00650:
+    /// the built-in machine has them.
     #[arg(long, value_name = "FILE", requires = "answers")]
     plc: Option<PathBuf>,
     /// The answers to --plc, one JSON object per line; `-` is the standard output.
@@ -305,9 +310,15 @@ fn load(input: &Input, files: &Files) -> Result<Machine, Refusal> {
         None => {
             let mut machine = Machine::built_in();
             overrides.apply(&mut machine.channel)?;
+            machine.channel.interpolator = InterpolatorData {
+                functions: InterpolatorFunctions::IPO_DEFAULT.with(InterpolatorFunctions::CONTOUR_LAH),
+                log_max: run::KEPT as u32,
+                ..InterpolatorData::ALL
+            };
             machine
         }
     };
+    machine.variables.extend(&input.set);
     let choice = input.dialect.unwrap_or(machine.dialect);
     machine.channel.foreign.dialect = dialect::choose(choice, &files.main)?;
     Ok(machine)
@@ -353,7 +364,16 @@ fn run(arguments: &Run, path: &Path) -> Result<(), Refusal> {
         machine.channel.interpolator =
             InterpolatorData { log_max: run::KEPT as u32, ..InterpolatorData::ALL };
     }
-    let mut program = decode(&files, &machine, input)?;
+    let around = Around {
+        script: script.as_ref(),
+        acknowledge: arguments.ack,
+        plc: plc.as_ref(),
+        limit: input.max_commands,
+    };
+    let mut program = decode(&files, &machine, input, around)?;
+    if program.passes.is_some() {
+        outside_excludes(arguments)?;
+    }
     if let Some(tolerance) = arguments.smooth {
         program = smooth::put(&files, &mut machine, program, tolerance, input.max_commands);
     }
@@ -393,7 +413,7 @@ fn run(arguments: &Run, path: &Path) -> Result<(), Refusal> {
         plc: plc.as_ref(),
         quiet: false,
     };
-    let (result, picture) = run::simulate(&files, &machine, &program, wanted)
+    let (mut result, picture) = run::simulate(&files, &machine, &program, wanted)
         .map_err(|refused| all_mistakes(&files, &machine, input, refused))?;
     program.warnings.extend(result.remarks.iter().map(|warning| program::remark(&files, warning)));
     if let Some(script) = &script {
@@ -403,8 +423,13 @@ fn run(arguments: &Run, path: &Path) -> Result<(), Refusal> {
     }
     let events = script.as_ref().map_or(&[][..], |script| &script.events);
 
+    if let Some(told) = &mut result.plc {
+        program.warnings.append(&mut told.unreached);
+    }
+
     let by_itself = script.is_none() && result.waited == 0;
-    let why = why::ask(&files, &machine, &program, &result, by_itself, arguments.why);
+    let asked = if program.passes.is_some() { why::Asked::Never } else { arguments.why };
+    let why = why::ask(&files, &machine, &program, &result, by_itself, asked);
     let summary = summary::Summary::new(&files, &machine, &program, events, &result, why.as_ref());
     if let Some(path) = &arguments.contour {
         outputs.write(path, contour::to_json(&machine, &program).as_bytes())?;
@@ -539,9 +564,34 @@ fn open(arguments: &Serve) -> std::io::Result<serve::Wire> {
     }
 }
 
+/// What is not there for a program that depends on variables or has real-time loops: it runs anew with other data.
+fn outside_excludes(arguments: &Run) -> Result<(), Refusal> {
+    let option = match (arguments.smooth, arguments.why) {
+        (Some(_), _) => "--smooth",
+        (None, why::Asked::Always) => "--why always",
+        _ => return Ok(()),
+    };
+    let message = format!("{option} is not available for programs with real-time loops or variables V.E.");
+    Err(vec![Diagnostic::error(message).expected(format!("expected no {option}"))])
+}
+
 /// The program, if it is one; else all its mistakes, those of the planner with those of the decoder.
-fn decode(files: &Files, machine: &Machine, input: &Input) -> Result<program::Program, Refusal> {
-    match program::decode(files, machine, input.max_commands) {
+fn decode(
+    files: &Files,
+    machine: &Machine,
+    input: &Input,
+    around: Around<'_>,
+) -> Result<program::Program, Refusal> {
+    let decoded = program::decode(files, machine, input.max_commands);
+    // Only now all files of the program are known.
+    if plc::is_from_outside(files) {
+        return program::rehearse(files, machine, around).map_err(|refused| {
+            let told =
+                |all: &Refusal| all.iter().any(|one| refused.iter().any(|r| r.render() == one.render()));
+            check::check(files, machine, input.bounds()).err().filter(told).unwrap_or(refused)
+        });
+    }
+    match decoded {
         Ok(program) if !program.refused => Ok(program),
         Ok(_) => Err(all_mistakes(
             files,
@@ -574,7 +624,8 @@ fn check(arguments: &Check, path: &Path) -> Result<(), Refusal> {
     let mut checked = check::check(&files, &machine, input.bounds())?;
     let mut excess = Refusal::new();
     if arguments.plan || checked.beside {
-        let program = decode(&files, &machine, input)?;
+        let around = Around { limit: input.max_commands, ..Around::default() };
+        let program = decode(&files, &machine, input, around)?;
         let (result, _) = run::simulate(&files, &machine, &program, Wanted::default())?;
         let remarks = result.remarks.iter().map(|warning| program::remark(&files, warning));
         checked.remarks = remarks.collect();

@@ -19,8 +19,7 @@ use crate::statistics::{Pause, Statistics};
 use crate::trace::{Extract, Trace};
 use crate::usage::Usage;
 use crate::vcd::Vcd;
-use glidepath::channel::{Channel, Error, FilteredHandles, Inquiry, Planner, Progress};
-use glidepath::contour_log::ContourMemory;
+use glidepath::channel::{Channel, Error, FilteredHandles, Planner, Progress};
 use glidepath::fir::{Bank, Filters};
 use glidepath::kinematics::{Chain, Kinematic};
 use glidepath::operator::Operator;
@@ -93,18 +92,14 @@ fn simulate_axes<const AXES: usize>(
     // Static on a controller; here too large for some stacks.
     let mut channel = Box::new(Channel::<AXES, BLOCKS, OVERLAYS>::new());
     let mut filters = Box::new(Filters::<AXES, TAPS>::new());
-    let mut contour = wanted.plc.map(|_| Box::new(ContourMemory::<KEPT, KEPT>::new()));
-    let mut inquiry = Box::new(Inquiry::new());
+    let mut outside = plc::Memory::<AXES>::new(machine, wanted.plc);
     let mut handles = channel
         .split_filtered(&mut filters, &data, start, Delayed { files, late: &late })
         .map_err(|error| vec![Diagnostic::error(format!("{}: {error}", machine.name))])?;
 
-    let plc = wanted.plc.zip(contour.as_mut()).map(|(script, contour)| {
-        let (recorder, contour) = contour.split();
-        handles.planner.log_contour(recorder);
-        handles.planner.foresee(&mut inquiry);
-        Plc::new(script, contour, machine.channel.cycle_us)
-    });
+    let (contour, outside) = outside.give(&mut handles.planner, plc::Wants::of(files, wanted.plc));
+    let plc = wanted.plc.map(|script| Plc::new(script, (contour, outside), machine.channel.cycle_us));
+    let writer = plc::Writer::new(outside, wanted.plc, machine.channel.cycle_us);
     let kinematics = machine.kinematics.fitted(&data);
     handles.planner.transform_with(&kinematics, machine.kinematics.default_id);
     if let Some(smooth) = machine.smooth {
@@ -155,8 +150,8 @@ fn simulate_axes<const AXES: usize>(
     let patience = PATIENCE + (program.dwell_s() / machine.cycle_s()).ceil() as u64;
     let bar = Bar::new(program.motions, wanted.quiet);
     let automatic = Automatic::new(wanted.acknowledge, machine.channel.cycle_us);
-    let rules = Rules { schedule, automatic, patience, late: &late, program, plc };
-    drive(handles, recorder, rules, (bar, &kinematics)).map_err(|stop| match stop {
+    let rules = Rules { schedule, automatic, patience, late: &late, program, writer, plc };
+    let result = drive(handles, recorder, rules, (bar, &kinematics)).map_err(|stop| match stop {
         Stop::Refused(error) => vec![program::refusal(files, &error)],
         Stop::Unwritable(error) => unwritable(error),
         Stop::UnwritableSteps(error) => output::refused(&vcd_path, error),
@@ -191,7 +186,15 @@ fn simulate_axes<const AXES: usize>(
                 None => diagnostic,
             }]
         }
-    })
+    })?;
+    match program.passes {
+        Some(passes) if passes != outside.switch.passes() => {
+            let message =
+                "internal error: the loops of the run are not those of the program; please report it";
+            Err(vec![Diagnostic::error(message)])
+        }
+        _ => Ok(result),
+    }
 }
 
 /// Positions of the axes of a channel as a chain has them.
@@ -233,6 +236,7 @@ struct Rules<'a> {
     late: &'a Cell<bool>,
     /// As decoded, to know where the transformation changes.
     program: &'a Program,
+    writer: plc::Writer<'a>,
     plc: Option<Plc<'a>>,
 }
 
@@ -248,7 +252,8 @@ fn drive<const AXES: usize>(
     rules: Rules<'_>,
     (mut bar, kinematics): (Bar, &[Kinematic]),
 ) -> Result<(Statistics, Option<Picture>), Stop> {
-    let Rules { mut schedule, mut automatic, patience, late: text_is_late, program, mut plc } = rules;
+    let Rules { mut schedule, mut automatic, patience, late: text_is_late, program, mut writer, mut plc } =
+        rules;
     let FilteredHandles { mut planner, mut interpolator, operator } = handles;
     let mut done = false;
     let mut idle = 0;
@@ -260,6 +265,7 @@ fn drive<const AXES: usize>(
         while let Some(function) = automatic.due(tick, &operator) {
             recorder.statistics.acknowledged(function);
         }
+        writer.before(tick);
         let (starved, stalled) = (schedule.is_starved(tick), schedule.is_stalled(tick));
         let late = starved || stalled;
         text_is_late.set(starved);
@@ -273,6 +279,7 @@ fn drive<const AXES: usize>(
         done &= stalled;
         while !done && !stalled {
             let progress = planner.poll().map_err(Stop::Refused)?;
+            writer.behind();
             recorder.curves(&planner, program, kinematics);
             recorder.statistics.monitor.beside(recorder.statistics.ticks, planner.beside());
             match progress {
@@ -366,6 +373,9 @@ fn drive<const AXES: usize>(
         }
     }
     bar.finish();
+    if let Some(plc) = &mut plc {
+        plc.end(recorder.statistics.ticks, &mut planner, &operator);
+    }
     recorder.statistics.plc = plc.map(|plc| plc.finish(recorder.statistics.ticks));
     recorder.statistics.split = planner.split();
     recorder.finish(interpolator.set_points())

@@ -195,9 +195,9 @@ fn machine_files_are_refused_with_line_name_value_and_range() {
         ),
         (
             "synch-later",
-            "[axis.X]\n[channel.m_synch]\n25 = \"MVS_SLM\"\n",
+            "[axis.X]\n[channel.m_synch]\n25 = \"MNE_SNS\"\n",
             3,
-            &["m_synch[25] (P-CHAN-00041) = MVS_SLM is known, not available in this version", "MVS_SNS"],
+            &["m_synch[25] (P-CHAN-00041) = MNE_SNS is known, not available in this version", "MVS_SNS"],
         ),
         (
             "synch-unknown",

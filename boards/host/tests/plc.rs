@@ -124,3 +124,260 @@ fn requests_are_refused_with_line_column_word_and_what_was_expected() {
     assert_eq!(glidepath(&["run", &program, "--plc", &program]).status.code(), Some(2));
     assert_eq!(glidepath(&["run", &program, "--answers", "-"]).status.code(), Some(2));
 }
+
+/// An entry of a log: kind, N, start (mm), length (mm) or parameter, knee (rad).
+type Logged = (u64, u64, f64, f64, f64);
+
+fn is_log(answer: &Value, wanted: &[Logged]) {
+    let entries = answer["elements"].as_array().expect("a list");
+    assert_eq!(entries.len(), wanted.len(), "{answer}");
+    for (entry, (kind, n, start, value, knee)) in entries.iter().zip(wanted) {
+        let is_mark = (3..=5).contains(kind);
+        let value_name = if is_mark { "parameter" } else { "length_mm" };
+        let knee_is = entry["tangent_variation_rad"].as_f64().unwrap_or(0.0);
+        assert_eq!((entry["block_type"].as_u64(), entry["block_number"].as_u64()), (Some(*kind), Some(*n)));
+        for (got, want) in [
+            (entry["start_position_mm"].as_f64(), *start),
+            (entry[value_name].as_f64(), *value),
+            (Some(knee_is), *knee),
+        ] {
+            assert!(got.is_some_and(|got| (got - want).abs() < 1e-6), "{entry}: expected {want}");
+        }
+    }
+}
+
+/// A program of the sources, where they are; else the same lines from here.
+fn example(name: &str, lines: &str) -> String {
+    let shared = std::env::var("GLIDEPATH_SHARED").unwrap_or_else(|_| shipped("../shared"));
+    let path = format!("{shared}/spec/programs/{name}.nc");
+    if Path::new(&path).is_file() { path } else { written(&format!("{name}.nc"), lines) }
+}
+
+const KITE: &str = "N080 G1 X4 Y4\nN090 X8 Y4\nN100 X8 Y0\nN110 X4 Y-4\nN120 G1 X0 Y0\n";
+
+/// A pass of the loop of C40-EX02 and EX03, from `start` on, with that knee at its start.
+fn pass(start: f64, knee: f64) -> Vec<Logged> {
+    use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
+    let long = 32f64.sqrt();
+    let lines = [
+        (80, long, knee),
+        (90, 4.0, FRAC_PI_4),
+        (100, 4.0, FRAC_PI_2),
+        (110, long, FRAC_PI_4),
+        (120, long, FRAC_PI_2),
+    ];
+    let mut at = start;
+    lines
+        .map(|(n, length, knee)| {
+            at += length;
+            (1, n, at - length, length, knee)
+        })
+        .to_vec()
+}
+
+/// Length of a pass: 3·√32 + 2·4 mm.
+fn pass_mm() -> f64 {
+    3.0f64.mul_add(32f64.sqrt(), 8.0)
+}
+
+/// C40-EX01, C40-051: the marked blocks by index, with distances from #DISTANCE PROG START CLEAR.
+#[test]
+fn c40_ex01_by_index() {
+    let right = std::f64::consts::FRAC_PI_2;
+    let lines = "N090 G01 X0 Y0 F1000\nN100 #DISTANCE PROG START CLEAR\nN110 X200\nN200 #CONTOUR LOOKAHEAD LOG ON\nN210 Y100\n\
+        N300 X0\nN400 Y0\nN500 #CONTOUR LOOKAHEAD LOG OFF\nN510 M30\n";
+    let told = answers(&example("C40-EX01_mode1", lines), &written("ex01.plc", "0.1 log 0\n"), &[]);
+    let wanted = [
+        (3, 200, 200.0, 0.0, 0.0),
+        (1, 210, 200.0, 100.0, right),
+        (1, 300, 300.0, 200.0, right),
+        (1, 400, 500.0, 100.0, right),
+        (5, 500, 600.0, 0.0, 0.0),
+    ];
+    is_log(&told[0], &wanted);
+}
+
+/// C40-EX02, C40-052: a log inside of the loop has it once, whatever the number of passes.
+#[test]
+fn c40_ex02_is_logged_once() {
+    let lines = format!(
+        "N050 G1 X0 Y0 F1000\nN060 #RT WHILE\nN070 #CONTOUR LOOKAHEAD LOG ON [PARAM=1]\n{KITE}\
+         N130 #CONTOUR LOOKAHEAD LOG OFF [PARAM=8]\nN140 #RT ENDWHILE\nN150 M30\n"
+    );
+    for passes in [1u64, 3, 7] {
+        let plc = written("ex02.plc", &format!("0 loop {passes}\nend log 0\nend reach\n"));
+        let told = answers(&example("C40-EX02_inside_rt_loop", &lines), &plc, &[]);
+        let mut wanted = vec![(3, 70, 0.0, 1.0, 0.0)];
+        wanted.extend(pass(0.0, 0.0));
+        wanted.push((5, 130, pass_mm(), 8.0, 0.0));
+        is_log(&told[1], &wanted);
+        assert_eq!(
+            (told[2]["passes"].as_u64(), told[2]["loop_enabled"].as_bool()),
+            (Some(passes), Some(false))
+        );
+        let reach = told[2]["reach_mm"].as_f64().expect("a distance");
+        assert!((reach - passes as f64 * pass_mm()).abs() < 1e-6, "{reach}");
+    }
+}
+
+/// C40-EX03, C40-053: a log around the loop has its entry, its repetition and its exit.
+#[test]
+fn c40_ex03_is_logged_three_times() {
+    let lines = format!(
+        "N050 G1 X0 Y0 F1000\nN060 #CONTOUR LOOKAHEAD LOG ON [PARAM=1]\nN070 #RT WHILE\n{KITE}N130 #RT ENDWHILE\n\
+         N140 #CONTOUR LOOKAHEAD LOG OFF [PARAM=8]\nN150 M30\n"
+    );
+    let right = std::f64::consts::FRAC_PI_2;
+    for passes in [3u32, 5] {
+        let plc = written("ex03.plc", &format!("0 loop {passes}\nend log 0\n"));
+        let told = answers(&example("C40-EX03_outside_rt_loop", &lines), &plc, &[]);
+        let mut wanted = vec![(3, 60, 0.0, 1.0, 0.0)];
+        wanted.extend(pass(0.0, 0.0));
+        wanted.extend(pass(pass_mm(), right));
+        wanted.extend(pass(f64::from(passes - 1) * pass_mm(), right));
+        wanted.push((5, 140, f64::from(passes) * pass_mm(), 8.0, 0.0));
+        is_log(&told[1], &wanted);
+    }
+}
+
+fn refused(arguments: &[&str]) -> String {
+    let output = glidepath(arguments);
+    let told = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(1), "{told}");
+    told
+}
+
+/// A loop that nothing ends is told before it runs; one that nothing begins is left out, and that is told.
+#[test]
+fn a_loop_without_end_or_beginning_is_told() {
+    let program =
+        written("loop.nc", &format!("G1 X0 Y0 F1000\nN60 #RT WHILE\n{KITE}#RT ENDWHILE\nG1 X9\nM30\n"));
+    for text in ["0 loop on\n", "0 loop 2\n0.5 loop on\n", "0 loop on\n1 reach\n"] {
+        let told = refused(&["run", &program, "--plc", &written("on.plc", text), "--answers", "-"]);
+        assert!(
+            told.contains("does not end") && told.contains("loop.nc:2:") && told.contains("loop off"),
+            "{told}"
+        );
+    }
+    let output = glidepath(&["run", &program]);
+    let told = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.success() && told.contains("left out") && told.contains("loop.nc:2:"), "{told}");
+    // By the clock: the pass at hand is the last one. 300 mm of path in 18 s at F1000.
+    let plc = written("off.plc", "0 loop on\n6 loop off\nend reach\n");
+    let told = answers(&program, &plc, &[]);
+    let passes = told[2]["passes"].as_u64().expect("a number");
+    assert!((4..=7).contains(&passes), "{told:?}");
+    // An abort ends it, too.
+    let events = written("abort.events", "3 abort\n");
+    let told = answers(&program, &written("on.plc", "0 loop on\nend reach\n"), &["--events", &events]);
+    assert_eq!(told[1]["loop_enabled"], true);
+    let few = refused(&[
+        "run",
+        &program,
+        "--plc",
+        &written("many.plc", "0 loop 9999\n"),
+        "--answers",
+        "-",
+        "--max-commands",
+        "99",
+    ]);
+    assert!(few.contains("--max-commands"), "{few}");
+}
+
+/// P-STUP-00033 says how many commands a loop may have. Row: C40-054.
+#[test]
+fn storage_bounds_a_loop() {
+    let lines: String = (0..40).map(|i| format!("X{}\n", i % 2)).collect();
+    let program = written("long.nc", &format!("G1 X0 F1000\n#RT WHILE\n{lines}X0\n#RT ENDWHILE\nM30\n"));
+    let machine = |bytes: u32| {
+        let text = format!("startup.fb_storage_size = {bytes}\n[axis.X]\ntype = \"linear\"\n");
+        written(&format!("storage{bytes}.toml"), &text)
+    };
+    for command in ["check", "run"] {
+        let told = refused(&[command, &program, "--machine", &machine(1024)]);
+        assert!(told.contains("has more than") && told.contains("P-STUP-00033"), "{told}");
+        let told = refused(&[command, &program, "--machine", &machine(0)]);
+        assert!(told.contains("no storage") && told.contains("P-STUP-00033"), "{told}");
+        let output = glidepath(&[command, &program, "--machine", &machine(100_000)]);
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    }
+}
+
+/// V.E. from the command line, the machine file and the PLC; V.P. and V.L. beside them.
+#[test]
+fn variables_come_from_outside() {
+    let text = "G01 X10 F6000\n#FLUSH WAIT\nV.P.A = V.E.STEP\nV.L.B = 1\n$IF V.E.DEEP > 2\nX[V.P.A+V.L.B]\n$ELSE\nX30\n$ENDIF\n\
+        V.E.DONE = 1\nM30\n";
+    let program = written("variables.nc", text);
+    let at_end = |more: &[&str], plc: &str| {
+        let told = answers(&program, &written("variables.plc", plc), more);
+        told.iter().map(|line| line["value"].as_f64().or(line["distance_mm"].as_f64())).collect::<Vec<_>>()
+    };
+    let set = ["--set", "STEP=20", "--set", "v.e.deep=1.5", "--set", "DONE=FALSE"];
+    assert_eq!(at_end(&set, "end variable DONE\nend reach\n"), [Some(1.0), Some(30.0)]);
+    // Before the motion has come to the line.
+    assert_eq!(at_end(&set, "0.02 set DEEP 3\nend reach\n"), [Some(3.0), Some(21.0)]);
+    // Too late.
+    assert_eq!(at_end(&set, "0.4 set DEEP 3\nend reach\n")[1], Some(30.0));
+    let told = refused(&["run", &program, "--set", "STEP=20"]);
+    assert!(told.contains("variables.nc:5:") || told.contains("variables.nc:10:"), "{told}");
+    let machine = written(
+        "variables.toml",
+        "[variables]\nSTEP = 20\nDEEP = 2.5\nDONE = false\n[axis.X]\ntype = \"linear\"\n",
+    );
+    for command in ["check", "run"] {
+        let output = glidepath(&[command, &program, "--machine", &machine]);
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    }
+    for wrong in ["\"A B\" = 1", "A = \"x\"", "A = 1\na = 2", "A = inf"] {
+        let file = written("wrong.toml", &format!("[variables]\n{wrong}\n[axis.X]\ntype = \"linear\"\n"));
+        let told = refused(&["run", &program, "--machine", &file]);
+        assert!(told.contains("wrong.toml:"), "{told}");
+    }
+}
+
+/// What comes too late for the program is told, as is what is not there for such programs.
+#[test]
+fn late_requests_and_other_options_are_told() {
+    let program = written("short.nc", "G01 X1 F6000\nM30\n");
+    let plc = written("late.plc", "0 reach\n99 reach\nend reach\n");
+    let output = glidepath(&["run", &program, "--plc", &plc, "--answers", "-"]);
+    let told = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(told.contains("ends before this request") && told.contains("late.plc:2:"), "{told}");
+    assert_eq!(String::from_utf8_lossy(&output.stdout).lines().count(), 2);
+    let looped = written("some.nc", &format!("G1 X0 Y0 F1000\n#RT WHILE\n{KITE}#RT ENDWHILE\nM30\n"));
+    for options in [&["--smooth", "0.1"][..], &["--why", "always"]] {
+        let told = refused(&[&["run", &looped], options].concat());
+        assert!(told.contains("real-time loops") && told.contains(options[0]), "{told}");
+    }
+    for (text, place, word) in [
+        ("0 set\n", ":1:6", "the name of a variable"),
+        ("0 set A\n", ":1:8", "a number"),
+        ("0 set A 1e999\n", ":1:9", "a number"),
+        ("0 loop\n", ":1:7", "on, off"),
+        ("0 loop 0\n", ":1:8", "on, off"),
+        ("end loop on\n", ":1:5", "a question"),
+        ("end reach\n1 reach\n", ":2:1", "times ascend"),
+    ] {
+        let told = refused(&["run", &program, "--plc", &written("wrong2.plc", text), "--answers", "-"]);
+        assert!(told.contains(place) && told.contains(word), "{text}: {told}");
+    }
+}
+
+/// The firmware in the emulator changes the power at the same ticks: `LASER_POWER` of hil-tests/cases.
+#[test]
+fn the_laser_changes_at_the_ticks_of_the_firmware() {
+    let answers = answers(&shipped("programs/laser.nc"), &shipped("programs/laser.plc"), &[]);
+    let told: Vec<(u64, u64)> = answers
+        .iter()
+        .filter_map(|line| Some((line["tick"].as_u64()?, line["laser_percent"].as_u64()?)))
+        .collect();
+    let cases = fs::read_to_string(shipped("hil-tests/cases/src/plc.rs")).expect("the cases");
+    let list =
+        cases.split_once("LASER_POWER: ").and_then(|(_, rest)| rest.split_once("] =")).expect("a list").1;
+    let list = list.split_once("];").expect("its end").0;
+    let numbers: Vec<u64> =
+        list.split(|c: char| !c.is_ascii_digit()).filter_map(|text| text.parse().ok()).collect();
+    let wanted: Vec<(u64, u64)> = numbers.chunks_exact(2).map(|pair| (pair[0], pair[1])).collect();
+    assert_eq!(told, wanted);
+}

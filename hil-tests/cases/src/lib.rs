@@ -5,6 +5,8 @@
 mod beside;
 mod commands;
 mod machines;
+#[cfg(feature = "plc")]
+mod plc;
 mod run;
 mod session;
 mod tasks;
@@ -12,6 +14,8 @@ mod tasks;
 pub use beside::{BesideCase, CASES_BESIDE, FilterMemory, OVERLAYS, TAPS, beside};
 pub use commands::{SEEDS, commanded};
 pub use machines::{AXES_3, AXES_3_DEEP, AXES_3_SHORT, AXES_4, AXES_6, AXES_6_SHORT};
+#[cfg(feature = "plc")]
+pub use plc::{LASER_POWER, PASSES, PlcMemory, RING_DIGEST, laser, ring};
 pub use run::{Failure, Outcome, Unwatched, Watch, run};
 pub use session::{WINDOW, session};
 pub use tasks::{END_OF_PART, Line, SECOND_PART, TASKS, TASKS_MACHINE, tasks};

@@ -169,7 +169,11 @@ fn what_is_refused() {
     let (_, refused) = run::<4>("G01 F600\n#RT WHILE\nX1\nX0\n", &machine(1), |_| {});
     assert_eq!(refused.as_deref().map(|error| error.starts_with("0 #RT WHILE without")), Some(true));
     let (_, refused) = run::<0>("G01 F600\n#RT WHILE\nX1\nX0\n#RT ENDWHILE\n", &machine(1), |_| {});
-    assert_eq!(refused.as_deref().map(|error| error.contains("P-STUP-00033")), Some(true), "{refused:?}");
+    assert_eq!(
+        refused.as_deref().map(|error| error.contains("memory for real-time")),
+        Some(true),
+        "{refused:?}"
+    );
 }
 
 /// Runs a program whose flag falls when so many passes are decided on. The log at the end.

@@ -47,6 +47,7 @@ impl<const AXES: usize> Saved<AXES> {
             to_level: false,
             by_time: false,
             per_turn: false,
+            diameter: false,
         },
         plane: Plane::G17,
         coolant: 0,

@@ -99,7 +99,8 @@ pub fn explain(machine: &Machine) -> String {
             let name = Synch::ALL.iter().find(|(known, ..)| *known == synch).map_or("", |(_, name, _)| name);
             let _ = writeln!(
                 out,
-                "  {table}{code} is put out as {name}  {}",
+                "  {table}{code} is put out as {name}{}  {}",
+                if synchs.flushes(code) { "|FAW_SYNCH" } else { "" },
                 label("channel", id, "synchronisation")
             );
         }

@@ -45,6 +45,8 @@ pub struct Machine {
     pub smooth: Option<Smooth>,
     /// Its transformations.
     pub kinematics: Kinematics,
+    /// Variables V.E. with their first values.
+    pub variables: Vec<(&'static str, f64)>,
     /// Parameters that the file gives, with their line.
     pub given: Vec<(String, usize)>,
 }
@@ -87,6 +89,7 @@ impl Machine {
             dialect: Choice::Auto,
             smooth: None,
             kinematics: Kinematics::default(),
+            variables: Vec::new(),
             given: Vec::new(),
         }
     }
@@ -102,6 +105,7 @@ impl Machine {
             dialect: self.dialect,
             smooth,
             kinematics: self.kinematics.clone(),
+            variables: self.variables.clone(),
             given: Vec::new(),
         }
     }

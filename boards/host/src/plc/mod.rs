@@ -4,15 +4,24 @@
 //! |---|---|
 //! | `script` | the file: one request per line |
 //! | `laser` | a PLC that sets the power of a laser from what comes |
+//! | `outside` | memory for the contour, loops and variables; what the PLC writes |
+//! | `variable` | names and first values of variables |
 //! | `picture` | reach and distance over time |
 //!
-//! A request acts at the first tick at or after its time, when the planner has done its work, before the tick.
+//! A request acts at the first tick at or after its time. What it writes counts before the planner works in that tick; what
+//! it asks is answered when the planner has done its work, before the tick.
 mod laser;
+mod outside;
 mod picture;
 mod script;
+mod variable;
 
+pub use outside::{Memory, Outside, Wants, Writer, is_from_outside};
 pub use picture::draw;
 pub use script::Script;
+pub use variable::{name, parse as parse_variable};
+
+use crate::diagnose::Diagnostic;
 
 use crate::events::ticks;
 use glidepath::channel::Planner;
@@ -20,8 +29,9 @@ use glidepath::contour_log::{ContourReader, Entry, Forgotten, Moment, ProgramDis
 use glidepath::fir::FilterPlan;
 use glidepath::nc::Text;
 use glidepath::operator::Operator;
+use glidepath::variable::Variable;
 use laser::Laser;
-use script::Ask;
+use script::{Ask, END};
 use serde_json::{Map, Value, json};
 
 /// Entries that an answer has at most.
@@ -32,6 +42,8 @@ const MOST: usize = 100;
 pub struct Told {
     /// An answer per line.
     pub answers: String,
+    /// Requests that came too late for the program.
+    pub unreached: Vec<Diagnostic>,
     /// Seconds, reach, distance and the power of the laser in percent: one per change.
     pub curve: Vec<(f64, f64, f64, Option<u8>)>,
 }
@@ -40,8 +52,11 @@ pub struct Told {
 pub struct Plc<'a> {
     script: &'a Script,
     contour: ContourReader<'a>,
+    outside: Outside<'a>,
     cycle_us: u32,
     next: usize,
+    /// The program has ended.
+    is_over: bool,
     laser: Option<Laser>,
     power: Option<u8>,
     told: Told,
@@ -49,8 +64,13 @@ pub struct Plc<'a> {
 
 impl<'a> Plc<'a> {
     /// Nothing is asked yet.
-    pub fn new(script: &'a Script, contour: ContourReader<'a>, cycle_us: u32) -> Self {
-        Self { script, contour, cycle_us, next: 0, laser: None, power: None, told: Told::default() }
+    pub fn new(
+        script: &'a Script,
+        (contour, outside): (ContourReader<'a>, Outside<'a>),
+        cycle_us: u32,
+    ) -> Self {
+        let (next, is_over, laser, power, told) = (0, false, None, None, Told::default());
+        Self { script, contour, outside, cycle_us, next, is_over, laser, power, told }
     }
 
     fn seconds(&self, tick: u64) -> f64 {
@@ -72,7 +92,7 @@ impl<'a> Plc<'a> {
     ) {
         let at = self.contour.distance(operator.status().planned);
         while let Some(request) = self.script.requests.get(self.next) {
-            if ticks(request.time_ns, self.cycle_us) > tick {
+            if !self.is_over && ticks(request.time_ns, self.cycle_us) > tick {
                 break;
             }
             self.next += 1;
@@ -94,6 +114,14 @@ impl<'a> Plc<'a> {
                 Ask::Laser(laser) => {
                     self.laser = Some(laser);
                     json!({})
+                }
+                Ask::Set(name, _) | Ask::Variable(name) => {
+                    let value = variable::find(self.outside.variables, name).map(Variable::get);
+                    json!({ "name": format!("V.E.{name}"), "value": value })
+                }
+                Ask::LoopOn(_) | Ask::LoopOff => {
+                    let switch = self.outside.switch;
+                    json!({ "loop_enabled": switch.is_enabled(), "passes": switch.passes() })
                 }
             };
             if let Value::Object(told) = told {
@@ -119,6 +147,26 @@ impl<'a> Plc<'a> {
         }
     }
 
+    /// Behind the last tick: answers what is asked at the end of the program.
+    pub fn end<
+        T: Text,
+        F: FilterPlan<AXES>,
+        const AXES: usize,
+        const BLOCKS: usize,
+        const OVERLAYS: usize,
+    >(
+        &mut self,
+        tick: u64,
+        planner: &mut Planner<'_, T, AXES, BLOCKS, F, OVERLAYS>,
+        operator: &Operator<'_, AXES>,
+    ) {
+        let timed = self.script.requests.partition_point(|request| request.time_ns < END);
+        self.told.unreached = self.script.unreached(self.next..timed);
+        self.next = self.next.max(timed);
+        self.is_over = true;
+        self.act(tick, planner, operator);
+    }
+
     /// What was told.
     pub fn finish(mut self, tick: u64) -> Told {
         if let Some(last) = self.told.curve.last().copied() {
@@ -132,6 +180,7 @@ impl<'a> Plc<'a> {
         json!({
             "reach_mm": self.contour.reach().to_mm(),
             "distance_mm": at.as_ref().ok().map(|at| at.to_mm()),
+            "loop_enabled": self.outside.switch.is_enabled(), "passes": self.outside.switch.passes(),
             "logged": log.entries, "without_room": log.without_room, "log_is_active": log.active,
         })
     }

@@ -8,8 +8,14 @@
 //! 0.4   state 0.05           ; the state in 0.05 s
 //! 0.5   feed                 ; when the next block at feed begins
 //! 0.6   standstill           ; where and when a feed hold of now would stand
+//! 0.7   set PARTS 3          ; V.E.PARTS is 3 from now on
+//! 0.8   variable PARTS       ; its value
+//! 0.9   loop on              ; V.RTG.LOOP.ENABLED is true from now on; `off`: false
+//! 1.0   loop 3               ; the same for three passes
+//! end   log 0                ; at the end of the program
 //! ```
 use super::laser::Laser;
+use super::variable::{name, value};
 use crate::decimal::parse as decimal;
 use crate::diagnose::{Diagnostic, Source, nearest};
 use crate::events::seconds;
@@ -37,9 +43,18 @@ pub enum Ask {
     Standstill,
     /// A laser follows the contour from now on.
     Laser(Laser),
+    /// Writes a variable V.E.
+    Set(&'static str, f64),
+    /// The value of a variable V.E.
+    Variable(&'static str),
+    /// V.RTG.LOOP.ENABLED is true from now on; with a number until so many passes are decided on.
+    LoopOn(Option<u32>),
+    /// V.RTG.LOOP.ENABLED is false from now on.
+    LoopOff,
 }
 
-const WORDS: [&str; 7] = ["reach", "elements", "log", "state", "feed", "standstill", "laser"];
+const WORDS: [&str; 10] =
+    ["reach", "elements", "log", "state", "feed", "standstill", "laser", "set", "variable", "loop"];
 
 impl Ask {
     /// The word of the file.
@@ -52,14 +67,20 @@ impl Ask {
             Self::Feed => 4,
             Self::Standstill => 5,
             Self::Laser(_) => 6,
+            Self::Set(..) => 7,
+            Self::Variable(_) => 8,
+            Self::LoopOn(_) | Self::LoopOff => 9,
         }]
     }
 }
 
+/// The time `end`.
+pub const END: u64 = u64::MAX;
+
 /// A request with its time and its line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Request {
-    /// Since the first set point, ns.
+    /// Since the first set point, ns; [`END`] is the end of the program.
     pub time_ns: u64,
     /// What is asked.
     pub ask: Ask,
@@ -71,11 +92,14 @@ pub struct Request {
 pub struct Script {
     /// In the order of time.
     pub requests: Vec<Request>,
+    source: Source,
 }
 
 /// Largest time, s; largest distance, mm.
 const LATEST: u64 = 1_000_000;
 const FURTHEST: u64 = 500_000_000;
+/// Most passes of `loop`.
+const PASSES: u64 = 1_000_000_000;
 
 impl Script {
     /// Reads a file.
@@ -83,10 +107,31 @@ impl Script {
     /// # Errors
     /// It cannot be read, or some of its lines.
     pub fn read(path: &Path) -> Result<Self, Vec<Diagnostic>> {
-        Self::parse(&Source::read(path)?)
+        Self::parse(Source::read(path)?)
     }
 
-    fn parse(source: &Source) -> Result<Self, Vec<Diagnostic>> {
+    /// Variables that the file writes or asks for.
+    pub fn variables(&self) -> impl Iterator<Item = &'static str> {
+        self.requests.iter().filter_map(|request| match request.ask {
+            Ask::Set(name, _) | Ask::Variable(name) => Some(name),
+            _ => None,
+        })
+    }
+
+    /// Remarks on requests that were not reached.
+    pub fn unreached(&self, those: std::ops::Range<usize>) -> Vec<Diagnostic> {
+        let late = self.requests.get(those).unwrap_or_default();
+        late.iter()
+            .map(|request| {
+                let message = "the program ends before this request";
+                let width = self.source.line(request.line).len();
+                let expected = "an earlier time, or `end` in its place";
+                Diagnostic::warning(message).at(&self.source, request.line, 1, width).expected(expected)
+            })
+            .collect()
+    }
+
+    fn parse(source: Source) -> Result<Self, Vec<Diagnostic>> {
         let mut requests: Vec<Request> = Vec::new();
         let mut refused = Vec::new();
         for (index, text) in source.lines().enumerate() {
@@ -102,12 +147,12 @@ impl Script {
             match request {
                 Ok(request) => requests.extend(request),
                 Err((column, length, message, expected)) => {
-                    let diagnostic = Diagnostic::error(message).at(source, line, column, length);
+                    let diagnostic = Diagnostic::error(message).at(&source, line, column, length);
                     refused.push(diagnostic.expected(format!("expected {expected}")));
                 }
             }
         }
-        if refused.is_empty() { Ok(Self { requests }) } else { Err(refused) }
+        if refused.is_empty() { Ok(Self { requests, source }) } else { Err(refused) }
     }
 }
 
@@ -143,6 +188,13 @@ impl<'a> Words<'a> {
         decimal(text, places).filter(|value| *value <= most).ok_or_else(|| unfit(text, column, expected))
     }
 
+    /// The name of a variable V.E.
+    fn variable(&mut self) -> Result<&'static str, Unfit> {
+        let (text, column) = self.next();
+        let shown = String::from_utf8_lossy(text);
+        name(&shown).map_err(|expected| unfit(text, column, &expected))
+    }
+
     fn mm(&mut self) -> Result<f64, Unfit> {
         let expected = format!("millimetres, 0…{FURTHEST}, six decimals at most");
         Ok(self.number(6, FURTHEST, &expected)? as f64 / 1e6)
@@ -152,7 +204,14 @@ impl<'a> Words<'a> {
         if self.line.trim_ascii().is_empty() {
             return Ok(None);
         }
-        let time_ns = self.number(9, LATEST, &format!("a time in seconds, 0…{LATEST}"))?;
+        let before = self.at;
+        let time_ns = match self.next() {
+            (b"end", _) => END,
+            _ => {
+                self.at = before;
+                self.number(9, LATEST, &format!("a time in seconds, 0…{LATEST}, or `end`"))?
+            }
+        };
         let (word, column) = self.next();
         let ask = match word {
             b"reach" => Ask::Reach,
@@ -168,6 +227,25 @@ impl<'a> Words<'a> {
                 radius_mm: self.mm()?,
                 low: self.number(0, 100, "less power, 0…100 percent, a whole number")? as u8,
             }),
+            b"set" | b"loop" if time_ns == END => {
+                return Err(unfit(word, column, "a question: at the end of the program nothing follows"));
+            }
+            b"set" => {
+                let name = self.variable()?;
+                let (text, column) = self.next();
+                let value = std::str::from_utf8(text).ok().and_then(value);
+                Ask::Set(name, value.ok_or_else(|| unfit(text, column, "a number, TRUE or FALSE"))?)
+            }
+            b"variable" => Ask::Variable(self.variable()?),
+            b"loop" => match self.next() {
+                (b"on", _) => Ask::LoopOn(None),
+                (b"off", _) => Ask::LoopOff,
+                (text, column) => {
+                    let passes = decimal(text, 0).filter(|passes| (1..=PASSES).contains(passes));
+                    let expected = format!("on, off, or the number of passes, 1…{PASSES}");
+                    Ask::LoopOn(Some(passes.ok_or_else(|| unfit(text, column, &expected))? as u32))
+                }
+            },
             _ => {
                 let shown = String::from_utf8_lossy(word);
                 let meant = nearest(&shown, WORDS).filter(|_| !word.is_empty());

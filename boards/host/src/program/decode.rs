@@ -9,6 +9,7 @@ use crate::files::Files;
 use crate::machine::{Limits, Machine, limits, with_axes};
 use crate::tolerance::{Smoothing, Tolerance};
 use glidepath::dynamics::Weights;
+use glidepath::kinematics::Kinematic;
 use glidepath::machine::{AxisData, MachineData};
 use glidepath::nc::{
     ArcBy, Command, Decoder, DecoderMemory, DwellTime, Motion, MotionKind, Setup, SlopeType, Step,
@@ -39,20 +40,7 @@ fn decode_axes<const AXES: usize>(
         decoder.begin_with(smooth.command());
     }
     let sets = machine.kinematics.fitted(&data);
-    let mut reading = Reading {
-        switch: Switch { sets: &sets, selected: machine.kinematics.default_id, active: None },
-        files,
-        machine,
-        data: &data,
-        main: data.main_axes(),
-        at: start,
-        program: Program::empty(machine),
-        weights: Weights::new(),
-        axes: data.axes,
-        slope: machine.slope(),
-        changed: true,
-        smoothing: Smoothing::new(),
-    };
+    let mut reading = Reading::new(files, machine, &data, &sets);
     let mut warned = Warned::default();
     let mut repeats = Repeats::default();
     let mut refusals = 0;
@@ -93,13 +81,13 @@ fn decode_axes<const AXES: usize>(
 }
 
 /// The program so far, and what is in force for the next block.
-struct Reading<'a, const AXES: usize> {
+pub(super) struct Reading<'a, const AXES: usize> {
     files: &'a Files,
     machine: &'a Machine,
     data: &'a MachineData<AXES>,
     main: [Option<usize>; 3],
     at: [Position; AXES],
-    program: Program,
+    pub(super) program: Program,
     weights: Weights<AXES>,
     /// The axes as they are weighted.
     axes: [AxisData; AXES],
@@ -110,9 +98,34 @@ struct Reading<'a, const AXES: usize> {
     switch: Switch<'a>,
 }
 
+impl<'a, const AXES: usize> Reading<'a, AXES> {
+    /// No command yet; all axes are at zero.
+    pub(super) fn new(
+        files: &'a Files,
+        machine: &'a Machine,
+        data: &'a MachineData<AXES>,
+        sets: &'a [Kinematic],
+    ) -> Self {
+        Self {
+            switch: Switch { sets, selected: machine.kinematics.default_id, active: None },
+            files,
+            machine,
+            data,
+            main: data.main_axes(),
+            at: [Position::ZERO; AXES],
+            program: Program::empty(machine),
+            weights: Weights::new(),
+            axes: data.axes,
+            slope: machine.slope(),
+            changed: true,
+            smoothing: Smoothing::new(),
+        }
+    }
+}
+
 impl<const AXES: usize> Reading<'_, AXES> {
     /// Takes a command; where the program stands, if that is another place now.
-    fn take(&mut self, command: &Command<AXES>) -> Option<[Position; AXES]> {
+    pub(super) fn take(&mut self, command: &Command<AXES>) -> Option<[Position; AXES]> {
         let Self { machine, data, program, .. } = self;
         match command {
             Command::Weight(_, weight) => {

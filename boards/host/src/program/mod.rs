@@ -3,6 +3,7 @@
 //! An own pass of the decoder, so that what is shown as programmed owes nothing to path, look-ahead and
 //! slope.
 mod decode;
+mod rehearse;
 pub mod repeats;
 mod shape;
 pub mod told;
@@ -15,6 +16,7 @@ use crate::resolution::Resolution;
 use crate::tolerance::Tolerance;
 pub use decode::decode;
 use glidepath::nc::Place;
+pub use rehearse::{Around, rehearse};
 pub use shape::{Stretch, sweep};
 pub use told::{refusal, remark};
 
@@ -134,6 +136,8 @@ pub struct Program {
     pub refused: bool,
     /// Motion blocks from which on a transformation is in force, or none (0).
     pub transformed: Vec<(usize, u16)>,
+    /// Passes of real-time loops, if the program is what a rehearsal has carried out.
+    pub passes: Option<u32>,
 }
 
 impl Program {
@@ -154,6 +158,7 @@ impl Program {
             beside: Vec::new(),
             refused: false,
             transformed: Vec::new(),
+            passes: None,
         }
     }
 

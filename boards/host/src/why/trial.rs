@@ -16,6 +16,9 @@ use std::time::Duration;
 /// Rows of a run up to which it is asked why, without the option that asks always.
 const ROWS: u64 = 400_000;
 
+/// Stack of a thread that simulates: memory of a channel is made there before it comes to its place.
+const STACK: usize = 32 << 20;
+
 /// Whether to ask.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
 pub enum Asked {
@@ -103,7 +106,7 @@ fn all(files: &Files, program: &Program, machines: Vec<Loosened>) -> Vec<Trial> 
         for _ in 0..threads {
             let files = files.again();
             let (next, done, machines, bar) = (&next, &done, &machines, &bar);
-            scope.spawn(move || {
+            let work = move || {
                 while let Some((index, loosened)) = {
                     let index = next.fetch_add(1, Ordering::Relaxed);
                     machines.get(index).map(|loosened| (index, loosened))
@@ -118,7 +121,11 @@ fn all(files: &Files, program: &Program, machines: Vec<Loosened>) -> Vec<Trial> 
                     }
                     bar.inc(1);
                 }
-            });
+            };
+            // Where no more threads start, those that did do all of it.
+            if std::thread::Builder::new().stack_size(STACK).spawn_scoped(scope, work).is_err() {
+                break;
+            }
         }
     });
     bar.finish_and_clear();

@@ -107,6 +107,7 @@ impl Loader<'_> {
             dialect: Choice::Auto,
             smooth: None,
             kinematics: super::Kinematics::default(),
+            variables: Vec::new(),
             given: Vec::new(),
         };
         let document = match DeTable::parse(text) {
@@ -144,8 +145,15 @@ impl Loader<'_> {
                         self.start_up(entry, &document, &mut machine.channel);
                     }
                 }
+                ("variables", DeValue::Table(table)) => {
+                    let mut entries = Vec::new();
+                    flatten(table, "", &mut entries);
+                    for entry in &entries {
+                        self.variable(entry, &mut machine.variables);
+                    }
+                }
                 ("axis", DeValue::Table(_)) => {}
-                ("axis" | "channel" | "startup", _) => {
+                ("axis" | "channel" | "startup" | "variables", _) => {
                     self.refuse(
                         &key.span(),
                         "this name stands for a table",
@@ -153,7 +161,7 @@ impl Loader<'_> {
                     );
                 }
                 (other, _) => {
-                    let known = nearest(other, ["axis", "channel", "startup"]);
+                    let known = nearest(other, ["axis", "channel", "startup", "variables"]);
                     self.refuse(
                         &key.span(),
                         format!("unknown table `{other}`"),

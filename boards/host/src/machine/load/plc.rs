@@ -2,6 +2,7 @@
 use super::value::milli;
 use super::{Diagnostic, Entry, LOOK_AHEAD, Loader, flatten, label, suggestion};
 use crate::diagnose::nearest;
+use crate::plc;
 use glidepath::machine::parameter::{CHANNEL_PLC, Parameter};
 use glidepath::machine::{ChannelData, FB_STORAGE_MIN, INTERPOLATOR_FUNCTIONS, InterpolatorFunctions};
 use std::ops::Range;
@@ -181,6 +182,40 @@ impl Loader<'_> {
             self.warn(&span, message, &format!("0, or {FB_STORAGE_MIN} bytes and more"));
         }
         (parameter("P-STUP-00033").set)(channel, i64::from(used) * 1000);
+    }
+
+    /// A variable V.E. with its first value, in the table `variables`.
+    pub(super) fn variable(&mut self, entry: &Entry<'_>, variables: &mut Vec<(&'static str, f64)>) {
+        let name = match plc::name(&entry.name) {
+            Ok(name) => name,
+            Err(expected) => {
+                self.refuse(
+                    &entry.key,
+                    format!("variables.{}: no name of a variable", entry.name),
+                    &expected,
+                );
+                return;
+            }
+        };
+        if variables.iter().any(|(known, _)| known.eq_ignore_ascii_case(name)) {
+            let expected = "a name once: upper and lower case are the same";
+            self.refuse(&entry.key, format!("variables.{name} is given twice"), expected);
+            return;
+        }
+        let value = match entry.value.get_ref() {
+            DeValue::Boolean(on) => Some(f64::from(u8::from(*on))),
+            DeValue::Integer(number) if number.radix() == 10 => number.as_str().parse().ok(),
+            DeValue::Float(number) => number.as_str().parse().ok(),
+            _ => None,
+        };
+        match value.filter(|value: &f64| value.is_finite()) {
+            Some(value) => variables.push((name, value)),
+            None => {
+                let span = entry.value.span();
+                let message = format!("variables.{name} = {}: a wrong type of value", self.text(&span));
+                self.refuse(&span, message, "a number, true or false");
+            }
+        }
     }
 
     fn warn(&mut self, at: &Range<usize>, message: String, expected: &str) {

@@ -13,6 +13,9 @@ const LAST_FUNCTION: u16 = 999;
 /// Longest tool, µm.
 const LONGEST_TOOL_UM: i128 = 10_000_000;
 
+/// The bit of FAW_SYNCH.
+const FAW_SYNCH: u32 = 0x1000_0000;
+
 impl Loader<'_> {
     /// `slope`, by its name; `false` if the name is another.
     pub(super) fn slope(&mut self, entry: &Entry<'_>, channel: &mut ChannelData) -> bool {
@@ -116,13 +119,27 @@ impl Loader<'_> {
         let (span, value) = (entry.value.span(), entry.value.get_ref());
         let text = self.text(&span).to_owned();
         let number = milli(value, false).ok().map(|milli| milli / 1000);
-        let meant = Synch::ALL
-            .iter()
-            .find(|(_, name, bits)| value.as_str() == Some(name) || number == Some(i128::from(*bits)));
+        // FAW_SYNCH comes beside another kind.
+        let faw = i128::from(FAW_SYNCH);
+        let (word, number, flushes) = match (value.as_str(), number) {
+            (Some(word), _) => match word.split_once('|').map(|(one, other)| (one.trim(), other.trim())) {
+                Some((one, "FAW_SYNCH") | ("FAW_SYNCH", one)) => (Some(one), None, true),
+                _ => (Some(word), None, false),
+            },
+            (None, Some(bits)) if bits > faw && bits & faw != 0 => (None, Some(bits & !faw), true),
+            (None, number) => (None, number, false),
+        };
+        let meant =
+            Synch::ALL.iter().find(|(_, name, bits)| word == Some(name) || number == Some(i128::from(*bits)));
         let here: Vec<&str> =
             Synch::ALL.iter().filter(|(synch, ..)| synch.is_available()).map(|(_, name, _)| *name).collect();
         let here = here.join(", ");
         match meant {
+            Some((Synch::FawSynch, ..)) => {
+                let message = format!("{label} = FAW_SYNCH: beside no other synchronisation");
+                self.refuse(&span, message, &format!("MOS|FAW_SYNCH, or another one of {here}"));
+            }
+            Some((synch, ..)) if synch.is_available() && flushes => *synchs = synchs.with_flush(code, *synch),
             Some((synch, ..)) if synch.is_available() => *synchs = synchs.with(code, *synch),
             Some((_, name, _)) => {
                 let message = format!("{label} = {name} is known, not available in this version");
