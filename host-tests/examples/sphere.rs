@@ -1,14 +1,15 @@
 //! A sphere of short lines with the tool normal to it, on machines of five axes:
 //! `cargo run --release -p host-tests --example sphere -- [KEY=VALUE]…`
 //!
-//! Keys: machine (trunnion, table, mixed, head), radius, step, lines, from, to, digits, feed, slope, smooth.
-use host_tests::sphere::{Job, bench, keeps_limits, run, turns};
+//! Keys: machine (trunnion, table, mixed, head), radius, step, lines, from, to, digits, feed, slope, smooth, trace
+//! (a file for the axes of each tick), own (a small feed: the bound of the path that this method drives).
+use host_tests::sphere::{Job, bench, bound_of, keeps_limits, run, turns};
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
     let mut job = Job { radius: 50.0, step: 0.3, lines: 20_000, tilt: [20.0, 80.0], digits: 5, feed: 12_000.0 };
     let (mut machine, mut slope, mut smooth) = (String::from("trunnion"), 3, String::from("surface"));
-    let mut trace = None;
+    let (mut trace, mut own) = (None, 0.0);
     for argument in std::env::args().skip(1) {
         let Some((key, value)) = argument.split_once('=') else {
             eprintln!("{argument}: expected KEY=VALUE");
@@ -24,6 +25,7 @@ fn main() -> ExitCode {
             "to" => job.tilt[1] = number,
             "digits" => job.digits = number as usize,
             "feed" => job.feed = number,
+            "own" => own = number,
             "slope" => slope = number as u8,
             "smooth" => smooth = value.to_owned(),
             "trace" => trace = Some(value.to_owned()),
@@ -45,6 +47,14 @@ fn main() -> ExitCode {
         return ExitCode::FAILURE;
     };
     let bound = job.bound(&bench);
+    if own > 0.0 {
+        // The path of that method itself, driven slowly.
+        let slow = Job { feed: own, ..job.clone() };
+        match run(&bench, &slow, command) {
+            Ok(shown) => println!("bound of its path {:.2} s", bound_of(&bench, (&shown.run, own), job.feed)),
+            Err(error) => println!("{error}"),
+        }
+    }
     match run(&bench, &job, command) {
         Ok(shown) => {
             println!(

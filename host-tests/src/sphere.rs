@@ -6,7 +6,7 @@ use crate::properties::permitted;
 use glidepath::Position;
 use glidepath::kinematics::{AXES, CaHead, Kinematic, Vector};
 use glidepath::machine::{AxisData, AxisKind, AxisName, ChannelData, MachineData};
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 use std::fmt::Write;
 
 /// A job: lines of one length along a spiral about the pole of a sphere.
@@ -261,9 +261,40 @@ pub fn keeps_limits(bench: &Bench, run: &Operated) -> Result<(), String> {
     crate::check::limits(&run.trace, &limits).map(|_| ())
 }
 
+/// Seconds that the limits of the axes, at each point by itself, leave for the path that a run drives: `slow` is a run
+/// with that small feed (mm/min), and `feed` the feed that the path is to have.
+pub fn bound_of(bench: &Bench, slow: (&Operated, f64), feed: f64) -> f64 {
+    let (slow, slowly) = slow;
+    let per_tick = slowly / 60.0 * f64::from(bench.data.channel.cycle_us) * 1e-6;
+    let limits: Vec<_> = bench
+        .data
+        .axes
+        .iter()
+        .map(|axis| permitted(axis, bench.data.channel.slope_profile, false, true, true))
+        .collect();
+    let mut time = 0.0;
+    let way = |tick: usize| slow.distances[tick] as f64 / (1u64 << 44) as f64;
+    for tick in 3..slow.trace.len() {
+        let s = (way(tick) - way(tick - 3)) / 3.0;
+        // Neither the way to the start nor its ramps.
+        if (s / per_tick - 1.0).abs() > 0.01 {
+            continue;
+        }
+        let (mut v, row) = (feed / 60.0, |tick: usize| slow.trace.mm(tick));
+        let (a, b, c, d) = (row(tick - 3), row(tick - 2), row(tick - 1), row(tick));
+        for (k, limit) in limits.iter().enumerate() {
+            let first = ((c[k] - b[k]) / s).abs();
+            let second = ((d[k] - c[k] - b[k] + a[k]) / (2.0 * s * s)).abs();
+            let third = ((d[k] - 3.0 * c[k] + 3.0 * b[k] - a[k]) / (s * s * s)).abs();
+            v = v.min(limit.v / first).min((limit.a / second).sqrt()).min((limit.jerk / third).cbrt());
+        }
+        time += s / v;
+    }
+    time
+}
+
 /// Turns of the spiral.
 pub fn turns(job: &Job) -> f64 {
-    let _ = PI;
     let [from, to] = job.tilt.map(|t| t.to_radians());
     job.step / job.radius * job.lines as f64 / (from.cos() - to.cos()) * (to - from) / TAU
 }
