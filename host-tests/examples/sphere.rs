@@ -7,7 +7,8 @@ use host_tests::sphere::{Job, bench, bound_of, keeps_limits, run, turns};
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    let mut job = Job { radius: 50.0, step: 0.3, lines: 20_000, tilt: [20.0, 80.0], digits: 5, feed: 12_000.0 };
+    let mut job =
+        Job { radius: 50.0, step: 0.3, lines: 20_000, tilt: [20.0, 80.0], digits: 5, feed: 12_000.0 };
     let (mut machine, mut slope, mut smooth) = (String::from("trunnion"), 3, String::from("surface"));
     let (mut trace, mut own) = (None, 0.0);
     for argument in std::env::args().skip(1) {
@@ -30,7 +31,9 @@ fn main() -> ExitCode {
             "smooth" => smooth = value.to_owned(),
             "trace" => trace = Some(value.to_owned()),
             _ => {
-                eprintln!("{key}: expected machine, radius, step, lines, from, to, digits, feed, slope, smooth");
+                eprintln!(
+                    "{key}: expected machine, radius, step, lines, from, to, digits, feed, slope, smooth"
+                );
                 return ExitCode::FAILURE;
             }
         }
@@ -75,7 +78,8 @@ fn main() -> ExitCode {
             if let Some(path) = trace {
                 let mut text = String::new();
                 for tick in 0..shown.run.trace.len() {
-                    let row: Vec<String> = shown.run.trace.mm(tick).iter().map(|x| format!("{x:.9}")).collect();
+                    let row: Vec<String> =
+                        shown.run.trace.mm(tick).iter().map(|x| format!("{x:.9}")).collect();
                     text += &row.join(",");
                     text.push('\n');
                 }

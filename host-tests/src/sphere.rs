@@ -164,10 +164,7 @@ impl Job {
                 let first = ((c - b) / s).abs();
                 let second = ((d - c - b + a) / (2.0 * s * s)).abs();
                 let third = ((d - 3.0 * c + 3.0 * b - a) / (s * s * s)).abs();
-                v = v
-                    .min(limit.v / first)
-                    .min((limit.a / second).sqrt())
-                    .min((limit.jerk / third).cbrt());
+                v = v.min(limit.v / first).min((limit.a / second).sqrt()).min((limit.jerk / third).cbrt());
             }
             time += self.step / v;
         }
@@ -202,8 +199,7 @@ pub fn run(bench: &Bench, job: &Job, smooth: &str) -> Result<Shown, String> {
     let text = job.text(bench, smooth);
     let sets = [Kinematic::new(9, &bench.machine.chain(), &bench.data).map_err(|e| e.to_string())?];
     let start = [Position::ZERO; 5];
-    let run =
-        operate_transformed::<5, 120>(&text, start, &bench.data, &sets, (&[], 1_000_000), 3_000_000)?;
+    let run = operate_transformed::<5, 120>(&text, start, &bench.data, &sets, (&[], 1_000_000), 3_000_000)?;
     Ok(shown(bench, job, run))
 }
 

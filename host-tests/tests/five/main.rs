@@ -2,5 +2,5 @@
 mod ex28;
 mod oscillation;
 mod singular;
-mod transformed;
 mod sphere;
+mod transformed;

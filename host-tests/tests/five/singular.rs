@@ -98,9 +98,8 @@ fn the_singular_direction_is_refused_or_turned_in() {
         let chain = bench.machine.chain();
         let along = chain.angles(Vector::new(0.0, 0.0, 1.0), &[Position::ZERO; 3]);
         assert_eq!(along, Err(Reach::Singular(outer)), "{name}");
-        let [inner_name, outer_name] = [7 - outer, outer].map(|k| {
-            char::from(bench.data.axes[usize::from(k)].name.0[0])
-        });
+        let [inner_name, outer_name] =
+            [7 - outer, outer].map(|k| char::from(bench.data.axes[usize::from(k)].name.0[0]));
         for smooth in ["", "#CONTOUR MODE ON [DEV PATH_DEV=0.01]", "#HSC ON [SURFACE PATH_DEV=0.01]"] {
             let text = format!(
                 "G00 {inner_name}5 {outer_name}0\n#TRAFO ON\nG00 X-30 Y0 Z0\nG04 0.1\n{smooth}\n\
