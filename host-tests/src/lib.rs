@@ -81,6 +81,7 @@ pub mod refusal;
 /// Requests of a PLC from another thread.
 pub mod requests;
 
+pub mod sphere;
 pub mod splines;
 
 pub mod mutate;

@@ -176,6 +176,13 @@ const SCALE: f64 = (1u64 << 42) as f64;
 /// each), of four coefficients, of numbers up to 2^18 in 53 bits, and of a start that is given.
 const SLACK: i64 = 1 << 13;
 
+/// Whether a cell is so short that a cubic meets both its ends: `aside` and `off` are what it misses of the first
+/// derivative at its end, and of the end. The quintic would show the rounding of both ends in its higher powers.
+fn is_short(aside: f64, off: f64) -> bool {
+    let within = |x: f64, most: f64| -most <= x && x <= most;
+    within(aside, 8.0 / SCALE) && within(off, 64.0 / SCALE)
+}
+
 impl Cell {
     /// Positions at `share`·2^-62 of the cell's path distance, `share` in 0..=2^62; rounded to nearest.
     pub fn at(&self, share: i64) -> [Position; AXES] {
@@ -220,12 +227,17 @@ impl Cell {
         for (k, (place, ((v0, v1), (x0, x1)))) in cell.power.iter_mut().zip(ends).enumerate() {
             let ([f0, d0, a0], [f1, d1, a1]) = (*v0, *v1);
             let (w, d0, d1, a0, a1) = (f1 - f0, d0 * h, d1 * h, a0 * h * h, a1 * h * h);
-            let bent = [
-                0.5 * a0,
-                10.0 * w - 6.0 * d0 - 4.0 * d1 - 1.5 * a0 + 0.5 * a1,
-                -15.0 * w + 8.0 * d0 + 7.0 * d1 + 1.5 * a0 - a1,
-                6.0 * w - 3.0 * d0 - 3.0 * d1 - 0.5 * a0 + 0.5 * a1,
-            ];
+            let cubic = (a1 - a0) / 6.0;
+            let bent = if is_short(d0 + 0.5 * (a0 + a1) - d1, d0 + 0.5 * a0 + cubic - w) {
+                [0.5 * a0, cubic, 0.0, 0.0]
+            } else {
+                [
+                    0.5 * a0,
+                    10.0 * w - 6.0 * d0 - 4.0 * d1 - 1.5 * a0 + 0.5 * a1,
+                    -15.0 * w + 8.0 * d0 + 7.0 * d1 + 1.5 * a0 - a1,
+                    6.0 * w - 3.0 * d0 - 3.0 * d1 - 0.5 * a0 + 0.5 * a1,
+                ]
+            };
             let [c2, c3, c4, c5] = bent.map(|c| nearest(c * SCALE).clamp(-LARGEST, LARGEST));
             let travel = x1.to_bits().wrapping_sub(x0.to_bits()) << FINER;
             let c1 = travel - (c2 + c3 + c4 + c5);
@@ -334,14 +346,16 @@ fn node(chain: &Chain, course: &Course, share: f64) -> Result<Node, SplitError> 
         let value = horner(other, share);
         (*places.0, *places.1) = (position(value[0]).ok_or(SplitError::Range(k as u8))?, value);
     }
-    let (mut angles, mut rates) = ([Position::ZERO; ROTARIES], [[0.0; 2]; ROTARIES]);
+    let (mut angles, mut rates) = ([Position::ZERO; ROTARIES], [[0.0; 3]; ROTARIES]);
     for rotary in chain.rotaries() {
         let slot = usize::from(rotary.slot);
         let refused = SplitError::Range(rotary.axis);
         let value = horner(course.angles.get(slot).ok_or(refused)?, share);
         let angle = position(value[0]).ok_or(refused)?;
         *angles.get_mut(slot).ok_or(refused)? = angle;
-        *rates.get_mut(slot).ok_or(refused)? = [value[1] * RADIANS, value[2] * RADIANS];
+        // The linear axes belong to the angle before its rounding: that is not to show in their derivatives.
+        let rates_of = [value[0] - number(angle), value[1], value[2]];
+        *rates.get_mut(slot).ok_or(refused)? = rates_of.map(|x| x * RADIANS);
         *node.position.get_mut(usize::from(rotary.axis)).ok_or(refused)? = angle;
         *node.value.get_mut(usize::from(rotary.axis)).ok_or(refused)? = value;
     }

@@ -211,7 +211,7 @@ impl Chain {
     /// Positions of the axes (mm, degree) that put the tip (mm) to a place, with the rotary axes at `angles`
     /// (degree, by index of their axes). `None` for a linear axis beyond ±200 000 mm.
     pub fn inverse(&self, tip: Vector, angles: &[Position; ROTARIES]) -> Option<[Position; AXES]> {
-        let spins = self.spins(angles, &[[0.0; 2]; ROTARIES]);
+        let spins = self.spins(angles, &[[0.0; 3]; ROTARIES]);
         let linear = self.linear(Jet::at(tip), &spins);
         let mut axes = [Position::ZERO; AXES];
         for (axis, [point, ..]) in linear {
@@ -228,18 +228,18 @@ impl Chain {
     pub(super) fn spins(
         &self,
         angles: &[Position; ROTARIES],
-        rates: &[[f64; 2]; ROTARIES],
+        rates: &[[f64; 3]; ROTARIES],
     ) -> [Spin; ROTARIES] {
         let mut spins = [Spin { sin: 0.0, cos: 1.0, first: 0.0, second: 0.0 }; ROTARIES];
         for rotary in self.rotaries() {
             let slot = usize::from(rotary.slot);
-            let (Some(spin), Some(angle), Some([first, second])) =
+            let (Some(spin), Some(angle), Some([beyond, first, second])) =
                 (spins.get_mut(slot), angles.get(slot), rates.get(slot))
             else {
                 continue;
             };
             let at = Spin::at(rotary.offset.wrapping_add(*angle));
-            *spin = Spin { first: *first, second: *second, ..at };
+            *spin = Spin { first: *first, second: *second, ..at.turned(*beyond) };
         }
         spins
     }

@@ -122,6 +122,11 @@ impl Spin {
         Self { sin: sin as f64 * LSB, cos: cos as f64 * LSB, first: 0.0, second: 0.0 }
     }
 
+    /// The angle and less than 2^-32 degree, in radians: its square is below 2^-75.
+    pub fn turned(self, beyond: f64) -> Self {
+        Self { sin: self.sin + beyond * self.cos, cos: self.cos - beyond * self.sin, ..self }
+    }
+
     /// The opposite angle.
     pub fn reversed(self) -> Self {
         Self { sin: -self.sin, cos: self.cos, first: -self.first, second: -self.second }

@@ -559,7 +559,7 @@ fn fastest_of_cubic(a1: f32, [a2, a3]: [f32; 2]) -> f32 {
 }
 
 /// Margin for rounding.
-const SEEN: f32 = 1.0 + 1.0 / 1_048_576.0;
+pub(super) const SEEN: f32 = 1.0 + 1.0 / 1_048_576.0;
 
 /// The same for the second and the third derivative.
 pub(super) fn bends([a2, a3, a4, a5]: [f32; 4]) -> [f32; 2] {

@@ -1,8 +1,8 @@
 //! Curves as numbers, for a transformation (feature `kinematics`): the coefficients of an element over the fraction
 //! of its path, and the element from such coefficients.
-use super::poly::{Scale, bends, bent, fastest};
+use super::poly::{SEEN, Scale, bends, bent, fastest};
 use super::{Bounds, Curve, Distance, Element, End, GUARD, Passage, Shape};
-use crate::math::float::to_f32;
+use crate::math::float::{magnitude, max, to_f32};
 use crate::math::wide::mul_shift;
 use crate::quantity::Position;
 
@@ -90,6 +90,14 @@ impl Quintic {
     /// An axis that rests.
     pub const REST: Self = Self { power: [0; 5], ends: [[0.0; 2]; 2] };
 
+    /// Largest magnitudes of the second and third derivative over the share; `powers` are the rounded ones. Those of a
+    /// cubic follow from its ends: rounded powers of a short piece do not tell.
+    fn bends(&self, powers: [f32; 4]) -> [f32; 2] {
+        let ([.., 0, 0], [[_, from], [_, to]]) = (&self.power, &self.ends) else { return bends(powers) };
+        let ([from, to], third) = ([*from, *to].map(|x| magnitude(x as f32)), magnitude((to - from) as f32));
+        [max(from, to) * SEEN, third * SEEN]
+    }
+
     fn travel(&self) -> i64 {
         self.power.iter().fold(0i64, |sum, c| sum.wrapping_add(*c)) >> GUARD
     }
@@ -137,7 +145,7 @@ impl<const AXES: usize> Element<AXES> {
         for (k, axis) in axes.iter().enumerate() {
             let [c1, bent_of @ ..] = axis.power;
             let made = scale.scaled(bent_of, 42)?;
-            let [second, third] = bends(made.powers);
+            let [second, third] = axis.bends(made.powers);
             let first = fastest(to_f32(c1) * LSB_42 as f32, made.powers);
             bounds.set(k, &[first, second, third], per)?;
             let rest = (axis.travel() << GUARD).wrapping_sub(bent(end_w, &made.coefficients, made.down));

@@ -669,8 +669,7 @@ fn the_rotary_axis_alone_limits_the_speed_ex28() {
     machine.channel.feedrate_factor_milli = M_MIN;
     machine.axes[4].vb_max = 120_000;
     machine.axes[4].vb_eilgang = 120_000;
-    // The first motion of Main has no feed: as a rapid one.
-    let text = without(&folder, name, &["#KIN ID", "#TRAFO"]).replace("N160 A90", "N160 G00 A90");
+    let text = without(&folder, name, &["#KIN ID", "#TRAFO"]);
     let speeds = |text: &str| {
         let run = run(text, &machine).expect("runs");
         // Between 30 degrees and 330.

@@ -1,0 +1,33 @@
+//! A sphere of lines of 0.3 mm with the tool normal to it.
+use host_tests::sphere::{Job, bench, keeps_limits, run};
+
+const SURFACE: &str = "#HSC ON [SURFACE PATH_DEV=0.01]";
+const BSPLINE: &str = "#HSC ON [BSPLINE PATH_DEV=0.01]";
+const DEV: &str = "#CONTOUR MODE ON [DEV PATH_DEV=0.01]";
+
+/// Time as a part of the bound by limits of the axes at each point; limits, standstills and slow places.
+fn drives(machine: &str, job: &Job, smooth: &str, most: f64) {
+    let bench = bench(machine, 3).expect("a machine");
+    let shown = run(&bench, job, smooth).unwrap_or_else(|e| panic!("{machine}, {smooth}: {e}"));
+    let part = shown.time / job.bound(&bench);
+    println!(
+        "{machine}, {smooth}: {part:.3} of the bound, slowest {:?}, {:.6} mm off",
+        shown.slowest, shown.off
+    );
+    keeps_limits(&bench, &shown.run).unwrap_or_else(|e| panic!("{machine}, {smooth}: {e}"));
+    assert!(part < most, "{machine}, {smooth}: {part} of the bound");
+    assert!(shown.rest == 0 && shown.slowest.0 > 0.1, "{machine}, {smooth}: {shown:?}");
+    assert!(shown.off < 0.0115, "{machine}, {smooth}: {} mm off", shown.off);
+}
+
+/// Short forms of 20,000 lines, which `--example sphere` drives.
+#[test]
+fn short_lines_over_a_sphere_are_one_motion() {
+    let job = Job { radius: 50.0, step: 0.3, lines: 1_500, tilt: [30.0, 60.0], digits: 5, feed: 12_000.0 };
+    for machine in ["trunnion", "head"] {
+        drives(machine, &job, SURFACE, 1.1);
+        drives(machine, &job, BSPLINE, 1.1);
+    }
+    // Each line has a curve at both ends, which bends twice as much as the sphere.
+    drives("trunnion", &job, DEV, 1.25);
+}
