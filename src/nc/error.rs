@@ -484,6 +484,12 @@ pub enum NcWarningKind {
     /// A mode of the controller without effect here.
     #[cfg(feature = "dialects")]
     ModeWithoutEffect,
+    /// A command to Grbl that reports or unlocks.
+    #[cfg(feature = "dialects")]
+    Report,
+    /// P or Q of M100 to M199.
+    #[cfg(feature = "dialects")]
+    NoArguments,
 }
 
 impl NcWarningKind {
@@ -615,6 +621,10 @@ impl fmt::Display for NcWarning {
             NcWarningKind::SpeedByBlock => "G96: the spindle speed is put out at the start of each block, and stays inside of it",
             #[cfg(feature = "dialects")]
             NcWarningKind::ModeWithoutEffect => "this mode of the controller has no effect here: the path is the programmed one",
+            #[cfg(feature = "dialects")]
+            NcWarningKind::Report => "a command to Grbl that moves nothing: it has no effect here",
+            #[cfg(feature = "dialects")]
+            NcWarningKind::NoArguments => "P and Q are not handed on: the machine gets the function's number alone",
             NcWarningKind::EndInSubroutine => "program end inside a subroutine ends the whole program",
         })
     }

@@ -74,6 +74,11 @@ pub fn choose(choice: Choice, program: &Source) -> Result<Dialect, Vec<Diagnosti
             let wanted = format!("expected --dialect {} or --dialect {}", first.name(), second.name());
             Err(vec![error.expected(wanted)])
         }
+        Shown::Unclear(mark, meaning) => {
+            let message = format!("{} {meaning}, and no other word shows the dialect", mark.word);
+            let error = Diagnostic::error(message).at(program, mark.line, mark.column, mark.length);
+            Err(vec![error.expected("expected --dialect isg, linuxcnc, grbl or fanuc")])
+        }
         Shown::Printer(mark) => {
             let message = format!("{} is a word of 3-D printers (Marlin)", mark.word);
             let error = Diagnostic::error(message).at(program, mark.line, mark.column, mark.length);
@@ -108,9 +113,15 @@ struct Mark {
 #[derive(Default)]
 struct Found {
     isg: Option<Mark>,
+    /// ISG's language has it, and so have others: it counts where nothing else shows them.
+    perhaps_isg: Option<Mark>,
     linuxcnc: Option<Mark>,
     grbl: Option<Mark>,
     fanuc: Option<Mark>,
+    /// A program number, which Fanuc's programs begin with, and some of others.
+    numbered: Option<Mark>,
+    /// G90.1 or G91.1, which Fanuc has not.
+    centre: Option<Mark>,
     /// G4 with X or U: Fanuc's and ISG's dwell.
     dwell: Option<Mark>,
     /// LinuxCNC and Fanuc have it, Grbl has not.
@@ -119,12 +130,16 @@ struct Found {
     whole: Option<Mark>,
     /// LinuxCNC and Grbl have it, ISG's language has not.
     either: Option<Mark>,
+    /// One of them that ISG's programs do not hold: a unit, a tool length, a return to a place.
+    foreign: bool,
     printer: Option<Mark>,
     /// S beside axes in G1: pixel rows of a laser.
     rows: Vec<Mark>,
     ends: bool,
     /// Words that ISG's language has with another meaning, each once.
     traps: Vec<(Mark, &'static str)>,
+    /// The first of them that would lead to another path.
+    path: Option<(Mark, &'static str)>,
 }
 
 /// What the text shows.
@@ -134,8 +149,21 @@ enum Shown {
     Is(Dialect, Mark),
     /// Words of two dialects.
     Two([(Dialect, Mark); 2]),
+    /// A word that means another path in ISG's language, and nothing that shows a dialect.
+    Unclear(Mark, &'static str),
     Printer(Mark),
 }
+
+/// Programs that write texts for LinuxCNC, Grbl and their like, as comments name them.
+const SENDERS: [&str; 30] = [
+    "autodesk", "bcnc", "cambam", "carbide", "carvera", "cncjs", "dmap2gcode", "estlcam", "f-engrave", "flatcam",
+    "freecad", "fusion 360", "gcmc", "gcodetools", "heekscnc", "inkscape", "jscut", "kiri:moto", "lasergrbl",
+    "laserweb", "lightburn", "mach3", "mach4", "openbuilds", "pcb-gcode", "pcb2gcode", "pycam", "sheetcam",
+    "uccnc", "vectric",
+];
+
+/// G words of LinuxCNC and Grbl that programs of ISG do not hold: they are refused there, or mean mirroring.
+const FOREIGN: &[u32] = &[200, 210, 280, 281, 300, 301, 382, 383, 384, 385, 430, 431, 490, 901, 911, 921];
 
 /// Blocks with S and axes from which on a text is taken for that of a laser.
 const ROWS: usize = 3;
@@ -160,11 +188,21 @@ impl Found {
     }
 
     fn decide(mut self) -> Shown {
-        if self.isg.is_some() {
+        let others = [&self.linuxcnc, &self.grbl, &self.fanuc, &self.printer].into_iter().any(Option::is_some);
+        let perhaps = self.perhaps_isg.is_some() && !self.foreign && !others;
+        if self.isg.is_some() || perhaps {
             return Shown::Isg;
         }
-        if let Some(mark) = self.printer {
+        // LinuxCNC's programs call functions of the machine by such numbers.
+        let called = self.linuxcnc.is_some();
+        if let Some(mark) = self.printer.filter(|mark| !called || !mark.word.starts_with("M1")) {
             return Shown::Printer(mark);
+        }
+        if let Some(mark) = self.numbered {
+            match self.centre {
+                Some(centre) => self.linuxcnc = self.linuxcnc.or(Some(centre)),
+                None => self.fanuc = self.fanuc.or(Some(mark)),
+            }
         }
         // Beside a word that ISG does not have, it is Fanuc's.
         let foreign = self.full.is_some() || self.either.is_some();
@@ -197,7 +235,10 @@ impl Found {
             None if !self.ends && self.rows.len() >= ROWS => {
                 Shown::Is(Dialect::Grbl, self.rows.swap_remove(0))
             }
-            None => Shown::Isg,
+            None => match self.path {
+                Some((mark, meaning)) => Shown::Unclear(mark, meaning),
+                None => Shown::Isg,
+            },
         }
     }
 
@@ -214,6 +255,11 @@ impl Found {
                 *slot = Some(Mark { word, line: number, column: 1, length: 1 });
             }
         }
+        if let (Some(name), None) = (SENDERS.iter().find(|name| comment.contains(**name)), &self.either) {
+            let word = format!("\"{name}\" in a comment");
+            self.either = Some(Mark { word, line: number, column: 1, length: 1 });
+            self.foreign = true;
+        }
         if comment.replace(' ', "").starts_with("(msg,") && self.either.is_none() {
             self.either = Some(Mark { word: "(MSG, …)".into(), line: number, column: 1, length: 1 });
         }
@@ -224,11 +270,18 @@ impl Found {
         self.ends |= line.has('M', 20) || line.has('M', 300) || plain == "%";
         let slot = |slot: &mut Option<Mark>, mark: Option<Mark>| *slot = slot.take().or(mark);
         for (mark, meaning) in line.traps() {
+            if self.path.is_none() && line.is_path(&mark) {
+                self.path = Some((mark.clone(), meaning));
+            }
             if !self.traps.iter().any(|(known, _)| known.word == mark.word) {
                 self.traps.push((mark, meaning));
             }
         }
         slot(&mut self.isg, line.isg());
+        slot(&mut self.perhaps_isg, line.any('G', &[700, 710]).or_else(|| line.any('M', &[170])));
+        slot(&mut self.numbered, line.numbered());
+        slot(&mut self.centre, line.any('G', &[901, 911]));
+        self.foreign |= line.any('G', FOREIGN).is_some();
         slot(&mut self.linuxcnc, line.linuxcnc());
         slot(&mut self.grbl, line.grbl());
         slot(&mut self.fanuc, line.fanuc());
@@ -369,7 +422,7 @@ impl Line {
         });
         let own = high.map(|word| self.mark("a G word of ISG", *word));
         let assigned = assigns.then(|| self.at_start("a P parameter"));
-        own.or(assigned).or_else(|| self.any('G', &[600, 700, 710])).or_else(|| self.any('M', &[170]))
+        own.or(assigned).or_else(|| self.any('G', &[600]))
     }
 
     /// What LinuxCNC has, and Grbl has not.
@@ -401,17 +454,30 @@ impl Line {
 
     /// What Fanuc has, and the others have not.
     fn fanuc(&self) -> Option<Mark> {
-        let body = self.body();
-        let digits = |text: &str| !text.is_empty() && text.chars().all(|c| c.is_ascii_digit());
-        if body.strip_prefix(['O', ':']).is_some_and(digits) {
-            return Some(self.at_start(body));
-        }
         let far = self
             .any('G', &[541, 501, 511])
             .or_else(|| self.any('M', &[290]).filter(|_| self.first('S').is_some()));
         let call = self.any('M', &[980]).filter(|_| self.first('P').is_some_and(|p| p.tenths >= 100_000));
         let mode = self.any('G', &[51]).filter(|_| self.first('Q').is_some());
         far.or(call).or(mode)
+    }
+
+    /// A program number alone.
+    fn numbered(&self) -> Option<Mark> {
+        let body = self.body();
+        let digits = |text: &str| !text.is_empty() && text.chars().all(|c| c.is_ascii_digit());
+        body.strip_prefix(['O', ':']).is_some_and(digits).then(|| self.at_start(body))
+    }
+
+    /// Whether the word at the mark, one of the traps, means another path in ISG's language.
+    fn is_path(&self, mark: &Mark) -> bool {
+        let axes = self.words.iter().any(|word| "XYZABCUVW".contains(word.letter));
+        match mark.word.as_str() {
+            "G53" | "G92" => axes,
+            "G61" => true,
+            "M98" => self.first('P').is_some(),
+            _ => false,
+        }
     }
 
     /// A dwell that neither LinuxCNC nor Grbl has.
@@ -445,7 +511,9 @@ impl Line {
     /// What Grbl has alone.
     fn grbl(&self) -> Option<Mark> {
         let commands = ["$H", "$X", "$J=", "$$", "$RST"];
-        commands.iter().find(|command| self.text.starts_with(*command)).map(|command| self.at_start(command))
+        let alone = ["$I", "$G", "$N", "$#", "?"];
+        let found = commands.iter().find(|command| self.text.starts_with(*command));
+        found.or(alone.iter().find(|command| self.text == **command)).map(|command| self.at_start(command))
     }
 
     /// What both have, and ISG's language has not, or means otherwise.
@@ -523,7 +591,7 @@ mod tests {
         match shown(text) {
             Shown::Isg => Some(Dialect::Isg),
             Shown::Is(dialect, _) => Some(dialect),
-            Shown::Printer(_) | Shown::Two(_) => None,
+            Shown::Printer(_) | Shown::Two(_) | Shown::Unclear(..) => None,
         }
     }
 
@@ -568,7 +636,8 @@ mod tests {
             "G70 X1 F100\nG80",
             "LL name\nG20",
             "(comment with G20 and G64 P1)\nG0 X1",
-            "G92 X5\nG53\nG61 X1 F1",
+            "G53\nG92\nM19\nG1 X1 F1",
+            "G71 G40\nG80\nM17",
             "M3 S100\nG1 X1 F100\nG1 X2\nM30",
             "X[OSC ON]\nG21",
         ] {
@@ -610,6 +679,40 @@ mod tests {
         }
         for text in ["%\nO1234\nG21\nG0 X0 Y1.\nM30\n%", ":10\nG20\nG0 X.5\nM30", "G21\nG4 X1.5\nM30"] {
             assert_eq!(dialect(text), Some(Dialect::Fanuc), "{text}");
+        }
+    }
+
+    #[test]
+    fn words_that_others_have_too_do_not_hide_them() {
+        for (text, wanted) in [
+            ("N10G00G21G17G90G40G49G80\nN20G71G91.1\nM30", Some(Dialect::LinuxCnc)),
+            ("G17 G71 G49\nG0 X1\nM30", Some(Dialect::LinuxCnc)),
+            ("M17\nG21\nG1 X1 F5", Some(Dialect::Grbl)),
+            ("M17\nM104 S5", None),
+            ("%\nO1001\nG20 G91.1\nG0 X1\nM30", Some(Dialect::LinuxCnc)),
+            ("(Haas)\nO1001\nG20 G91.1\nG0 X1.\nM30", None),
+            ("G64 P0.1\nM190 P1\nM2", Some(Dialect::LinuxCnc)),
+            ("G21\nM190 S60", None),
+            ("(Created by Estlcam)\nG92 X0\nG1 X1 F5\nM30", Some(Dialect::LinuxCnc)),
+            ("$G\nG0 X1", Some(Dialect::Grbl)),
+        ] {
+            assert_eq!(dialect(text), wanted, "{text}");
+        }
+    }
+
+    #[test]
+    fn a_word_that_means_another_path_is_asked_about_where_nothing_shows_the_dialect() {
+        for (text, word, line) in [
+            ("G0 X1\nG92 X0\nG1 X1 F5", "G92", 2),
+            ("G53 G0 Z0\nX1", "G53", 1),
+            ("G90\nG61\nG1 X1 F5\nM30", "G61", 2),
+            ("M98 P100\nM30\nO100 G1", "M98", 1),
+        ] {
+            let Shown::Unclear(mark, meaning) = shown(text) else { panic!("{text}: {:?}", shown(text)) };
+            assert_eq!((mark.word.as_str(), mark.line), (word, line), "{text}: {meaning}");
+        }
+        for text in ["%m\nG92 X0\nM30", "G21\nG92 X0", "G53\nG0 X1", "G92 X1\nM2\n#HSC ON"] {
+            assert!(!matches!(shown(text), Shown::Unclear(..)), "{text}");
         }
     }
 

@@ -244,7 +244,7 @@ fn variants(text: &str) -> Vec<Vec<u8>> {
 
 #[test]
 fn programs_do_what_an_own_interpreter_says() {
-    assert!(CORPUS.len() >= 90);
+    assert!(CORPUS.len() >= 102);
     for (name, dialect, text) in CORPUS {
         for (number, variant) in variants(text).iter().enumerate() {
             compare(&format!("{name}, variant {number}"), dialect_of(dialect), variant);
@@ -501,6 +501,11 @@ fn radii_may_differ_as_much_as_the_peers_permit() {
     }
     assert!(run(Dialect::Grbl, "G0 X400\nF600\nG3 X0 Y400.3 I-400\n").is_ok(), "0.1 % is 0.4 mm");
     assert!(run(Dialect::Grbl, "G0 X400\nF600\nG3 X0 Y400.45 I-400\n").is_err(), "more than 0.1 %");
+    // Half a thousandth of an inch, at a radius of a tenth of one: LinuxCNC's programs in inches alone.
+    let inch = |more: &str| format!("G20\nG0 X0.1\nF20\nG3 X0 Y{more} I-0.1\nG1 X1\nM2\n");
+    assert!(run(Dialect::LinuxCnc, &inch("0.1004")).is_ok() && run(Dialect::Grbl, &inch("0.1004")).is_err());
+    assert!(run(Dialect::LinuxCnc, &inch("0.1006")).is_err());
+    assert!(run(Dialect::LinuxCnc, "G0 X2.54\nF600\nG3 X0 Y2.55 I-2.54\n").is_err());
     // 5 µm of a radius of 10 µm: there is no arc, the end counts.
     assert!(run(Dialect::LinuxCnc, "G0 X0.01\nF600\nG3 X0 Y0.006 I-0.01\n").is_ok());
 }
@@ -519,6 +524,8 @@ fn doubtful_words_are_told() {
     assert_eq!(linuxcnc("G4 P500\nM2"), [K::LongDwell]);
     assert_eq!(linuxcnc("G20 F10\nM2"), [K::FeedBeforeUnit]);
     assert_eq!(linuxcnc("M50 P0\nM2"), [K::OverridesStay]);
+    assert_eq!(linuxcnc("M101 P2 Q0.5\nM2"), [K::NoArguments]);
+    assert_eq!(told(Dialect::Grbl, "$G\n $ x\n?"), [K::Report; 3]);
     assert_eq!(told(Dialect::Grbl, "G20 F10\nM2"), []);
     assert_eq!(linuxcnc("G0 X1"), [K::NoProgramEnd]);
     assert_eq!(told(Dialect::Grbl, "G0 X1"), []);

@@ -1,5 +1,6 @@
 //! The words of a line, by modal group and by letter; nothing is carried out yet.
 use super::words::{WordEntry, find, group};
+use crate::machine::Dialect;
 use crate::nc::block::Given;
 use crate::nc::cursor::Cursor;
 use crate::nc::interpreter::Interpreter;
@@ -96,7 +97,7 @@ impl<const AXES: usize> Interpreter<AXES> {
     /// Reads the words of a line.
     pub(super) fn read_block(&mut self, c: &mut Cursor<'_>) -> Result<Block<AXES>, Fault> {
         let mut block = Block::new();
-        let mut numbered = false;
+        let (mut numbered, mut spindle) = (false, false);
         while !c.at_end() {
             let mark = c.mark();
             let letter = c.peek_upper();
@@ -105,6 +106,18 @@ impl<const AXES: usize> Interpreter<AXES> {
             }
             if letter == b'#' {
                 self.read_assignment(c, &mut block)?;
+                continue;
+            }
+            if letter == b'$' && self.setup.foreign.dialect == Dialect::LinuxCnc && !spindle && is_number(c.next()) {
+                spindle = true;
+                self.read_spindle(c)?;
+                continue;
+            }
+            if letter == b'/' && self.setup.foreign.dialect.is_fanuc() {
+                if self.setup.foreign.block_delete {
+                    break;
+                }
+                skip_switch(c);
                 continue;
             }
             if !letter.is_ascii_alphabetic() {
@@ -131,6 +144,17 @@ impl<const AXES: usize> Interpreter<AXES> {
             self.calculator.charge(WORD);
         }
         Ok(block)
+    }
+
+    /// `$` and the number of a spindle: there is one, `$0`.
+    fn read_spindle(&self, c: &mut Cursor<'_>) -> Result<(), Fault> {
+        let mark = c.mark();
+        c.bump();
+        let given = self.read_value(c, mark)?;
+        if given.number.real() != 0.0 {
+            return given.span.fault(NcErrorKind::Known { what: "a second spindle", hint: "$0" });
+        }
+        Ok(())
     }
 
     /// A letter that is no axis, with its value.
@@ -165,6 +189,9 @@ impl<const AXES: usize> Interpreter<AXES> {
                 hint: "a program without it",
             }),
             b'*' => c.rest_of_word().fault(NcErrorKind::Checksum),
+            b'@' | b'^' => c
+                .rest_of_word()
+                .fault(NcErrorKind::Known { what: "a polar coordinate", hint: "X and Y" }),
             _ => c.expected("an address such as G, X, F or M"),
         }
     }
@@ -246,6 +273,19 @@ impl<const AXES: usize> Interpreter<AXES> {
             _ => return span.fault(NcErrorKind::Twice("a word of this modal group")),
         }
         Ok(())
+    }
+}
+
+/// Whether a number may begin with this byte.
+const fn is_number(byte: u8) -> bool {
+    matches!(byte, b'0'..=b'9' | b'-' | b'.')
+}
+
+/// `/` and perhaps the number of its switch.
+pub(super) fn skip_switch(c: &mut Cursor<'_>) {
+    c.bump();
+    if matches!(c.peek(), b'1'..=b'9') {
+        c.bump();
     }
 }
 

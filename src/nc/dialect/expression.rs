@@ -269,7 +269,8 @@ impl<const AXES: usize> Interpreter<AXES> {
                     c.bump();
                     if c.peek() == b'<' {
                         let name = name(c)?;
-                        let value = self.named(name).ok_or(fault_of(c, mark, NcErrorKind::NameUnset))?;
+                        let unset = name.unset();
+                        let value = self.named(name).ok_or(fault_of(c, mark, unset))?;
                         return e.push(value).map_err(|kind| fault(c, kind));
                     }
                     e.wait(Op::Parameter).map_err(|kind| fault(c, kind))?;

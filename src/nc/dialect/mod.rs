@@ -13,6 +13,7 @@ mod cycle;
 mod expression;
 mod fanuc;
 mod force;
+mod lathe;
 mod offset;
 mod order;
 mod output;
@@ -112,6 +113,8 @@ pub(super) struct State<const AXES: usize> {
     pub by_time: bool,
     /// G95.
     pub per_turn: bool,
+    /// G7.
+    pub diameter: bool,
     /// G96.
     pub surface: Option<Surface>,
     /// S, 1/min.
@@ -152,6 +155,7 @@ impl<const AXES: usize> State<AXES> {
         to_level: false,
         by_time: false,
         per_turn: false,
+        diameter: false,
         surface: None,
         speed: Position::ZERO,
         spindle: 0,
@@ -258,8 +262,8 @@ impl<const AXES: usize> Interpreter<AXES> {
         // In inverse time F is of its block alone.
         let feed = self.modal.feed.filter(|_| !self.foreign.now.by_time && !self.foreign.now.per_turn);
         self.modal = Modal { mode, inch, feed, shift, zero_set: Some(0), ..Modal::BLANK };
-        let State { here, here_off, length, degrees, tool, speed, .. } = self.foreign.now;
-        self.foreign.now = State { here, here_off, length, degrees, tool, speed, ..State::START };
+        let State { here, here_off, length, degrees, tool, speed, diameter, .. } = self.foreign.now;
+        self.foreign.now = State { here, here_off, length, degrees, tool, speed, diameter, ..State::START };
         let Foreign { percent, course, tail, note, .. } = &mut self.foreign;
         (*percent, *course, *tail, *note) = (false, Course::None, None, None);
         self.foreign.behind = [None; 2];
@@ -276,10 +280,10 @@ impl<const AXES: usize> Interpreter<AXES> {
 
     /// Whether plain lines may be read as such: no cycle, no G80, and no axis whose F counts in another unit.
     fn settle_plain(&mut self) {
-        let State { cycle, no_motion, by_time, per_turn, surface, degrees, .. } = &self.foreign.now;
+        let State { cycle, no_motion, by_time, per_turn, diameter, surface, degrees, .. } = &self.foreign.now;
         let turns = self.setup.kinds.contains(&AxisKind::Rotary) && (self.modal.inch || degrees.is_some());
         let by_spindle = *per_turn || surface.is_some();
-        self.foreign.plain = cycle.is_none() && !no_motion && !by_time && !by_spindle && !turns;
+        self.foreign.plain = cycle.is_none() && !no_motion && !by_time && !by_spindle && !turns && !diameter;
     }
 
     /// G92 and the tool length make one shift.

@@ -1,5 +1,5 @@
 //! What the words of a line do, in the order that the dialects share: the order of the text does not count.
-use super::block::{Block, Said};
+use super::block::{Block, Said, skip_switch};
 use super::course::{Course, Spiral, Turns};
 use super::words::{Meaning, group};
 use super::{Interpreter, Note};
@@ -16,6 +16,9 @@ use crate::quantity::{Feed, Position};
 
 /// Most turns of an arc.
 const TURNS: u32 = 10_000;
+
+/// Radii of one arc may differ by so much, mm, however small they are.
+const PIECE: f64 = 0.005;
 
 /// A longer dwell may be meant in milliseconds.
 const LONG_DWELL: Position = Position::const_from_int(60);
@@ -53,6 +56,11 @@ impl<const AXES: usize> Interpreter<AXES> {
             self.phase = Phase::Running;
             self.flow.program = bounds.start;
         }
+        if self.is_report(line) {
+            self.foreign.note = None;
+            self.warn(line, c.rest_of_word(), NcWarningKind::Report);
+            return Ok(Next::Line);
+        }
         if c.peek() == b'/' {
             if self.setup.foreign.block_delete {
                 self.foreign.note = None;
@@ -61,9 +69,9 @@ impl<const AXES: usize> Interpreter<AXES> {
             if self.setup.foreign.dialect == Dialect::Grbl {
                 self.warn(line, c.here(), NcWarningKind::BlockSkip);
             }
-            c.bump();
-            if self.setup.foreign.dialect.is_fanuc() && matches!(c.peek(), b'1'..=b'9') {
-                // The number of the switch.
+            if self.setup.foreign.dialect.is_fanuc() {
+                skip_switch(&mut c);
+            } else {
                 c.bump();
             }
         }
@@ -79,6 +87,13 @@ impl<const AXES: usize> Interpreter<AXES> {
             self.assign(*index, *value).map_err(|kind| Fault { span: Span::default(), kind })?;
         }
         Ok(self.go_to(&block, line, bounds)?)
+    }
+
+    /// Whether the line is a command to Grbl that reports or unlocks, and moves nothing.
+    fn is_report(&self, line: &Line) -> bool {
+        const REPORTS: [&[u8]; 8] = [b"?", b"$", b"$$", b"$#", b"$G", b"$I", b"$N", b"$X"];
+        self.setup.foreign.dialect == Dialect::Grbl
+            && REPORTS.iter().any(|report| line.bytes().eq_ignore_ascii_case(report))
     }
 
     /// What an active comment of the line does.
@@ -172,6 +187,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         if let Some(said) = block.said(group::ONCE).filter(|said| said.word.meaning == Meaning::Mode) {
             self.warn(line, said.span, NcWarningKind::ModeWithoutEffect);
         }
+        self.take_diameter(block)?;
         self.least_increments(block, self.modal.inch != converts, line);
         let feed = block.take(b'F');
         if let (Some(given), false) = (feed, grbl) {
@@ -273,6 +289,11 @@ impl<const AXES: usize> Interpreter<AXES> {
                     continue;
                 }
                 Meaning::Orient => self.no_angle(block)?,
+                Meaning::User if self.setup.foreign.dialect == Dialect::LinuxCnc => {
+                    if let Some(given) = block.take(b'P').or(block.take(b'Q')) {
+                        self.warn(line, given.span, NcWarningKind::NoArguments);
+                    }
+                }
                 Meaning::ToolNumber => {
                     let Some(given) = block.take(b'Q') else {
                         return span.fault(NcErrorKind::Missing("Q, the tool"));
@@ -358,9 +379,10 @@ impl<const AXES: usize> Interpreter<AXES> {
 
     /// Words that stay in force, but for the motion.
     fn settings(&mut self, block: &mut Block<AXES>, line: &Line) -> Result<(), Fault> {
-        const ORDER: [u8; 7] = [
+        const ORDER: [u8; 8] = [
             group::PLANE,
             group::UNITS,
+            group::LATHE,
             group::LENGTH,
             group::OFFSET,
             group::PATH,
@@ -372,6 +394,7 @@ impl<const AXES: usize> Interpreter<AXES> {
             match said.word.meaning {
                 Meaning::Plane(plane) => self.modal.plane = plane,
                 Meaning::Inch(inch) => self.modal.inch = inch,
+                Meaning::Diameter(diameter) => self.foreign.now.diameter = diameter,
                 Meaning::Length | Meaning::LengthMinus | Meaning::LengthNow | Meaning::NoLength => {
                     self.set_length(said, block, line)?;
                 }
@@ -720,16 +743,20 @@ impl<const AXES: usize> Interpreter<AXES> {
         let [from, to] = [start, &end].map(|point| turns.radius(point));
         let difference = real::abs(to - from);
         let small = if from < to { from } else { to };
-        if small > 0.0 && difference <= 0.005 && difference > small / 4.0 {
+        // LinuxCNC takes half a thousandth of an inch where the program counts in inches.
+        let inches = self.modal.inch && self.setup.foreign.dialect == Dialect::LinuxCnc;
+        let least = if inches { 0.0127 } else { PIECE };
+        if small > 0.0 && difference <= PIECE && difference > small / 4.0 {
             cell.set(Motion { kind: MotionKind::Line, ..motion });
             return Course::None;
         }
         let one = if small < 50.0 { small / 1000.0 } else { 0.05 };
-        let too_much = difference > 0.5 || difference > from / 1000.0;
-        if difference <= one || difference <= 0.005 || too_much || self.foreign.now.by_time {
+        let too_much = difference > least && (difference > 0.5 || difference > from / 1000.0);
+        if difference <= one || difference <= PIECE || too_much || self.foreign.now.by_time {
             return Course::None;
         }
-        let count = real::ceil(difference / 0.045);
+        let piece = if difference > small / 1000.0 { 0.9 * PIECE } else { 0.045 };
+        let count = real::ceil(difference / piece);
         let _ = self.queue.pop_back();
         self.gathered = Gathered::Nothing;
         (self.position, self.foreign.span) = (*start, span);

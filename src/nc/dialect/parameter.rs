@@ -30,6 +30,16 @@ impl Name {
         self.letters.first() == Some(&b'_')
     }
 
+    /// What it is refused with where it has no value.
+    pub fn unset(&self) -> NcErrorKind {
+        let of_machine = [&b"_HAL["[..], b"_INI["].iter().any(|lead| self.letters.starts_with(lead));
+        if of_machine {
+            let what = "a value of LinuxCNC's HAL or INI";
+            return NcErrorKind::Known { what, hint: "the number itself" };
+        }
+        NcErrorKind::NameUnset
+    }
+
     pub fn hash(&self) -> u32 {
         let hash = hash(&self.letters);
         (hash ^ hash >> 32) as u32
@@ -160,8 +170,9 @@ impl<const AXES: usize> Interpreter<AXES> {
             b"_SPINDLE_RPM_MODE" => truth(now.surface.is_none()),
             b"_SPINDLE_CSS_MODE" => truth(now.surface.is_some()),
             b"_CCOMP" => Some(400.0),
-            b"_LATHE_DIAMETER_MODE" => Some(0.0),
-            b"_LATHE_RADIUS_MODE" | b"_SPEED_OVERRIDE" | b"_FEED_OVERRIDE" | b"_FEED_HOLD" => Some(1.0),
+            b"_LATHE_DIAMETER_MODE" => truth(now.diameter),
+            b"_LATHE_RADIUS_MODE" => truth(!now.diameter),
+            b"_SPEED_OVERRIDE" | b"_FEED_OVERRIDE" | b"_FEED_HOLD" => Some(1.0),
             b"_ADAPTIVE_FEED" => Some(0.0),
             b"_TOOL_OFFSET" => truth(now.length.iter().any(|length| *length != Position::ZERO)),
             b"_RETRACT_R_PLANE" => truth(now.to_level),
@@ -205,8 +216,11 @@ impl<const AXES: usize> Interpreter<AXES> {
         Some(if self.modal.inch && !self.foreign.now.by_time { feed / 25.4 } else { feed })
     }
 
-    /// A length of an axis in the unit in force; 0 where the machine lacks the axis.
+    /// A length of an axis in the unit in force; 0 where the machine lacks the axis. With G7 that of X is not told.
     fn length_along(&self, places: &[Position; AXES], letter: u8) -> Option<f64> {
+        if self.foreign.now.diameter && letter == b'X' {
+            return None;
+        }
         let Some(axis) = self.letters.axis(letter) else { return Some(0.0) };
         let mm = places.get(axis)?.to_bits() as f64 / 4_294_967_296.0;
         let factor = self.axis_factor(axis);

@@ -18,6 +18,7 @@ struct Modes {
     to_level: bool,
     by_time: bool,
     per_turn: bool,
+    diameter: bool,
 }
 
 /// What M70 keeps: all but the motion word and the offsets of G92.
@@ -69,9 +70,17 @@ impl<const AXES: usize> Interpreter<AXES> {
                 let Modal { plane, relative, centre_absolute, inch, exact_stop, zero_set, feed, .. } =
                     self.modal;
                 let State { to_level, by_time, per_turn, blend, coolant, spindle, .. } = self.foreign.now;
-                let State { degrees, speed, surface, length, .. } = self.foreign.now;
-                let modes =
-                    Modes { relative, centre_absolute, inch, exact_stop, to_level, by_time, per_turn };
+                let State { degrees, speed, surface, length, diameter, .. } = self.foreign.now;
+                let modes = Modes {
+                    relative,
+                    centre_absolute,
+                    inch,
+                    exact_stop,
+                    to_level,
+                    by_time,
+                    per_turn,
+                    diameter,
+                };
                 let saved = Saved {
                     modes,
                     plane,
@@ -119,7 +128,8 @@ impl<const AXES: usize> Interpreter<AXES> {
 
     fn bring_back(&mut self, saved: &Saved<AXES>, span: Span) -> Result<(), Fault> {
         let State { speed, spindle, coolant, .. } = self.foreign.now;
-        let Modes { relative, centre_absolute, inch, exact_stop, to_level, by_time, per_turn } = saved.modes;
+        let Modes { relative, centre_absolute, inch, exact_stop, to_level, by_time, per_turn, diameter } =
+            saved.modes;
         if speed != saved.speed {
             self.push(ItemKind::Spindle(saved.speed), span)?;
         }
@@ -143,7 +153,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         let Saved { plane, feed, zero_set, degrees, surface, length, .. } = *saved;
         self.modal = Modal { plane, relative, centre_absolute, inch, feed, zero_set, ..self.modal };
         let (speed, spindle, coolant) = (saved.speed, saved.spindle, saved.coolant);
-        let now = State { to_level, by_time, per_turn, degrees, surface, length, ..self.foreign.now };
+        let now = State { to_level, by_time, per_turn, diameter, degrees, surface, length, ..self.foreign.now };
         self.foreign.now = State { speed, spindle, coolant, ..now };
         self.settle_shift();
         Ok(())

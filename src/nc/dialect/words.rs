@@ -29,6 +29,8 @@ pub enum Meaning {
     Offset(u8),
     /// A word that says what is so anyway.
     Nothing,
+    /// G7 (true), G8: X is a diameter.
+    Diameter(bool),
     /// G43.
     Length,
     /// G43.1.
@@ -246,8 +248,8 @@ pub static WORDS: &[WordEntry] = &[
     g(51, BOTH, group::MOTION, Meaning::Later("short lines"), "quadratic spline"),
     g(51, FANUC, group::ONCE, Meaning::Mode, "contour control (Q): no effect"),
     g(52, LINUXCNC, group::MOTION, Meaning::Later("short lines"), "NURBS"),
-    g(70, BOTH, group::LATHE, Meaning::Later("radii, G8"), "X is a diameter"),
-    g(80, BOTH, group::LATHE, Meaning::Nothing, "X is a radius"),
+    g(70, BOTH, group::LATHE, Meaning::Diameter(true), "X is a diameter"),
+    g(80, BOTH, group::LATHE, Meaning::Diameter(false), "X is a radius"),
     g(80, FANUC, group::ONCE, Meaning::Mode, "look-ahead (P): no effect"),
     g(90, FANUC, group::ONCE, Meaning::StopOnce, "exact stop at the end of this block"),
     g(100, ALL, group::NON_MODAL, Meaning::Store, "L2, L20: store a zero offset"),
@@ -318,6 +320,8 @@ pub static WORDS: &[WordEntry] = &[
     g(670, FANUC, group::MACRO, Meaning::Nothing, "no modal macro call"),
     g(680, FANUC, group::ROTATION, Meaning::Later(PLAIN), "rotation"),
     g(690, ALL, group::ROTATION, Meaning::Nothing, "no rotation"),
+    g(700, LINUXCNC, group::UNITS, Meaning::Inch(true), "inch, as Mach3 has it: not LinuxCNC's turning cycle"),
+    g(710, LINUXCNC, group::UNITS, Meaning::Inch(false), "millimetre, as Mach3 has it: not LinuxCNC's turning cycle"),
     g(730, ALL, group::MOTION, Meaning::Cycle(CycleKind::Break), "drill with chip breaking"),
     g(740, FULL, group::MOTION, Meaning::Cycle(CycleKind::TapLeft), "left-hand tapping, not synchronised"),
     g(760, BOTH, group::MOTION, Meaning::Later(SYNCHRONISED), "threading"),

@@ -79,6 +79,8 @@ pub struct Machine {
     unit: f64,
     incremental: bool,
     centre_absolute: bool,
+    /// G7.
+    diameter: bool,
     plane: u32,
     /// G word times ten.
     motion: u32,
@@ -153,6 +155,7 @@ impl Machine {
             unit: 1.0,
             incremental: false,
             centre_absolute: false,
+            diameter: false,
             plane: 17,
             motion: 0,
             feed: 0.0,
@@ -219,8 +222,12 @@ impl Machine {
         if code == "%" {
             self.over = self.percent || self.any;
             self.percent = true;
+        } else if self.grbl && !self.fanuc && code.starts_with(['$', '?']) {
+            self.any = true;
         } else if !code.is_empty() {
             self.any = true;
+            // The only spindle, and blocks that are skipped in part.
+            let code = code.replace("$0", "").replace("/2M8", "M8").replace("/M8", "M8");
             if self.fanuc {
                 let code = code.trim_start_matches('/').trim_start_matches(|c: char| c.is_ascii_digit());
                 if !code.starts_with(['O', ':']) {
@@ -237,10 +244,10 @@ impl Machine {
         let g = |code: f64| words.iter().any(|(l, v)| *l == 'G' && (v - code).abs() < 1e-9);
         let v = |letter: char| words.iter().find(|(l, _)| *l == letter).map(|(_, v)| *v);
         let unit_before = self.unit;
-        if g(20.0) {
+        if g(20.0) || g(70.0) {
             self.unit = 25.4;
         }
-        if g(21.0) {
+        if g(21.0) || g(71.0) {
             self.unit = 1.0;
         }
         if g(93.0) || g(94.0) || g(95.0) {
@@ -273,7 +280,13 @@ impl Machine {
             let length = self.lengths.iter().find(|(n, _)| *n == number).map_or(0.0, |(_, length)| *length);
             self.tool_length = [0.0, 0.0, sign * length];
         }
-        let named = ['X', 'Y', 'Z'].map(|letter| v(letter).map(|value| value * unit));
+        let mut named = ['X', 'Y', 'Z'].map(|letter| v(letter).map(|value| value * unit));
+        if self.diameter {
+            named[0] = named[0].map(|x| x / 2.0);
+        }
+        if (g(7.0) || g(8.0)) && !self.fanuc {
+            self.diameter = g(7.0);
+        }
         if g(43.1) {
             for (length, value) in self.tool_length.iter_mut().zip(named) {
                 *length = value.unwrap_or(*length);

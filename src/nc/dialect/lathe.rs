@@ -1,0 +1,40 @@
+//! G7 and G8: X of a lathe as a diameter.
+use super::block::Block;
+use super::words::{Meaning, group};
+use crate::nc::interpreter::Interpreter;
+use crate::nc::number::Number;
+use crate::nc::{Fault, NcErrorKind};
+
+/// Digits that a halved number may have behind its point.
+const PLACES: u8 = 19;
+
+/// Half of a number; exact but where the digits do not suffice.
+fn half(number: Number) -> Number {
+    match number {
+        Number::Decimal { negative, mantissa, scale } if scale < PLACES => match mantissa.checked_mul(5) {
+            Some(mantissa) => Number::Decimal { negative, mantissa, scale: scale + 1 },
+            None => Number::Real(number.real() / 2.0),
+        },
+        _ => Number::Real(number.real() / 2.0),
+    }
+}
+
+impl<const AXES: usize> Interpreter<AXES> {
+    /// With G7 in force, X words are diameters. LinuxCNC takes X in the mode before the block, grblHAL in that behind it:
+    /// a word that changes the mode stands without X.
+    pub(super) fn take_diameter(&self, block: &mut Block<AXES>) -> Result<(), Fault> {
+        let now = self.foreign.now.diameter;
+        let changes = block.said(group::LATHE).filter(|said| said.word.meaning != Meaning::Diameter(now));
+        let axis = self.letters.axis(b'X');
+        let Some(given) = axis.and_then(|axis| block.axes.get_mut(axis)).and_then(Option::as_mut) else {
+            return Ok(());
+        };
+        if let Some(said) = changes {
+            return said.span.fault(NcErrorKind::Conflict("X: LinuxCNC and grblHAL read it otherwise"));
+        }
+        if now {
+            given.number = half(given.number);
+        }
+        Ok(())
+    }
+}
