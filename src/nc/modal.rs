@@ -38,6 +38,9 @@ pub(super) struct Modal<const AXES: usize> {
     pub relative: bool,
     pub centre_absolute: bool,
     pub inch: bool,
+    /// G7: X is a diameter.
+    #[cfg(feature = "dialects")]
+    pub diameter: bool,
     pub feed: Option<Feed>,
     pub exact_stop: bool,
     /// 0…5 for G54…G59, `None` for G53.
@@ -55,6 +58,8 @@ impl<const AXES: usize> Modal<AXES> {
         relative: false,
         centre_absolute: false,
         inch: false,
+        #[cfg(feature = "dialects")]
+        diameter: false,
         feed: None,
         exact_stop: false,
         zero_set: None,

@@ -54,8 +54,8 @@ pub fn choose(choice: Choice, program: &Source) -> Result<Dialect, Vec<Diagnosti
         }
         return Ok(dialect);
     }
-    let mut found = Found::of(program);
-    let traps = if found.isg.is_none() { core::mem::take(&mut found.traps) } else { Vec::new() };
+    let found = Found::of(program);
+    let traps = if found.isg.is_none() { found.traps.clone() } else { Vec::new() };
     match found.decide() {
         Shown::Isg => {
             tell_traps(traps);
@@ -93,8 +93,11 @@ pub fn choose(choice: Choice, program: &Source) -> Result<Dialect, Vec<Diagnosti
 }
 
 /// Words that the controller of another dialect carries out otherwise, each once.
-fn tell_traps(traps: Vec<(Mark, &'static str)>) {
-    for (Mark { word, line, .. }, meaning) in traps {
+fn tell_traps(mut traps: Vec<(Mark, &'static str, bool)>) {
+    traps.sort_by(|one, other| one.0.word.cmp(&other.0.word).then(one.0.line.cmp(&other.0.line)));
+    traps.dedup_by(|next, first| next.0.word == first.0.word);
+    traps.sort_by_key(|(mark, ..)| mark.line);
+    for (Mark { word, line, .. }, meaning, _) in traps {
         anstream::eprintln!("note: line {line}: {word} {meaning}");
     }
 }
@@ -118,16 +121,11 @@ struct Found {
     linuxcnc: Option<Mark>,
     grbl: Option<Mark>,
     fanuc: Option<Mark>,
-    /// A program number, which Fanuc's programs begin with, and some of others.
-    numbered: Option<Mark>,
-    /// G90.1 or G91.1, which Fanuc has not.
-    centre: Option<Mark>,
+    numbers: Numbers,
     /// G4 with X or U: Fanuc's and ISG's dwell.
     dwell: Option<Mark>,
     /// LinuxCNC and Fanuc have it, Grbl has not.
     full: Option<Mark>,
-    /// A length without a decimal point, which Fanuc counts in least increments.
-    whole: Option<Mark>,
     /// LinuxCNC and Grbl have it, ISG's language has not.
     either: Option<Mark>,
     /// One of them that ISG's programs do not hold: a unit, a tool length, a return to a place.
@@ -137,9 +135,19 @@ struct Found {
     rows: Vec<Mark>,
     ends: bool,
     /// Words that ISG's language has with another meaning, each once.
-    traps: Vec<(Mark, &'static str)>,
-    /// The first of them that would lead to another path.
-    path: Option<(Mark, &'static str)>,
+    /// With whether it would lead to another path.
+    traps: Vec<(Mark, &'static str, bool)>,
+}
+
+/// What decides between Fanuc's numbers and those of others.
+#[derive(Default)]
+struct Numbers {
+    /// A program number, which Fanuc's programs begin with, and some of others.
+    program: Option<Mark>,
+    /// G90.1 or G91.1, which Fanuc has not.
+    centre: Option<Mark>,
+    /// A length without a decimal point, which Fanuc counts in least increments.
+    whole: Option<Mark>,
 }
 
 /// What the text shows.
@@ -198,8 +206,8 @@ impl Found {
         if let Some(mark) = self.printer.filter(|mark| !called || !mark.word.starts_with("M1")) {
             return Shown::Printer(mark);
         }
-        if let Some(mark) = self.numbered {
-            match self.centre {
+        if let Some(mark) = self.numbers.program {
+            match self.numbers.centre {
                 Some(centre) => self.linuxcnc = self.linuxcnc.or(Some(centre)),
                 None => self.fanuc = self.fanuc.or(Some(mark)),
             }
@@ -208,7 +216,7 @@ impl Found {
         let foreign = self.full.is_some() || self.either.is_some();
         if let Some(mark) = self.fanuc.or(self.dwell.filter(|_| foreign)) {
             // Where the two would drive different ways, nothing is guessed.
-            let other = self.linuxcnc.or(self.whole).map(|other| (Dialect::LinuxCnc, other));
+            let other = self.linuxcnc.or(self.numbers.whole).map(|other| (Dialect::LinuxCnc, other));
             let other = other.or(self.grbl.map(|other| (Dialect::Grbl, other)));
             return match other {
                 Some(other) => Shown::Two([(Dialect::Fanuc, mark), other]),
@@ -235,8 +243,8 @@ impl Found {
             None if !self.ends && self.rows.len() >= ROWS => {
                 Shown::Is(Dialect::Grbl, self.rows.swap_remove(0))
             }
-            None => match self.path {
-                Some((mark, meaning)) => Shown::Unclear(mark, meaning),
+            None => match self.traps.into_iter().find(|(.., is_path)| *is_path) {
+                Some((mark, meaning, _)) => Shown::Unclear(mark, meaning),
                 None => Shown::Isg,
             },
         }
@@ -270,24 +278,23 @@ impl Found {
         self.ends |= line.has('M', 20) || line.has('M', 300) || plain == "%";
         let slot = |slot: &mut Option<Mark>, mark: Option<Mark>| *slot = slot.take().or(mark);
         for (mark, meaning) in line.traps() {
-            if self.path.is_none() && line.is_path(&mark) {
-                self.path = Some((mark.clone(), meaning));
-            }
-            if !self.traps.iter().any(|(known, _)| known.word == mark.word) {
-                self.traps.push((mark, meaning));
+            let is_path = line.is_path(&mark);
+            let is_known = |known: &(Mark, &str, bool)| known.0.word == mark.word && known.2 >= is_path;
+            if !self.traps.iter().any(is_known) {
+                self.traps.push((mark, meaning, is_path));
             }
         }
         slot(&mut self.isg, line.isg());
         slot(&mut self.perhaps_isg, line.any('G', &[700, 710]).or_else(|| line.any('M', &[170])));
-        slot(&mut self.numbered, line.numbered());
-        slot(&mut self.centre, line.any('G', &[901, 911]));
+        slot(&mut self.numbers.program, line.numbered());
+        slot(&mut self.numbers.centre, line.any('G', &[901, 911]));
         self.foreign |= line.any('G', FOREIGN).is_some();
         slot(&mut self.linuxcnc, line.linuxcnc());
         slot(&mut self.grbl, line.grbl());
         slot(&mut self.fanuc, line.fanuc());
         slot(&mut self.dwell, line.dwell());
         slot(&mut self.full, line.full());
-        slot(&mut self.whole, line.whole());
+        slot(&mut self.numbers.whole, line.whole());
         slot(&mut self.either, line.either());
         slot(&mut self.printer, line.printer());
     }

@@ -23,7 +23,7 @@ impl<const AXES: usize> Interpreter<AXES> {
     /// With G7 in force, X words are diameters. LinuxCNC takes X in the mode before the block, grblHAL in that behind it:
     /// a word that changes the mode stands without X.
     pub(super) fn take_diameter(&self, block: &mut Block<AXES>) -> Result<(), Fault> {
-        let now = self.foreign.now.diameter;
+        let now = self.modal.diameter;
         let changes = block.said(group::LATHE).filter(|said| said.word.meaning != Meaning::Diameter(now));
         let axis = self.letters.axis(b'X');
         let Some(given) = axis.and_then(|axis| block.axes.get_mut(axis)).and_then(Option::as_mut) else {

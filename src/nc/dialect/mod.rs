@@ -113,8 +113,6 @@ pub(super) struct State<const AXES: usize> {
     pub by_time: bool,
     /// G95.
     pub per_turn: bool,
-    /// G7.
-    pub diameter: bool,
     /// G96.
     pub surface: Option<Surface>,
     /// S, 1/min.
@@ -155,7 +153,6 @@ impl<const AXES: usize> State<AXES> {
         to_level: false,
         by_time: false,
         per_turn: false,
-        diameter: false,
         surface: None,
         speed: Position::ZERO,
         spindle: 0,
@@ -258,12 +255,12 @@ impl<const AXES: usize> Interpreter<AXES> {
 
     /// What holds at program start. The unit, F, G92 and the tool length stay.
     pub fn begin_program(&mut self, mode: Mode) {
-        let Modal { inch, shift, .. } = self.modal;
+        let Modal { inch, diameter, shift, .. } = self.modal;
         // In inverse time F is of its block alone.
         let feed = self.modal.feed.filter(|_| !self.foreign.now.by_time && !self.foreign.now.per_turn);
-        self.modal = Modal { mode, inch, feed, shift, zero_set: Some(0), ..Modal::BLANK };
-        let State { here, here_off, length, degrees, tool, speed, diameter, .. } = self.foreign.now;
-        self.foreign.now = State { here, here_off, length, degrees, tool, speed, diameter, ..State::START };
+        self.modal = Modal { mode, inch, diameter, feed, shift, zero_set: Some(0), ..Modal::BLANK };
+        let State { here, here_off, length, degrees, tool, speed, .. } = self.foreign.now;
+        self.foreign.now = State { here, here_off, length, degrees, tool, speed, ..State::START };
         let Foreign { percent, course, tail, note, .. } = &mut self.foreign;
         (*percent, *course, *tail, *note) = (false, Course::None, None, None);
         self.foreign.behind = [None; 2];
@@ -280,10 +277,11 @@ impl<const AXES: usize> Interpreter<AXES> {
 
     /// Whether plain lines may be read as such: no cycle, no G80, and no axis whose F counts in another unit.
     fn settle_plain(&mut self) {
-        let State { cycle, no_motion, by_time, per_turn, diameter, surface, degrees, .. } = &self.foreign.now;
+        let State { cycle, no_motion, by_time, per_turn, surface, degrees, .. } = &self.foreign.now;
         let turns = self.setup.kinds.contains(&AxisKind::Rotary) && (self.modal.inch || degrees.is_some());
         let by_spindle = *per_turn || surface.is_some();
-        self.foreign.plain = cycle.is_none() && !no_motion && !by_time && !by_spindle && !turns && !diameter;
+        let others = turns || self.modal.diameter;
+        self.foreign.plain = cycle.is_none() && !no_motion && !by_time && !by_spindle && !others;
     }
 
     /// G92 and the tool length make one shift.

@@ -394,7 +394,7 @@ impl<const AXES: usize> Interpreter<AXES> {
             match said.word.meaning {
                 Meaning::Plane(plane) => self.modal.plane = plane,
                 Meaning::Inch(inch) => self.modal.inch = inch,
-                Meaning::Diameter(diameter) => self.foreign.now.diameter = diameter,
+                Meaning::Diameter(diameter) => self.modal.diameter = diameter,
                 Meaning::Length | Meaning::LengthMinus | Meaning::LengthNow | Meaning::NoLength => {
                     self.set_length(said, block, line)?;
                 }

@@ -170,8 +170,8 @@ impl<const AXES: usize> Interpreter<AXES> {
             b"_SPINDLE_RPM_MODE" => truth(now.surface.is_none()),
             b"_SPINDLE_CSS_MODE" => truth(now.surface.is_some()),
             b"_CCOMP" => Some(400.0),
-            b"_LATHE_DIAMETER_MODE" => truth(now.diameter),
-            b"_LATHE_RADIUS_MODE" => truth(!now.diameter),
+            b"_LATHE_DIAMETER_MODE" => truth(self.modal.diameter),
+            b"_LATHE_RADIUS_MODE" => truth(!self.modal.diameter),
             b"_SPEED_OVERRIDE" | b"_FEED_OVERRIDE" | b"_FEED_HOLD" => Some(1.0),
             b"_ADAPTIVE_FEED" => Some(0.0),
             b"_TOOL_OFFSET" => truth(now.length.iter().any(|length| *length != Position::ZERO)),
@@ -218,7 +218,7 @@ impl<const AXES: usize> Interpreter<AXES> {
 
     /// A length of an axis in the unit in force; 0 where the machine lacks the axis. With G7 that of X is not told.
     fn length_along(&self, places: &[Position; AXES], letter: u8) -> Option<f64> {
-        if self.foreign.now.diameter && letter == b'X' {
+        if self.modal.diameter && letter == b'X' {
             return None;
         }
         let Some(axis) = self.letters.axis(letter) else { return Some(0.0) };

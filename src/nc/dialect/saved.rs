@@ -70,7 +70,8 @@ impl<const AXES: usize> Interpreter<AXES> {
                 let Modal { plane, relative, centre_absolute, inch, exact_stop, zero_set, feed, .. } =
                     self.modal;
                 let State { to_level, by_time, per_turn, blend, coolant, spindle, .. } = self.foreign.now;
-                let State { degrees, speed, surface, length, diameter, .. } = self.foreign.now;
+                let State { degrees, speed, surface, length, .. } = self.foreign.now;
+                let diameter = self.modal.diameter;
                 let modes = Modes {
                     relative,
                     centre_absolute,
@@ -151,9 +152,9 @@ impl<const AXES: usize> Interpreter<AXES> {
             Some(_) => {}
         }
         let Saved { plane, feed, zero_set, degrees, surface, length, .. } = *saved;
-        self.modal = Modal { plane, relative, centre_absolute, inch, feed, zero_set, ..self.modal };
+        self.modal = Modal { plane, relative, centre_absolute, inch, diameter, feed, zero_set, ..self.modal };
         let (speed, spindle, coolant) = (saved.speed, saved.spindle, saved.coolant);
-        let now = State { to_level, by_time, per_turn, diameter, degrees, surface, length, ..self.foreign.now };
+        let now = State { to_level, by_time, per_turn, degrees, surface, length, ..self.foreign.now };
         self.foreign.now = State { speed, spindle, coolant, ..now };
         self.settle_shift();
         Ok(())
