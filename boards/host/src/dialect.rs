@@ -48,14 +48,15 @@ impl Choice {
 /// The text is a program for a 3-D printer.
 pub fn choose(choice: Choice, program: &Source) -> Result<Dialect, Vec<Diagnostic>> {
     if let Some(dialect) = choice.dialect() {
+        let found = Found::of(program);
         if dialect == Dialect::Isg {
-            let found = Found::of(program);
             tell_traps(if found.isg.is_none() { found.traps } else { Vec::new() });
         }
-        return Ok(dialect);
+        return ends_once(dialect, found.end.behind, program);
     }
     let found = Found::of(program);
     let traps = if found.isg.is_none() { found.traps.clone() } else { Vec::new() };
+    let behind = found.end.behind.clone();
     match found.decide() {
         Shown::Isg => {
             tell_traps(traps);
@@ -87,9 +88,17 @@ pub fn choose(choice: Choice, program: &Source) -> Result<Dialect, Vec<Diagnosti
         Shown::Is(dialect, mark) => {
             let (name, Mark { word, line, .. }) = (dialect.name(), mark);
             anstream::eprintln!("note: dialect {name}: {word} in line {line} (--dialect chooses another)");
-            Ok(dialect)
+            ends_once(dialect, behind, program)
         }
     }
+}
+
+/// Grbl goes on behind M2 and M30 with what a sender still sends; a program ends there here.
+fn ends_once(dialect: Dialect, behind: Option<Mark>, program: &Source) -> Result<Dialect, Vec<Diagnostic>> {
+    let Some(mark) = behind.filter(|_| dialect == Dialect::Grbl) else { return Ok(dialect) };
+    let error = Diagnostic::error("a word behind M2 or M30, which Grbl carries out");
+    let error = error.at(program, mark.line, mark.column, mark.length);
+    Err(vec![error.expected("expected M2 or M30 in the last block, or --dialect linuxcnc, which ends there")])
 }
 
 /// Words that the controller of another dialect carries out otherwise, each once.
@@ -133,10 +142,21 @@ struct Found {
     printer: Option<Mark>,
     /// S beside axes in G1: pixel rows of a laser.
     rows: Vec<Mark>,
-    ends: bool,
+    end: End,
     /// Words that ISG's language has with another meaning, each once.
     /// With whether it would lead to another path.
     traps: Vec<(Mark, &'static str, bool)>,
+}
+
+/// How the text ends.
+#[derive(Default)]
+struct End {
+    /// With M2, M30 or `%`.
+    is_shown: bool,
+    /// M2 or M30 has come.
+    is_over: bool,
+    /// The first word behind it: Grbl carries it out, others do not read it.
+    behind: Option<Mark>,
 }
 
 /// What decides between Fanuc's numbers and those of others.
@@ -238,9 +258,13 @@ impl Found {
             return Shown::Is(Dialect::LinuxCnc, mark);
         }
         match self.either {
-            Some(mark) if self.ends => Shown::Is(Dialect::LinuxCnc, mark),
+            Some(_) if self.end.behind.is_some() => {
+                let meaning = "behind M2 or M30 is not read by LinuxCNC, and carried out by Grbl";
+                self.end.behind.map_or(Shown::Isg, |mark| Shown::Unclear(mark, meaning))
+            }
+            Some(mark) if self.end.is_shown => Shown::Is(Dialect::LinuxCnc, mark),
             Some(mark) => Shown::Is(Dialect::Grbl, mark),
-            None if !self.ends && self.rows.len() >= ROWS => {
+            None if !self.end.is_shown && self.rows.len() >= ROWS => {
                 Shown::Is(Dialect::Grbl, self.rows.swap_remove(0))
             }
             None => match self.traps.into_iter().find(|(.., is_path)| *is_path) {
@@ -275,7 +299,14 @@ impl Found {
 
     fn marks(&mut self, line: &Line) {
         let plain = line.text.as_str();
-        self.ends |= line.has('M', 20) || line.has('M', 300) || plain == "%";
+        if self.end.behind.is_none()
+            && self.end.is_over
+            && let Some(word) = line.words.first()
+        {
+            self.end.behind = Some(line.mark("a word", *word));
+        }
+        self.end.is_over |= line.has('M', 20) || line.has('M', 300);
+        self.end.is_shown |= line.has('M', 20) || line.has('M', 300) || plain == "%";
         let slot = |slot: &mut Option<Mark>, mark: Option<Mark>| *slot = slot.take().or(mark);
         for (mark, meaning) in line.traps() {
             let is_path = line.is_path(&mark);
@@ -718,7 +749,9 @@ mod tests {
             let Shown::Unclear(mark, meaning) = shown(text) else { panic!("{text}: {:?}", shown(text)) };
             assert_eq!((mark.word.as_str(), mark.line), (word, line), "{text}: {meaning}");
         }
-        for text in ["%m\nG92 X0\nM30", "G21\nG92 X0", "G53\nG0 X1", "G92 X1\nM2\n#HSC ON"] {
+        let Shown::Unclear(mark, _) = shown("G21\nG0 X1\nM30\n(next)\n%\nG0 X2") else { panic!("behind M30") };
+        assert_eq!(mark.line, 6);
+        for text in ["%m\nG92 X0\nM30", "G64 P1\nM30\nG0 X1", "O1\nG21\nM30\nO2\nM99", "G21\nG92 X0", "G53\nG0 X1", "G92 X1\nM2\n#HSC ON"] {
             assert!(!matches!(shown(text), Shown::Unclear(..)), "{text}");
         }
     }

@@ -162,7 +162,7 @@ pub const CORPUS: &[Sample] = &[
         "grbl",
         "g 2 1\ng0 x +0. 1 2 3 4 y 7\nN 5 6 .78 g1 x1 .5 f 1 00\n x 2 n7 y3\n/g1 x3\n",
     ),
-    ("skipped", "linuxcnc", "G21 G40\n/ G0 X5\nG0 X1\nM1\nM60\nM48\nM2\nG0 X9\n"),
+    ("skipped", "linuxcnc", "(LinuxCNC)\nG21 G40\n/ G0 X5\nG0 X1\nM1\nM60\nM48\nM2\nG0 X9\n"),
     ("behind_percent", "linuxcnc", "%\nG21 G80\nG0 X1\n%\nG0 X2\nM2\n"),
     (
         "blend",
@@ -585,7 +585,7 @@ pub const REFUSED: &[Sample] = &[
     ("linuxcnc", "G43 H7", "H7"),
     ("linuxcnc", "G92.9", "G92.9"),
     ("linuxcnc", "$H", "$H"),
-    ("grbl", "$X=1", "$X=1"),
+    ("grbl", "$X=1", "$X"),
     ("grbl", "$J=G91X1F1", "$J"),
     ("grbl", "G71", "G71"),
     ("grbl", "G61.1", "G61.1"),
