@@ -184,10 +184,36 @@ enum Shown {
 
 /// Programs that write texts for LinuxCNC, Grbl and their like, as comments name them.
 const SENDERS: [&str; 30] = [
-    "autodesk", "bcnc", "cambam", "carbide", "carvera", "cncjs", "dmap2gcode", "estlcam", "f-engrave", "flatcam",
-    "freecad", "fusion 360", "gcmc", "gcodetools", "heekscnc", "inkscape", "jscut", "kiri:moto", "lasergrbl",
-    "laserweb", "lightburn", "mach3", "mach4", "openbuilds", "pcb-gcode", "pcb2gcode", "pycam", "sheetcam",
-    "uccnc", "vectric",
+    "autodesk",
+    "bcnc",
+    "cambam",
+    "carbide",
+    "carvera",
+    "cncjs",
+    "dmap2gcode",
+    "estlcam",
+    "f-engrave",
+    "flatcam",
+    "freecad",
+    "fusion 360",
+    "gcmc",
+    "gcodetools",
+    "heekscnc",
+    "inkscape",
+    "jscut",
+    "kiri:moto",
+    "lasergrbl",
+    "laserweb",
+    "lightburn",
+    "mach3",
+    "mach4",
+    "openbuilds",
+    "pcb-gcode",
+    "pcb2gcode",
+    "pycam",
+    "sheetcam",
+    "uccnc",
+    "vectric",
 ];
 
 /// G words of LinuxCNC and Grbl that programs of ISG do not hold: they are refused there, or mean mirroring.
@@ -216,7 +242,8 @@ impl Found {
     }
 
     fn decide(mut self) -> Shown {
-        let others = [&self.linuxcnc, &self.grbl, &self.fanuc, &self.printer].into_iter().any(Option::is_some);
+        let others =
+            [&self.linuxcnc, &self.grbl, &self.fanuc, &self.printer].into_iter().any(Option::is_some);
         let perhaps = self.perhaps_isg.is_some() && !self.foreign && !others;
         if self.isg.is_some() || perhaps {
             return Shown::Isg;
@@ -749,9 +776,18 @@ mod tests {
             let Shown::Unclear(mark, meaning) = shown(text) else { panic!("{text}: {:?}", shown(text)) };
             assert_eq!((mark.word.as_str(), mark.line), (word, line), "{text}: {meaning}");
         }
-        let Shown::Unclear(mark, _) = shown("G21\nG0 X1\nM30\n(next)\n%\nG0 X2") else { panic!("behind M30") };
+        let Shown::Unclear(mark, _) = shown("G21\nG0 X1\nM30\n(next)\n%\nG0 X2") else {
+            panic!("behind M30")
+        };
         assert_eq!(mark.line, 6);
-        for text in ["%m\nG92 X0\nM30", "G64 P1\nM30\nG0 X1", "O1\nG21\nM30\nO2\nM99", "G21\nG92 X0", "G53\nG0 X1", "G92 X1\nM2\n#HSC ON"] {
+        for text in [
+            "%m\nG92 X0\nM30",
+            "G64 P1\nM30\nG0 X1",
+            "O1\nG21\nM30\nO2\nM99",
+            "G21\nG92 X0",
+            "G53\nG0 X1",
+            "G92 X1\nM2\n#HSC ON",
+        ] {
             assert!(!matches!(shown(text), Shown::Unclear(..)), "{text}");
         }
     }

@@ -108,9 +108,12 @@ impl<const AXES: usize> Interpreter<AXES> {
                 self.read_assignment(c, &mut block)?;
                 continue;
             }
-            if letter == b'$' && self.setup.foreign.dialect == Dialect::LinuxCnc && !spindle && is_number(c.next()) {
+            if letter == b'$'
+                && self.setup.foreign.dialect == Dialect::LinuxCnc
+                && !spindle
+                && self.read_spindle(c)?
+            {
                 spindle = true;
-                self.read_spindle(c)?;
                 continue;
             }
             if letter == b'/' && self.setup.foreign.dialect.is_fanuc() {
@@ -146,15 +149,19 @@ impl<const AXES: usize> Interpreter<AXES> {
         Ok(block)
     }
 
-    /// `$` and the number of a spindle: there is one, `$0`.
-    fn read_spindle(&self, c: &mut Cursor<'_>) -> Result<(), Fault> {
+    /// `$` and the number of a spindle: there is one, `$0`. Whether a number stands there.
+    fn read_spindle(&self, c: &mut Cursor<'_>) -> Result<bool, Fault> {
         let mark = c.mark();
         c.bump();
+        if !matches!(c.peek(), b'0'..=b'9' | b'-' | b'.') {
+            c.back_to(mark);
+            return Ok(false);
+        }
         let given = self.read_value(c, mark)?;
         if given.number.real() != 0.0 {
             return given.span.fault(NcErrorKind::Known { what: "a second spindle", hint: "$0" });
         }
-        Ok(())
+        Ok(true)
     }
 
     /// A letter that is no axis, with its value.
@@ -189,9 +196,9 @@ impl<const AXES: usize> Interpreter<AXES> {
                 hint: "a program without it",
             }),
             b'*' => c.rest_of_word().fault(NcErrorKind::Checksum),
-            b'@' | b'^' => c
-                .rest_of_word()
-                .fault(NcErrorKind::Known { what: "a polar coordinate", hint: "X and Y" }),
+            b'@' | b'^' => {
+                c.rest_of_word().fault(NcErrorKind::Known { what: "a polar coordinate", hint: "X and Y" })
+            }
             _ => c.expected("an address such as G, X, F or M"),
         }
     }
@@ -274,11 +281,6 @@ impl<const AXES: usize> Interpreter<AXES> {
         }
         Ok(())
     }
-}
-
-/// Whether a number may begin with this byte.
-const fn is_number(byte: u8) -> bool {
-    matches!(byte, b'0'..=b'9' | b'-' | b'.')
 }
 
 /// `/` and perhaps the number of its switch.

@@ -93,7 +93,10 @@ impl<const AXES: usize> Interpreter<AXES> {
     fn is_report(&self, line: &Line) -> bool {
         const REPORTS: [&[u8]; 8] = [b"?", b"$", b"$$", b"$#", b"$G", b"$I", b"$N", b"$X"];
         self.setup.foreign.dialect == Dialect::Grbl
-            && REPORTS.iter().any(|report| line.bytes().eq_ignore_ascii_case(report))
+            && REPORTS.iter().any(|report| {
+                let bytes = line.bytes().iter().filter(|byte| **byte != b' ');
+                bytes.map(u8::to_ascii_uppercase).eq(report.iter().copied())
+            })
     }
 
     /// What an active comment of the line does.

@@ -475,7 +475,7 @@ pub const CORPUS: &[Sample] = &[
     (
         "lathe_diameters",
         "linuxcnc",
-        "(bush)\nG21 G18 G90 G40 G49\nG7\nG0 X50.5 Z5\nG96 D2500 S60 M3\nG1 X40.25 F100\nG2 X44.25 Z3 I2 K0\nG91 X-4\nG90 G97 S800\nG92 X30\nG0 X32\nG8\nX20\nG20\nG7\nX2.5\nM2\n",
+        "(bush)\nG21 G18 G90 G40 G49\nG7\nG0 X50.5 Z5\nG96 D2500 S60 M3\nG1 X40.25 F100\nG2 X44.25 Z3 I2 K0\nG91 G1 X-4\nG90 G97 S800\nG92 X30\nG0 X32\nG8\nX20\nG20\nG7\nX2.5\nM2\n",
     ),
     (
         "grbl_reports",
