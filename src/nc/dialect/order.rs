@@ -531,7 +531,8 @@ impl<const AXES: usize> Interpreter<AXES> {
 
     /// G38.2…G38.5: the motion of the block becomes a probing motion. The next one needs its word.
     fn probe(&mut self, tenth: u8, span: Span) -> Result<(), Fault> {
-        if self.gathered.motion().is_none() {
+        // The motion of a line before is still there.
+        if !self.moves || self.gathered.motion().is_none() {
             return span.fault(NcErrorKind::Missing("axis words"));
         }
         let _ = self.queue.pop_back();

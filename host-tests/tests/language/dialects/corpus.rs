@@ -501,6 +501,8 @@ pub const REFUSED: &[Sample] = &[
     ("linuxcnc", "G7\nG8 X5", "G8"),
     ("linuxcnc", "G7\nG0 X[#5420+1]", "#5420"),
     ("linuxcnc", "G71 Q100", "Q100"),
+    ("linuxcnc", "G0 X1\nG38.2 F50", "G38.2"),
+    ("grbl", "G0 X1\nM66 E1 G38.2", "G38.2"),
     ("linuxcnc", "M3 $1 S100", "$1"),
     ("linuxcnc", "F#<_hal[plasmac.cut-feed-rate]>", "HAL"),
     ("linuxcnc", "G0 @1.5 ^30", "@1.5"),
