@@ -54,6 +54,13 @@ fn a_curve_over_time_has_no_jump_in_a_short_piece() {
     }
 }
 
+/// Two curves over time share a line, and the second one takes all of its rest. Its distance, rounded to `f32`, was 60 pm
+/// longer than that rest: a jerk of twice the limit.
+#[test]
+fn a_curve_takes_no_more_than_the_rest_of_a_line() {
+    Unlike::new(40_641).judge().unwrap_or_else(|fault| panic!("{fault}"));
+}
+
 #[test]
 fn limits_hold_on_machines_with_unlike_axes() {
     for seed in seeds(0..40, 20) {

@@ -139,9 +139,12 @@ impl Cut {
         if rule.weighs() {
             reach = reach.min(half);
         }
+        // In `f32` the distance may have been rounded beyond the line.
+        reach = reach.min(left);
         for all in [half, left] {
             let more = all - reach;
-            if more > 0 && more <= all >> SCRAP && all <= half.saturating_add(slack.max(HALVED)) {
+            let fits = all <= half.saturating_add(slack.max(HALVED)) && all <= left.saturating_add(HALVED);
+            if more > 0 && more <= all >> SCRAP && fits {
                 reach = all;
             }
         }
