@@ -1,6 +1,6 @@
 //! P-CHAN-00239: the HSC B-spline and contour mode take turns. Lines become points of the curve. Where an arc
-//! begins or ends, contour mode takes over with the tolerance of the curve, as with `#CONTOUR MODE [DEV
-//! PATH_DEV=X TRACK_DEV=Y RELEVANT_PATH=X RELEVANT_TRACK=Y]`; X and Y are those of `#HSC`.
+//! begins or ends, contour mode takes over with the tolerance of the curve, as with
+//! `#CONTOUR MODE [DEV PATH_DEV=X TRACK_DEV=Y RELEVANT_PATH=X RELEVANT_TRACK=Y]`; X and Y are those of `#HSC`.
 //!
 //! A line with an arc on one side is halved. One half is the last or the first leg of the curve, the other half
 //! a block of contour mode, of which a corner takes at most half. Both are straight where they meet.

@@ -186,7 +186,7 @@ fn what_is_not_available_is_refused_where_it_stands() {
     }
     let error = refusal::refused("N10 G01 X1 F600\nN20 #RT WHILE\nN30 X3\n", &machine());
     assert_eq!(error.place().line, 2, "{error}");
-    assert!(error.to_string().contains("expected storage for real-time loops"), "{error}");
+    assert!(error.to_string().contains("expected a build with memory for real-time loops"), "{error}");
     for command in [
         "#FILTER ON [ORDER=20]",
         "X[OSC ON 1ST_POS=1 2ND_POS=2 FEED=100]",

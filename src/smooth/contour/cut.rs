@@ -141,12 +141,10 @@ impl Cut {
         }
         // In `f32` the distance may have been rounded beyond the line.
         reach = reach.min(left);
-        for all in [half, left] {
-            let more = all - reach;
-            let fits = all <= half.saturating_add(slack.max(HALVED)) && all <= left.saturating_add(HALVED);
-            if more > 0 && more <= all >> SCRAP && fits {
-                reach = all;
-            }
+        let all = if left <= half.saturating_add(slack.max(HALVED)) { left } else { half };
+        let more = all - reach;
+        if more > 0 && more <= all >> SCRAP {
+            reach = all;
         }
         // The rest of a halved line may be a few LSB more or less than its half.
         let before = if left - reach <= HALVED { left } else { reach };
