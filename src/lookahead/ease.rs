@@ -1,7 +1,7 @@
 //! Removes anchors by a gentler profile.
 //!
 //! A slow block where speed rises makes its end an anchor; a slow block where speed falls makes its start an
-//! anchor. Acceleration falls to zero at the anchor and rises again behind it. One profile for the spans on
+//! anchor. So does a transition between blocks of clearly different acceleration ([`super::append`]). Acceleration falls to zero at the anchor and rises again behind it. One profile for the spans on
 //! both sides may be faster. It uses less acceleration, or less deceleration, so that it passes the slow
 //! block at just that block's speed; or its highest speed is that of the slow block.
 //!
@@ -86,6 +86,8 @@ const LAWS: usize = 4;
 pub(super) const ROUNDS: u8 = 4;
 /// Longest span made of two, as a part of the ring.
 const PART: usize = 2;
+/// Above this ratio of speeds at the end of a span, another forward pass is worth its work.
+const HARDLY: f32 = 1.004;
 /// Above this ratio of times there is no gain.
 pub(super) const GAIN: f32 = 1.0 - 1.0 / 65_536.0;
 
@@ -145,6 +147,8 @@ pub(super) struct Trial {
     known: [(usize, f32, f32); KNOWN],
     /// Only anchors whose speed is below their limit.
     first: bool,
+    /// Whether a removed anchor permits a higher speed at the end of its span: the forward pass runs again.
+    pub faster: bool,
 }
 
 /// A block under comparison.
@@ -192,6 +196,7 @@ impl Trial {
         fit: Fit { head: 0, fitting: false },
         known: [UNKNOWN; KNOWN],
         first: true,
+        faster: false,
     };
 
     /// A pass up to the anchor `last`.
@@ -253,10 +258,10 @@ impl Excess {
 }
 
 impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
-    /// Does some steps of a trial. Returns `true` when all anchors are tried.
+    /// Does some steps of a trial. Returns `true` when all anchors are tried, or speeds behind a removed one may rise.
     #[inline(never)]
     pub(super) fn trials(&mut self, pass: &mut Trial, valley: &mut Valley, work: &mut usize) -> bool {
-        while *work > 0 {
+        while *work > 0 && !pass.faster {
             spend(work, if matches!(pass.step, Step::Seek) { SEEK } else { TRIAL });
             match pass.step {
                 Step::Seek => {
@@ -270,7 +275,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
                 Step::Valley(step) => self.valley(pass, valley, step),
             }
         }
-        false
+        pass.faster
     }
 
     /// The ease of the span that begins with this block.
@@ -569,11 +574,18 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         if let Some(second) = self.blocks.get_mut(pass.from + 1) {
             second.keep_ease(pass.ease);
         }
-        // The span gets no faster there, although the new profile might.
-        if let Some(end) = self.blocks.get_mut(to) {
-            end.v_in = end.v_reached;
-        }
         pass.cursor.next = pass.at + 1;
         pass.step = Step::Seek;
+        let Some(end) = self.blocks.get_mut(to) else { return };
+        let [planned, reached] = [end.v_in, end.v_reached].map(|v| speed_f32(v.speed_by_call().to_bits()));
+        if planned <= reached * HARDLY {
+            end.v_in = end.v_reached;
+            return;
+        }
+        // The new profile may be faster there, and so the spans behind.
+        pass.faster = true;
+        if let Some(first) = self.blocks.get_mut(pass.from) {
+            first.marks.set(Marks::CHECKED, false);
+        }
     }
 }

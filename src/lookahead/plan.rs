@@ -78,7 +78,7 @@ impl Plan {
     /// Begins a plan.
     pub fn begin<const AXES: usize, const BLOCKS: usize>(&mut self, ring: &mut Ring<'_, AXES, BLOCKS>) {
         let left = ring.blocks.len();
-        if ring.counts.through == 0 {
+        if ring.counts.through == 0 && ring.counts.untried == 0 {
             ring.scope.blockwise = true;
             self.pass = Pass::Blocks(left, Speed::ZERO);
             return;
@@ -120,13 +120,22 @@ impl Plan {
                 Pass::Trial => {
                     let tries = self.tries.first_mut();
                     if tries.is_none_or(|tries| ring.trials(&mut tries.trial, &mut tries.valley, &mut work)) {
-                        self.complete(ring);
+                        self.tried(ring);
                     }
                 }
                 Pass::Done | Pass::Blocks(..) => break,
             }
         }
         self.is_done()
+    }
+
+    /// The trials end: the plan is complete, or speeds behind a removed anchor rise.
+    fn tried<const AXES: usize, const BLOCKS: usize>(&mut self, ring: &mut Ring<'_, AXES, BLOCKS>) {
+        if self.tries.first().is_some_and(|tries| tries.trial.faster) {
+            ring.forward_again(self);
+        } else {
+            self.complete(ring);
+        }
     }
 
     /// Makes every speed final.

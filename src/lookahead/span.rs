@@ -224,6 +224,12 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         self.start = v;
     }
 
+    /// Begins another pass from the front, after the trial of an anchor. The backward pass has no span to hand over.
+    pub(super) fn forward_again(&self, plan: &mut Plan) {
+        plan.backward = Backward { left: usize::MAX, ..Backward::NONE };
+        self.start_forward(plan);
+    }
+
     fn start_forward(&self, plan: &mut Plan) {
         plan.pass = Pass::Forward;
         let forward = &mut plan.forward;

@@ -15,10 +15,6 @@ const ALIKE_SPEED: f32 = 1.0 / 4_194_304.0;
 /// Two brakings whose limits differ by less count as equally hard. The difference in speed is below the margin
 /// that speeds leave for rounding.
 const AS_HARD: f32 = 1.0 - 1.0 / 131_072.0;
-/// Below this part of another acceleration, an acceleration is far lower.
-const WEAK: f32 = 1.0 / 64.0;
-/// The same, between parts of one curve.
-const WEAK_PART: f32 = 1.0 / 5.0;
 /// Above this multiple of another value, a value is clearly higher.
 const STRONGER: f32 = 1.125;
 /// Each stage of a braking has so many times the deceleration of the stage before. The last stage begins at
@@ -450,14 +446,6 @@ impl Limits {
     /// Largest acceleration or deceleration of both limits.
     pub(crate) fn fastest(&self, other: &Self) -> f32 {
         max(max(self.a_up, self.a_down), max(other.a_up, other.a_down))
-    }
-
-    /// Whether neither limit has far less acceleration or deceleration than the other. `flows`: between parts
-    /// of one curve, of which many are in one span.
-    pub(crate) fn is_as_strong(&self, other: &Self, flows: bool) -> bool {
-        let weak = if flows { WEAK_PART } else { WEAK };
-        let near = |a: f32, b: f32| min(a, b) >= weak * max(a, b);
-        near(self.a_up, other.a_up) && near(self.a_down, other.a_down)
     }
 
     /// Whether these limits have clearly more acceleration or jerk.

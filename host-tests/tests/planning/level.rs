@@ -120,8 +120,8 @@ fn nothing_is_left_of_a_higher_override() {
                     [(0, Act::Override(back)), (500, Act::Override(1500)), (1500, Act::Override(back))];
                 let changed = run(&program, &machine, &acts);
                 // A second behind the change there are blocks that were planned for another override; later
-                // there are none.
-                for (tick, tolerance) in [(2500, 0.01), (20_000, 0.001)] {
+                // there are none. Which anchors a trial removes depends a little on the blocks in the ring.
+                for (tick, tolerance) in [(2500, 0.01), (20_000, 0.003)] {
                     let from = changed.distances[tick].wrapping_sub(changed.distances[0]);
                     let [changed, steady] = [&changed, &steady].map(|run| rest(run, from));
                     println!("NO_OPT=0 {optimised}, mode {mode}, {back}: {changed} ticks, {steady} without");

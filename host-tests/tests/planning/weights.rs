@@ -379,3 +379,54 @@ fn weights_end_with_the_program() {
     assert!(ticks("G131 10\nG01 X50 F6000") > plain + 100);
     assert_eq!(ticks("G01 X50 F6000"), plain);
 }
+
+/// A row of lines one behind the other, each with a weight of its own.
+fn weighted_line(r: &mut Random) -> String {
+    let (longest, count) = (r.magnitude(1.0, 60.0), r.between(2.0, 14.0) as usize);
+    let mut x = 0.0;
+    (0..count).fold(String::new(), |text, _| {
+        x += r.between(0.1, 1.0) * longest;
+        text + &format!("G131 {}\nG01 X{x:.4}\n", r.between(10.0, 100.0) as u32)
+    })
+}
+
+/// Lines and tangential arcs in turn.
+fn tangential(r: &mut Random) -> String {
+    let (longest, count) = (r.magnitude(1.0, 60.0), r.between(1.0, 6.0) as usize);
+    let ([mut x, mut y], mut heading) = ([0.0; 2], r.between(0.0, std::f64::consts::TAU));
+    (0..count).fold(String::new(), |mut text, _| {
+        let length = r.between(0.1, 1.0) * longest;
+        (x, y) = (x + length * heading.cos(), y + length * heading.sin());
+        text += &format!("G01 X{x:.6} Y{y:.6}\n");
+        let left = r.once_in(2);
+        let (radius, turn) = (r.magnitude(1.0, 60.0) * if left { 1.0 } else { -1.0 }, r.between(0.2, 2.8));
+        let [i, j] = [-radius * heading.sin(), radius * heading.cos()];
+        heading += turn * radius.signum();
+        (x, y) = (x + i + radius * heading.sin(), y + j - radius * heading.cos());
+        text + &format!("G0{} X{x:.6} Y{y:.6} I{i:.6} J{j:.6}\n", if left { 3 } else { 2 })
+    })
+}
+
+/// HSC is no slower than TRAPEZ where accelerations differ from block to block, although acceleration is the least of
+/// all blocks of a span: D3-198.
+#[test]
+fn hsc_is_no_slower_than_trapez_where_weights_change_d3_198() {
+    for (kind, write) in [weighted_line, tangential].into_iter().enumerate() {
+        let mut sum = 0.0;
+        for seed in 0..150 {
+            let mut r = Random::new(seed);
+            let text = format!("G90 G01 F{:.0}\n{}M30\n", r.magnitude(1000.0, 20_000.0), write(&mut r));
+            let ramp = [20_000, 50_000, 150_000][seed as usize % 3];
+            let [trapez, hsc] = [1, 3].map(|slope| {
+                let machine = host_tests::walk::machine::<3>(ramp, slope);
+                let run = run_text::<3, 120>(&text, [Position::ZERO; 3], &machine, 1);
+                run.unwrap_or_else(|fault| panic!("{fault}\n{text}")).trace.ticks() as f64
+            });
+            // Two ticks of a short program are no fault.
+            assert!(hsc - 2.0 <= 1.015 * trapez, "kind {kind}, seed {seed}: {hsc} of {trapez} ticks");
+            sum += (hsc / trapez).ln();
+        }
+        // In the mean HSC is faster with weights, and equal at arcs.
+        assert!(sum < [-3.0, 0.3][kind], "kind {kind}: {sum}");
+    }
+}
