@@ -368,8 +368,8 @@ pub fn shallow_distance<const AXES: usize>(choice: &Choice<'_, AXES>) -> Option<
     (size(&setting.measure.main, &change) <= SHALLOW && 6.0 * off >= most).then_some(most)
 }
 
-/// A line is short below this multiple of a³/j². This multiple is six times the distance in which a ramp
-/// reaches the acceleration.
+/// A corner distance is short below a³/(5·j²); this is the 5. From a stop, a ramp reaches the acceleration a
+/// after a³/(6·j²).
 const BRIEF: f32 = 5.0;
 /// Largest change of direction of a shallow corner.
 const SHALLOW: f32 = 0.05;

@@ -34,7 +34,7 @@ pub(super) struct Chords<const AXES: usize> {
     /// Points from the start of the line, mm; only the first `count` points are valid.
     points: [[f32; AXES]; POINTS],
     count: u8,
-    /// Deviation of the line that existed before the stored points.
+    /// Deviation of the line over points that are no longer stored.
     before: Stray,
 }
 

@@ -227,7 +227,7 @@ impl<const AXES: usize> Search<AXES> {
         Self { distances, along, curve, is_made, deviation, trials, part, low, high, under, over, room, side }
     }
 
-    /// The share of the tolerance that the current curve uses; `None` while the search continues.
+    /// The share of the tolerance that the current curve uses; `None` while its deviation is still searched.
     fn use_of(&mut self, corner: &Corner<'_, AXES>, tolerance: &Tolerance) -> Option<Use> {
         if !self.is_made {
             self.curve = corner.between(self.distances.map(|c| c * self.part));

@@ -436,8 +436,8 @@ impl<const AXES: usize> Quintic<AXES> {
         magnitude(off) > 2.01 * even + 4e-6
     }
 
-    /// Half of the squared distance of a place `u` from a point, over the main axes, and its first and second
-    /// derivative by u.
+    /// Squared distance of the place `u` from a point, over the main axes. Also half of its first and half of
+    /// its second derivative by u.
     #[cfg_attr(feature = "fast", inline(always))]
     fn seen(&self, main: &Main, point: &[f32; AXES], u: f32) -> [f32; 3] {
         let [p0, p1, p2, p3, p4, p5] = &self.power;

@@ -36,8 +36,8 @@ const QUARTER: f32 = core::f32::consts::FRAC_PI_2;
 /// How far a curve may reach into both blocks.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Room {
-    /// Largest corner distances, mm. `true` if the blocks' shares limit them, `false` if a quarter of a turn
-    /// does.
+    /// Largest corner distances, mm. `whole`: neither DIST_WEIGHT nor a quarter of a turn changes the
+    /// distance.
     pub most: [f32; 2],
     whole: [bool; 2],
     /// Demanded corner distances.

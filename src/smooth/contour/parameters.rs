@@ -85,7 +85,8 @@ const LEAST_RELEVANT: f32 = 0.032;
 /// deviation, which is otherwise 3/8 of the distance at 90°.
 const LEFT_OUT: f32 = 0.25;
 
-/// Share of a tolerance for blocks inside a sphere: all of them can be left out if the sphere is not larger.
+/// Share of the tolerance by which left-out blocks may deviate from their line. With this share, all blocks
+/// inside a sphere nearly as large as the tolerance can be left out.
 const STRAY: f32 = 0.75;
 
 impl Parameters {
