@@ -360,8 +360,8 @@ fn node(chain: &Chain, course: &Course, share: f64) -> Result<Node, SplitError> 
         let value = horner(course.angles.get(slot).ok_or(refused)?, share);
         let angle = position(value[0]).ok_or(refused)?;
         *angles.get_mut(slot).ok_or(refused)? = angle;
-        // The positions of the linear axes come from the rounded angle; the derivatives come from the angle
-        // before rounding.
+        // The linear axes follow the angle before rounding. So the rounding of the angle does not show in
+        // their derivatives.
         let rates_of = [value[0] - number(angle), value[1], value[2]];
         *rates.get_mut(slot).ok_or(refused)? = rates_of.map(|x| x * RADIANS);
         *node.position.get_mut(usize::from(rotary.axis)).ok_or(refused)? = angle;

@@ -363,8 +363,8 @@ impl<const AXES: usize> Interpreter<AXES> {
         let _ = self.queue.push_back(Item { span, kind });
     }
 
-    /// M2 and M30: switches spindle and coolant off, and restores the state at program start. A plain G1 is
-    /// then in force.
+    /// M2 and M30: switches spindle and coolant off, and restores the state at program start. The motion word
+    /// is then G1.
     fn end_program(&mut self, span: Span) {
         let State { spindle, coolant, blend, .. } = self.foreign.now;
         let blends = blend.is_some();

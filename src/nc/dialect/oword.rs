@@ -78,7 +78,7 @@ struct Frame {
     locals: [f64; ARGUMENTS],
     /// For M98: the first line, once known, and the number of remaining runs.
     again: Option<(Mark2, u32)>,
-    /// Whether the definition is still searched. It is searched in another file, or after M98.
+    /// Whether the definition is still searched: in a file of its own, or later in the text after M98.
     seeks: bool,
 }
 
