@@ -101,11 +101,12 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Lookahead<'a, AXES, BLOCKS> {
         *self.plan = Plan::NONE;
     }
 
-    /// Plans the speeds for another override (`level`). Call it only before a pass begins.
+    /// Plans the speeds for another override (`level`). Call this function only before a pass begins.
     ///
-    /// The first block starts at `v_in`. Its start is planned for a speed up to `most`, so that the speed which an
-    /// override has taken may return. Returns `false` without any change if `v_in` is too fast for a lower level.
-    /// The old plan stays possible. [`Self::complete_level`] completes a lower level.
+    /// The first block starts at `v_in`. Its start is planned for a speed up to `most`, so that the speed can
+    /// rise again after a low override. Returns `false`, and changes nothing, if `v_in` is too fast for a
+    /// lower override. The motion can still follow the old plan. [`Self::complete_level`] completes a change
+    /// to a lower override.
     pub fn set_level(&mut self, level: f32, [v_in, most]: [Speed; 2]) -> bool {
         if level >= self.ring.level() {
             self.ring.raise(level);
@@ -120,7 +121,8 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Lookahead<'a, AXES, BLOCKS> {
         true
     }
 
-    /// Lowers the planned speeds to the new level. Call it before anything else is done with the ring.
+    /// Lowers the planned speeds to the new override. Call this function before any other function of the
+    /// ring.
     pub fn complete_level(&mut self) {
         self.ring.lower_planned();
     }
@@ -130,8 +132,8 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Lookahead<'a, AXES, BLOCKS> {
         self.ring.lowering.is_some()
     }
 
-    /// Begins a plan of the whole ring. `open`: blocks may follow the last one, and their transition may need
-    /// its part of the limits. This part must not lower the current plan.
+    /// Begins a plan of the whole ring. `open`: blocks may follow the last one, and their transition may
+    /// reserve a part of its limits. This part must not lower the current plan.
     pub fn begin_pass(&mut self, open: bool) {
         self.ring.begin_pass(open);
         self.plan.begin(&mut self.ring);
@@ -142,7 +144,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Lookahead<'a, AXES, BLOCKS> {
         self.plan.step(&mut self.ring).then(|| self.ring.ready())
     }
 
-    /// Sets the start speed of the first block to `v_in`, at most the planned speed.
+    /// Sets the start speed of the first block to `v_in`, or to the planned speed if that is lower.
     pub fn start_at(&mut self, v_in: Speed) {
         self.ring.start_at(v_in, !self.plan.is_done());
     }

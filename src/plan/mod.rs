@@ -605,8 +605,8 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
                 self.step_pass();
                 Ok(Work::Working)
             }
-            // A span of many blocks was released at once. Curves of others are waited for, so that the room
-            // in the queue returns first.
+            // A span of many blocks was released at once and uses more of the curve queue than its share.
+            // This room has to become free first.
             RingStage::Releasing(0) if self.queue.segments.is_over() => Ok(self.wait_a_while()),
             RingStage::Releasing(0) => {
                 if self.secure(self.reserve.near.max(FAR)) {
