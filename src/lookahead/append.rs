@@ -57,9 +57,9 @@ impl<const AXES: usize> Last<AXES> {
     };
 
     /// Whether the block may take less than two ticks between a knee and a standstill, although the motion is
-    /// slow at the knee. The changes of acceleration at its neighbours then add to the step of the knee. In
-    /// two ticks from a speed of at most a third of its length per tick, the motion covers two parts: two
-    /// thirds of the length at most, and a length by its jerk. STEP has its own rules.
+    /// slow at the knee. The changes of acceleration at its neighbours then add to the step of the knee. Let
+    /// the speed at the knee be at most a third of the length per tick. In two ticks, the motion then covers
+    /// at most a third of the length plus a quarter of the jerk. STEP has its own rules.
     #[cfg_attr(feature = "fast", inline(always))]
     fn is_hasty(&self, limits: &Limits) -> bool {
         self.slope != SlopeType::Step && self.length < 0.4 * limits.steepest()
