@@ -144,7 +144,7 @@ fn sqrt_special(x: f32) -> f32 {
 
 /// ³√x with the sign of x, relative error ≤ 9.8e-8 (all mantissas measured); 0 for 0.
 ///
-/// 65 instructions on thumbv7em, two of them divisions.
+/// The cost is 65 instructions on thumbv7em, two of them divisions.
 ///
 /// The seed uses a third of the exponent (4 %). Two steps of Halley's iteration follow: 4 % → 4.3e-5 →
 /// rounding only.

@@ -15,8 +15,7 @@ use crate::smooth::contour::curve::{Main, Quintic, Site, plus, size};
 /// size, because `f32` limits the resolution.
 const NEAR: f32 = 1e-4;
 const NEAR_PART: f32 = 1.0 / 1_048_576.0;
-/// Path length at a point over which the curvature of a curve is made continuous moves the curve by at most
-/// this distance, mm.
+/// Largest distance by which the change to a continuous curvature at a point moves the curve, mm.
 pub const BENT: f32 = 1e-3;
 
 /// Number of places in a piece at which a cut is possible.
