@@ -124,7 +124,7 @@ pub fn part<const AXES: usize>(
     let at = |s: f32| if s < length { leg.slope.map(|x| x * s) } else { leg.travel };
     let (c1, c2) = (at(from), at(to));
     let d = plus(&c2, -1.0, &c1);
-    // Δ from both steps away from a control point.
+    // Δ from both vectors that lead away from a control point.
     let bend = |a: &[f32; AXES], b: &[f32; AXES]| plus(a, 1.0, b).map(|x| x * (1.0 / 6.0));
     let back = d.map(|x| -x);
     let none = [0.0; AXES];
@@ -133,11 +133,12 @@ pub fn part<const AXES: usize>(
     [plus(&c1, 1.0, &bend1), plus(&c1, 1.0 / 3.0, &d), plus(&c1, 2.0 / 3.0, &d), plus(&c2, 1.0, &bend2)]
 }
 
-/// Bézier's points of the direct spline over the leg at hand, from its start.
+/// Bézier points of the direct spline over the current leg, counted from its start.
 ///
-/// The knot interval k is 1 for a leg with a piece of the curve, and 0 for the first and the last leg. The piece over
-/// a leg lies between two others. The inner Bézier points divide the leg as k₋₁ : k : k₊₁. An end of the piece
-/// divides the distance between the inner points beside it as k₋₁ : k.
+/// The knot interval k is 1 for a leg with a piece of the curve, and 0 for the first and the last leg. The
+/// inner Bézier points divide a leg in the ratio k₋₁ : k : k₊₁; k₋₁ and k₊₁ are the intervals of the
+/// neighbouring legs. The joint of two pieces divides the distance between their neighbouring inner points in
+/// the ratio k₋₁ : k.
 pub fn direct<const AXES: usize>(window: &Window<AXES>) -> Option<[[f32; AXES]; 4]> {
     let (leg, before, behind) = (window.leg(0)?, window.leg(-1)?, window.leg(1)?);
     // All legs have a piece, except the first and the last one.
