@@ -134,9 +134,10 @@ impl Held {
 /// Reads the program and plans the motion. This handle belongs to a task or to the main loop.
 ///
 /// One channel lives from power-up to power-off. The channel is *at rest* ([`Self::is_at_rest`]) when the
-/// axes stand still and all commands read so far are carried out. This is the case before the first program,
-/// at the end of a program, after a refused line, after an abort, and while a stream has no text. At rest,
-/// the planner takes the next text. The new motion begins exactly where the axes are.
+/// axes stand still and all commands read so far are carried out. The channel is at rest before the first
+/// program, at the end of a program, after a refused line, and after an abort. It is also at rest while a
+/// stream has no text. At rest, the planner takes the next text. The new motion begins exactly where the axes
+/// are.
 ///
 /// | call | text | modal functions, F, G92, P parameters, contour mode, slope, weights |
 /// |---|---|---|
@@ -145,9 +146,10 @@ impl Held {
 /// | [`Self::continue_with`] | a new one, from its start | stay in force: single lines (MDI) |
 /// | [`Self::go_on`] | the same one, after the refused line | as before the refused line |
 ///
-/// Program start is ISG's initial state: G01, G17, G71, G90, G359, G260 and no F; G53 or the offset of P-ZERO-00002; the
-/// slope of P-CHAN-00071; no weights, no limits along the path; all axes belong to the channel. Zero offsets, positions,
-/// override and reduced speed belong to the machine: no program resets them.
+/// Program start is ISG's initial state. Words: G01, G17, G71, G90, G359, G260 and no F. Zero offset: G53, or
+/// that of P-ZERO-00002. Slope: that of P-CHAN-00071. There are no weights and no limits along the path, and
+/// all axes belong to the channel. Zero offsets, positions, override and reduced speed belong to the machine:
+/// no program resets them.
 ///
 /// An abort, or a plan that failed, stops the axes before some lines that are already read. The modal state of these
 /// lines is void, so [`Self::continue_with`] then begins with the state of program start. An abort at rest has the same

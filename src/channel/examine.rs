@@ -1,4 +1,4 @@
-//! Checks a program without a plan: takes its text, and returns what a run would refuse or warn about.
+//! Checks a program without a plan: takes its text, and returns the refusals and warnings of a run.
 //!
 //! Commands take the same route as in a run, up to the look-ahead. The check misses two refusals that need a
 //! plan: a defect of the planner, and a reduced speed (P-AXIS-00214) that is too low.

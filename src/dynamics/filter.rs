@@ -246,7 +246,7 @@ impl<const AXES: usize> Dynamics<AXES> {
         shorter: f32,
         fastest: f32,
     ) -> f32 {
-        // In a curve every axis may use all of its acceleration, whatever its direction at the end.
+        // In a curve, every axis may use all of its acceleration, for any direction at the end.
         let bends = |end: &End<AXES>| end.curvature.iter().any(|curvature| *curvature != 0.0);
         let bends = bends(from) || bends(to);
         let along = [self.along(from), self.along(to)];

@@ -93,9 +93,9 @@ impl Limits {
 
     /// Reserves the transition's part of the limits.
     ///
-    /// A plan that is possible with a lower jerk must be possible with a higher one. For SIN2 all jerks are
-    /// lowered by one factor: with q < 1/6 and a ramp at the lower speed shorter than a third of the other
-    /// one, a longer ramp alone would shorten the distance.
+    /// A plan that is possible with a lower jerk must be possible with a higher one. For SIN2, all jerks are
+    /// lowered by one factor, because q is below 1/6. If the ramp at the lower speed is shorter than a third
+    /// of the other ramp, a longer single ramp would shorten the distance.
     pub(crate) fn share(&mut self, share: &Share) {
         match &mut self.law {
             SlopeLaw::JerkLimited { shape: RampShape::SineSquare, j, .. } => {

@@ -10,11 +10,11 @@
 //! A higher end speed may lower the start speed that the first rule permits. The earlier planned start speed then
 //! stays, and the end speed is lowered when the ring releases the block.
 //!
-//! With HSC, acceleration may pass a transition. With TRAPEZ and SIN2, acceleration may pass if the transition is
-//! tangential and both blocks have the same limits, as in a circle of several arcs, or if both are elements of one
-//! curve. The blocks on both sides then belong to one *span*: one speed profile covers them. Transitions between
-//! spans are *anchors*: acceleration is zero there. `span` decides which transitions are anchors, and `ease` removes
-//! some of them.
+//! With HSC, acceleration may pass a transition. With TRAPEZ and SIN2, acceleration may pass in two cases. In
+//! the first case, the transition is tangential and both blocks have the same limits, as in a circle of
+//! several arcs. In the second case, both blocks are elements of one curve. The blocks on both sides then
+//! belong to one *span*: one speed profile covers them. Transitions between spans are *anchors*: acceleration
+//! is zero there. `span` decides which transitions are anchors, and `ease` removes some of them.
 //!
 //! The backward pass runs when the ring is full, a few blocks per call. The pass ends early at the first transition
 //! whose speed did not change. Then the ring releases a quarter of its blocks.

@@ -76,8 +76,8 @@ impl Slowest {
     }
 }
 
-/// A profile scaled by the override is replaced by the profile of the slowest block, if its speed is below
-/// this part of that block's speed.
+/// A profile may be scaled by the override so far that it is slower than this part of the slowest block's
+/// speed. The profile of the slowest block then replaces it.
 const SLOWER: f32 = 0.75;
 /// Factors with a smaller ratio count as equal, because roundings add up from span to span.
 const SAME: f32 = 1.0 + 1.0 / 262_144.0;

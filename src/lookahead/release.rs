@@ -415,7 +415,7 @@ impl ReleasedSpan {
     fn end(&mut self, first: &Block, next: Option<&Block>, ends: bool) -> Ends {
         let v_in = self.v_in;
         if self.blocks > 1 {
-            // A lent piece beside the span belongs to a slow block. This block's lowest speed is that of its
+            // A lent piece next to the span belongs to a slow block. This block's lowest speed is that of its
             // ends.
             if first.is_continued() {
                 self.slow.shared = min(self.slow.shared, speed_f32(v_in.to_bits()));

@@ -514,8 +514,8 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
     }
 
     /// Whether the profile of a span is too fast at the start of block `first`, and at the start of block
-    /// `behind`, if both are inside the span. If it is too fast at both, and blocks may be cut, the result
-    /// names only one of them: the one that the profile reaches with acceleration.
+    /// `behind`, if both are inside the span. If blocks may be cut, the result names only one of them: the
+    /// block that the profile reaches with acceleration.
     fn too_fast(&self, plan: &mut Plan, worst: &Worst) -> [bool; 2] {
         let Forward { from, next: to, .. } = plan.forward;
         let &Worst { first, behind, v, at } = worst;

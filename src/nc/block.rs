@@ -65,7 +65,7 @@ pub(super) struct Given {
     pub span: Span,
 }
 
-/// What the axis words of a block are for.
+/// Purpose of the axis words of a block.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Use {
     Motion,

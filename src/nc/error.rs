@@ -4,7 +4,7 @@ use crate::machine::functions::Function;
 use core::fmt;
 use heapless::String;
 
-/// A refused line: the word, its place and what was expected. The decoder stops at this line until
+/// A refused line: the word, its place and the expected text. The decoder stops at this line until
 /// [`super::Decoder::go_on`] continues after it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -35,7 +35,7 @@ pub enum NcErrorKind {
     LineTooLong,
     /// More continuation lines than the decoder can keep places for.
     TooManyContinuations,
-    /// Syntax: what was expected instead.
+    /// Syntax: the expected text.
     Expected(&'static str),
     /// A part of the language that this version does not have.
     NotAvailable(&'static str),
@@ -176,12 +176,12 @@ pub enum NcErrorKind {
     /// 22073: a command that is not permitted in a real-time loop.
     #[cfg(feature = "plc")]
     InLoop,
-    /// A word that the dialect has and Glidepath does not. The texts name the word and what to write.
+    /// A word that the dialect has and Glidepath does not. The texts name the word and an alternative.
     #[cfg(feature = "grbl")]
     Known {
         /// The word.
         what: &'static str,
-        /// What is expected instead.
+        /// The alternative.
         hint: &'static str,
     },
     /// A G or M word that this dialect does not have.

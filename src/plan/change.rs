@@ -1,7 +1,7 @@
 //! Another profile for spans in the queue, or a start from a stop. New pieces become valid only when the stop
 //! after them is complete.
 //!
-//! The planner writes new pieces behind a barrier (end marker), which the interrupt does not pass. The stop
+//! The planner writes new pieces after a barrier (end marker), which the interrupt does not pass. The stop
 //! after the new pieces goes into the reserve, next to the stop in force. This may take several calls. Only
 //! then, the planner publishes the cut (the tick of the change), and the reserve changes with it. So each
 //! tick has a valid stop, even if the planner is interrupted. If the interrupt has already passed the instant

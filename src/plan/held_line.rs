@@ -19,7 +19,7 @@ use crate::slope::limits::Limits;
 pub(super) struct HeldLine<const AXES: usize> {
     /// Whether a line is held.
     is_held: bool,
-    /// Whether the line stands for several blocks and is long enough.
+    /// Whether the line replaces several blocks and is long enough.
     long: bool,
     curve: Curve<AXES>,
     limits: Permitted,

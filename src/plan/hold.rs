@@ -6,8 +6,8 @@
 //! are planned in the same way, each with its own limits. The last known span is always long enough. A span
 //! that already brakes as hard as it can keeps its profile, and the change begins with the next span.
 //!
-//! A resume begins at rest, after the interrupt has reached the stop, even if the command comes before. The
-//! rest of a span then gets another profile (`super::law`).
+//! A resume begins at standstill, after the interrupt has reached the stop, even if the command comes
+//! earlier. The rest of a span then gets another profile (`super::law`).
 //!
 //! A dwell continues during a feed hold, and the motion after the dwell waits. The dwell begins only after
 //! the motion before it is complete. An abort ends a dwell.

@@ -764,7 +764,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         }
         let (number, last) = (segments.block_of(first.segment), segments.block_of(last.segment));
         let begun = last.wrapping_add(1);
-        // A line that stands for several blocks has the number of the last one.
+        // A line that replaces several blocks has the number of the last one.
         let merged = number.wrapping_sub(self.report.begun) as i32 > 0;
         self.report.planned = Planned {
             number: if merged { self.report.begun } else { number },

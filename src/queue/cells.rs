@@ -18,7 +18,7 @@ use core::mem::{MaybeUninit, offset_of};
 /// Whether each slot has room for a part after it.
 pub(super) const IS_WHOLE: bool = !functions::IS_SMALL;
 
-/// Parts behind a slot.
+/// Number of parts after a slot.
 const WHOLE: usize = if IS_WHOLE { 1 } else { 0 };
 
 /// Largest number of slots that a curve takes.

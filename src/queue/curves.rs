@@ -61,8 +61,8 @@ const HALVES: [usize; HALVINGS] = {
 /// Number of starts after a curve that a tick reads.
 const BEHIND: usize = WINDOW - 1;
 /// Smallest look-ahead (P-STUP-00071), in curves of any kind that have room. The ring never needs more curves
-/// at the same time: a span of several blocks is a part of the look-ahead, and a curve of more elements
-/// passes through the ring.
+/// at the same time. A span of several blocks is a part of the look-ahead. A curve of more elements passes
+/// through the ring.
 const LEAST: usize = 10;
 
 /// Slots of the look-ahead in addition to one slot per block.

@@ -33,8 +33,9 @@
 //! stroke ends with the tick that shows its end. So reversals are exact, and strokes last whole ticks. The
 //! rounding remainder of a period is added to the next stroke, so an oscillation does not drift.
 //!
-//! Feed hold, abort and OFF act a few ticks ahead, as for the path ([`crate::queue::Change`]): the axis brakes inside its
-//! limits ([`crate::slope::brake::Brake`]), or ends the current stroke if it is braking already.
+//! Feed hold, abort and OFF act a few ticks ahead, as for the path ([`crate::queue::Change`]): the axis
+//! brakes inside its limits ([`crate::slope::brake::Brake`]). If the axis is already braking, it ends the
+//! current stroke.
 mod change;
 mod stroke;
 

@@ -1,5 +1,5 @@
-//! Braking from the current motion: from any speed and acceleration to acceleration zero at a lower speed, or
-//! at the lowest speed that the rest of the span permits.
+//! Braking from the current motion, with any speed and acceleration. The braking ends with zero acceleration
+//! at a lower speed, or at the lowest speed that the rest of the span permits.
 //!
 //! A positive acceleration first falls to zero, with the jerk that ends a gain of speed. A deceleration a
 //! continues on a ramp, as if this ramp had begun the time a/j ago. Start and size of the ramp are integers

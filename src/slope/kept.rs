@@ -2,7 +2,7 @@
 //!
 //! An enum would take four bytes more per block. Limits with constant speed (CONST_VEL) would take another
 //! four bytes. So these limits store only one jerk per direction, the lower one; with constant speed,
-//! accelerations are small anyway.
+//! accelerations are small.
 use super::limits::{Joins, Limits, Loose, SlopeLaw, lower};
 use super::ramp_shape::RampShape;
 use crate::math::float::{max, min};

@@ -177,7 +177,7 @@ impl Limits {
             && near(self.loose.get(), other.loose.get(), ALIKE)
     }
 
-    /// Restricts the limits to what both permit, with the higher one of both speeds.
+    /// Restricts the limits to values that both permit, with the higher one of both speeds.
     #[inline]
     pub(crate) fn join(&mut self, other: &Self) {
         self.v = max(self.v, other.v);

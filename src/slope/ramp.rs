@@ -1,7 +1,7 @@
 //! A change of speed: its duration and its distance, for given limits.
 //!
 //! **TRAPEZ, HSC, SIN2** ([`JerkLimited`]): acceleration rises, holds and falls. From v0 to v1 > v0 with
-//! plateau a and ramp times t_rise, t_fall: full = a (t_rise + t_fall)/2, whatever the shape of the ramps
+//! plateau a and ramp times t_rise, t_fall: full = a (t_rise + t_fall)/2, for any shape of the ramps
 //! ([`RampShape`]). If dv ≥ full, the plateau lasts (dv − full)/a. Otherwise both ramps shrink by k =
 //! √(dv/full), and the peak acceleration is k·a. With the times t1, t2, t3 of the three parts and q of the
 //! shape (TRAPEZ 1/6), the distance is

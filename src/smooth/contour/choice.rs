@@ -157,7 +157,7 @@ pub struct Choice<'a, const AXES: usize> {
     pub most: f32,
     /// The tolerances that are left for the curve.
     pub tolerance: &'a Tolerance,
-    /// Time of the parts beside a curve.
+    /// Times of the parts of both blocks before and after a curve.
     pub approach: &'a Approach,
 }
 

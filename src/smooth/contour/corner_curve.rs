@@ -43,7 +43,7 @@ const ONE_40: f32 = (1u64 << 40) as f32;
 /// A curve that is emitted element by element.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CornerCurve<const AXES: usize> {
-    /// Distance in space per path distance before and behind the corner.
+    /// Distance in space per path distance before and after the corner.
     spaces_per_path: [f32; 2],
     origin: [Position; AXES],
     /// The whole curve, or the first half of a curve through a given point.

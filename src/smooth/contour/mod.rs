@@ -9,12 +9,12 @@
 //! most half a step. The block after the corner begins on the step nearest to the curve's end. An arc is then
 //! computed again from there; a line keeps its direction and has a shorter path.
 //!
-//! Blocks too short for a curve (RELEVANT_PATH, RELEVANT_TRACK) are left out: the curve leads from the last
-//! relevant block to the first one that ends beyond the limit. A short line at the start is joined to the
-//! next line: with DEV if it is shorter than RELEVANT_PATH, with the other methods below 16 µm. If there is
-//! no curve, a straight line replaces the blocks left out. Their deviation counts against the tolerance; the
-//! sources do not describe this rule. So the tolerance limits RELEVANT_PATH, and a quarter of a given corner
-//! distance limits its least value of 32 µm.
+//! Blocks too short for a curve (RELEVANT_PATH, RELEVANT_TRACK) are left out. The curve leads from the last
+//! relevant block to the first block that ends beyond the limit. With DEV, a line at the start that is
+//! shorter than RELEVANT_PATH is joined to the next line. With the other methods, the limit is 16 µm. If
+//! there is no curve, a straight line replaces the blocks left out. Their deviation counts against the
+//! tolerance; the sources do not describe this rule. So the tolerance limits RELEVANT_PATH, and a quarter of
+//! a given corner distance limits its least value of 32 µm.
 //!
 //! With DEV a line may replace nearly straight chords, if the machine data permit it: `chords.rs`.
 //!
@@ -93,7 +93,7 @@ impl<const AXES: usize> Made<AXES> {
 #[derive(Clone, Copy, Debug)]
 struct Turning<const AXES: usize> {
     course: Cornering<AXES>,
-    /// Data of the first half. The second half has the data of the block behind the corner.
+    /// Data of the first half. The second half has the data of the block after the corner.
     before: Data,
     /// Functions due before each half.
     due: [u32; 2],
@@ -433,7 +433,7 @@ impl<const AXES: usize> Contouring<AXES> {
         self.blocks.first()
     }
 
-    /// The blocks left out behind it.
+    /// The blocks left out after the held block.
     fn left_behind(&self) -> Option<&Skipped<AXES>> {
         self.skipped.as_ref().filter(|_| !self.is_leaving)
     }

@@ -120,7 +120,7 @@ impl Rise {
         let mut time = self.reaches(path);
         if path > self.half_way() {
             // Newton's steps begin at the end. The speed grows, so no step goes too far. Seen from the end,
-            // the motion falls behind the distance at full speed by the same amount.
+            // the motion covers less than at full speed, by the same amount as at its start.
             let missing = distance - path;
             let mut left = 0.0;
             for _ in 0..ARRIVAL_STEPS {

@@ -11,10 +11,10 @@
 //! reduced. In the end, the motion goes straight to the next vertex and stops there.
 //!
 //! A run ends in the middle of a line before an edge, which belongs to contour mode (`edges.rs`,
-//! `smooth/edged.rs`). It ends exactly in a vertex in these cases: an exact stop, a dwell, a function with
-//! acknowledgement, a turn beyond MAX_ANGLE, an arc that stays exact, a block without main axes, and with
-//! AUTO_OFF_G00 a rapid block. A change of feed, or a function without acknowledgement, begins a new element
-//! but does not end the run.
+//! `smooth/edged.rs`). A run ends exactly in a vertex at an exact stop, a dwell, a function with
+//! acknowledgement, or a turn beyond MAX_ANGLE. It also ends in a vertex at an arc that stays exact, at a
+//! block without main axes, and with AUTO_OFF_G00 at a rapid block. A change of feed, or a function without
+//! acknowledgement, begins a new element but does not end the run.
 //!
 //! Late text also ends a run, if the motion would otherwise stop. Only in this case, the path depends on the
 //! arrival time of text.
@@ -548,7 +548,7 @@ impl<const AXES: usize> Surface<AXES> {
         at
     }
 
-    /// Moves the front to a place and drops vertices far behind it.
+    /// Moves the front to a place and drops vertices far before this place.
     #[inline(never)]
     fn reach(&mut self, mut spot: Spot, knot: &Knot<AXES>) {
         (self.tried, self.waits) = (Tried::NOTHING, None);

@@ -578,9 +578,9 @@ impl<const AXES: usize> Window<AXES> {
         }
     }
 
-    /// Compares the path with the tolerance at the next vertex and in the middle of the chord behind it. If
-    /// the path exceeds its share of the tolerance, kernels nearby are reduced. Returns `false` if more of
-    /// the contour must be known first.
+    /// Compares the path with the tolerance at the next vertex and in the middle of the chord after this
+    /// vertex. If the path exceeds its share of the tolerance, kernels nearby are reduced. Returns `false` if
+    /// more of the contour must be known first.
     pub fn check(&mut self, parameters: &Parameters) -> bool {
         let k = self.checked;
         let last = self.moved.saturating_sub(2);
