@@ -43,7 +43,7 @@ pub struct TransitionLimits {
     pub budget: f32,
     /// Permitted step of speed at a knee (P-AXIS-00013).
     pub knee: f32,
-    /// Whether P-AXIS-00013 is given; the jerk of such a step is then not limited.
+    /// Whether P-AXIS-00013 is given; the jerk of a step of speed at a knee is then not limited.
     pub is_weighted: bool,
     /// Permitted jerk of a step of acceleration (P-CHAN-00009, P-AXIS-00154); `f32::MAX` without limit.
     pub bend: f32,

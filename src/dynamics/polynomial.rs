@@ -32,8 +32,8 @@ const STEADY_PART: f32 = 0.88;
 const FLOWING_NORMAL_PART: f32 = 0.7;
 const FLOWING_PART: f32 = 0.6;
 const FLOWING_SLOPE_PART: f32 = 0.25;
-/// In such a curve, the speed leaves at least this share of the acceleration that its jerk reaches. At most
-/// this number of speeds is tried.
+/// In a curve of many elements, the speed leaves at least this share of the acceleration that its jerk
+/// reaches. The second value is the largest number of speeds that are tried.
 const FLOWING_PULL: f32 = 0.25;
 const FLOWING_SPEEDS: usize = 8;
 /// Shares of `a_max` and of `B` for the curvature of a sharp turn. The speed changes in the elements before

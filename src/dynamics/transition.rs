@@ -120,9 +120,9 @@ impl<const AXES: usize> Dynamics<AXES> {
         if joint.is_weighted { joint.knee } else { min(joint.knee, TRANSITION_PART * joint.budget) }
     }
 
-    /// Highest speed at which the step of acceleration from one end to a later one stays inside the
-    /// transition's part of the jerk budget. Blocks between the two ends take less than a tick, so both steps
-    /// add up.
+    /// Highest speed at a sequence of transitions, from the step of acceleration between its first end `from`
+    /// and its last end `to`. The blocks between take less than a tick, so all steps add up. The sum stays
+    /// inside the transition's part of the jerk budget.
     pub fn bending(&self, from: &End<AXES>, to: &End<AXES>, rapid: bool) -> f32 {
         let bends = from.curvature.iter().zip(&to.curvature);
         let square = self.axes.iter().zip(bends).fold(f32::MAX, |square, (axis, (c0, c1))| {

@@ -18,7 +18,7 @@ const LOWER: f32 = 0.97;
 const LONGER: f32 = 1.02;
 const DISTANCE_LSB: f32 = 1.0 / (1u64 << 44) as f32;
 
-/// Limits of such an arc.
+/// Limits of an arc on a circle that has already turned twice.
 pub struct Turns {
     /// Limits without the end.
     pub steady: Permitted,

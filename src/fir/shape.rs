@@ -97,7 +97,7 @@ pub struct Watch {
     pub accel: Option<f32>,
     /// Largest step of speed by AX_DEV alone, mm/tick.
     pub knee: f32,
-    /// Longest time between two such steps that add up, ticks.
+    /// Longest time between two steps of speed that add up, ticks.
     pub window: f32,
     /// Σ|G| / |G(0)|, ticks.
     pub ratio: f32,

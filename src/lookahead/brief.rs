@@ -6,8 +6,8 @@
 //! neighbours would make the whole motion very slow. So up to [`MOST_BRIEF`] of 31 consecutive blocks may be
 //! *brief* and take less time. Each of the other twenty or more blocks then takes a 20th of a tick. (In a
 //! small build, up to 5 of 15 blocks are brief, and each of the others takes a 10th of a tick.) A block is
-//! brief only if it is far shorter than the last block that is not brief. So 31 equal blocks take exactly a
-//! tick.
+//! brief only if it is far shorter than the last block that is not brief. So the motion may pass up to 31
+//! equal blocks per tick.
 use crate::dynamics::OverrideRange;
 use crate::math::float::{max, min};
 use crate::queue::MAX_CURVES_PER_TICK;

@@ -13,7 +13,7 @@ use crate::path::Piece;
 /// Data of the last block before its end was cut off.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct RunOut {
-    /// Lengths of both blocks, LSB 2^-44 mm. 0 if the last block is not such an end.
+    /// Lengths of both blocks of an arc, LSB 2^-44 mm. 0 if the last block is not the end of such an arc.
     lengths: [i64; 2],
     share: Share,
     shared: bool,
@@ -23,12 +23,12 @@ pub(crate) struct RunOut {
 }
 
 impl RunOut {
-    /// No such end.
+    /// The last block is not the end of such an arc.
     pub(super) const NONE: Self =
         Self { lengths: [0; 2], share: Share::WHOLE, shared: false, span: 0, feeds: [f32::MAX, 0.0] };
 
-    /// Marks that the last block is not such an end. Every block calls this function, so the mark is one
-    /// word; no block has length 0.
+    /// Marks that the last block is not the end of an arc with two blocks. Every block calls this function,
+    /// so the mark is one word; no block has length 0.
     #[inline(always)]
     pub(super) const fn clear(&mut self) {
         self.lengths[1] = 0;

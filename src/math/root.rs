@@ -1,8 +1,8 @@
 //! Square and cube roots: exact in integers, and close in `f32`.
 //!
 //! The integer roots scale the radicand to x in [1/4, 1). Newton's y ← y + y·(1 − x·y²)/2 gives 1/√x, first
-//! in `f32`. Then s = x·y, improved by s ← s + (x − s²)·y/2 (Karp and Markstein), until the exact remainder
-//! of one last step settles the last unit. No division, no loop.
+//! in `f32`. Then s = x·y is improved by s ← s + (x − s²)·y/2 (Karp and Markstein). The exact remainder of
+//! one last step gives the last unit. The code needs neither a division nor a loop.
 use super::wide::mul_wide;
 use micromath::F32Ext;
 

@@ -1,4 +1,4 @@
-//! `#` commands: recognised by their words, then their brackets.
+//! `#` commands: the decoder recognises a command by its words, and then reads the keywords in its brackets.
 use super::cursor::Cursor;
 use super::expression::expression;
 use super::function::*;

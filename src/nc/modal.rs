@@ -12,7 +12,8 @@ pub(super) enum Mode {
     Line,
     Clockwise,
     Counterclockwise,
-    /// No such word is programmed yet: G01 if there is a feed, otherwise rapid motion with a warning.
+    /// No motion word (G00…G03) is programmed yet: G01 if there is a feed, otherwise rapid motion with a
+    /// warning.
     Unprogrammed,
     /// As `Unprogrammed`, after the warning.
     UnprogrammedTold,

@@ -6,7 +6,7 @@ use heapless::Vec;
 /// Largest number of parameters with a value.
 pub const PARAMETERS: usize = functions::EXPRESSIONS.room(128);
 
-/// Packed, because there are many entries.
+/// A parameter with its value. Packed, because there are many entries.
 #[derive(Clone, Copy)]
 #[repr(C, packed(4))]
 struct Entry {

@@ -210,7 +210,7 @@ pub const LONGEST: i64 = 1 << 62;
 /// Fraction bits below the LSB of a position, for sums in a tick.
 const GUARD: u32 = 10;
 
-/// Half an LSB of a position in such a sum.
+/// Half an LSB of a position, in a sum with guard bits.
 const HALF: i32 = 1 << (GUARD - 1);
 
 /// A curve over its path length, ready for the tick. See the module for the formula.

@@ -37,7 +37,7 @@ pub(super) struct Descent {
     pub brake: Brake,
     /// Number of spans that the profile passes completely.
     pub spans: usize,
-    /// The next block of the look-ahead after these spans, and its path distance.
+    /// The next block of the look-ahead after the spans of the braking, and its path distance.
     ahead: Ahead,
 }
 

@@ -133,7 +133,7 @@ impl Functions {
         any
     }
 
-    /// Whether a function waits for such a demand.
+    /// Whether a function with late synchronisation waits for a call of [`Self::demand`].
     #[cfg(feature = "plc")]
     pub fn are_late(&self, explicit: bool) -> bool {
         self.entries.iter().any(|entry| entry.late && entry.explicit == explicit)
@@ -144,7 +144,7 @@ impl Functions {
         self.entries.iter().any(|entry| !entry.placed || (!entry.gated && entry.has_gate()))
     }
 
-    /// Whether such a function demands an acknowledgement.
+    /// Whether a function without a place or a gate demands an acknowledgement.
     pub fn are_awaited(&self) -> bool {
         self.entries.iter().any(|entry| !entry.gated && entry.has_gate() && entry.ticket.waits())
     }

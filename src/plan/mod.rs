@@ -209,7 +209,7 @@ impl<const AXES: usize> Intake<'_, AXES> {
 /// The blocks to which the current dynamics apply.
 #[derive(Clone, Copy, Debug)]
 struct Uniform {
-    /// The first of these blocks.
+    /// The first block to which the current dynamics apply.
     since: u32,
     /// Whether curves have to keep the jerk of the ramp times (CHECK_JERK=2).
     by_ramps: bool,
@@ -286,7 +286,7 @@ struct Orders {
 struct Supply {
     /// Number of ticks with a low queue.
     low: u32,
-    /// The last such tick.
+    /// The last tick with a low queue.
     seen: u32,
 }
 
@@ -786,7 +786,8 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         Some((self.queue.segments.block_of(track.segment), track.point(distance as i64)))
     }
 
-    /// The span planned last. Call it only after [`Work::Planned`], before the next call of [`Self::work`].
+    /// The span planned last. Call this function only after [`Work::Planned`], before the next call of
+    /// [`Self::work`].
     pub fn planned(&self) -> PlannedBlock {
         let Planned { number, blocks, n } = self.report.planned;
         let committed = self.committed.len().checked_sub(1).and_then(|last| self.committed.get(last));

@@ -79,7 +79,7 @@ impl Rounds {
         Self { count: 0, are_over: false, braking: Braking::WIDEST, before: None, nearest: 0.0 };
 }
 
-/// The search for such a stop, between two calls.
+/// The search for the shortest stop, between two calls.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Short {
     /// Path distance of the end of the first span, and path distance up to which a deceleration may continue.
@@ -240,7 +240,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         self.verify(begin.cursor, span, (motion, descent), (&brake, limits), true).map_err(|_| No::Law)
     }
 
-    /// The data at the start of such a stop.
+    /// The data at the start of a short stop.
     #[inline(never)]
     fn begin_way(&self, cursor: &Cursor, span: &mut ReleasedSpan, motion: &Instant) -> Option<Begin> {
         let curve = self.curve_at(motion.distance)?;

@@ -105,7 +105,7 @@ impl Loose {
     /// No constant speed is demanded.
     pub const NONE: Self = Self(0.0);
 
-    /// The acceleration `a` for all such profiles.
+    /// The acceleration `a`, for profiles that begin or end at low speed.
     pub const fn of(a: f32) -> Self {
         Self(a)
     }
@@ -402,8 +402,8 @@ impl Limits {
         limits
     }
 
-    /// Halves the jerk with which an acceleration rises. Accelerations then are those near the speed of the
-    /// limits.
+    /// Halves the jerk with which an acceleration rises. With CONST_VEL, the higher accelerations at low
+    /// speed no longer apply.
     pub const fn gain_gently(&mut self) {
         self.loose = Loose::NONE;
         if let SlopeLaw::JerkLimited { j: [rise, ..], .. } = &mut self.law {

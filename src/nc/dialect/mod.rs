@@ -100,7 +100,7 @@ impl<const AXES: usize> ForeignSetup<AXES> {
 pub(super) struct State<const AXES: usize> {
     /// Offsets of G92 and G52; they may be suspended.
     pub here: [Position; AXES],
-    /// Whether these offsets are suspended: G92.2.
+    /// Whether the offsets of G92 and G52 are suspended: G92.2.
     pub here_off: bool,
     /// Tool length in force, for each axis.
     pub length: [Position; AXES],

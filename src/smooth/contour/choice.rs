@@ -309,23 +309,24 @@ pub struct Edge<'a, const AXES: usize> {
 }
 
 impl<const AXES: usize> Edge<'_, AXES> {
-    /// Ticks with a smoothing curve of Surface. The curve begins `half` (mm) before the corner and has the
-    /// speed `v` (mm/tick).
+    /// Ticks over both lines with a smoothing curve of Surface. The curve begins `half` (mm) before the
+    /// corner and has the speed `v` (mm/tick).
     fn kernel(&self, approach: &Approach, (v, half): (f32, f32)) -> f32 {
         let [first, second] = self.limits;
         let (v, c) = (min(v, min(first.v, second.v)), min(half, min(self.room[0], self.room[1])));
         approach.time(v, [c; 2], 2.0 * c / max(v, f32::MIN_POSITIVE))
     }
 
-    /// Whether a stop takes fewer ticks than such a smoothing curve.
+    /// Whether a stop takes fewer ticks than a smoothing curve of Surface with this speed and distance.
     #[inline(never)]
     pub fn stands(&self, kernel: (f32, f32)) -> bool {
         let approach = Approach::new(self.limits, self.room);
         approach.stops_within(self.kernel(&approach, kernel))
     }
 
-    /// Whether contour mode takes fewer ticks than such a smoothing curve. Contour mode has a curve of DEV
-    /// whose middle is `off` (mm) from the corner along both lines, or a stop.
+    /// Whether contour mode takes fewer ticks than a smoothing curve of Surface with this speed and distance.
+    /// Contour mode has a curve of DEV whose middle is `off` (mm) from the corner along both lines, or a
+    /// stop.
     #[inline(never)]
     pub fn is_quicker(&self, off: f32, kernel: (f32, f32)) -> bool {
         let &Self { dynamics, rapid, tangents, room, .. } = self;

@@ -52,7 +52,7 @@ pub struct Tolerance {
 }
 
 impl<const AXES: usize> Corner<'_, AXES> {
-    /// DIST_MASTER: whether the master axis keeps its direction, and is the path on both sides.
+    /// DIST_MASTER: whether the master axis keeps its direction, and its travel is the path on both sides.
     pub fn follows_master(&self, rule: &Parameters, measure: &Measure) -> bool {
         let Some(k) = measure.master().filter(|_| rule.method == ContourMethod::DistMaster) else {
             return false;

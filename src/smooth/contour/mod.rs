@@ -387,7 +387,7 @@ impl<const AXES: usize> Contouring<AXES> {
         Self { parameters, on, once, ..Self::new(measure, parameters.preset()) }
     }
 
-    /// As [`Self::with`], in place. Call it only while no block is held back.
+    /// As [`Self::with`], in place. Call this function only while no block is held back.
     pub fn begin(&mut self, settings: &Settings) {
         self.clear();
         (self.half, self.remark) = (false, None);

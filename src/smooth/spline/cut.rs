@@ -30,14 +30,14 @@ const LEAST_SPEED: f32 = 1.0 / 1024.0;
 /// How the curve continues at an end of a piece.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Joint<const AXES: usize> {
-    /// With direction and curvature of the piece before; at the end of the piece, with its own direction and
-    /// curvature.
+    /// The curve has direction and curvature of the piece before. At the end of the piece, it has its own
+    /// direction and curvature.
     Smooth,
-    /// With this curvature, along this part of the piece.
+    /// The curve has this curvature, along this part of the piece.
     Bent([f32; AXES], f32),
-    /// With the direction of the piece before, and another curvature.
+    /// The curve has the direction of the piece before, and another curvature.
     Tangent,
-    /// In another direction.
+    /// The curve continues in another direction.
     Corner,
 }
 

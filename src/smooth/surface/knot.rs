@@ -49,7 +49,7 @@ const ONE_32: f32 = (1u64 << 32) as f32;
 pub struct Aim {
     /// Distance from the last knot, mm.
     pub way: f32,
-    /// Whether the path is straight up to there.
+    /// Whether the path is straight up to this distance.
     pub is_straight: bool,
 }
 

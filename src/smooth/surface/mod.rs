@@ -5,10 +5,10 @@
 //! the polygon over a part of the path (`knot.rs`). A kernel is as wide as the tolerance permits. The
 //! vertices move out by the amount that the kernels cut, so the result follows the curve that the chords
 //! approximate (`window.rs`). The vertices move further where a straight run changes into a curve
-//! (`lead.rs`). The output are quintics through position, direction and curvature at knots about half a
-//! kernel apart (`cell.rs`). There are far fewer quintics than blocks. The search uses `f32`, but integers
-//! prove each element to be inside the tolerance before it is emitted. If the proof fails, the kernels are
-//! reduced. In the end, the motion goes straight to the next vertex and stops there.
+//! (`lead.rs`). The output is a sequence of quintics through position, direction and curvature at knots about
+//! half a kernel apart (`cell.rs`). There are far fewer quintics than blocks. The search uses `f32`, but
+//! integers prove each element to be inside the tolerance before it is emitted. If the proof fails, the
+//! kernels are reduced. In the end, the motion goes straight to the next vertex and stops there.
 //!
 //! A run ends in the middle of a line before an edge, which belongs to contour mode (`edges.rs`,
 //! `smooth/edged.rs`). A run ends exactly in a vertex at an exact stop, a dwell, a function with

@@ -80,7 +80,7 @@ impl<const AXES: usize> Vertex<AXES> {
         self.offset.iter().all(|x| *x == 0.0)
     }
 
-    /// Changes the turn of the control polygon by `turn`, where the polygon has this length.
+    /// Sets the change of direction of the control polygon at this vertex. `length`: magnitude of `turn`.
     fn turn_by(&mut self, turn: [f32; AXES], length: f32) {
         self.moved_turn = turn;
         self.marks &= !(Self::TURNS | Self::STRONG);
