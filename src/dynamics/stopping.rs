@@ -26,9 +26,10 @@ impl Braking {
     /// No limits.
     pub const WIDEST: Self = Self { a: [f32::MAX; 2], j: [f32::MAX; 2], ends: f32::MAX };
 
-    /// Returns limits below `self` if the axes permit only `left`. `before`: the previous try and its result.
-    /// The new try is where the straight lines through both tries and both results meet. The first try is
-    /// lowered by twice the difference, or by less. Returns `None` if the axes permit `self`.
+    /// Returns lower limits for the next try, or `None` if the axes permit `self`. `left`: the limits that
+    /// the axes permit for the try `self`. `before`: the try before and the limits permitted for it. From two
+    /// tries, each new limit is where a straight line through both meets the permitted value. After a single
+    /// try, a limit is lowered by about twice the excess.
     #[inline(never)]
     pub fn less(&self, left: &Self, before: Option<&[Self; 2]>) -> Option<Self> {
         if *left == *self {

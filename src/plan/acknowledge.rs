@@ -73,7 +73,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         true
     }
 
-    /// Continues this plan. When it is complete, changes the profile before the gate.
+    /// Continues the plan of the path after the first gate. When the plan is complete, changes the profile
+    /// before the gate.
     fn join(&mut self) -> Option<Work> {
         if self.lookahead.step_pass().is_none() {
             return Some(Work::Working);

@@ -177,7 +177,8 @@ impl Functions {
         gate != 0 && self.gates.push(gate).is_ok()
     }
 
-    /// All blocks end at `distance`, after `number` motion blocks. Returns whether the motion waits there.
+    /// Gives functions after the last block their place: all blocks end at `distance`, after `number` motion
+    /// blocks. Returns whether the motion waits there.
     pub fn at_end(&mut self, number: u32, distance: Distance, queue: &mut Scheduler<'_>) -> bool {
         self.place(number, distance, queue);
         self.last != 0

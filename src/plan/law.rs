@@ -115,7 +115,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         }
         if let Some(part) = self.orders.pace.stretch(span, v_in) {
             let [from, to] = [span.v_in, span.v_out].map(Speed::to_bits);
-            // The change of speed must fit. A rounding of the end speed would cause a far larger change.
+            // The end speed comes from the scaled change of speed. A scaled end speed would have a far larger
+            // rounding error.
             let change = speed_bits(speed_f32((to - from).abs()) * part);
             let leaves = v_in.to_bits() + if to < from { -change } else { change };
             if self.plan_at(k, part, None, Speed::from_bits(leaves.max(0))) {

@@ -132,7 +132,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         self.begin_again(k);
     }
 
-    /// The span `k` becomes the next one that gets a profile, from its start.
+    /// Makes the span `k` the next one that gets a profile, from its start.
     fn begin_again(&mut self, k: usize) {
         let Some(committed) = self.committed.get(k) else { return };
         (self.frontier.planned, self.frontier.speed) = (k, committed.enters);

@@ -37,7 +37,7 @@ pub struct Alternating<const AXES: usize> {
     turn: Turn<AXES>,
     /// The last line, or its half after a corner.
     last: Option<Waiting<AXES>>,
-    /// The block after that line; it waits until everything before is done.
+    /// The block after the waiting line; it waits until everything before is done.
     next: Option<Waiting<AXES>>,
     /// Set if no block follows for now; `true` demands a stop.
     ending: Option<bool>,

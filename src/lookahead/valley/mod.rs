@@ -122,7 +122,8 @@ pub(super) struct Valley {
     speeds: [Speed; 4],
     /// Highest speeds of the spans on both sides.
     peaks: [f32; 2],
-    /// Time of the current plan, and times of the new profiles: before, after, between.
+    /// Time of the current plan. Then times of the new profiles: of the span before the slow one, of the span
+    /// after it, and of the slow span.
     before: f32,
     times: [f32; 3],
     cut: Cut,
@@ -235,7 +236,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         }
         let mut edges = [pass.from, at, to, to];
         if before > v * RISE {
-            // The motion enters a slow span at the anchor.
+            // The anchor moves into the slow span after it.
             let leaves = to < self.blocks.len()
                 && self.limit(to) > self.limit(to - 1) * RISE
                 && self.blocks.get(to).is_some_and(|block| {

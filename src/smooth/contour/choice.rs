@@ -386,8 +386,8 @@ fn soft_distance<const AXES: usize>(
     if tracks(&measure.main, change) { min(distance, rule.track_distance()) } else { distance }
 }
 
-/// Permitted distance of both motions from the corner, when both are equally far from the corner, mm. The
-/// value keeps the tolerances, less a small margin.
+/// Largest distance of both motions from the corner, when both are equally far from the corner, mm. With this
+/// distance, the curve keeps the tolerances, less a small margin.
 fn off_corner<const AXES: usize>(main: &Main, change: &[f32; AXES], tolerance: &Tolerance) -> f32 {
     let off = tolerance.path.map_or(f32::MAX, |dev| dev * EXACT / size(main, change));
     let turn = aside(main, change);

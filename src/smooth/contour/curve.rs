@@ -585,8 +585,8 @@ impl Peak {
         self.seen >= EVEN_PLACES + 2 * REFINEMENTS
     }
 
-    /// Examines at most `places` more places. If a value is at most the largest one so far, `value` may
-    /// return any such value.
+    /// Examines at most `places` more places. If a value is not above the largest one so far, `value` may
+    /// return any number that is not above.
     fn climb(&mut self, places: u8, value: impl Fn(f32, f32) -> f32) {
         for _ in 0..places {
             if self.is_found() {

@@ -412,7 +412,7 @@ impl<const AXES: usize> Contouring<AXES> {
         self.told = false;
         self.parameters.update(contour);
         if self.parameters != before && self.left_behind().is_some() && !in_motion {
-            // Blocks are left out: contour mode ends with them.
+            // Contour mode ends with the blocks that are left out.
             self.cancel();
         }
         match contour.switch {

@@ -38,7 +38,8 @@ const LINE: f32 = 1.0;
 /// Shorter distances count as none, mm.
 const NOTHING: f32 = 1e-6;
 
-/// Elements nearer than this part of the kernel's width to a step of curvature have a constant speed.
+/// An element has a constant speed if its distance to a step of curvature is below this part of the kernel's
+/// width.
 const NEAR_STEP: f32 = 0.4652;
 
 const ONE_40: f32 = (1u64 << 40) as f32;
