@@ -27,9 +27,9 @@ impl Braking {
     pub const WIDEST: Self = Self { a: [f32::MAX; 2], j: [f32::MAX; 2], ends: f32::MAX };
 
     /// Returns lower limits for the next try, or `None` if the axes permit `self`. `left`: the limits that
-    /// the axes permit for the try `self`. `before`: the try before and the limits permitted for it. From two
-    /// tries, each new limit is where a straight line through both meets the permitted value. After a single
-    /// try, a limit is lowered by about twice the excess.
+    /// the axes permit for the try `self`. `before`: the try before, and the limits permitted for that try.
+    /// With two tries, the secant method gives the next limit. With a single try, a limit is lowered by about
+    /// twice its excess.
     #[inline(never)]
     pub fn less(&self, left: &Self, before: Option<&[Self; 2]>) -> Option<Self> {
         if *left == *self {

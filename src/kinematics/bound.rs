@@ -85,7 +85,7 @@ impl Series {
     }
 }
 
-/// The series of an axis's angle along `course`.
+/// The series of an axis's angle along the curve `course`.
 fn turn(course: &Course, rotary: &Rotary) -> Series {
     let none = [0.0; 6];
     let angle = course.angles.get(usize::from(rotary.slot)).unwrap_or(&none);

@@ -17,7 +17,7 @@ use crate::quantity::Position;
 use core::cell::Cell;
 use heapless::Deque;
 
-/// Largest number of items of a block that wait in the queue.
+/// Largest number of results of a block in the queue.
 pub const BLOCK_WORDS: usize = 16;
 
 /// Largest number of lines carried out without a command. More lines count as an endless loop. Skipped lines

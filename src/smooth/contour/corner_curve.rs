@@ -191,7 +191,8 @@ pub enum Fit {
     Failed,
 }
 
-/// First length of the halves of a curve through a given point, and number of improvements.
+/// Number of rounds that improve the path lengths of the two halves of a curve through a given point. In the
+/// first round, both lengths are straight distances.
 const LENGTHS: usize = 3;
 
 impl<const AXES: usize> CornerCurve<AXES> {
@@ -471,7 +472,7 @@ impl<const AXES: usize> CornerCurve<AXES> {
         }
     }
 
-    /// Element `i` before rounding of its ends. Returns `None` after the last element.
+    /// Element `i`, before its ends are rounded to positions. Returns `None` after the last element.
     pub fn rehearse(&mut self, measure: &Measure, i: u32) -> Option<Rehearsal<AXES>> {
         if i >= self.count() {
             return None;

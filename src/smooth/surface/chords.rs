@@ -65,8 +65,8 @@ const BULGE: f32 = 0.96;
 /// A curve that exceeds this multiple of the tolerance gets only [`LESS`]; the rest is for the smoothing
 /// curves.
 const FAR: f32 = 1.05;
-/// Where a curve is farthest from its chord, as a share of the chord: with both turns to one side, and with
-/// turns to both sides.
+/// Places in a chord where the curve is farthest from the chord, as shares of the chord. The first place is
+/// for a curve that bends to one side. The other two are for a curve that crosses its chord.
 const FARTHEST: [f32; 3] = [0.5, 0.211_325, 0.788_675];
 const LESS: f32 = 0.6;
 
