@@ -114,7 +114,7 @@ struct Held {
     n: u32,
     function: Function,
     in_motion: bool,
-    /// Whether the motion waits for this function for any machine data.
+    /// Whether the motion waits for this function, whatever the machine data say.
     #[cfg(feature = "grbl")]
     pauses: bool,
 }

@@ -47,8 +47,8 @@ pub struct TransitionLimits {
     pub is_weighted: bool,
     /// Permitted jerk of a step of acceleration (P-CHAN-00009, P-AXIS-00154); `f32::MAX` without limit.
     pub bend: f32,
-    /// Acceleration for knee and curvature together, within a tick of the transition. The speed profile has
-    /// the rest.
+    /// Acceleration for knee and curvature together, within a tick of the transition. The rest is for the
+    /// speed profile.
     pub left: f32,
     /// Speed that the profile gains within a tick of the transition.
     pub gained: f32,

@@ -15,7 +15,7 @@ pub(crate) const TRANSITION_PART: f32 = 0.4;
 /// the second for v³κ², and the rest for 3vκ·a.
 pub(crate) const ARC_SLOPE_PART: f32 = 0.25;
 pub(crate) const ARC_PART: f32 = 0.5;
-/// A value below this part of another value is below it despite rounding.
+/// If the ratio of two values is below this number, the first value is the smaller one despite rounding.
 pub(crate) const SURELY: f32 = 0.999;
 /// Two change-over speeds whose ratio is below this value count as equal.
 const SAME: f32 = 1.0 + 1.0 / 1_048_576.0;

@@ -386,7 +386,8 @@ impl<const AXES: usize> Dynamics<AXES> {
     }
 
     /// Returns `true` if [`Self::polynomial`] surely permits the speed `v` (mm/tick) for an element of
-    /// constant speed. The derivatives are the highest of the element. `false` may be too strict.
+    /// constant speed. `first`, `second` and `third` are the highest derivatives of the element. The check is
+    /// strict: it may also return `false` for a permitted speed.
     pub fn permits(
         &self,
         v: f32,

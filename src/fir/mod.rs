@@ -287,8 +287,8 @@ pub(crate) struct Layout {
     pub length: u32,
 }
 
-/// Words that the planner writes one by one, while the path stands still and the filters have settled. Also
-/// words that the interrupt writes.
+/// Words of two kinds. The planner writes its words one by one, while the path stands still and the filters
+/// have settled. The interrupt writes the others.
 struct Words<const AXES: usize, const TAPS: usize> {
     axes: [AxisWords<TAPS>; AXES],
     /// Number of the planner's last change. The planner also writes the words that follow, down to `done`.

@@ -100,8 +100,9 @@ struct Excess {
     v: f32,
     /// Twice the acceleration that would keep the limit without ramps.
     a: f32,
-    /// The change of speed up to the limit, and the excess as a distance, negative.
+    /// The change of speed up to the limit.
     dv: f32,
+    /// [`Law::margin`] at this place. The value is negative, because the profile exceeds the limit.
     margin: f32,
 }
 

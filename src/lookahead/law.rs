@@ -48,7 +48,8 @@ impl Span {
     pub const NONE: Self = Self { length: 0, limits: Limits::WIDEST, kept: false };
 
     #[cfg_attr(feature = "fast", inline(always))]
-    /// Adds a block. `share`: limits that the block leaves to a transition, if more blocks may follow.
+    /// Adds a block. `share` is given for the last block of the ring, if more blocks may follow. It holds the
+    /// limits that the transition at the end of this block leaves to the speed profile.
     pub fn add(&mut self, block: &Block, share: Option<&Share>) {
         match share {
             None if self.length == 0 => self.limits = block.limits(),

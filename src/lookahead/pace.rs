@@ -45,10 +45,11 @@ use crate::quantity::{Speed, speed_f32};
 pub(super) struct Slowest {
     /// Lowest reduced speed of all counted blocks.
     pub least: f32,
-    /// Number of blocks counted so far. Lowest reduced speed of these blocks, and of the ring length of
-    /// blocks before them.
+    /// Number of blocks in the current group; a full group has as many blocks as the ring.
     blocks: usize,
+    /// Lowest reduced speed of the current group.
     now: f32,
+    /// Lowest reduced speed of the group before.
     before: f32,
 }
 

@@ -45,9 +45,11 @@ pub(super) struct Forward {
     span: Span,
     v_in: Speed,
     v_out: Speed,
-    /// Whether all speeds are final for any later blocks: up to the start of the span, and up to its end.
+    /// Whether later blocks can no longer change any speed up to the start of the span. The second value is
+    /// for the end of the span.
     firm: [bool; 2],
-    /// The last anchor with a final speed: without the end of the span, and with it.
+    /// The last anchor with a final speed, up to the start of the span. The second value is for the
+    /// end of the span.
     last: [usize; 2],
 }
 

@@ -83,6 +83,6 @@ functions! {
     FILTERS = "filters": "#FILTER";
     /// Axes that move independently of the path.
     BESIDE = "beside": "an axis beside the path ([OSC], [INDP], #WAIT INDP)";
-    /// LinuxCNC's language; and parameters, O words, subprograms and cycles of Grbl programs.
+    /// The language of LinuxCNC. For Grbl programs: parameters, O words, subprograms and cycles.
     DIALECTS = "dialects": "the language of LinuxCNC";
 }

@@ -19,7 +19,7 @@ pub(super) enum Mode {
     UnprogrammedTold,
 }
 
-/// The modal state before the current line. The first variant is all bits zero.
+/// The modal state before the current line. In the first variant all bits are zero.
 #[derive(Clone, Copy)]
 #[repr(u8)]
 pub(super) enum Before<const AXES: usize> {

@@ -88,7 +88,7 @@ impl<const AXES: usize> Straight<AXES> {
     pub(crate) const BLANK: Self =
         Self { length: Distance::ZERO, gain: [0; AXES], tangent: [0; AXES], shift: 0 };
 
-    /// Its direction, LSB 2^-40.
+    /// Direction of the line, LSB 2^-40.
     pub(crate) fn tangent(&self) -> &[i64; AXES] {
         &self.tangent
     }

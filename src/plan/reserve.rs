@@ -210,8 +210,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         if self.secure_at(now, self.reserve.near) { Work::Working } else { Work::Waiting }
     }
 
-    /// Makes the reserve the tick that shows the stop, because the stopping profile of the old reserve is in
-    /// the queue.
+    /// Replaces the reserve when a profile that stops is in the queue: the new reserve is one tick, which
+    /// shows the stop.
     #[inline(never)]
     pub(super) fn keep_end(&mut self) {
         if self.reserve.is_kept() {

@@ -23,8 +23,8 @@ const PART: f32 = 0.7;
 /// that speed in any case, so its stop hardly gets shorter.
 const LEAST_PART: f32 = 1.0 / 4.0;
 
-/// If a stop has fewer pieces, the cap rises to the speed of a stop with this number: about three quarters of
-/// the room. The number grows with the square of the speed.
+/// Number of pieces, about three quarters of the room for a stop. If a stop has fewer pieces, the cap rises
+/// to the speed whose stop has this number. The number of pieces grows with the square of the speed.
 const FULL: f32 = WAY_PIECES as f32 * (100.0 / 128.0);
 
 /// Lowest cap: an LSB of the path distance per tick, mm, which is a standstill. Nothing is faster than

@@ -319,7 +319,8 @@ impl<const AXES: usize, const BLOCKS: usize> Default for CurveRing<AXES, BLOCKS>
     }
 }
 
-/// The lower word has its highest value, so a half-written start is never before the final value.
+/// A start that is out of reach after a path end: [`OUT_OF_REACH`]. The lower word has its highest value, so
+/// a half-written start is never below the final value.
 const fn out_of_reach(end: i64) -> i64 {
     end.wrapping_add(OUT_OF_REACH) | 0xFFFF_FFFF
 }

@@ -116,7 +116,7 @@ pub struct Keeper<'a, M: Memory = Ram> {
 pub struct Taker<'a, M: Memory = Ram> {
     reserve: &'a Reserve<M>,
     next: u32,
-    /// The index among the continuing pieces of the current place.
+    /// Index of the next piece within its place.
     change: usize,
 }
 

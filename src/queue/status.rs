@@ -79,7 +79,7 @@ pub struct Words<const AXES: usize, M: Memory = Ram> {
     n: M::Word,
     /// The lower half of the block's number.
     block: M::Word,
-    /// Set points of the last two ticks, in turn.
+    /// Set points of the last two ticks: even ticks write the first place, odd ticks the second.
     set_points: [[Long<M::Word>; AXES]; 2],
 }
 

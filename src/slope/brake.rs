@@ -232,7 +232,7 @@ impl Brake {
 
     /// The speed from which on v + a²/2j ≤ `most` holds, mm/tick. `profile` holds the parts of the braking,
     /// and `a_most` is √(2·j·`most`). The jerks of the profile are at most j. While the deceleration rises,
-    /// the sum v + a²/2j does not grow, so the speed before is an upper bound. Later the sum falls.
+    /// the sum v + a²/2j does not grow, so it is at most the speed at the start. Later the sum falls.
     pub fn trade(&self, profile: &Profile, most: f32, a_most: f32) -> f32 {
         let j = a_most * a_most / (2.0 * max(most, f32::MIN_POSITIVE));
         let down = &profile.down;

@@ -254,8 +254,8 @@ const ROUNDING: u64 = 64;
 /// The six lengths of a profile are rounded to 2^-44 mm each. Their sum exceeds the length of the block by at
 /// most this number of LSB.
 const ROUNDED_LENGTHS: i64 = 4;
-/// Times may shrink by this power of two without use of the margins. In a short block, a rounded length is a
-/// larger part of the block. There the length changes instead of the times.
+/// All times of a profile may shrink by the factor 1 − 2^-22: the margins stay unused. In a short block,
+/// rounding is a larger part of the length. There a length changes instead of the times.
 const MARGIN: u32 = 22;
 
 /// If needed, a peak is lowered by this power of two, relative to itself.

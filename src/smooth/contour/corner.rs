@@ -179,7 +179,8 @@ fn swing(distance: f32) -> Option<f32> {
     (a < 0.0 && square >= 0.0).then(|| -3.0 * a / (2.0 * b + sqrt_f32(square)))
 }
 
-/// Number of halvings in the search for a place, and number of places on a whole curve.
+/// Number of times that the search for a place halves its range. The second value is the number of places
+/// on a whole curve.
 const HALVINGS: u32 = 20;
 const TRACK_PLACES: u32 = 16;
 
@@ -356,8 +357,8 @@ pub struct Turn {
 /// Smallest distance in space per path distance.
 const SLOWEST: f32 = 1.0 / 1024.0;
 
-/// Returns `None` in two cases: the main axes do not move on both sides, or the feed axes do not cover the
-/// path.
+/// The turn between two sides of a corner. Returns `None` in two cases: the main axes do not move on both
+/// sides, or the feed axes do not cover the path.
 pub fn turn<const AXES: usize>(measure: &Measure, before: &Side<AXES>, behind: &Side<AXES>) -> Option<Turn> {
     let main = &measure.main;
     let moves = |side: &Side<AXES>| {

@@ -128,7 +128,7 @@ impl<const AXES: usize> Portion<'_, AXES> {
 struct Cuts {
     /// Number of steps of each element, minus one.
     steps: [u8; MOST_CUTS],
-    /// Number of elements, and number of steps of the element that is tried next.
+    /// Number of elements. `step`: number of steps of the element that is tried next.
     count: u8,
     step: u16,
 }

@@ -603,7 +603,7 @@ impl<const AXES: usize> Contouring<AXES> {
         if self.joining.is_some() { self.waiting() } else { self.held() }
     }
 
-    /// Replaces the rest of a curve that cannot be made by a line. At the end of the curve, there is no rest.
+    /// If a curve cannot be made, a line replaces its rest. At the end of the curve, there is no rest.
     #[cold]
     #[inline(never)]
     fn go_straight(&mut self) {

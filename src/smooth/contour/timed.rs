@@ -266,7 +266,7 @@ fn product<const SHIFT: u32>(a: i64, b: i64) -> i64 {
 /// first.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Form {
-    /// Path of the whole rise, which is twice its distance, and path of a ramp.
+    /// Length of the path of the whole rise, which is twice the distance. `ramp`: path length of a ramp.
     path: i64,
     ramp: i64,
     /// Data for fractions of `path` and `ramp`.

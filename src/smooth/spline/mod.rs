@@ -99,7 +99,7 @@ struct Ends<const AXES: usize> {
     given: Given<AXES>,
     /// Start of the curve after a block with a given end: point, direction and curvature.
     entry: Option<End<AXES>>,
-    /// End of the curve before a block with a given start.
+    /// End of the curve before a block with a given start: point, direction and curvature.
     exit: Option<End<AXES>>,
 }
 

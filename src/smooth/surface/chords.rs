@@ -85,7 +85,7 @@ impl<const AXES: usize> Source<AXES> {
         Self { block, next, step, from, exact, parted, half: false, is_over: false }
     }
 
-    /// Returns the next chord without a step to the one after it.
+    /// The next chord. The call does not step: [`Self::go_on`] does.
     pub fn chord(&self, window: &Window<AXES>) -> Option<Chord<AXES>> {
         let Data { feed, n, number, .. } = self.block.data;
         let programmed = Programmed { feed, n, number };

@@ -28,8 +28,8 @@ const SHARP: f32 = 1.2;
 /// lines join to one smooth curve.
 const APART: f32 = 2.5;
 const ONE_CURVE: f32 = 0.34;
-/// The same with STEP, for every turn. Acceleration has no ramps with STEP, so a curve alone costs little
-/// time. Only far shorter lines gain by smoothing curves.
+/// With STEP: number of widths above which a line can make an edge, for every turn. Acceleration has no ramps
+/// with STEP, so a curve alone costs little time. Only far shorter lines gain by smoothing curves.
 const STEPPED_APART: f32 = 0.05;
 /// Sharp turns between shorter lines belong to a run that turns back. There the smoothing curve is compared
 /// with a stop only.

@@ -160,7 +160,7 @@ impl Parameters {
         length > self.longest
     }
 
-    /// Largest share of the kernels' cut by which vertices move out.
+    /// Largest gain of a vertex: see the `gain` of the vertices in the window.
     pub const fn gain(&self) -> f32 {
         if self.controlled { CONTROLLED } else { 1.0 }
     }
