@@ -176,8 +176,8 @@ impl<const AXES: usize> Dynamics<AXES> {
     ///
     /// |x''|·v² + |x'|·a ≤ a_max,  |x'''|·v³ + 3·|x''|·v·a + |x'|·j ≤ B.
     ///
-    /// The result has the one of five speeds with which the element alone takes the least time, as for an
-    /// arc. An element of constant speed has the highest of these speeds. The rest of its acceleration then
+    /// As for an arc, five speeds are compared. The result has the speed with which the element alone takes
+    /// the least time. An element of constant speed has the highest of these speeds. The rest of its acceleration then
     /// serves commands of the operator. With CONST_VEL, this rest also serves the motion from and to a
     /// standstill ([`Loose`]).
     pub fn polynomial(

@@ -261,8 +261,8 @@ impl<M: Memory> Clock<M> {
 
 /// Functions for the operator.
 impl<M: Memory> Clock<M> {
-    /// Number of ended ticks, in units of [`TICK`]. Also whether the last tick used a piece, and whether set
-    /// points moved without a piece. For a snapshot: see [`Self::is_at`].
+    /// Number of ended ticks, in units of [`TICK`]. The first flag tells whether the last tick used a piece.
+    /// The second flag tells whether set points moved without a piece. For a snapshot: see [`Self::is_at`].
     pub fn ended(&self) -> (u32, [bool; 2]) {
         let now = self.now.load(Ordering::Acquire);
         let ended = now.wrapping_add(self.idle.load(Ordering::Acquire));

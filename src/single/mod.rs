@@ -514,9 +514,9 @@ impl Single {
         Ok(true)
     }
 
-    /// Plans a stroke to `target`. `all` converts the ticks that the stroke needs into its ticks with the
-    /// standstill. If the standstill is too long for a piece, a part is left for later. If the stroke takes
-    /// too long, it ends before the target, at [`Self::at`].
+    /// Plans a stroke to `target` and the standstill after it. `all` converts the ticks of the stroke to the
+    /// ticks of both. If the standstill is too long for a piece, a part is left for later. If the stroke
+    /// takes too long, it ends before the target, at [`Self::at`].
     fn lay_stroke(
         &mut self,
         before: Goal,
