@@ -24,7 +24,7 @@ use crate::smooth::Smoother;
 /// full ring.
 const LOW: u32 = 64;
 
-/// As [`LOW`], for a planner that does not keep up, whose plan takes longer.
+/// As [`LOW`], for a planner that is slower than the motion: its plan takes longer.
 const DRY: u32 = 256;
 
 /// Released curves and pieces: fewer than this number count as few. With a full ring, more of them are left

@@ -168,7 +168,7 @@ pub(super) fn ends<const AXES: usize>(
     true
 }
 
-/// As [`Self::ends`], and the second block becomes its rest after the curve.
+/// As [`ends`], and the second block becomes its rest after the curve.
 #[inline(never)]
 pub(super) fn enter<const AXES: usize>(
     held: &HeldBlock<AXES>,
