@@ -74,7 +74,8 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         self.decoder.externals.variables = variables;
     }
 
-    /// #FLUSH WAIT: if there are variables from outside, the planner reads the next lines when the axes stand still.
+    /// #FLUSH WAIT: if there are variables from outside, the planner reads the next lines when the axes
+    /// stand still.
     pub(super) const fn wait_for_standstill(&mut self) {
         self.loops.waits = self.decoder.externals.exist();
     }

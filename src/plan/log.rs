@@ -83,7 +83,8 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         }
     }
 
-    /// #CONTOUR LOOKAHEAD LOG CLEAR: clears the log at a standstill before the next motion block. No block is taken until then.
+    /// #CONTOUR LOOKAHEAD LOG CLEAR: clears the log at a standstill before the next motion block. No block
+    /// is taken until then.
     ///
     /// # Errors
     /// Too many commands wait for one motion block.
