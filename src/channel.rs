@@ -69,7 +69,7 @@ use crate::technology::Function;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Progress {
-    /// A bounded piece of work is done and there is more. Call again at once.
+    /// A bounded piece of work is done, and there is more. Call again at once.
     Working,
     /// There is nothing to do now: the queue is full, program text is missing, or the axes stand for a feed hold or an
     /// acknowledgement. Call again after some ticks.
@@ -80,19 +80,19 @@ pub enum Progress {
     Replanned,
     /// The program contains a doubtful word. The program continues.
     Warning(NcWarning),
-    /// Program text is late: the axes stop at the end of the known path, and resume when text arrives. Each such stop
-    /// is reported once.
+    /// Program text is late. The axes stop at the end of the known path, and resume when text arrives. Each
+    /// such stop is reported once.
     Starved,
-    /// The planner got too little time: the axes stopped on the path, and resume now. Each such stop is
+    /// The planner was called too rarely: the axes stopped on the path, and resume now. Each such stop is
     /// reported once.
     Late,
-    /// The motion is slower than programmed. A stop from the programmed speed would need more than 126 pieces (30 in a
-    /// small build), or would lead further than the interpolator knows the path. The planner reports this once, and
-    /// again after the programmed speed has been possible in between.
+    /// The motion is slower than programmed. A stop from the programmed speed would need more than 126 pieces
+    /// (30 in a small build), or would lead beyond the path that the interpolator knows. The planner reports
+    /// this once, and again after the programmed speed was possible in between.
     Slower,
-    /// A defect of the planner: the filter of the axis with this index exceeded AX_DEV of `#FILTER`, or the axis
-    /// exceeded 0.25 mm per cycle² and was not filtered. The planner reports this once until `#FILTER` changes the
-    /// filters. [`Planner::filter_deviation`] gives the deviation.
+    /// A defect of the planner. The filter of the axis with this index exceeded AX_DEV of `#FILTER`; or the
+    /// axis exceeded 0.25 mm per cycle² and was not filtered. The planner reports this once until `#FILTER`
+    /// changes the filters. [`Planner::filter_deviation`] gives the deviation.
     Deviated(usize),
     /// The program has ended and all motion is planned. Keep calling while the axes move: commands of the operator
     /// still act.
@@ -114,7 +114,7 @@ struct Held {
     n: u32,
     function: Function,
     in_motion: bool,
-    /// The motion waits for this function, whatever the machine data say.
+    /// Whether the motion waits for this function, whatever the machine data say.
     #[cfg(feature = "grbl")]
     pauses: bool,
 }
@@ -133,10 +133,11 @@ impl Held {
 
 /// Reads the program and plans the motion. This handle belongs to a task or to the main loop.
 ///
-/// One channel lives from power-up to power-off. The channel is *at rest* ([`Self::is_at_rest`]) when the axes stand
-/// and all commands read so far are carried out. This is the case before the first program, at the end of a program,
-/// after a refused line, after an abort, and while a stream has no text. At rest the planner takes the next text. The
-/// new motion begins where the axes stand, to the last bit.
+/// One channel lives from power-up to power-off. The channel is *at rest* ([`Self::is_at_rest`]) when the
+/// axes stand still and all commands read so far are carried out. The channel is at rest before the first
+/// program, at the end of a program, after a refused line, and after an abort. It is also at rest while a
+/// stream has no text. At rest, the planner takes the next text. The new motion begins exactly where the axes
+/// are.
 ///
 /// | call | text | modal functions, F, G92, P parameters, contour mode, slope, weights |
 /// |---|---|---|
@@ -145,9 +146,10 @@ impl Held {
 /// | [`Self::continue_with`] | a new one, from its start | stay in force: single lines (MDI) |
 /// | [`Self::go_on`] | the same one, after the refused line | as before the refused line |
 ///
-/// Program start is ISG's initial state: G01, G17, G71, G90, G359, G260 and no F; G53 or the offset of P-ZERO-00002; the
-/// slope of P-CHAN-00071; no weights, no limits along the path; all axes belong to the channel. Zero offsets, positions,
-/// override and reduced speed belong to the machine: no program resets them.
+/// Program start is ISG's initial state. Words: G01, G17, G71, G90, G359, G260 and no F. Zero offset: G53, or
+/// that of P-ZERO-00002. Slope: that of P-CHAN-00071. There are no weights and no limits along the path, and
+/// all axes belong to the channel. Zero offsets, positions, override and reduced speed belong to the machine:
+/// no program resets them.
 ///
 /// An abort, or a plan that failed, stops the axes before some lines that are already read. The modal state of these
 /// lines is void, so [`Self::continue_with`] then begins with the state of program start. An abort at rest has the same
@@ -172,8 +174,8 @@ pub struct Planner<
     held: Option<Held>,
     /// Axes given away by `#PUT AX`, bit i for axis i.
     released: u32,
-    /// The modal state does not belong to the position of the axes: after an abort, or after a plan that
-    /// failed.
+    /// Whether the modal state does not belong to the position of the axes: after an abort, or after a plan
+    /// that failed.
     lost: bool,
     filters: F,
     /// Motions of single axes.
@@ -181,7 +183,7 @@ pub struct Planner<
     /// The last command, while a program is only checked.
     #[cfg(feature = "examine")]
     seen: Option<Command<AXES>>,
-    /// The last command of a run is kept, too.
+    /// Whether the last command of a run is kept too.
     #[cfg(feature = "examine")]
     watches: bool,
     /// Real-time loops.
@@ -203,9 +205,9 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
     /// `docs/figures.md` has the instruction count of the longest call.
     ///
     /// # Errors
-    /// A line is refused. The motion before the line stays valid and ends in a stop: further calls plan this motion and
-    /// end in [`Progress::Done`]. At rest [`Self::go_on`] continues after the line, and [`Self::load`] takes another
-    /// program.
+    /// A line is refused. The motion before the line stays valid and ends in a stop. Further calls plan this
+    /// motion, up to [`Progress::Done`]. At rest, [`Self::go_on`] continues after the line, and
+    /// [`Self::load`] takes another program.
     pub fn poll(&mut self) -> Result<Progress, Error> {
         if OVERLAYS > 0 { self.poll_both() } else { self.poll_path() }
     }
@@ -213,7 +215,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
     /// Does one piece of work for the path.
     #[cfg_attr(feature = "fast", inline(always))]
     fn poll_path(&mut self) -> Result<Progress, Error> {
-        // At rest there is nothing to hold and nothing to abort.
+        // At rest, there is no motion to hold or to abort.
         if self.source == Source::Ended && self.planning.is_idle() {
             if self.filters.is_pending() {
                 return Ok(self.change_filters());
@@ -287,7 +289,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         }
     }
 
-    /// All work is done. Reports about the last curves come first.
+    /// Returns the next report, or `Done`: all work is done. Reports about the last curves come first.
     #[cold]
     fn done(&mut self) -> Progress {
         match self.planning.last_remark() {
@@ -311,8 +313,9 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
     /// [`Progress::Waiting`], for a task that sleeps in between. The motion is the same as with a call after each tick;
     /// its speed is not reduced.
     ///
-    /// A command of the operator, an acknowledgement or new program text acts at the planner's next call, so their
-    /// source wakes the task. `None`: the axes stand, and only one of these three events lets them move again.
+    /// Commands of the operator, acknowledgements and new program text act at the planner's next call. So
+    /// their source has to wake the task. Returns `None` if the axes stand still and only one of these three
+    /// events lets them move again.
     pub fn wakes_after(&self) -> Option<u32> {
         let stands =
             self.is_waiting() || self.is_holding() || (self.is_at_rest() && self.filters.is_settled());
@@ -339,15 +342,15 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         self.planning.searched()
     }
 
-    /// The point of a curve at `part` 2^16ths of the curve's length, and the motion block. `None` if the
-    /// curve is no longer in the queue.
+    /// The point of a curve at `part` 2^16ths of the curve's length, and its motion block. Returns `None` if
+    /// the curve is no longer in the queue.
     #[doc(hidden)]
     pub fn point(&self, curve: u32, part: u32) -> Option<(u32, [crate::quantity::Position; AXES])> {
         self.planning.point(curve, part)
     }
 
-    /// Decodes a line. Reading a line and returning its first command are two steps of the decoder; a short
-    /// line takes one call. A separate function, so that its stack frame does not lie below the planning.
+    /// Decodes a line. The decoder reads a line in one step and returns its first command in another; a short
+    /// line takes one call. A separate function, so that its stack frame does not exist during planning.
     #[inline(never)]
     fn decode(&mut self) -> Result<Progress, Error> {
         #[cfg(feature = "plc")]
@@ -373,8 +376,8 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         Ok(Progress::Working)
     }
 
-    /// Ends the run of blocks that smoothing holds back, before a command that changes the dynamics. The blocks keep
-    /// the dynamics that were in force. Returns whether the run must be planned first.
+    /// Ends the run of blocks that smoothing holds back, before a command that changes the dynamics. The held
+    /// blocks keep the dynamics that were in force. Returns whether the run must be planned first.
     #[cold]
     #[inline(never)]
     fn ends_row(&mut self) -> bool {
@@ -382,7 +385,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         changes && self.planning.end_row()
     }
 
-    /// Program text is late.
+    /// Handles late program text.
     #[inline(never)]
     fn go_without(&mut self) -> Progress {
         match self.planning.go_without() {
@@ -460,7 +463,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         }
     }
 
-    /// Drops the lines that were read ahead of the coming stop.
+    /// Drops the lines that were read beyond the coming stop.
     #[cold]
     fn lose(&mut self) {
         self.beside.stop();
@@ -473,7 +476,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         self.decoder.refuse();
     }
 
-    /// Stops after the last block, for the one tick that shows the end.
+    /// Stops after the last block, with a tick that shows the end.
     fn end(&mut self) {
         self.planning.rest(1);
         self.source = Source::Ending;
@@ -508,8 +511,8 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         Ok(Progress::Working)
     }
 
-    /// Carries out any command but a motion. A separate function, so that its stack frame does not lie below
-    /// motions.
+    /// Carries out any command except a motion. A separate function, so that its stack frame does not exist
+    /// during motions.
     #[inline(never)]
     fn carry_out(&mut self, command: &Command<AXES>) -> Result<Progress, Error> {
         let refuse = |name| Err(Error::NotAvailable(command.place(), name));
@@ -518,7 +521,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         match command {
             Command::Dwell(head, DwellTime::Seconds(time)) => {
                 let at_corner = self.planning.rounds();
-                // From 2^-32 s to µs to ticks, rounded up.
+                // Converts 2^-32 s to µs and then to ticks, rounded up.
                 let us = mul_shift(time.to_bits().max(0), 1_000_000, 32).unsigned_abs();
                 let cycle = u64::from(self.cycle_us);
                 self.planning.rest(div_wide(0, us + cycle - 1, cycle) + self.settling());
@@ -552,8 +555,8 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
             Command::FlushWait(_) => self.flush_and_wait(),
             Command::Oscillation(..) | Command::Independent(..) if OVERLAYS > 0 => self.hold_back(command),
             Command::WaitIndependent(_, axes) => self.wait_independent(*axes),
-            // An exact stop came together with the motion. The other commands switch off functions that this
-            // version cannot switch on.
+            // The exact stop was taken together with the motion. The other commands switch functions off that
+            // this version cannot switch on.
             Command::ExactStop(..) | Command::ProgramEnd(..) => {}
             Command::Contour(head, contour) => self.contour(head, contour)?,
             Command::Spline(head, spline) => return self.spline(head, spline),
@@ -587,7 +590,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         Ok(Progress::Working)
     }
 
-    /// The axes come to rest, and so do those beside the path.
+    /// Stops the path and the single axes.
     #[inline(always)]
     fn flush_and_wait(&mut self) {
         self.planning.rest(0);
@@ -596,7 +599,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         self.wait_for_standstill();
     }
 
-    /// A pause, an output or a wait for an input, in a dialect other than ISG's.
+    /// Carries out a pause, an output or a wait for an input, in a dialect other than ISG's.
     #[cfg(feature = "grbl")]
     fn put_out(&mut self, command: &Command<AXES>) -> Result<Progress, Error> {
         let held = match command {
@@ -748,8 +751,8 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         Progress::Working
     }
 
-    /// Outputs a function for which there was no room before: motion and acknowledgements make room. A separate
-    /// call, because [`Self::output`] has the command on the stack.
+    /// Outputs a function for which there was no room before: motion and acknowledgements have made room. A
+    /// separate call, because [`Self::output`] has the command on the stack.
     #[inline(never)]
     fn output_held(&mut self, held: Held) -> Progress {
         let progress = self.output(held);

@@ -1,9 +1,10 @@
 //! The memory words of the operator's commands and acknowledgements: override, feed hold, resume, abort,
 //! reduced speed.
 //!
-//! [`crate::operator::Operator`] writes the commands. Each word has one writer, the operator or the planner. So the
-//! operator gives commands at any time, without a lock and without waiting. Compare-and-swap, which small cores lack,
-//! is not needed. The planner reads the words in each call and acts a few ticks later ([`crate::plan`]).
+//! [`crate::operator::Operator`] writes the commands. Each word has one writer, the operator or the planner.
+//! So the operator may give a command at any time, without a lock and without waiting. The words do not need
+//! compare-and-swap, which small cores lack. The planner reads the words in each call and acts a few ticks
+//! later ([`crate::plan`]).
 mod acknowledge;
 
 pub(crate) use acknowledge::OPEN;
@@ -16,7 +17,7 @@ use core::sync::atomic::{AtomicU32, Ordering};
 /// Highest override: 200 %, LSB 0.1 %.
 pub const MAX_OVERRIDE: u16 = 2000;
 
-/// 100 %.
+/// Override of 100 %, LSB 0.1 %.
 pub const FULL_OVERRIDE: u16 = 1000;
 
 /// Commands share one word. The override is in the lower half of this word.
@@ -24,9 +25,9 @@ const FEED: u32 = 0xffff;
 const HOLD: u32 = 1 << 16;
 const ABORT: u32 = 2 << 16;
 const REDUCED: u32 = 4 << 16;
-/// An acknowledgement came that the planner has not read.
+/// Marks that an acknowledgement has come and the planner has not read it.
 const ANSWERED: u32 = 8 << 16;
-/// In the operator's word these bits replace [`ABORT`]: the number of aborts given.
+/// Number of aborts given: in the operator's word, these bits replace [`ABORT`].
 const ABORTS: u32 = 0xff << 24;
 const ONE_ABORT: u32 = 1 << 24;
 
@@ -55,22 +56,22 @@ pub struct Control {
 pub struct Commands {
     /// Feed override, 0…2000, LSB 0.1 %.
     pub feed: u16,
-    /// The motion is to stop on the path.
+    /// Whether the motion has to stop on the path.
     pub hold: bool,
-    /// The rest of the program is to be dropped.
+    /// Whether the rest of the program has to be dropped.
     pub abort: bool,
-    /// Every axis keeps its reduced speed (P-AXIS-00214).
+    /// Whether every axis keeps its reduced speed (P-AXIS-00214).
     pub reduced: bool,
 }
 
 impl Control {
-    /// The commands within the planner's word.
+    /// The bits of commands in the planner's word.
     pub(crate) const COMMANDS: u32 = !ANSWERED;
 
     /// The planner's word with full override and no command.
     pub(crate) const NORMAL: u32 = FULL_OVERRIDE as u32;
 
-    /// Full override, no hold.
+    /// 100 % override, no hold.
     pub(crate) const fn new() -> Self {
         let [given, seen] = [const { AtomicU32::new(Self::NORMAL) }; 2];
         Self { given, seen, ..Self::blank() }
@@ -97,7 +98,7 @@ impl Control {
     }
 }
 
-/// Calls of the operator.
+/// Functions for the operator.
 impl Control {
     /// Feed override, LSB 0.1 %.
     pub(crate) fn set_override(&self, feed: u16) {
@@ -115,7 +116,8 @@ impl Control {
     pub(crate) fn abort(&self) {
         let next = |aborts: u32| aborts.wrapping_add(ONE_ABORT) & ABORTS;
         let aborts = next(self.given.load(Ordering::Relaxed));
-        // The count of aborts must not wrap to the value of `aborted`: the abort would look carried out.
+        // The count of aborts must not wrap around to the value of `aborted`: the abort would then look
+        // carried out.
         let is_carried_out = aborts == self.aborted.load(Ordering::Relaxed);
         self.give(HOLD | ABORTS, if is_carried_out { next(aborts) } else { aborts });
     }
@@ -143,9 +145,9 @@ impl Control {
     }
 }
 
-/// Calls of the planner.
+/// Functions for the planner.
 impl Control {
-    /// All commands and acknowledgements in one word. A different value means a change.
+    /// All commands and acknowledgements in one word. A changed value means a new command or acknowledgement.
     #[inline(always)]
     pub(crate) fn word(&self) -> u32 {
         if self.changes.load(Ordering::Relaxed) != self.looked.load(Ordering::Relaxed) {
@@ -156,7 +158,7 @@ impl Control {
 
     #[inline(never)]
     fn look(&self) {
-        // A command that is given after this line counts as another change.
+        // A command that comes after this line counts as another change.
         self.looked.store(self.changes.load(Ordering::Acquire), Ordering::Relaxed);
         self.seen.store(self.gather(), Ordering::Relaxed);
     }
@@ -166,7 +168,7 @@ impl Control {
         self.answers.load(Ordering::Relaxed) != self.heard.load(Ordering::Relaxed)
     }
 
-    /// The acknowledged tickets, one bit each. These tickets become free.
+    /// The tickets that have been acknowledged, one bit each. These tickets become free.
     pub(crate) fn take_answers(&self) -> u32 {
         self.heard.store(self.answers.load(Ordering::Acquire), Ordering::Relaxed);
         self.look();
@@ -190,7 +192,7 @@ impl Commands {
         }
     }
 
-    /// Whether the motion is to stop.
+    /// Whether the motion has to stop.
     pub(crate) const fn standstill(&self) -> bool {
         self.hold || self.abort || self.feed == 0
     }

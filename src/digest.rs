@@ -13,12 +13,12 @@ impl Default for Digest {
 }
 
 impl Digest {
-    /// The digest of nothing.
+    /// The digest without set points.
     pub const fn new() -> Self {
         Self(0xcbf2_9ce4_8422_2325)
     }
 
-    /// Takes in one tick.
+    /// Adds the set points of one tick.
     pub fn add(&mut self, set_points: &[Position]) {
         for point in set_points {
             let bits = point.to_bits() as u64;
@@ -28,7 +28,7 @@ impl Digest {
         }
     }
 
-    /// The number.
+    /// The value of the digest.
     pub const fn value(self) -> u64 {
         self.0
     }

@@ -1,5 +1,4 @@
-//! The proof that defmt can log what an application may want to log: every public error, and what the planner and
-//! the operator say.
+//! Proves at compile time that defmt can log every public error, and all reports of planner and operator.
 use crate::channel::{
     Error, GoOnError, MachineError, PlannedBlock, PositionError, Progress, ZeroOffsetError,
 };

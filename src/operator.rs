@@ -50,28 +50,28 @@ pub struct Status<const AXES: usize> {
     pub n: u32,
     /// Number of the motion block, counted from 0 since `Channel::split`.
     pub block: u32,
-    /// Distance that the feed axes have driven; wraps at ±2^19 mm. Without the feature `driven` it is the path distance as
-    /// planned.
+    /// Distance that the feed axes have driven; wraps around at ±2^19 mm. Without the feature `driven`, it is
+    /// the path distance as planned.
     pub distance: Distance,
-    /// Path distance as planned; wraps at ±2^19 mm. Inside a curve over time, the distance counts the time
-    /// that the curve takes at the feed.
+    /// Path distance as planned; wraps around at ±2^19 mm. Inside a curve over time, it is the time in the
+    /// curve multiplied by the feed speed.
     #[cfg(feature = "driven")]
     pub planned: Distance,
-    /// Mean speed of the set points over the last tick, along the feed axes; 0 at rest. If no feed axis moves, the main
-    /// axes count; if no main axis moves, all axes count. Resolution 2^-44 mm per tick.
+    /// Mean speed of the set points over the last tick, along the feed axes; 0 at standstill. If no feed axis
+    /// moves, the main axes count; if no main axis moves, all axes count. Resolution 2^-44 mm per tick.
     pub speed: Speed,
-    /// The state that the last tick returned.
+    /// The state that the last tick has returned.
     pub state: State,
-    /// Number of planned and unused pieces of the speed profile, 0…128 (0…32 in a small build). While the planner adds
-    /// pieces, the count may be two too low.
+    /// Number of planned pieces of the speed profile that are still unused, 0…128 (0…32 in a small build).
+    /// While the planner adds pieces, the count may be two too low.
     pub queued: u16,
     /// Ticks since the split, with and without motion of the path; modulo 2^31. The last tick has the number
     /// `ticks` − 1, as in [`Output::tick`].
     pub ticks: u32,
 }
 
-/// Gives commands to a channel and shows the state of the motion. The handle is `Send`, not `Sync`: one context at a
-/// time owns the operator.
+/// Gives commands to a channel and shows the state of the motion. The handle is `Send` and not `Sync`: only
+/// one context at a time owns it.
 ///
 /// A task calls [`Self::output`] as often as it can and acknowledges the functions that wait. An application without
 /// such a task moves the operator into the timer interrupt and calls [`Self::deliver`] after every tick.
@@ -119,12 +119,12 @@ impl<'a, const AXES: usize> Operator<'a, AXES> {
         self.control().set_reduced(reduced);
     }
 
-    /// The commands that are in force.
+    /// The commands in force.
     pub fn commands(&self) -> Commands {
         self.control().commands()
     }
 
-    /// Returns the next function whose point of the path has been reached. Call `output` until it returns
+    /// Returns the next function whose point on the path has been reached. Call `output` until it returns
     /// `None`.
     ///
     /// At most 32 functions can be pending, 16 in a small build. With less free room the look-ahead gets shorter;
@@ -144,11 +144,12 @@ impl<'a, const AXES: usize> Operator<'a, AXES> {
         }
     }
 
-    /// Acknowledges a function. If the same function was output several times, the call acknowledges the
-    /// first output.
+    /// Acknowledges a function. If the same function has been output several times, the call acknowledges the
+    /// first of these outputs.
     ///
     /// # Errors
-    /// Returns [`Unexpected`] if no output of the function waits; the call then changes nothing.
+    /// Returns [`Unexpected`] if no output of the function waits for an acknowledgement; nothing changes
+    /// then.
     pub fn acknowledge(&self, function: Function) -> Result<(), Unexpected> {
         self.control().acknowledge(function)
     }
@@ -158,8 +159,8 @@ impl<'a, const AXES: usize> Operator<'a, AXES> {
         self.control().acknowledgements().awaited()
     }
 
-    /// The result of the last tick. If a tick comes during the call, the call reads again: once or twice on the
-    /// interrupt's core, and as long as the tick runs on another core.
+    /// The result of the last tick. If a tick comes during the call, the call reads again. On the interrupt's
+    /// core, this happens once or twice. On another core, the call repeats until the tick ends.
     pub fn status(&self) -> Status<AXES> {
         #[cfg(feature = "driven")]
         let (seen, distance) = self.panel.read();
@@ -183,7 +184,7 @@ impl<'a, const AXES: usize> Operator<'a, AXES> {
             distance,
             #[cfg(feature = "driven")]
             planned: seen.distance,
-            // From 2^-44 to 2^-58 mm per tick.
+            // Converts from 2^-44 to 2^-58 mm per tick.
             speed: Speed::from_bits(self.measure.path(&travel).to_bits().saturating_mul(1 << 14)),
             state,
             queued: seen.queued,

@@ -19,8 +19,8 @@
 //! | [`Jerk`] | mm/tick³ | I6F58 | 2^-58 | ±32 | limits down |
 //! | [`Time`] | ticks | U28F36 | 2^-36 | 0…2^28 | down, what is left goes to the cruise |
 //!
-//! Speeds are per tick, so the interrupt needs no multiplication by time. A block that moves no main axis
-//! counts degrees instead of millimetres.
+//! Speeds are per tick, so the interrupt needs no multiplication by time. For a block that moves no main
+//! axis, degrees replace millimetres.
 use crate::math::float::{to_bits, to_f32};
 use fixed::types::{I6F58, I20F44, I32F32, U28F36};
 
@@ -61,7 +61,7 @@ macro_rules! quantity {
 }
 
 quantity!(
-    /// Length along the path, mm, LSB 2^-44. The value wraps at ±2^19 mm, so only differences of two
+    /// Length along the path, mm, LSB 2^-44. The value wraps around at ±2^19 mm, so only differences of two
     /// distances have a meaning.
     Distance, I20F44, i64);
 quantity!(
@@ -74,7 +74,7 @@ quantity!(
     /// Path jerk, mm/tick³, LSB 2^-58.
     Jerk, I6F58, i64);
 quantity!(
-    /// Duration or instant, ticks, LSB 2^-36.
+    /// Duration or time, ticks, LSB 2^-36.
     Time, U28F36, u64);
 
 /// An LSB of a [`Distance`], mm.
@@ -93,8 +93,8 @@ pub fn speed_f32(bits: i64) -> f32 {
     to_f32(bits) * SPEED_LSB
 }
 
-/// A position with a fixed number of decimals, at most 18, rounded to nearest, ties to even. `Display` of the `fixed`
-/// crate would contain an index that could panic.
+/// A position with a fixed number of decimals, at most 18, for output. It is rounded to nearest, ties to
+/// even. `Display` of the `fixed` crate contains an index that could panic.
 #[doc(hidden)]
 pub struct Decimal {
     /// LSB 2^-32.

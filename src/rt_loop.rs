@@ -1,8 +1,8 @@
-//! Real-time loops: the blocks between `#RT WHILE` and `#RT ENDWHILE`, driven again until a PLC ends them.
+//! Real-time loops: the blocks between `#RT WHILE` and `#RT ENDWHILE` repeat until a PLC ends them.
 //!
-//! The planner reads the loop once and keeps its commands here. Then it plans them pass after pass, as long as
-//! V.RTG.LOOP.ENABLED is true. So the look-ahead sees one long path: the motion passes the seam between two passes
-//! as it passes any other transition.
+//! The planner reads the loop once and stores its commands. Then it plans one pass after the other while
+//! V.RTG.LOOP.ENABLED is true. For the look-ahead, all passes are one long path: the motion passes the seam
+//! between two passes like any other transition.
 //!
 //! ```
 //! use glidepath::rt_loop::LoopMemory;
@@ -31,7 +31,7 @@ pub(crate) enum Stored<const AXES: usize> {
 }
 
 impl<const AXES: usize> Stored<AXES> {
-    /// The same command.
+    /// The stored command.
     pub const fn command(&self) -> Command<AXES> {
         match *self {
             Self::Motion(motion) => Command::Motion(motion),
@@ -42,36 +42,36 @@ impl<const AXES: usize> Stored<AXES> {
     }
 }
 
-/// What is shared with the PLC.
+/// State that the planner and the PLC share.
 struct Shared {
     flag: LoopFlag,
-    /// Passes decided on. Written by the planner.
+    /// Number of passes that the planner has begun to plan. Only the planner writes it.
     passes: AtomicU32,
 }
 
 /// Memory of real-time loops with room for `COMMANDS` commands: motion blocks and commands of the log.
 ///
-/// P-STUP-00033 (fb_storage_size) counts the bytes of the commands, and says how many of them a loop may have: the smaller
-/// of both bounds counts. All bits but unused ones are zero when new, so that a
-/// static one lies in `.bss`.
+/// P-STUP-00033 (fb_storage_size) limits the bytes of the commands; the smaller one of both limits acts. A
+/// new memory consists of zero bytes, except for unused ones. So a static memory lies in `.bss`.
 pub struct LoopMemory<const AXES: usize, const COMMANDS: usize> {
     commands: Vec<Stored<AXES>, COMMANDS>,
     shared: Shared,
 }
 
 impl<const AXES: usize, const COMMANDS: usize> LoopMemory<AXES, COMMANDS> {
-    /// Bytes of the commands.
+    /// Size of the memory for commands, bytes.
     pub const BYTES: usize = COMMANDS * Self::COMMAND_BYTES;
-    /// Bytes of one command.
+    /// Size of one command, bytes.
     pub const COMMAND_BYTES: usize = size_of::<Stored<AXES>>();
 
-    /// Nothing is in it, and V.RTG.LOOP.ENABLED is false.
+    /// An empty memory; V.RTG.LOOP.ENABLED is false.
     pub const fn new() -> Self {
         let shared = Shared { flag: LoopFlag::new(), passes: AtomicU32::new(0) };
         Self { commands: Vec::new(), shared }
     }
 
-    /// The planner's end, for [`crate::Planner::real_time_loops`], and the PLC's. V.RTG.LOOP.ENABLED is false.
+    /// Clears the memory. Returns the planner's handle, for [`crate::Planner::real_time_loops`], and the
+    /// PLC's handle. V.RTG.LOOP.ENABLED is false.
     pub fn split(&mut self) -> (LoopStore<'_, AXES>, LoopSwitch<'_>) {
         *self = Self::new();
         let Self { commands, shared } = self;
@@ -87,38 +87,40 @@ impl<const AXES: usize, const COMMANDS: usize> Default for LoopMemory<AXES, COMM
     }
 }
 
-/// The PLC's end. `Copy`, `Send` and `Sync`; one context calls [`Self::enable`] and [`Self::disable`].
+/// The PLC's handle. It is `Copy`, `Send` and `Sync`; only one context may call [`Self::enable`] and
+/// [`Self::disable`].
 #[derive(Clone, Copy)]
 pub struct LoopSwitch<'a> {
     shared: &'a Shared,
 }
 
 impl LoopSwitch<'_> {
-    /// V.RTG.LOOP.ENABLED becomes true: loops are entered and repeat.
+    /// Sets V.RTG.LOOP.ENABLED to true: programs enter loops and repeat them.
     pub fn enable(self) {
         self.shared.flag.set(true);
     }
 
-    /// V.RTG.LOOP.ENABLED becomes false: the motion leaves the loop at the end of the last pass that is planned.
+    /// Sets V.RTG.LOOP.ENABLED to false: the motion leaves the loop at the end of the last planned pass.
     pub fn disable(self) {
         self.shared.flag.set(false);
     }
 
-    /// V.RTG.LOOP.ENABLED, as the PLC or the program has set it last.
+    /// V.RTG.LOOP.ENABLED, as last set by the PLC or by the program.
     pub fn is_enabled(self) -> bool {
         self.shared.flag.get()
     }
 
-    /// Passes that are decided on since [`LoopMemory::split`], over all loops. It wraps.
+    /// Number of passes that the planner has begun to plan since [`LoopMemory::split`], over all loops. The
+    /// number wraps around.
     pub fn passes(self) -> u32 {
         self.shared.passes.load(Ordering::Acquire)
     }
 }
 
-/// The planner's end: the commands of a loop.
+/// The planner's handle: the commands of a loop.
 pub struct LoopStore<'a, const AXES: usize> {
     commands: &'a mut VecView<Stored<AXES>>,
-    /// Commands that P-STUP-00033 has room for.
+    /// Number of commands that P-STUP-00033 permits.
     room: usize,
     shared: &'a Shared,
 }
@@ -129,12 +131,12 @@ impl<'a, const AXES: usize> LoopStore<'a, AXES> {
         &self.shared.flag
     }
 
-    /// A loop has commands for so many bytes at most: P-STUP-00033.
+    /// Limits the commands of a loop to `bytes`: P-STUP-00033.
     pub(crate) fn limit(&mut self, bytes: u32) {
         self.room = bytes as usize / size_of::<Stored<AXES>>().max(1);
     }
 
-    /// No command.
+    /// Removes all commands.
     pub(crate) fn clear(&mut self) {
         self.commands.clear();
     }
@@ -144,26 +146,26 @@ impl<'a, const AXES: usize> LoopStore<'a, AXES> {
         self.shared.flag.get()
     }
 
-    /// Another pass is decided on.
+    /// Counts a pass that the planner begins to plan.
     pub(crate) fn pass(&self) {
         let passes = self.shared.passes.load(Ordering::Relaxed);
         self.shared.passes.store(passes.wrapping_add(1), Ordering::Release);
     }
 
-    /// The command with that number.
+    /// The command with this number, from 0.
     pub(crate) fn get(&self, number: usize) -> Option<&Stored<AXES>> {
         self.commands.get(number)
     }
 
-    /// Where the first command stands.
+    /// Place of the first command in the program text.
     pub(crate) fn place(&self) -> Option<Place> {
         self.get(0).map(|stored| stored.command().place())
     }
 
-    /// Takes in a command.
+    /// Stores a command.
     ///
     /// # Errors
-    /// A loop cannot have it, or there is no room for it.
+    /// The command is not permitted in a loop, or there is no room.
     pub(crate) fn push(&mut self, command: &Command<AXES>) -> Result<(), LoopError> {
         let stored = match command {
             Command::Motion(motion) if !motion.exact_stop => Stored::Motion(*motion),
@@ -182,7 +184,8 @@ impl<'a, const AXES: usize> LoopStore<'a, AXES> {
         self.commands.push(stored).map_err(|_| LoopError::Full(built))
     }
 
-    /// Whether a spline is on behind the last command, if one was on before the first: `before`.
+    /// Whether a spline is on after the last command. `before`: whether a spline was on before the first
+    /// command.
     pub(crate) fn spline(&self, before: bool) -> bool {
         let last = self.commands.iter().rev().find_map(|stored| match stored {
             Stored::Spline(_, on) => Some(*on),
@@ -191,7 +194,7 @@ impl<'a, const AXES: usize> LoopStore<'a, AXES> {
         last.unwrap_or(before)
     }
 
-    /// Where the last motion ends.
+    /// End position of the last motion.
     pub(crate) fn end(&self) -> Option<[Position; AXES]> {
         self.commands.iter().rev().find_map(|stored| match stored {
             Stored::Motion(motion) => Some(motion.target),
@@ -199,7 +202,7 @@ impl<'a, const AXES: usize> LoopStore<'a, AXES> {
         })
     }
 
-    /// Whether an axis moves on the way from `start` back to it.
+    /// Whether any axis moves between `start` and the end of the loop.
     pub(crate) fn moves(&self, start: &[Position; AXES]) -> bool {
         self.commands.iter().any(|stored| match stored {
             Stored::Motion(motion) => {
@@ -210,13 +213,13 @@ impl<'a, const AXES: usize> LoopStore<'a, AXES> {
     }
 }
 
-/// Why a real-time loop is refused. Numbers in the descriptions are those of ISG's messages.
+/// The reason why a real-time loop is refused. Numbers in the descriptions are those of ISG's messages.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum LoopError {
     /// 22073: a loop cannot have this command.
     NotInside(&'static str),
-    /// 22181: a loop inside of a loop.
+    /// 22181: a loop inside another loop.
     Nested,
     /// 22128: a spline is on where the loop begins.
     SplineBefore,
@@ -241,7 +244,7 @@ pub enum LoopError {
 }
 
 impl LoopError {
-    /// ISG's number of this message, 0 where none is known.
+    /// ISG's number of this message; 0 if none is known.
     pub const fn id(self) -> u32 {
         match self {
             Self::NotInside(_) => 22073,

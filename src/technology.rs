@@ -46,12 +46,12 @@ pub enum Function {
     /// M67 and M68 of LinuxCNC: analogue output with this port number, and the value.
     #[cfg(feature = "grbl")]
     Analog(u8, #[cfg_attr(feature = "defmt", defmt(Debug2Format))] Position),
-    /// M66 of LinuxCNC: the axes stand until this function is acknowledged.
+    /// M66 of LinuxCNC: the axes stand still until this function is acknowledged.
     #[cfg(feature = "grbl")]
     Input(InputWait),
 }
 
-/// The condition of M66. The application acknowledges the function when the input fulfils the condition, or
+/// The condition of M66. The application acknowledges the function when the input meets the condition, or
 /// when the time is over.
 #[cfg(feature = "grbl")]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -61,7 +61,7 @@ pub struct InputWait {
     pub port: u8,
     /// `true`: an analogue input (word E). `false`: a digital input (word P).
     pub is_analog: bool,
-    /// Word L. 0: at once. 1: the input rises. 2: the input falls. 3: the input is high. 4: the input is low.
+    /// Word L. 0: no wait. 1: the input rises. 2: the input falls. 3: the input is high. 4: the input is low.
     pub mode: u8,
     /// Word Q: longest wait in ms; 0 for L0.
     pub timeout_ms: u32,
@@ -73,7 +73,7 @@ pub struct InputWait {
 pub struct Ticket(pub(crate) u32);
 
 impl Ticket {
-    /// Nothing waits.
+    /// No acknowledgement is needed.
     pub(crate) const NONE: Self = Self(0);
 
     /// Whether the motion waits for an acknowledgement.
@@ -82,11 +82,11 @@ impl Ticket {
     }
 }
 
-/// Something to do at a point of the path.
+/// An action at a point of the path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Action {
-    /// The operator outputs a function. The ticket names the acknowledgement, if the motion waits for one.
+    /// Output of a function. The ticket names the acknowledgement, if the motion waits for one.
     Out(Function, Ticket),
 }
 
@@ -100,7 +100,7 @@ pub struct Output {
     pub n: u32,
     /// The function.
     pub function: Function,
-    /// Whether the axes stand at the synchronisation point until
+    /// Whether the axes stand still at the synchronisation point until
     /// [`acknowledge`](crate::operator::Operator::acknowledge) is called.
     pub waits: bool,
 }

@@ -26,8 +26,8 @@
 //! A tick calculates in integers: no division, no square root, no loop without a fixed bound.
 //!
 //! 1. When the current piece of the speed profile is used up, the tick takes the next one
-//!    ([`crate::queue::Timeline`]). The same step takes a change of plan, or the reserve if the planner is late.
-//!    Without a piece the set points stay.
+//!    ([`crate::queue::Timeline`]). The same step takes a change of plan. If the planner is late, this step
+//!    takes the reserve. Without a piece, the set points stay.
 //! 2. The tick evaluates the cubic of the piece. The value is the path distance.
 //! 3. The tick drops the curves that the distance has passed ([`crate::queue::CurveConsumer::follow`]) and
 //!    evaluates the current curve ([`crate::queue::Track::at`]).
@@ -35,8 +35,8 @@
 //! 5. The tick marks the functions that are due and writes its result for the operator
 //!    ([`crate::operator::Operator`]).
 //!
-//! The planner guarantees the preconditions of the tick: a piece lasts at least one tick, its curve is in the ring,
-//! and at most [`crate::queue::MAX_CURVES_PER_TICK`] curves begin within a tick.
+//! The planner guarantees three conditions for the tick: a piece lasts at least one tick, its curve is in the
+//! ring, and at most [`crate::queue::MAX_CURVES_PER_TICK`] curves begin within a tick.
 use crate::fir::{FilterTick, Unfiltered};
 use crate::quantity::{Accel, Distance, Position, Speed};
 use crate::queue::{OverlayReceiver, Receiver};
@@ -45,10 +45,10 @@ use crate::queue::{OverlayReceiver, Receiver};
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum State {
-    /// The axes stand: nothing is planned, or the motion is stopped by a feed hold or waits for an
-    /// acknowledgement.
+    /// The axes stand still. Either nothing is planned, or the motion is stopped by a feed hold, or it waits
+    /// for an acknowledgement.
     Idle,
-    /// The path rests, and axes may still move: filters settle, or single axes move.
+    /// The path stands still, but axes may move: filters settle, or single axes move.
     Settling,
     /// The tick gave a set point of the planned motion. Dwell time counts as motion.
     Active,
@@ -61,10 +61,10 @@ pub struct Telemetry {
     pub n: u32,
     /// Number of the motion block, counted from 0 since the split.
     pub block: u32,
-    /// Path distance as planned; wraps at ±2^19 mm. In a curve that is planned over time the axes drive less:
+    /// Path distance as planned; wraps around at ±2^19 mm. In a curve over time, the axes drive less:
     /// `Interpolator::driven_distance`, with the feature `driven`.
     pub distance: Distance,
-    /// Path speed. In a curve over time the axes are slower than this value: see
+    /// Path speed, mm/tick. In a curve over time, the axes are slower than this value: see
     /// [`Interpolator::path_slope`].
     pub speed: Speed,
     /// Path acceleration.
@@ -81,9 +81,9 @@ pub struct Interpolator<'a, const AXES: usize, F = Unfiltered, const OVERLAYS: u
 }
 
 impl<'a, const AXES: usize> Interpolator<'a, AXES> {
-    /// An interpolator whose axes stand at `start`, and which reads from `queue`. An application gets its interpolator
-    /// from [`crate::channel::Channel::split`]. Without a channel, the interpolator serves a [`crate::plan::Planning`]
-    /// whose motions do not come from an NC program.
+    /// An interpolator whose axes are at `start`; it reads from `queue`. An application gets its interpolator
+    /// from [`crate::channel::Channel::split`]. Without a channel, the interpolator serves a
+    /// [`crate::plan::Planning`] whose motions do not come from an NC program.
     pub fn new(queue: Receiver<'a, AXES>, start: [Position; AXES]) -> Self {
         Self::filtered(queue, start, Unfiltered)
     }
@@ -132,7 +132,7 @@ impl<'a, const AXES: usize, F: FilterTick<AXES>, const OVERLAYS: usize> Interpol
         State::Active
     }
 
-    /// Ends a tick in which the path does not move.
+    /// Ends a tick in which the path stands still.
     #[inline(never)]
     fn rest(&mut self) -> State {
         let moves = if self.overlay() {
@@ -149,8 +149,8 @@ impl<'a, const AXES: usize, F: FilterTick<AXES>, const OVERLAYS: usize> Interpol
         if moves { State::Settling } else { State::Idle }
     }
 
-    /// Writes the set points of single axes. Returns whether an axis has a motion of its own. A channel
-    /// without overlays compiles this call to nothing.
+    /// Writes the set points of single axes. Returns whether an axis has its own motion. In a channel without
+    /// overlays, the compiler removes this call.
     #[inline(always)]
     fn overlay(&mut self) -> bool {
         self.overlays.iter_mut().fold(false, |moves, overlay| overlay.step(&mut self.set_points) | moves)
@@ -166,18 +166,18 @@ impl<'a, const AXES: usize, F: FilterTick<AXES>, const OVERLAYS: usize> Interpol
         &self.set_points
     }
 
-    /// The travel of each axis per path distance at the last set point, LSB 2^-40. `None` on a line or an arc, where
-    /// path distance is the travel of the feed axes.
+    /// The travel of each axis per path distance at the last set point, LSB 2^-40. Returns `None` on a line
+    /// or an arc, where path distance is the travel of the feed axes.
     ///
-    /// In a curve over time the driven speed is [`Telemetry::speed`] times the length of this vector over the feed
-    /// axes. The value is computed on demand, not in the tick.
+    /// In a curve over time, the driven speed is [`Telemetry::speed`] times the length of this vector over
+    /// the feed axes. The value is computed on demand and not in the tick.
     pub fn path_slope(&self) -> Option<[i64; AXES]> {
         let (track, along) = self.queue.segments.at_hand(self.queue.distance())?;
         track.slope(along)
     }
 
-    /// Distance that the feed axes have driven, as in [`crate::operator::Status`]; wraps at ±2^19 mm. It is computed on
-    /// demand, in `f32`, not in the tick.
+    /// Distance that the feed axes have driven, as in [`crate::operator::Status`]; wraps around at ±2^19 mm.
+    /// It is computed on demand, in `f32`, and not in the tick.
     #[cfg(feature = "driven")]
     pub fn driven_distance(&self) -> Distance {
         Distance::from_bits(self.queue.driven())

@@ -1,8 +1,8 @@
 //! Variables that a program shares with the application: `V.E.name` and `V.RTG.LOOP.ENABLED`.
 //!
 //! The application declares its variables, and passes them to the planner once
-//! ([`Planner::variables`](crate::Planner::variables)). Any context may read them. The PLC writes on one side, the
-//! program on the other; the value written last counts.
+//! ([`Planner::variables`](crate::Planner::variables)). Any context may read them. The PLC writes one copy
+//! and the program another; the value that was written last is valid.
 //!
 //! ```
 //! use glidepath::variable::{Access, Variable};
@@ -15,18 +15,19 @@
 //! ```
 use core::sync::atomic::{AtomicBool, AtomicU32, Ordering, fence};
 
-/// What a program may do with a variable.
+/// The access that a program has to a variable.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Access {
-    /// Read it.
+    /// The program may read the variable.
     Read,
-    /// Read and write it.
+    /// The program may read and write the variable.
     ReadWrite,
 }
 
 /// A number with one writer. No reader sees it half written.
 ///
-/// The writer fills the hidden place and then shows it. A reader that runs during a write reads again.
+/// The writer fills the hidden place and then shows it. If a write comes during a read, the reader reads
+/// again.
 struct Side {
     shown: AtomicU32,
     /// Both halves of the number, and a stamp that increases with each value of either side.
@@ -78,24 +79,24 @@ pub struct Variable {
 }
 
 impl Variable {
-    /// The variable `V.E.name` with the value 0. Case does not matter. Letters, digits, `_` and `.`, at most
-    /// 63 characters.
+    /// The variable `V.E.name` with the value 0. Upper and lower case are equal. A name has at most 63
+    /// characters: letters, digits, `_` and `.`.
     pub const fn new(name: &'static str, access: Access) -> Self {
         Self { name, access, plc: Side::new(), program: Side::new() }
     }
 
-    /// Its name, without `V.E.`.
+    /// The name of the variable, without `V.E.`.
     pub const fn name(&self) -> &'static str {
         self.name
     }
 
-    /// Writes the variable. For the PLC, one context at a time. A program sees the value in the lines that the planner
-    /// reads from now on.
+    /// Writes the variable. Only one context of the PLC at a time may call this function. A program sees the
+    /// value in the lines that the planner reads from now on.
     pub fn set(&self, value: f64) {
         self.write(&self.plc, value);
     }
 
-    /// The value that PLC or program wrote last; if both wrote at the same time, the PLC's.
+    /// The value that PLC or program wrote last; if both wrote at the same time, the value of the PLC.
     pub fn get(&self) -> f64 {
         let ((plc, stamp), (program, other)) = (self.plc.read(), self.program.read());
         if (stamp.wrapping_sub(other) as i32) >= 0 { plc } else { program }
@@ -117,7 +118,7 @@ impl Variable {
         self.name.as_bytes().eq_ignore_ascii_case(name)
     }
 
-    /// Whether a program may write it.
+    /// Whether a program may write the variable.
     pub(crate) const fn is_writable(&self) -> bool {
         matches!(self.access, Access::ReadWrite)
     }
@@ -127,14 +128,14 @@ impl Variable {
 pub(crate) struct LoopFlag {
     /// The PLC's value.
     enabled: AtomicBool,
-    /// The value of `written` that the PLC read at its last write. The PLC writes this word.
+    /// The value of `written` at the PLC's last write. The PLC writes this word.
     seen: AtomicU32,
     /// Number of writes by the program, times two, plus the value. The planner writes this word.
     written: AtomicU32,
 }
 
 impl LoopFlag {
-    /// False.
+    /// A flag that is false.
     pub const fn new() -> Self {
         Self { enabled: AtomicBool::new(false), seen: AtomicU32::new(0), written: AtomicU32::new(0) }
     }

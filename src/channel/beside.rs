@@ -1,8 +1,8 @@
-//! Motions of single axes, independent of the path: oscillations, independent axes, jog.
+//! Motions of single axes that are independent of the path: oscillations, independent axes, jog.
 //!
-//! A command for a single axis waits until the path stops at the programmed point. Then the axis gets a separate motion
-//! (an overlay), and the path planner assumes at once that the axis is at its target. The next command of the program
-//! for that axis waits for the end of this motion.
+//! A command for a single axis waits until the path stops at the programmed point. Then the axis gets a
+//! separate motion (an overlay), and the path planner assumes at once that the axis is at its target. If the
+//! program has another command for that axis, the command waits for the end of this motion.
 //!
 //! | the program has | the oscillation |
 //! |---|---|
@@ -11,8 +11,9 @@
 //! | `OFF FEED` | brakes, then goes to the second position |
 //! | `OFF INSTANT`, an abort | brakes, and stands there |
 //!
-//! A feed hold stops all single axes; on resume each axis continues to its target. The override acts on independent
-//! axes, not on oscillations, whose time is programmed. Reduced speed (P-AXIS-00214) acts on all single axes.
+//! A feed hold stops all single axes; after a resume, each axis continues to its target. The override acts on
+//! independent axes. It does not act on oscillations, whose time is programmed. Reduced speed (P-AXIS-00214)
+//! acts on all single axes.
 use super::{Error, Held, Planner, Progress, Source};
 use crate::fir::FilterPlan;
 use crate::machine::{AxisKind, ChannelData};
@@ -28,17 +29,17 @@ use crate::queue::OverlaySender;
 use crate::single::{AxisLimits, Oscillating, Pace, Single, Wishes};
 use crate::technology::Function;
 
-/// What the program waits for, while the path is about to stop.
+/// The event for which the program waits, while the path stops.
 #[derive(Clone, Copy)]
 pub(super) enum Pending {
     Oscillation(Head, Oscillation),
     Independent(Head, Independent),
-    /// Waits until the interrupt has taken the motion of this axis, which ends at this position. Then waits
-    /// for the axes of the last field.
+    /// Waits until the interrupt has taken the motion of this axis to this position. Then waits for the axes
+    /// in the last field.
     Start(usize, Position, u32),
     /// Waits for the ends of the motions of these axes.
     End(u32),
-    /// The same, before the motion of the current line.
+    /// As [`Self::End`], before the motion of the current line.
     Join(u32),
 }
 
@@ -46,13 +47,13 @@ pub(super) enum Pending {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum MoveError {
-    /// The path or the axis moves, or some blocks are read and not yet carried out.
+    /// The path or the axis moves, or some blocks that were read are not carried out yet.
     NotAtRest,
     /// The machine has no such axis, or position or feed is out of range.
     Range,
     /// The motion leads beyond a software limit, or takes too long.
     Motion(MotionError),
-    /// `OVERLAYS` axes already have a motion of their own.
+    /// `OVERLAYS` axes already have their own motion.
     Full,
 }
 
@@ -79,7 +80,7 @@ pub(super) struct Beside<'a, const OVERLAYS: usize> {
     joins_named: bool,
     /// P-CHAN-00297.
     exact_stop: u8,
-    /// The next piece of work goes to a single axis.
+    /// Whether the next piece of work belongs to a single axis.
     turn: bool,
 }
 
@@ -98,7 +99,7 @@ impl<'a, const OVERLAYS: usize> Beside<'a, OVERLAYS> {
         OVERLAYS == 0 || self.pending.is_none() && self.axes() == 0
     }
 
-    /// Axes with a motion of their own: bit i for axis i.
+    /// Axes with their own motion: bit i is axis i.
     fn axes(&self) -> u32 {
         let bits = self.singles.iter().filter_map(Single::axis).map(bit);
         bits.fold(0, |axes, bit| axes | bit)
@@ -117,13 +118,13 @@ impl<'a, const OVERLAYS: usize> Beside<'a, OVERLAYS> {
         if let Some(Pending::Start(axis, ..)) = self.pending { bit(axis) } else { 0 }
     }
 
-    /// All single axes brake to a stop, and pending commands are dropped.
+    /// Stops all single axes, and drops pending commands.
     pub(super) fn stop(&mut self) {
         self.pending = None;
         self.singles.iter_mut().filter(|single| single.axis().is_some()).for_each(Single::stop);
     }
 
-    /// Oscillations of these axes end with their current cycle.
+    /// Ends the oscillations of these axes with their current cycle.
     fn finish(&mut self, axes: u32) {
         let of = |single: &&mut Single| single.axis().is_some_and(|axis| bit(axis) & axes != 0);
         self.singles.iter_mut().filter(of).for_each(Single::finish);
@@ -137,7 +138,7 @@ const fn bit(axis: usize) -> u32 {
 impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, const OVERLAYS: usize>
     Planner<'a, T, AXES, BLOCKS, F, OVERLAYS>
 {
-    /// Does one piece of work, in turn for the path and for a single axis.
+    /// Does one piece of work, alternately for the path and for a single axis.
     pub(super) fn poll_both(&mut self) -> Result<Progress, Error> {
         if self.beside.axes() != 0 && self.planning.commands().abort {
             self.beside.stop();
@@ -153,7 +154,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         Ok(progress)
     }
 
-    /// Axes that move independently of the path, bit i for axis i. For simulators: a controller does not need
+    /// Axes that move independently of the path: bit i is axis i. For simulators: a controller does not need
     /// this call.
     #[doc(hidden)]
     pub fn beside(&self) -> u32 {
@@ -162,7 +163,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
 
     /// Does one piece of work for a single axis; returns `false` if there is none.
     fn tend(&mut self) -> Result<bool, Error> {
-        // A jog after a set position: the filters start again before the jog begins.
+        // Jog after a new position was set: the filters start again before the jog begins.
         if self.filters.is_pending() && self.beside.starting() != 0 {
             return Ok(false);
         }
@@ -187,7 +188,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         }
     }
 
-    /// Returns axes whose motion is over to the path. Returns whether there was such an axis.
+    /// Returns axes to the path after their motion has ended. Returns whether there was such an axis.
     fn settle_beside(&mut self) -> bool {
         let settling = self.filters.window();
         let Beside { singles, overlays, pending, .. } = &mut self.beside;
@@ -215,7 +216,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         done
     }
 
-    /// Tells the decoder the position where the single motion of an axis has ended.
+    /// Tells the decoder the end position of an axis' single motion.
     #[cfg(not(feature = "kinematics"))]
     #[inline(always)]
     fn learn(&mut self, axis: usize, position: Position) {
@@ -248,8 +249,8 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         }
     }
 
-    /// Whether the motion moves or names (P-CHAN-00451) axes that have a motion of their own. The path motion
-    /// then waits for their ends.
+    /// Whether the motion moves or names (P-CHAN-00451) axes that have their own motion. The path motion then
+    /// waits for the ends of these motions.
     pub(super) fn joins(&mut self, motion: &Motion<AXES>) -> bool {
         let axes = self.beside.axes();
         if self.beside.joins_named && axes & motion.named != 0 {
@@ -263,8 +264,8 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         joins
     }
 
-    /// Lets single axes reach the ends of their motions. Returns whether no axis moves any more. A jog that
-    /// has not begun waits.
+    /// Lets single axes finish their motions. Returns whether no axis moves any more. A jog that has not
+    /// begun waits.
     pub(super) fn ends_beside(&mut self) -> bool {
         let begun = self.beside.axes() & !self.beside.starting();
         let free = OVERLAYS == 0 || begun == 0;
@@ -306,7 +307,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         done
     }
 
-    /// Sets the path's position of the axis to the end of the single motion, once the interrupt has taken
+    /// Sets the path's position of the axis to the end of the single motion, after the interrupt has taken
     /// that motion.
     fn start(&mut self, axis: usize, end: Position, awaited: u32) -> Progress {
         let shows = self.beside.of(axis).is_none_or(|single| single.is_shown());
@@ -343,7 +344,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         }
         let pace = match speed {
             OscillationSpeed::Feed(feed) => Pace::Speed(self.planning.speed_of(feed)),
-            // From 2^-32 Hz to ticks with LSB 2^-32.
+            // Converts 2^-32 Hz to ticks, LSB 2^-32.
             OscillationSpeed::Frequency(frequency) => {
                 let cycles =
                     u64::try_from(frequency.to_bits()).unwrap_or(0).saturating_mul(self.cycle_us.into());
@@ -413,7 +414,8 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         Ok(said(within || !is_time, head.place, NcWarningKind::MotionLimited))
     }
 
-    /// Returns the next function that is output before the motion of an independent axis, each one once.
+    /// Returns the next function for output before the motion of an independent axis; each function is
+    /// returned once.
     fn next_function(&mut self, head: &Head, independent: &Independent) -> Option<Held> {
         let mut left = *independent;
         let function = match (left.m.take(), left.h) {
@@ -428,13 +430,13 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         Some(Held::new(head, function))
     }
 
-    /// `#WAIT INDP` of these axes, or of all axes (P-CHAN-00297 = 2).
+    /// Carries out `#WAIT INDP` for these axes, or for all axes (P-CHAN-00297 = 2).
     pub(super) fn wait_independent(&mut self, axes: u32) {
         self.await_independent(if self.beside.exact_stop == WAITS_FOR_ALL { u32::MAX } else { axes });
     }
 
-    /// Exact stop after the last motion: filters settle, and with P-CHAN-00297 = 1 independent axes reach the
-    /// ends of their motions.
+    /// Carries out an exact stop after the last motion: filters settle. With P-CHAN-00297 = 1, independent
+    /// axes also finish their motions.
     #[inline(never)]
     pub(super) fn stop_exactly(&mut self) {
         if self.beside.exact_stop == STOPS_WITH_PATH {
@@ -445,8 +447,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         }
     }
 
-    /// Lets the program continue when these axes have reached the ends of their motions. Oscillating axes do
-    /// not count.
+    /// Lets the program continue when these axes have finished their motions. Oscillating axes do not count.
     fn await_independent(&mut self, axes: u32) {
         let awaited = self.beside.singles.iter().filter(|single| !single.is_swinging());
         let moving = awaited.filter_map(Single::axis).fold(0, |axes, axis| axes | bit(axis));
@@ -496,8 +497,8 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         self.start_alone(axis, target, feed, true)
     }
 
-    /// As [`Self::move_axis`], without a check of the software limits. A machine that searches its switches does
-    /// not know its position yet.
+    /// As [`Self::move_axis`], without a check of the software limits, for a machine that searches its
+    /// switches and does not know its position yet.
     ///
     /// # Errors
     /// Returns [`MoveError`] with the reason; nothing changes.
@@ -534,14 +535,14 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         single
             .go(axis as u8, [from, target], pace, &limits)
             .map_err(|_| MoveError::Motion(MotionError::StrokeTooSlow))?;
-        // An abort from before this call does not end this motion.
+        // An abort that was given before this call does not end this motion.
         self.forget_abort();
         self.beside.pending = Some(Pending::Start(axis, target, 0));
         Ok(())
     }
 
-    /// Carries out an abort at rest now: the rest of the program is dropped. The result then does not depend
-    /// on the time of the planner's next call.
+    /// Carries out an abort at rest in this call: the rest of the program is dropped. So the result does not
+    /// depend on the time of the planner's next call.
     fn end_by_abort(&mut self) {
         let rests = self.planning.is_at_rest() && self.beside.is_free();
         if self.source != Source::Ended && rests && self.planning.commands().abort {
@@ -562,7 +563,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
     }
 }
 
-/// Returns the warning about a motion that exceeds the limits.
+/// Returns a warning if a motion exceeds the limits.
 const fn said(within: bool, place: Place, kind: NcWarningKind) -> Progress {
     if within { Progress::Working } else { Progress::Warning(NcWarning { place, kind }) }
 }

@@ -33,7 +33,7 @@ pub enum MachineError {
     TooManySynch(&'static str),
     /// The filter of the axis with this index is refused.
     Filter(usize, FilterError),
-    /// P-CHAN-00650 names a wrong function. The texts say what is wrong and what is expected.
+    /// P-CHAN-00650 names a wrong function. The texts are the fault and the expected value.
     #[cfg(feature = "plc")]
     Interpolator(&'static str, &'static str),
 }

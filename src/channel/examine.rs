@@ -1,7 +1,7 @@
-//! Checks a program without a plan: takes its text, and returns what a run would refuse or warn about.
+//! Checks a program without a plan: takes its text, and returns the refusals and warnings of a run.
 //!
-//! Commands take the same route as in a run, up to the look-ahead. The check misses refusals that need a plan: a
-//! defect of the planner, and a reduced speed (P-AXIS-00214) that is too low.
+//! Commands take the same route as in a run, up to the look-ahead. The check misses two refusals that need a
+//! plan: a defect of the planner, and a reduced speed (P-AXIS-00214) that is too low.
 use super::Planner;
 use crate::fir::FilterPlan;
 use crate::nc::{Command, NcError, Step, Text};
@@ -12,9 +12,9 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
     /// Makes [`Self::poll`] check programs instead of planning them. Call `examine` before the first [`Self::poll`];
     /// the check cannot be switched off again.
     ///
-    /// The calls of this handle return the same refusals and warnings as in a run. The path does not move, a dwell
-    /// takes no time, and functions are acknowledged at once. Call the interpolator's tick when [`Self::poll`] returns
-    /// [`Progress::Waiting`](super::Progress::Waiting): filters and single axes need the ticks.
+    /// This handle returns the same refusals and warnings as in a run. The path does not move, a dwell takes
+    /// no time, and functions are acknowledged at once. Call the interpolator's tick when [`Self::poll`]
+    /// returns [`Progress::Waiting`](super::Progress::Waiting): filters and single axes need the ticks.
     ///
     /// If an oscillation ends by `OFF INSTANT` or `OFF FEED`, the check assumes another end position of the
     /// axis than a run.
@@ -42,13 +42,14 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         self.planning.begin_to_examine();
     }
 
-    /// Makes [`Self::seen`] return the commands of a run: those that are carried out, in a real-time loop pass by pass.
+    /// Makes [`Self::seen`] return the commands of a run that are carried out; a real-time loop gives its
+    /// commands in each pass.
     pub fn watch(&mut self) {
         self.watches = true;
     }
 
-    /// The command that the last [`Self::poll`] read, whether accepted or refused. Each command is returned
-    /// once. Only after [`Self::examine`] or [`Self::watch`].
+    /// The command that the last [`Self::poll`] read, accepted or refused. Each command is returned once.
+    /// Valid only after [`Self::examine`] or [`Self::watch`].
     pub fn seen(&mut self) -> Option<Command<AXES>> {
         self.seen.take()
     }

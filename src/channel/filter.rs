@@ -1,4 +1,4 @@
-//! `#FILTER`: the planner changes the filter coefficients while all axes stand, single axes included.
+//! `#FILTER`: the planner changes the filter coefficients while all axes stand still, including single axes.
 use super::{Error, Planner, Progress};
 use crate::fir::{Fate, FilterPlan};
 use crate::nc::{Filter, Head, NcWarning, NcWarningKind, Text};
@@ -7,7 +7,7 @@ use crate::quantity::Position;
 impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, const OVERLAYS: usize>
     Planner<'a, T, AXES, BLOCKS, F, OVERLAYS>
 {
-    /// Takes a `#FILTER` command: the motion stops, and resumes with other coefficients.
+    /// Carries out `#FILTER`: the motion stops, and resumes with other coefficients.
     pub(super) fn filter(&mut self, head: &Head, filter: &Filter) -> Result<Progress, Error> {
         let fate = self.filters.command(filter).map_err(|error| {
             let names = &self.decoder.setup().names;
@@ -29,7 +29,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         Ok(Progress::Working)
     }
 
-    /// Does a part of the change to other coefficients, once all blocks are in the queue.
+    /// Does a part of the change of coefficients, after all blocks are in the queue.
     #[inline(never)]
     pub(super) fn change_filters(&mut self) -> Progress {
         if !self.planning.is_at_rest() || !self.planning.is_shown() || !self.ends_beside() {
@@ -44,7 +44,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         Progress::Working
     }
 
-    /// Recomputes what the filters need from the plan.
+    /// Computes the limits of the plan for the filters again.
     pub(super) fn watch_filters(&mut self) {
         if !F::EXIST {
             return;
@@ -57,14 +57,14 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         }
     }
 
-    /// Ticks for the axes to come to rest after an exact stop. After a dwell the axes have already stood for
-    /// the dwell time.
+    /// Ticks until the axes stand still after an exact stop. After a dwell, the axes have already stood still
+    /// for the dwell time.
     pub(super) fn settling(&self) -> u64 {
         self.filters.window().into()
     }
 
-    /// Whether the path stops for an acknowledgement while filtered axes still move: the motion does not
-    /// resume before the axes rest.
+    /// Whether the path stops for an acknowledgement while filtered axes still move. The motion then resumes
+    /// only after the axes stand still.
     pub(super) fn settles_at_gate(&self) -> bool {
         F::EXIST && !self.filters.is_settled() && self.planning.is_waiting()
     }
@@ -75,8 +75,8 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         self.filters.in_force()
     }
 
-    /// Largest deviation of every axis from its set point delayed by the filters, mm or degrees, rounded up.
-    /// Counts since the last change of `#FILTER`, while AX_DEV is given.
+    /// Largest deviation of every axis from its set point as delayed by the filters, mm or degrees, rounded
+    /// up. It is measured since the last change of `#FILTER`, while AX_DEV is given.
     pub fn filter_deviation(&self) -> [Position; AXES] {
         core::array::from_fn(|axis| self.filters.deviation(axis))
     }

@@ -1,4 +1,4 @@
-//! Modal words, offsets and stored places of the decoder: a controller shows and restores them.
+//! Modal words, offsets and stored positions of the decoder, which a controller reports and restores.
 use super::Planner;
 use super::rest::Busy;
 use crate::fir::FilterPlan;
@@ -7,14 +7,14 @@ use crate::nc::{InForce, Setup, StoredOffsets, Text};
 impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, const OVERLAYS: usize>
     Planner<'a, T, AXES, BLOCKS, F, OVERLAYS>
 {
-    /// What the lines read so far have put in force; `None` inside a line. Only for programs of dialects other
+    /// Modal state after the lines read so far; `None` inside a line. Only for programs of dialects other
     /// than ISG's.
     pub fn in_force(&self) -> Option<InForce<AXES>> {
         if self.held.is_some() { None } else { self.decoder.in_force() }
     }
 
-    /// Restores an earlier state, or [`InForce::START`]. The state counts from the next line on; motion that is
-    /// already read does not change.
+    /// Restores an earlier state, or [`InForce::START`]. The state is valid from the next line on. Motion
+    /// that is already read does not change.
     ///
     /// # Errors
     /// A line is being read: nothing has changed.
@@ -23,13 +23,13 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         if is_put { Ok(()) } else { Err(Busy { text: () }) }
     }
 
-    /// Zero offsets and the places of G28 and G30, as programs have stored them.
+    /// Zero offsets and the positions of G28 and G30 that programs have stored.
     pub fn stored(&self) -> StoredOffsets<AXES> {
         self.decoder.stored()
     }
 
-    /// Restores zero offsets and places. They count from the next line on. Returns `false` if a value is beyond ±100
-    /// 000 mm; nothing has changed then.
+    /// Restores zero offsets and positions. They are valid from the next line on. Returns `false`, and
+    /// changes nothing, if a value is beyond ±100 000 mm.
     #[must_use]
     pub fn put_stored(&mut self, stored: &StoredOffsets<AXES>) -> bool {
         self.decoder.put_stored(stored)

@@ -10,8 +10,8 @@ use crate::quantity::Position;
 impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, const OVERLAYS: usize>
     Planner<'a, T, AXES, BLOCKS, F, OVERLAYS>
 {
-    /// Sets the data sets of the machine, and the default set (P-CHAN-00032 `kinematik_id`), 0 for none. Call it before
-    /// the first [`Self::poll`].
+    /// Sets the data sets of the machine, and the default set (P-CHAN-00032 `kinematik_id`); 0 for none. Call
+    /// this function before the first [`Self::poll`].
     pub fn transform_with(&mut self, sets: &'a [Kinematic], default_id: u16) {
         self.planning.set_kinematics(sets, default_id);
     }
@@ -22,7 +22,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         self.planning.kinematic()
     }
 
-    /// Number of transformed elements of the path since the split, and of the polynomials that they became.
+    /// Number of transformed elements of the path since the split, and number of their polynomials.
     pub fn split(&self) -> Split {
         self.planning.split()
     }
@@ -42,7 +42,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
     #[inline(never)]
     pub(super) fn transform(&mut self, head: &Head, command: Kinematics) -> Result<(), Error> {
         if !self.planning.has_kinematics() {
-            // Switching off has no precondition.
+            // OFF needs no condition.
             let off = command == Kinematics::Off;
             return if off { Ok(()) } else { Err(Error::NotEnabled(head.place, NEEDS)) };
         }
@@ -93,8 +93,8 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         Err(Error::NotEnabled(place, message))
     }
 
-    /// Tells the decoder the end position of a single motion: of the axis, or of the tool tip that the axis
-    /// has moved.
+    /// Tells the decoder the end position of a single motion: the position of the axis, or the tool tip that
+    /// the axis has moved.
     pub(super) fn learn(&mut self, axis: usize, position: Position) {
         if self.planning.is_transformed() {
             self.decoder.stand_at(*self.planning.position());

@@ -1,4 +1,4 @@
-//! The contour known in advance: the log of the PLC (feature `plc`).
+//! The log of the path ahead for a PLC (feature `plc`).
 use super::{Error, Planner};
 use crate::contour_log::{Moment, Question, QuestionUnit, Recorder, Unknown};
 use crate::fir::FilterPlan;
@@ -8,37 +8,38 @@ pub use crate::plan::Inquiry;
 impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, const OVERLAYS: usize>
     Planner<'a, T, AXES, BLOCKS, F, OVERLAYS>
 {
-    /// Starts the log of the path ahead for a PLC: [`ContourMemory::split`](crate::contour_log::ContourMemory::split).
-    /// Distances count from this call. Without FCT_CONTOUR_LAH (P-CHAN-00650) in the machine data the planner writes
-    /// nothing. Call `log_contour` once, before the first [`Self::poll`]. Each element then costs the planner a copy of
-    /// 48 bytes and the angle to the element before; for a polynomial the planner also computes the length. The
-    /// interrupt does nothing for the log.
+    /// Starts the log of the path ahead for a PLC:
+    /// [`ContourMemory::split`](crate::contour_log::ContourMemory::split). Distances count from this call.
+    /// Without FCT_CONTOUR_LAH (P-CHAN-00650) in the machine data, the planner writes no log. Call
+    /// `log_contour` once, before the first [`Self::poll`]. Each element then costs the planner a copy of 48
+    /// bytes and the angle to the element before. For a polynomial, the planner also computes the length. The
+    /// interrupt does no work for the log.
     pub fn log_contour(&mut self, recorder: Recorder<'a>) {
         self.planning.set_recorder(recorder);
     }
 
-    /// Supplies memory for the question where the path would stop: [`Question::Standstill`]. Call `foresee` once,
-    /// before the first [`Self::poll`].
+    /// Supplies memory for the question where a feed hold would stop the path: [`Question::Standstill`]. Call
+    /// `foresee` once, before the first [`Self::poll`].
     pub fn foresee(&mut self, inquiry: &'a mut Inquiry) {
         self.planning.set_inquiry(inquiry);
     }
 
-    /// Answers a question about the coming motion, as far as the planner knows the motion now. Call `forecast` between
-    /// two calls of [`Self::poll`], best after [`super::Progress::Waiting`]. The motion does not change. The cost is
-    /// bounded: one pass over the pieces and curves in the queue. [`Question::Standstill`] costs as much as a call of
-    /// [`Self::poll`] for a feed hold.
+    /// Answers a question about the coming motion, from the motion that is planned now. Call `forecast`
+    /// between two calls of [`Self::poll`], best after [`super::Progress::Waiting`]. The motion does not
+    /// change. The cost is bounded: one pass over the pieces and curves in the queue.
+    /// [`Question::Standstill`] costs as much as a call of [`Self::poll`] for a feed hold.
     ///
-    /// The answer assumes a motion without a later command, acknowledgement or late text. The positions of the answer
-    /// are those before the filters of the axes.
+    /// The answer assumes that no command, acknowledgement or late text comes later. The answer has positions
+    /// before the axis filters.
     ///
     /// # Errors
-    /// [`Unknown`] gives the reason for no answer, and when to ask again.
+    /// [`Unknown`] says why there is no answer, and when to ask again.
     pub fn forecast(&mut self, question: Question) -> Result<Moment<AXES>, Unknown> {
         self.planning.forecast(question)
     }
 
     /// Answers the question of another context, if there is one. Returns whether a question was answered.
-    /// [`Unknown::Searching`] is not reported: the next call continues the search.
+    /// [`Unknown::Searching`] is no answer: the next call continues the search.
     pub fn answer(&mut self, unit: &QuestionUnit<AXES>) -> bool {
         let Some(question) = unit.pending() else { return false };
         let answer = self.planning.forecast(question);

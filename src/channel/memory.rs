@@ -87,8 +87,8 @@ impl<const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Channel<AXES
         check::<AXES, BLOCKS>(machine)
     }
 
-    /// Makes the three handles. They run the program `text` on `machine`, whose axes stand at `start` (mm or degrees).
-    /// The machine data are not copied: constant data stay in flash.
+    /// Makes the three handles. They run the program `text` on `machine`; the axes are at `start` (mm or
+    /// degrees). The machine data are not copied, so constant data stay in flash.
     ///
     /// # Errors
     /// Machine data are out of range, or this build cannot work with them.
@@ -165,7 +165,7 @@ impl<const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Channel<AXES
         }
     }
 
-    /// Makes a decoder only, in the memory of this channel, to check `text` before a run.
+    /// Makes only a decoder, in the memory of this channel, to check `text` before a run.
     pub fn decode<'a, T: Text>(
         &'a mut self,
         machine: &MachineData<AXES>,

@@ -1,4 +1,4 @@
-//! Real-time loops: the planner reads a loop to its end, then plans pass after pass (feature `plc`).
+//! Real-time loops: the planner reads a loop to its end, then plans one pass after the other (feature `plc`).
 use super::{Error, Planner, Progress};
 use crate::fir::FilterPlan;
 use crate::nc::{Command, Head, Place, Text};
@@ -6,16 +6,16 @@ use crate::plan::{Seam, Turn};
 use crate::rt_loop::{LoopError, LoopStore};
 use crate::variable::Variable;
 
-/// Where the loop at hand stands.
+/// Stage of the current loop.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Stage {
     /// No loop.
     Outside,
-    /// Its commands are read and kept.
+    /// The commands of the loop are being read and stored.
     Reading(Head),
-    /// A pass is complete, or the first one is to begin: the flag decides.
+    /// A pass is complete, or the first pass has not begun; the flag decides on the next pass.
     Seam,
-    /// The next command to plan.
+    /// Number of the next command to plan.
     Within(usize),
 }
 
@@ -25,30 +25,30 @@ pub(super) struct Loops<'a, const AXES: usize> {
     stage: Stage,
     /// #RT WHILE MODULO.
     modulo: bool,
-    /// Passes of the loop at hand.
+    /// Number of passes of the current loop.
     passes: u32,
-    /// #FLUSH WAIT: what follows may read a variable, and waits until the axes stand.
+    /// #FLUSH WAIT: the following lines may read a variable, so they wait until the axes stand still.
     waits: bool,
-    /// A function with FAW_SYNCH: behind its line the program waits for the motion.
+    /// A function with FAW_SYNCH: after its line, the program waits for the motion.
     pub(super) flushes: bool,
 }
 
 impl<const AXES: usize> Loops<'_, AXES> {
-    /// No loop, and no memory for one.
+    /// No loop, and no memory for a loop.
     pub(super) const NONE: Self =
         Self { store: None, stage: Stage::Outside, modulo: false, passes: 0, waits: false, flushes: false };
 
-    /// The loop at hand is forgotten.
+    /// Drops the current loop.
     pub(super) const fn forget(&mut self) {
         (self.stage, self.waits, self.flushes) = (Stage::Outside, false, false);
     }
 
-    /// Whether commands come from a loop instead of the text.
+    /// Whether commands come from a loop and not from the text.
     pub(super) const fn repeat(&self) -> bool {
         matches!(self.stage, Stage::Seam | Stage::Within(_))
     }
 
-    /// Whether commands of the text are kept for a loop.
+    /// Whether commands of the text are stored for a loop.
     pub(super) const fn read(&self) -> bool {
         matches!(self.stage, Stage::Reading(_))
     }
@@ -57,35 +57,36 @@ impl<const AXES: usize> Loops<'_, AXES> {
 impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, const OVERLAYS: usize>
     Planner<'a, T, AXES, BLOCKS, F, OVERLAYS>
 {
-    /// Real-time loops are kept in this memory from now on: [`LoopMemory::split`](crate::rt_loop::LoopMemory::split). It
-    /// is called once, before the first [`Self::poll`]. Without it, the planner refuses `#RT WHILE`; so it does where
-    /// P-STUP-00033 (fb_storage_size) is 0 or too small for a loop.
+    /// Sets the memory for real-time loops: [`LoopMemory::split`](crate::rt_loop::LoopMemory::split). Call
+    /// this function once, before the first [`Self::poll`]. Without this memory, the planner refuses `#RT
+    /// WHILE`. The planner also refuses if P-STUP-00033 (fb_storage_size) is 0 or too small for the loop.
     pub fn real_time_loops(&mut self, mut store: LoopStore<'a, AXES>) {
         store.limit(self.planning.storage());
         self.decoder.externals.flag = Some(store.flag());
         self.loops.store = Some(store);
     }
 
-    /// The variables V.E. of programs from now on. It is called once, before the first [`Self::poll`].
+    /// Sets the variables V.E. of programs. Call this function once, before the first [`Self::poll`].
     ///
-    /// A program reads a variable when the planner reads its line, ahead of the motion, and writes it then. Behind
-    /// `#FLUSH WAIT` the motion has come to the line.
+    /// Programs read and write a variable when the planner reads the line, ahead of the motion. After `#FLUSH
+    /// WAIT`, the motion has reached the line.
     pub fn variables(&mut self, variables: &'a [Variable]) {
         self.decoder.externals.variables = variables;
     }
 
-    /// #FLUSH WAIT: with variables from outside, the lines behind it are read when the axes stand.
+    /// #FLUSH WAIT: if there are variables from outside, the planner reads the next lines when the axes
+    /// stand still.
     pub(super) const fn wait_for_standstill(&mut self) {
         self.loops.waits = self.decoder.externals.exist();
     }
 
-    /// Whether #FLUSH WAIT still waits. Only after [`crate::plan::Work::Hungry`].
+    /// Whether #FLUSH WAIT still waits. Call this function only after [`crate::plan::Work::Hungry`].
     pub(super) fn still_moves(&mut self) -> bool {
         self.loops.waits &= !self.planning.is_at_rest();
         self.loops.waits
     }
 
-    /// #RT WHILE and #RT ENDWHILE outside of a loop.
+    /// Begins a loop at #RT WHILE; refuses #RT ENDWHILE outside a loop.
     pub(super) fn begin_loop(&mut self, head: &Head, modulo: Option<bool>) -> Result<(), Error> {
         let refuse = |error| Err(Error::Loop(head.place, error));
         let Some(modulo) = modulo else { return refuse(LoopError::Unopened) };
@@ -102,7 +103,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         Ok(())
     }
 
-    /// A command between #RT WHILE and #RT ENDWHILE, or the latter.
+    /// Stores a command of a loop, or ends the loop at #RT ENDWHILE.
     #[inline(never)]
     pub(super) fn keep(&mut self, command: &Command<AXES>) -> Result<Progress, Error> {
         let place = command.place();
@@ -115,7 +116,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         Ok(Progress::Working)
     }
 
-    /// The loop is read.
+    /// Checks the loop at its end.
     fn end_loop(&mut self) -> Result<(), LoopError> {
         let start = *self.planning.position();
         let Some(store) = &self.loops.store else { return Err(LoopError::NoMemory) };
@@ -132,12 +133,13 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         Ok(())
     }
 
-    /// The text ends inside of a loop: where that begins.
+    /// The place of #RT WHILE, if the text ends inside a loop.
     pub(super) const fn unclosed_loop(&self) -> Option<Place> {
         if let Stage::Reading(head) = self.loops.stage { Some(head.place) } else { None }
     }
 
-    /// The next command of a loop. At a seam the decision waits as long as the planner can do without it.
+    /// Plans the next command of a loop. At a seam, the decision on another pass waits as long as the planner
+    /// has other work.
     #[inline(never)]
     pub(super) fn repeat(&mut self) -> Result<Progress, Error> {
         let Stage::Within(next) = self.loops.stage else { return self.pass_seam() };
@@ -155,7 +157,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         result
     }
 
-    /// Decides on another pass, if that cannot wait any longer.
+    /// Decides on another pass, if the decision cannot wait any longer.
     fn pass_seam(&mut self) -> Result<Progress, Error> {
         match self.planning.seam() {
             Seam::Wait => return Ok(Progress::Waiting),
@@ -164,7 +166,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         }
         let Loops { store, stage, modulo, passes, .. } = &mut self.loops;
         let again = store.as_ref().is_some_and(LoopStore::is_enabled);
-        // A check goes through the loop once.
+        // A check plans the loop once.
         #[cfg(feature = "examine")]
         let again = if self.planning.examines() { *passes == 0 } else { again };
         let turn = match (again, *passes) {
@@ -189,10 +191,10 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         Ok(Progress::Working)
     }
 
-    /// The line at hand is refused: the loop ends where it is.
+    /// Ends the loop: the current line is refused.
     pub(super) fn break_loop(&mut self) {
         if self.loops.repeat() {
-            // Without room the log ends with the program.
+            // If there is no room, the log ends with the program.
             let _ = self.planning.turn(Turn::End, false);
         }
         self.loops.forget();

@@ -1,6 +1,6 @@
-//! Calls that are taken at rest: the next program, single lines, positions, zero offsets.
+//! Functions for a channel at rest: the next program, single lines, positions, zero offsets.
 //!
-//! The documentation of [`Planner`] says what each call keeps.
+//! The documentation of [`Planner`] says which state each function keeps.
 use super::{Planner, Source};
 use crate::fir::FilterPlan;
 use crate::nc::{COORDINATE_MAX, Text};
@@ -133,10 +133,10 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
 
     /// Continues after a refused line, from where the axes stand, with the modal state before that line.
     ///
-    /// The refused line may have done a part of its work, in the order of execution: a motion before a refused M00, for
-    /// example. This part stays done. If the curve of a corner was refused for a software limit, the axes stop inside
-    /// the limits, and the blocks that were read ahead are skipped. With Surface these are up to 64 points, and the
-    /// error names the place of the last point.
+    /// The refused line may have done a part of its work, in the order of execution. Example: a motion before
+    /// a refused M00. This part stays done. If the curve of a corner was refused for a software limit, the
+    /// axes stop inside the limits. The blocks that were read ahead are then skipped. With Surface, up to 64
+    /// points are skipped, and the error names the place of the last point.
     ///
     /// # Errors
     /// The channel is not at rest, or no line was refused; nothing changes.
@@ -153,7 +153,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         Ok(())
     }
 
-    /// Redefines the position of an axis that stands: machine coordinates, mm or degrees. Nothing moves.
+    /// Sets the coordinate of an axis that stands still: machine coordinates, mm or degrees. No axis moves.
     ///
     /// The interpolator shows the new set point from its next tick on; this tick returns [`crate::tick::State::Active`]
     /// with path speed 0. A board that counts increments must treat the difference as a shift of its origin, not as
@@ -181,8 +181,9 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         Ok(())
     }
 
-    /// Sets the offset of one axis in a zero offset: `set` 0…5 for G54…G59 (P-ZERO-00003), `offset` in mm or degrees.
-    /// The offset applies from the next line on, also in the active set, and to all following programs. Nothing moves.
+    /// Sets the offset of one axis in a zero offset: `set` 0…5 for G54…G59 (P-ZERO-00003), `offset` in mm or
+    /// degrees. The offset is valid from the next line on, also in the active set, and for all later
+    /// programs. No axis moves.
     ///
     /// # Errors
     /// The channel is not at rest, or an argument is out of range; nothing changes.
@@ -198,8 +199,8 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         if self.decoder.set_zero_offset(set, axis, offset) { Ok(()) } else { Err(ZeroOffsetError::Range) }
     }
 
-    /// The position of every axis at the end of the blocks read so far: machine coordinates. At rest this position
-    /// equals the set point, to the last bit.
+    /// The position of every axis at the end of the blocks read so far, in machine coordinates. At rest, this
+    /// position is exactly the set point.
     pub fn position(&self) -> &[Position; AXES] {
         self.planning.position()
     }
@@ -229,7 +230,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
     }
 
     /// Whether the modal state does not belong to the position of the axes. A pending abort counts too, so
-    /// the result does not depend on when the planner is called.
+    /// that the result does not depend on the time of the planner's next call.
     fn is_lost(&self) -> bool {
         self.lost || self.planning.commands().abort
     }

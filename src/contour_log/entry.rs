@@ -7,8 +7,8 @@ pub struct ProgramDistance(i64);
 /// LSB per millimetre.
 const PER_MM: f64 = (1i64 << 24) as f64;
 
-/// Bits of a path distance below those of a program distance. An arc keeps these bits in a separate word, because its
-/// word for the path distance holds the radius.
+/// Additional bits of a path distance, compared with a program distance. An arc stores these bits in a
+/// separate word, because its word for the path distance holds the radius.
 pub(super) const BELOW: u32 = 20;
 
 /// LSB of an angle per radian.
@@ -18,7 +18,7 @@ impl ProgramDistance {
     /// Program start.
     pub const ZERO: Self = Self(0);
 
-    /// The distance with these bits.
+    /// The distance from its bits.
     pub const fn from_bits(bits: i64) -> Self {
         Self(bits)
     }
@@ -52,11 +52,11 @@ pub enum BlockType {
     Arc = 2,
     /// 3: LOG ON.
     LogOn = 3,
-    /// 4: LOG with PARAM alone.
+    /// 4: LOG with PARAM only.
     LogParam = 4,
     /// 5: LOG OFF.
     LogOff = 5,
-    /// 6: a polynomial, as smoothing and splines make them.
+    /// 6: a polynomial, from smoothing or splines.
     Polynomial = 6,
     /// `#DISTANCE PROG START CLEAR`: later distances count from here. Only [`super::ContourReader`] sees this entry.
     Clear = 7,
@@ -89,23 +89,23 @@ pub struct Entry {
     pub block_type: BlockType,
     /// Programmed N number.
     pub n: u32,
-    /// Number of motion blocks since the split that begin before the entry: `block` of [`crate::Status`].
+    /// Number of motion blocks that began before the entry, since the split: `block` of [`crate::Status`].
     pub id: u32,
     /// Start of the entry, counted from program start or from the last `#DISTANCE PROG START CLEAR`.
     pub start: ProgramDistance,
     /// Length along the driven path, 0 for a mark.
     pub length: ProgramDistance,
-    /// PARAM of a mark, 0 without.
+    /// PARAM of a mark; 0 if not given.
     pub parameter: f64,
     /// Radius of an arc at its start, mm; 0 for other entries. There is no tool radius compensation, so the
     /// compensated radius is the same.
     pub radius_mm: f64,
     /// Angle of an arc, rad: clockwise −2π..0, counter-clockwise 0..2π; 0 for other entries.
     pub angle: f64,
-    /// Angle between the end of the element before and the start of this one, rad, 0..π.
+    /// Angle between the end of the element before and the start of this element, rad, 0..π.
     pub knee: f64,
-    /// Planned path distance of the entry. On a polynomial this differs slightly from its length; on a curve
-    /// over time it is time.
+    /// Planned path distance of the entry, LSB 2^-44 mm. On a polynomial, it differs slightly from the
+    /// length; on a curve over time, it is time.
     pub(super) planned: i64,
 }
 

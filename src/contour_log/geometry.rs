@@ -1,4 +1,5 @@
-//! Length, radius, angle and knee of a curve. Runs in the planner, in integers and plain IEEE + − × ÷.
+//! Length, radius, angle and knee (change of direction) of a curve. Runs in the planner, in integers and
+//! plain IEEE + − × ÷.
 use super::entry::{BlockType, Entry};
 use crate::math::angle::atan2_turns;
 use crate::math::root::sqrt_wide;
@@ -37,10 +38,10 @@ pub fn knee<const AXES: usize>(a: &[i64; AXES], b: &[i64; AXES]) -> f64 {
     atan2_turns(apart, along) as f64 * (2.0 * TAU / 18_446_744_073_709_551_616.0)
 }
 
-/// Chords of a measured curve. With half as many, the error of their sum is four times as large.
+/// Number of chords for the length of a curve. With half this number, the error is four times as large.
 const CHORDS: i64 = 64;
 
-/// The length of a polynomial, by the measure of the path, LSB 2^-44 mm.
+/// The length of a polynomial along the axes of the path measure, LSB 2^-44 mm.
 fn driven<const AXES: usize>(shape: &Shape<AXES>, base: &[Position; AXES], measure: &Measure) -> i64 {
     let (mut fine, mut coarse) = (0i64, 0i64);
     let length = shape.length.to_bits();

@@ -34,7 +34,7 @@ pub use unit::{ControlUnit, Pending, UnitState};
 
 use table::{Head, Slot, Table};
 
-/// Memory of the log: `WINDOW` elements by distance, `LOG` entries by index. Each entry takes 48 bytes.
+/// Memory of the log: `WINDOW` elements by distance, and `LOG` entries by index. Each entry takes 48 bytes.
 ///
 /// Both numbers are 0 or a power of two. All bits are zero when new, so a static memory lies in `.bss`.
 pub struct ContourMemory<const WINDOW: usize, const LOG: usize> {
@@ -43,7 +43,7 @@ pub struct ContourMemory<const WINDOW: usize, const LOG: usize> {
 }
 
 impl<const WINDOW: usize, const LOG: usize> ContourMemory<WINDOW, LOG> {
-    /// Entries have 32-bit numbers that wrap: a power of two divides 2^32.
+    /// Entries have 32-bit numbers that wrap around; a power of two divides 2^32.
     const EVEN: () = assert!(
         (WINDOW == 0 || WINDOW.is_power_of_two()) && (LOG == 0 || LOG.is_power_of_two()),
         "expected 0 or a power of two"
@@ -58,9 +58,10 @@ impl<const WINDOW: usize, const LOG: usize> ContourMemory<WINDOW, LOG> {
         }
     }
 
-    /// Empties the memory and returns both ends. The recorder is for [`crate::Planner::log_contour`].
+    /// Empties the memory and returns the handles of planner and PLC. The recorder is for
+    /// [`crate::Planner::log_contour`].
     pub fn split(&mut self) -> (Recorder<'_>, ContourReader<'_>) {
-        // In place: an empty table needs no empty slots, and a new memory would be on the stack.
+        // In place: an empty table needs no cleared slots, and a new memory would be on the stack.
         (self.window.0, self.log.0) = (Head::new(), Head::new());
         let window = Table::new(&self.window.0, &self.window.1);
         let log = Table::new(&self.log.0, &self.log.1);

@@ -14,11 +14,11 @@ pub enum Question {
     StateAt(u32),
     /// FCT_CALC_TIME: the time at which the next motion block at feed begins.
     NextFeed,
-    /// FCT_CALC_POS_V_0: place and time of the standstill if a feed hold came now.
+    /// FCT_CALC_POS_V_0: place and time at which a feed hold would stop the axes now.
     Standstill,
 }
 
-/// A future moment: the values that [`crate::Status`] will show if no command comes in between.
+/// A future moment: the values that [`crate::Status`] will show if no command comes before.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Moment<const AXES: usize> {
     /// Number of the tick, as in [`crate::Output::tick`].
@@ -29,7 +29,7 @@ pub struct Moment<const AXES: usize> {
     pub set_points: [Position; AXES],
     /// Programmed N number.
     pub n: u32,
-    /// Motion blocks since the split.
+    /// Number of motion blocks since the split.
     pub block: u32,
     /// Path distance as planned.
     pub distance: Distance,
@@ -37,12 +37,12 @@ pub struct Moment<const AXES: usize> {
     pub speed: Speed,
 }
 
-/// The reason for no answer.
+/// The reason why there is no answer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unknown {
     /// The machine data do not have this function (P-CHAN-00650).
     NotEnabled(&'static str),
-    /// The plan covers fewer ticks from now on.
+    /// The planned motion is shorter than the question demands.
     Beyond {
         /// Number of planned ticks.
         ticks: u32,
@@ -108,11 +108,12 @@ impl Question {
 /// Words of an answer without set points.
 const WORDS: usize = 9;
 
-/// A request and its answer, between a PLC and the planner. It may be a static: all bits are zero when new.
+/// A request and its answer, between a PLC and the planner. It may be a static, because all bits are zero
+/// when new.
 ///
 /// One context asks; the planner's context answers.
 pub struct QuestionUnit<const AXES: usize> {
-    /// 0 none, 1 asked, 2 answered.
+    /// 0: none, 1: asked, 2: answered.
     state: AtomicU32,
     question: [AtomicU32; 2],
     /// Kind of the answer, and its data.
@@ -134,10 +135,10 @@ impl<const AXES: usize> QuestionUnit<AXES> {
         }
     }
 
-    /// Asks a question, for the PLC. The answer to the question before is lost.
+    /// Asks a question. Only the PLC calls this function. The answer to the previous question is lost.
     ///
     /// # Errors
-    /// The last question is not answered yet; nothing has changed.
+    /// The previous question is not answered yet; nothing has changed.
     pub fn ask(&self, question: Question) -> Result<(), Pending> {
         if self.state.load(Ordering::Acquire) == ASKED {
             return Err(Pending);
@@ -150,14 +151,14 @@ impl<const AXES: usize> QuestionUnit<AXES> {
         Ok(())
     }
 
-    /// The unanswered question, for the planner.
+    /// The unanswered question. Only the planner calls this function.
     pub fn pending(&self) -> Option<Question> {
         let [kind, ticks] = &self.question;
         (self.state.load(Ordering::Acquire) == ASKED)
             .then(|| Question::of_words([kind, ticks].map(|word| word.load(Ordering::Relaxed))))
     }
 
-    /// Writes an answer, for the planner.
+    /// Writes an answer. Only the planner calls this function.
     pub fn put(&self, answer: &Result<Moment<AXES>, Unknown>) {
         let words = match answer {
             Ok(moment) => {
@@ -186,7 +187,7 @@ impl<const AXES: usize> QuestionUnit<AXES> {
         self.state.store(ANSWERED, Ordering::Release);
     }
 
-    /// The answer, if there is one, for the PLC.
+    /// The answer, if there is one. Only the PLC calls this function.
     pub fn answer(&self) -> Option<Result<Moment<AXES>, Unknown>> {
         if self.state.load(Ordering::Acquire) != ANSWERED {
             return None;

@@ -1,10 +1,10 @@
-//! The PLC's end of the log: the path ahead, by distance or by index.
+//! The PLC's handle of the log: the path ahead, by distance or by index.
 use super::entry::{BlockType, Entry, ProgramDistance};
 use super::recorder::{ACTIVE, CLOSED};
 use super::table::{Row, Table};
 use crate::quantity::Distance;
 
-/// Reads the log. The type is `Copy`, `Send` and `Sync`: any number of contexts may read, interrupts too.
+/// Reads the log. The type is `Copy`, `Send` and `Sync`: any number of contexts may read, also interrupts.
 #[derive(Clone, Copy)]
 pub struct ContourReader<'a> {
     window: Table<'a>,
@@ -32,11 +32,11 @@ impl core::error::Error for Forgotten {}
 pub struct LogState {
     /// Number of entries in the log: count_logged_blocks.
     pub entries: u32,
-    /// Number of entries without room: give [`super::ContourMemory`] a larger `LOG`.
+    /// Number of entries that had no room; use a larger `LOG` in [`super::ContourMemory`].
     pub without_room: u32,
-    /// Whether LOG ON is read and LOG OFF is not: f_log_is_active.
+    /// Whether LOG ON was read and LOG OFF was not: f_log_is_active.
     pub active: bool,
-    /// Whether LOG OFF is read. Another LOG ON has no effect before CLEAR.
+    /// Whether LOG OFF was read. Another LOG ON has no effect before CLEAR.
     pub closed: bool,
 }
 
@@ -53,11 +53,11 @@ impl<'a> ContourReader<'a> {
         ProgramDistance::from_bits(self.window.row().reach)
     }
 
-    /// The elements that overlap `from..to`, in order. Distances count from the last `#DISTANCE PROG START CLEAR` that
-    /// is read. The answer ends at [`Self::reach`] if `to` is beyond it.
+    /// The elements that overlap `from..to`, in order. Distances count from the last `#DISTANCE PROG START
+    /// CLEAR` that was read. The answer ends at [`Self::reach`] if `to` is beyond it.
     ///
     /// # Errors
-    /// [`Forgotten`] replaces elements that are dropped; the elements behind them follow.
+    /// [`Forgotten`] replaces elements that are no longer in the window; later elements follow.
     pub fn elements(&self, from: ProgramDistance, to: ProgramDistance) -> Elements<'a> {
         let row = self.window.row();
         Elements { window: self.window, next: newest(&row), from, to, end: false, due: ProgramDistance::ZERO }
@@ -69,7 +69,7 @@ impl<'a> ContourReader<'a> {
         let row = self.log.row();
         let number = row.first.wrapping_add(index);
         let entry = self.log.get(number).filter(|_| index < row.end.wrapping_sub(row.first))?;
-        // Cleared during the read: the numbers of a new log begin elsewhere.
+        // If the log was cleared during the read, the numbers of the new log begin elsewhere.
         (self.log.row().first == row.first).then_some(entry)
     }
 
@@ -84,12 +84,13 @@ impl<'a> ContourReader<'a> {
         }
     }
 
-    /// Distance from program start, or from the last passed `#DISTANCE PROG START CLEAR`, for the path distance
-    /// `planned` of [`crate::Status`]: dist_prog_start. On a polynomial it is exact at both ends and grows with the path
-    /// distance. The call reads the elements from that place to the end of the known path.
+    /// Converts the path distance `planned` of [`crate::Status`] to ISG's dist_prog_start. This is the
+    /// distance from program start, or from the last passed `#DISTANCE PROG START CLEAR`. On a polynomial,
+    /// the result is exact at both ends and grows with the path distance. The call reads all elements from
+    /// that place to the end of the known path.
     ///
     /// # Errors
-    /// The element there is no longer in the window.
+    /// The element at this distance is no longer in the window.
     pub fn distance(&self, path: Distance) -> Result<ProgramDistance, Forgotten> {
         let row = self.window.row();
         let (mut at, mut ahead) = (row.end, row.path.wrapping_sub(path.to_bits()));
@@ -106,7 +107,7 @@ impl<'a> ContourReader<'a> {
             }
             let planned = entry.planned;
             if ahead <= planned {
-                // The rest of the element.
+                // The rest of the element, as a part of its planned length.
                 let part = if planned == 0 { 0.0 } else { ahead as f64 / planned as f64 };
                 let left = (entry.length.to_bits() as f64 * part) as i64;
                 return Ok(ProgramDistance::from_bits(entry.end().to_bits().wrapping_sub(left)));
@@ -117,20 +118,20 @@ impl<'a> ContourReader<'a> {
     }
 }
 
-/// The first entry of the window's newest part, after the last CLEAR.
+/// The first entry of the window after the last CLEAR.
 const fn newest(row: &Row) -> u32 {
     let (kept, marked) = (row.end.wrapping_sub(row.first), row.end.wrapping_sub(row.mark));
     if marked < kept { row.mark } else { row.first }
 }
 
-/// Elements in an interval of distances, in their order.
+/// Elements in an interval of distances, in order.
 pub struct Elements<'a> {
     window: Table<'a>,
     next: u32,
     from: ProgramDistance,
     to: ProgramDistance,
     end: bool,
-    /// Start of the next element; a later start means that elements are dropped.
+    /// Start of the next element. If the next element begins later, elements are missing.
     due: ProgramDistance,
 }
 
@@ -158,7 +159,7 @@ impl Iterator for Elements<'_> {
             if entry.block_type == BlockType::Clear || entry.start >= self.to {
                 break;
             }
-            // The first element of a part begins at 0.
+            // After a CLEAR, the first element begins at 0.
             if entry.start > self.due && self.from < entry.start {
                 self.due = entry.start;
                 return Some(Err(Forgotten { first: entry.start }));

@@ -1,4 +1,4 @@
-//! The planner's end of the log: decides which entry goes into which table.
+//! The planner's handle of the log: decides which entry goes into which table.
 use super::entry::{BELOW, BlockType, Entry, ProgramDistance};
 use super::geometry::describe;
 use super::table::{Row, Table};
@@ -32,7 +32,7 @@ pub(super) const MARKS: usize = 8;
 enum Mark {
     Log(ContourLog),
     Distance,
-    /// A pass of a real-time loop begins or ends; the flag is MODULO.
+    /// A pass of a real-time loop begins or ends. The flag is MODULO.
     Turn(Turn, bool),
 }
 
@@ -52,10 +52,10 @@ pub enum Turn {
 struct Repeat {
     /// Number of begun passes, at most 3.
     passes: u32,
-    /// Program distance at the start of the loop, as `Recorder::end`.
+    /// Program distance at the start of the loop, in the form of `Recorder::end`.
     start: (i64, i64),
-    /// From the third pass on, if it is logged: end of the log before the pass, and number of entries without
-    /// room.
+    /// From the third pass on, if the loop is logged: end of the log before the pass, and number of entries
+    /// without room.
     kept: Option<(u32, u32)>,
 }
 
@@ -72,7 +72,8 @@ pub(super) const ACTIVE: u32 = 1;
 /// The marked part is complete: another LOG ON has no effect before CLEAR.
 pub(super) const CLOSED: u32 = 2;
 
-/// Directions of so many axes are kept for the knee; the knee of more axes counts only the first ones.
+/// Number of axes whose directions are stored for the knee. With more axes, the knee counts only the first
+/// ones.
 const DIRECTIONS: usize = 32;
 
 /// Writes the log. The planner owns the recorder: [`crate::Planner::log_contour`].
@@ -80,11 +81,11 @@ pub struct Recorder<'a> {
     window: Table<'a>,
     log: Table<'a>,
     rows: [Row; 2],
-    /// Program distance of the end, and the rest below its LSB: 2^-44 mm.
+    /// Program distance of the end, and the remainder below its LSB, 2^-44 mm.
     end: (i64, i64),
     /// Path distance of the end, if known.
     path: Option<i64>,
-    /// Direction at the end.
+    /// Direction at the end of the last element.
     exit: Option<[i64; DIRECTIONS]>,
     marks: heapless::Deque<Waiting, MARKS>,
     /// Largest number of entries kept in each table: P-CHAN-00658.
@@ -121,7 +122,7 @@ impl<'a> Recorder<'a> {
         self.measure = Some(measure);
     }
 
-    /// Starts a program where the path is at `path`: its distance is 0, and the log is empty.
+    /// Starts a program at the path distance `path`: the program distance is 0, and the log is empty.
     pub(crate) fn start(&mut self, path: i64) {
         self.marks.clear();
         self.repeat = Repeat::default();
@@ -132,7 +133,7 @@ impl<'a> Recorder<'a> {
         self.show();
     }
 
-    /// Drops elements beyond `path`: they will not be driven.
+    /// Drops elements beyond `path`, because the axes will not reach them.
     pub(crate) fn cut(&mut self, path: i64) {
         let Some(known) = self.path.replace(path) else { return };
         if known == path {
@@ -196,7 +197,7 @@ impl<'a> Recorder<'a> {
         self.marks.push_back(Waiting { number, n, mark: Mark::Distance }).map_err(|_| Crowded)
     }
 
-    /// A pass of a real-time loop begins or ends before the motion block `number`.
+    /// Begins or ends a pass of a real-time loop before the motion block `number`.
     ///
     /// # Errors
     /// Too many commands wait for one motion block.
@@ -204,7 +205,7 @@ impl<'a> Recorder<'a> {
         self.marks.push_back(Waiting { number, n: 0, mark: Mark::Turn(turn, modulo) }).map_err(|_| Crowded)
     }
 
-    /// Gives commands before the motion block `number` their place.
+    /// Sets the place of commands before the motion block `number`.
     pub(crate) fn settle(&mut self, number: u32) {
         let mut changed = false;
         let comes = |waiting: &mut Waiting| {
@@ -225,7 +226,7 @@ impl<'a> Recorder<'a> {
         self.marks.front().is_some_and(|waiting| matches!(waiting.mark, Mark::Log(ContourLog::Clear)))
     }
 
-    /// The axes stand: carries out CLEAR, and the commands given with it.
+    /// Carries out CLEAR at standstill, and the commands that were given with it.
     pub(crate) fn clear_at_rest(&mut self, number: u32) {
         if self.waits_for_rest() {
             self.marks.pop_front();
@@ -250,13 +251,13 @@ impl<'a> Recorder<'a> {
                 self.put(Entry { id, ..Entry::mark(BlockType::LogOff, n, parameter) });
                 self.rows[1].flags = CLOSED;
             }
-            // Only the first part can be logged: marks of another part have no effect before CLEAR, which is
+            // Only the first part can be logged. Marks of another part have no effect before CLEAR, which is
             // handled elsewhere.
             Mark::Log(_) => {}
         }
     }
 
-    /// Lets distances count from `start` on.
+    /// Sets the zero of program distances to `start`.
     fn count_from(&mut self, start: (i64, i64), n: u32, id: u32) {
         let entry = Entry { id, ..Entry::mark(BlockType::Clear, n, None) };
         let end = ProgramDistance::from_bits(self.end.0);
@@ -269,9 +270,9 @@ impl<'a> Recorder<'a> {
         self.rows[0].mark = self.rows[0].end;
     }
 
-    /// A pass of a real-time loop begins or ends. A log that is active around the loop has three of its passes: the
-    /// first, the second and the last. From the third pass on, each pass replaces the one before, and the log shows
-    /// it when the loop ends.
+    /// Begins or ends a pass of a real-time loop. If a log is active around the loop, it has three passes:
+    /// the first, the second and the last. From the third pass on, each pass replaces the one before. The log
+    /// shows the last pass when the loop ends.
     fn go_round(&mut self, turn: Turn, modulo: bool, id: u32) {
         if turn == Turn::Begin {
             self.repeat = Repeat { start: self.end, ..Repeat::default() };

@@ -1,9 +1,9 @@
 //! Rows of entries with one writer and any number of readers.
 //!
-//! Words are atomic, so no word is torn. Entries have increasing numbers that are not used again. The head has two
-//! places: the writer fills the hidden place and then shows it. So a reader that interrupts the writer finds a
-//! complete head and does not wait. A reader on another core reads again while the head changes. A read entry counts
-//! only if its number is still in the table after the read.
+//! Words are atomic, so no word is half written. Entries have increasing numbers that are not used again. The
+//! head has two places: the writer fills the hidden place and then shows it. So a reader that interrupts the
+//! writer finds a complete head and does not wait. A reader on another core reads again while the head
+//! changes. An entry that was read is valid only if its number is still in the table after the read.
 use super::entry::Entry;
 use core::sync::atomic::{AtomicU32, Ordering, fence};
 
@@ -37,9 +37,10 @@ pub struct Row {
     pub reach: i64,
     /// Path distance of the table's end.
     pub path: i64,
-    /// Window: the number after the last `#DISTANCE PROG START CLEAR`. Log: number of entries without room.
+    /// For the window: the number after the last `#DISTANCE PROG START CLEAR`. For the log: number of entries
+    /// without room.
     pub mark: u32,
-    /// Log: its state.
+    /// State of the log.
     pub flags: u32,
 }
 
@@ -58,7 +59,7 @@ impl Row {
     }
 }
 
-/// The head of a table: two places, and which of them is shown.
+/// The head of a table: two places, and the number of the visible one.
 pub struct Head {
     shown: AtomicU32,
     rows: [[AtomicU32; ROW]; 2],
@@ -76,7 +77,7 @@ impl Head {
 
     fn show(&self, row: Row) {
         let turn = self.shown.load(Ordering::Relaxed).wrapping_add(1);
-        // A reader that sees a later word also sees that the place before is shown.
+        // A reader that sees a later word also sees that the earlier place is visible.
         fence(Ordering::Release);
         self.place(turn)
             .iter()
@@ -129,7 +130,8 @@ impl<'a> Table<'a> {
         self.slots.get((number % room) as usize)
     }
 
-    /// Appends an entry to `row`, for the writer. With `room` entries in the table the first one is dropped.
+    /// Appends an entry to `row`. If the table already has `room` entries, the first one is dropped. Only the
+    /// writer calls this function.
     pub fn push(&self, row: &mut Row, entry: &Entry, room: usize) {
         let Some(slot) = self.slot(row.end).filter(|_| room > 0) else {
             row.end = row.end.wrapping_add(1);
@@ -145,12 +147,12 @@ impl<'a> Table<'a> {
         row.end = row.end.wrapping_add(1);
     }
 
-    /// Shows `row`, for the writer.
+    /// Makes `row` visible. Only the writer calls this function.
     pub fn show(&self, row: &Row) {
         self.head.show(*row);
     }
 
-    /// The entry with this number, if it is in the table, for readers.
+    /// The entry with this number, if it is in the table. For readers.
     pub fn get(&self, number: u32) -> Option<Entry> {
         let words = self.slot(number)?.get();
         fence(Ordering::Acquire);

@@ -7,14 +7,14 @@
 //! | `response.block[i]` | [`ControlUnit::response`] |
 //! | `state` (HLI_CONTOUR_LOOKAHEAD_STATE) | [`ControlUnit::state`] |
 //!
-//! Distances are in 0.1 µm, as in ISG's interface. One context makes requests, another one serves them; both may be
-//! the same.
+//! Distances are in 0.1 µm, as in ISG's interface. One context makes requests, and another one serves them;
+//! both may be the same context.
 use super::entry::{BlockType, Entry, ProgramDistance};
 use super::reader::ContourReader;
 use super::table::Slot;
 use core::sync::atomic::{AtomicU32, Ordering};
 
-/// The last request is not answered yet.
+/// The previous request is not answered yet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Pending;
 
@@ -31,9 +31,9 @@ impl core::error::Error for Pending {}
 pub struct UnitState {
     /// max_dist_prog_start, 0.1 µm.
     pub max_dist_prog_start: f64,
-    /// Entries of the log of mode 1.
+    /// Number of entries in the log of mode 1.
     pub count_logged_blocks: u32,
-    /// Whether elements between LOG ON and LOG OFF are still to come.
+    /// Whether LOG ON was read and LOG OFF was not.
     pub f_log_is_active: bool,
 }
 
@@ -66,11 +66,12 @@ impl<const BLOCKS: usize> ControlUnit<BLOCKS> {
         self.semaphore.load(Ordering::Acquire) != 0
     }
 
-    /// Makes a request, for the PLC. `length` 0 is mode 1: `start_position` is the index of the first entry. Any other
-    /// `length` is mode 2: elements in `start_position .. start_position + length`, 0.1 µm.
+    /// Makes a request. Only the PLC calls this function. With `length` 0 (mode 1), `start_position` is the
+    /// index of the first entry. With any other `length` (mode 2), the request is for elements in
+    /// `start_position .. start_position + length`, 0.1 µm.
     ///
     /// # Errors
-    /// The last request is not answered yet; nothing has changed.
+    /// The previous request is not answered yet; nothing has changed.
     pub fn request(&self, start_position: f64, length: f64) -> Result<(), Pending> {
         if self.is_pending() {
             return Err(Pending);
@@ -83,9 +84,10 @@ impl<const BLOCKS: usize> ControlUnit<BLOCKS> {
         Ok(())
     }
 
-    /// Answers the request, if there is one, and clears the semaphore: for the CNC's side. Blocks without an element
-    /// have type 0. If the first elements of mode 2 are dropped, the answer begins with the remaining ones. Returns
-    /// `true` if it has answered. Bounded: it reads each entry at most once.
+    /// Answers the request, if there is one, and clears the semaphore. Only the side of the CNC calls this
+    /// function. Blocks without an element have type 0. If the first elements of mode 2 are no longer in the
+    /// window, the answer begins with the remaining ones. Returns `true` if there was a request. Bounded:
+    /// each entry is read at most once.
     #[allow(clippy::double_comparisons)]
     pub fn serve(&self, contour: &ContourReader<'_>) -> bool {
         if !self.is_pending() {
@@ -95,7 +97,7 @@ impl<const BLOCKS: usize> ControlUnit<BLOCKS> {
         words.iter_mut().zip(&self.request).for_each(|(to, from)| *to = from.load(Ordering::Relaxed));
         let [s0, s1, l0, l1] = words.map(u64::from);
         let (start, length) = (f64::from_bits(s1 << 32 | s0), f64::from_bits(l1 << 32 | l0));
-        // Both comparisons are false for NaN, which is mode 1 from its start.
+        // Both comparisons are false for NaN, which counts as mode 1 from the first entry.
         if length > 0.0 || length < 0.0 {
             let [from, to] = [start, start + length].map(|at| ProgramDistance::from_mm(at / TENTHS));
             let mut elements = contour.elements(from, to).filter_map(Result::ok);
@@ -114,8 +116,8 @@ impl<const BLOCKS: usize> ControlUnit<BLOCKS> {
         }
     }
 
-    /// Block `i` of the response, for the PLC; `None` while the request is pending, or if there is no such
-    /// block.
+    /// Block `i` of the response. Returns `None` while the request is pending, or if there is no such block.
+    /// Only the PLC calls this function.
     pub fn response(&self, i: usize) -> Option<Entry> {
         if self.is_pending() {
             return None;
@@ -123,7 +125,7 @@ impl<const BLOCKS: usize> ControlUnit<BLOCKS> {
         self.block.get(i).map(|slot| Entry::of_words(slot.get()))
     }
 
-    /// Blocks of the response, up to the first unused one.
+    /// The blocks of the response, up to the first unused one.
     pub fn blocks(&self) -> impl Iterator<Item = Entry> {
         (0..BLOCKS).map_while(|i| self.response(i)).take_while(|entry| entry.block_type != BlockType::None)
     }

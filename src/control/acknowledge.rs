@@ -11,17 +11,18 @@
 //! neither an early one, nor a repeated one, nor one for a function that an abort has dropped. No write
 //! depends on the current value of a word: such a write would need compare-and-swap, which small cores lack.
 //!
-//! The planner uses the places in turn. A place gets no ticket that its other words still hold.
+//! The planner uses the places in turn. A place never gets a ticket that its other words still hold.
 use crate::machine::functions;
 use crate::technology::{Function, Ticket};
 use core::sync::atomic::{AtomicU32, Ordering};
 
-/// Number of acknowledgements that can be open at a time, counted from the reading of the program.
+/// Number of acknowledgements that can be open at the same time, from reading the program on.
 pub(crate) const OPEN: usize = if functions::IS_SMALL { 16 } else { 32 };
 
 const FREE: u32 = 0;
 
-/// A ticket: a bit that distinguishes the word from [`FREE`], M or H, number, place, sequence number.
+/// Fields of a ticket: a bit that distinguishes the ticket from [`FREE`]; M or H; number; place; sequence
+/// number.
 const PLANNED: u32 = 1;
 const OF_H: u32 = 1 << 2;
 const CODE: u32 = 3;
@@ -56,7 +57,7 @@ const fn word(function: Function) -> Option<u32> {
         Function::Spindle(_) | Function::Tool(_) => None,
         #[cfg(feature = "grbl")]
         Function::Digital(..) | Function::Analog(..) => None,
-        // Numbers above those of M functions.
+        // These numbers are above those of M functions.
         #[cfg(feature = "grbl")]
         Function::Input(wait) => {
             let code =
@@ -79,7 +80,7 @@ impl Place {
         Self { planned, put_out, answered }
     }
 
-    /// The ticket of this place, if the function is output and not acknowledged.
+    /// The ticket of this place, if the function has been output and is not acknowledged.
     fn open(&self) -> Option<u32> {
         let ticket = self.planned.load(Ordering::Acquire);
         let open = ticket != FREE
@@ -88,13 +89,13 @@ impl Place {
         open.then_some(ticket)
     }
 
-    /// Whether the function is acknowledged. The planner calls it.
+    /// Whether the function is acknowledged. Only the planner calls this function.
     fn is_answered(&self) -> bool {
         let ticket = self.planned.load(Ordering::Relaxed);
         ticket != FREE && self.answered.load(Ordering::Acquire) == ticket
     }
 
-    /// Whether the place can take this ticket. The planner calls it.
+    /// Whether the place can take this ticket. Only the planner calls this function.
     fn takes(&self, ticket: u32) -> bool {
         let [planned, put_out, answered] =
             [&self.planned, &self.put_out, &self.answered].map(|word| word.load(Ordering::Acquire));
@@ -115,8 +116,8 @@ impl Acknowledgements {
         Self { places: [const { Place::free() }; OPEN], next: AtomicU32::new(0) }
     }
 
-    /// Plans an acknowledgement after all others of lower `sequence`. Returns `None` without room. The
-    /// planner calls it.
+    /// Plans an acknowledgement for a function. Returns `None` if there is no room. `sequence`: sequence
+    /// number of the ticket. Only the planner calls this function.
     pub fn plan(&self, function: Function, sequence: u8) -> Option<Ticket> {
         let planned = word(function)? | PLANNED | u32::from(sequence) << SEQUENCE;
         let first = self.next.load(Ordering::Relaxed);
@@ -171,7 +172,7 @@ impl Acknowledgements {
         if ticket.waits() { self.places.get(index) } else { None }
     }
 
-    /// The bits of answered tickets. These tickets become free. The planner calls it.
+    /// The bits of answered tickets. These tickets become free. Only the planner calls this function.
     pub fn take_answers(&self) -> u32 {
         let mut answers = 0;
         for (index, place) in self.places.iter().enumerate() {
@@ -183,14 +184,14 @@ impl Acknowledgements {
         answers
     }
 
-    /// Frees the ticket of a function that will not be output. The planner calls it.
+    /// Frees the ticket of a function that will not be output. Only the planner calls this function.
     pub fn give_back(&self, ticket: Ticket) {
         if let Some(place) = self.place(ticket) {
             place.planned.store(FREE, Ordering::Release);
         }
     }
 
-    /// Forgets all of them. For the planner.
+    /// Drops all acknowledgements. Only the planner calls this function.
     pub fn clear(&self) {
         for place in &self.places {
             place.planned.store(FREE, Ordering::Release);

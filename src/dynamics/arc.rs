@@ -1,21 +1,24 @@
-//! The limits inside an arc: what the curve itself uses, and what is left to a change of speed.
+//! The limits inside an arc: the part of acceleration and jerk that the arc uses, and the part for a change
+//! of speed.
 //!
-//! On a radius r each axis of the plane passes through every direction. With the speed v, the acceleration a and the
-//! jerk j along the arc, an axis shows up to √(a² + (v²/r)²) and √((j − v³/r²)² + (3·v·a/r)²). At the speed V with V³ =
-//! B·r² the curve alone uses all of the jerk B.
+//! On an arc of radius r, the path passes through every direction of the plane. With the speed v, the
+//! acceleration a and the jerk j along the arc, each axis shows up to √(a² + (v²/r)²) and √((j − v³/r²)² +
+//! (3·v·a/r)²). At the speed V with V³ = B·r² the curvature alone uses all of the jerk B.
 //!
-//! A profile begins and ends without acceleration, and is nowhere faster than the arc permits. So at a speed w below
-//! the arc's speed v, its acceleration is at most √(2·n·(v − w)), where n is the highest jerk against the motion: near
-//! its highest speed there is nearly no acceleration. The jerk against the motion adds to that of the curve, the jerk
-//! with the motion reduces it. So both limits differ: with w, v, n and p in units of V and B
+//! A speed profile begins and ends with zero acceleration and never exceeds the speed v of the arc. So at a
+//! speed w below v, its acceleration is at most √(2·n·(v − w)). Here n is the highest jerk against the
+//! motion. Near the highest speed, nearly no acceleration is left. The jerk against the motion adds to the
+//! jerk of the curvature; the jerk with the motion, p, reduces that jerk. So both limits differ. With w, v, n
+//! and p in units of V and B, the conditions are
 //!
 //! (n + w³)² + 9·w²·2·n·(v − w) ≤ 1,  max(p − w³, w³)² + 9·w²·2·min(n·(v − w), p·w) ≤ 1
 //!
-//! for every w from 0 to v. [`LEVELS`] lists for some speeds the n and p with which a profile from rest loses least
-//! compared with one that begins at v. These values also hold for each lower speed, and for lower jerks.
+//! for every w from 0 to v. For some speeds, [`LEVELS`] lists the n and p with which a profile from a stop
+//! loses the least time. The reference is a profile that begins at v. These values also hold for lower speeds
+//! and lower jerks.
 //!
-//! The higher the speed, the longer a profile takes to reach it. So the length of the arc decides: of [`SPEEDS`], the
-//! code takes the speed with which the turn is quickest. An arc that continues another one counts together with it.
+//! A higher speed takes longer to reach. So the length of the arc decides: of [`SPEEDS`], the code takes the
+//! speed with the least time. An arc that continues another arc counts together with that arc.
 //!
 //! These limits do not apply to an acceleration that passes the end of an arc: see [`Share::passing`].
 use super::Share;
@@ -50,14 +53,15 @@ const LEVELS: [Level; 11] = [
     level(0.400, 0.8939, 0.93),
     level(0.300, 0.9535, 0.97),
 ];
-/// Highest permitted part of V, and of the speed at which the curve uses all of the acceleration.
+/// Highest permitted part of V. Also the highest part of the speed at which the curvature uses all of the
+/// acceleration.
 pub(super) const HIGHEST: f32 = 0.985;
-/// Parts of the highest speed to try; for an arc of two turns only the first two.
+/// Parts of the highest speed to try. An arc of two turns tries only the first two.
 const SPEEDS: [f32; 8] = [1.0, 0.971, 0.93, 0.88, 0.82, 0.75, 0.68, 0.6];
 const LONG: usize = 2;
-/// Times that differ by less count as equal: the higher speed is taken.
+/// Times with a smaller difference count as equal, and the higher speed is taken.
 const CLEARLY: f32 = 1.0 - 1.0 / 4096.0;
-/// Radians of two turns, the largest value that counts.
+/// The angle of two turns, radians. Longer arcs count as two turns.
 pub(super) const TWO_TURNS: f32 = 4.0 * PI;
 pub(super) const MOST_TURNS: f32 = 64.0 * PI;
 /// Angles whose ratio is below this value count as equal.
@@ -69,15 +73,15 @@ pub(super) struct Bend {
     pub curvature: f32,
     /// Part of the path that lies in the plane.
     pub share: f32,
-    /// Radians from the begin of the circle to the end of the arc.
+    /// Radians from the start of the circle to the end of the arc.
     pub turn: f32,
-    /// Acceleration of the slope, and the largest one, mm/tick².
+    /// Acceleration of the speed profile, and the largest acceleration of the axes, mm/tick².
     pub normal: f32,
     pub a_max: f32,
     /// B, mm/tick³; `None` with a slope without jerk limit.
     pub budget: Option<f32>,
-    /// Whether acceleration may begin at once at a transition, so that the arc need not be entered at a low
-    /// speed.
+    /// Whether acceleration may begin at once at a transition. Then the motion need not enter the arc at a
+    /// low speed.
     pub is_free: bool,
 }
 
@@ -87,13 +91,14 @@ impl Bend {
         cbrt_f32(budget * self.share / (self.curvature * self.curvature))
     }
 
-    /// Acceleration along the path that a speed leaves, mm/tick².
+    /// Acceleration along the path that is left at the speed `v`, mm/tick².
     fn along(&self, v: f32) -> f32 {
         let across = v * v * self.curvature;
         sqrt_f32(max(self.a_max * self.a_max - across * across, 0.0)) / self.share
     }
 
-    /// Radians that count: the next lower one of some angles, so that pieces of one arc have equal limits.
+    /// The angle for the limits, radians: the next lower one of a list. So pieces of one arc have equal
+    /// limits.
     fn turns(&self) -> f32 {
         let mut turn = FRAC_PI_4;
         while turn < MOST_TURNS && 2.0 * turn <= self.turn * NEARLY {
@@ -102,8 +107,8 @@ impl Bend {
         turn
     }
 
-    /// Acceleration along the path that may pass the ends of an arc at this speed and jerk, mm/tick²: √((j + v³/r²)² +
-    /// (3·v·a/r)²) is at most B.
+    /// Acceleration along the path that may pass the ends of an arc at this speed and jerk, mm/tick². The
+    /// condition is √((j + v³/r²)² + (3·v·a/r)²) ≤ B.
     fn passing(&self, v: f32, jerk: f32, budget: f32) -> f32 {
         let twist = self.curvature * self.curvature / self.share;
         let both = jerk * self.share + twist * v * v * v;
@@ -112,7 +117,7 @@ impl Bend {
 }
 
 impl Limits {
-    /// Lowers the limits for an arc; `share`: the limits left beside a transition.
+    /// Lowers the limits for an arc. `share`: the limits that its transitions leave.
     pub(super) fn bend(&mut self, share: &mut Share, bend: &Bend) {
         let most = min(self.a_up, self.a_down);
         let highest = bend.budget.map_or(f32::MAX, |budget| bend.jerk_speed(budget));
@@ -123,7 +128,7 @@ impl Limits {
             self.v = min(self.v, sqrt_f32(normal / bend.curvature));
         }
         let turn = bend.turns();
-        // STEP has its acceleration at once, and passes more arcs than it accelerates in.
+        // With STEP, acceleration has no ramp, and the motion passes most arcs without a change of speed.
         let turn = if bend.budget.is_none() { max(turn, TAU) } else { turn };
         let length = turn * bend.share / bend.curvature;
         let mut best = (f32::MAX, *self);
@@ -136,7 +141,7 @@ impl Limits {
             if time < CLEARLY * best.0 {
                 best = (time, with);
             } else if CLEARLY * time > best.0 {
-                // Times first fall and then rise.
+                // With falling speed, the time first falls and then rises.
                 break;
             }
             if k == 0 && with.leaves_all_of(self) {
@@ -170,12 +175,13 @@ impl Limits {
         limits
     }
 
-    /// Whether the limits equal the others except for the speed.
+    /// Whether the limits equal those of `other` except for the speed.
     fn leaves_all_of(&self, other: &Self) -> bool {
         self.a_up >= other.a_up && self.a_down >= other.a_down && self.law == other.law
     }
 
-    /// Approximate ticks over a length from rest to rest. `entered`: one end has the full speed instead.
+    /// Approximate ticks over a length from stop to stop. `entered`: the motion has the full speed at one
+    /// end.
     fn time(&self, length: f32, entered: bool) -> f32 {
         let ramp = self.speed_up();
         let [way, _] = ramp.distance(0.0, self.v);

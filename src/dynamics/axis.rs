@@ -8,31 +8,31 @@ use crate::nc::SlopeType;
 use crate::slope::limits::Ramps;
 use crate::slope::ramp_shape::RampShape;
 
-/// Part of the largest acceleration for a slight transition.
+/// Part of the largest acceleration that is reserved for a slight transition.
 const SLIGHT_KNEE: f32 = KNEE_PART * SLIGHT;
 /// Ramps of at least this number of ticks count as long.
 const LONG_RAMP: f32 = 4.0;
 
-/// Dynamics of one axis in one kind of motion (feed or rapid), per tick.
+/// Limits of one axis in one kind of motion (feed or rapid), per tick.
 #[derive(Clone, Copy, Debug)]
 pub struct Set {
     pub v: f32,
     pub a_up: f32,
     pub a_down: f32,
-    /// STEP: accelerations above the change-over speed, and this speed.
+    /// STEP: accelerations above the change-over speed, and the change-over speed.
     pub upper: [f32; 2],
     pub change_over: f32,
-    /// Other slopes: mean jerks.
+    /// Slopes other than STEP: mean jerks of the ramps.
     pub j: Ramps,
     pub joint: TransitionLimits,
-    /// The least a / ramp time; at most `B`.
+    /// The lowest acceleration divided by its ramp time; at most `B`.
     pub ramp_budget: f32,
-    /// The least a / geometric ramp time: `B`, or less if the geometric ramp time is longer than the ramp
-    /// times.
+    /// The lowest acceleration divided by the geometric ramp time. This value is `B`, or less if the
+    /// geometric ramp time is longer than the ramp times.
     pub geometric_budget: f32,
-    /// Acceleration that a knee leaves to the slope.
+    /// Acceleration left to the speed profile at a knee.
     pub a_shared: f32,
-    /// Acceleration that a knee leaves to the slope where acceleration is zero.
+    /// Acceleration left to the speed profile at a knee where the acceleration is zero.
     pub a_resting: f32,
 }
 
@@ -41,15 +41,16 @@ pub struct Set {
 pub struct TransitionLimits {
     /// `B`.
     pub budget: f32,
-    /// Step of speed permitted at a knee (P-AXIS-00013).
+    /// Permitted step of speed at a knee (P-AXIS-00013).
     pub knee: f32,
-    /// Whether P-AXIS-00013 is given: the jerk of such a step is not limited.
+    /// Whether P-AXIS-00013 is given; the jerk of a step of speed at a knee is then not limited.
     pub is_weighted: bool,
-    /// Jerk permitted to a step of acceleration (P-CHAN-00009, P-AXIS-00154); `f32::MAX` without limit.
+    /// Permitted jerk of a step of acceleration (P-CHAN-00009, P-AXIS-00154); `f32::MAX` without limit.
     pub bend: f32,
-    /// Acceleration for knee and curvature together, within a tick of the transition. The slope has the rest.
+    /// Acceleration for knee and curvature together, within a tick of the transition. The rest is for the
+    /// speed profile.
     pub left: f32,
-    /// Speed that the slope gains within a tick of the transition.
+    /// Speed that the profile gains within a tick of the transition.
     pub gained: f32,
 }
 
@@ -58,9 +59,9 @@ pub(super) struct Axis {
     pub(super) feed: Set,
     pub(super) rapid: Set,
     pub(super) a_max: f32,
-    /// P-AXIS-00214; `f32::MAX` if it is 0.
+    /// P-AXIS-00214: reduced speed; `f32::MAX` if the parameter is 0.
     pub(super) v_reduced: f32,
-    /// Gain of the filter of the axis, and the acceleration that AX_DEV leaves.
+    /// Gain of the filter of the axis, and the acceleration that AX_DEV permits.
     pub(super) gain: f32,
     pub(super) cap: f32,
     /// Factor for accelerations and jerks by AX_DEV, if all jerk is limited.
@@ -83,8 +84,8 @@ impl TransitionLimits {
 }
 
 impl TransitionLimits {
-    /// Highest speed at which two values together are at most `left`: the step of speed at a knee, and the
-    /// acceleration across the path on either side of it. The curvature acts at the speed one tick later:
+    /// Highest speed at which two accelerations together are at most `left`: that of the speed step at a
+    /// knee, and that of the curvature. The curvature acts at the speed one tick later:
     ///
     /// knee·v + curvature·(v + gained)² ≤ left.
     pub(super) fn beside_turn(&self, knee: f32, curvature: f32) -> f32 {
@@ -94,7 +95,7 @@ impl TransitionLimits {
 }
 
 impl Set {
-    /// The jerk that a corner's curve may cause.
+    /// The jerk that the curve of a corner may cause. `check`: CHECK_JERK.
     pub(super) fn curving_budget(&self, check: u8) -> f32 {
         match check {
             0 => f32::MAX,
@@ -103,7 +104,7 @@ impl Set {
         }
     }
 
-    /// Smallest acceleration.
+    /// The lower one of acceleration and deceleration.
     pub(super) fn least(&self) -> f32 {
         min(min(self.a_up, self.a_down), min(self.upper[0], self.upper[1]))
     }
@@ -183,7 +184,7 @@ struct Motion {
     stages: Stages,
 }
 
-/// From units of machine data to ticks.
+/// Factors from the units of machine data to values per tick.
 #[derive(Clone, Copy)]
 struct Units {
     cycle_s: f32,
@@ -210,17 +211,18 @@ impl Units {
 struct Jerks {
     /// Mean jerk of each ramp.
     j: Ramps,
-    /// The least a / min(ramp time, geometric ramp time), a / ramp time and a / geometric ramp time.
+    /// The lowest ratio of acceleration to min(ramp time, geometric ramp time), to the ramp time, and to the
+    /// geometric ramp time.
     budget: f32,
     ramp_budget: f32,
     geometric_budget: f32,
-    /// Ramp times, ticks.
+    /// Shortest ramp time, ticks.
     shortest: f32,
     longest: f32,
 }
 
 impl Jerks {
-    /// From acceleration and deceleration, ramp times and geometric ramp time.
+    /// Computes the jerks from acceleration and deceleration, ramp times and geometric ramp time.
     fn new([a_up, a_down]: [f32; 2], tr: [f32; 4], geometric: f32) -> Self {
         let over = |tr: f32, k: usize| (if k < 2 { a_up } else { a_down }) / tr;
         let mut jerks = Self {
@@ -254,18 +256,18 @@ impl Set {
         let tr = if slope == SlopeType::Hsc { [tr.into_iter().max().unwrap_or(0); 4] } else { tr };
         let jerks = Jerks::new([a_up, a_down], tr.map(|us| units.ticks(us)), units.ticks(data.tr_geom));
         let Jerks { j, budget, .. } = jerks;
-        // A knee that counts as rounding of coordinates shows beside these accelerations.
+        // A small step of speed by rounding of coordinates adds to these accelerations.
         let beside = if stepped { a_max } else { a_max - SMOOTH * budget };
         let [a_up, a_down] = [min(a_up, beside), min(a_down, beside)];
         let a = min(a_up, a_down);
-        // Part of `a` in 0.1 %; 0 means cycle time / ramp time.
+        // Weight of the acceleration in 0.1 %; 0 selects cycle time / ramp time.
         let weight = data.a_trans_weight;
         let knee = a * if weight == 0 { 1.0 / jerks.longest } else { weight as f32 * 1e-3 };
-        // Within a tick of a transition with acceleration zero, the slope has at most this acceleration; a
-        // third of it counts in the middle.
+        // Within a tick of a transition with zero acceleration, the profile has at most this acceleration. A
+        // third of this value counts.
         let peak = if slope == SlopeType::Sin2 { RampShape::SineSquare.peak_jerk() } else { 1.0 };
         let near = min(peak * j.into_iter().fold(0.0, max), TRANSITION_PART * budget);
-        // With HSC, acceleration passes a knee.
+        // With HSC, acceleration may pass a knee.
         let passes = slope == SlopeType::Hsc;
         let left = if passes { a_max } else { a_max - near * (1.0 / 3.0) };
         let most = if passes || weight == 0 { KNEE_PART * a_max } else { left };
@@ -308,8 +310,8 @@ impl Set {
         set
     }
 
-    /// A knee of STEP: the speed that one tick of the acceleration gains. The weight is for the other slopes.
-    /// Close knees add up as with these.
+    /// Sets the knee of STEP: the speed that the acceleration gains in one tick. The weight acts for the
+    /// other slopes only. Steps at close knees add up as for these slopes.
     fn step(&mut self, a_max: f32) {
         let knee = min(self.least(), KNEE_PART * a_max);
         self.joint.budget = knee / TRANSITION_PART;

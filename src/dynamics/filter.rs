@@ -1,9 +1,9 @@
 //! Limits because of filters after the path: AX_DEV, ACC_FACT, and filters with negative taps.
 //!
 //! An axis deviates from its delayed set point because of its acceleration and because of steps of its speed.
-//! Each gets a part of AX_DEV ([`crate::fir::Watch`]). Acceleration has its part everywhere. A step that is
-//! alone in the window of the filter has the rest. Closer steps have a tenth each, and together the part of a
-//! curve with the same acceleration.
+//! Each cause gets a part of AX_DEV ([`crate::fir::Watch`]). The part for acceleration is the same
+//! everywhere. A step of speed without another step inside the filter's window may use the rest. Steps closer
+//! than the window get a tenth each. Together they get the part of a curve with the same acceleration.
 use super::{Axis, Dynamics, LSB_40, Permitted};
 use crate::dynamics::axis::{Set, TransitionLimits};
 use crate::fir::{CLOSE, GOING_ON, REACH, SHORT, Watch};
@@ -14,15 +14,17 @@ use crate::nc::SlopeType;
 use crate::path::End;
 use crate::slope::ramp_shape::RampShape;
 
-/// Part of the permitted acceleration that may pass a corner although the profile's acceleration is zero
-/// there: a hold may continue through the corner if its jerk does not show.
+/// Part of the permitted acceleration that may pass a corner if the profile's acceleration is zero there. A
+/// feed hold may brake through the corner if the jerk of this part stays below the jerk limit.
 const PASSING_JERK: f32 = 0.1;
-/// Part of AX_DEV for a step that acceleration passes, relative to the part for acceleration: 0.46/0.91.
+/// Part of AX_DEV for a step of speed at a corner that acceleration passes. The value is relative to the part
+/// for acceleration: 0.46/0.91.
 const PASSING: f32 = 0.5;
-/// Above this ratio an acceleration is clearly higher. Without negative taps it is 0.97/0.91.
+/// Above this ratio, an acceleration is clearly higher. For a filter without negative taps, the ratio is
+/// 0.97/0.91.
 const WORTH: f32 = 1.07;
-/// Factor of the speed at which the acceleration across the path is multiplied by [`SHORT`]: its root,
-/// rounded down.
+/// Factor of the speed with which the acceleration across the path gets the factor [`SHORT`]: its square
+/// root, rounded down.
 const SHORT_SPEED: f32 = 0.707;
 /// Rounding of a filter in the third difference of a set point, in addition to the rounding of the path, mm:
 /// 9 LSB of 2^-32.
@@ -30,14 +32,14 @@ const ROUNDED: f32 = 9.0 / (1u64 << 32) as f32;
 /// Longest ramp that is considered, as a part of the window.
 const WINDOW_PART: f32 = 0.5;
 
-/// Transitions that AX_DEV restricts.
+/// Data of transitions that AX_DEV restricts.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Watched {
-    /// Restricted axes: bit i for axis i.
+    /// Restricted axes: bit i is axis i.
     axes: u32,
-    /// Steps of speed within so many ticks add up.
+    /// Steps of speed within this number of ticks add up.
     window: f32,
-    /// Least Σ|G| / |G(0)| of the axes, ticks.
+    /// The lowest Σ|G| / |G(0)| of the axes, ticks.
     ratio: f32,
 }
 
@@ -45,7 +47,7 @@ impl Watched {
     /// No restricted transitions.
     pub(super) const NONE: Self = Self { axes: 0, window: 0.0, ratio: f32::MAX };
 
-    /// Whether there is a restricted axis.
+    /// Whether AX_DEV restricts any axis.
     #[inline(always)]
     pub(super) const fn is_some(&self) -> bool {
         functions::FILTERS.is_built() && self.axes != 0
@@ -70,7 +72,8 @@ impl Axis {
         (share * self.a_max / watch.gain > WORTH * watch.accel?).then_some(share)
     }
 
-    /// Limits of an axis that moves alone, with the filter of `other`. `alike`: it has the same slope.
+    /// Limits of an axis that moves alone, with the filter of `other`. `alike`: both axes have the same
+    /// slope.
     pub(super) fn filtered_as(mut self, other: &Self, alike: bool) -> Self {
         let part = 1.0 / other.gain;
         for set in [&mut self.feed, &mut self.rapid] {
@@ -122,14 +125,15 @@ impl Set {
         }
     }
 
-    /// Multiplies all values but the speed by `part`: as with lower accelerations and the same ramp times.
+    /// Multiplies all values except the speed by `part`. The effect is that of lower accelerations with the
+    /// same ramp times.
     fn slow_down(&mut self, part: f32) {
         let fast = (self.v, self.change_over);
         self.scale(part);
         (self.v, self.change_over) = fast;
     }
 
-    /// The largest jerk of the axis, per tick, `peak` times that of the slope; `None` without limit.
+    /// The largest jerk of the axis, mm/tick³: `peak` times the mean jerk of the slope. `None` without limit.
     fn jerk(&self, peak: f32) -> Option<f32> {
         if self.joint.is_weighted || self.joint.bend == f32::MAX {
             return None;
@@ -156,8 +160,9 @@ impl<const AXES: usize> Dynamics<AXES> {
         self.change(machine);
     }
 
-    /// Sets the filter of an axis for the elements that follow. Call it only after the axes are reset.
-    /// `corner`: part of AX_DEV for a step of speed whose acceleration vanishes with this jerk.
+    /// Sets the filter of an axis for the elements that follow. Call this function only after a reset of the
+    /// axes. `corner(jerk)`: the part of AX_DEV for a step of speed whose acceleration falls to zero with
+    /// this jerk.
     pub fn watch(&mut self, axis: usize, watch: &Watch, corner: impl Fn(f32) -> f32) {
         let slope = self.slope;
         let Some(limits) = self.axes.get_mut(axis) else { return };
@@ -179,8 +184,8 @@ impl<const AXES: usize> Dynamics<AXES> {
                 SlopeType::Step | SlopeType::Hsc => f32::MAX,
             };
             if set.joint.is_weighted && watch.acc_fact > 1.0 {
-                // The filter spreads a step over its window. This stays inside a_max, together with the
-                // slope.
+                // The filter spreads a step over its window. The result stays inside a_max, together with the
+                // acceleration of the profile.
                 let beside = min(max(set.a_up, set.a_down), WINDOW_PART * watch.window * jerk);
                 let spread = min(max(a_max - beside, 0.0) / watch.tap, REACH - a_max);
                 set.joint.knee = max(set.joint.knee, min(set.joint.knee * watch.acc_fact, spread));
@@ -213,13 +218,14 @@ impl<const AXES: usize> Dynamics<AXES> {
         self.watched.is_some()
     }
 
-    /// The limits of an element of this length, mm, if it may pass within the window of the filters.
+    /// The limits of an element of `length` (mm), if the motion may pass the element within the window of the
+    /// filters.
     pub fn shorten(&self, limits: &Permitted, length: f32, bends: bool) -> Option<Permitted> {
         let is_short = length < limits.0.v * self.watched.window;
         let mut limits = if is_short { *limits } else { return None };
         limits.0.scale_accelerations(SHORT);
         if bends {
-            // The acceleration across the path is lowered too.
+            // A lower speed also lowers the acceleration across the path.
             limits.0.v *= SHORT_SPEED;
         }
         Some(limits)
@@ -240,7 +246,7 @@ impl<const AXES: usize> Dynamics<AXES> {
         shorter: f32,
         fastest: f32,
     ) -> f32 {
-        // In a curve every axis may use all of its acceleration, whatever its direction at the end.
+        // In a curve, every axis may use all of its acceleration, for any direction at the end.
         let bends = |end: &End<AXES>| end.curvature.iter().any(|curvature| *curvature != 0.0);
         let bends = bends(from) || bends(to);
         let along = [self.along(from), self.along(to)];
@@ -266,8 +272,9 @@ impl<const AXES: usize> Dynamics<AXES> {
 }
 
 impl Watched {
-    /// The same for one axis, whose direction changes by `step`. Its speed may change by `knee`; acceleration
-    /// on both sides leaves the part `most` of it. The path has at most the acceleration `along`.
+    /// As [`Self::watched`], for one axis whose direction changes by `step`. `knee`: permitted step of speed.
+    /// `most`: the part of this step that the accelerations on both sides leave. `along`: the largest
+    /// acceleration of the path.
     fn speed(
         &self,
         (a_max, budget): (f32, f32),
@@ -277,12 +284,12 @@ impl Watched {
     ) -> f32 {
         let passes = a_max * step <= PASSING_JERK * budget;
         let alone = if passes { min(knee, PASSING * a_max * self.ratio) } else { knee } * most / step;
-        // A block that takes the whole window, if it speeds up from its end on.
+        // Speed at which a block takes the whole window, if the motion speeds up from the end of the block.
         let long = (shorter - 0.5 * along * self.window * self.window) / self.window;
         if long >= alone {
             return alone;
         }
-        // There is a step of v·step at most every length/√(v² + 2·a·length) ticks: v·√(v² + 2·a·length) ≤ s.
+        // There is one step v·step per length/√(v² + 2·a·length) ticks at most, so v·√(v² + 2·a·length) ≤ s.
         let s = SHORT * a_max * shorter / step;
         let gained = along * shorter;
         let both = gained + sqrt_f32(gained * gained + s * s);

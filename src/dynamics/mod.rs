@@ -10,14 +10,16 @@
 //! | jerk | 1 − 2^-13 | the same, and third differences of path distances rounded to 2^-44 mm |
 //! | small accelerations | 4 · 2^-37 mm/tick² | rounding of path distances, amplified in axes that move farther than the path |
 //!
-//! **Jerk.** An axis may show the jerk `B = a / min(ramp time, geometric ramp time)`. On arcs and at transitions that
-//! are not smooth, slope and contour both cause jerk; each gets a part, and the sum is at most `B`. Ramps of SIN2 count
-//! with their peak jerk, π/2 times the mean, so the axis shows at most the larger one of `B` and π/2 · a / ramp time.
-//! The curvature of a curve with CHECK_JERK=1 may cause the jerk `a / geometric ramp time`, which may be less than `B`.
+//! **Jerk.** An axis may show the jerk `B = a / min(ramp time, geometric ramp time)`. On arcs and at
+//! transitions with a corner, the speed profile and the geometry both cause jerk. Each gets a part of `B`.
+//! Ramps of SIN2 count with their peak jerk, π/2 times the mean, so the axis shows at most the larger one of
+//! `B` and π/2 · a / ramp time. The curvature of a curve with CHECK_JERK=1 may cause the jerk `a / geometric
+//! ramp time`, which may be less than `B`.
 //!
-//! **STEP** has no jerk limit. A knee is a step of speed, which adds an acceleration to that of the slope. So a quarter
-//! of `a_max` is reserved for knees: on lines beside knees and beside blocks that may pass within a tick, on arcs
-//! always. A knee takes at most the speed that the acceleration of a stage gains in one cycle.
+//! **STEP** has no jerk limit. A knee (a corner without a curve) is a step of speed. This step adds an
+//! acceleration to the one of the speed profile. So a quarter of `a_max` is reserved for knees on every arc.
+//! A line reserves this quarter if it ends at a knee, or at a block that may take less than a tick. A knee
+//! takes at most the speed that the acceleration of a stage gains in one cycle.
 
 mod arc;
 mod axis;
@@ -52,22 +54,23 @@ pub use weights::Weights;
 
 /// Factor for speeds and accelerations.
 pub(super) const MARGIN: f32 = 1.0 - 1.0 / 524_288.0;
-/// Acceleration along the path that rounding can cause, mm/tick²: a path distance is accurate to 2^-37 mm, which
-/// counts four times in a second difference. Below a threshold this is more than [`MARGIN`] covers.
+/// Acceleration along the path that rounding can cause, mm/tick². A path distance is accurate to 2^-37 mm,
+/// and this error counts four times in a second difference. [`MARGIN`] does not cover this error for small
+/// accelerations.
 const ROUGH: f32 = 4.0 / (1u64 << 37) as f32;
 const ROUGH_BELOW: f32 = 1.0 / 65_536.0;
 /// Factor for jerks.
 const JERK_MARGIN: f32 = 1.0 - 1.0 / 8192.0;
 /// Part of the largest acceleration that may act across the path.
 const NORMAL_PART: f32 = 0.8;
-/// Part of the largest acceleration for a knee: Δv shows as a second difference of Δv/T. Acceleration
-/// vanishes at the ends of a block, which leaves the knee its part. The exceptions are very short ramps, and
-/// acceleration that passes the knee (HSC).
+/// Part of the largest acceleration that is reserved for a knee: a step of speed Δv shows as a second
+/// difference of Δv/T. At the ends of a block, the acceleration of the speed profile is zero. Exceptions are
+/// very short ramps, and acceleration that passes the knee (HSC).
 const KNEE_PART: f32 = 0.25;
-/// Part of a transition's limit that counts as no transition.
+/// A transition below this part of its limit counts as smooth.
 const SLIGHT: f32 = 1.0 / 64.0;
 /// A step of speed below this part of the jerk budget is rounding of coordinates. The margin of the jerk
-/// covers it, so the slope has all of the budget. The slope leaves it its part of the largest acceleration.
+/// covers this step, so the speed profile may use all of the budget.
 const SMOOTH: f32 = 1.0 / 20_000.0;
 
 const LSB_40: f32 = 1.0 / (1u64 << 40) as f32;
@@ -79,7 +82,7 @@ const NO_LIMIT: f32 = 1e20;
 /// data are not kept: a caller that changes the dynamics passes the data of [`Self::new`] again.
 pub struct Dynamics<const AXES: usize> {
     axes: [Axis; AXES],
-    /// Feed and rapid limits at the transition of the block before new weights, until a block follows.
+    /// Feed and rapid limits at the end of the block before new weights, until the next block follows.
     before: Option<[[TransitionLimits; 2]; AXES]>,
     weights: Weights<AXES>,
     path: PathLimits,
@@ -87,13 +90,13 @@ pub struct Dynamics<const AXES: usize> {
     feed_unit: f32,
     slope: SlopeType,
     joins: Joins,
-    /// The override level for which elements are planned.
+    /// The planned override for the elements, 1…2.
     level: f32,
-    /// Number of changes.
+    /// Number of changes of the dynamics; limits that were kept become invalid.
     changes: u32,
     /// Whether an axis has a reduced speed.
     reduces: bool,
-    /// P-CHAN-00009.
+    /// Whether a step of curvature has a jerk limit: P-CHAN-00009.
     bends_have_jerk: bool,
     /// Filters with AX_DEV.
     watched: Watched,
@@ -105,10 +108,10 @@ pub struct Dynamics<const AXES: usize> {
 /// Limits of an element: along the path, at its transitions, and with an override.
 pub type Permitted = (Limits, Share, OverrideRange);
 
-/// Limits of the last element, kept for reuse.
+/// Limits of an element, kept for reuse while the dynamics do not change.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Known {
-    /// Number of changes of the dynamics at that time.
+    /// [`Dynamics::changes`] when the limits were computed.
     changes: u32,
     /// See [`Dynamics::element`].
     pub permitted: Permitted,
@@ -175,14 +178,14 @@ impl<const AXES: usize> Dynamics<AXES> {
         false
     }
 
-    /// Weights the axes in the elements that follow. The transition to the first of them has the limits of
-    /// both sides.
+    /// Sets the weights of the axes for the elements that follow. The transition to the first of these
+    /// elements has the limits of both sides.
     pub fn weigh(&mut self, machine: &MachineData<AXES>, weight: &Weight<AXES>) {
         self.weights.set(weight);
         self.change(machine);
     }
 
-    /// Sets the slope of the elements that follow; by default (`#SLOPE DEFAULT`) that of P-CHAN-00071.
+    /// Sets the slope of the elements that follow. `#SLOPE DEFAULT` selects the slope of P-CHAN-00071.
     /// `optimised`: NO_OPT=0, which only HSC has.
     pub fn set_slope(&mut self, machine: &MachineData<AXES>, command: &Slope) {
         let slope;
@@ -250,14 +253,14 @@ impl<const AXES: usize> Dynamics<AXES> {
         }
     }
 
-    /// An element with the current weights has entered.
+    /// Ends the change of weights: an element with the current weights has entered.
     pub fn settle(&mut self) {
         self.before = None;
     }
 
-    /// Limits of an axis that moves alone, and its reduced speed (P-AXIS-00214). Weights and path limits of the program
-    /// do not act; a filter of the axis does. The slope is that of P-CHAN-00071 or `slope`. Its acceleration is
-    /// `percent` of the machine data, at most P-AXIS-00008; ramp times do not change.
+    /// Limits of an axis that moves alone, and its reduced speed (P-AXIS-00214). Weights and path limits of
+    /// the program do not act, but a filter of the axis acts. The slope is that of P-CHAN-00071 or `slope`.
+    /// The acceleration is `percent` of the machine data and at most P-AXIS-00008. Ramp times do not change.
     pub fn single(
         &self,
         machine: &MachineData<AXES>,
@@ -283,7 +286,7 @@ impl<const AXES: usize> Dynamics<AXES> {
         law_of(self.slope, self.joins, change_over)
     }
 
-    /// Sets the override level for which the following elements are planned, 1…2.
+    /// Sets the planned override (1…2) for the elements that follow.
     pub fn set_level(&mut self, level: f32) {
         if level != self.level {
             self.level = level;
@@ -291,7 +294,7 @@ impl<const AXES: usize> Dynamics<AXES> {
         }
     }
 
-    /// Path speed of a feed (mm/min); without a feed there is no limit.
+    /// Path speed (mm/tick) of a feed (mm/min); without a feed there is no limit.
     pub fn programmed(&self, feed: Option<f32>) -> f32 {
         feed.map_or(f32::MAX, |feed| feed * self.feed_unit * MARGIN)
     }
@@ -310,12 +313,12 @@ impl<const AXES: usize> Dynamics<AXES> {
         self.permitted(tangent, circle, feed)
     }
 
-    /// As [`Self::element`], for a caller that keeps the limits while the element does not change.
+    /// As [`Self::element`]. A caller keeps the result as long as the element does not change.
     pub(crate) fn known(&self, element: &Element<AXES>, feed: Option<f32>) -> Known {
         Known { changes: self.changes, permitted: self.element(element, feed) }
     }
 
-    /// Limits that were kept; `None` if the dynamics or their level have changed.
+    /// Returns limits that were kept, or `None` if the dynamics or the planned override have changed.
     pub(crate) fn recall<'a>(&self, known: &'a Known) -> Option<&'a Permitted> {
         (known.changes == self.changes).then_some(&known.permitted)
     }
@@ -401,12 +404,12 @@ impl<const AXES: usize> Dynamics<AXES> {
         (limits, share_left, override_range)
     }
 
-    /// Part of the largest acceleration that a curve may use across the path with STEP, which leaves knees
-    /// their part.
+    /// Part of the largest acceleration across the path that a curve may use with STEP. The rest is for
+    /// knees.
     pub const STEPPED_NORMAL_PART: f32 = NORMAL_PART * (1.0 - KNEE_PART);
 
-    /// Acceleration and jerk with which all axes together may move in proportion to `parts`: within the
-    /// slope's limits, and at most `of` of a_max and of `B`.
+    /// Acceleration and jerk with which all axes together may move in proportion to `parts`. The result is
+    /// within the limits of the slope, and at most `of` times a_max and `B`.
     pub fn together(&self, parts: &[f32; AXES], rapid: bool, of: [f32; 2]) -> [f32; 2] {
         let [mut a, mut j] = [f32::MAX; 2];
         for (axis, part) in self.axes.iter().zip(parts) {

@@ -3,15 +3,15 @@ use crate::math::float::{max, min};
 use crate::math::root::sqrt_f32;
 use crate::slope::limits::ROUNDED;
 
-/// How the speed of a block follows the override, in two 16-bit numbers.
+/// How the speed of a block follows the override, stored in two 16-bit numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct OverrideRange {
-    /// [`EVEN`] if feed and machine permit the same speed. Below: how much more the machine permits than the
-    /// feed, up to twice as much: 1 + n/2^15. Above: how much less the machine permits than the feed: 1 −
-    /// n/2^15. Both are rounded towards the lower speed.
+    /// Ratio of the machine's speed limit to the feed; [`EVEN`] if both are equal. [`EVEN`] − n: the machine
+    /// permits 1 + n/2^15 times the feed; a higher ratio counts as 2. [`EVEN`] + n: the machine permits 1 −
+    /// n/2^15 times the feed. Both are rounded to the lower speed.
     over: u16,
-    /// Root of (reduced speed / speed at 100 %), LSB 2^-16, rounded down; the largest value: not reduced. The
-    /// root keeps the lowest reduced speed (1 µm/s) above 0 beside the highest speed.
+    /// Root of (reduced speed / speed at 100 %), LSB 2^-16, rounded down. The largest number means: not
+    /// reduced. The root resolves the lowest reduced speed (1 µm/s) and the highest speed.
     reduced: u16,
 }
 
@@ -20,7 +20,7 @@ const EVEN: u16 = 1 << 15;
 const WHOLE: u16 = u16::MAX;
 
 impl OverrideRange {
-    /// Machine and feed permit the same.
+    /// Machine and feed permit the same speed.
     pub const NONE: Self = Self { over: EVEN, reduced: WHOLE };
 
     /// For no block; all bits zero.
@@ -47,30 +47,32 @@ impl OverrideRange {
         self.reduced != WHOLE
     }
 
-    /// Reduced speed by speed at 100 %; `None`: not reduced.
+    /// Ratio of the reduced speed to the speed at 100 %; `None` if the block is not reduced.
     pub(crate) fn part_reduced(self) -> Option<f32> {
         let root = f32::from(self.reduced) * (0.5 / ONE);
         (self.reduced != WHOLE).then_some(root * root)
     }
 
-    /// Limit of the machine relative to the feed, 1…2; and the factor by which it is below the feed, 0…1.
+    /// Two factors: the machine's limit above the feed, 1…2, and the machine's limit below the feed, 0…1.
     pub(crate) fn parts(self) -> [f32; 2] {
         let n = |from: u16, to: u16| f32::from(from.saturating_sub(to)) * (1.0 / ONE);
         [1.0 + n(EVEN, self.over), 1.0 - n(self.over, EVEN)]
     }
 
-    /// Speed at a level relative to the speed at 100 %. Below 100 % a level counts for the feed alone.
+    /// Speed at a planned override `level`, relative to the speed at 100 %. A level below 100 % lowers the
+    /// feed only.
     pub fn raised(self, level: f32) -> f32 {
         let [above, below] = self.parts();
         min(level / below, above)
     }
 
-    /// The highest speed at any level of a block that is planned with `v` for this level.
+    /// The highest speed of a block at any override. The block is planned with the speed `v` for `level`.
     pub(crate) fn highest(self, v: f32, level: f32) -> f32 {
         v / self.raised(level) * self.parts()[0]
     }
 
-    /// The range of a block that is planned with `v` for a level, if the machine permits no more than `most`.
+    /// The range of a block that is planned with the speed `v` for `level`, if the machine permits at most
+    /// the speed `most`.
     pub(crate) fn lowered(self, v: f32, level: f32, most: f32) -> Self {
         let even = v / self.raised(level);
         let feed = even / max(self.parts()[1], 1.0 / ONE);
@@ -83,7 +85,7 @@ impl OverrideRange {
         self.over = self.over.max(other.over);
     }
 
-    /// Speed of a block while the speed is reduced, planned with `v` for a level.
+    /// Speed of a block while reduced speed is on. The block is planned with the speed `v` for `level`.
     pub(crate) fn reduced(self, v: f32, level: f32) -> Option<f32> {
         self.part_reduced().map(|part| v / self.raised(level) * part)
     }

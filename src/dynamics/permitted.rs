@@ -1,4 +1,4 @@
-//! How the axes of an element restrict its limits, and the limits that a transition leaves.
+//! How each axis restricts the limits of an element, and the limits that a transition leaves to the element.
 use super::axis::Set;
 use super::override_range::OverrideRange;
 use super::{ROUGH, ROUGH_BELOW};
@@ -8,34 +8,36 @@ use crate::nc::SlopeType;
 use crate::slope::limits::{Joins, Limits, SlopeLaw, lower};
 use crate::slope::ramp_shape::RampShape;
 
-/// Part of `B` for a transition. The slope has as much, and transitions closer than three ticks have a fifth.
+/// Part of `B` for a transition. The speed profile has the same part, and transitions within three ticks
+/// share a fifth.
 pub(crate) const TRANSITION_PART: f32 = 0.4;
-/// Parts of `B` at a transition of an arc, and inside a polynomial: for the slope, and for v³κ²; the rest is
-/// for 3vκ·a.
+/// Parts of `B` at a transition of an arc, and inside a polynomial. The first part is for the speed profile,
+/// the second for v³κ², and the rest for 3vκ·a.
 pub(crate) const ARC_SLOPE_PART: f32 = 0.25;
 pub(crate) const ARC_PART: f32 = 0.5;
-/// A value below this part of another value is below it despite rounding.
+/// If the ratio of two values is below this number, the first value is the smaller one despite rounding.
 pub(crate) const SURELY: f32 = 0.999;
 /// Two change-over speeds whose ratio is below this value count as equal.
 const SAME: f32 = 1.0 + 1.0 / 1_048_576.0;
 
-/// Limits that a transition leaves to the slope.
+/// Limits that a transition leaves to the speed profile.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Share {
     /// Jerk, mm/tick³.
     pub j: f32,
-    /// Acceleration, mm/tick².
+    /// Acceleration if the acceleration passes the transition, mm/tick².
     pub a: f32,
-    /// Acceleration if it is zero at the transition, mm/tick².
+    /// Acceleration if the acceleration is zero at the transition, mm/tick².
     pub a_resting: f32,
-    /// Speed of an arc at which the transition has its part, mm/tick; `f32::MAX` for other elements.
+    /// Speed of an arc at which the transition uses its part of the limits, mm/tick; `f32::MAX` for other
+    /// elements.
     pub v: f32,
     /// Acceleration that may pass the ends of an arc where another profile begins, mm/tick².
     pub passing: f32,
 }
 
 impl Share {
-    /// The transition leaves all limits to the slope.
+    /// A transition that leaves all limits to the speed profile.
     pub const WHOLE: Self =
         Self { j: f32::MAX, a: f32::MAX, a_resting: f32::MAX, v: f32::MAX, passing: f32::MAX };
 
@@ -45,7 +47,7 @@ impl Share {
     }
 }
 
-/// An acceleration along the path, reduced by the rounding of path distances; at least half of it.
+/// An acceleration along the path, less the rounding of path distances. The result is at least half of `a`.
 pub(super) fn less_rough(a: f32) -> f32 {
     if a < ROUGH_BELOW { max(a - ROUGH, 0.5 * a) } else { a }
 }
@@ -63,7 +65,8 @@ impl Joins {
 }
 
 impl Limits {
-    /// Lowers the speed to that of the feed at the level. If this speed is reached, the range is exact.
+    /// Lowers the speed to the feed at the planned override `level`. The range is exact if the block reaches
+    /// this speed.
     #[cfg_attr(feature = "fast", inline(always))]
     pub(crate) fn take_feed(&mut self, feed: f32, v_reduced: f32, level: f32) -> OverrideRange {
         if feed == f32::MAX {
@@ -76,8 +79,8 @@ impl Limits {
         override_range
     }
 
-    /// With TRAPEZ and SIN2, acceleration passes the elements of one curve, as with HSC: these transitions are not
-    /// part of the program. The ramps of an axis must be equal.
+    /// With TRAPEZ and SIN2, acceleration passes the elements of one curve, as with HSC. These transitions
+    /// are not part of the program. This holds only if the jerks of all four ramps are equal.
     pub(crate) fn flow_on(&mut self) {
         if functions::HSC.is_built()
             && let SlopeLaw::JerkLimited { joins, j, .. } = &mut self.law
@@ -88,11 +91,11 @@ impl Limits {
         }
     }
 
-    /// Leaves a transition its part of the limits.
+    /// Reserves the transition's part of the limits.
     ///
-    /// A plan that is possible with a lower jerk must be possible with a higher one. For SIN2 all jerks are
-    /// lowered by one factor: with q < 1/6 and a ramp at the lower speed shorter than a third of the other
-    /// one, a longer ramp alone would shorten the distance.
+    /// A plan that is possible with a lower jerk must be possible with a higher one. For SIN2, all jerks are
+    /// lowered by one factor, because q is below 1/6. If the ramp at the lower speed is shorter than a third
+    /// of the other ramp, a longer single ramp would shorten the distance.
     pub(crate) fn share(&mut self, share: &Share) {
         match &mut self.law {
             SlopeLaw::JerkLimited { shape: RampShape::SineSquare, j, .. } => {
@@ -106,8 +109,8 @@ impl Limits {
         self.lower_accelerations(share.a);
     }
 
-    /// If an axis moves much farther than the path, little acceleration is left along the path, and the rounding of
-    /// path distances needs a part of it. The same holds at a transition, so its share leaves as much.
+    /// Reserves acceleration for the rounding of path distances. If an axis moves much farther than the path,
+    /// little acceleration is left along the path. The share of a transition reserves as much.
     #[cfg_attr(feature = "fast", inline(always))]
     pub(crate) fn leave_rough(&mut self, share: &mut Share) {
         if min(self.a_up, self.a_down) < ROUGH_BELOW {
@@ -118,7 +121,7 @@ impl Limits {
     #[cold]
     #[inline(never)]
     fn lower_by_rough(&mut self, share: &mut Share) {
-        // Lower accelerations are halved too; zero stays zero.
+        // Lower accelerations are halved; zero stays zero.
         let least = max(self.least(), ROUGH);
         let part = less_rough(least) / least;
         self.scale_accelerations(part);
@@ -138,14 +141,14 @@ impl Limits {
         }
     }
 
-    /// The limits that are left beside a transition.
+    /// The limits that are left in a block next to a transition.
     pub(crate) fn shared(mut self, share: &Share) -> Self {
         self.share(share);
         self
     }
 
-    /// Restricts the limits to those of an axis that moves `1 / scale` times as far as the path. `turns`:
-    /// sometimes less far.
+    /// Restricts the limits to those of an axis that moves `1 / scale` times as far as the path. `turns`: in
+    /// some places, the axis moves less far.
     #[cfg_attr(feature = "fast", inline(always))]
     pub(crate) fn restrict(&mut self, share: &mut Share, set: &Set, scale: f32, turns: bool) {
         self.v = min(set.v * scale, self.v);
@@ -158,7 +161,8 @@ impl Limits {
                 peak = 1.0 / shape.peak_jerk();
             }
             SlopeLaw::Stepped { change_over, a_up, a_down, still, .. } => {
-                // The axis may be below its own change-over speed while the path is above that of the path.
+                // The axis may be below its change-over speed while the path is above the path's change-over
+                // speed.
                 let both = turns || set.change_over * scale > *change_over * SAME;
                 let above = |lower: f32, upper: f32| scale * if both { min(lower, upper) } else { upper };
                 *a_up = min(*a_up, above(set.a_up, set.upper[0]));

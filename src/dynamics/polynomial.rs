@@ -1,4 +1,4 @@
-//! Limits of polynomials: over their length, and over time.
+//! Limits of polynomials. The parameter of a polynomial is its path length or time.
 use super::axis::{Axis, Set};
 use super::{Dynamics, KNEE_PART, NO_LIMIT, NORMAL_PART, Permitted};
 use crate::dynamics::Share;
@@ -10,57 +10,64 @@ use crate::path::{Bounds, Passage};
 use crate::quantity::{DISTANCE_LSB, Distance};
 use crate::slope::limits::{Limits, Loose, SlopeLaw, lower};
 
-/// Part of `a_max` and of `B` inside an element whose path is time.
+/// Share of `a_max` and of the jerk budget `B` for an element whose path is time.
 const TIMED_PART: f32 = 0.988;
-/// For rounding.
+/// Margin for rounding of the jerk that [`Dynamics::left`] returns.
 const ROUNDED: f32 = 1.0 - 1.0 / 1_048_576.0;
-/// For rounding.
+/// Margin for rounding of the acceleration in [`Dynamics::trade`].
 const TRADED: f32 = 1.0 - 1.0 / 65_536.0;
-/// In place of a zero in a denominator.
+/// Least value of a denominator, in place of zero.
 const TINY: f32 = 1e-12;
 
-/// Speeds tried for a curve, and the step from one to the next.
+/// Number of speeds tried for a curve, and the ratio from one speed to the next.
 const SPEEDS: usize = 5;
 const SPEED_STEP: f32 = 0.8;
-/// Parts of `a_max` and of `B` for the curvature of an element that is passed at one speed: the less, the
-/// sooner a feed hold stands in it.
+/// Shares of `a_max` and of `B` for the curvature of an element that is passed at one speed. A lower share
+/// shortens a feed hold inside the element.
 const STEADY_NORMAL_PART: f32 = 0.95;
 const STEADY_PART: f32 = 0.88;
-/// The same of an element that is one of many of a curve: what they leave to the slope is to be alike, since
-/// one law goes through all of them with the least of it.
+/// Shares of `a_max` and of `B` for the curvature of an element inside a curve of many elements. One speed
+/// profile passes all these elements with the lowest of their accelerations. So they leave nearly equal
+/// shares to the profile.
 const FLOWING_NORMAL_PART: f32 = 0.7;
 const FLOWING_PART: f32 = 0.6;
 const FLOWING_SLOPE_PART: f32 = 0.25;
-/// Its speed leaves that part of the acceleration that its jerk reaches; one of so many speeds.
+/// In a curve of many elements, the speed leaves at least this share of the acceleration that its jerk
+/// reaches. The second value is the largest number of speeds that are tried.
 const FLOWING_PULL: f32 = 0.25;
 const FLOWING_SPEEDS: usize = 8;
-/// The same in a sharp turn: what changes the speed is beside it.
+/// Shares of `a_max` and of `B` for the curvature of a sharp turn. The speed changes in the elements before
+/// and after the turn.
 const SHARP_NORMAL_PART: f32 = 0.75;
 const SHARP_PART: f32 = 0.85;
-/// From that part of the feed on, acceleration is bought with speed.
+/// From this share of the feed on, the element gets a higher acceleration at a reduced speed
+/// ([`Dynamics::trade`]).
 const NEARLY: f32 = 0.9;
-/// A law with less jerk and any acceleration may take so many times longer than one with less acceleration.
+/// A speed profile with less jerk and the full acceleration is chosen if it takes at most this many times
+/// longer than a profile with less acceleration.
 const SLOWER: f32 = 1.2;
-/// Where acceleration passes both ends of an element: parts of `a_max` and of `B` for its curvature. With 0.8 of `B` steady
-/// speeds are 2 % higher in rows of chords, and random programs take 1.3 % longer, up to half: speed hardly changes there.
+/// Shares of `a_max` and of `B` for the curvature, and share of `B` for the speed profile, where acceleration
+/// passes both ends of an element. With 0.8 in place of 0.6, constant speeds in runs of chords are 2 %
+/// higher. But random programs then take 1.3 % longer, some of them up to 50 %: the speed hardly changes
+/// inside the elements.
 const THROUGH_PARTS: [f32; 3] = [NORMAL_PART, 0.6, 0.0];
-/// The part of `B` with which a curve is at its highest speed.
+/// Share of `B` for a curve at its highest speed.
 const PASSING_PART: f32 = 0.8;
-/// With STEP a lower speed of an element is worth it if that takes so much of the time from rest to rest.
+/// With STEP, a lower speed of an element is chosen if the time from stop to stop falls below this share.
 const GAINS: f32 = 0.8;
-/// With CONST_VEL, of `B`, and what is left of it to the slope.
+/// With CONST_VEL: share of `B` for the curvature, and share left to the speed profile.
 const CONSTANT_PART: f32 = 0.95;
 const CONSTANT_SLOPE_PART: f32 = 0.02;
 
 /// Limits of a curve that replaces a corner, in addition to those of the axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Curving {
-    /// CHECK_JERK: the jerk its curvature may cause. 0: any, 1: by the geometric ramp time, 2: by the ramp
-    /// times.
+    /// CHECK_JERK: the jerk that the curvature may cause. 0: no limit, 1: by the geometric ramp time, 2: by
+    /// the ramp times.
     pub jerk: u8,
-    /// CONST_VEL: its speed does not change.
+    /// CONST_VEL: the speed is constant inside the curve.
     pub constant: Option<Steady>,
-    /// A sharp turn of the curve that it is a part of.
+    /// A sharp turn in the same curve.
     pub near: Near,
 }
 
@@ -77,8 +84,9 @@ impl Near {
     /// No sharp turn.
     pub const NONE: Self = Self { v: f32::MAX, way: f32::MAX };
 
-    /// Highest speed of an element with a law of that jerk. It comes from rest of acceleration, or goes there, at
-    /// the turn: with j the way is v·t + j·t³/6, so the speed changes by no more than ∛(9/2·j·way²).
+    /// Highest speed of an element under a speed profile with jerk `jerk`. In the turn, the acceleration is
+    /// zero. With constant jerk j, the distance is v·t + j·t³/6, so the speed changes by at most
+    /// ∛(9/2·j·way²).
     fn speed(&self, jerk: f32) -> f32 {
         if self.way <= 0.0 { f32::MAX } else { self.v + cbrt_f32(4.5 * jerk * self.way * self.way) }
     }
@@ -87,26 +95,26 @@ impl Near {
 /// One speed for a whole curve.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Steady {
-    /// The largest that every element permits, mm/tick.
+    /// Highest speed that every element permits, mm/tick.
     pub v: f32,
     /// Path length of all elements, mm.
     pub length: f32,
 }
 
 impl Steady {
-    /// Any speed, for an element by itself.
+    /// No common speed: the element stands alone.
     pub const FREE: Self = Self { v: f32::MAX, length: f32::MAX };
 }
 
-/// Largest change of the speed over a curve where it is to stay, relative. What its elements miss of their
-/// arc length adds to that.
+/// Largest relative change of speed over a curve of constant speed. The error of the elements' arc length
+/// adds to this change.
 const CONSTANT: f32 = 3e-4;
 
-/// Parts for the curvature of an element, of `a_max` and of `B`, and the part of `B` that is left to the
-/// slope.
+/// Shares for the curvature of an element, of `a_max` and of `B`, and the share of `B` that is left to the
+/// speed profile.
 const fn parts(passage: Passage, sharp: bool, stepped: bool) -> [f32; 3] {
     match passage {
-        // A deceleration of STEP has to be there from the first tick on.
+        // A deceleration of STEP acts from the first tick on.
         Passage::Steady if stepped => [NORMAL_PART, STEADY_PART, CONSTANT_SLOPE_PART],
         Passage::Steady => [STEADY_NORMAL_PART, STEADY_PART, CONSTANT_SLOPE_PART],
         Passage::Flowing if sharp => [SHARP_NORMAL_PART, SHARP_PART, FLOWING_SLOPE_PART],
@@ -118,8 +126,9 @@ const fn parts(passage: Passage, sharp: bool, stepped: bool) -> [f32; 3] {
 }
 
 impl Limits {
-    /// Of so many speeds, each four fifths of the one before, takes the one with which an element of this
-    /// length (mm), from rest to rest, is fastest. `left_at`: what a speed leaves of an acceleration.
+    /// Tries `speeds` speeds; each is four fifths of the one before. Takes the speed with which an element of
+    /// `length` (mm) needs the least time from stop to stop. `left_at(v, a)` returns the part of the
+    /// acceleration `a` that is available at the speed `v`.
     #[cfg_attr(feature = "fast", inline(always))]
     fn choose(
         &mut self,
@@ -130,12 +139,12 @@ impl Limits {
     ) {
         let mut best = (f32::MAX, 0.0, 0.0);
         if let Some(Steady { v, .. }) = constant {
-            // No faster than the element that is slowest.
+            // All elements have the speed of the slowest one.
             self.v = min(self.v, v);
         }
         let mut v = self.v;
         let still = left_at(0.0, min(self.a_up, self.a_down));
-        // STEP has its acceleration at once, and passes more elements than it speeds up in.
+        // With STEP, acceleration has no ramp, and the motion passes most elements without a change of speed.
         let gains = if matches!(self.law, SlopeLaw::Stepped { .. }) { GAINS } else { 1.0 };
         for _ in 0..speeds {
             let a = left_at(v, min(self.a_up, self.a_down));
@@ -143,7 +152,7 @@ impl Limits {
             if time < gains * best.0 {
                 best = (time, v, a);
             }
-            // Slower there is no more acceleration, and no time to gain.
+            // A lower speed gives no higher acceleration and no shorter time.
             if a >= still {
                 break;
             }
@@ -152,7 +161,7 @@ impl Limits {
         self.v = best.1;
         if let Some(Steady { length, .. }) = constant {
             self.loose = Loose::of(best.2);
-            // Over its length the square of the speed changes by 2·a·length.
+            // Over this length, the square of the speed changes by 2·a·length.
             best.2 = min(best.2, CONSTANT * self.v * self.v / length);
         }
         let loose = self.loose;
@@ -162,14 +171,15 @@ impl Limits {
 }
 
 impl<const AXES: usize> Dynamics<AXES> {
-    /// Limits of a polynomial of that length, as [`Self::element`] has them for lines and arcs. Per axis the path's
-    /// derivatives, each at its largest, share the acceleration a_max and the jerk budget:
+    /// Limits of a polynomial of `length`, as [`Self::element`] returns them for lines and arcs. The largest
+    /// derivatives of the path share a_max and the jerk budget B of each axis:
     ///
     /// |x''|·v² + |x'|·a ≤ a_max,  |x'''|·v³ + 3·|x''|·v·a + |x'|·j ≤ B.
     ///
-    /// Of five speeds the one is taken with which the element alone takes the least time, as in an arc. An element
-    /// that is passed at one speed takes the highest. The rest of its acceleration then serves commands of the
-    /// operator, and with CONST_VEL the motion from and to a standstill ([`Loose`]).
+    /// As for an arc, five speeds are compared. The result has the speed with which the element alone takes
+    /// the least time. An element of constant speed has the highest of these speeds. The rest of its
+    /// acceleration then serves commands of the operator. With CONST_VEL, this rest also serves the motion
+    /// from and to a standstill ([`Loose`]).
     pub fn polynomial(
         &self,
         length: Distance,
@@ -185,7 +195,7 @@ impl<const AXES: usize> Dynamics<AXES> {
         let mut limits = Limits { v: self.path.speed(rapid), ..Limits::WIDEST };
         let mut share_left = Share::WHOLE;
         let mut v_reduced = f32::MAX;
-        // Rapid motion has none to divide.
+        // Rapid motion has no programmed feed.
         let feed = feed.map_or(f32::MAX, |feed| self.programmed(Some(feed)) / bounds.fastest);
         limits.v = min(limits.v, feed * self.level);
         let derivatives = || bounds.first.iter().zip(&bounds.second).zip(&bounds.third);
@@ -205,7 +215,7 @@ impl<const AXES: usize> Dynamics<AXES> {
             SlopeLaw::JerkLimited { shape, .. } => shape.peak_jerk(),
             SlopeLaw::Stepped { .. } => 1.0,
         };
-        // Jerk left to the slope.
+        // Jerk left to the speed profile.
         let mut left = f32::MAX;
         for (axis, ((first, second), third)) in self.axes.iter().zip(derivatives()) {
             let set = axis.set(rapid);
@@ -215,7 +225,7 @@ impl<const AXES: usize> Dynamics<AXES> {
             }
             if *second > 0.0 {
                 let normal = min(set.least(), normal_part * a_max(axis));
-                // Roots only where they may be lower.
+                // A root is computed only if it can lower the speed.
                 if limits.v * limits.v * second >= SURELY * normal {
                     limits.v = min(limits.v, sqrt_f32(normal / second));
                 }
@@ -249,9 +259,10 @@ impl<const AXES: usize> Dynamics<AXES> {
         (limits, share_left, override_range)
     }
 
-    /// Limits of an element that is one of many of a curve: the highest of some speeds, each four fifths of the
-    /// one before, that leaves a part of the acceleration with which it is reached. `feed`: no law of its span is
-    /// faster. At nearly that speed there is little acceleration: see [`Self::trade`].
+    /// Limits of an element inside a curve of many elements. Each speed tried is four fifths of the one
+    /// before. The result is the highest speed that leaves enough acceleration to reach it
+    /// ([`FLOWING_PULL`]). `feed`: the highest speed in the span. Near this speed, [`Self::trade`] sets the
+    /// acceleration.
     #[inline(never)]
     fn flow(
         &self,
@@ -281,15 +292,16 @@ impl<const AXES: usize> Dynamics<AXES> {
         limits.lower_accelerations(a);
     }
 
-    /// Acceleration and jerk that a speed leaves; the acceleration is `most` at most. Of the jerk left, a part s
-    /// is for an acceleration along the path, the other for its change. With the acceleration A or the jerk J
-    /// if all were for one, a change by v takes v/(sA) + sA/((1−s)J): least for s = 1/(1 + A/√(vJ)). Here v is
-    /// twice the speed, since a law also has stretches without a change. What the acceleration does not use is
-    /// left to the jerk.
+    /// Acceleration and jerk that the speed `v` leaves; the acceleration is at most `most`. A share s of the
+    /// jerk left serves an acceleration along the path, and 1 − s serves its change. Let A be the
+    /// acceleration for s = 1, and J the jerk for s = 0. A change of speed by v then takes v/(sA) +
+    /// sA/((1−s)J). This time is least for s = 1/(1 + A/√(vJ)). Here v is twice the speed, because a speed
+    /// profile also has phases of constant speed. Jerk that the acceleration does not use is left for its
+    /// change.
     ///
-    /// Any law begins and ends without acceleration, so with a jerk j it has a ≤ √(2jv). Where that is the least
-    /// (`slow`) the acceleration is left to it: a span has the least acceleration of all its elements, and the
-    /// others are faster.
+    /// Every speed profile begins and ends with zero acceleration, so a jerk j reaches at most a = √(2jv).
+    /// With `slow`, this acceleration is the lowest in the span, and the other elements are faster. The
+    /// element then keeps the full acceleration if the profile is not much slower ([`SLOWER`]).
     #[inline(never)]
     fn left(
         &self,
@@ -333,7 +345,8 @@ impl<const AXES: usize> Dynamics<AXES> {
         [max(most, TINY), max(jerk * ROUNDED, TINY)]
     }
 
-    /// What an element of a curve leaves to the slope: all of it is shared out by its passage.
+    /// Shares out acceleration and jerk of an element between its curvature and the speed profile, as its
+    /// passage demands.
     fn share_out(
         &self,
         bounds: &Bounds<AXES>,
@@ -372,8 +385,9 @@ impl<const AXES: usize> Dynamics<AXES> {
         }
     }
 
-    /// Whether [`Self::polynomial`] surely gives that speed (mm/tick) or more to an element of a constant one, whose
-    /// derivatives are no more than those.
+    /// Returns `true` if [`Self::polynomial`] surely permits the speed `v` (mm/tick) for an element of
+    /// constant speed. `first`, `second` and `third` are the highest derivatives of the element. The check is
+    /// strict: it may also return `false` for a permitted speed.
     pub fn permits(
         &self,
         v: f32,
@@ -383,7 +397,7 @@ impl<const AXES: usize> Dynamics<AXES> {
     ) -> bool {
         let rapid = feed.is_none();
         let feed = feed.map_or(f32::MAX, |feed| self.programmed(Some(feed)) / fastest);
-        // With the level of an override above 1 the feed is raised by what the limits leave.
+        // A planned override above 100 % raises the feed up to the limits; that case is not checked here.
         if self.slope == SlopeType::Step
             || self.level > 1.0
             || min(self.path.speed(rapid), feed * self.level) < v
@@ -401,7 +415,7 @@ impl<const AXES: usize> Dynamics<AXES> {
         })
     }
 
-    /// The highest speed of a curve that acceleration passes, with these second and third derivatives.
+    /// The highest speed of a curve that acceleration passes, from its second and third derivatives.
     pub fn passing(&self, [second, third]: [&[f32; AXES]; 2], rapid: bool, check: u8) -> f32 {
         let (normal_part, curve_part) = (NORMAL_PART, PASSING_PART);
         let (mut square, mut cube) = (NO_LIMIT, NO_LIMIT);
@@ -417,8 +431,8 @@ impl<const AXES: usize> Dynamics<AXES> {
         min(sqrt_f32(square), cbrt_f32(cube))
     }
 
-    /// Limits of an element whose path is time: nearly all of acceleration and jerk belongs to the curve as
-    /// long as it is passed at the highest speed. What is left to its slope: [`Self::trade`].
+    /// Limits of an element whose path is time. At the highest speed, the curvature takes nearly all of
+    /// acceleration and jerk. [`Self::trade`] finds what is left to the speed profile.
     fn timed(&self, bounds: &Bounds<AXES>, speed: f32, feed: Option<f32>) -> Permitted {
         let rapid = feed.is_none();
         let mut limits = Limits { v: min(speed, self.path.speed(rapid)), ..Limits::WIDEST };
@@ -434,7 +448,7 @@ impl<const AXES: usize> Dynamics<AXES> {
                 limits.restrict(&mut share_left, set, 1.0 / first, true);
                 v_reduced = min(v_reduced, axis.v_reduced / first);
             }
-            // Roots only where they may be lower.
+            // A root is computed only if it can lower the speed.
             let v = limits.v;
             if v * v * second >= SURELY * TIMED_PART * axis.a_max {
                 limits.v = min(limits.v, sqrt_f32(TIMED_PART * axis.a_max / second));
@@ -449,27 +463,27 @@ impl<const AXES: usize> Dynamics<AXES> {
         (limits, share_left, override_range)
     }
 
-    /// The jerk left to the slope of a curve whose highest speed V takes nearly all of acceleration and jerk;
-    /// a path acceleration needs 3·x''·v·a beside it.
+    /// The jerk left to the speed profile in a curve whose highest speed V takes nearly all of acceleration
+    /// and jerk. A path acceleration a needs 3·x''·v·a in addition.
     ///
-    /// Acceleration is bought with speed: v + a²/(2·j) ≤ V. That is so from acceleration zero at a speed of V
-    /// at most, and to there, with that jerk; and a slowing down that has it where the curve begins keeps it
-    /// inside. The only question is, how high j may be. With v = V·(1 − e²), a = e·√(2·j·V) and 0 ≤ e ≤ 1 an
-    /// axis needs
+    /// A lower speed permits acceleration: v + a²/(2·j) ≤ V. With the jerk j, this rule holds for an
+    /// acceleration that starts from a = 0 at a speed up to V. The rule also holds for a return to a = 0 at
+    /// such a speed. If a braking motion meets the rule at the start of the curve, it meets the rule inside
+    /// the curve. The highest j is wanted. With v = V·(1 − e²), a = e·√(2·j·V) and 0 ≤ e ≤ 1, an axis needs
     ///
     /// |x''|·V²·(1 − e²)² + |x'|·e·√(2·j·V) ≤ a_max,  |x'''|·V³·(1 − e²)³ + 3·|x''|·V·e·(1 − e²)·√(2·j·V) + |x'|·j ≤ B.
     ///
-    /// For e ≤ 1/2 the powers are at most 1 − 7/4·e² and 1 − 9/4·e², for others at most their value at 1/2
-    /// times 2·(1 − e); e·(1 − e²) is at most 0.385. With x = √(2·j·V), A = |x''|·V², C = |x'''|·V³ and D =
-    /// 3·|x''|·V what is to be kept becomes
+    /// For e ≤ 1/2, the powers are at most 1 − 7/4·e² and 1 − 9/4·e². For larger e, they are at most their
+    /// value at 1/2 times 2·(1 − e). The product e·(1 − e²) is at most 0.385. With x = √(2·j·V), A =
+    /// |x''|·V², C = |x'''|·V³ and D = 3·|x''|·V, sufficient conditions are
     ///
     /// - A + |x'|·x ≤ a_max or A² + (|x'|·x)²/7 ≤ a_max·A, and |x'|·x ≤ a_max and 9/16·A + |x'|·x/2 ≤ a_max;
     /// - C + 0.385·D·x + |x'|·j ≤ B or C² + D²·x²/9 ≤ (B − |x'|·j)·C, and 27/64·C + 0.385·D·x + |x'|·j ≤ B.
     ///
-    /// Each of them has a largest x. It becomes the largest acceleration, which is the one at standstill: so
-    /// j is known from it. With a lower V and the same x, the rule is stricter at any speed.
+    /// Each condition has a largest x. The lowest of these x is the largest acceleration, the one at
+    /// standstill; the jerk j follows from it. At a speed below V, the same x is stricter.
     ///
-    /// `false`, and nothing has changed, if j is less than `least`.
+    /// Returns `false` and changes nothing if j is less than `least`.
     fn trade(
         &self,
         bounds: &Bounds<AXES>,
@@ -486,7 +500,7 @@ impl<const AXES: usize> Dynamics<AXES> {
             }
             let a = second * v * v;
             let free = max(axis.a_max - a, 0.0);
-            // A root below the one or above the other of these is not needed.
+            // A root below the lower or above the upper one of the two bounds is not needed.
             let whole = axis.a_max * axis.a_max;
             let near = if 7.0 * a <= SURELY * free {
                 free
@@ -498,7 +512,7 @@ impl<const AXES: usize> Dynamics<AXES> {
             most = min(most, min(min(near, axis.a_max), 2.0 * (axis.a_max - 0.5625 * a)) / first);
             let budget = min(budget_of(axis), NO_LIMIT);
             let (cubed, across, along) = (third * v * v * v, second * v, first / (2.0 * v));
-            // The largest x of 0.385·D·x + |x'|·j ≤ rest.
+            // The largest x with 0.385·D·x + |x'|·j ≤ rest.
             let reach = |rest: f32| root_of(rest, 0.5 * 0.385 * 3.0 * across, along);
             let slack = max(budget - cubed, 0.0);
             let least = reach(slack);

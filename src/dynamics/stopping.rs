@@ -14,7 +14,7 @@ use crate::slope::ramp_shape::RampShape;
 /// Acceleration and jerk of a stop.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Braking {
-    /// Deceleration, mm/tick². The second value is for STEP from a lower speed on.
+    /// Deceleration, mm/tick². STEP has two decelerations: the second acts below a lower speed.
     pub a: [f32; 2],
     /// Jerk with which the deceleration rises, and jerk with which it falls, mm/tick³.
     pub j: [f32; 2],
@@ -26,9 +26,10 @@ impl Braking {
     /// No limits.
     pub const WIDEST: Self = Self { a: [f32::MAX; 2], j: [f32::MAX; 2], ends: f32::MAX };
 
-    /// Lower limits than `self`, if `left`, the limits that the axes leave, is lower. The new value is where both
-    /// meet if they continue as from `before`, the last try and its result. At first, it is lower by the same
-    /// difference again, or by a part of it. `None` if all of `self` is left.
+    /// Returns lower limits for the next try, or `None` if the axes permit `self`. `left`: the limits that
+    /// the axes permit for the try `self`. `before`: the try before, and the limits permitted for that try.
+    /// With two tries, the secant method gives the next limit. With a single try, a limit is lowered by about
+    /// twice its excess.
     #[inline(never)]
     pub fn less(&self, left: &Self, before: Option<&[Self; 2]>) -> Option<Self> {
         if *left == *self {
@@ -62,7 +63,7 @@ impl Braking {
         Some(Self { a: [a, b], j: [rise, fall], ends })
     }
 
-    /// Duration of a stop from the speed `v` and the deceleration `begun`, ticks.
+    /// Duration of a stop from the speed `v` and the deceleration `begun` at its start, ticks.
     fn time(&self, v: f32, begun: f32) -> f32 {
         let Self { a: [a, _], j: [rise, fall], .. } = *self;
         let [rising, falling] = [0.5 / rise, 0.5 / fall];
@@ -73,8 +74,8 @@ impl Braking {
 }
 
 impl Braking {
-    /// Lowers deceleration or jerks so that the deceleration stays below `most` in a part of the path. The value
-    /// that costs the least time is lowered.
+    /// Lowers the deceleration or a jerk so that the deceleration stays below `most` in a part of the path.
+    /// The code lowers the value that costs the least time.
     fn give_way(&mut self, most: f32, passed: &Passed) {
         let Passed { begun: [fastest, begun], change: [lost, left], .. } = *passed;
         let Self { a: [a, b], j: [rise, fall], .. } = *self;
@@ -95,8 +96,8 @@ impl Braking {
         *self = best;
     }
 
-    /// Lowers the jerks to those that an axis permits. The axis moves `first` times as far as the path. A
-    /// curve leaves it `budget`, and takes c·a.
+    /// Lowers the jerks to those that an axis permits. The axis moves `first` times as far as the path. The
+    /// curvature leaves the jerk `budget`, and a deceleration a uses c·a of this budget.
     fn leave(&mut self, first: f32, (budget, c): (f32, f32), passed: &Passed, peak: f32) {
         let Passed { begun: [_, begun], change: [lost, left], ramps, gains, .. } = *passed;
         if gains > 0.0 {
@@ -117,26 +118,27 @@ impl Braking {
     }
 }
 
-/// A part of the path, for a motion that brakes in it.
+/// A part of the path through which a motion brakes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Passed {
     /// Highest speed, mm/tick.
     pub v: f32,
-    /// Whether this part is rapid motion; `None` if only some of it is.
+    /// Whether this part is rapid motion; `None` if it has feed motion and rapid motion.
     pub rapid: Option<bool>,
-    /// CHECK_JERK=2: the jerk of a curve is that of the ramp times.
+    /// CHECK_JERK=2: the ramp times limit the jerk of a curve.
     pub by_ramps: bool,
-    /// Speed and deceleration at the start of the stop.
+    /// Speed (mm/tick) and deceleration (mm/tick²) at the start of the stop.
     pub begun: [f32; 2],
-    /// Largest difference of its speed to the highest speed, and to the end speed.
+    /// Largest difference of the speed in this part to the speed at the start of the stop, and to the speed
+    /// at its end.
     pub change: [f32; 2],
     /// Whether the deceleration rises in this part, and whether it falls.
     pub ramps: [bool; 2],
-    /// An acceleration that falls in this part, or zero.
+    /// An acceleration before the stop that falls to zero in this part; otherwise zero.
     pub gains: f32,
-    /// The stage of STEP: 0, or 1 from the lower speed on.
+    /// The stage of STEP: 0, or 1 below the lower speed.
     pub stage: usize,
-    /// Whether a transition is near, which has its part of acceleration and jerk.
+    /// Whether a transition is near, which reserves its part of acceleration and jerk.
     pub corners: bool,
     /// The part of a deceleration that may pass the transitions nearby.
     pub passing: f32,
@@ -147,7 +149,7 @@ impl<const AXES: usize> Dynamics<AXES> {
     ///
     /// |x''|·v² + |x'|·a ≤ a_max,  |x'''|·v³ + 3·|x''|·v·a + |x'|·j ≤ B,
     ///
-    /// and at most to the limits of the slope. `None` if no motion is possible.
+    /// and at most to the limits of the slope. Returns `None` if no motion is possible.
     #[inline(never)]
     pub fn stopping(&self, bounds: &Bounds<AXES>, passed: &Passed, braking: &mut Braking) -> Option<()> {
         let stage = passed.stage;
@@ -169,8 +171,8 @@ impl<const AXES: usize> Dynamics<AXES> {
     /// drop by u, the deceleration is at most √(2·j·u) with the jerk with which it falls. So an axis has all of
     /// a_max and of B, with c = 3·|x″|·v, for
     ///
-    /// - the least of three values: a, and both roots. It is at most A = (a_max − |x″|·v²)/|x′|. Of a and both
-    ///   jerks, the code lowers the one that costs the least time;
+    /// - the least of three values: a, and both roots. The result is at most A = (a_max − |x″|·v²)/|x′|. Of a
+    ///   and both jerks, the code lowers the value that costs the least time;
     /// - |x′|·j + c·a ≤ B − |x‴|·v³ with the current a, or with the root for this j.
     #[inline(never)]
     fn ramps(&self, bounds: &Bounds<AXES>, passed: &Passed, rapid: bool, braking: &mut Braking) {
@@ -179,7 +181,7 @@ impl<const AXES: usize> Dynamics<AXES> {
         let path = self.path.deceleration(rapid);
         let (mut still, mut most) = (path, path);
         let derivatives = || bounds.first.iter().zip(&bounds.second).zip(&bounds.third);
-        // The part of B that the curve leaves, and c.
+        // The part of B that the curvature leaves, and c.
         let jerk = |axis: &Axis, second: f32, third: f32| {
             let Set { joint, geometric_budget, ramp_budget, .. } = axis.set(rapid);
             let budget = min(joint.budget, if by_ramps { *ramp_budget } else { *geometric_budget });
@@ -225,13 +227,13 @@ impl<const AXES: usize> Dynamics<AXES> {
         }
     }
 
-    /// Highest jerk of a ramp, as a multiple of the mean.
+    /// Ratio of the highest jerk of a ramp to its mean jerk.
     fn peak_jerk(&self) -> f32 {
         let shape = if self.slope == SlopeType::Sin2 { RampShape::SineSquare } else { RampShape::Linear };
         shape.peak_jerk()
     }
 
-    /// Deceleration of STEP.
+    /// Deceleration of STEP in this stage.
     #[inline(never)]
     fn stage(&self, bounds: &Bounds<AXES>, passed: &Passed, rapid: bool) -> f32 {
         let v = passed.v;
@@ -249,11 +251,11 @@ impl<const AXES: usize> Dynamics<AXES> {
     }
 }
 
-/// Smallest part that one step leaves.
+/// A step lowers a value to at least this part.
 const LESS: f32 = 0.8;
-/// Additional reduction below the value that is left.
+/// Additional relative reduction below the permitted value.
 const SURPLUS: f32 = 0.002;
-/// A first reduction below this value stays as it is: limits other than those of the axes may be as near.
+/// A smaller first reduction is not enlarged: limits other than those of the axes may be as near.
 const NEARLY: f32 = 0.01;
 const JUST: f32 = 1.0 - 1.0 / 524_288.0;
 /// Values below this one count as zero.

@@ -17,18 +17,19 @@ const TURN_PART: f32 = 0.05;
 
 impl<const AXES: usize> Dynamics<AXES> {
     /// Highest speed of a transition. For each axis, the step of speed and the step of acceleration stay
-    /// inside the limit of a knee (P-AXIS-00013) and inside the transition's part of the jerk budget. `None`
-    /// if the transition is smooth at the speed `fastest` of its neighbours. `shorter` is the length of the
-    /// shorter neighbour, mm.
+    /// inside the limit of a knee (P-AXIS-00013) and inside the transition's part of the jerk budget. Returns
+    /// `None` if the transition is smooth at the speed `fastest` of its neighbours. `shorter` is the length
+    /// of the shorter neighbour, mm.
     ///
-    /// In two cases the machine data permit unlimited jerk. A step of acceleration is free without
-    /// P-CHAN-00009; with it, the step has the part of the transition's jerk that P-AXIS-00154 gives. A step
-    /// of speed is limited by acceleration alone if P-AXIS-00013 is given. Acceleration is limited
+    /// In two cases the machine data permit unlimited jerk. Without P-CHAN-00009, a step of acceleration has
+    /// no jerk limit. With P-CHAN-00009, P-AXIS-00154 gives the permitted part of the transition's jerk. If
+    /// P-AXIS-00013 is given, only the acceleration limits a step of speed. Acceleration is limited
     /// everywhere.
     ///
     /// A speed step Δv shows as a third difference of at most Δv/T², an acceleration step Δa as Δa/T. Steps
-    /// within three ticks add up: at a distance of h ticks at most 2 + 2/h of them. `a` is the largest
-    /// acceleration beside the transition if it does not vanish there (STEP), otherwise 0.
+    /// within three ticks add up. If blocks take h ticks, at most 2 + 2/h steps lie within three ticks. `a`
+    /// is the largest acceleration near the transition, or 0 if the acceleration is zero there (all slopes
+    /// but STEP).
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn transition(
         &self,
@@ -45,7 +46,7 @@ impl<const AXES: usize> Dynamics<AXES> {
         if goes_on { None } else { self.turn((from, to), rapid, shorter, (fastest, a)) }
     }
 
-    /// The same if direction or curvature changes, or an axis has AX_DEV.
+    /// As [`Self::transition`], if direction or curvature changes, or an axis has AX_DEV.
     #[inline(never)]
     fn turn(
         &self,
@@ -93,8 +94,8 @@ impl<const AXES: usize> Dynamics<AXES> {
             }
             let curvature = max(magnitude(c0), magnitude(c1));
             if knee > 0.0 && curvature > 0.0 && !stepped {
-                // Curves leave a part of the acceleration beside them, and the slope needs some of it; arcs
-                // leave the least.
+                // Curves leave a part of the acceleration free, and the speed profile needs some of this
+                // part. Arcs leave the least.
                 let rest = (joint.left - HIGHEST * HIGHEST * axis.a_max) / knee;
                 v = min(v, max(joint.beside_turn(knee, curvature), max(rest, 0.0)));
             }
@@ -119,8 +120,9 @@ impl<const AXES: usize> Dynamics<AXES> {
         if joint.is_weighted { joint.knee } else { min(joint.knee, TRANSITION_PART * joint.budget) }
     }
 
-    /// Highest speed at which the step of acceleration from one end to a later one stays inside the transition's part
-    /// of the jerk budget. A block between the two ends takes less than a tick, so the steps at both ends show as one.
+    /// Highest speed at a sequence of transitions, from the step of acceleration between its first end `from`
+    /// and its last end `to`. The blocks between take less than a tick, so all steps add up. The sum stays
+    /// inside the transition's part of the jerk budget.
     pub fn bending(&self, from: &End<AXES>, to: &End<AXES>, rapid: bool) -> f32 {
         let bends = from.curvature.iter().zip(&to.curvature);
         let square = self.axes.iter().zip(bends).fold(f32::MAX, |square, (axis, (c0, c1))| {
@@ -131,8 +133,8 @@ impl<const AXES: usize> Dynamics<AXES> {
         sqrt_f32(square) * MARGIN
     }
 
-    /// Highest speed at which a change of direction is rounding of coordinates, so the slope keeps all
-    /// limits.
+    /// Highest speed at which a change of direction is no more than rounding of coordinates. The speed
+    /// profile then keeps all limits.
     pub fn unseen(&self, from: &End<AXES>, to: &End<AXES>, rapid: bool) -> f32 {
         let smooth = if self.slope == SlopeType::Step { STEP_SMOOTH } else { SMOOTH };
         let mut v = f32::MAX;
@@ -157,8 +159,8 @@ impl<const AXES: usize> Dynamics<AXES> {
         min(off / (SMOOTH * least), LONGEST_SMOOTHING)
     }
 
-    /// Whether a transition is tangential except for rounding of coordinates: at the speed `fastest` each
-    /// axis shows far less than a transition may.
+    /// Whether a transition is tangential except for rounding of coordinates. At the speed `fastest`, the
+    /// steps of each axis are far below the limits of a transition.
     pub fn is_slight(&self, from: &End<AXES>, to: &End<AXES>, rapid: bool, fastest: f32) -> bool {
         let ends = from.tangent.iter().zip(&to.tangent).zip(from.curvature.iter().zip(&to.curvature));
         self.axes.iter().zip(ends).all(|(axis, ((t0, t1), (c0, c1)))| {
@@ -169,8 +171,8 @@ impl<const AXES: usize> Dynamics<AXES> {
         })
     }
 
-    /// Whether the acceleration `a` along the path may change from one direction to the other: the step of
-    /// every axis' acceleration stays inside its part of the jerk budget.
+    /// Whether the acceleration `a` along the path may pass a change of direction. The step of every axis'
+    /// acceleration stays inside its part of the jerk budget.
     pub fn turns_little(&self, from: &End<AXES>, to: &End<AXES>, rapid: bool, a: f32) -> bool {
         self.axes.iter().zip(from.tangent.iter().zip(&to.tangent)).all(|(axis, (t0, t1))| {
             let set = if rapid { &axis.rapid } else { &axis.feed };
@@ -179,11 +181,11 @@ impl<const AXES: usize> Dynamics<AXES> {
     }
 
     /// The part of the deceleration `a` along the path that may pass a knee at the speed `v`. For every axis,
-    /// the step of speed and the deceleration together stay inside its largest acceleration, on either side.
-    /// Blocks of `shorter` mm that take less than a tick show several knees at once.
+    /// the step of speed and the deceleration together stay inside the largest acceleration on both sides. If
+    /// blocks of `shorter` mm take less than a tick, several knees add up.
     ///
-    /// Where the path bends, a stop from a speed below the planned one has more deceleration than `a`; the knee
-    /// still has only its part.
+    /// On a bent path, a stop from a lower speed than planned may have more deceleration than `a`. The part
+    /// for the knee is still the same.
     #[inline(never)]
     pub fn passing_knee(
         &self,
@@ -205,7 +207,7 @@ impl<const AXES: usize> Dynamics<AXES> {
             let set = axis.set(rapid);
             let step = knees * size_f32(t1.wrapping_sub(t0).unsigned_abs()) * LSB_40;
             let bend = max(magnitude(*c0), magnitude(*c1));
-            // A slight knee has its part of the limits beside it.
+            // A slight knee has its own part of the limits.
             if step <= SMOOTH * set.joint.budget || (bend <= 0.0 && step <= KNEE_PART * SLIGHT * axis.a_max) {
                 continue;
             }
@@ -256,7 +258,7 @@ impl Passing {
         Self(number)
     }
 
-    /// The number: 0 to 3, from all to the least; none has the last one.
+    /// The number: 0 is all, 3 is the smallest part, 4 is none.
     pub const fn number(self) -> u8 {
         if self.0 < 3 { self.0 } else { 3 }
     }
@@ -267,8 +269,8 @@ impl Passing {
     }
 }
 
-/// Speed of a transition with steps of speed. `alone`: its speed if no other one is within three ticks.
-/// Beside it the speed changes by `a` per tick. `quarter` is a fourth of its part, divided by its knee;
+/// Speed of a transition with steps of speed. `alone`: its speed if no other one is within three ticks. Near
+/// the transition, the speed changes by `a` per tick. `quarter` is a fourth of its part, divided by its knee;
 /// `length` is the length of the shorter block.
 ///
 /// A block that begins or ends with the speed v takes three ticks if its length is 3 v + 9/2 a. The check has

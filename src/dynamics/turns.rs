@@ -1,8 +1,8 @@
-//! Arcs of a circle that has already turned twice.
+//! Limits of arcs on a circle that has already turned twice.
 //!
-//! Such an arc may be as fast as an endless circle, except for its end: if the circle ends there too, the motion
-//! brakes from a lower speed. Near the highest speed there is nearly no jerk against the motion ([`super::arc`]), so
-//! this costs least.
+//! Such an arc may be as fast as an endless circle, except for its end. If the circle ends with this arc, the
+//! motion brakes from a lower speed. Near the highest speed, nearly no jerk is left for braking
+//! ([`super::arc`]). So a lower speed at the end costs the least time.
 use super::arc::{MOST_TURNS, NEARLY, TWO_TURNS};
 use super::{Dynamics, Permitted};
 use crate::math::float::{max, size_f32, to_bits};
@@ -12,12 +12,13 @@ use core::f32::consts::{PI, TAU};
 
 /// Shortest arc for which this applies, radians.
 const OWN: f32 = PI / NEARLY;
-/// The end's speed is below this part of the other speed; and the end is longer than its ramp by this factor.
+/// First value: the speed at the end is below this part of the other speed. Second value: the end is longer
+/// than the braking ramp by this factor.
 const LOWER: f32 = 0.97;
 const LONGER: f32 = 1.02;
 const DISTANCE_LSB: f32 = 1.0 / (1u64 << 44) as f32;
 
-/// Limits of such an arc.
+/// Limits of an arc on a circle that has already turned twice.
 pub struct Turns {
     /// Limits without the end.
     pub steady: Permitted,
@@ -28,8 +29,8 @@ pub struct Turns {
 }
 
 impl<const AXES: usize> Dynamics<AXES> {
-    /// Limits of an arc after two turns of its circle; `None` if the arc is shorter, or gains nothing. `feed`: as
-    /// in [`Self::element`]; this call does that work twice.
+    /// Limits of an arc after two turns of its circle. Returns `None` if the arc is shorter, or gains no
+    /// time. `feed`: as in [`Self::element`]. The cost is twice that of [`Self::element`].
     #[inline(never)]
     pub fn turns(&self, element: &Element<AXES>, feed: Option<f32>) -> Option<Turns> {
         let circle = element.circle.as_ref()?;

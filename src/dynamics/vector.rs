@@ -4,9 +4,10 @@
 //!   values of the channel: P-CHAN-00002, P-CHAN-00208, P-CHAN-00090.
 //! - Accelerations are in mm/min² or, with P-CHAN-00351, in mm/s²; speeds in mm/min. If no main axis moves,
 //!   degrees replace millimetres.
-//! - The limits act at feed; with RAPID in rapid motion instead, with FEED RAPID in both. OFF without either
-//!   word ends both.
-//! - A limit of acceleration does not change the ramp times: jerk falls with it, as with a weight.
+//! - The limits act on feed motion, with RAPID on rapid motion instead, and with FEED RAPID on both. OFF
+//!   without RAPID and FEED ends both.
+//! - A limit of acceleration does not change the ramp times, so the jerk falls in the same ratio. A weight
+//!   has the same effect.
 //! - ACC acts on lines; on arcs too with P-CHAN-00350.
 use crate::dynamics::MARGIN;
 use crate::machine::{AccelerationUnit, ChannelData};
@@ -14,7 +15,7 @@ use crate::math::float::{min, to_f32};
 use crate::nc::{Limit, VectorLimit};
 use crate::slope::limits::{Limits, SlopeLaw};
 
-/// A limit of acceleration below the smallest one of machine data, 1 mm/s², or a limit of speed of 0.
+/// The error of a command: an acceleration below 1 mm/s², the least one of machine data, or a speed of 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TooLow;
 
@@ -72,7 +73,7 @@ impl PathLimits {
         }
     }
 
-    /// Whether a command changes any of them, or is refused.
+    /// Whether a command changes any limit, or is refused.
     pub fn differ(&self, command: &VectorLimit) -> bool {
         let mut other = *self;
         other.set(command).is_err() || other.feed != self.feed || other.rapid != self.rapid
@@ -128,7 +129,7 @@ impl PathLimits {
         self.of(rapid).a_down
     }
 
-    /// Lowers accelerations, and the jerks of their ramps with them.
+    /// Lowers accelerations, and the jerks of their ramps in the same ratio.
     pub fn lower(&self, limits: &mut Limits, rapid: bool, arc: bool) {
         let path = self.of(rapid);
         let a_up = if !arc || self.arcs { path.a_up } else { f32::MAX };
@@ -153,7 +154,7 @@ impl PathLimits {
     }
 }
 
-/// Lowers `a` to a limit. Returns the remaining part of it.
+/// Lowers `a` to `limit`. Returns the ratio of the new value to the old one.
 fn lower(a: &mut f32, limit: f32) -> f32 {
     if limit >= *a {
         return 1.0;

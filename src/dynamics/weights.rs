@@ -1,9 +1,8 @@
 //! G130…G134, G231…G233, G338, G339: the machine data of an axis, weighted.
 //!
-//! A weight is a percentage of the machine data, not of an earlier weight: 50 % twice is 50 %, and an axis
-//! that is not named has 100 %. A weight acts on the following blocks, to the end of the program. Weighted
-//! values stay inside the ranges of the machine data, so all statements about machine data hold for weighted
-//! values too:
+//! A weight is a percentage of the machine data, not of an earlier weight: 50 % twice is 50 %. An axis that
+//! the command does not name has 100 %. A weight acts on the following blocks, up to the end of the program.
+//! Weighted values stay inside the ranges of the machine data:
 //!
 //! | value | from | to |
 //! |---|---|---|
@@ -38,7 +37,7 @@ pub struct Weights<const AXES: usize> {
 }
 
 impl<const AXES: usize> Weights<AXES> {
-    /// 100 %, as at program start.
+    /// All weights at 100 %, as at program start.
     pub const fn new() -> Self {
         let axis = AxisWeights {
             acceleration: FULL,
@@ -50,14 +49,14 @@ impl<const AXES: usize> Weights<AXES> {
         Self { axes: [axis; AXES] }
     }
 
-    /// Whether a command changes any of them.
+    /// Whether a command changes any weight.
     pub fn differ(&self, weight: &Weight<AXES>) -> bool {
         let mut other = *self;
         other.set(weight);
         other != *self
     }
 
-    /// Takes a command, which replaces all weights of its kind.
+    /// Takes a command: the command replaces all weights of its kind.
     pub fn set(&mut self, weight: &Weight<AXES>) {
         for (axis, percent) in self.axes.iter_mut().zip(&weight.percent) {
             let weight_of = match weight.kind {
@@ -87,7 +86,7 @@ impl<const AXES: usize> Weights<AXES> {
             out.a_brems = a(data.a_brems, weights.acceleration);
             out.d_stufe = feed.d.map(|value| a(value, weights.acceleration));
         } else {
-            // Not copied from weighted accelerations.
+            // These values are not copied from weighted accelerations.
             out.d_stufe = feed.d;
         }
         out.a_grenz = a(data.a_grenz, weights.rapid_acceleration);

@@ -1,10 +1,11 @@
-//! The planner's end of the filters: demanded filters, filters in force, and the change between them.
+//! The planner's side of the filters: the filters in force, a demanded change, and the progress of this
+//! change.
 //!
-//! Coefficients change only while the path rests and the filters have settled. Then the interrupt reads no
-//! coefficients, and only the planner can start the path. The planner writes all words, one axis per call, and
-//! then increments [`Words::asked`]. The interrupt fills its samples with the positions of the axes, some per
-//! tick, and answers by [`Words::done`]. A set point never steps, because a resting motion leaves a filter
-//! unchanged whatever the coefficients are.
+//! Coefficients change only while the path stands still and the filters have settled. At this time, the
+//! interrupt reads no coefficients, and only the planner can start the path. The planner writes all words,
+//! one axis per call, and then increments [`Words::asked`]. The interrupt fills its samples with the
+//! positions of the axes, some per tick, and answers by [`Words::done`]. A set point never steps: while the
+//! path stands still, any coefficients give the same set point.
 use super::design::{self, Design, FilterError};
 use super::kernel;
 use super::shape::{Shape, Watch};
@@ -15,24 +16,24 @@ use crate::nc;
 use crate::quantity::Position;
 use core::sync::atomic::Ordering;
 
-/// From LSB 2^-32 mm to the LSB of the words of deviations, 2^-22 mm.
+/// Shift from LSB 2^-32 mm to the LSB of the deviation words, 2^-22 mm.
 pub(super) const COARSE: u32 = 10;
 
 /// The effect of a `#FILTER` command.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Fate {
-    /// No change.
+    /// Nothing changes.
     Same,
-    /// Other coefficients have to be put in force, at a stop.
+    /// The coefficients change, at a stop.
     Changes,
-    /// As `Changes`, but no axis is filtered: no order is given.
+    /// As `Changes`, but the command gives no order, so no axis is filtered.
     NoOrder,
 }
 
 /// The machine data of the filters.
 pub(super) struct Settings<const AXES: usize> {
     axes: [FilterData; AXES],
-    /// Distance of the fastest motion per cycle, mm.
+    /// Largest travel per cycle, mm.
     reach: [f32; AXES],
     /// Largest second difference, mm.
     step: [f32; AXES],
@@ -67,7 +68,7 @@ impl<const AXES: usize> Settings<AXES> {
         (0..AXES).map(|axis| self.design(axis, given).delay()).fold(0, u32::max)
     }
 
-    /// Whether `TAPS` samples suffice for these filters, and every axis permits its filter.
+    /// Checks that `TAPS` samples suffice for these filters, and that every axis permits its filter.
     pub fn check<const TAPS: usize>(&self, given: &nc::Filter) -> Result<(), FilterError> {
         // Number of samples that can have taps.
         let room = TAPS / 2 * 2;
@@ -77,7 +78,7 @@ impl<const AXES: usize> Settings<AXES> {
             if design.order > design.highest() {
                 return Err(FilterError::Order(axis, design.order, design.highest(), false));
             }
-            // The age of the oldest sample is the channel's delay plus half of the axis's own window.
+            // The age of the oldest sample is the channel's delay plus half of the axis' own window.
             if design.order > 0 && (delay + design.delay()).div_ceil(2) as usize >= room {
                 let most = if design.kind == FilterType::Delay { room / 2 } else { room };
                 return Err(FilterError::Order(axis, design.order, most.saturating_sub(1) as u32, true));
@@ -101,17 +102,17 @@ impl<const AXES: usize> Settings<AXES> {
 enum Change {
     /// The coefficients are in force.
     None,
-    /// So many axes have their new coefficients.
+    /// This number of axes has the new coefficients.
     Writing(usize),
-    /// The interrupt has to take the coefficients over.
+    /// The interrupt has to take the coefficients.
     Asked,
 }
 
-/// The planner's end of [`super::Filters`].
+/// The planner's handle of [`super::Filters`].
 pub struct Bank<'a, const AXES: usize, const TAPS: usize> {
     words: &'a Words<AXES, TAPS>,
     settings: Settings<AXES>,
-    /// Values of `#FILTER`: in force, and demanded.
+    /// Values of `#FILTER`: first those in force, then those demanded.
     given: [nc::Filter; 2],
     shapes: [Shape; AXES],
     change: Change,
@@ -120,7 +121,7 @@ pub struct Bank<'a, const AXES: usize, const TAPS: usize> {
 }
 
 impl<'a, const AXES: usize, const TAPS: usize> Bank<'a, AXES, TAPS> {
-    /// With the filters of the machine data in force. Call it before both sides run.
+    /// A bank with the filters of the machine data in force. Call this function before both sides run.
     pub(super) fn new(words: &'a Words<AXES, TAPS>, settings: Settings<AXES>) -> Result<Self, FilterError> {
         let given = [nc::Filter::default(); 2];
         let mut bank =
@@ -133,13 +134,13 @@ impl<'a, const AXES: usize, const TAPS: usize> Bank<'a, AXES, TAPS> {
         Ok(bank)
     }
 
-    /// The filters in force, or the demanded ones.
+    /// The demanded filters, or those in force if no change is demanded.
     const fn wanted(&self) -> &nc::Filter {
         let [_, wanted] = &self.given;
         wanted
     }
 
-    /// Whether memory suffices, and every axis permits its filter.
+    /// Checks that the memory suffices, and that every axis permits its filter.
     fn check(&self, given: &nc::Filter) -> Result<(), FilterError> {
         self.settings.check::<TAPS>(given)
     }
@@ -178,7 +179,7 @@ impl<'a, const AXES: usize, const TAPS: usize> Bank<'a, AXES, TAPS> {
         self.told = false;
     }
 
-    /// AX_DEV in force, mm, less rounding; `None` if not monitored.
+    /// AX_DEV in force, mm, less the margin for rounding; `None` if not monitored.
     fn tolerance(&self) -> Option<f32> {
         let [in_force, _] = &self.given;
         match design::tolerance(in_force) {
@@ -243,7 +244,7 @@ impl<const AXES: usize, const TAPS: usize> FilterPlan<AXES> for Bank<'_, AXES, T
     fn work(&mut self) -> bool {
         let [asked, done] = [&self.words.asked, &self.words.done].map(|word| word.load(Ordering::Acquire));
         match self.change {
-            // The interrupt still takes over earlier coefficients, with earlier positions.
+            // The interrupt is still taking earlier coefficients, with earlier positions.
             Change::Writing(0) if asked != done => false,
             Change::Writing(axis) if axis < AXES => {
                 self.write(axis);
@@ -271,7 +272,7 @@ impl<const AXES: usize, const TAPS: usize> FilterPlan<AXES> for Bank<'_, AXES, T
     }
 
     fn watch(&self, axis: usize) -> Option<Watch> {
-        // Two taps do not deviate from a delayed set point, but their output is rounded like others.
+        // Two taps cause no deviation from a delayed set point, but their output is rounded too.
         let shape = self.shapes.get(axis).filter(|shape| shape.window > 0.0)?;
         let [in_force, _] = &self.given;
         let tolerance = self.tolerance().filter(|_| shape.peak > 0.0);
@@ -309,7 +310,8 @@ impl<const AXES: usize, const TAPS: usize> FilterPlan<AXES> for Bank<'_, AXES, T
             return None;
         }
         let tolerance = self.words.tolerance.load(Ordering::Relaxed);
-        // Both are rounded. A second difference that bypasses a filter also counts without AX_DEV.
+        // Both values are rounded. A second difference that bypasses a filter counts as a deviation, also
+        // without AX_DEV.
         let most = if tolerance == 0 { u32::MAX - 1 } else { tolerance.saturating_add(1) };
         let beyond = |words: &super::AxisWords<TAPS>| words.deviation.load(Ordering::Relaxed) > most;
         let axis = self.words.axes.iter().position(beyond);

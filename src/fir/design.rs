@@ -1,4 +1,4 @@
-//! From machine data and `#FILTER` to the filter of each axis.
+//! Resolves machine data and `#FILTER` to the filter of each axis.
 use crate::machine::{FilterData, FilterType};
 use crate::math::float::to_f32;
 use crate::nc::{self, Value};
@@ -12,12 +12,12 @@ pub enum FilterError {
     NoMemory,
     /// No axis has a filter type (P-AXIS-00586).
     NoType,
-    /// The order of the axis with this index is too high: the order, the highest order, and whether the
-    /// compiled memory sets this bound.
+    /// The order of the axis with this index is too high. The values are the index, the order, the highest
+    /// order, and whether the compiled memory sets this bound.
     Order(usize, u32, u32, bool),
     /// The acceleration of the axis with this index (P-AXIS-00008) is above 0.25 mm or degrees per cycle².
     Acceleration(usize),
-    /// ACC_FACT above 1, and the axis with this index has no P-AXIS-00013.
+    /// ACC_FACT is above 1, and the axis with this index has no P-AXIS-00013.
     NoTransitionWeight(usize),
     /// AX_DEV is above 0 and below 0.00001 mm, or above 1000 mm.
     Tolerance,
@@ -110,7 +110,7 @@ impl Design {
     }
 }
 
-/// Merges the values of a command into the earlier ones.
+/// Merges the values of a command into the values given before.
 pub(super) fn merge(given: &mut nc::Filter, command: &nc::Filter) {
     if command.order.is_some() || command.order_time_us.is_some() {
         (given.order, given.order_time_us) = (command.order, command.order_time_us);

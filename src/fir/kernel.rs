@@ -1,4 +1,5 @@
-//! Taps of one axis: from the filter and the delay of the channel to integers whose sum is one.
+//! The taps of one axis: integers whose sum is one, from the design of the filter and the delay of the
+//! channel.
 //!
 //! The weight of a tap at the distance d (cycles) from the centre, for the order N:
 //!
@@ -9,22 +10,22 @@
 //! | windowed sinc | sin(2π·FCUT·T·d)/(π·d) times Blackman's window over N + 2 cycles |
 //!
 //! SHARE p: p times the filter, plus 1 − p times the set point with the same delay. The rounding of the sum
-//! goes to the centre. If another axis has an order of the other parity, both differ by half a cycle. Then
-//! each tap is averaged with its neighbour, which adds half a cycle.
+//! is added to the centre tap. If another axis has an order of the other parity, both delays differ by half a
+//! cycle. Then each tap is averaged with its neighbour, which adds half a cycle.
 use super::design::Design;
 use super::{AxisWords, Kind, Layout, ONE};
 use crate::machine::FilterType;
 use crate::math::float::to_f32;
 use crate::math::trig::sin_cos;
 
-/// Largest number of taps on one side, and the centre; one more for half a cycle.
+/// Largest number of taps on one side, plus the centre, plus one for half a cycle.
 const SIDE: usize = super::MAX_ORDER as usize / 2 + 2;
 
-/// Largest travel within a window whose mean is a running sum: 4096 mm or degrees.
+/// Largest travel within a window whose mean is a running sum, mm or degrees.
 pub(super) const LONGEST_SUM: f32 = 4096.0;
 
-/// The samples that count for an axis, in a channel that delays by `delay` half cycles. `reach` is the axis's
-/// largest travel per cycle, mm.
+/// The samples that an axis uses, in a channel with a delay of `delay` half cycles. `reach`: largest travel
+/// of the axis per cycle, mm.
 pub(super) fn layout(design: &Design, delay: u32, reach: f32) -> Layout {
     let odd = (delay ^ design.delay()) & 1;
     let order = own_order(design);
@@ -84,9 +85,9 @@ fn weigh(design: &Design, order: u32, odd: u32, weights: &mut [f32; SIDE]) -> f3
     sum
 }
 
-/// From the taps w to (w(k) + w(k − 1))/2, which is one tap more.
+/// Replaces the taps w by (w(k) + w(k − 1))/2, which adds one tap.
 fn average(order: u32, weights: &mut [f32; SIDE]) {
-    // Behind the centre the weights repeat in reverse order.
+    // After the centre, the weights repeat in reverse order.
     let side = (order / 2) as usize;
     let mut before = 0.0;
     for weight in weights.iter_mut().take(side + 1) {
@@ -94,7 +95,7 @@ fn average(order: u32, weights: &mut [f32; SIDE]) {
         *weight = 0.5 * (own + before);
         before = own;
     }
-    // An odd order had two taps in the centre: the second one is the centre now.
+    // An odd order had two centre taps; the second one is now the centre.
     if order & 1 == 1
         && let Some(centre) = weights.get_mut(side + 1)
     {
@@ -102,12 +103,12 @@ fn average(order: u32, weights: &mut [f32; SIDE]) {
     }
 }
 
-/// From the outside to the centre.
+/// Weights of a Gauss filter, from the outside to the centre.
 fn gauss(quality: f32, order: u32, weights: &mut [f32; SIDE]) {
     let sigma = quality * (order as f32) * (1.0 / 6.0);
     let half = 0.5 / (sigma * sigma);
     let factor = exponential(2.0 * half);
-    // The ratio of neighbours shrinks by a constant factor per distance.
+    // The ratio of neighbours changes by a constant factor per cycle.
     let mut ratio = if order & 1 == 0 { exponential(half) } else { factor };
     let mut weight = 1.0;
     for slot in weights.iter_mut().take((order / 2 + 1) as usize).rev() {
@@ -133,7 +134,7 @@ fn exponential(x: f32) -> f32 {
     e
 }
 
-/// Weight at `twice`/2 cycles from the centre.
+/// Weight of a windowed sinc at `twice`/2 cycles from the centre.
 fn sinc(cut_off: f32, order: u32, twice: u32) -> f32 {
     const UNIT: f32 = 1.0 / (1u64 << 62) as f32;
     // Revolutions per half cycle, LSB 2^-64.
@@ -148,7 +149,7 @@ fn sinc(cut_off: f32, order: u32, twice: u32) -> f32 {
     shape * sine / (core::f32::consts::PI * 0.5 * twice as f32)
 }
 
-/// Integers whose sum is [`ONE`].
+/// Rounds the weights to integers whose sum is [`ONE`].
 fn quantise<const TAPS: usize>(
     weights: &[f32; SIDE],
     length: u32,
@@ -156,7 +157,7 @@ fn quantise<const TAPS: usize>(
     share: f32,
     words: &AxisWords<TAPS>,
 ) {
-    // All pairs but the one in the centre, or the single centre tap, which is two halves.
+    // All pairs except the centre pair, or the single centre tap, which is stored as two halves.
     let outer = (length.div_ceil(2) as usize).saturating_sub(1);
     let scale = share * ONE as f32 / sum;
     let mut rest = ONE / 2;

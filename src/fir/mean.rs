@@ -1,6 +1,6 @@
 //! The moving average as a running sum.
 //!
-//! n·y grows by the difference between the newest and the oldest sample, for any length n.
+//! The sum n·y changes by the newest sample minus the oldest one, for any length n.
 
 /// Shift of a difference before the division: the factor of the upper quotient.
 const SCALE: u32 = 13;
@@ -9,12 +9,12 @@ const BIAS: i32 = 2;
 
 /// The state of one axis. Words that are used together share 64 bits: one access.
 pub(super) struct Mean {
-    /// 2^32 by the length, rounded up, and the length times 2^[`SCALE`]. Powers of two are stored too,
-    /// because a multiplication is faster than shifts.
+    /// 2^32 divided by the length, rounded up, and the length times 2^[`SCALE`]. Powers of two are stored,
+    /// because a multiplication is faster than a shift of two words.
     upper: u64,
-    /// Remainders of the last set point and of the one before.
+    /// Rounding remainders of the last set point and of the one before.
     rest: u64,
-    /// 2^[`SCALE`], and the length.
+    /// 2^[`SCALE`], and the length, for the lower quotient.
     lower: u64,
 }
 
@@ -22,17 +22,18 @@ impl Mean {
     /// A mean without samples.
     pub const ZERO: Self = Self { upper: 0, rest: 0, lower: 0 };
 
-    /// A mean of `length` samples. It divides, so it belongs to a change of filters, not to a tick.
+    /// A mean of `length` samples. It needs a division, so call this function for a change of filters and not
+    /// in a tick.
     pub fn of(length: u32) -> Self {
         let length = length.max(1);
         let factor = (u32::MAX / length).wrapping_add(1);
         Self { upper: pair(factor, length << SCALE), rest: 0, lower: pair(1 << SCALE, length) }
     }
 
-    /// The set point after `y`, if the sum of the samples grows by `grows`, below 2^44.
+    /// The set point after `y`, if the sum of the samples changes by `grows`, which is below 2^44.
     ///
-    /// n·y + r = S + r′, with the remainders r of this set point and r′ of the last one: n·Δy = ΔS + 2r′ − r″ − r. The
-    /// quotient comes in two steps: from the upper bits, then from the remainder.
+    /// n·y + r = S + r′, with the remainders r of this set point and r′ of the last one. So n·Δy = ΔS + 2r′ −
+    /// r″ − r. The quotient comes in two steps: first from the upper bits, then from the remainder.
     #[inline(always)]
     pub fn follow(&mut self, grows: i64, y: i64) -> i64 {
         let ([factor, long], [last, before], [scale, length]) =

@@ -32,17 +32,17 @@
 //! | `samples` | memory of the last ticks of an axis |
 //! | `mean`, `taps` | the output of one tick |
 //!
-//! **Delay.** A filter of order N has N + 1 symmetric taps and delays by N/2 cycles; a time delay of order N delays by
-//! N. All axes have the delay of the slowest one, so the path keeps its shape. After the last motion the axes reach the
-//! end of the path within the length of the filter, to the last bit.
+//! **Delay.** A filter of order N has N + 1 symmetric taps and a delay of N/2 cycles; a time delay of order N
+//! has N cycles. All axes have the delay of the slowest one, so the path keeps its shape. After the last
+//! motion, the axes reach the exact end of the path within the length of the filter.
 //!
 //! **Memory.** [`Filters`] is static memory of `TAPS` samples per axis. `TAPS` is even, and the highest order is `TAPS`
 //! − 1. Each tap takes 10 bytes per axis: 8 for the sample and 2 for the coefficient. A channel without filters uses
 //! [`Unfiltered`], which takes neither memory nor instructions.
 //!
-//! **Rounding.** The remainder of each rounding goes into the next set point. So the error of a set point is less than
-//! one LSB (2^-32 mm), and that of its third difference less than 8 LSB. The planner reserves this part of the jerk
-//! limit.
+//! **Rounding.** The remainder of each rounding is added to the next set point. So the error of a set point
+//! is less than one LSB (2^-32 mm), and the error of its third difference is less than 8 LSB. The planner
+//! reserves this part of the jerk limit.
 mod bank;
 mod design;
 mod kernel;
@@ -75,7 +75,7 @@ pub const MAX_ORDER: u32 = 200;
 /// Highest order of a time delay (type 4).
 pub const MAX_DELAY: u32 = 100;
 
-/// The interrupt's end of the filters.
+/// The interrupt's handle of the filters.
 pub trait FilterTick<const AXES: usize> {
     /// Filters one tick: set points of all axes, path distance (LSB 2^-44 mm), and whether a single axis
     /// moves.
@@ -87,11 +87,11 @@ pub trait FilterTick<const AXES: usize> {
     /// The set points for the drives.
     fn set_points<'b>(&'b self, path: &'b [Position; AXES]) -> &'b [Position; AXES];
 
-    /// Delay of actions behind the path, and whether the filters have settled; `None` without filters.
+    /// Delay of actions compared with the path, and whether the filters have settled; `None` without filters.
     fn lag(&mut self) -> Option<(&mut Lag, bool)>;
 }
 
-/// The planner's end of the filters. Without filters no call has an effect.
+/// The planner's handle of the filters. Without filters, no call has an effect.
 pub trait FilterPlan<const AXES: usize> {
     /// Whether the channel has filters.
     const EXIST: bool;
@@ -105,36 +105,39 @@ pub trait FilterPlan<const AXES: usize> {
     /// Returns to the filters of the machine data, as at program start.
     fn restart(&mut self);
 
-    /// Drops the last command, if it has not acted yet: after an abort.
+    /// Drops the last command, if it has not acted yet. Used after an abort.
     fn cancel(&mut self);
 
-    /// Prepares for a position that changes without motion: the filters are off until [`Self::work`] is done. Call it
-    /// only while the filters are settled.
+    /// Prepares for a change of position without motion: the filters are off until [`Self::work`] is done.
+    /// Call this function only while the filters are settled.
     fn suspend(&mut self);
 
-    /// Whether new coefficients wait to be put in force.
+    /// Whether new coefficients are not in force yet.
     fn is_pending(&self) -> bool;
 
-    /// Whether the axes stand at the end of the path. Call it only while the path rests.
+    /// Whether the axes stand still at the end of the path. Call this function only while the path stands
+    /// still.
     fn is_settled(&self) -> bool;
 
-    /// Does a bounded step of the change of coefficients. Call it only while settled. Returns `false` if a tick must
-    /// pass first.
+    /// Does a bounded step of the change of coefficients. Call this function only while the filters are
+    /// settled. Returns `false` if a tick must pass first.
     fn work(&mut self) -> bool;
 
-    /// Cycles from the last motion of the path until the axes stand.
+    /// Cycles from the last motion of the path until the axes stand still.
     fn window(&self) -> u32;
 
-    /// Limits that the filter of an axis imposes on the plan; `None` if there are none.
+    /// Limits of the plan for the filter of an axis; `None` if there are none.
     fn watch(&self, axis: usize) -> Option<Watch>;
 
-    /// Part of AX_DEV for a step of speed, if acceleration begins and ends with the jerk `jerk` (mm/tick³).
+    /// Part of AX_DEV that a step of speed uses, if acceleration begins and ends with the jerk `jerk`
+    /// (mm/tick³).
     fn corner(&self, axis: usize, jerk: f32) -> f32;
 
-    /// Delay of all axes in half cycles, and AX_DEV, as in force; 0 means none.
+    /// Delay of all axes in half cycles, and AX_DEV in force; 0 means none.
     fn in_force(&self) -> (u32, Position);
 
-    /// The first axis that exceeded AX_DEV since the last change of the filters; one report per change.
+    /// The first axis that has exceeded AX_DEV since the last change of the filters; each change gives at
+    /// most one report.
     fn beyond(&mut self) -> Option<usize>;
 
     /// Largest deviation of an axis from its delayed set point since the last change of the filters, while
@@ -229,8 +232,8 @@ impl<const AXES: usize, const TAPS: usize> Filters<AXES, TAPS> {
         Self { words: Words::new(), state: State::new() }
     }
 
-    /// Whether the memory suffices for the filters that machine data switch on. For a loader that reports faults before
-    /// anything starts.
+    /// Checks that the memory suffices for the filters that machine data enable. A loader uses this check to
+    /// report faults before anything starts.
     ///
     /// # Errors
     /// As [`Self::split`].
@@ -238,8 +241,8 @@ impl<const AXES: usize, const TAPS: usize> Filters<AXES, TAPS> {
         Settings::new(machine).check::<TAPS>(&nc::Filter::default())
     }
 
-    /// Returns the handles of planner and interrupt, with the filters that machine data enable. The axes stand at
-    /// `start`.
+    /// Returns the planner's handle and the interrupt's handle of the filters that machine data enable. The
+    /// axes are at `start`.
     ///
     /// # Errors
     /// The memory is too small for the machine data.
@@ -262,10 +265,10 @@ impl<const AXES: usize, const TAPS: usize> Default for Filters<AXES, TAPS> {
     }
 }
 
-/// How an axis is filtered.
+/// The kind of an axis' filter.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) enum Kind {
-    /// Delay by [`Layout::newest`], without a filter.
+    /// A delay by [`Layout::newest`], without a filter.
     #[default]
     Delay,
     /// Mean of the window.
@@ -274,7 +277,7 @@ pub(crate) enum Kind {
     Taps,
 }
 
-/// The samples of an axis that count, as ages in ticks.
+/// The samples that an axis uses, as ages in ticks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Layout {
     pub kind: Kind,
@@ -284,20 +287,21 @@ pub(crate) struct Layout {
     pub length: u32,
 }
 
-/// Words that the planner writes one by one, while the path rests and the filters have settled; and words
-/// that the interrupt writes.
+/// Words of two kinds. The planner writes its words one by one, while the path stands still and the filters
+/// have settled. The interrupt writes the others.
 struct Words<const AXES: usize, const TAPS: usize> {
     axes: [AxisWords<TAPS>; AXES],
-    /// Number of the planner's last change. The planner also writes the next words.
+    /// Number of the planner's last change. The planner also writes the words that follow, down to `done`.
     asked: AtomicU32,
     /// Whether any axis is filtered or delayed.
     runs: AtomicU32,
-    /// Longest delay in half cycles; length of the window.
+    /// Longest delay, in half cycles, and length of the window.
     delay: AtomicU32,
     window: AtomicU32,
     /// AX_DEV, LSB 2^-32 mm; 0: not monitored.
     tolerance: AtomicU32,
-    /// Words of the interrupt: number of the change in force, and ticks for which the path has rested.
+    /// Words of the interrupt: number of the change in force, and number of ticks for which the path has
+    /// stood still.
     done: AtomicU32,
     unsettled: AtomicU32,
 }
@@ -306,9 +310,10 @@ struct AxisWords<const TAPS: usize> {
     kind: AtomicU32,
     newest: AtomicU32,
     length: AtomicU32,
-    /// Two bytes for each pair of taps, the outermost first. A single tap in the centre is a pair of halves.
+    /// Two bytes for each pair of taps, the outermost pair first. A single centre tap is a pair of two
+    /// halves.
     taps: [AtomicU8; TAPS],
-    /// Word of the interrupt: largest deviation, LSB 2^-32 mm.
+    /// Word of the interrupt: largest deviation; LSB: see [`bank::COARSE`].
     deviation: AtomicU32,
 }
 
@@ -334,7 +339,7 @@ impl<const TAPS: usize> AxisWords<TAPS> {
         Self { kind, newest, length, taps: [const { AtomicU8::new(0) }; TAPS], deviation }
     }
 
-    /// One tap of each pair, from the outside in.
+    /// One tap of each pair, from the outside to the centre.
     fn pairs(&self) -> impl Iterator<Item = i32> {
         let bytes = self.taps.as_chunks::<2>().0.iter();
         let tap = |bytes: &[AtomicU8; 2]| {

@@ -1,15 +1,16 @@
 //! Memory of the last ticks of one axis.
 //!
-//! Positions lie in a ring as long as their window: the newest one takes the place of the oldest. Second
-//! differences are stored twice, so any window of them is contiguous.
+//! Positions are in a ring of the length of their window: the newest one replaces the oldest. Second
+//! differences are stored twice, so that any window of them is contiguous.
 
-/// Positions, or second differences. All bits zero when new.
+/// Positions, or second differences. All bits are zero when new.
 pub(super) struct Samples<const TAPS: usize>([[i32; 2]; TAPS]);
 
-/// A ring of positions, used from its last place to its first.
+/// A ring of positions, used from its last place down to its first.
 #[repr(C)]
 pub(super) struct Ring {
-    /// Place of the next position, and place of the oldest one. After the first place the last one follows.
+    /// Place of the next position, and place of the oldest one. After the first place, the ring continues
+    /// with the last one.
     place: usize,
     /// The last place.
     last: usize,
@@ -22,13 +23,13 @@ impl Ring {
         Self { place: last, last }
     }
 
-    /// The place of the next position, unless it is the last place again.
+    /// The place of the next position. It is out of range if the ring has to begin again at its last place.
     #[inline(always)]
     pub const fn place(&self) -> usize {
         self.place
     }
 
-    /// A position has been written: moves on.
+    /// Steps to the next place, after a position has been written.
     #[inline(always)]
     pub const fn pass(&mut self) {
         self.place = self.place.wrapping_sub(1);
@@ -39,7 +40,7 @@ impl Ring {
         self.place = self.last;
     }
 
-    /// The place of the position of this age, which is below the ring's length.
+    /// The place of the position with this age; the age is below the ring's length.
     const fn place_of(&self, age: u32) -> usize {
         let place = self.place.wrapping_add(1 + age as usize);
         if place > self.last { place.wrapping_sub(self.last + 1) } else { place }
@@ -54,7 +55,7 @@ impl<const TAPS: usize> Samples<TAPS> {
         self.0.iter_mut().skip(from).take(some).for_each(|slot| *slot = split(sample));
     }
 
-    /// Writes a position and returns the old one. `None`: there is no such place.
+    /// Writes a position and returns the old one. Returns `None` if there is no such place.
     #[inline(always)]
     pub fn exchange(&mut self, place: usize, x: i64) -> Option<i64> {
         let slot = self.0.get_mut(place)?;
@@ -63,7 +64,7 @@ impl<const TAPS: usize> Samples<TAPS> {
         Some(oldest)
     }
 
-    /// The position of this age, which is below the ring's length.
+    /// The position with this age; the age is below the ring's length.
     pub fn position(&self, ring: &Ring, age: u32) -> i64 {
         self.0.get(ring.place_of(age)).copied().map_or(0, join)
     }
@@ -78,12 +79,12 @@ impl<const TAPS: usize> Samples<TAPS> {
         }
     }
 
-    /// The second difference of this age; `at` is the place of the newest one.
+    /// The second difference with this age; `at` is the place of the newest one.
     pub fn difference(&self, at: usize, age: u32) -> i32 {
         self.differences().get((at + TAPS).wrapping_sub(age as usize)).copied().unwrap_or(0)
     }
 
-    /// All second differences, twice, from older to newer ones.
+    /// All second differences, stored twice, from older to newer ones.
     #[inline(always)]
     pub const fn differences(&self) -> &[i32] {
         self.0.as_flattened()

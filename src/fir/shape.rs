@@ -1,25 +1,28 @@
 //! The effect of filter taps on a motion.
 //!
-//! With the taps h, and δ for the delay alone, G is the second sum of h − δ. The deviation of an axis from
-//! its delayed set point is exactly Σ G·x'', with x'' its second differences: at most Σ|G| times its largest
-//! acceleration, and at most |G(0)| times a step of speed. With SHARE p all values are multiplied by p.
+//! Let h be the taps, δ the delay alone, and G the second sum of h − δ. The deviation of an axis from its
+//! delayed set point is exactly Σ G·x'', with its second differences x''. So it is at most Σ|G| times the
+//! largest acceleration. A step of speed adds at most |G(0)| times the step. With SHARE p, all values are
+//! multiplied by p.
 //!
-//! If the jerk of the axis is limited everywhere, steps of speed included, there are better bounds. Split G
-//! into a part g and the differences of a function T. Then the deviation is at most Σ|g| times the largest
-//! acceleration plus Σ|T| times the largest jerk. The code uses two splits; S(k) is the sum of G from k
-//! outwards:
+//! If the jerk of the axis is limited everywhere, steps of speed included, there are better bounds. G is
+//! split into a part g and the differences of a function T. Then the deviation is at most Σ|g| times the
+//! largest acceleration plus Σ|T| times the largest jerk. The code uses two splits; S(k) is the sum of G from
+//! k outwards:
 //!
 //! | T | Σ\|g\| |
 //! |---|---|
 //! | S up to the centre | \|ΣG\|: of a sinc of the order 100 nearly 0 |
 //! | S up to its last change of sign, 0 from there to the centre | \|ΣG\| for orders below that |
 //!
-//! Accelerations and jerks are lowered alike ([`Watch::bound`]). The worst motion with these limits reaches
-//! at least 94 % of the lower bound, with ramps of 50 cycles, so a better bound is not worth its search.
+//! Accelerations and jerks are lowered by the same factor ([`Watch::bound`]). The worst motion with these
+//! limits reaches at least 94 % of the lower bound, with ramps of 50 cycles. So a better bound is not worth
+//! its search.
 //!
-//! A corner is one or two pulses of jerk; a sinc of a high order has more lobes. So a corner deviates less
-//! than blocks that speed up and brake as the lobes do, and all blocks have the same limits. Parts of AX_DEV,
-//! for corners of 90° at 4000 mm/min, FCUT = 30 Hz, 1 ms, TRAPEZ with ramps of 50 ms:
+//! A corner is one or two pulses of jerk; a sinc of a high order has more lobes. The worst motion speeds up
+//! and brakes in the rhythm of the lobes. So a corner deviates less, but all blocks have the same limits. The
+//! table has parts of AX_DEV, for corners of 90° at 4000 mm/min, FCUT = 30 Hz, 1 ms, TRAPEZ with ramps of 50
+//! ms:
 //!
 //! | order | a corner | short blocks, same limits | a corner, with the best of all ratios of acceleration to jerk |
 //! |---|---|---|---|
@@ -31,12 +34,12 @@
 //! | 128 | 0.36 | 0.75 | 0.59 |
 //! | 200 | 0.31 | 0.69 | 0.47 |
 //!
-//! Up to the order 96 longer ramps would use 0.9 at a corner, but usually take longer.
+//! Up to order 96, longer ramps would use 0.9 of AX_DEV at a corner, but they usually take longer.
 //!
-//! Corners between long blocks cannot have limits of their own either, because their deviation depends more on the
-//! speed than on the neighbourhood. Under the same limits, other corners of the same square, and one hold, deviate
-//! more. All values are proportional: if limits give a corner at 4000 mm/min 0.9 of AX_DEV, these motions exceed
-//! AX_DEV.
+//! Corners between long blocks cannot have separate limits either, because their deviation depends more on
+//! the speed than on the neighbouring blocks. Under the same limits, other corners of the same square, and a
+//! feed hold, deviate more. All values are proportional. If the limits give a corner at 4000 mm/min 0.9 of
+//! AX_DEV, these motions exceed AX_DEV.
 //!
 //! | order | 90° at 4000 mm/min | at a lower feed, or override | a reversal there | a hold while speeding up to 4000 mm/min |
 //! |---|---|---|---|---|
@@ -44,13 +47,14 @@
 //! | 128 | 0.36 | 0.54 (101 mm/min) | 0.68 | 0.51 |
 //! | 200 | 0.31 | 0.38 (70 mm/min) | 0.55 | 0.40 |
 //!
-//! Longer ramps change this: with 80 to 100 ms, and limits with which a corner has 0.9, slower corners and one hold
-//! have at most 1.07. But then an override that changes by two percent in time with the lobes has 1.07 to 1.68. So
-//! larger limits would have to belong to the program's ramps alone, for an axis that rests on the other side of the
-//! transition; motions that a command changes would keep the present limits.
+//! Longer ramps change this. With ramps of 80 to 100 ms, and limits with which a corner has 0.9, slower
+//! corners and a feed hold have at most 1.07. But an override that changes by two percent in the rhythm of
+//! the lobes then has 1.07 to 1.68. So higher limits would only be possible for the ramps of the program, and
+//! only for an axis that stands still on the other side of the transition. Motions that a command changes
+//! would keep the present limits.
 //!
-//! With knees (P-AXIS-00013) acceleration and step share AX_DEV, because each may have any sign. Above the order 100 a
-//! corner would use 0.9 only if acceleration had 0.1 of AX_DEV, a ninth of the present value.
+//! With knees (P-AXIS-00013), acceleration and step share AX_DEV, because each may have any sign. Above order
+//! 100, a corner would use 0.9 only if acceleration had 0.1 of AX_DEV, a ninth of the present value.
 //!
 //! Otherwise AX_DEV is shared so that the sum never exceeds it:
 //!
@@ -66,15 +70,16 @@ use crate::math::float::{max, min};
 
 /// Part of AX_DEV for acceleration.
 pub(super) const ACCELERATION: f32 = 0.91;
-/// Part of AX_DEV for a step of speed with another one close to it.
+/// Part of AX_DEV for a step of speed with another step near it.
 pub(crate) const CLOSE: f32 = 0.09;
-/// Parts for acceleration in blocks that may pass within the window, and for the steps between them, which add
-/// up as in a curve. They share the part for acceleration.
+/// Parts of the acceleration's part, for blocks that the motion may pass within the window. One half is for
+/// their acceleration, the other for the steps between them, which add up as in a curve.
 pub(crate) const SHORT: f32 = 0.5;
-/// Permitted deviation of an axis that continues as fast after a step, as a part of that of an axis that
-/// stops there: (1 − 0.91)/(1 − 0.455), rounded down.
+/// Permitted deviation of an axis that continues after a step at the same speed, as a part of the deviation
+/// of an axis that stops there. The value is (1 − 0.91)/(1 − 0.455), rounded down.
 pub(crate) const GOING_ON: f32 = 0.16;
-/// Part of AX_DEV if jerk is limited everywhere; the rest is for rounding of limits and set points.
+/// Part of AX_DEV that is used if jerk is limited everywhere; the rest is for rounding of limits and set
+/// points.
 const SMOOTH: f32 = 0.97;
 /// Margin for rounding in `f32` and of set points.
 const MARGIN: f32 = 1.0 - 1.0 / 65_536.0;
@@ -85,22 +90,23 @@ const SIDE: usize = super::MAX_ORDER as usize / 2 + 2;
 /// Limits that the taps, AX_DEV and ACC_FACT impose on the plan of an axis, per tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Watch {
-    /// Σ|h|: the filter raises speed, acceleration and jerk at most by this factor. 1 without negative taps.
+    /// Σ|h|: the filter raises speed, acceleration and jerk by at most this factor. It is 1 without negative
+    /// taps.
     pub gain: f32,
     /// Largest acceleration, mm/tick²; `None` if AX_DEV is not given.
     pub accel: Option<f32>,
     /// Largest step of speed by AX_DEV alone, mm/tick.
     pub knee: f32,
-    /// Longest time between two such steps that act together, ticks.
+    /// Longest time between two steps of speed that add up, ticks.
     pub window: f32,
     /// Σ|G| / |G(0)|, ticks.
     pub ratio: f32,
     /// ACC_FACT.
     pub acc_fact: f32,
-    /// The largest tap: a step of speed shows as this part of itself, per tick.
+    /// The largest tap: the part of a step of speed that appears as acceleration, per tick.
     pub tap: f32,
-    /// Deviation per largest acceleration and per largest jerk of an axis with both limits, for two splits:
-    /// parts of AX_DEV per mm/tick² and mm/tick³. `None` if AX_DEV is not given.
+    /// For both splits: the part of AX_DEV per largest acceleration, in 1/(mm/tick²), and per largest jerk,
+    /// in 1/(mm/tick³). `None` if AX_DEV is not given.
     pub bound: Option<[[f32; 2]; 2]>,
 }
 
@@ -126,7 +132,7 @@ impl Shape {
     pub const NONE: Self =
         Self { gain: 1.0, area: 0.0, peak: 0.0, window: 0.0, tap: 1.0, smooth: [[0.0; 2]; 2] };
 
-    /// The limits of the current taps.
+    /// The sums for the current taps.
     pub fn of<const TAPS: usize>(layout: &Layout, words: &AxisWords<TAPS>) -> Self {
         let total = one(layout);
         let window = layout.length.saturating_sub(1) as f32;
@@ -134,7 +140,7 @@ impl Shape {
         if layout.kind == Kind::Taps {
             let (mut gain, mut largest, pairs) = (0, 0, layout.length.div_ceil(2));
             for (k, tap) in (1..=pairs).zip(words.pairs()) {
-                // The centre of an odd number of taps is a pair of halves.
+                // With an odd number of taps, the centre is a pair of halves.
                 let size = if k == pairs && !layout.length.is_multiple_of(2) { 2 * tap } else { tap };
                 gain += 2 * tap.abs();
                 largest = largest.max(size.abs());
@@ -144,10 +150,11 @@ impl Shape {
         }
         let (two, scale) = (layout.length.is_multiple_of(2), (2.0 - MARGIN) / total);
         let (mut tail, mut tails) = (0i32, 0.0);
-        // Of one side, with T = 0 from the last change of sign on: Σ|g|, and Σ|T| of both sides.
+        // On one side, T is 0 from the last change of sign to the centre. `inside` is Σ|g| of this side;
+        // `outside` is Σ|T| of both sides.
         let (mut inside, mut outside) = (0.0, 0.0);
         second_sums(layout, words, |distance, sum| {
-            // Both sides: from the centre, or from one of the two centre taps, outwards.
+            // Both sides count, from the centre or from one of the two centre taps outwards.
             let sides = if distance == 0 || two && distance == 1 { 1.0 } else { 2.0 };
             let size = sum.unsigned_abs() as f32 * scale;
             let before = tail;
@@ -171,8 +178,8 @@ impl Shape {
         shape
     }
 
-    /// Part of AX_DEV for a step of speed, if the axis accelerates on both sides with at most the jerk
-    /// `jerk`, up to `accel`. `tolerance` is AX_DEV, mm.
+    /// Part of AX_DEV for a step of speed. On both sides of the step, the axis accelerates with at most the
+    /// jerk `jerk`, up to `accel`. `tolerance` is AX_DEV, mm.
     #[inline(never)]
     pub fn corner<const TAPS: usize>(
         &self,
@@ -181,12 +188,12 @@ impl Shape {
         tolerance: f32,
     ) -> f32 {
         let sums = Sums::of(layout, words);
-        // Acceleration k ticks from the step is at most jerk·(k + 1).
+        // At a distance of k ticks from the step, the acceleration is at most jerk·(k + 1).
         let ramp = if jerk * 256.0 < accel { 256 } else { (accel / jerk) as i32 };
         let [mut ends, mut goes_on] = [1.0; 2];
         let reach = (layout.length / 2 + 1) as i32;
         for shift in 0..reach {
-            // Seen so many ticks before the step: acceleration before the step, and behind it.
+            // Seen from `shift` ticks before the step: acceleration before and after the step.
             let [before, behind] = [-shift, shift].map(|from| {
                 let rises = jerk
                     * (sums.first(from, from + ramp - 1)
@@ -205,7 +212,7 @@ impl Shape {
         self.smooth.map(|split| split.map(|sum| sum / (SMOOTH * tolerance)))
     }
 
-    /// Largest acceleration and step of speed for AX_DEV, mm.
+    /// Largest acceleration and largest step of speed for AX_DEV (mm).
     pub fn limits(&self, tolerance: f32) -> (f32, f32) {
         (ACCELERATION * MARGIN * tolerance / self.area, MARGIN * tolerance / self.peak)
     }
@@ -216,8 +223,8 @@ fn one(layout: &Layout) -> f32 {
     if layout.kind == Kind::Mean { layout.length as f32 } else { ONE as f32 }
 }
 
-/// Calls `each` with G for every distance from the centre, from the outside to the inside, in units of
-/// [`one`]. With an even number of taps the distances are half a cycle less, and begin with 1.
+/// Calls `each` with G for every distance from the centre, from the outside to the centre, in units of
+/// [`one`]. With an even number of taps, distances are half a cycle less and begin with 1.
 fn second_sums<const TAPS: usize>(
     layout: &Layout,
     words: &AxisWords<TAPS>,
@@ -252,7 +259,7 @@ impl Sums {
             }
         });
         if layout.length.is_multiple_of(2) {
-            // Half a cycle closer than the true distance, so no lower value results.
+            // The distance is half a cycle less than the true one, so the result is never too low.
             at[0] = at[1];
         }
         let (mut zeroth, mut first) = (0.0, 0.0);

@@ -1,7 +1,7 @@
-//! The interrupt's end of the filters: one set point per axis and tick, in integers, without a division.
+//! The interrupt's side of the filters: one set point per axis and tick, in integers, without a division.
 //!
-//! The rounding of a set point is added to the next one. Over a motion, the sum of the output equals the sum
-//! of the input. Where the path rests, the set point equals that of the path to the last bit.
+//! The rounding remainder of a set point is added to the next one. Over a motion, the sum of the output
+//! equals the sum of the input. While the path stands still, the set point is exactly that of the path.
 use super::bank::{COARSE, PLAIN};
 use super::mean::Mean;
 use super::samples::{Ring, Samples};
@@ -11,7 +11,7 @@ use crate::quantity::Position;
 use crate::queue::Lag;
 use core::sync::atomic::{Ordering, compiler_fence};
 
-/// Samples per tick and axis that are filled with a new position.
+/// Number of samples per tick and axis that are filled with a new position.
 const FILLED: usize = 8;
 
 /// State of the interrupt.
@@ -24,21 +24,21 @@ pub(super) struct State<const AXES: usize, const TAPS: usize> {
     at: usize,
     /// Path distance of the last tick.
     distance: i64,
-    /// Ticks for which the path has rested, and ticks that it takes to settle.
+    /// Number of ticks for which the path has stood still, and number of ticks for the filters to settle.
     rested: u32,
-    /// Ticks since a single axis has moved.
+    /// Number of ticks since a single axis has moved.
     alone: u32,
     window: u32,
-    /// AX_DEV as in [`Words::tolerance`]; ages of the delayed set point.
+    /// AX_DEV as in [`Words::tolerance`], and ages of the delayed set point.
     tolerance: u32,
     delayed: [u32; 2],
-    /// Samples filled since the last change was demanded.
+    /// Number of samples filled since the last change was demanded.
     filled: usize,
     lag: Lag,
     runs: bool,
 }
 
-/// One axis.
+/// State of one axis.
 #[repr(C)]
 struct Axis<const TAPS: usize> {
     ring: Ring,
@@ -79,28 +79,28 @@ impl<const AXES: usize, const TAPS: usize> State<AXES, TAPS> {
     }
 }
 
-/// The interrupt's end of [`super::Filters`].
+/// The interrupt's handle of [`super::Filters`].
 pub struct Filtered<'a, const AXES: usize, const TAPS: usize> {
     words: &'a Words<AXES, TAPS>,
     state: &'a mut State<AXES, TAPS>,
 }
 
 impl<'a, const AXES: usize, const TAPS: usize> Filtered<'a, AXES, TAPS> {
-    /// Filters at rest at `start`.
+    /// Filters of axes that stand still at `start`.
     pub(super) fn new(
         words: &'a Words<AXES, TAPS>,
         state: &'a mut State<AXES, TAPS>,
         start: &[Position; AXES],
     ) -> Self {
         let mut filtered = Self { words, state };
-        // At least one call; each call fills some samples.
+        // At least one call is needed; each call fills some samples.
         for _ in 0..=TAPS / FILLED {
             filtered.take_over(start);
         }
         filtered
     }
 
-    /// Does a part of a change of coefficients, at rest at `path`.
+    /// Does a part of a change of coefficients, while the axes stand still at `path`.
     #[cold]
     #[inline(never)]
     fn take_over(&mut self, path: &[Position; AXES]) {
@@ -142,7 +142,7 @@ impl<'a, const AXES: usize, const TAPS: usize> Filtered<'a, AXES, TAPS> {
         words.done.store(asked, Ordering::Release);
     }
 
-    /// The path moves again.
+    /// Handles the start of the path's motion.
     #[cold]
     #[inline(never)]
     fn start(&mut self) {
@@ -150,7 +150,7 @@ impl<'a, const AXES: usize, const TAPS: usize> Filtered<'a, AXES, TAPS> {
         self.words.unsettled.store(1, Ordering::Release);
     }
 
-    /// Counts a tick in which the path rests.
+    /// Counts a tick in which the path stands still.
     #[inline(never)]
     fn settle(&mut self, beside: bool) {
         let state = &mut *self.state;
@@ -199,7 +199,7 @@ impl<'a, const AXES: usize, const TAPS: usize> Filtered<'a, AXES, TAPS> {
         let State { axes, out, at, delayed, .. } = &mut *self.state;
         for ((axis, words), y) in axes.iter_mut().zip(&self.words.axes).zip(out) {
             let [later, earlier] = axis.delayed(*at, *delayed, y.to_bits());
-            // The mean of both, because of half cycles.
+            // The mean of both positions, because the delay may have half a cycle.
             let twice = later.wrapping_add(earlier).wrapping_sub(y.to_bits().wrapping_mul(2));
             let coarse = twice.unsigned_abs().wrapping_add((2 << COARSE) - 1) >> (COARSE + 1);
             let coarse = u32::try_from(coarse).unwrap_or(u32::MAX);
@@ -218,7 +218,7 @@ impl<const AXES: usize, const TAPS: usize> FilterTick<AXES> for Filtered<'_, AXE
             state.out = *points;
             return;
         }
-        // In a channel without overlays the compiler knows that this is false.
+        // In a channel without overlays, the compiler knows that `beside` is false.
         if beside {
             state.accompany();
         }
@@ -268,7 +268,7 @@ impl<const TAPS: usize> Axis<TAPS> {
         kernel: [0; TAPS],
     };
 
-    /// Starts with the coefficients written for the axis, at rest at `x`.
+    /// Starts with the coefficients that the planner has written for the axis, at standstill at `x`.
     fn begin(&mut self, words: &AxisWords<TAPS>, x: i64) {
         self.layout = words.layout();
         let Layout { kind, newest, length } = self.layout;
@@ -279,8 +279,8 @@ impl<const TAPS: usize> Axis<TAPS> {
         self.taps = Taps::at(x);
     }
 
-    /// Writes a position and returns the one that leaves the ring. `None` if the ring would be longer than
-    /// the memory.
+    /// Writes a position and returns the one that leaves the ring. Returns `None` if the ring would be longer
+    /// than the memory.
     #[inline(always)]
     fn exchange(&mut self, x: i64) -> Option<i64> {
         let Some(oldest) = self.samples.exchange(self.ring.place(), x) else { return self.exchange_last(x) };
@@ -288,7 +288,7 @@ impl<const TAPS: usize> Axis<TAPS> {
         Some(oldest)
     }
 
-    /// The same after the first place.
+    /// As [`Self::exchange`], if the ring begins again at its last place.
     #[cold]
     #[inline(never)]
     fn exchange_last(&mut self, x: i64) -> Option<i64> {
@@ -298,7 +298,7 @@ impl<const TAPS: usize> Axis<TAPS> {
         Some(oldest)
     }
 
-    /// A tick with a mean without a delay: the set point `y`, for the path at `x`.
+    /// A tick with a mean and no delay: the set point `y`, for the path at `x`.
     #[inline(always)]
     fn average(&mut self, x: i64, y: &mut Position) {
         let Some(oldest) = self.exchange(x) else { return };
@@ -308,8 +308,8 @@ impl<const TAPS: usize> Axis<TAPS> {
         *y = Position::from_bits(self.mean.follow(grows, y.to_bits()));
     }
 
-    /// A tick with taps: the change of the set point. `at` is the place of the newest second difference. A
-    /// separate function, because the tick has no registers left.
+    /// A tick with taps: returns the change of the set point. `at` is the place of the newest second
+    /// difference. A separate function, because the tick has no registers left.
     #[inline(never)]
     fn weigh(&mut self, at: usize, x: i64) -> i64 {
         let second = self.taps.take(x);
@@ -318,7 +318,7 @@ impl<const TAPS: usize> Axis<TAPS> {
         self.taps.give(moved)
     }
 
-    /// As [`Self::average`], with a delay, and with a mean or without.
+    /// As [`Self::average`], with a delay; with or without a mean.
     #[inline(never)]
     fn delay(&mut self, x: i64, y: &mut Position) {
         let Layout { kind, newest, .. } = self.layout;
@@ -333,8 +333,8 @@ impl<const TAPS: usize> Axis<TAPS> {
         });
     }
 
-    /// The positions of these ages, for the set point `y`; `at` is the place of the newest second difference.
-    /// Call it once per tick.
+    /// The positions with these ages, for the set point `y`; `at` is the place of the newest second
+    /// difference. Call this function once per tick.
     fn delayed(&mut self, at: usize, ages: [u32; 2], y: i64) -> [i64; 2] {
         match self.layout.kind {
             Kind::Taps => {
@@ -349,7 +349,7 @@ impl<const TAPS: usize> Axis<TAPS> {
     }
 }
 
-/// A tick of axes that all have a mean without a delay.
+/// A tick of axes that all have a mean and no delay.
 #[inline(always)]
 fn average_all<const TAPS: usize>(axes: &mut [Axis<TAPS>], path: &[Position], out: &mut [Position]) {
     for ((axis, x), y) in axes.iter_mut().zip(path).zip(out) {

@@ -1,33 +1,33 @@
 //! Symmetric taps: the output of the filter, from second differences.
 //!
 //! A set point is Σ h·x. So the second difference of the set point is the same sum over the second
-//! differences of the path, which fit a word ([`REACH`]). A pair of samples is added and multiplied once. Two
-//! running sums give the set point. All values are integers, so there is no loss and no drift.
+//! differences of the path, which fit into a word ([`REACH`]). A pair of samples is added and then multiplied
+//! once. Two running sums give the set point. All values are integers, so there is no loss and no drift.
 use super::{Layout, ONE};
 use core::sync::atomic::{Ordering, compiler_fence};
 
-/// Bits of a second difference, including its sign: the sum of two fits 32 bits.
+/// Bits of a second difference, including its sign. The sum of two of them fits into 32 bits.
 const BITS: u32 = 31;
 
 /// Largest second difference of an axis with taps, mm or degrees per cycle².
 pub(crate) const REACH: f32 = 0.25;
 
-/// Pairs per block while so many are left; block sizes for the rest, each used at most once.
+/// Pairs per block while enough pairs are left; then the block sizes for the rest, each used at most once.
 const BLOCK: usize = 16;
 const SMALL_BLOCK: usize = 8;
 
-/// State of the taps of one axis. All bits are zero at rest at 0.
+/// State of the taps of one axis. All bits are zero for an axis that stands still at 0.
 pub(super) struct Taps {
     /// Position and change of position of the path in the last tick.
     x: i64,
     dx: i64,
-    /// Σ h·x′: the change of the set point, times [`ONE`], without remainders.
+    /// Σ h·x′: the change of the set point times [`ONE`], without rounding remainders.
     moved: i64,
-    /// Remainders of the last set point and of the one before.
+    /// Rounding remainders of the last set point and of the one before.
     rest: [i32; 2],
-    /// The same as x and dx, half a window ago. Only valid if asked for in every tick.
+    /// As `x` and `dx`, half a window ago. Valid only if it is requested in every tick.
     late: [i64; 2],
-    /// Whether a second difference did not fit.
+    /// Whether a second difference did not fit into its word.
     pub is_passed: bool,
 }
 
@@ -40,7 +40,7 @@ impl Taps {
         Self { x, late: [x, 0], ..Self::ZERO }
     }
 
-    /// Second difference of the path, whose set point is now `x`.
+    /// Returns the second difference of the path, whose set point is now `x`.
     #[inline(always)]
     pub fn take(&mut self, x: i64) -> i32 {
         let dx = x.wrapping_sub(self.x);
@@ -52,8 +52,8 @@ impl Taps {
         second as i32
     }
 
-    /// A second difference that does not fit bypasses the filter at once. So the axis always ends where the
-    /// path ends.
+    /// Passes a second difference that does not fit around the filter at once. So the axis always ends where
+    /// the path ends.
     #[cold]
     #[inline(never)]
     const fn pass(&mut self, second: i64) -> i32 {
@@ -62,7 +62,7 @@ impl Taps {
         0
     }
 
-    /// The input of [`Self::give`], to which Σ h·x″ has to be added.
+    /// The input of [`Self::give`] before Σ h·x″ is added.
     #[inline(always)]
     pub const fn moved(&self) -> i64 {
         self.moved
@@ -81,7 +81,8 @@ impl Taps {
         whole >> ONE.trailing_zeros()
     }
 
-    /// Positions of the path in the delayed tick and in the tick before, from its second difference there.
+    /// Positions of the path in the delayed tick and in the tick before, from the second difference in the
+    /// delayed tick.
     pub fn late(&mut self, second: i32) -> [i64; 2] {
         let [before, dx] = self.late;
         let dx = dx.wrapping_add(second.into());
@@ -94,10 +95,10 @@ impl Taps {
 /// The window of an axis in its sample memory, as places relative to the newest sample.
 #[derive(Clone, Copy)]
 pub(super) struct Window {
-    /// Place of the oldest sample, and the place behind the newest sample of the window.
+    /// Place of the oldest sample, and the place after the newest sample of the window.
     oldest: usize,
     behind: usize,
-    /// Taps of one side. With an odd number of samples the centre sample is a pair with itself.
+    /// Number of taps on one side. With an odd number of samples, the centre sample is a pair with itself.
     pairs: usize,
 }
 
@@ -111,8 +112,8 @@ impl Window {
         Self { oldest: behind.wrapping_sub(length), behind, pairs: length.div_ceil(2) }
     }
 
-    /// `sum` + Σ h·x″. The newest sample is at `at`, and again in the other half of the memory. Pairs go from the
-    /// outside in.
+    /// Returns `sum` + Σ h·x″. The newest sample is at `at`, and again in the other half of the memory. The
+    /// loop runs from the outside to the centre.
     #[inline(always)]
     pub fn weigh(&self, samples: &[i32], taps: &[u8], at: usize, mut sum: i64) -> i64 {
         let mut left = self.pairs;
@@ -128,7 +129,7 @@ impl Window {
         if left == 0 { sum } else { self.weigh_rest(samples, taps, [at, left], sum) }
     }
 
-    /// The remaining `left` pairs, fewer than a block.
+    /// Adds the last `left` pairs, fewer than a block.
     #[cold]
     #[inline(never)]
     fn weigh_rest(&self, samples: &[i32], taps: &[u8], [at, left]: [usize; 2], mut sum: i64) -> i64 {
@@ -147,7 +148,8 @@ impl Window {
     }
 }
 
-/// A block of pairs: the oldest sample is at one place, the newest before another.
+/// Adds a block of pairs. The oldest sample is at the first place, and the newest one is just before the
+/// second place.
 #[inline(always)]
 fn weigh_block<const N: usize>(
     samples: &[i32],

@@ -1,14 +1,14 @@
-//! How far a Hermite quintic of the linear axes can deviate from the path that the angles demand.
+//! Bounds the deviation between a Hermite quintic of the linear axes and the motion that the angles demand.
 //!
 //! A `Series` bounds a curve over the parameter 0 to 1: coefficient j is at least the largest magnitude of the
 //! j-th derivative, divided by j!. By Leibniz' rule the product of the series bounds a product of curves. A turn
 //! by an angle θ multiplies by exp(Θ), with Θ the series of θ without its first coefficient. The reason: the
 //! derivatives of a turn obey the recurrence of the exponential function, and a turn changes no length.
 //!
-//! A quintic that meets value, first and second derivative of a curve at both ends of an interval h deviates by
-//! at most h⁶/46080 times the largest sixth derivative. Rotary axes before the linear ones change no length, and
-//! those behind follow their angles, so the tool tip deviates by exactly this value. Here it is `c₆/64` for the
-//! whole curve and `c₆/(64·n⁶)` for each of n equal parts.
+//! A quintic that meets value, first and second derivative of a curve at both ends of an interval h deviates
+//! by at most h⁶/46080 times the largest sixth derivative. Rotary axes change no length and follow their
+//! angles exactly. So the tool tip deviates by the same distance as the linear axes. The bound is `c₆/64` for
+//! the whole curve and `c₆/(64·n⁶)` for each of n equal parts.
 use super::cells::Course;
 use super::chain::{Chain, ROTARIES, Rotary};
 use super::vector::{RADIANS, Vector};
@@ -31,7 +31,7 @@ const BINOMIAL: [[f64; 6]; 6] = [
 struct Series([f64; TERMS]);
 
 impl Series {
-    /// A curve of magnitude `x` that rests.
+    /// A constant curve of magnitude `x`.
     const fn constant(x: f64) -> Self {
         Self([x, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
     }
@@ -85,14 +85,14 @@ impl Series {
     }
 }
 
-/// The series of an axis's angle along `course`.
+/// The series of an axis's angle along the curve `course`.
 fn turn(course: &Course, rotary: &Rotary) -> Series {
     let none = [0.0; 6];
     let angle = course.angles.get(usize::from(rotary.slot)).unwrap_or(&none);
     Series::polynomial(&angle.map(|c| c.abs() * RADIANS)).turn()
 }
 
-/// The series of an arc's radius.
+/// The series of an arc's radius vector.
 fn round(course: &Course) -> Series {
     let Some(round) = &course.round else { return Series::constant(0.0) };
     let turn = [0.0, round.degrees.abs() * RADIANS, 0.0, 0.0, 0.0, 0.0];
@@ -100,8 +100,8 @@ fn round(course: &Course) -> Series {
     Series::polynomial(&radius).times(&Series::polynomial(&turn).turn())
 }
 
-/// Contribution of the distance between two centres before and after a turn about `u`: the component across `u`
-/// and the component along it.
+/// The distance between two centres before and after a turn about `u`: the component across `u`, and the
+/// component along `u`.
 fn split(r: Vector, u: Vector) -> (f64, f64) {
     let along = u.dot(r);
     (r.minus(u.times(along)).length(), along.abs())
@@ -114,7 +114,8 @@ pub fn stray(chain: &Chain, course: &Course) -> f64 {
     let [start, rest @ ..] = course.tip;
     let [a, b, c, d, e] = rest.map(Vector::length);
     let mut rotaries = chain.base.iter().flatten();
-    // Without a rotary axis before the linear ones, a polynomial of the tool tip is one of the axes too.
+    // Without a rotary axis before the linear axes, a polynomial of the tool tip is also a polynomial of the
+    // axes.
     let arc = round(course);
     let mut outer = arc;
     if let Some(first) = rotaries.next() {

@@ -1,10 +1,10 @@
-//! Takes a curve of tip and angles over path distance and gives quintic polynomials of the axes over the same
-//! distance, one per call.
+//! Divides a curve of tool tip and angles over path distance into cells: quintic polynomials of the axes over
+//! the same distance. Each call makes one cell.
 //!
-//! Ends, directions and curvatures of a polynomial come from the inverse transformation by the chain rule. The
-//! polynomials have equal length; [`super::bound`] says how many are needed. Their coefficients are integers of
-//! 2^-42 mm or degree. The linear one is what the others leave to the end point, so the end is met to the last
-//! bit, and two neighbours meet exactly.
+//! The inverse transformation and the chain rule give position, direction and curvature at the ends of a
+//! polynomial. All polynomials of a curve have equal length; [`super::bound`] computes their number. Their
+//! coefficients are integers, LSB 2^-42 mm or degree. The linear coefficient makes the end exact to the last
+//! bit, so two neighbours meet exactly.
 use super::bound::stray;
 use super::chain::{AXES, Chain, ROTARIES};
 use super::vector::{Jet, RADIANS, Spin, Vector, nearest, number, position};
@@ -12,36 +12,37 @@ use crate::math::wide::mul_shift;
 use crate::quantity::Position;
 use core::fmt;
 
-/// Most that the tip is off between the ends of a cell, mm, by the bound.
+/// Largest deviation of the tool tip between the ends of a cell, mm, by the bound.
 pub const TIP_ERROR: f64 = 5e-6;
-/// What of it is left to the rounding of ends, angles and coefficients, for machines up to 10 m.
+/// Part of [`TIP_ERROR`] for the rounding of ends, angles and coefficients, for machines up to 10 m, mm.
 const ROUNDING: f64 = 0.5e-6;
-/// Most cells of a course.
+/// Largest number of cells of a curve.
 pub const MOST_CELLS: u32 = 1 << 16;
 
-/// A curve in workpiece coordinates: polynomials over the share 0 to 1 of its path distance, constant first.
+/// A curve in workpiece coordinates. The polynomials are functions of the share (0 to 1) of the path
+/// distance; the constant coefficient is first.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Course {
-    /// The tip, mm; of an arc its centre.
+    /// The tool tip, or the centre of an arc, mm.
     pub tip: [Vector; 6],
-    /// What an arc adds to that.
+    /// The radius of an arc, which adds to the centre.
     pub round: Option<Round>,
-    /// Rotary axes by index, degree.
+    /// Rotary axes by index, degrees.
     pub angles: [[f64; 6]; ROTARIES],
-    /// Axes that are not in the chain, by index, mm or degree. Those of the chain are not looked at.
+    /// Axes that are not in the chain, by index, mm or degrees. Entries for axes of the chain have no effect.
     pub others: [[f64; 6]; AXES],
 }
 
-/// The radius of an arc, turned evenly over its path distance.
+/// The radius vector of an arc, which turns evenly over the path distance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Round {
-    /// From the centre to the start, mm.
+    /// Vector from the centre to the start, mm.
     pub radius: Vector,
-    /// What comes to the radius until the end, before it is turned, mm.
+    /// Change of the radius vector from the start to the end, without the turn, mm.
     pub growth: Vector,
-    /// About which it turns: a unit vector.
+    /// Axis of the turn: a unit vector.
     pub normal: Vector,
-    /// By which angle until the end, degree; at most 200 000.
+    /// Angle from the start to the end, degrees; at most 200 000.
     pub degrees: f64,
 }
 
@@ -57,7 +58,8 @@ impl Round {
 }
 
 impl Course {
-    /// A straight line of the tip (mm), with angles (degree, by index of the rotary axes) in proportion.
+    /// A straight line of the tool tip (mm). The angles (degrees, by index of the rotary axes) change in
+    /// proportion.
     pub fn line(from: (Vector, [Position; ROTARIES]), to: (Vector, [Position; ROTARIES])) -> Self {
         let mut tip = [Vector::ZERO; 6];
         (tip[0], tip[1]) = (from.0, to.0.minus(from.0));
@@ -68,7 +70,8 @@ impl Course {
         Self { tip, round: None, angles, others: [[0.0; 6]; AXES] }
     }
 
-    /// Whether every axis of `chain` moves in proportion to the path distance: a straight line without a turn.
+    /// Whether every axis of the channel moves in proportion to the path distance: a straight line without a
+    /// turn.
     pub fn is_straight(&self) -> bool {
         let bent = self.tip.iter().skip(2).any(|c| *c != Vector::ZERO);
         let turns = self.angles.iter().any(|c| c.iter().skip(1).any(|c| *c != 0.0));
@@ -76,7 +79,7 @@ impl Course {
         !bent && !turns && !others && self.round.is_none()
     }
 
-    /// The tip with its derivatives at `share`.
+    /// The tool tip with its derivatives at `share`.
     fn tip_at(&self, share: f64) -> Jet {
         let zero = Jet::at(Vector::ZERO);
         let tip = self.tip.iter().rev().fold(zero, |jet, c| Jet {
@@ -93,20 +96,20 @@ fn horner(c: &[f64; 6], x: f64) -> [f64; 3] {
     c.iter().rev().fold([0.0; 3], |[p, d, dd], c| [p * x + c, d * x + p, dd * x + 2.0 * d])
 }
 
-/// Why a course has no cells.
+/// The reason why a curve cannot be divided into cells.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum SplitError {
-    /// It would need more than [`MOST_CELLS`] cells, or its numbers have no bound.
+    /// The curve would need more than [`MOST_CELLS`] cells, or its numbers have no bound.
     TooCurved,
-    /// The axis with this index leaves the range of ±200 000 mm or degree.
+    /// The axis with this index leaves the range of ±200 000 mm or degrees.
     Range(u8),
-    /// The polynomial of the axis with this index does not fit its integers.
+    /// The polynomial of the axis with this index does not fit into its integers.
     Format(u8),
 }
 
 impl SplitError {
-    /// The index of its axis, beyond all of them where none is named.
+    /// The index of the axis, or an index beyond all axes if the error names none.
     pub const fn axis(self) -> usize {
         match self {
             Self::TooCurved => usize::MAX,
@@ -114,7 +117,7 @@ impl SplitError {
         }
     }
 
-    /// What is said about an axis of that name.
+    /// Writes the message for the axis with the name `axis`.
     pub fn tell(self, f: &mut fmt::Formatter<'_>, axis: &str) -> fmt::Result {
         match self {
             Self::TooCurved => write!(
@@ -142,7 +145,7 @@ impl fmt::Display for SplitError {
 
 impl core::error::Error for SplitError {}
 
-/// An end of a cell: value (mm or degree) and derivatives by the share of the course, per axis.
+/// An end of a cell: value (mm or degrees) of each axis, and derivatives by the share of the curve.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Node {
     position: [Position; AXES],
@@ -150,41 +153,44 @@ struct Node {
 }
 
 impl Node {
-    /// First and second derivative by the share of a cell that is `h` of the course.
+    /// First and second derivative by the share of a cell. The cell is the share `h` of the curve.
     fn slopes(&self, h: f64) -> [[f64; 2]; AXES] {
         self.value.map(|[_, first, second]| [first * h, second * h * h])
     }
 }
 
-/// A quintic polynomial of every axis over the share 0 to 1 of its path distance.
+/// A quintic polynomial of every axis over the share (0 to 1) of the cell's path distance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cell {
-    /// Where it begins, mm or degree.
+    /// Start position, mm or degrees.
     pub start: [Position; AXES],
-    /// Coefficients of the first to fifth power, 2^-42 mm or degree.
+    /// Coefficients of the first to fifth power, LSB 2^-42 mm or degree.
     pub power: [[i64; 5]; AXES],
-    /// First and second derivative at both ends, mm or degree: those of neighbours agree but for the length.
+    /// First and second derivative at both ends, mm or degrees. Neighbours have the same derivatives, except
+    /// for the factor of their lengths.
     pub ends: [[[f64; 2]; AXES]; 2],
 }
 
 /// Coefficients stay below this magnitude: 32 768 mm.
 const LARGEST: i64 = 1 << 57;
-/// Bits of a coefficient below the LSB of a position.
+/// Additional fraction bits of a coefficient, compared with a position.
 pub(super) const FINER: u32 = 10;
 const SCALE: f64 = (1u64 << 42) as f64;
-/// Most that the linear coefficient may differ from the first derivative, 2^-42: the rounding of both ends (2^9
-/// each), of four coefficients, of numbers up to 2^18 in 53 bits, and of a start that is given.
+/// Largest difference of the linear coefficient from the first derivative, LSB 2^-42. The difference has
+/// these causes: rounding of both ends (2^9 each), of four coefficients, of numbers up to 2^18 in 53 bits,
+/// and of a given start.
 const SLACK: i64 = 1 << 13;
 
-/// Whether a cell is so short that a cubic meets both its ends: `aside` and `off` are what it misses of the first
-/// derivative at its end, and of the end. The quintic would show the rounding of both ends in its higher powers.
+/// Whether a cell is so short that a cubic fits both ends. `aside` is the error of the cubic's first
+/// derivative at the end; `off` is the error of its end. In a quintic, the rounding of both ends would be
+/// visible in its higher powers.
 fn is_short(aside: f64, off: f64) -> bool {
     let within = |x: f64, most: f64| -most <= x && x <= most;
     within(aside, 8.0 / SCALE) && within(off, 64.0 / SCALE)
 }
 
 impl Cell {
-    /// Positions at `share`·2^-62 of the cell's path distance, `share` in 0..=2^62; rounded to nearest.
+    /// Positions at `share`·2^-62 of the cell's path distance, rounded to nearest. `share` is from 0 to 2^62.
     pub fn at(&self, share: i64) -> [Position; AXES] {
         let mut axes = self.start;
         for (axis, power) in axes.iter_mut().zip(&self.power) {
@@ -195,13 +201,13 @@ impl Cell {
         axes
     }
 
-    /// Where it ends, exact.
+    /// The exact end position.
     pub fn end(&self) -> [Position; AXES] {
         self.at(1 << 62)
     }
 
-    /// Least and greatest position that the axis with this index may have in the cell: the hull of the Bernstein
-    /// coefficients, which the polynomial never leaves. `None` for no axis.
+    /// Least and greatest position of an axis in the cell. The result is the hull of the Bernstein
+    /// coefficients, which the polynomial never leaves. Returns `None` if there is no such axis.
     pub fn range(&self, axis: usize) -> Option<[Position; 2]> {
         let [c1, c2, c3, c4, c5] = *self.power.get(axis)?;
         let hull = [
@@ -213,13 +219,13 @@ impl Cell {
             10 * (c1 + c2 + c3 + c4 + c5),
         ];
         let (least, most) = hull.iter().fold((0, 0), |(a, b): (i64, i64), x| (a.min(*x), b.max(*x)));
-        // A tenth in 2^-32, and one unit outward for what is dropped.
+        // A tenth, LSB 2^-32, plus one unit outward for dropped bits.
         const TENTH: i64 = 10 << FINER;
         let start = self.start.get(axis)?.to_bits();
         Some([start + least / TENTH - 1, start + most / TENTH + 1].map(Position::from_bits))
     }
 
-    /// The cell between two nodes, which are `h` of the course apart; verified.
+    /// Makes and checks the cell between two nodes. The cell is the share `h` of the curve.
     fn between(from: &Node, to: &Node, h: f64) -> Result<Self, SplitError> {
         let mut cell =
             Self { start: from.position, power: [[0; 5]; AXES], ends: [from.slopes(h), to.slopes(h)] };
@@ -252,7 +258,7 @@ impl Cell {
     }
 }
 
-/// A course on its way to cells.
+/// Divides a curve into cells.
 #[derive(Clone, Copy, Debug)]
 pub struct Splitter<'a> {
     chain: &'a Chain,
@@ -263,15 +269,15 @@ pub struct Splitter<'a> {
 }
 
 impl<'a> Splitter<'a> {
-    /// Begins a course: finds how many cells it needs, at most 16 comparisons.
+    /// Begins a curve and finds its number of cells, with at most 16 comparisons.
     ///
     /// # Errors
-    /// The course needs too many cells, or begins out of range.
+    /// The curve needs too many cells, or begins out of range.
     pub fn new(chain: &'a Chain, course: Course) -> Result<Self, SplitError> {
         let stray = stray(chain, &course) / (64.0 * (TIP_ERROR - ROUNDING));
         let is_enough = |n: u32| {
             let n = f64::from(n);
-            // False for what is not a number.
+            // The comparison is false if `stray` is not a number.
             stray <= n * n * n * (n * n * n)
         };
         if !is_enough(MOST_CELLS) {
@@ -286,8 +292,8 @@ impl<'a> Splitter<'a> {
         Ok(Self { chain, course, cells, made: 0, node })
     }
 
-    /// The same from exactly these positions, at which the axes stand: the transformation of the tip may differ
-    /// from them by its rounding.
+    /// Replaces the start by the exact positions of the axes. The transformed start may differ from these
+    /// positions by rounding.
     pub const fn starting_at(mut self, axes: [Position; AXES]) -> Self {
         self.node.position = axes;
         self
@@ -298,7 +304,7 @@ impl<'a> Splitter<'a> {
         self.course.is_straight()
     }
 
-    /// Begins the course once more.
+    /// Begins the curve again.
     ///
     /// # Errors
     /// As [`Self::new`].
@@ -312,15 +318,16 @@ impl<'a> Splitter<'a> {
         self.made
     }
 
-    /// How many cells the course becomes.
+    /// Number of cells of the curve.
     pub const fn cells(&self) -> u32 {
         self.cells
     }
 
-    /// The next cell: one inverse transformation with its derivatives. `None` behind the last one.
+    /// Makes the next cell: one inverse transformation with its derivatives. Returns `None` after the last
+    /// cell.
     ///
     /// # Errors
-    /// An axis leaves its range, or the cell fails its verification; the course ends there.
+    /// An axis leaves its range, or the cell fails its check; the curve ends there.
     pub fn step(&mut self) -> Option<Result<Cell, SplitError>> {
         if self.made >= self.cells {
             return None;
@@ -337,7 +344,7 @@ impl<'a> Splitter<'a> {
     }
 }
 
-/// The axes at `share` of a course.
+/// The positions of the axes at `share` of a curve.
 fn node(chain: &Chain, course: &Course, share: f64) -> Result<Node, SplitError> {
     let mut node = Node { position: [Position::ZERO; AXES], value: [[0.0; 3]; AXES] };
     for (k, (other, places)) in
@@ -353,7 +360,8 @@ fn node(chain: &Chain, course: &Course, share: f64) -> Result<Node, SplitError> 
         let value = horner(course.angles.get(slot).ok_or(refused)?, share);
         let angle = position(value[0]).ok_or(refused)?;
         *angles.get_mut(slot).ok_or(refused)? = angle;
-        // The linear axes belong to the angle before its rounding: that is not to show in their derivatives.
+        // The linear axes follow the angle before rounding. So the rounding of the angle does not show in
+        // their derivatives.
         let rates_of = [value[0] - number(angle), value[1], value[2]];
         *rates.get_mut(slot).ok_or(refused)? = rates_of.map(|x| x * RADIANS);
         *node.position.get_mut(usize::from(rotary.axis)).ok_or(refused)? = angle;

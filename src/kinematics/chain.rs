@@ -1,15 +1,15 @@
 //! A machine as a serial chain of axes from the workpiece to the tool.
 //!
-//! With rotary axes B before the linear axes and H behind them, the tip is B(U·q + H(tip at 0)): U has the
-//! directions of the linear axes as columns. So the linear axes are q = U⁻¹·(B⁻¹(tip) − H(tip at 0)), which no
-//! angle makes singular.
+//! Let B be the turn by the rotary axes before the linear axes, H the turn by those after them, and U the
+//! matrix of the linear axes' directions. The tool tip is B(U·q + H(tip at 0)). So the linear axes are q =
+//! U⁻¹·(B⁻¹(tip) − H(tip at 0)). This inverse exists for all angles.
 use super::data::{self, CaHead, DataError, Universal};
 use super::vector::{Jet, Spin, Vector, number, position};
 use crate::quantity::Position;
 
-/// Most axes of a chain.
+/// Largest number of axes in a chain.
 pub const AXES: usize = 6;
-/// Most rotary axes of a chain.
+/// Largest number of rotary axes in a chain.
 pub const ROTARIES: usize = 3;
 
 /// A linear axis.
@@ -17,7 +17,7 @@ pub const ROTARIES: usize = 3;
 struct Linear {
     /// Index of the axis.
     axis: u8,
-    /// How the tool moves.
+    /// Direction of the tool when the axis moves in its positive direction.
     direction: Vector,
 }
 
@@ -26,32 +26,32 @@ struct Linear {
 pub(super) struct Rotary {
     /// Index of the axis.
     pub(super) axis: u8,
-    /// Its place among the rotary axes, by index.
+    /// Number of the axis among the rotary axes, in the order of their indices.
     pub(super) slot: u8,
-    /// About which it turns.
+    /// Axis of the turn: a unit vector.
     pub(super) direction: Vector,
-    /// A point of it, mm.
+    /// A point on the axis, mm.
     pub(super) point: Vector,
-    /// Its angle when the axis is at 0.
+    /// Angle of the turn when the axis is at 0.
     pub(super) offset: Position,
 }
 
 /// Rotary axes in the order of the chain.
 pub(super) type Rotaries = [Option<Rotary>; ROTARIES];
 
-/// A machine whose data are checked.
+/// A machine with checked data.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Chain {
     linear: [Linear; 3],
     /// Rows of U⁻¹.
     rows: [Vector; 3],
-    /// Between workpiece and linear axes.
+    /// Rotary axes between workpiece and linear axes.
     pub(super) base: Rotaries,
-    /// Between linear axes and tool.
+    /// Rotary axes between linear axes and tool.
     pub(super) head: Rotaries,
-    /// The tip with all axes at 0, mm.
+    /// The tool tip with all axes at 0, mm.
     pub(super) tip: Vector,
-    /// From tip to holder with all axes at 0.
+    /// The direction from tool tip to holder with all axes at 0.
     pub(super) tool: Vector,
 }
 
@@ -62,9 +62,9 @@ impl Chain {
     /// A machine of type 91.
     ///
     /// # Errors
-    /// The parameter that is out of its range or contradicts another: an axis named twice, not three linear
-    /// axes, linear axes that stand apart or in a plane, rotary axes that together reach no more directions than
-    /// one of them.
+    /// Returns the parameter that is out of its range or contradicts another one. Examples: an axis named
+    /// twice; a number of linear axes other than three; linear axes that are not next to each other, or lie
+    /// in one plane; rotary axes that together reach no more directions than one of them.
     pub fn universal(machine: &Universal) -> Result<Self, DataError> {
         let order = order(machine)?;
         let tool = data::direction(machine.zero_orientation, data::ZERO_ORIENTATION, None)?;
@@ -100,7 +100,7 @@ impl Chain {
     /// A machine of type 9.
     ///
     /// # Errors
-    /// The parameter that is out of its range.
+    /// Returns the parameter that is out of its range.
     pub fn ca_head(machine: &CaHead) -> Result<Self, DataError> {
         machine.check()?;
         let [hd1, hd2, hd3, hd4, hd5, hd6, hd7, hd8, hd9] = machine.param.map(data::millimetres);
@@ -108,7 +108,7 @@ impl Chain {
         let linear = [(0, x), (1, y), (2, z)].map(|(axis, direction)| Linear { axis, direction });
         let centre = Vector::new(hd7, hd8, 0.0);
         let point = centre.plus(Vector::new(hd6, hd5, -hd2));
-        // Angles of at most 360 degrees.
+        // The angles are at most 360 degrees.
         let [a, c] = [hd3, hd4].map(|angle| position(angle).unwrap_or(Position::ZERO));
         let c = Rotary { axis: 3, slot: 0, direction: z, point: centre, offset: c };
         let a = Rotary { axis: 4, slot: 1, direction: x, point, offset: a };
@@ -116,7 +116,7 @@ impl Chain {
         Self::new(linear, [None; ROTARIES], [Some(c), Some(a), None], tip, z)
     }
 
-    /// From its parts.
+    /// Makes a chain from its parts.
     fn new(
         linear: [Linear; 3],
         base: Rotaries,
@@ -136,7 +136,7 @@ impl Chain {
         Ok(chain)
     }
 
-    /// That each rotary axis of several adds directions.
+    /// Checks that each of several rotary axes adds directions.
     fn reaches(&self) -> Result<(), DataError> {
         let mut before: Option<Rotary> = None;
         for rotary in self.rotaries() {
@@ -175,8 +175,8 @@ impl Chain {
         [a.dot(b), b.dot(c), c.dot(a)].iter().all(|cosine| cosine.abs() < APART)
     }
 
-    /// Whether each linear axis moves the tip along one coordinate of the workpiece, its own: no rotary axis is before
-    /// them, and they are along x, y and z.
+    /// Whether each linear axis moves the tool tip along its own coordinate of the workpiece. Then no rotary
+    /// axis is before the linear axes, and the linear axes are along x, y and z.
     pub fn is_upright(&self) -> bool {
         let aligned = |direction: Vector| {
             let Vector { x, y, z } = direction;
@@ -192,7 +192,7 @@ impl Chain {
         own.is_some_and(|linear| linear.direction.cross(z).length() < APART)
     }
 
-    /// Tip of the tool (mm) and the direction from tip to holder, for positions of the axes (mm, degree).
+    /// Tool tip (mm) and direction from tip to holder, from the positions of the axes (mm, degrees).
     pub fn forward(&self, axes: &[Position; AXES]) -> (Vector, Vector) {
         let (mut tip, mut tool) = (self.tip, self.tool);
         let mut turn = |rotary: &Rotary, tip: &mut Vector| {
@@ -208,8 +208,9 @@ impl Chain {
         (tip, tool)
     }
 
-    /// Positions of the axes (mm, degree) that put the tip (mm) to a place, with the rotary axes at `angles`
-    /// (degree, by index of their axes). `None` for a linear axis beyond ±200 000 mm.
+    /// Positions of the axes (mm, degrees) that put the tool tip to the place `tip` (mm). `angles`: positions
+    /// of the rotary axes, by index of their axes, degrees. Returns `None` if a linear axis is beyond ±200
+    /// 000 mm.
     pub fn inverse(&self, tip: Vector, angles: &[Position; ROTARIES]) -> Option<[Position; AXES]> {
         let spins = self.spins(angles, &[[0.0; 3]; ROTARIES]);
         let linear = self.linear(Jet::at(tip), &spins);
@@ -224,7 +225,7 @@ impl Chain {
         Some(axes)
     }
 
-    /// Angles (degree) with their derivatives (radians), offsets included, by slot.
+    /// Angles (degrees) with their derivatives (radians), including offsets, by slot.
     pub(super) fn spins(
         &self,
         angles: &[Position; ROTARIES],
@@ -244,8 +245,8 @@ impl Chain {
         spins
     }
 
-    /// Index of each linear axis with its position (mm) and its first and second derivative, for a tip and the
-    /// angles of the rotary axes by slot.
+    /// For each linear axis: its index, its position (mm), and its first and second derivative. The arguments
+    /// are the tool tip and the angles of the rotary axes by slot.
     pub(super) fn linear(&self, tip: Jet, spins: &[Spin; ROTARIES]) -> [(u8, [f64; 3]); 3] {
         let spin = |rotary: &Rotary| spins.get(usize::from(rotary.slot)).copied();
         let mut outer = tip;
@@ -270,14 +271,14 @@ fn value(axes: &[Position; AXES], axis: u8) -> Position {
     axes.get(usize::from(axis)).copied().unwrap_or(Position::ZERO)
 }
 
-/// Puts `x` to a place that exists; a place beyond the end is left out.
+/// Puts `x` to the place `at`; does nothing if this place is beyond the end.
 fn put<T>(places: &mut [Option<T>; 3], at: usize, x: T) {
     if let Some(place) = places.get_mut(at) {
         *place = Some(x);
     }
 }
 
-/// Indices of the axes in the order of the chain, with their count, types and names checked.
+/// Indices of the axes in the order of the chain. Their number, types and names are checked.
 fn order(machine: &Universal) -> Result<[Option<u8>; AXES], DataError> {
     let number = machine.number_of_axes;
     if !(3..=6).contains(&number) {

@@ -8,7 +8,7 @@ use core::fmt;
 pub struct DataError {
     /// Id and name of the parameter.
     pub parameter: &'static str,
-    /// Index of the axis or of the place in the chain, if the parameter has one.
+    /// Index of the axis, or of the place in the chain, if the parameter has an index.
     pub index: Option<u8>,
     /// The value found, if it is a whole number.
     pub found: Option<i64>,
@@ -34,7 +34,8 @@ impl core::error::Error for DataError {}
 /// Largest magnitude of a length in 0.1 µm: 10 m.
 const FARTHEST: i32 = 100_000_000;
 
-/// A head that carries C and below it A (type 9). The axes X, Y, Z, C, A have the indices 0 to 4.
+/// A head that carries the rotary axis C and, below C, the rotary axis A (type 9). The axes X, Y, Z, C, A
+/// have the indices 0 to 4.
 ///
 /// With C turned by Rz and A by Rx, the tool tip is `(X, Y, Z) + (HD7, HD8, 0) + Rz(C + HD4)·[(HD6, HD5,
 /// −HD2) + Rx(A + HD3)·(0, HD9, −HD1)]`. HD1 contains the length of the tool.
@@ -45,7 +46,7 @@ pub struct CaHead {
 }
 
 impl CaHead {
-    /// Lengths within ±10 m, angles within ±360 degrees.
+    /// Checks that lengths are within ±10 m and angles within ±360 degrees.
     pub(super) fn check(&self) -> Result<(), DataError> {
         for (k, param) in self.param.iter().enumerate() {
             let angle = k == 2 || k == 3;
@@ -77,8 +78,8 @@ pub struct UniversalAxis {
     pub point: [i32; 3],
 }
 
-/// A serial chain of axes from the workpiece to the tool (type 91): three linear axes side by side, and up to
-/// three rotary axes before and behind them.
+/// A serial chain of axes from the workpiece to the tool (type 91). Three linear axes follow each other; up
+/// to three rotary axes are before and after them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Universal {
     /// P-CHAN-00289 number_of_axes, 3 to 6.

@@ -1,8 +1,8 @@
 //! Elements of the path under a transformation: from the curve of tool tip and angles to a [`Course`], and from a
 //! [`Cell`] of it to the element of the axes.
 //!
-//! An axis of the channel and an axis of the chain with the same index are the same axis. Programs give the tool tip
-//! by the main axes. Axes behind those of the chain keep their own curves.
+//! An axis of the channel and an axis of the chain with the same index are the same axis. Programs give the
+//! tool tip by the main axes. Channel axes that are not in the chain keep their own curves.
 use super::cells::{Cell, Course, Round};
 use super::chain::{AXES, Chain, ROTARIES};
 use super::vector::{Vector, number, position};
@@ -12,7 +12,8 @@ use crate::path::powers::{Quintic, Turn};
 use crate::quantity::{Distance, Position};
 use core::fmt;
 
-/// A data set of a transformation: a chain that fits the channel. The application makes it once and keeps it.
+/// A data set of a transformation: a chain that fits the channel. The application makes a data set once and
+/// keeps it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Kinematic {
     /// P-CHAN-00262 trafo\[\].id.
@@ -35,11 +36,11 @@ pub enum Unfit {
     Main,
     /// The channel has more than six axes.
     Axes,
-    /// The chain has an axis of this index, the channel does not.
+    /// The chain has an axis with this index, but the channel has none.
     Missing(u8),
-    /// The linear axis with this index is none of the main axes.
+    /// The linear axis with this index is not a main axis.
     Linear(u8),
-    /// The axis with this index is a rotary axis in the chain and none in the channel.
+    /// The axis with this index is a rotary axis in the chain, but not in the channel.
     Rotary(u8),
 }
 
@@ -104,7 +105,7 @@ impl Kinematic {
         axis < AXES && self.axes >> axis & 1 == 1
     }
 
-    /// All axes that move when the program moves these: bit k for axis k.
+    /// All axes that move when the program moves the axes `moved`: bit k is axis k.
     pub fn carried(&self, moved: u32) -> u32 {
         let bits = |axes: &mut dyn Iterator<Item = usize>| axes.fold(0u32, |bits, axis| bits | 1 << axis);
         let linear = bits(&mut self.chain.linear_axes().into_iter());
@@ -113,12 +114,12 @@ impl Kinematic {
         if turns || leans { moved | linear } else { moved }
     }
 
-    /// Whether the linear axes are at right angles, and this axis is along machine z.
+    /// Whether the linear axes are at right angles, and `axis` is along machine z.
     pub fn is_cartesian_z(&self, axis: usize) -> bool {
         self.chain.is_cartesian() && self.chain.is_along_z(axis)
     }
 
-    /// The tool tip (mm) in place of the main axes, and all other axes unchanged, for positions of the axes.
+    /// Replaces the main axes' positions by the tool tip (mm); all other axes are unchanged.
     pub fn workpiece<const N: usize>(&self, axes: &[Position; N]) -> Option<[Position; N]> {
         let (tip, _) = self.chain.forward(&widened(axes));
         let mut workpiece = *axes;
@@ -128,8 +129,8 @@ impl Kinematic {
         Some(workpiece)
     }
 
-    /// The positions of all axes that put the tool tip at the place of the main axes. `None` beyond ±200 000
-    /// mm.
+    /// The positions of all axes for the tool tip given in place of the main axes. Returns `None` beyond ±200
+    /// 000 mm.
     pub fn axes<const N: usize>(&self, workpiece: &[Position; N]) -> Option<[Position; N]> {
         let of = |axis: usize| workpiece.get(axis).map(|x| number(*x));
         let [Some(x), Some(y), Some(z)] = self.main.map(of) else { return None };
@@ -193,8 +194,9 @@ pub fn widened<const N: usize>(axes: &[Position; N]) -> [Position; AXES] {
 }
 
 impl Cell {
-    /// Becomes `element` over this path length. `fastest`: speed along the curve per path speed. `is_straight`: the
-    /// axes move in proportion. `None` if the formats cannot hold it.
+    /// Writes the cell into `element`, which has this path length. `fastest`: largest ratio of the speed
+    /// along the curve to the path speed. `is_straight`: the axes move in proportion. Returns `None` if the
+    /// formats cannot hold the cell.
     pub fn become_element<const N: usize>(
         &self,
         element: &mut Element<N>,

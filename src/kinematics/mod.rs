@@ -6,7 +6,7 @@
 //! over the same path distance. Between the ends of a polynomial the tool tip deviates from its curve by less
 //! than [`cells::TIP_ERROR`]. This follows from a bound ([`bound`]), not from samples.
 //!
-//! The calculation uses `f64` with + − × ÷ only, and integer sines ([`crate::math::angle`]), so all machines
+//! The calculation uses `f64` with + − × ÷ only, and integer sines ([`crate::math::angle`]). So all machines
 //! give the same bits. The ends and the coefficients of a polynomial are integers, and integer arithmetic
 //! checks them.
 pub mod bound;

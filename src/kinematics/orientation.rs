@@ -11,7 +11,7 @@ use core::fmt;
 pub enum Reach {
     /// The machine has this number of rotary axes, not two.
     Rotaries(u8),
-    /// No angle of the axis with this index tilts the tool far enough.
+    /// The axis with this index cannot tilt the tool far enough at any angle.
     Beyond(u8),
     /// The tool is parallel to the axis with this index, so every angle of this axis fits.
     Singular(u8),
@@ -40,13 +40,13 @@ impl core::error::Error for Reach {}
 const SINGULAR: f64 = 1.7e-7;
 
 impl Chain {
-    /// Angles (degrees, by index of the rotary axes) that turn the tool, seen from tip to holder, towards
-    /// `direction`. Of the two solutions, the result is the one nearest to `last` by the sum of both turns.
-    /// Limits of the axes do not count.
+    /// Angles (degrees, by index of the rotary axes) that turn the tool towards `direction`, seen from tip to
+    /// holder. Of two solutions, the result is the one nearer to `last`: the one with the smaller sum of both
+    /// turns. Limits of the axes have no effect.
     ///
-    /// Let u be the outer axis, w the inner axis, d the tool at 0, and t the direction. The equation
-    /// u·R_w(θ)·d = u·t has the form `A cos θ + B sin θ = C`. The outer angle then turns the projection of
-    /// the tilted tool to that of t.
+    /// Let u be the outer axis, w the inner axis, d the tool direction at 0, and t the wanted direction.
+    /// R_w(θ) is the turn by the inner angle θ. The equation u·R_w(θ)·d = u·t has the form `A cos θ + B sin θ
+    /// = C`. The outer angle then turns the projection of the tilted tool to the projection of t.
     ///
     /// # Errors
     /// The direction cannot be reached, or is singular: [`Reach`].
@@ -97,7 +97,7 @@ impl Chain {
         best.map(|(_, angles)| angles).ok_or(Reach::Range)
     }
 
-    /// The angle about `u` from `from` to `to`, degree.
+    /// The angle from `from` to `to` about `u`, degrees.
     fn about(u: Vector, from: Vector, to: Vector) -> f64 {
         let cos = from.dot(to) - u.dot(from) * u.dot(to);
         degrees(cos, u.dot(from.cross(to)))
@@ -111,7 +111,7 @@ fn degrees(cos: f64, sin: f64) -> f64 {
     turns as f64 * (360.0 / 18_446_744_073_709_551_616.0)
 }
 
-/// The position of an axis nearest to `last` at which it has the angle `degrees`.
+/// The position of an axis with the angle `degrees` that is nearest to `last`.
 fn next_to(last: Position, rotary: &Rotary, degrees: f64) -> f64 {
     let last = number(last);
     let way = degrees - number(rotary.offset) - last;

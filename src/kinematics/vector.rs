@@ -5,44 +5,44 @@ use crate::quantity::Position;
 /// A point (mm) or a direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Vector {
-    /// Along the first axis of the workpiece.
+    /// Component along the first axis of the workpiece.
     pub x: f64,
-    /// Along the second one.
+    /// Component along the second axis.
     pub y: f64,
-    /// Along the third one.
+    /// Component along the third axis.
     pub z: f64,
 }
 
 impl Vector {
-    /// No length.
+    /// The vector of length 0.
     pub const ZERO: Self = Self::new(0.0, 0.0, 0.0);
 
-    /// From its components.
+    /// A vector from its components.
     pub const fn new(x: f64, y: f64, z: f64) -> Self {
         Self { x, y, z }
     }
 
-    /// The sum.
+    /// The sum of both vectors.
     pub fn plus(self, b: Self) -> Self {
         Self::new(self.x + b.x, self.y + b.y, self.z + b.z)
     }
 
-    /// The difference.
+    /// This vector minus `b`.
     pub fn minus(self, b: Self) -> Self {
         Self::new(self.x - b.x, self.y - b.y, self.z - b.z)
     }
 
-    /// The multiple.
+    /// The vector times a number.
     pub fn times(self, n: f64) -> Self {
         Self::new(self.x * n, self.y * n, self.z * n)
     }
 
-    /// The scalar product.
+    /// The scalar product of both vectors.
     pub fn dot(self, b: Self) -> f64 {
         self.x * b.x + self.y * b.y + self.z * b.z
     }
 
-    /// The vector product.
+    /// The vector product of both vectors.
     pub fn cross(self, b: Self) -> Self {
         Self::new(self.y * b.z - self.z * b.y, self.z * b.x - self.x * b.z, self.x * b.y - self.y * b.x)
     }
@@ -52,17 +52,18 @@ impl Vector {
         sqrt(self.dot(self))
     }
 
-    /// The direction, `None` for a vector shorter than 10^-9 or without a finite length.
+    /// The unit vector of this direction. Returns `None` for a vector shorter than 10^-9, or without a finite
+    /// length.
     pub fn unit(self) -> Option<Self> {
         let length = self.length();
         (length > 1e-9 && length < 1e12).then(|| self.times(1.0 / length))
     }
 }
 
-/// √x with a relative error of at most 2^-51; 0 for what is not a normal number above 0.
+/// √x with a relative error of at most 2^-51; 0 if x is not a normal number above 0.
 ///
-/// The seed halves the exponent (6 %), and each of Heron's steps squares the error: 1.8e-3, 1.6e-6, 1.3e-12,
-/// then rounding alone.
+/// The first value has half the exponent (error 6 %). Each of Heron's steps squares the error: 1.8e-3,
+/// 1.6e-6, 1.3e-12; then only rounding is left.
 pub fn sqrt(x: f64) -> f64 {
     if !(f64::MIN_POSITIVE..f64::INFINITY).contains(&x) {
         return 0.0;
@@ -77,26 +78,26 @@ pub fn sqrt(x: f64) -> f64 {
 /// Radians per degree.
 pub const RADIANS: f64 = core::f64::consts::PI / 180.0;
 
-/// `x` 2^-32 units as a number: mm or degree.
+/// A position (LSB 2^-32) as a number, mm or degrees.
 pub fn number(x: Position) -> f64 {
     x.to_bits() as f64 * (1.0 / 4_294_967_296.0)
 }
 
-/// `x` (mm or degree) in 2^-32 units, to nearest. `None` beyond ±200 000.
+/// A number (mm or degrees) as a position (LSB 2^-32), rounded to nearest. Returns `None` beyond ±200 000.
 pub fn position(x: f64) -> Option<Position> {
     (x > -200_000.0 && x < 200_000.0).then(|| Position::from_bits(nearest(x * 4_294_967_296.0)))
 }
 
-/// `x` as an integer, to nearest; saturates.
+/// `x` as an integer, rounded to nearest; saturates.
 pub fn nearest(x: f64) -> i64 {
     if x < 0.0 { (x - 0.5) as i64 } else { (x + 0.5) as i64 }
 }
 
-/// An angle in 2^-64 revolutions, error below 2^-63 revolutions.
+/// An angle in 2^-64 revolutions. The error is below 2^-63 revolutions.
 pub fn turns(degrees: Position) -> u64 {
     const TURN: i64 = 360 << 32;
     let rest = degrees.to_bits().rem_euclid(TURN) as u64;
-    // rest·2^32 / 360 in two quotients of 64 bits.
+    // rest·2^32 / 360, computed as two quotients of 64 bits.
     let (upper, left) = ((rest << 22) / 360, (rest << 22) % 360);
     (upper << 10).wrapping_add((left << 10) / 360)
 }
@@ -115,14 +116,15 @@ pub struct Spin {
 }
 
 impl Spin {
-    /// An angle that rests.
+    /// A constant angle.
     pub fn at(degrees: Position) -> Self {
         const LSB: f64 = 1.0 / (1u64 << 62) as f64;
         let (sin, cos) = sin_cos_fine(turns(degrees));
         Self { sin: sin as f64 * LSB, cos: cos as f64 * LSB, first: 0.0, second: 0.0 }
     }
 
-    /// The angle and less than 2^-32 degree, in radians: its square is below 2^-75.
+    /// The angle plus `beyond`, in radians, which is less than 2^-32 degrees. The square of `beyond` is below
+    /// 2^-75 and is dropped.
     pub fn turned(self, beyond: f64) -> Self {
         Self { sin: self.sin + beyond * self.cos, cos: self.cos - beyond * self.sin, ..self }
     }
@@ -132,7 +134,7 @@ impl Spin {
         Self { sin: -self.sin, cos: self.cos, first: -self.first, second: -self.second }
     }
 
-    /// `r` turned by the angle about the unit vector `u` (Rodrigues).
+    /// Turns `r` by the angle about the unit vector `u` (Rodrigues' formula).
     pub fn turn(self, u: Vector, r: Vector) -> Vector {
         let along = u.times(u.dot(r));
         along.plus(r.minus(along).times(self.cos)).plus(u.cross(r).times(self.sin))
@@ -142,7 +144,7 @@ impl Spin {
 /// A point with its first and second derivative by the parameter of the curve.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Jet {
-    /// Where it is, mm.
+    /// The point, mm.
     pub point: Vector,
     /// First derivative.
     pub first: Vector,
@@ -151,12 +153,12 @@ pub struct Jet {
 }
 
 impl Jet {
-    /// A point that rests.
+    /// A constant point.
     pub const fn at(point: Vector) -> Self {
         Self { point, first: Vector::ZERO, second: Vector::ZERO }
     }
 
-    /// The sum.
+    /// The sum of both points and of their derivatives.
     pub fn plus(self, b: Self) -> Self {
         Self {
             point: self.point.plus(b.point),
@@ -165,7 +167,7 @@ impl Jet {
         }
     }
 
-    /// The difference.
+    /// The difference of both points and of their derivatives.
     pub fn minus(self, b: Self) -> Self {
         Self {
             point: self.point.minus(b.point),
@@ -174,8 +176,8 @@ impl Jet {
         }
     }
 
-    /// Turned by `spin` about the unit vector `u` through `centre`:
-    /// (R r)' = R r' + θ' u×R r and (R r)'' = R r'' + 2θ' u×R r' + θ'' u×R r + θ'² u×(u×R r).
+    /// Turns the point by `spin` about the unit vector `u` through `centre`: (R r)' = R r' + θ' u×R r and (R
+    /// r)'' = R r'' + 2θ' u×R r' + θ'' u×R r + θ'² u×(u×R r).
     pub fn turned(self, spin: Spin, u: Vector, centre: Vector) -> Self {
         let r = spin.turn(u, self.point.minus(centre));
         let r1 = spin.turn(u, self.first);

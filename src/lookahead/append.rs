@@ -21,7 +21,7 @@ pub(super) struct Last<const AXES: usize> {
     pub length: f32,
     pub share: Share,
     pub rapid: bool,
-    /// Whether a transition has taken its part of the block's limits.
+    /// Whether the transition has reserved its part of the block's limits.
     pub shared: bool,
     pub slope: SlopeType,
     /// Whether the block's path is time, not length.
@@ -30,13 +30,14 @@ pub(super) struct Last<const AXES: usize> {
     pub bent: bool,
     /// Whether acceleration passes both ends of the block.
     pub through: bool,
-    /// Whether the block trades speed for acceleration: a lower speed leaves acceleration inside the block.
+    /// Whether the limits of the block trade speed for acceleration: at a lower speed, acceleration is left
+    /// inside the block.
     pub trades: bool,
     /// Whether the block is a part of a curve of many elements.
     pub flows: bool,
     /// Acceleration and deceleration of the block, mm/tick².
     pub strength: [f32; 2],
-    /// End of the last block that is not brief.
+    /// End of the last block that is not brief (shorter than a tick).
     pub behind: End<AXES>,
 }
 
@@ -73,10 +74,10 @@ impl<const AXES: usize> Last<AXES> {
         differ(up, limits.a_up) || differ(down, limits.a_down)
     }
 
-    /// Whether the block may take less than two ticks between a knee and a standstill although its speed at the
-    /// knee is low. The changes of its neighbours then show together with the knee. From a speed of at most a
-    /// third of its length per tick, the motion covers in two ticks that third and a quarter of the jerk. STEP
-    /// has its own rules.
+    /// Whether the block may take less than two ticks between a knee and a standstill, although the motion is
+    /// slow at the knee. The changes of acceleration at its neighbours then add to the step of the knee. Let
+    /// the speed at the knee be at most a third of the length per tick. In two ticks, the motion then covers
+    /// at most a third of the length plus a quarter of the jerk. STEP has its own rules.
     #[cfg_attr(feature = "fast", inline(always))]
     fn is_hasty(&self, limits: &Limits) -> bool {
         self.slope != SlopeType::Step && self.length < 0.4 * limits.steepest()
@@ -86,11 +87,10 @@ impl<const AXES: usize> Last<AXES> {
 /// Longest span: 2^18 mm, LSB 2^-44 mm.
 const LONGEST_SPAN: i64 = 1 << 62;
 
-/// Acceleration per speed, in 1/tick, above which an acceleration is steep: `TURN_PART / SMOOTH` of
-/// `dynamics`.
+/// Acceleration per speed, 1/tick, above which an acceleration is steep: `TURN_PART / SMOOTH` of `dynamics`.
 const STEEP: f32 = 1000.0;
 
-/// From this part of its feed on, a part of a curve trades speed for acceleration.
+/// From this part of its feed on, the limits of a part of a curve trade speed for acceleration.
 const BOUGHT: f32 = 0.89;
 
 /// Below this part of its neighbour's acceleration, the acceleration of a block is clearly lower. In a curve of many
@@ -106,12 +106,12 @@ struct Next<'a, const AXES: usize> {
     piece: &'a Piece<'a, AXES>,
     /// Length, mm.
     length: f32,
-    /// Speed at 100 %, or at the level if the level is higher.
+    /// Speed at 100 % override, or at the planned override if that is higher.
     full: f32,
     rapid: bool,
     /// Feed, mm/min.
     feed: f32,
-    /// Whether the block trades speed for acceleration, at nearly its feed.
+    /// Whether the limits of the block trade speed for acceleration, at nearly its feed.
     bought: bool,
     share: Share,
     /// Whether the block before is shorter than a tick's motion.
@@ -121,7 +121,7 @@ struct Next<'a, const AXES: usize> {
 /// Mean acceleration over a length up to the speed `v`, mm/tick², with acceleration zero at both ends.
 fn alone(limits: &Limits, length: f32, v: f32) -> f32 {
     let (a, j) = (limits.a_up, limits.jerk(0));
-    // In units of the speed: j·t/4, or a − a²/(j·t) if the acceleration reaches a.
+    // In units of the speed: j·t/4 if the acceleration stays below a, otherwise a − a²/(j·t).
     let gain = j * length;
     if gain < 2.0 * a * v { 0.25 * gain / v } else { a - a * a * v / gain }
 }
@@ -130,10 +130,9 @@ fn alone(limits: &Limits, length: f32, v: f32) -> f32 {
 struct Transition {
     /// Highest speed of the motion at the transition.
     cap: f32,
-    /// Highest speed at the transition whatever the feeds of both blocks are: they may rise with the
-    /// override.
+    /// Highest speed at the transition for any feed of both blocks: feeds may rise with the override.
     highest: f32,
-    /// Whether the transition takes a part of the limits on both sides.
+    /// Whether the transition reserves a part of the limits on both sides.
     shared: bool,
     /// The part of a deceleration that may pass the transition.
     passing: Passing,
@@ -142,14 +141,14 @@ struct Transition {
 }
 
 impl Transition {
-    /// The motion stops.
+    /// A transition at which the motion stops.
     const STANDSTILL: Self =
         Self { cap: 0.0, highest: 0.0, shared: false, passing: Passing::NONE, anchor: true };
 }
 
 impl<const AXES: usize> Next<'_, AXES> {
-    /// Speed at which the motion may pass the transition from the last block; `None` if the transition shows
-    /// nothing at the speed `fastest`. `a`: acceleration of STEP that acts beside the transition.
+    /// Speed at which the motion may pass the transition from the last block. Returns `None` if the
+    /// transition has no effect at the speed `fastest`. `a`: acceleration of STEP near the transition.
     #[cfg_attr(feature = "fast", inline(always))]
     fn passed(&self, last: &Last<AXES>, fastest: f32, a: f32, dynamics: &Dynamics<AXES>) -> Option<f32> {
         let (entry, rapid) = (self.piece.entry, self.rapid && last.rapid);
@@ -158,26 +157,26 @@ impl<const AXES: usize> Next<'_, AXES> {
         if !self.after_brief {
             return v;
         }
-        // Changes at both ends of a brief block show within one tick.
+        // The changes at both ends of a brief block fall into one tick.
         let both = dynamics.bending(&last.behind, entry, rapid);
         if both < fastest { Some(min(both, v.unwrap_or(both))) } else { v }
     }
 
-    /// Whether both blocks are parts of one curve over time, for one speed.
+    /// Whether both blocks are parts of one curve over time that is planned for one speed.
     #[cfg_attr(feature = "fast", inline(always))]
     fn is_one_curve(&self, last: &Last<AXES>, before: &Limits, limits: &Limits) -> bool {
         self.piece.timed && last.timed && limits.v == before.v
     }
 
-    /// The part of the deceleration `a` that passes the knee at the block's start. Both sides are planned with all of
-    /// their acceleration, because acceleration is zero at the knee.
+    /// The part of the deceleration `a` that may pass the knee at the block's start. Both sides are planned
+    /// with their full acceleration, because the acceleration is zero at the knee.
     fn passing_knee(&self, last: &Last<AXES>, highest: f32, a: f32, dynamics: &Dynamics<AXES>) -> Passing {
         let (rapid, shorter) = (self.rapid && last.rapid, min(last.length, self.length));
         dynamics.passing_knee(&last.exit, self.piece.entry, rapid, shorter, (highest, a))
     }
 
-    /// Whether the slope lets acceleration pass the transition to this block. `cap`: speed of the motion
-    /// there; `v`: as in [`Self::passed`].
+    /// Whether the slope permits acceleration to pass the transition to this block. `cap`: speed of the
+    /// motion at the transition; `v`: as in [`Self::passed`].
     #[cfg_attr(feature = "fast", inline(always))]
     fn goes_on(
         &self,
@@ -192,24 +191,24 @@ impl<const AXES: usize> Next<'_, AXES> {
         match dynamics.slope() {
             SlopeType::Hsc => true,
             SlopeType::Trapez | SlopeType::Sin2 if self.is_one_curve(last, before, limits) => true,
-            // Parts of one curve of many elements.
+            // Both blocks are parts of one curve of many elements.
             SlopeType::Trapez | SlopeType::Sin2 if limits.varies() && before.varies() => true,
-            // Both blocks act as one.
+            // Both blocks act as one block.
             SlopeType::Trapez | SlopeType::Sin2 => {
                 limits.are(before) && v.is_none_or(|v| v >= cap && slight())
             }
-            // STEP needs no point where acceleration is zero.
+            // STEP needs no place with zero acceleration.
             SlopeType::Step => false,
         }
     }
 }
 
-/// The part of the deceleration `a` that passes a transition beside arcs. With equal limits there is no bound, because
-/// one profile covers both sides. A profile that begins or ends with acceleration inside an arc is bound less than
-/// others.
+/// The part of the deceleration `a` that may pass a transition next to arcs. With equal limits on both sides,
+/// all of it passes, because one profile covers both sides. An acceleration at the start or end of a profile
+/// inside an arc has a higher limit.
 #[inline(always)]
 fn passing_arcs([before, behind]: [&Share; 2], is_alike: impl FnOnce() -> bool, a: f32) -> Passing {
-    // Checked first, because most transitions have no arc beside them.
+    // Checked first, because most transitions are not next to an arc.
     if min(before.v, behind.v) == f32::MAX || is_alike() {
         return Passing::ALL;
     }
@@ -222,13 +221,14 @@ impl<const AXES: usize> Tail<AXES> {
     #[cfg_attr(feature = "fast", inline(always))]
     fn takes_in(&self, last: &Last<AXES>, next: &Next<'_, AXES>, sides: [&Limits; 2], cap: f32) -> bool {
         let ([before, limits], piece) = (sides, next.piece);
-        // Beside a curve that takes most of the jerk, acceleration passes the transition only if more
-        // acceleration passes than either side has alone with zero at its ends.
+        // A curve may use most of the jerk. Next to such a curve, acceleration passes only if this permits
+        // more acceleration. The comparison is with each side alone, with zero acceleration at its ends.
         let passes = || {
             let run = to_f32(self.span) * (1.0 / (1u64 << 44) as f32);
             alone(before, run, cap) <= limits.a_up && alone(limits, next.length, cap) <= before.a_up
         };
-        // If a block trades speed for acceleration, no profile of its span may have a higher feed.
+        // If the limits of a block trade speed for acceleration, no profile of its span may have a higher
+        // feed.
         let [bought_at, fastest_feed] = self.feeds;
         last.trades == piece.trades
             && (!piece.timed || next.is_one_curve(last, before, limits))
@@ -240,7 +240,7 @@ impl<const AXES: usize> Tail<AXES> {
             && (!next.bought || fastest_feed <= next.feed)
     }
 
-    /// Adds a block with this feed (mm/min), after an anchor or not.
+    /// Adds a block with this feed (mm/min). `anchor`: whether the block begins at an anchor.
     #[cfg_attr(feature = "fast", inline(always))]
     fn pass(&mut self, anchor: bool, feed: f32, bought: bool) {
         if anchor {
@@ -253,8 +253,8 @@ impl<const AXES: usize> Tail<AXES> {
 }
 
 impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
-    /// Appends a block. Call it only if not [`Self::is_full`]. `long`: the block stands for several, and is
-    /// longer than a stop from its speed.
+    /// Appends a block. Call this function only if the ring is not full ([`Self::is_full`]). `long`: the
+    /// block replaces several blocks, and is longer than a stop from its speed.
     #[cfg_attr(feature = "fast", inline(always))]
     pub(crate) fn push(
         &mut self,
@@ -268,7 +268,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         let distance = piece.length.to_bits();
         let length = to_f32(distance) * (1.0 / (1u64 << 44) as f32);
         let after_brief = self.tail.row.is_brief();
-        // The speed at 100 % at least: the limits also hold for a higher level.
+        // At least the speed at 100 %, because the limits also hold for a higher planned override.
         self.tail.row.take(length, (&mut limits.v, &mut override_range), max(self.level, 1.0), piece.timed);
         let full = limits.v;
         if self.level < 1.0 {
@@ -299,7 +299,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             self.tail.slowest = Slowest::NONE;
         }
         self.tail.slowest.take(override_range, limits.v, self.level, self.depth);
-        // The first block of the ring starts from rest.
+        // The first block of the ring starts at a stop.
         let mut v_in = Planned::NONE;
         if self.blocks.is_empty() {
             (v_in, self.start) = (Planned::ZERO, Speed::ZERO);
@@ -307,7 +307,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         let before = core::mem::replace(&mut self.tail.known, Known::Block);
         let keeps = before == Known::Block && self.tail.row.is_brief();
         let Piece { timed, bent, trades, flows, through, .. } = *piece;
-        // In place, because the whole struct would be copied.
+        // A reference, because the struct would be copied as a whole.
         let last = &mut self.tail.last;
         let End { tangent, curvature } = *piece.exit;
         (last.exit.tangent, last.exit.curvature) = (tangent, curvature);
@@ -342,8 +342,8 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         });
     }
 
-    /// Plans the transition from the last block of the ring. If the transition takes its part of the limits,
-    /// both sides have less.
+    /// Plans the transition from the last block of the ring. If the transition reserves its part of the
+    /// limits, both blocks have less.
     #[cfg_attr(feature = "fast", inline(always))]
     fn join(&mut self, next: &Next<'_, AXES>, limits: &mut Limits, dynamics: &Dynamics<AXES>) -> Transition {
         let known = self.tail.known == Known::Block && !self.tail.stop;
@@ -355,16 +355,16 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         let (slope, piece, rapid) = (dynamics.slope(), next.piece, next.rapid && last.rapid);
         let full_before = before.full(self.level);
         let fastest = min(full_before, next.full);
-        // Values above the double are unknown.
+        // Values above twice the speed are not computed.
         let (mut cap, mut highest, mut shared) = (fastest, 2.0 * fastest, false);
         let a = if slope == SlopeType::Step { max(limits.most(), kept.most()) } else { 0.0 };
         let arc = min(last.share.v, next.share.v);
         let v = next.passed(last, fastest, a, dynamics).map(|v| min(v, arc));
-        // STEP: everything within a tick of a knee shows together with the knee.
+        // STEP: all steps within a tick of a knee add to the knee.
         let brief = last.length < full_before || next.length < next.full;
         let sides = [(&kept, &last.share, last.length), (&*limits, &next.share, next.length)];
         let way = match v {
-            // The block before has left nothing to a knee that shows together with its end.
+            // The block before reserved nothing for a knee, but its end adds to this knee.
             Some(_) if !last.shared && last.is_hasty(&kept) => Way::Standing,
             Some(v) if v < cap => quickest(sides, v, slope == SlopeType::Hsc),
             _ => Way::Through,
@@ -374,8 +374,8 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             shares = shares.map(Share::resting);
         }
         if way == Way::Standing {
-            // Except for rounding, no wait for a tick is needed. The acceleration of STEP does not vanish
-            // beside the transition, so STEP waits.
+            // If the knee is only rounding, no tick is needed. With STEP, acceleration is not zero near the
+            // transition, so STEP needs the tick.
             let unseen = || min(dynamics.unseen(&last.exit, piece.entry, rapid), v.unwrap_or(f32::MAX));
             cap = if slope == SlopeType::Step { 0.0 } else { min(cap, unseen()) };
             highest = cap;
@@ -401,8 +401,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         kept.v = before.v();
         cap = min(cap, highest);
         let through = next.goes_on(last, &kept, limits, (cap, v), dynamics);
-        // A transition that shows nothing at `fastest` turns little for accelerations up to a thousand times
-        // that speed.
+        // A transition without effect at `fastest` permits accelerations up to a thousand times that speed.
         let a = limits.fastest(&kept);
         let turns_little = || {
             (v.is_none() && a <= STEEP * fastest) || dynamics.turns_little(&last.exit, piece.entry, rapid, a)

@@ -10,24 +10,25 @@ use crate::slope::limits::Limits;
 /// No speed yet.
 pub(super) const UNPLANNED: Speed = Speed::from_bits(-1);
 
-/// A block in the ring. The curve of the block is in the queue: [`crate::queue::CurveRing`].
+/// A block in the ring. The queue holds its curve: [`crate::queue::CurveRing`].
 #[derive(Clone, Copy, Debug)]
 pub struct Block {
     /// Path length, LSB 2^-44 mm.
     pub(super) length: i64,
-    /// Limits without the kind of their slope, see [`Kind`].
+    /// Limits without the kind of their slope, which is in [`Kind`].
     pub(super) numbers: Numbers,
     /// Highest speed at which the motion may pass the block's start, mm/tick.
     pub(super) cap: f32,
-    /// Highest speed at the block's start, whatever the feeds of both blocks are: they may rise with the
-    /// override. mm/tick.
+    /// Highest speed at the block's start for any feed of both blocks, mm/tick. Feeds may rise with the
+    /// override.
     pub(super) highest: f32,
-    /// Planned speed at the block's start. For the first block [`super::ring::Ring::start`] is valid instead.
+    /// Planned speed at the block's start. For the first block, [`super::ring::Ring::start`] holds this
+    /// speed.
     pub(super) v_in: Planned,
-    /// Speed at the block's start that can be reached from the first block. An anchor has no such speed: see
-    /// [`Self::ease`].
+    /// Speed at the block's start that the motion can reach from the first block. An anchor has no such
+    /// speed: see [`Self::ease`].
     pub(super) v_reached: Planned,
-    /// The speed of the last complete plan at the block's start. This speed stays possible.
+    /// The speed of the last complete plan at the block's start. The motion can still keep this speed.
     pub(super) v_old: Planned,
     /// How the block's speed follows the override.
     pub(super) override_range: OverrideRange,
@@ -37,12 +38,12 @@ pub struct Block {
     pub(super) kind: Kind,
 }
 
-/// Blocks take most memory of the look-ahead.
+/// Blocks use most of the look-ahead's memory.
 const _: () = assert!(size_of::<Block>() == 64);
 
-/// The slope of the limits. The other bits: whether the block was cut off from the block before, so that both
-/// share one curve; and whether the block trades speed for acceleration: v + a²/2j is at most the speed of the
-/// limits.
+/// The slope of the limits, and two more bits. First bit: the block was cut off from the block before, and
+/// both share one curve. Second bit: the limits trade speed for acceleration, so v + a²/2j is at most the
+/// speed of the limits.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Kind(u8);
 
@@ -65,10 +66,11 @@ impl Kind {
 
 const _: () = assert!(LawKind::FREE & (Kind::CONTINUED | Kind::TRADES) == Kind::CONTINUED | Kind::TRADES);
 
-/// Properties of a block's start. *Open*: the planner may try to remove the anchor there. *Lent*: the block is
-/// the piece of a slow block in a faster span, and the speed at the anchor beside it keeps its limit
-/// ([`super::valley`]). The other bits: whether the block is rapid motion; whether the path turns at its start,
-/// so that a transition has its part of the limits there; and the part of a deceleration that passes its start.
+/// Properties of a block's start. *Open*: the planner may still try to remove the anchor there. *Lent*: the
+/// block is a piece of a slow block, but belongs to a faster span. The anchor next to a lent block keeps the
+/// speed inside the piece's limit ([`super::valley`]). Other bits: the block is rapid motion; the path turns
+/// at its start, so that a transition has a part of the limits. The last bits hold the part of a deceleration
+/// that may pass the start.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct AnchorMarks(u8);
 
@@ -81,25 +83,25 @@ impl AnchorMarks {
     const BOUGHT: u8 = 32;
     const PASSING: u8 = 64;
 
-    /// Marks of a block that is not lent. `flows`: the block's start is between two parts of one curve of
-    /// many elements. `bought`: the block trades speed for acceleration, below its feed.
+    /// Marks of a block that is not lent. `flows`: the block starts between two parts of one curve of many
+    /// elements. `bought`: the limits trade speed for acceleration, below the feed.
     pub(super) fn new(open: bool, flows: bool, [rapid, knee, bought]: [bool; 3]) -> Self {
         let [open, flows] = [(open, Self::OPEN), (flows, Self::FLOWS)];
         let marks = [open, flows, (rapid, Self::RAPID), (knee, Self::KNEE), (bought, Self::BOUGHT)];
         Self(marks.into_iter().fold(0, |all, (on, mark)| if on { all | mark } else { all }))
     }
 
-    /// Sets the part of a deceleration that passes the block's start.
+    /// Sets the part of a deceleration that may pass the block's start.
     pub(super) const fn passed(self, passing: Passing) -> Self {
         Self(self.0 | (passing.number() * Self::PASSING))
     }
 
-    /// The part of a deceleration that passes the block's start, if the path is smooth there.
+    /// The part of a deceleration that may pass the block's start, if the path is smooth there.
     pub(super) const fn passing(self) -> Passing {
         Passing::numbered(self.0 / Self::PASSING)
     }
 
-    /// Properties of either block.
+    /// Properties that at least one of both blocks has.
     pub(super) const fn or(self, other: Self) -> Self {
         Self(self.0 | other.0)
     }
@@ -129,7 +131,7 @@ impl AnchorMarks {
         self.0 & Self::OPEN != 0
     }
 
-    /// Permits a trial to remove the anchor.
+    /// Permits the planner to try to remove the anchor.
     pub(super) const fn open(&mut self) {
         self.0 |= Self::OPEN;
     }
@@ -157,14 +159,14 @@ impl AnchorMarks {
 pub(super) struct Marks(u8);
 
 impl Marks {
-    /// The speed at the block's start was planned for a lower end speed than the current one.
+    /// The speed at the block's start was planned for a lower end speed than the current one. It is kept.
     pub(super) const KEPT: u8 = 1;
     /// Acceleration is zero at the block's start.
     pub(super) const ANCHOR: u8 = 2;
     /// The block's start became an anchor after the last complete plan.
     pub(super) const FRESH: u8 = 4;
-    /// The block's span is planned not to rise above the speeds at its ends. After release it may be as fast
-    /// as all of its blocks permit.
+    /// The profile of the block's span was planned without a rise above the speeds at its ends. After
+    /// release, the span may be as fast as all of its blocks permit.
     pub(super) const FLAT: u8 = 8;
     /// The span that begins with this block keeps the limits of all its blocks.
     pub(super) const CHECKED: u8 = 16;
@@ -172,7 +174,7 @@ impl Marks {
     pub(super) const SMOOTH: u8 = 32;
     /// The block waits for acknowledgements: the motion stops before it.
     pub(super) const GATE: u8 = 64;
-    /// The block stands for several, and is twice as long as a stop needs.
+    /// The block replaces several blocks, and is twice as long as a stop needs.
     pub(super) const LONG: u8 = 128;
 
     #[cfg_attr(feature = "fast", inline(always))]
@@ -207,19 +209,19 @@ impl Block {
         self.length
     }
 
-    /// The limits, for passes that ask each block.
+    /// The limits, for passes over all blocks.
     #[cfg_attr(feature = "fast", inline(always))]
     pub(super) fn limits(&self) -> Limits {
         self.numbers.limits(self.kind.law())
     }
 
-    /// The limits, for other callers: a function call takes less flash.
+    /// The limits, for other callers: a function call takes less flash than inlined code.
     #[inline(never)]
     pub(super) fn limits_by_call(&self) -> Limits {
         self.limits()
     }
 
-    /// Joins the block's limits to these limits.
+    /// Restricts `limits` to what this block also permits.
     #[cfg_attr(feature = "fast", inline(always))]
     pub(super) fn join_to(&self, limits: &mut Limits) {
         limits.join_kept(&self.numbers, self.kind.law());
@@ -230,7 +232,7 @@ impl Block {
         self.numbers = limits.kept().0;
     }
 
-    /// Speed of the limits.
+    /// Speed in the limits, mm/tick.
     pub(super) fn v(&self) -> f32 {
         self.numbers.v
     }
@@ -240,17 +242,17 @@ impl Block {
         self.kind.law().may_have_valleys()
     }
 
-    /// Whether the block trades speed for acceleration.
+    /// Whether the limits of the block trade speed for acceleration.
     pub(super) fn trades(&self) -> bool {
         self.kind.has(Kind::TRADES)
     }
 
-    /// Whether the block continues the curve of the block before.
+    /// Whether the block and the block before are parts of one curve.
     pub fn is_continued(&self) -> bool {
         self.kind.has(Kind::CONTINUED)
     }
 
-    /// Marks that the block continues the curve of the block before.
+    /// Marks that the block and the block before are parts of one curve.
     pub(super) fn go_on(&mut self) {
         self.kind.0 |= Kind::CONTINUED;
     }
@@ -274,36 +276,36 @@ impl Block {
         if self.joint.is_lent() { f32::MAX } else { self.v() }
     }
 
-    /// Speed at 100 %, or at the level if the level is higher.
+    /// Speed at 100 % override, or at the planned override `level` if that is higher.
     pub(super) fn full(&self, level: f32) -> f32 {
         if level < 1.0 { self.v() / self.override_range.raised(level) } else { self.v() }
     }
 
-    /// Speed at which the motion may pass the block's start now.
+    /// Current highest speed at the block's start.
     pub(super) fn cap(&self) -> f32 {
         if self.is(Marks::GATE) { 0.0 } else { self.cap }
     }
 }
 
 impl Block {
-    /// The ease of the block's span, if the block is the second one in the span: kept in the memory that an
-    /// anchor uses for its speeds. Not for an anchor.
+    /// The ease of the block's span, if the block is the second one of the span. The ease lies in the memory
+    /// that an anchor uses for its speeds. Do not call this function for an anchor.
     pub(super) fn ease(&self) -> Ease {
         if self.has_ease() { Ease::of([self.v_reached.bits(), self.v_old.bits()]) } else { Ease::NONE }
     }
 
-    /// Whether the block's span has an ease. Not for an anchor.
+    /// Whether the block's span has an ease. Do not call this function for an anchor.
     pub(super) fn has_ease(&self) -> bool {
         self.v_old.is_some()
     }
 
-    /// Stores the ease of the block's span. Not for an anchor.
+    /// Stores the ease of the block's span. Do not call this function for an anchor.
     pub(super) fn keep_ease(&mut self, ease: Ease) {
         let [v, less] = if ease == Ease::NONE { [0; 2] } else { ease.kept() };
         (self.v_reached, self.v_old) = (Planned::of_bits(v), Planned::of_bits(less));
     }
 
-    /// Removes the anchor.
+    /// Removes the anchor at the block's start.
     pub(super) fn give_way(&mut self) {
         self.marks.set(Marks::ANCHOR | Marks::FRESH, false);
         self.forget();
@@ -314,7 +316,7 @@ impl Block {
         (self.v_reached, self.v_old) = (Planned::NONE, Planned::NONE);
     }
 
-    /// Sets the start speed `v_in`, at most the planned one.
+    /// Sets the start speed to `v_in`, or to the planned one if that is lower.
     #[inline(never)]
     pub(super) fn start_at(&mut self, v_in: Speed) {
         self.v_in = Planned::below(v_in);

@@ -35,7 +35,7 @@ impl<const BLOCKS: usize> Blocks<BLOCKS> {
         self.len == 0
     }
 
-    /// The index `by` places behind the front; `by` is at most `BLOCKS`.
+    /// The index `by` places after the front; `by` is at most `BLOCKS`.
     #[cfg_attr(feature = "fast", inline(always))]
     fn place(&self, by: usize) -> usize {
         let at = self.front.wrapping_add(by);

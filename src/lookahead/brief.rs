@@ -1,35 +1,36 @@
-//! How fast blocks may follow each other. A tick passes at most [`MAX_CURVES_PER_TICK`] blocks, which is 32, so
-//! 31 blocks in a row must take at least a tick. In a small build the number is 16, so 15 blocks must take at
-//! least a tick.
+//! Limits how many blocks the motion passes in a tick. A tick passes at most [`MAX_CURVES_PER_TICK`] blocks,
+//! which is 32, so 31 consecutive blocks must take at least a tick. In a small build the number is 16, so 15
+//! blocks must take at least a tick.
 //!
-//! If each block takes a 31st part of a tick, the rule holds. But then a single block far shorter than its
-//! neighbours would slow all of the motion to a crawl. So up to [`MOST_BRIEF`] of 31 blocks in a row may be *brief*
-//! and take less time. Each of the other twenty or more blocks then takes a 20th part of a tick. (In a small build
-//! up to 5 of 15 blocks are brief, and each of the others takes a 10th part.) A block is brief only if it is far
-//! shorter than the last block that is not brief. So a chain of equal blocks keeps its 31 blocks per tick.
+//! The rule holds if each block takes a 31st of a tick. But then a single block far shorter than its
+//! neighbours would make the whole motion very slow. So up to [`MOST_BRIEF`] of 31 consecutive blocks may be
+//! *brief* and take less time. Each of the other twenty or more blocks then takes a 20th of a tick. (In a
+//! small build, up to 5 of 15 blocks are brief, and each of the others takes a 10th of a tick.) A block is
+//! brief only if it is far shorter than the last block that is not brief. So the motion may pass up to 31
+//! equal blocks per tick.
 use crate::dynamics::OverrideRange;
 use crate::math::float::{max, min};
 use crate::queue::MAX_CURVES_PER_TICK;
 
-/// Blocks that take a tick together.
+/// Number of consecutive blocks that take at least a tick.
 const ROW: u32 = MAX_CURVES_PER_TICK - 1;
 /// Largest number of brief blocks among them: a third.
 const MOST_BRIEF: u32 = ROW.div_ceil(3);
-/// Blocks per tick: if no block of the row is brief, if some are, and for a brief block. Rounding to 2^-36
-/// tick is a 2^-18th part of the last time.
+/// Blocks per tick: without brief blocks among them, with brief blocks, and for a brief block. For a brief
+/// block, rounding to 2^-36 tick is 2^-18 of its time.
 const ALL: f32 = ROW as f32;
 const OTHERS: f32 = (ROW - MOST_BRIEF) as f32;
 const BRIEF: f32 = (1 << 18) as f32;
 /// A brief block is shorter than this part of a block that is not brief.
 const FAR_SHORTER: f32 = 0.125;
-/// The blocks of a row before the current one.
+/// Bits of the blocks before the current one.
 const BEFORE: u32 = (1 << (ROW - 1)) - 1;
 
-/// The last blocks.
+/// The last consecutive blocks.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Row {
-    /// Bit k is for the block k places before. First word: the block is brief. Second word: the block takes
-    /// less than the 20th part of a tick, and is not brief.
+    /// Bit k is for the block k places back. `brief`: the block is brief. `quick`: the block takes less than
+    /// a 20th of a tick, and is not brief.
     brief: u32,
     quick: u32,
     /// Length of the last block that is not brief, mm.
@@ -45,8 +46,8 @@ impl Row {
         self.brief & 1 != 0
     }
 
-    /// Adds a block of this length with the speed `v`, planned for a level, and lowers `v` to the permitted
-    /// speed. `timed`: the speed is fixed, because the block is a part of a curve of several ticks.
+    /// Adds a block of this length with the speed `v`, planned for an override, and lowers `v` to the
+    /// permitted speed. `timed`: the speed is fixed, because the block is a part of a curve of several ticks.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn take(
         &mut self,
@@ -56,7 +57,7 @@ impl Row {
         timed: bool,
     ) {
         (self.brief, self.quick) = (self.brief << 1 & BEFORE << 1, self.quick << 1 & BEFORE << 1);
-        // At twice the speed, which is the highest level.
+        // At twice the speed, which is the highest override.
         if length >= (2.0 / OTHERS) * *v {
             self.length = length;
         } else {
@@ -98,7 +99,7 @@ impl Row {
             *override_range = override_range.lowered(*v, level, lengths * length);
             *v = min(*v, lengths * length);
         }
-        // Never zero, so a quotient stays finite.
+        // Never zero, so that quotients stay finite.
         self.length = max(self.length, f32::MIN_POSITIVE);
     }
 }

@@ -1,15 +1,17 @@
-//! Removes anchors by a gentler profile.
+//! Removes anchors (places with zero acceleration) by gentler profiles.
 //!
-//! A slow block where speed rises makes its end an anchor; a slow block where speed falls makes its start an
-//! anchor. So does a transition between blocks of clearly different acceleration ([`super::append`]). Acceleration falls to zero at the anchor and rises again behind it. One profile for the spans on
-//! both sides may be faster. It uses less acceleration, or less deceleration, so that it passes the slow
-//! block at just that block's speed; or its highest speed is that of the slow block.
+//! A slow block makes its end an anchor if the speed rises after it, and its start an anchor if the speed
+//! falls before it. A transition between blocks of clearly different acceleration is an anchor too
+//! ([`super::append`]). Acceleration falls to zero at the anchor and rises again afterwards. One profile for the
+//! spans on both sides may be faster. This profile has one of two forms. It uses less acceleration or
+//! deceleration, so that it passes the slow block at just that block's speed. Or its highest speed is that of
+//! the slow block.
 //!
-//! Each anchor is tried once, as soon as the speeds up to the next anchor are final. The profile begins with
-//! all acceleration that the blocks permit, and is compared with every block. If it is too fast while speed
-//! changes, the secant method finds the largest acceleration that keeps the limit, in steps of 2^-8. If it is
-//! too fast at its peak, its highest speed is lowered. After a few rounds the profile keeps all limits, or
-//! the anchor stays. The anchor also stays if the profile takes longer.
+//! Each anchor is tried once, as soon as the speeds up to the next anchor are final. The first profile uses
+//! all acceleration that the blocks permit, and is compared with every block. If it is too fast while the
+//! speed changes, the secant method finds the largest acceleration that keeps the limit, in steps of 2^-8. If
+//! it is too fast at its peak, its highest speed is lowered. After a few rounds, the profile keeps all
+//! limits, or the anchor stays. The anchor also stays if the profile takes longer.
 use super::block::Marks;
 use super::law::{Law, RISE, Span};
 use super::plan::spend;
@@ -32,8 +34,8 @@ impl Limits {
     }
 }
 
-/// The margin below its limits that a span keeps. Kept in the second block of the span, in the memory that an
-/// anchor uses for its speed.
+/// The margin that a span keeps below its limits. The second block of the span stores it, in the memory that
+/// an anchor uses for its speed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Ease {
     /// Margins of acceleration and of deceleration, LSB 2^-8.
@@ -43,65 +45,67 @@ pub(super) struct Ease {
 }
 
 impl Ease {
-    /// The span uses all of its limits.
+    /// No margin: the span uses all of its limits.
     pub const NONE: Self = Self { less: [0; 2], v: f32::MAX };
 
-    /// The ease from its two kept numbers.
+    /// The ease from its two stored numbers.
     pub fn of([v, less]: [u32; 2]) -> Self {
         let [up, down, ..] = less.to_le_bytes();
         Self { less: [up, down], v: f32::from_bits(v) }
     }
 
-    /// The ease as two numbers for a block. The second number is not zero.
+    /// The two numbers to store; the second one is never zero.
     pub fn kept(self) -> [u32; 2] {
         let [up, down] = self.less;
         [self.v.to_bits(), u32::from_le_bytes([up, down, 0, 1])]
     }
 
-    /// The same ease for a higher or lower top speed.
+    /// The same margins with the highest speed multiplied by `part`.
     pub fn scaled(self, part: f32) -> Self {
         Self { v: if self.v < f32::MAX { self.v * part } else { self.v }, ..self }
     }
 
-    /// The used parts of acceleration and deceleration, and the highest speed.
+    /// The usable parts of acceleration and deceleration, and the highest speed.
     pub fn parts(self) -> ([f32; 2], f32) {
         (self.less.map(|less| 1.0 - f32::from(less) * (1.0 / 256.0)), self.v)
     }
 }
 
-/// Largest margin: a sixteenth of the acceleration is used.
+/// Largest margin: a sixteenth of the acceleration is left.
 const MOST: u8 = 240;
-/// Blocks per step: those that are only counted, and those that are compared with a profile.
+/// Blocks per step: number of blocks that are only counted, and number of blocks that are compared with a
+/// profile.
 const WALK: usize = 32;
 const STEPS: usize = 8;
-/// Work of a step that searches an anchor, and of any other step, LSB about 32 instructions.
+/// Work of a step that searches an anchor, and work of any other step; the unit is about 32 instructions.
 const SEEK: usize = 20;
 pub(super) const TRIAL: usize = 120;
-/// Number of kept profiles, a power of 2; and the mark for none.
+/// Number of stored profiles, a power of 2; and the mark for none.
 const KNOWN: usize = 4;
 const UNKNOWN: (usize, f32, f32) = (usize::MAX, 0.0, 0.0);
 /// Profiles per step.
 const LAWS: usize = 4;
-/// Largest number of rounds that lower the acceleration for a block.
+/// Largest number of rounds that lower the acceleration because of a block.
 pub(super) const ROUNDS: u8 = 4;
-/// Longest span made of two, as a part of the ring.
+/// Longest joined span: the depth of the ring divided by this number.
 const PART: usize = 2;
 /// Above this ratio of speeds at the end of a span, another forward pass is worth its work.
 const HARDLY: f32 = 1.004;
-/// Above this ratio of times there is no gain.
+/// Ratio of times above which there is no gain.
 pub(super) const GAIN: f32 = 1.0 - 1.0 / 65_536.0;
 
-/// A limit that a profile exceeds while its speed changes.
+/// A limit that a profile exceeds while the speed changes.
 #[derive(Clone, Copy, Debug)]
 struct Excess {
-    /// Distance of the limit from the end of the span where that change of speed begins or ends.
+    /// Distance between the limit and the end of the span at which this change of speed begins or ends.
     way: f32,
     /// The permitted speed.
     v: f32,
-    /// Twice the acceleration that keeps the limit, without the ramps.
+    /// Twice the acceleration that would keep the limit without ramps.
     a: f32,
-    /// The change of speed up to the limit. The second value is the excess distance, negative.
+    /// The change of speed up to the limit.
     dv: f32,
+    /// [`Law::margin`] at this place. The value is negative, because the profile exceeds the limit.
     margin: f32,
 }
 
@@ -114,10 +118,10 @@ pub(super) enum Step {
     Gather,
     /// Compare the profile with the blocks.
     Compare,
-    /// Search the acceleration (0) or deceleration (1) for the worst limit. [`Ease::less`] is too small with
-    /// the first number, large enough with the second. The last field is the next trial, if known.
+    /// Search the acceleration (0) or deceleration (1) for the worst limit. The first number of
+    /// [`Ease::less`] is too small, the second is large enough. The last field is the next trial, if known.
     Search(usize, [u8; 2], Option<u8>),
-    /// The anchor stays in its place, unless it becomes a valley: see [`super::valley`].
+    /// The anchor stays. Try to move it into the slow block: see [`super::valley`].
     Valley(valley::Step),
 }
 
@@ -125,16 +129,16 @@ pub(super) enum Step {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Trial {
     pub step: Step,
-    /// First block of the first span, the anchor after it, and the end of the second span.
+    /// First block of the first span, the anchor after this span, and the end of the second span.
     pub from: usize,
     pub at: usize,
     pub to: usize,
     pub cursor: Place,
     /// The last anchor with a final speed.
     pub last: usize,
-    /// Both spans. Later the first one is the joined span.
+    /// Both spans. After the comparison begins, the first one is the joined span.
     pub spans: [Span; 2],
-    /// Speeds at their ends.
+    /// Speeds at the ends of both spans.
     pub speeds: [Speed; 3],
     /// Time of the current plan.
     pub time: f32,
@@ -142,38 +146,38 @@ pub(super) struct Trial {
     pub law: Law,
     pub search: Search,
     pub fit: Fit,
-    /// Kept profiles of planned spans: first block, highest speed, time. The index is the remainder of the
+    /// Stored profiles of planned spans: first block, highest speed, time. The index is the remainder of the
     /// first block's number.
     known: [(usize, f32, f32); KNOWN],
-    /// Only anchors whose speed is below their limit.
+    /// Whether this is the first pass, which tries only anchors whose speed is below their limit.
     first: bool,
     /// Whether a removed anchor permits a higher speed at the end of its span: the forward pass runs again.
     pub faster: bool,
 }
 
-/// A block under comparison.
+/// A block that is being compared.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Place {
     pub next: usize,
-    /// Distance from the start, LSB 2^-44 mm.
+    /// Distance from the start of the span, LSB 2^-44 mm.
     pub way: i64,
 }
 
 /// The search for the limits that a profile may use.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Search {
-    /// The worst limits that the profile exceeds while speed rises, and while speed falls.
+    /// The worst limits that the profile exceeds while the speed rises, and while the speed falls.
     worst: [Option<Excess>; 2],
-    /// The last trial, and its margin.
+    /// The last trial and its margin to the limit.
     point: [f32; 2],
     /// Remaining rounds.
     pub rounds: u8,
 }
 
-/// A profile that is fitted to the blocks of one span.
+/// Data to fit a profile to the blocks of one span.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Fit {
-    /// Length of the profile before the first block, LSB 2^-44 mm.
+    /// Length of the profile before its first block, LSB 2^-44 mm.
     pub head: i64,
     /// Whether the span belongs to a valley.
     pub fitting: bool,
@@ -204,8 +208,8 @@ impl Trial {
         Self { last, ..Self::NONE }
     }
 
-    /// The profile of both spans with the acceleration of `ease`; `None` if it does not reach the speed at
-    /// the end. The end speed stays, because later blocks rely on it.
+    /// The profile of both spans with the acceleration of `ease`. Returns `None` if the profile does not
+    /// reach the speed at the end. The end speed stays, because later blocks rely on it.
     fn law(&self, ease: Ease) -> Option<Law> {
         let [v_in, _, v_end] = self.speeds;
         let mut span = self.spans[0];
@@ -213,7 +217,7 @@ impl Trial {
         span.joins(v_in, v_end).then(|| Law::new(&span, v_in, v_end, true))
     }
 
-    /// Drops the kept profiles, because the plan has changed.
+    /// Drops the stored profiles, because the plan has changed.
     pub fn forget(&mut self) {
         self.known = [UNKNOWN; KNOWN];
     }
@@ -228,8 +232,8 @@ impl Trial {
 }
 
 impl Excess {
-    /// The excess over the limit `v` between two distances, and its side: 0 speed rises, 1 speed falls.
-    /// `None` if less acceleration does not help.
+    /// The excess over the limit `v` between two distances. Also returns its side: 0 if the speed rises, 1 if
+    /// the speed falls. Returns `None` if a lower acceleration does not help.
     fn new(law: &mut Law, v: f32, [from, to]: [f32; 2], length: f32) -> Option<(usize, Self)> {
         let [v_in, v_out] = law.ends();
         let (side, way, low, at) = if to <= law.reaches_at() {
@@ -246,8 +250,7 @@ impl Excess {
 
 impl Excess {
     /// Approximate [`Ease::less`] that just keeps the limit. The guess leaves out the ramp at the higher
-    /// speed, and takes the mean of both end speeds as mean speed. With jerk j and time t, a t − a²/(2j) =
-    /// dv.
+    /// speed, and uses the mean of both end speeds as mean speed. With jerk j and time t, a·t − a²/(2j) = dv.
     fn guess(&self, limits: &Limits, side: usize) -> u8 {
         let (a, j) = if side == 0 { (limits.a_up, limits.jerk(0)) } else { (limits.a_down, limits.jerk(3)) };
         let t = 2.0 * self.dv / self.a;
@@ -278,7 +281,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         pass.faster
     }
 
-    /// The ease of the span that begins with this block.
+    /// The ease of the span that begins with the block `from`.
     #[cfg_attr(feature = "fast", inline(always))]
     pub(super) fn ease(&self, from: usize) -> Ease {
         match self.blocks.get(from + 1) {
@@ -287,7 +290,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         }
     }
 
-    /// Limits the highest speed of the span that begins with this block.
+    /// Limits the highest speed of the span that begins with the block `from`.
     pub(super) fn lower_peak(&mut self, from: usize, v: f32) {
         let mut ease = self.ease(from);
         ease.v = v;
@@ -330,8 +333,8 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         false
     }
 
-    /// Whether the span that begins with this block keeps the limits of all its blocks at the highest
-    /// possible speed.
+    /// Whether the span that begins with block `k` keeps the limits of all its blocks at the highest possible
+    /// speed.
     pub(super) fn is_planned(&self, k: usize) -> bool {
         self.blocks.get(k).is_some_and(|block| block.is(Marks::CHECKED) && !block.is(Marks::FLAT))
     }
@@ -345,7 +348,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         }
     }
 
-    /// Keeps the anchor.
+    /// Keeps the anchor and ends its trial.
     fn keep_anchor(&mut self, pass: &mut Trial) {
         if self.blocks.get(pass.at).is_some_and(|block| block.may_have_valleys()) {
             if pass.first && !pass.fit.fitting {
@@ -360,7 +363,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         self.pass_anchor(pass);
     }
 
-    /// Moves on behind the anchor, which is not tried again.
+    /// Goes on to the next anchor; the current one is not tried again.
     pub(super) fn pass_anchor(&mut self, pass: &mut Trial) {
         if let Some(block) = self.blocks.get_mut(pass.at) {
             block.joint.close();
@@ -399,7 +402,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         let (before, time) = self.law_of(pass, pass.from, first, [speeds[0], speeds[1]]);
         let (behind, time_behind) = self.law_of(pass, pass.at, second, [speeds[1], speeds[2]]);
         let v = speed_f32(speeds[1].to_bits()) * RISE;
-        // Unless the anchor could be faster than planned, for the part before a valley.
+        // Unless the anchor could be faster than planned: then it may become the part before a valley.
         let slow = self.blocks.get(pass.at).is_some_and(|at| at.may_have_valleys() && at.cap() > v);
         if before > v && behind > v && !slow {
             return self.keep_anchor(pass);
@@ -429,7 +432,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         (known.1, known.2)
     }
 
-    /// Compares the profile with the current acceleration with all blocks, if it saves time.
+    /// Begins to compare the profile of the current acceleration with all blocks, if the profile saves time.
     pub(super) fn try_law(&mut self, pass: &mut Trial) {
         match pass.law(pass.ease) {
             Some(law) if law.time() < pass.time => pass.compare(law),
@@ -466,7 +469,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         }
     }
 
-    /// Lowers the highest speed, because the peak lies in a block of this speed.
+    /// Lowers the highest speed to `v`, because the peak lies in a block of this speed.
     fn slow_peak(&mut self, pass: &mut Trial, v: f32) {
         let ends = pass.speeds[0].max(pass.speeds[2]);
         if pass.search.rounds == 0 || v < speed_f32(ends.to_bits()) {
@@ -477,7 +480,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         self.try_law(pass);
     }
 
-    /// Evaluates the comparison with all blocks.
+    /// Evaluates the comparison after all blocks.
     fn compared(&mut self, pass: &mut Trial, valley: &mut Valley) {
         let [up, down] = pass.search.worst;
         if up.is_none() && down.is_none() {
@@ -515,7 +518,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             let less = first.take().unwrap_or(fast + (slow - fast) / 2).max(fast + 1).min(slow - 1);
             let mut ease = pass.ease;
             ease.less[side & 1] = less;
-            // If the profile does not reach the planned speed, it keeps the limit.
+            // A profile that does not reach the planned end speed keeps the limit.
             let margin = pass.law(ease).map_or(f32::MAX, |mut law| law.margin(v, at));
             if margin == f32::MAX {
                 slow = less;
@@ -526,7 +529,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             if margin >= 0.0 {
                 slow = less;
                 if margin < per_step {
-                    // With a margin one step smaller the profile would be too fast.
+                    // The margin one step smaller is too fast.
                     fast = less - 1;
                 }
             } else {
@@ -539,8 +542,8 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         pass.step = Step::Search(side, [fast, slow], first);
     }
 
-    /// Renews the plan: the span that begins with the anchor `block` has changed, and its planned end speed
-    /// is `v_out`. Computes the permitted start speed.
+    /// Updates the plan after a change of the span that begins with the anchor `block`; `v_out` is its
+    /// planned end speed. Computes the permitted start speed.
     pub(super) fn renew(&mut self, block: usize, span: &Span, v_out: Speed) {
         let cap = self.blocks.get(block).map_or(0.0, |block| block.cap());
         if block > 0
@@ -551,7 +554,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         }
     }
 
-    /// Removes the anchor: the profile keeps all limits and is faster.
+    /// Removes the anchor, because the profile keeps all limits and is faster.
     fn do_without(&mut self, pass: &mut Trial) {
         let to = pass.to;
         pass.known[pass.at % KNOWN] = UNKNOWN;

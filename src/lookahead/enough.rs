@@ -1,21 +1,21 @@
-//! How much of the ring may be released while the following blocks are unknown (feature `plc`).
+//! How many blocks the ring may release while the following blocks are unknown (feature `plc`).
 use super::block::{Block, Marks};
 use super::law::length_mm;
 use super::ring::Ring;
 use crate::math::float::min;
 
-/// Number of braking distances that must be known at the end: the transition behind the last block may take a part of
-/// its limits.
+/// Number of braking distances that must be known at the end. The transition after the last block may reserve
+/// a part of its limits.
 pub const WAYS: f32 = 2.0;
 
-/// Spans per call. Each span costs about as much as a block of the plan.
+/// Spans per call. A span costs about as much as a block of the plan.
 const SPANS: usize = 48;
 
 impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
-    /// Whether the current plan releases its first blocks as fast as a longer path would permit.
+    /// Whether the plan makes the blocks to be released as fast as a longer path would.
     ///
-    /// From the end to the front the function follows two speeds: that of a stop at the end, and that of a path that
-    /// continues. In front of the point where both meet, the end does not matter.
+    /// The function follows two speeds from the end to the front: one for a stop at the end, and one for a
+    /// path that continues. Before the place where both speeds meet, the end has no effect.
     pub fn is_long_enough(&self) -> bool {
         let (batch, mut end) = (self.batch(), self.blocks.len());
         let (mut speeds, mut part) = ([0.0, f32::MAX], 1.0 / WAYS);
@@ -48,7 +48,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         false
     }
 
-    /// Marks that the last block is a part of the curve of the block before.
+    /// Marks that the last block and the block before are parts of one curve.
     pub(crate) fn continue_last(&mut self) {
         if let Some(block) = self.blocks.back_mut() {
             block.go_on();

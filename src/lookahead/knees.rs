@@ -1,18 +1,19 @@
-//! Knees of one axis that may show within one tick.
+//! Knees (corners without a curve) of one axis that may fall into one tick.
 //!
-//! A second difference of set points shows a step of speed with a weight that falls from 1 to 0 within a tick on
-//! either side of the step. Steps that are a tick apart or more therefore never show more than the largest of them.
-//! Closer steps add up if they have the same sign; steps of opposite sign show less than either.
+//! A knee is a step of speed. A second difference of set points shows this step with a weight that falls from
+//! 1 to 0 within a tick on either side. So steps that are a tick apart or more never show more than the
+//! largest of them. Closer steps add up if they have the same sign. Steps of opposite sign show less than
+//! each of them.
 //!
-//! Two knees are that close if the block between them takes less than a tick. The speed at a knee alone does not show
-//! this: a block that begins and ends slowly may be quick in between, if its axes have the jerk. In this file such a
-//! block is *short*. The planner adds up the steps of all knees with short blocks between them, per axis and sign.
-//! While the sum is within the limit of one knee of the axis, nothing changes. The first short block that would exceed
-//! the limit is passed at no more than its length per tick. This block then takes a tick, and the sum begins anew
-//! behind it.
+//! Two knees are that close if the block between them takes less than a tick. The speed at a knee does not
+//! tell this: a block with low speeds at its ends may be fast between them, if the jerk of its axes is high.
+//! In this file, such a block is *short*. The planner adds up the steps of all knees with short blocks
+//! between them, per axis and sign. While the sum is within the limit of one knee of the axis, nothing
+//! changes. The first short block that would exceed the limit gets a speed of at most its length per tick.
+//! This block then takes a tick, and a new sum begins after it.
 //!
-//! If the motion enters a short block faster than that, the block cannot take a tick any more. Then the speed at its
-//! end is limited to what the knee at its start leaves.
+//! If the motion enters a short block faster than this speed, the block cannot take a tick any more. Then the
+//! step at the knee after it gets only the rest of the limit, so the speed at this knee is lower.
 //!
 //! STEP has its own rule ([`Dynamics::transition`]).
 use super::append::Last;
@@ -22,19 +23,20 @@ use crate::math::float::{max, min};
 use crate::nc::SlopeType;
 use crate::path::End;
 
-/// A block between two knees takes less than a tick only in two cases. Either it is shorter than this part of
-/// its jerk, or its end speed is above a third of its length per tick, where a knee has at most a fourth of its
-/// part. At a third of its length per tick the motion covers in a tick a third of the length, and a 32nd part
-/// of the jerk.
+/// A block between two knees takes less than a tick only in two cases. In the first case, it is shorter than
+/// this part of its jerk. In the second case, its end speed is above a third of its length per tick; a knee
+/// then has at most a fourth of its part. At this end speed, the motion covers in a tick a third of the
+/// length and a 32nd of the jerk.
 const SHORT: f32 = 0.05;
 
 /// Rounding of a speed at a knee, in `f32`.
 const ROUNDED: f32 = 1.0 + 1.0 / 1_048_576.0;
 
-/// The override level may rise by this factor between two blocks.
+/// The planned override may rise by this factor between two blocks.
 const RISES: f32 = 2.0;
 
-/// Steps of speed of every axis at the last knees that may show together, mm/tick: up, down.
+/// Steps of speed of every axis at the last knees that may fall into one tick with the next one, mm/tick.
+/// First positive steps, then negative ones.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Steps<const AXES: usize> {
     up: [f32; AXES],
@@ -43,17 +45,17 @@ pub(super) struct Steps<const AXES: usize> {
     any: bool,
 }
 
-/// The last block, between two knees.
+/// The last block, which lies between two knees.
 pub(super) struct Between<'a, const AXES: usize> {
     pub last: &'a Last<AXES>,
     pub block: &'a mut Block,
     /// Speed at 100 %, or at the planned override if that is higher, mm/tick.
     pub full: f32,
-    /// Level of all planned speeds.
+    /// Planned override of all planned speeds.
     pub level: f32,
 }
 
-/// The knee behind the block, and the new block.
+/// The knee after the block, and the new block.
 pub(super) struct Knee<'a, const AXES: usize> {
     pub entry: &'a End<AXES>,
     pub rapid: bool,
@@ -73,8 +75,8 @@ impl<const AXES: usize> Steps<AXES> {
         self.any = false;
     }
 
-    /// Speed at which the motion may pass a knee together with the knees before. Alone the knee may be passed at `v`
-    /// mm/tick, at any override.
+    /// Speed at which the motion may pass a knee together with the knees before it. `v` (mm/tick): permitted
+    /// speed of the knee alone, at any override.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn beside(
         &mut self,
@@ -117,7 +119,7 @@ impl<const AXES: usize> Steps<AXES> {
         }
         let v = part * v;
         if is_quick {
-            // Knees before the block's start have a tick of their own.
+            // The knees before the block's start fall into another tick.
             self.begin(&between.last.exit, entry, v);
         } else {
             self.add(&between.last.exit, entry, v);
@@ -125,8 +127,8 @@ impl<const AXES: usize> Steps<AXES> {
         v
     }
 
-    /// The factor for the speed `v`, at most 1, at which no axis exceeds the limit of one knee in any
-    /// direction.
+    /// The factor for the speed `v`, at most 1. With this factor, no axis exceeds the limit of one knee in
+    /// any direction.
     fn part(
         &self,
         exit: &End<AXES>,
@@ -138,8 +140,8 @@ impl<const AXES: usize> Steps<AXES> {
         for (k, (up, down)) in self.up.iter().zip(&self.down).enumerate() {
             let step = v * exit.turn(entry, k);
             let (before, step) = if step > 0.0 { (*up, step) } else { (*down, -step) };
-            // A knee that uses all of the limit may exceed it by rounding: a negligible step is still
-            // permitted beside it.
+            // A knee that uses all of the limit may exceed it by rounding. A negligible step is still
+            // permitted in addition.
             let left = max(ROUNDED * dynamics.knee(k, rapid) - before, 0.0);
             if before > 0.0 && left < part * step {
                 part = left / step;
@@ -162,8 +164,8 @@ impl<const AXES: usize> Steps<AXES> {
 }
 
 impl<const AXES: usize> Between<'_, AXES> {
-    /// Lowers the speed of the block to its length per tick, at any override. Returns `false` and changes nothing if
-    /// the motion enters the block faster, or with acceleration.
+    /// Lowers the speed of the block to its length per tick, at any override. Returns `false`, and changes
+    /// nothing, if the motion enters the block faster, or with acceleration.
     fn take_a_tick(&mut self) -> bool {
         let Self { last, block, full, level } = self;
         let range = block.override_range.lowered(*full, max(*level, 1.0), last.length);

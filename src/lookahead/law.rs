@@ -8,7 +8,7 @@ use crate::slope::limits::Limits;
 use crate::slope::profile::peak_above;
 use crate::slope::ramp::Ramp;
 
-/// Consecutive blocks without an anchor between them.
+/// Consecutive blocks without an anchor between them; one profile covers them.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Span {
     /// Path length, LSB 2^-44 mm.
@@ -30,25 +30,26 @@ pub(super) struct Law {
     length: f32,
     /// Whether the braking is final.
     firm: bool,
-    /// The limit of the last query, and the distances where the profile reaches and leaves it.
+    /// The limit of the last query, and the distances at which the profile reaches and leaves this limit.
     asked: [f32; 3],
 }
 
 /// Steps of the search for an end speed.
 const LEAVE_STEPS: usize = 24;
 
-/// Below this ratio of speeds there is no rise.
+/// A higher speed counts as a rise only above this ratio.
 pub(super) const RISE: f32 = 1.0 + 1.0 / 1024.0;
 
 /// Accuracy of a distance in a span, as a part of the span's length.
 const DISTANCE: f32 = 1.0 / 1_048_576.0;
 
 impl Span {
-    /// No block.
+    /// A span without blocks.
     pub const NONE: Self = Self { length: 0, limits: Limits::WIDEST, kept: false };
 
     #[cfg_attr(feature = "fast", inline(always))]
-    /// Adds a block. `share`: more blocks may follow, and their transition may need its part of the limits.
+    /// Adds a block. `share` is given for the last block of the ring, if more blocks may follow. It holds the
+    /// limits that the transition at the end of this block leaves to the speed profile.
     pub fn add(&mut self, block: &Block, share: Option<&Share>) {
         match share {
             None if self.length == 0 => self.limits = block.limits(),
@@ -79,7 +80,7 @@ impl Span {
         self.length += length;
     }
 
-    /// Removes a piece at an end.
+    /// Removes a piece from an end of the span.
     pub fn shorten(&mut self, length: i64) {
         self.kept = true;
         self.length -= length;
@@ -100,7 +101,7 @@ impl Span {
         faster(ramp, self.millimetres(), low, cap)
     }
 
-    /// Highest speed at the span's start, at most `cap`, from which the span can brake to `v_out`. The ease
+    /// Highest speed at the span's start, at most `cap`, from which the span can brake to `v_out`. The margin
     /// of the span may lower its highest speed below `cap`.
     pub fn enter(&self, v_out: Speed, cap: f32) -> Speed {
         let mut room = None;
@@ -108,12 +109,12 @@ impl Span {
         self.faster(&limits.brake(), v_out, min(cap, limits.v))
     }
 
-    /// Highest speed at the span's end, at most `next`; `None` if the span is too short to stop.
+    /// Highest speed at the span's end, at most `next`. Returns `None` if the span is too short to stop.
     pub fn leave(&self, v_in: Speed, next: Speed) -> Option<Speed> {
         leave(&self.limits, self.length, self.kept, v_in, next)
     }
 
-    /// Whether the limits permit both speeds, and the length suffices to change from one to the other.
+    /// Whether the limits permit both speeds, and the length suffices for the change between them.
     pub fn joins(&self, v_in: Speed, v_out: Speed) -> bool {
         let (low, high) = (v_in.min(v_out), v_in.max(v_out));
         let mut room = None;
@@ -170,12 +171,12 @@ impl Law {
         self.up.time(gained) + self.down.time(lost) + max(self.length - way, 0.0) / self.peak
     }
 
-    /// Distance at which the gain of speed ends.
+    /// Distance at which the gain of speed ends, mm.
     pub fn reaches_at(&self) -> f32 {
         self.up.distance(self.v_in, self.peak - self.v_in)[0]
     }
 
-    /// Distance at which the braking begins.
+    /// Distance at which the braking begins, mm.
     pub fn brakes_at(&self) -> f32 {
         self.length - self.down.distance(self.v_out, self.peak - self.v_out)[0]
     }
@@ -185,7 +186,7 @@ impl Law {
         self.peak > self.v_out * RISE
     }
 
-    /// Whether speed stays at or below `v` between the distances `from` and `to` from its start.
+    /// Whether the speed stays at or below `v` between the distances `from` and `to` from the span's start.
     #[inline]
     pub fn keeps(&mut self, v: f32, from: f32, to: f32) -> bool {
         if v >= self.peak {
@@ -196,8 +197,8 @@ impl Law {
         to + near <= reached || (self.firm && from - near >= left)
     }
 
-    /// Distance from `at` to the point where the profile reaches the speed `v`, or from where it leaves that speed to
-    /// `at`; negative where the profile is faster.
+    /// Distance between `at` and the place where the profile reaches the speed `v` after `at`, or leaves this
+    /// speed before `at`. The result is negative if the profile is faster at `at`.
     pub fn margin(&mut self, v: f32, at: f32) -> f32 {
         if v >= self.peak {
             return f32::MAX;
@@ -208,7 +209,7 @@ impl Law {
         if self.firm { max(before, (at - near) - left) } else { before }
     }
 
-    /// Distances at which the profile reaches a speed below its peak, and leaves it.
+    /// Distances at which the profile reaches and leaves a speed below its peak.
     pub fn passes(&mut self, v: f32) -> [f32; 2] {
         if self.asked[0] != v {
             let reached = self.up.passes(self.v_in, self.peak - self.v_in, v - self.v_in);
@@ -219,9 +220,9 @@ impl Law {
     }
 }
 
-/// Highest speed at the end of a span, at most `next`, that can be reached from `v_in`; `None` if the span is too
-/// short even for a stop. The result is a speed that can be stored ([`super::planned`]), or `v_in`. `kept`: the
-/// speed at the span's start may have been planned for another end speed.
+/// Highest speed at the end of a span, at most `next`, that can be reached from `v_in`. Returns `None` if the
+/// span is too short even for a stop. The result is a speed that can be stored ([`super::planned`]), or
+/// `v_in`. `kept`: the speed at the span's start may have been planned for another end speed.
 #[cfg_attr(feature = "fast", inline(always))]
 pub(super) fn leave(limits: &Limits, length: i64, kept: bool, v_in: Speed, next: Speed) -> Option<Speed> {
     let length = to_f32(length) * DISTANCE_LSB;
@@ -232,14 +233,14 @@ pub(super) fn leave(limits: &Limits, length: i64, kept: bool, v_in: Speed, next:
         if v >= next {
             return Some(next);
         }
-        // Not below the start speed: there may be no room for a lower one.
+        // Not below the start speed, because the length may not suffice for a lower speed.
         return Some(if v > v_in { settled(v).max(v_in) } else { v });
     }
     if kept { slow_down(limits, length, v_in, next) } else { Some(next) }
 }
 
 /// Speed at the end of a span that starts at `v_in` and brakes: `next`, or the highest lower speed that the
-/// length permits. `None` if there is none.
+/// length permits. Returns `None` if there is no such speed.
 #[inline(never)]
 fn slow_down(limits: &Limits, length: f32, v_in: Speed, next: Speed) -> Option<Speed> {
     let brake = limits.loose_brake();
@@ -247,7 +248,7 @@ fn slow_down(limits: &Limits, length: f32, v_in: Speed, next: Speed) -> Option<S
     if possible(next) {
         return Some(next);
     }
-    // The start speed was planned with a lower end speed, to which braking is quicker.
+    // The start speed was planned with a lower end speed, which needs less braking distance.
     let (mut low, mut high) = (0, next.to_bits());
     for _ in 0..LEAVE_STEPS {
         let middle = settled(Speed::from_bits(low + (high - low) / 2)).to_bits();
@@ -277,10 +278,11 @@ fn loses(brake: &Ramp, length: f32, v_in: Speed, v_out: Speed) -> bool {
     v_out.to_bits().saturating_add(gain).saturating_add(gain >> 21) >= v_in.to_bits()
 }
 
-/// Highest speed, at most `cap`, from which a ramp leads to `low` within a length in mm, or vice versa.
+/// Highest speed, at most `cap`, from which a ramp leads to `low` within `length` (mm), or from which a ramp
+/// leads up from `low`.
 ///
-/// The change of speed is rounded, not the speed. At high speed over short blocks the change is far below the
-/// speed's LSB in `f32`.
+/// The change of speed is rounded, not the speed. At high speed over short blocks, the change is far below
+/// the LSB of the speed in `f32`.
 #[cfg_attr(feature = "fast", inline(always))]
 pub(super) fn faster(ramp: &Ramp, length: f32, low: Speed, cap: f32) -> Speed {
     let cap = speed_bits(cap);
@@ -290,7 +292,7 @@ pub(super) fn faster(ramp: &Ramp, length: f32, low: Speed, cap: f32) -> Speed {
     Speed::from_bits(low.to_bits().saturating_add(ramp_gain(ramp, low, length)).min(cap))
 }
 
-/// Change of speed from `low` on, rounded down by 2^-21.
+/// Change of speed from `low` on within `length`, rounded down by 2^-21.
 #[cfg_attr(feature = "fast", inline(always))]
 fn ramp_gain(ramp: &Ramp, low: Speed, length: f32) -> i64 {
     speed_bits(ramp.reach(speed_f32(low.to_bits()), length))

@@ -10,11 +10,11 @@
 //! A higher end speed may lower the start speed that the first rule permits. The earlier planned start speed then
 //! stays, and the end speed is lowered when the ring releases the block.
 //!
-//! With HSC, acceleration may pass a transition. With TRAPEZ and SIN2, acceleration may pass if the transition is
-//! tangential and both blocks have the same limits, as in a circle of several arcs, or if both are elements of one
-//! curve. The blocks on both sides then belong to one *span*: one speed profile covers them. Transitions between
-//! spans are *anchors*: acceleration is zero there. `span` decides which transitions are anchors, and `ease` removes
-//! some of them.
+//! With HSC, acceleration may pass a transition. With TRAPEZ and SIN2, acceleration may pass in two cases. In
+//! the first case, the transition is tangential and both blocks have the same limits, as in a circle of
+//! several arcs. In the second case, both blocks are elements of one curve. The blocks on both sides then
+//! belong to one *span*: one speed profile covers them. Transitions between spans are *anchors*: acceleration
+//! is zero there. `span` decides which transitions are anchors, and `ease` removes some of them.
 //!
 //! The backward pass runs when the ring is full, a few blocks per call. The pass ends early at the first transition
 //! whose speed did not change. Then the ring releases a quarter of its blocks.
@@ -101,11 +101,12 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Lookahead<'a, AXES, BLOCKS> {
         *self.plan = Plan::NONE;
     }
 
-    /// Plans the speeds for another override (`level`). Call it only before a pass begins.
+    /// Plans the speeds for another override (`level`). Call this function only before a pass begins.
     ///
-    /// The first block starts at `v_in`. Its start is planned for a speed up to `most`, so that the speed which an
-    /// override has taken may return. Returns `false` without any change if `v_in` is too fast for a lower level.
-    /// The old plan stays possible. [`Self::complete_level`] completes a lower level.
+    /// The first block starts at `v_in`. Its start is planned for a speed up to `most`, so that the speed can
+    /// rise again after a low override. Returns `false`, and changes nothing, if `v_in` is too fast for a
+    /// lower override. The motion can still follow the old plan. [`Self::complete_level`] completes a change
+    /// to a lower override.
     pub fn set_level(&mut self, level: f32, [v_in, most]: [Speed; 2]) -> bool {
         if level >= self.ring.level() {
             self.ring.raise(level);
@@ -120,7 +121,8 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Lookahead<'a, AXES, BLOCKS> {
         true
     }
 
-    /// Lowers the planned speeds to the new level. Call it before anything else is done with the ring.
+    /// Lowers the planned speeds to the new override. Call this function before any other function of the
+    /// ring.
     pub fn complete_level(&mut self) {
         self.ring.lower_planned();
     }
@@ -130,8 +132,8 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Lookahead<'a, AXES, BLOCKS> {
         self.ring.lowering.is_some()
     }
 
-    /// Begins a plan of the whole ring. `open`: blocks may follow the last one, and their transition may need
-    /// its part of the limits. This part must not lower the current plan.
+    /// Begins a plan of the whole ring. `open`: blocks may follow the last one, and their transition may
+    /// reserve a part of its limits. This part must not lower the current plan.
     pub fn begin_pass(&mut self, open: bool) {
         self.ring.begin_pass(open);
         self.plan.begin(&mut self.ring);
@@ -142,7 +144,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Lookahead<'a, AXES, BLOCKS> {
         self.plan.step(&mut self.ring).then(|| self.ring.ready())
     }
 
-    /// Sets the start speed of the first block to `v_in`, at most the planned speed.
+    /// Sets the start speed of the first block to `v_in`, or to the planned speed if that is lower.
     pub fn start_at(&mut self, v_in: Speed) {
         self.ring.start_at(v_in, !self.plan.is_done());
     }

@@ -7,52 +7,56 @@
 //! | 2 | as 1 while the speed is reduced, as 0 otherwise |
 //!
 //! v_prog is the programmed feed. v_max is the limit of the machine on the block; no speed exceeds v_max.
-//! While the speed is reduced, min(v_prog, v_max) in mode 0 and v_max in mode 1 are at most the speed at
-//! which every axis keeps its P-AXIS-00214. In rapid motion v_prog is v_max.
+//! Reduced speed limits min(v_prog, v_max) in mode 0, and v_max in mode 1. The limit is the speed at which
+//! every axis keeps its P-AXIS-00214. In rapid motion, v_prog is v_max.
 //!
-//! The ring is planned for a *level*. The level follows the override when a plan begins. The level is at least 100
-//! %; in mode 1, where the override counts for the programmed feed alone, it is the current override, at least 25
-//! %. A lower speed is decided when the profile of a span is made, so a falling override acts at once, and every
-//! planned speed stays possible. The level falls when the motion enters the ring at that part of the planned speed
-//! ([`super::Lookahead::set_level`]). Arcs and curves know their limits for the level at which they entered the
-//! ring, at least 100 %. Only new blocks exceed that speed.
+//! The ring is planned for a *level*, the planned override. When a plan begins, the level follows the
+//! override. The level is at least 100 %. In mode 1, where the override acts on the programmed feed only, the
+//! level is the current override, at least 25 %. The profile of a span applies an override below the level,
+//! so a falling override acts at once, and every planned speed stays possible. The level falls when the
+//! motion enters the ring at a speed that is low enough ([`super::Lookahead::set_level`]). Arcs and curves
+//! know their limits for the level at which they entered the ring, at least 100 %. Only new blocks exceed
+//! that speed.
 //!
-//! A span of HSC has blocks of several speeds, and a profile that keeps each limit in its place. With an override
-//! below the level, the span uses this profile at a part of its speed, s(t · part). All accelerations are then
-//! smaller, and no block is faster than its part. The start speed of the span must be the same part of its planned
-//! speed, so such spans also end at that part, whatever P-CHAN-00066 says. After a hold or a change of override,
-//! the rest of a span uses a profile below the planned one ([`ReleasedSpan::go_on`]). While the speed is reduced,
-//! or if there is no such profile, the slowest block is the limit.
+//! A span of HSC has blocks of several speeds, and a profile that keeps each limit in its place. With an
+//! override below the level, the span uses this profile at a part of its speed, s(t · part). All
+//! accelerations are then lower, and each block has its part of the speed. The start speed of the span must
+//! be the same part of its planned speed. So such spans also end at that part, with any P-CHAN-00066. After a
+//! hold or a change of override, the rest of a span uses a profile below the planned one
+//! ([`ReleasedSpan::go_on`]). While the speed is reduced, or if there is no such profile, the slowest block
+//! limits the speed.
 //!
-//! Reduced speed holds for the whole ring: no span is faster than the slowest known block may be. So there is
-//! always time to brake to the speed of the next block.
+//! Reduced speed limits the whole ring: no span is faster than the reduced speed of the slowest known block.
+//! So there is always time to brake to the speed of the next block.
 //!
-//! A *cap* is a speed that no span exceeds, whatever the commands are. From a higher speed no stop fits into the
-//! memory of [`crate::queue::Keeper`]. A cap acts like a lower feed, but on rapid motion too.
+//! A *cap* is a speed limit for all spans, for any command. From a higher speed, no stop has room in the
+//! memory of [`crate::queue::Keeper`]. A cap acts like a lower feed, and also limits rapid motion.
 //!
-//! An override alone makes no span last longer than 2^26 ticks: at this time the override has no further
-//! effect. Reduced speed is a limit and has no such bound.
+//! An override alone makes no span longer than 2^26 ticks: a lower override has no further effect. Reduced
+//! speed is a limit, without such a bound.
 use super::ReleasedSpan;
 use crate::control::{Commands, FULL_OVERRIDE};
 use crate::dynamics::OverrideRange;
 use crate::math::float::{max, min, to_f32};
 use crate::quantity::{Speed, speed_f32};
 
-/// The lowest reduced speed of the last blocks: of at least one ring length, and at most two.
+/// The lowest reduced speed of the last blocks. Their number is between one and two ring lengths.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Slowest {
-    /// Lowest reduced speed of all these blocks.
+    /// Lowest reduced speed of all counted blocks.
     pub least: f32,
-    /// Number of counted blocks; the lowest speeds of these blocks, and of a ring length before them.
+    /// Number of blocks in the current group; a full group has as many blocks as the ring.
     blocks: usize,
+    /// Lowest reduced speed of the current group.
     now: f32,
+    /// Lowest reduced speed of the group before.
     before: f32,
 }
 
 impl Slowest {
     pub const NONE: Self = Self { least: f32::MAX, blocks: 0, now: f32::MAX, before: f32::MAX };
 
-    /// Adds a block with the speed `v`, planned for a level.
+    /// Adds a block with the speed `v`, planned for the override `level`.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn take(&mut self, override_range: OverrideRange, v: f32, level: f32, depth: usize) {
         if override_range.is_reduced() || self.least < f32::MAX {
@@ -73,18 +77,19 @@ impl Slowest {
     }
 }
 
-/// A profile runs at its planned speed times a factor. The profile of the slowest block is used below this
-/// part of that speed.
+/// A profile may be scaled by the override so far that it is slower than this part of the slowest block's
+/// speed. The profile of the slowest block then replaces it.
 const SLOWER: f32 = 0.75;
-/// Two factors that differ by less count as equal: roundings add up from span to span.
+/// Factors with a smaller ratio count as equal, because roundings add up from span to span.
 const SAME: f32 = 1.0 + 1.0 / 262_144.0;
 /// The same margin, doubled.
 const LESS: f32 = 1.0 - 1.0 / 131_072.0;
 
-/// The lowest level. A released span keeps its level, and must end in time when the override rises.
+/// The lowest planned override. A released span keeps its planned override, and must end in time when the
+/// override rises.
 const LEAST_LEVEL: f32 = 0.25;
 
-/// Path distance (LSB 2^-44 mm) per speed (mm/tick) of a block of 2^26 ticks.
+/// Ratio of path distance (LSB 2^-44 mm) to speed (mm/tick) of a block that takes 2^26 ticks.
 pub(crate) const SLOWEST: f32 = (1u64 << 44) as f32 * (1u64 << 26) as f32;
 
 /// The current override and reduced speed, and the highest speed from which a stop is possible.
@@ -103,14 +108,14 @@ pub struct Pace {
 }
 
 impl Pace {
-    /// 100 %, with a mode of P-CHAN-00066.
+    /// The pace for 100 % override, with a mode of P-CHAN-00066.
     pub const fn new(mode: u8) -> Self {
         let cap = f32::MAX;
         Self { over: 1.0, mode, reduced: false, free: true, cap, key: Self::word(1.0, false, cap) }
     }
 
-    /// The pace as one word, without P-CHAN-00066, which is constant for the channel. With a cap, two of 2^32
-    /// paces may share a word. Then a profile stays unchanged, inside all limits.
+    /// The pace as one word, without P-CHAN-00066, which is constant for the channel. With a cap, two
+    /// different paces may rarely give the same word. Then a profile stays unchanged, inside all limits.
     pub const fn key(&self) -> u32 {
         self.key
     }
@@ -141,7 +146,7 @@ impl Pace {
         self.cap < span.limits.v
     }
 
-    /// Follows the operator's commands; an override of 0 changes nothing.
+    /// Applies the operator's commands; an override of 0 changes nothing.
     pub fn follow(&mut self, commands: &Commands) {
         if commands.feed > 0 {
             self.over = f32::from(commands.feed) / f32::from(FULL_OVERRIDE);
@@ -150,12 +155,12 @@ impl Pace {
         self.renew();
     }
 
-    /// The level for these commands.
+    /// The planned override for the current commands.
     pub fn level(&self) -> f32 {
         if self.is_of_program() { max(LEAST_LEVEL, self.over) } else { max(1.0, self.over) }
     }
 
-    /// Whether every plan for `level` runs at its planned speed.
+    /// Whether a plan for the override `level` runs at its planned speed.
     #[cfg_attr(feature = "fast", inline(always))]
     fn is_full(&self, level: f32) -> bool {
         self.over == level && self.free && (level >= 1.0 || self.mode == 1)
@@ -168,7 +173,7 @@ impl Pace {
             || (self.cap < f32::MAX && self.is_planned_below(span))
     }
 
-    /// The same if there is a cap: whether the cap has no effect on the span.
+    /// As [`Self::is_planned`], if there is a cap.
     #[cold]
     #[inline(never)]
     fn is_planned_below(&self, span: &ReleasedSpan) -> bool {
@@ -184,7 +189,7 @@ impl Pace {
         min(v, span.slow.ceiling)
     }
 
-    /// The speed below which an override alone slows no span.
+    /// Speed limit below which an override alone does not slow the span.
     fn slowest(&self, span: &ReleasedSpan) -> f32 {
         let v = if span.is_uneven() { max(span.slow.shared, span.slow.cruise) } else { span.limits.v };
         let full = if span.level < 1.0 { v / span.override_range.raised(span.level) } else { v };
@@ -202,8 +207,9 @@ impl Pace {
         self.reduce(span, max(v * part, slowest), slowest)
     }
 
-    /// The current factor for the speed of a span with several feeds, entered at the speed `v_in`. `None` if the
-    /// slowest feed is the limit instead: from another start speed the profile would not keep all feeds.
+    /// The current factor for the speed of a span with several feeds, entered at the speed `v_in`. Returns
+    /// `None` if the slowest feed limits the span instead: from another start speed, the profile would not
+    /// keep all feeds.
     pub fn stretch(&self, span: &ReleasedSpan, v_in: Speed) -> Option<f32> {
         if !span.is_uneven() || span.slow.ceiling < f32::MAX || self.reduced || self.is_capped(span) {
             return None;
@@ -215,13 +221,14 @@ impl Pace {
             speed_f32(v_in.to_bits()) / speed_f32(span.v_in.to_bits())
         };
         let as_planned = span.checked.now() && v_in <= span.v_in;
-        // A profile far below its possible speed may still be faster than the slowest block.
+        // A profile far below its planned speed may be faster than the slowest block.
         let slower = if self.is_planned(span) { f32::MAX } else { most * SLOWER };
         let fast = slower <= begins || span.slow.shared < 0.5 * begins * span.limits.v;
         (as_planned && fast && begins <= most * SAME).then(|| min(begins, 1.0))
     }
 
-    /// The current factor for the speed of the rest of a span; `None` if its slowest block is the limit.
+    /// The current factor for the speed of the rest of a span. Returns `None` if the slowest block limits the
+    /// rest.
     pub fn steady(&self, span: &ReleasedSpan) -> Option<f32> {
         if self.is_planned(span) {
             return Some(1.0);
@@ -229,8 +236,8 @@ impl Pace {
         (!self.reduced && !self.is_capped(span)).then(|| self.part(span.level))
     }
 
-    /// The current factor for the end speed of HSC spans. It is the same for all spans, so that the next span
-    /// starts as planned. The value is a little lower, to leave room for rounding.
+    /// The current factor for the end speed of HSC spans. The factor is the same for all spans, so that the
+    /// next span starts as planned. It is slightly lower, to leave room for rounding.
     pub fn part(&self, level: f32) -> f32 {
         let level = if self.is_of_program() { level } else { max(1.0, level) };
         if self.over >= level { 1.0 } else { self.over / level * LESS }
@@ -241,13 +248,13 @@ impl Pace {
         self.reduce(span, span.next.v * self.factor(span.next.override_range, span.level), 0.0)
     }
 
-    /// Whether the override counts for the programmed feed alone.
+    /// Whether the override acts on the programmed feed only (mode 1).
     fn is_of_program(&self) -> bool {
         self.mode == 1 || (self.mode == 2 && self.reduced)
     }
 
-    /// Lowers `v` to the reduced speed. Neither override nor cap lowers the speed below `slowest`, so a span
-    /// is never slower than can be planned.
+    /// Lowers `v` to the current limits. Neither override nor cap lowers the speed below `slowest`, so that a
+    /// profile of the span is always possible.
     fn reduce(&self, span: &ReleasedSpan, v: f32, slowest: f32) -> f32 {
         let v = min(v, max(self.cap, slowest));
         if !self.reduced {
@@ -257,7 +264,7 @@ impl Pace {
         min(v, max(span.v_reduced * over, min(span.v_reduced, slowest)))
     }
 
-    /// The currently permitted part of the speed planned for `level`, at most 1.
+    /// The currently permitted part of a speed that was planned for the override `level`, at most 1.
     fn factor(&self, override_range: OverrideRange, level: f32) -> f32 {
         let [above, below] = override_range.parts();
         let over = if self.is_of_program() { self.over / below } else { self.over };

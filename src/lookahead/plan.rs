@@ -19,16 +19,16 @@ use crate::slope::limits::Limits;
 pub(super) enum Pass {
     /// The plan is complete.
     Done,
-    /// Every transition is an anchor: a pass from the end to the front. The fields are the remaining blocks,
-    /// and the speed at the end of the last of them.
+    /// Every transition is an anchor: a pass over single blocks from the end to the front. Fields: number of
+    /// remaining blocks, and speed at the end of the last of them.
     Blocks(usize, Speed),
-    /// A pass from the end to the front: speeds from which the plan can still stop.
+    /// A pass over spans from the end to the front: speeds from which the motion can stop.
     Backward,
-    /// A pass from the front to the end: speeds that can be reached.
+    /// A pass from the front to the end: speeds that the motion can reach.
     Forward,
     /// Compares the blocks of one span with its profile.
     Inside,
-    /// Compares two spans with one profile.
+    /// Tries one profile for two spans.
     Trial,
 }
 
@@ -38,21 +38,21 @@ pub(super) struct Plan {
     pub backward: Backward,
     pub forward: Forward,
     pub inside: Inside,
-    /// Data of the trials of HSC; empty without HSC.
+    /// Data of the trials with two spans of HSC; empty in a build without HSC.
     pub tries: [Tries; functions::HSC.room(1)],
 }
 
 /// Data of trials with two spans.
 pub(super) struct Tries {
     pub trial: Trial,
-    /// The cut of the valley that is being tried.
+    /// The cuts of the valley that is being tried.
     pub valley: Valley,
 }
 
 /// Blocks per call. A block takes about 500 instructions; with fewer blocks the call itself would cost as
 /// much.
 const STEPS: usize = 16;
-/// Work of one call with spans, LSB about 32 instructions. The call itself costs 1,000 instructions.
+/// Work of one call with spans, in units of about 32 instructions. The call itself costs 1,000 instructions.
 const WORK: usize = 520;
 
 /// Subtracts work from the budget of the call.
@@ -138,7 +138,7 @@ impl Plan {
         }
     }
 
-    /// Makes every speed final.
+    /// Makes every speed final, even if a pass is not complete.
     pub fn complete<const AXES: usize, const BLOCKS: usize>(&mut self, ring: &mut Ring<'_, AXES, BLOCKS>) {
         ring.scope.end = ring.blocks.len();
         ring.scope.free = None;
@@ -167,10 +167,10 @@ impl Plan {
             let share = ring.tail.share(last && ring.scope.open);
             let v = enters(block, share, v_out);
             let (v, settled) = (Planned::below(v), settled(v));
-            // With zero acceleration at both ends, braking by a smaller amount may need more length. If the
-            // largest acceleration is not reached, the distance from v to w goes with (v + w)·√(v − w), which
-            // grows with w up to about v/2. A speed that was planned with a lower end speed stays possible,
-            // and is not withdrawn.
+            // With zero acceleration at both ends, a smaller braking may need more length. If the largest
+            // acceleration is not reached, the distance from v to w is proportional to (v + w)·√(v − w). This
+            // distance grows with w up to about v/2. A speed that was planned with a lower end speed is still
+            // possible, and is kept.
             block.marks.set(Marks::KEPT, v < block.v_in);
             if v <= block.v_in {
                 if left <= ring.scope.until {
@@ -218,19 +218,19 @@ fn enters_with(limits: &Limits, block: &Block, v_out: Speed) -> Speed {
 }
 
 impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
-    /// Raises the start speed of the first block to the value that its end permits.
+    /// Raises the start speed of the first block, as far as the speed at its end permits.
     fn raise_first(&mut self, v_out: Speed) {
         let last = self.scope.open && self.blocks.len() == 1;
         let share = self.tail.share(last);
         let Some(block) = self.blocks.front_mut() else { return };
-        // That speed was decided with another end speed.
+        // The start speed was decided with another end speed.
         block.marks.set(Marks::KEPT, true);
         let Some(reach) = self.scope.free.take() else { return };
         self.start = enters(block, share, v_out).min(reach).max(self.start);
     }
 
-    /// How many blocks may be released: all if none follows, otherwise the spans that begin in the first
-    /// quarter.
+    /// Number of blocks that may be released: all blocks if none follows, otherwise the spans that begin in
+    /// the first quarter.
     pub(super) fn ready(&self) -> usize {
         if !self.scope.open {
             return self.blocks.len();

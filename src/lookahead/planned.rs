@@ -5,14 +5,14 @@
 //! exception: it begins with the actual speed of the motion ([`super::ring::Ring`]).
 use crate::quantity::Speed;
 
-/// A planned speed, or none. Planned speeds compare as speeds do; none is below all of them.
+/// A planned speed, or none. Planned speeds have the order of speeds; none is below all of them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Planned(u32);
 
 /// Number of bits after the first one.
 const BITS: u32 = 26;
 
-/// Number of bits by which a speed, not negative, exceeds the format.
+/// Number of low bits that do not fit into the format, for a speed that is not negative.
 #[cfg_attr(feature = "fast", inline(always))]
 const fn beyond(bits: i64) -> u32 {
     (i64::BITS - BITS - 1).saturating_sub(bits.leading_zeros())
@@ -40,11 +40,11 @@ impl Planned {
             return Self::NONE;
         }
         let beyond = beyond(bits);
-        // The first bit counts as one of the exponent. Exponents end at 37, which leaves a value for none.
+        // The first bit counts in the exponent. Exponents end at 37, so a value is free for none.
         Self((beyond << BITS) + (bits >> beyond) as u32 + 1)
     }
 
-    /// The speed; [`super::block::UNPLANNED`], below zero, for none.
+    /// The speed; [`super::block::UNPLANNED`], a negative speed, for none.
     #[cfg_attr(feature = "fast", inline(always))]
     pub const fn speed(self) -> Speed {
         let Some(bits) = self.0.checked_sub(1) else { return super::block::UNPLANNED };
@@ -52,7 +52,8 @@ impl Planned {
         Speed::from_bits(((bits - (beyond << BITS)) as i64) << beyond)
     }
 
-    /// [`Self::below`] as a function call, which takes less flash: for callers that do not ask each block.
+    /// [`Self::below`] as a function call, which takes less flash. For callers that do not go through all
+    /// blocks.
     #[inline(never)]
     pub const fn below_by_call(v: Speed) -> Self {
         Self::below(v)

@@ -1,4 +1,4 @@
-//! The span that the ring releases: the whole span at its front.
+//! The span that the ring releases at its front.
 use super::block::{AnchorMarks, Block, Marks};
 use super::ease::Ease;
 use super::law;
@@ -18,32 +18,32 @@ pub struct ReleasedSpan {
     pub length: Distance,
     /// Limits that all blocks permit, with the highest of the block speeds.
     pub limits: Limits,
-    /// Deceleration that all blocks permit, also in a curve with CONST_VEL. The deceleration of a profile may
-    /// be lower: `limits`.
+    /// Deceleration that all blocks permit, also in a curve with CONST_VEL. The deceleration of the planned
+    /// profile may be lower: `limits`.
     pub a_down: f32,
-    /// Limits of its blocks below their highest speed.
+    /// Limits of those blocks that are slower than the span's highest speed.
     pub slow: Slow,
-    /// Speed at its start.
+    /// Speed at the start of the span.
     pub v_in: Speed,
-    /// Speed at its end.
+    /// Speed at the end of the span.
     pub v_out: Speed,
-    /// Whether all blocks keep their limits with these speeds.
+    /// Whether all blocks keep their limits with the speeds at both ends.
     pub checked: Checked,
     /// Turns of the path inside the span, and common properties of the span's blocks.
     pub marks: SpanMarks,
-    /// How the fastest block follows the override.
+    /// How the speed of the fastest block follows the override.
     pub override_range: OverrideRange,
     /// The block after the span.
     pub next: Behind,
     /// Highest speed while the speed is reduced.
     pub v_reduced: f32,
-    /// The override level of all planned speeds.
+    /// The planned override of all planned speeds.
     pub level: f32,
 }
 
-/// Whether all blocks of a span keep their limits with the speeds at its ends: with the current speeds, and with
-/// the speeds at release. If not, the limits hold only up to a speed: the higher one of the span's lowest speed
-/// and its start speed.
+/// Whether all blocks of a span keep their limits, with the current end speeds and with the end speeds at
+/// release. If not, the limits hold only up to a speed: the start speed or the lowest block speed, whichever
+/// is higher.
 #[derive(Clone, Copy, Debug)]
 pub struct Checked(u8);
 
@@ -66,12 +66,12 @@ impl Checked {
         Self(if now { Self::NOW | Self::RELEASED } else { 0 })
     }
 
-    /// Marks that the check does not cover the current speeds.
+    /// Marks that the check does not hold for the current speeds.
     pub const fn lose(&mut self) {
         self.0 &= Self::RELEASED;
     }
 
-    /// Returns to the speeds at release.
+    /// Returns to the check of the speeds at release.
     pub const fn restore(&mut self) {
         *self = Self::at_release(self.released());
     }
@@ -115,17 +115,18 @@ impl SpanMarks {
         self.0 & Self::SMOOTH != 0
     }
 
-    /// Whether a transition has its part of the limits at the start of at least one block.
+    /// Whether a transition at the start of any block reserves its part of the limits.
     pub const fn has_knees(self) -> bool {
         self.0 & Self::KNEES != 0
     }
 
-    /// Whether all of the span trades speed for acceleration: v + a²/2j is at most the speed of the limits.
+    /// Whether the limits of the whole span trade speed for acceleration: v + a²/2j is at most the speed of
+    /// the limits.
     pub const fn trades(self) -> bool {
         self.0 & Self::TRADES != 0
     }
 
-    /// Whether at least some blocks of the span trade speed for acceleration.
+    /// Whether the limits of some blocks of the span trade speed for acceleration.
     pub const fn trades_somewhere(self) -> bool {
         self.0 & Self::BOUGHT != 0
     }
@@ -145,8 +146,8 @@ impl SpanMarks {
 pub struct Slow {
     /// The lowest of the block speeds.
     pub least: f32,
-    /// The lowest speed of the span's blocks, and of slow blocks of which a part is in the span. Set for
-    /// several blocks only.
+    /// The lowest speed of the span's blocks, and of slow blocks with a part in the span. Set only for
+    /// several blocks.
     pub shared: f32,
     /// Highest speed of the rest of the span ([`ReleasedSpan::cruises`]); 0 if unknown.
     pub cruise: f32,
@@ -167,11 +168,11 @@ pub struct GoingOn {
 /// How a new profile below the planned one may accelerate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Gain {
-    /// Without further limits: the planned profile accelerates no more.
+    /// Without further limits: the planned profile does not accelerate any more.
     Free,
-    /// As the planned profile does.
+    /// With the limits of the planned profile.
     Alike,
-    /// As the planned profile does, and acceleration rises with half of the jerk.
+    /// With the limits of the planned profile, and half of the jerk while acceleration rises.
     Gentle,
 }
 
@@ -210,7 +211,7 @@ impl ReleasedSpan {
         level: 0.0,
     };
 
-    /// Takes a higher override level.
+    /// Raises the planned override to `level`.
     pub fn raise(&mut self, level: f32) {
         let risen = |v: f32, h: OverrideRange| max(v, v * (h.raised(level) / h.raised(self.level)) * ROUNDED);
         self.limits.v = risen(self.limits.v, self.override_range);
@@ -223,9 +224,9 @@ impl ReleasedSpan {
         self.blocks > 1 && self.limits.varies() && self.slow.shared < self.limits.v
     }
 
-    /// Highest speed of the span, if the planned profile has reached this speed at the distance `at` and does not
-    /// brake yet. The profile covers `length` from the speed `v_in` on. All blocks from `at` to the braking permit
-    /// that speed. Otherwise 0.
+    /// Constant highest speed of the planned profile, if the profile has this speed at the distance `at` and
+    /// does not brake yet; otherwise 0. The profile covers `length` and begins at the speed `v_in`. All
+    /// blocks from `at` to the braking permit that speed.
     pub fn cruises(&self, length: i64, v_in: Speed, at: i64) -> f32 {
         let span = law::Span { length, limits: self.limits, kept: true };
         let law = law::Law::new(&span, v_in, self.v_out, true);
@@ -233,23 +234,24 @@ impl ReleasedSpan {
         if law.reaches_at() <= at && at <= law.brakes_at() { law.peak() } else { 0.0 }
     }
 
-    /// Conditions for a new profile from the distance `at` on, without acceleration and with the speed `v`. Under
-    /// these conditions the new profile is nowhere faster than the planned profile, which covers `length` from the
-    /// speed `v_in` on. `None`: not known.
+    /// Conditions for a new profile from the distance `at` on, which begins with the speed `v` and zero
+    /// acceleration. With these conditions, the new profile is nowhere faster than the planned profile. The
+    /// planned profile covers `length` and begins at the speed `v_in`. Returns `None` if no conditions are
+    /// known.
     ///
-    /// - Case 1: the planned profile speeds up, is at least as fast, and began no faster than `v`. Condition: the
-    ///   planned highest speed. With the same limits the new profile has at each speed at most the acceleration of
-    ///   the planned one. Both begin to accelerate with the same jerk, the new one at a higher speed, and both end on
-    ///   the curve a² = 2j(v_max − v). So the new profile reaches each speed later, up to the highest one.
-    /// - Case 2: the planned profile speeds up and began faster than `v`. Condition: the planned highest speed, and
-    ///   half of the jerk. The new profile has the larger acceleration only up to the speed v_in + (v_in − v), where
-    ///   both accelerations are equal. If the planned profile reaches its largest acceleration a before, this is so
-    ///   only up to v_in + a²/2j. At this speed the new profile is least late: by at least `at`, and in the second
-    ///   case by (v_in − v − a²/2j)²/2a more.
-    /// - Case 3: the planned profile has its highest speed. Condition: this speed. How the new profile
-    ///   reaches it does not matter.
-    /// - Case 4: the planned profile brakes and is at least as fast. Condition: this speed. A new profile without
-    ///   acceleration has to brake earlier than one that already brakes.
+    /// - Case 1: the planned profile speeds up, is at least as fast, and began at most at the speed `v`.
+    ///   Condition: the planned highest speed. At each speed, the new profile has at most the acceleration of
+    ///   the planned one, because both have the same limits. Both begin to accelerate with the same jerk, the
+    ///   new one at a higher speed. Both end on the curve a² = 2j(v_max − v). So the new profile reaches each
+    ///   speed later.
+    /// - Case 2: the planned profile speeds up and began faster than `v`. Condition: the planned highest
+    ///   speed, and half of the jerk. The new profile has the larger acceleration only up to the speed v_in +
+    ///   (v_in − v), where both accelerations are equal. If the planned profile reaches its largest
+    ///   acceleration a before this speed, then only up to v_in + a²/2j. At this speed, the new profile has
+    ///   its smallest delay. The delay is at least `at`, and in the second case (v_in − v − a²/2j)²/2a more.
+    /// - Case 3: the planned profile has its highest speed. Condition: this speed, with any acceleration.
+    /// - Case 4: the planned profile brakes and is at least as fast. Condition: the current speed. A new
+    ///   profile without acceleration has to brake earlier than a profile that already brakes.
     pub fn go_on(&self, length: i64, v_in: Speed, at: i64, v: Speed) -> Option<GoingOn> {
         let span = law::Span { length, limits: self.limits, kept: true };
         let mut law = law::Law::new(&span, v_in, self.v_out, true);
@@ -266,7 +268,7 @@ impl ReleasedSpan {
         below.then(|| GoingOn { v: law.peak(), gain })
     }
 
-    /// Limits of the span, and the deceleration of a braking that replaces its profile.
+    /// Limits of the span, and the deceleration for a braking in place of its profile.
     pub const fn braking(&self) -> (&Limits, f32) {
         (&self.limits, self.a_down)
     }
@@ -300,8 +302,8 @@ impl ReleasedSpan {
 }
 
 impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
-    /// Decides the end speed of the first span, and returns its first block; `None` if the ring is empty.
-    /// [`Self::drop_first`] removes the blocks.
+    /// Decides the end speed of the first span, and returns the first block. Returns `None` if the ring is
+    /// empty. [`Self::drop_first`] removes the blocks.
     pub fn release(&mut self, release: &mut ReleasedSpan) -> Option<&Block> {
         let ends = Self::span_of(self.blocks_from(0, self.blocks.len()), release, true, Some(self.start))?;
         release.level = self.level;
@@ -315,14 +317,14 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
                 Ends::Otherwise => next.start_at(release.v_out),
             }
         }
-        // The blocks of the span leave the ring before the next query.
+        // The blocks of the span leave the ring before the next call.
         self.start = release.v_out;
         self.scope.stale = false;
         self.blocks.front()
     }
 
-    /// The planned span that begins `at` blocks after the first one, from the last complete plan; `false` if there is
-    /// none. Do not call it while a pass runs.
+    /// The planned span that begins `at` blocks after the first block, from the last complete plan. Returns
+    /// `false` if there is none. Do not call this function while a pass runs.
     pub fn planned(&self, at: usize, release: &mut ReleasedSpan) -> bool {
         release.level = self.level;
         release.v_reduced = self.tail.slowest.least;
@@ -337,8 +339,8 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         Self::span_of(self.blocks_from(at, self.scope.end), release, ends, start).is_some()
     }
 
-    /// The blocks from number `at` up to, not including, number `end`, counted from the front, without a walk
-    /// through the blocks before.
+    /// The blocks from number `at` up to, not including, number `end`, counted from the front. Blocks before
+    /// `at` cost nothing.
     #[cfg_attr(feature = "fast", inline(always))]
     fn blocks_from(&self, at: usize, end: usize) -> impl Iterator<Item = &Block> {
         let (front, back) = self.blocks.as_slices();
@@ -366,14 +368,15 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
 }
 
 impl ReleasedSpan {
-    /// Collects all blocks from the first one on. Returns the block behind them, if there is one.
+    /// Collects all blocks of the span, from the first one on. Returns the block after the span, if there is
+    /// one.
     #[inline(never)]
     fn gather<'a>(&mut self, first: &Block, mut ring: impl Iterator<Item = &'a Block>) -> Option<&'a Block> {
         let mut ease = Ease::NONE;
         let (mut blocks, mut length) = (1u16, first.length());
         let mut v_least = first.speed();
         let mut override_range = first.override_range;
-        // In its place: the stack is deep here.
+        // Written in place, because the stack is deep here.
         self.limits = first.limits();
         let (mut any, mut all) = (first.joint, first.joint);
         let next = loop {
@@ -406,13 +409,14 @@ impl ReleasedSpan {
         next
     }
 
-    /// Sets the end speed and the data of the ends and of the next block. A separate function, so that only one of both
-    /// stack frames exists at a time.
+    /// Sets the end speed, the data of both ends, and the data of the next block. A separate function, so
+    /// that only one of both stack frames exists at a time.
     #[inline(never)]
     fn end(&mut self, first: &Block, next: Option<&Block>, ends: bool) -> Ends {
         let v_in = self.v_in;
         if self.blocks > 1 {
-            // A piece of a slow block beside the span is as slow as their ends.
+            // A lent piece next to the span belongs to a slow block. This block's lowest speed is that of its
+            // ends.
             if first.is_continued() {
                 self.slow.shared = min(self.slow.shared, speed_f32(v_in.to_bits()));
             }
@@ -434,7 +438,7 @@ impl ReleasedSpan {
             as_planned = next.v_in.is_some() && v_out == planned;
         }
         if first.is(Marks::FLAT) {
-            // Whatever its end speeds are, the span may be as fast as all of its blocks.
+            // For any end speeds, the span may be as fast as all of its blocks permit.
             let known = max(self.slow.least, speed_f32(v_in.max(v_out).to_bits()));
             self.limits.v = min(self.limits.v, known);
         }

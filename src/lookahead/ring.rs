@@ -17,25 +17,26 @@ use crate::slope::limits::ROUNDED;
 /// The ring.
 pub struct Ring<'a, const AXES: usize, const BLOCKS: usize> {
     pub(super) blocks: &'a mut Blocks<BLOCKS>,
-    /// Blocks that are in use.
+    /// Number of places for blocks that are used.
     pub(super) depth: usize,
-    /// The override level: planned speeds belong to the programmed feed times this factor.
+    /// The planned override: planned speeds are for the programmed feed times this factor.
     pub(super) level: f32,
-    /// Planned speeds that are still to be multiplied by this factor.
+    /// A factor that has not been applied to the planned speeds yet.
     pub(super) lowering: Option<i64>,
-    /// Speed at the start of the first block, if there is one: any value, where all others are [`Planned`].
+    /// Speed at the start of the first block, if there is one. This speed may have any value; all other
+    /// speeds are [`Planned`].
     pub(super) start: Speed,
     pub(super) tail: Tail<AXES>,
     pub(super) scope: Scope,
     pub(super) counts: Counts,
-    /// Whether blocks are only examined, and none enters the ring.
+    /// Whether blocks are only examined and do not enter the ring.
     #[cfg(feature = "examine")]
     examines: bool,
 }
 
 /// Data of the last blocks for the next block.
 pub(super) struct Tail<const AXES: usize> {
-    /// Kept limits of the last block.
+    /// Stored limits of the last block.
     pub known: Known,
     pub last: Last<AXES>,
     /// Whether the motion stops at the next transition.
@@ -44,32 +45,32 @@ pub(super) struct Tail<const AXES: usize> {
     pub gate: bool,
     /// Path length since the last anchor, LSB 2^-44 mm.
     pub span: i64,
-    /// Since the last anchor, mm/min: the lowest feed of blocks that trade speed for acceleration, and the
-    /// highest of all feeds.
+    /// Two feeds since the last anchor, mm/min: the lowest feed of blocks whose limits trade speed for
+    /// acceleration, and the highest feed of all blocks.
     pub feeds: [f32; 2],
-    /// The last blocks that fall into one tick.
+    /// The last consecutive blocks, to limit the blocks per tick.
     pub row: Row,
-    /// The last knees that may fall into one tick with the next one.
+    /// Steps of speed at the last knees that may fall into one tick with the next knee.
     pub steps: Steps<AXES>,
     /// The lowest reduced speed of the last blocks.
     pub slowest: Slowest,
-    /// The block from which the last block was cut off.
+    /// Data of the arc whose end is the last block.
     pub run_out: RunOut,
 }
 
-/// What the ring knows of the block before the next one.
+/// What the ring knows about the block before the next one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Known {
     Nothing,
-    /// The end of the block: the block has left.
+    /// The end of the block; the block has left the ring.
     Exit,
-    /// The whole block: it is the last one in the ring.
+    /// The whole block; it is the last one in the ring.
     Block,
 }
 
 /// The extent of the next plan, and the result of the last one.
 pub(super) struct Scope {
-    /// The plan continues at least to this block. From there on the old plan may stay.
+    /// The plan goes at least from the end to this block. Nearer to the front, the old plan may stay.
     pub until: usize,
     /// The start speed of the first block may rise up to this speed.
     pub free: Option<Speed>,
@@ -77,7 +78,7 @@ pub(super) struct Scope {
     pub open: bool,
     /// The last plan was a plan of single blocks.
     pub blockwise: bool,
-    /// Number of blocks from the first one to the end of the last plan.
+    /// Number of blocks in the last plan.
     pub end: usize,
     /// The start speed of the first block was lowered while the plan was in progress.
     pub stale: bool,
@@ -91,7 +92,7 @@ pub(super) struct Counts {
     pub untried: usize,
     /// Blocks in the ring that are long.
     pub long: usize,
-    /// Places that are kept free for cuts.
+    /// Number of places that stay free for cuts.
     pub spare: usize,
 }
 
@@ -118,7 +119,7 @@ impl<const AXES: usize> Tail<AXES> {
         }
     }
 
-    /// Limits that the last block leaves to a transition behind it, if a block may follow.
+    /// Limits that the last block leaves to a transition after it, if a block may follow.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn share(&self, may_come: bool) -> Option<&Share> {
         (may_come && self.known == Known::Block).then_some(&self.last.share)
@@ -134,23 +135,24 @@ impl Counts {
     const NONE: Self = Self { through: 0, untried: 0, long: 0, spare: 0 };
 }
 
-/// A lower level takes more from planned speeds than rounding takes from limits.
+/// A lower planned override lowers the planned speeds by more than rounding lowers the limits.
 const LOWERS: f32 = 1.0 - 1.0 / 524_288.0;
 
 /// Loss of a planned speed by rounding, as a part of the speed, LSB 2^-36.
 const LOST: i64 = 1 << 10;
 
-/// A speed at a part of itself, LSB 2^-36.
+/// The speed `v` multiplied by `part`, LSB 2^-36.
 fn scaled(v: Speed, part: i64) -> Speed {
     Speed::from_bits(mul_shift(v.to_bits(), part, 36))
 }
 
-/// Scales the planned speeds of anchors, from the last to the first. Each speed is rounded together with the loss
-/// behind it. So no span loses more speed than this part of its loss, for which it has room.
+/// Scales the planned speeds of anchors, from the last anchor to the first. The rounding of each speed
+/// includes the rounding loss of the anchor after it. So the change of speed within a span grows by no more
+/// than the span has room for.
 #[derive(Clone, Copy, PartialEq)]
 struct Lowered {
     part: i64,
-    /// The planned speed of the anchor behind, before and after scaling.
+    /// The planned speed of the next anchor, before and after scaling.
     was: Planned,
     is: Planned,
 }
@@ -160,7 +162,7 @@ impl Lowered {
         Self { part, was: Planned::ZERO, is: Planned::ZERO }
     }
 
-    /// Scales a planned speed. None stays none, and counts as a stop.
+    /// Scales a planned speed. No speed stays no speed, and counts as a stop.
     fn take(&mut self, planned: &mut Planned) {
         if !planned.is_some() {
             (self.was, self.is) = (Planned::ZERO, Planned::ZERO);
@@ -184,8 +186,8 @@ impl Lowered {
     }
 }
 
-/// This number of long blocks makes a full ring: at any speed of the first block there is room to stop in the
-/// second one.
+/// A ring with this number of long blocks is full: from any speed of the first block, there is room to stop
+/// in the second.
 const LONG_BLOCKS: usize = 2;
 
 impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
@@ -209,7 +211,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
         }
     }
 
-    /// End of the last block, if its direction is known.
+    /// End of the last block, if the block is known.
     pub fn exit(&self) -> Option<&End<AXES>> {
         (self.tail.known != Known::Nothing).then_some(&self.tail.last.exit)
     }
@@ -219,7 +221,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
         self.tail.known = Known::Nothing;
     }
 
-    /// From now on blocks are only examined.
+    /// Starts a check: blocks are only examined from now on.
     #[cfg(feature = "examine")]
     pub fn begin_to_examine(&mut self) {
         self.examines = true;
@@ -231,32 +233,32 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
         self.examines
     }
 
-    /// Replaces a block that is only examined: the next block begins at its end.
+    /// Passes a block that is only examined; the next block begins at its end.
     #[cfg(feature = "examine")]
     pub fn pass_by(&mut self, exit: &End<AXES>) {
         (self.tail.last.exit.tangent, self.tail.last.exit.curvature) = (exit.tangent, exit.curvature);
         self.tail.known = Known::Exit;
     }
 
-    /// The override level of all speeds, see [`super::Pace`].
+    /// The planned override of all speeds, see [`super::Pace`].
     pub fn level(&self) -> f32 {
         self.level
     }
 
-    /// Highest start speed of the first block for a lower level.
+    /// Highest start speed of the first block for the lower planned override `level`.
     pub fn entry_for(&self, level: f32) -> Speed {
         self.entry_at(self.lowers(level))
     }
 
-    /// The same for a factor of all speeds.
+    /// Highest start speed of the first block, if all speeds have the factor `part`.
     pub(super) fn entry_at(&self, part: i64) -> Speed {
         let anchors = self.blocks.len().saturating_sub(self.counts.through) as i64;
         scaled(self.first_speed(), part - LOST * anchors)
     }
 
-    /// The factor of all speeds for a lower level, LSB 2^-36: lower by more than the rounding of limits. At this
-    /// factor the planned motion is inside the limits of all blocks. A separate function, because it is rarely
-    /// called.
+    /// The factor of all speeds for a lower planned override, LSB 2^-36. The factor is lower by more than the
+    /// rounding of limits, so that the planned motion stays inside the limits of all blocks. A separate
+    /// function, because it is rarely called.
     #[inline(never)]
     pub(super) fn lowers(&self, level: f32) -> i64 {
         let (front, back) = self.blocks.as_slices();
@@ -265,7 +267,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
         to_bits::<36>(part * LOWERS)
     }
 
-    /// Plans the speeds for a higher level. Every planned speed stays possible.
+    /// Plans the speeds for a higher override. Every planned speed stays possible.
     pub(super) fn raise(&mut self, level: f32) {
         let before = core::mem::replace(&mut self.level, level);
         let (mut last, mut lent) = (0.0, false);
@@ -274,7 +276,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
             block.numbers.v = max(block.v(), block.v() * (by * ROUNDED));
             block.marks.set(Marks::CHECKED, false);
             if !block.is(Marks::ANCHOR) && block.has_ease() {
-                // The slow block sets this speed.
+                // The slow block sets this highest speed.
                 block.keep_ease(block.ease().scaled(max(by * ROUNDED, 1.0)));
             }
             // A valley keeps its speed.
@@ -289,10 +291,10 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
         }
     }
 
-    /// Plans the speeds for a lower level, at the factor `part`. The first block starts at `v_in`, at most
-    /// [`Self::entry_at`]. The planned motion stays possible at this factor, because all accelerations are smaller
-    /// then ([`Limits::part_inside`]). Slow blocks get back their lent pieces. [`Self::lower_planned`] lowers the
-    /// planned speeds in a later call.
+    /// Plans the speeds for the lower override `level`, with the factor `part`. The first block starts at
+    /// `v_in`, at most [`Self::entry_at`]. With this factor, the planned motion stays possible, because all
+    /// accelerations are lower ([`Limits::part_inside`]). Slow blocks get their lent pieces back.
+    /// [`Self::lower_planned`] lowers the planned speeds in a later call.
     pub(super) fn lower(&mut self, (level, part): (f32, i64), v_in: Speed) {
         let before = core::mem::replace(&mut self.level, level);
         let (mut last, mut lent) = (f32::MAX, false);
@@ -304,7 +306,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
             block.cap = min(block.highest, min(last, block.v()));
             let is_anchor = block.is(Marks::ANCHOR);
             if (lent || block.joint.is_lent()) && !block.is_continued() {
-                // The start or end of the slow block.
+                // This anchor is the start or the end of the slow block.
                 self.counts.untried += usize::from(is_anchor && !block.joint.is_open());
                 block.joint.open();
             }
@@ -320,14 +322,14 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
         }
     }
 
-    /// Lowers the planned speeds, if the level was lowered.
+    /// Lowers the planned speeds, if the planned override was lowered.
     #[inline(never)]
     pub(super) fn lower_planned(&mut self) {
         let Some(part) = self.lowering.take() else { return };
         let [mut planned, mut reached, mut old] = [(); 3].map(|()| Lowered::new(part));
         for block in self.blocks.iter_mut().rev().filter(|block| block.is(Marks::ANCHOR)) {
             planned.take(&mut block.v_in);
-            // Usually the speeds are the same from the end to here.
+            // Usually, the speeds are equal from the end up to here.
             if reached == old && block.v_reached == block.v_old {
                 reached.take(&mut block.v_reached);
                 (old, block.v_old) = (reached, block.v_reached);
@@ -387,13 +389,13 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
         }
     }
 
-    /// Lets the next plan also decide the start speed of the first block, up to `reach`.
+    /// Permits the next plan to change the start speed of the first block, up to `reach`.
     pub fn free_start(&mut self, reach: Speed) {
         self.scope.free = Some(reach);
         self.scope.until = 0;
     }
 
-    /// Highest start speed of the first block, whatever its neighbours are.
+    /// Highest start speed of the first block for any neighbours.
     pub fn entry(&self) -> Speed {
         self.blocks.front().map_or(Speed::ZERO, |block| Speed::from_bits(speed_bits(block.cap())))
     }
@@ -403,8 +405,8 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
         if self.blocks.is_empty() { Speed::ZERO } else { self.start }
     }
 
-    /// Sets the start speed of the first block to `v_in`, at most the planned one. `stale`: a plan is in
-    /// progress.
+    /// Sets the start speed of the first block to `v_in`, or to the planned one if that is lower. `stale`: a
+    /// plan is in progress.
     pub(super) fn start_at(&mut self, v_in: Speed, stale: bool) {
         if let Some(first) = self.blocks.front_mut() {
             first.start_at(v_in);
@@ -413,7 +415,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
         self.scope.stale = stale;
     }
 
-    /// The first block starts at another speed than planned.
+    /// Sets another start speed of the first block than planned.
     pub fn restart(&mut self, v_in: Speed) {
         if let Some(first) = self.blocks.front_mut() {
             self.start = v_in;
@@ -423,7 +425,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
     }
 
     /// Opens the gate with this number, counted from the front. Returns the number of blocks before the gate.
-    /// Do not call it while a plan is in progress.
+    /// Do not call this function while a plan is in progress.
     pub fn open_gate(&mut self, number: usize) -> Option<usize> {
         let mut gates = self.blocks.iter_mut().enumerate().filter(|(_, block)| block.is_gate());
         let (index, block) = gates.nth(number)?;
@@ -437,7 +439,8 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
         self.blocks.front()
     }
 
-    /// Inserts a block as number `at`, from the nearer end of the ring. Returns `false` if there is no room.
+    /// Inserts a block as number `at`; the nearer part of the ring moves. Returns `false` if there is no
+    /// room.
     pub(super) fn insert(&mut self, at: usize, block: Block) -> bool {
         let early = at < self.blocks.len() / 2;
         let pushed = if early { self.blocks.push_front(block) } else { self.blocks.push_back(block) };
@@ -446,7 +449,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
         }
         let (front, back) = self.blocks.as_mut_slices();
         let here = front.len();
-        // The block crosses the border of both slices.
+        // The block moves from one slice to the other.
         if early {
             turn(front.get_mut(..here.min(at + 1)), Turn::Left);
             if at >= here
@@ -480,7 +483,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
             self.scope.until = self.scope.until.saturating_sub(1);
         }
         if self.blocks.is_empty() {
-            // The following block starts from rest.
+            // The next block starts at a stop.
             self.tail.leave();
         }
     }

@@ -1,8 +1,9 @@
-//! The end of an arc while it is unknown whether its circle continues.
+//! The end of an arc whose circle may continue in the next block.
 //!
-//! After two turns an arc enters the ring as two blocks ([`crate::dynamics::Turns`]). If the circle continues with
-//! another such arc, both blocks become one before the next two enter. The plan stays possible: the motion continues
-//! at the end speed up to the next end, which has the same limits and the same length.
+//! After two turns, an arc enters the ring as two blocks ([`crate::dynamics::Turns`]). If the circle
+//! continues with another such arc, both blocks become one before the next two blocks enter. The motion can
+//! still follow the plan: it keeps the end speed up to the next end, which has the same limits and the same
+//! length.
 use super::block::Marks;
 use super::ring::{Known, Ring};
 use crate::dynamics::{Dynamics, Share, Turns};
@@ -12,7 +13,7 @@ use crate::path::Piece;
 /// Data of the last block before its end was cut off.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct RunOut {
-    /// Lengths of both blocks, LSB 2^-44 mm. 0: the last block is not such an end.
+    /// Lengths of both blocks of an arc, LSB 2^-44 mm. 0 if the last block is not the end of such an arc.
     lengths: [i64; 2],
     share: Share,
     shared: bool,
@@ -22,12 +23,12 @@ pub(crate) struct RunOut {
 }
 
 impl RunOut {
-    /// None.
+    /// The last block is not the end of such an arc.
     pub(super) const NONE: Self =
         Self { lengths: [0; 2], share: Share::WHOLE, shared: false, span: 0, feeds: [f32::MAX, 0.0] };
 
-    /// Marks that the last block is not such an end. Every block calls it, so the mark is one word; no block
-    /// has length 0.
+    /// Marks that the last block is not the end of an arc with two blocks. Every block calls this function,
+    /// so the mark is one word; no block has length 0.
     #[inline(always)]
     pub(super) const fn clear(&mut self) {
         self.lengths[1] = 0;
@@ -35,12 +36,12 @@ impl RunOut {
 }
 
 impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
-    /// Whether two blocks fit.
+    /// Whether the ring has room for two blocks.
     pub(crate) fn has_room_for_two(&self) -> bool {
         self.blocks.len() + self.counts.spare + 2 <= self.depth
     }
 
-    /// Prepares for the end that follows the last block, with this length.
+    /// Prepares for an end of this length as the next block.
     pub(crate) fn before_run_out(&self, length: i64) -> RunOut {
         let last = &self.tail.last;
         let before = self.blocks.len().checked_sub(1).and_then(|at| self.blocks.get(at));
@@ -61,8 +62,8 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         self.tail.run_out = before;
     }
 
-    /// The circle continues with a piece of these limits: joins the end of the last arc with the rest of that arc, if
-    /// the plan stays possible.
+    /// Joins the end of the last arc with the rest of that arc, because the circle continues with `piece`.
+    /// Does nothing if the motion could then not follow the plan.
     #[inline(never)]
     pub(crate) fn rejoin(
         &mut self,
@@ -114,7 +115,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         self.scope.until = self.scope.until.min(count - 2);
     }
 
-    /// Removes the last block, which becomes a part of the block before.
+    /// Removes the last block, which becomes a part of the block before it.
     fn drop_last(&mut self) {
         if let Some(block) = self.blocks.pop_back() {
             let anchor = block.is(Marks::ANCHOR);

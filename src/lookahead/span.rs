@@ -1,14 +1,14 @@
-//! Speeds at the anchors, and which transitions are anchors.
+//! Speeds at the anchors (places with zero acceleration), and the choice of anchors.
 //!
-//! Valleys first: a span is planned as if only its ends and its highest speed counted. If this breaks the
-//! limit of a block inside, an end of the slowest such block becomes an anchor, if the profile is too fast
-//! there (both ends, if the profile is too fast only between them). Then all sides are planned again. So
-//! acceleration vanishes only where a limit is met, not at every end of a block. An anchor stays until its
-//! block leaves the ring, unless [`super::ease`] finds a faster profile without it.
+//! A span is first planned as if only its ends and its highest speed counted. The profile may then be too
+//! fast for a block inside. If the profile is too fast at an end of the slowest such block, that end becomes
+//! an anchor. If the profile is too fast only between both ends, both become anchors. Then all parts are
+//! planned again. So acceleration is zero only where a limit is reached, not at every end of a block. An
+//! anchor stays until its block leaves the ring, unless [`super::ease`] finds a faster profile without it.
 //!
-//! Later blocks must not make a released plan impossible. So a block that is slow enough only because the
-//! plan stops behind it becomes an anchor at once. The braking before the end of a span counts only if the
-//! speed at that end is final. If one span fills the ring, it is cut where its braking would begin, or behind
+//! Later blocks must not make a released plan impossible. So a block that keeps its limit only because the
+//! plan stops after it becomes an anchor at once. The braking before the end of a span counts only if the
+//! speed at that end is final. If one span fills the ring, it is cut where its braking would begin, or after
 //! the first quarter.
 use super::block::{Block, Marks};
 use super::ease::Trial;
@@ -25,11 +25,11 @@ use crate::slope::limits::Limits;
 pub(super) struct Backward {
     /// Remaining blocks.
     left: usize,
-    /// The passed part of the current span, its end, and the speed there.
+    /// The part of the current span that the pass has covered, its end, and the speed there.
     span: Span,
     to: usize,
     v_out: Speed,
-    /// Anchors behind this block are planned in any case, other anchors as long as speeds change.
+    /// Anchors after this block are always planned. Other anchors are planned as long as speeds change.
     until: usize,
     /// Whether the current span has another end speed or other blocks than before.
     changed: bool,
@@ -45,9 +45,11 @@ pub(super) struct Forward {
     span: Span,
     v_in: Speed,
     v_out: Speed,
-    /// Whether all speeds are final whatever follows: up to the start of the span; up to its end.
+    /// Whether later blocks can no longer change any speed up to the start of the span. The second value is
+    /// for the end of the span.
     firm: [bool; 2],
-    /// The last anchor with a final speed: without the end of the span; with it.
+    /// The last anchor with a final speed, up to the start of the span. The second value is for the
+    /// end of the span.
     last: [usize; 2],
 }
 
@@ -63,12 +65,12 @@ pub(super) struct Inside {
     worst: Option<Worst>,
     /// The block at which to cut the span.
     cut: usize,
-    /// Only with HSC a span has many parts of a curve.
+    /// Data for a span with many parts of one curve, which only HSC has.
     calm: [Calm; functions::HSC.room(1)],
 }
 
-/// The part of a profile with constant speed between parts of one curve. After a cut there, the limits at one
-/// end of the span do not slow down the other end.
+/// The part of a profile with constant speed between parts of one curve. A cut there saves time: the limits
+/// at one end of the span then do not slow the other end.
 #[derive(Clone, Copy)]
 struct Calm {
     /// Distance at which the gain of speed ends.
@@ -82,7 +84,7 @@ struct Calm {
 impl Calm {
     const NONE: Self = Self { from: f32::MAX, blocks: None, sides: [Limits::WIDEST; 2] };
 
-    /// Adds a block; `calm`: the block begins in the part of constant speed.
+    /// Adds a block. `calm`: the block begins in the part of constant speed.
     fn take(&mut self, k: usize, calm: bool, block: &Block) {
         let [before, behind] = &mut self.sides;
         if calm {
@@ -95,7 +97,7 @@ impl Calm {
         }
     }
 
-    /// The blocks at which a cut saves time, for a span with these limits and this profile.
+    /// The blocks at which a cut saves time. `law` is the profile of the span, `limits` its limits.
     fn cuts(&self, law: &Law, limits: &Limits) -> [Option<usize>; 2] {
         let Some([first, last]) = self.blocks else { return [None; 2] };
         let [v_in, v_out] = law.ends();
@@ -108,16 +110,17 @@ impl Calm {
 /// Consecutive blocks with one limit that a profile exceeds.
 #[derive(Clone, Copy)]
 struct Worst {
-    /// The first block, and the block behind the last one. For a transition both are the block behind it.
+    /// The first block, and the block after the last one. For a transition, both numbers are the block after
+    /// it.
     first: usize,
     behind: usize,
     v: f32,
-    /// Distances of both from the start of the span.
+    /// Distances of both blocks from the start of the span.
     at: [i64; 2],
 }
 
-/// Work to add a block, to find a speed, to make a profile, and to compare a block with a profile: see
-/// [`spend`].
+/// Work to add a block, to find a speed, to make a profile, and to compare a block with a profile; the unit
+/// is that of [`spend`].
 const ADD: usize = 3;
 const RAMP: usize = 14;
 const LAW: usize = 50;
@@ -127,7 +130,7 @@ impl Backward {
     pub const NONE: Self =
         Self { left: 0, span: Span::NONE, to: 0, v_out: Speed::ZERO, until: 0, changed: true, again: false };
 
-    /// A pass over `left` blocks, from the speed at their end. Anchors up to `until` are planned in any case.
+    /// A pass over `left` blocks, from the speed at their end. Anchors after `until` are always planned.
     pub fn new(left: usize, until: usize, v_out: Speed) -> Self {
         Self { left, to: left, until, v_out, ..Self::NONE }
     }
@@ -144,7 +147,7 @@ impl Forward {
         last: [0; 2],
     };
 
-    /// Moves on to the span before, whose end speed is `v_out`.
+    /// Goes on to the previous span, whose end speed is `v_out`.
     fn pass(&mut self, v_out: Speed) {
         (self.from, self.span, self.v_in) = (self.next, Span::NONE, v_out);
         (self.firm[0], self.last[0]) = (self.firm[1], self.last[1]);
@@ -190,8 +193,8 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
                 return self.start_forward(plan);
             }
             let Some(block) = self.blocks.get_mut(left) else { return self.start_forward(plan) };
-            // A possible speed stays possible, see [`Plan`]; new anchors behind it may have to be removed. A
-            // flat span keeps the profile of the plan before: if it were faster, the removed anchors would be
+            // A speed of the last plan stays possible, see [`Plan`]; later anchors that are new may have to
+            // be removed. A flat span keeps its profile: if it were faster, the removed anchors would be
             // needed again.
             let (mut v, mut v_out) = (block.v_old, Speed::ZERO);
             if !(block.is(Marks::FLAT) && v.is_some()) {
@@ -213,8 +216,8 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         }
     }
 
-    /// Raises the start speed of the first block to the value that the end of its span permits. Repeated if
-    /// the span gets another end.
+    /// Raises the start speed of the first block, as far as the end of its span permits. The call is repeated
+    /// if the span gets another end.
     fn raise_first_span(&mut self, span: &Span, v_out: Speed) {
         let Some(block) = self.blocks.front_mut() else { return };
         block.marks.set(Marks::KEPT, true);
@@ -292,8 +295,8 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         }
     }
 
-    /// Plans a span that has changed. Returns `false` if the span is a single block, which needs no profile
-    /// and is passed.
+    /// Plans a span that has changed. Returns `false` for a single block, which needs no profile and is
+    /// skipped.
     fn span(&mut self, plan: &mut Plan, planned: Speed) -> bool {
         let pass = &mut plan.forward;
         let single = pass.next - pass.from == 1;
@@ -320,7 +323,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         if flat {
             pass.span.limits.flatten(pass.v_in, v_out);
         }
-        // A flat span only brakes, as in the plan before.
+        // A flat span only brakes, as in the last plan.
         let law = Law::new(&pass.span, pass.v_in, v_out, pass.firm[1] || flat);
         let brakes_at = law.brakes_at();
         plan.inside = Inside { law, brakes_at, block: pass.from, ..Inside::NONE };
@@ -333,12 +336,12 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         true
     }
 
-    /// A span is too short for its change of speed. The plan before was possible, so the new part is
-    /// withdrawn.
+    /// Handles a span that is too short for its change of speed. The last plan was possible, so the new part
+    /// is withdrawn.
     fn go_back(&mut self, plan: &mut Plan) {
         let Forward { from, next, .. } = plan.forward;
         if self.scope.free.take().is_some() {
-            // The plan before began at rest.
+            // The last plan began at a stop.
             if let Some(first) = self.blocks.front_mut() {
                 self.start = Speed::ZERO;
                 first.marks.set(Marks::CHECKED, false);
@@ -348,7 +351,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             return;
         }
         if from < self.scope.end && self.scope.end < next {
-            // All blocks of the span together permit less than the blocks up to the end of that plan.
+            // All blocks of the span together permit less than the blocks up to the end of the last plan.
             self.set_anchor(self.scope.end);
             return self.plan_again(plan, from, next);
         }
@@ -368,8 +371,8 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         }
     }
 
-    /// A flat span does not brake enough for a block inside. The plan before did, so the end speed of the
-    /// span is lowered.
+    /// Handles a flat span that does not brake enough for a block inside. It did so in the last plan, so the
+    /// end speed of the span is lowered.
     fn slow_down(&mut self, plan: &mut Plan) {
         let Forward { from, next, .. } = plan.forward;
         let to = self.anchor_behind(next);
@@ -390,7 +393,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         }
     }
 
-    /// The first anchor behind a block, or the end of the ring.
+    /// The first anchor after a block, or the end of the ring.
     pub(super) fn anchor_behind(&self, block: usize) -> usize {
         (block + 1..self.blocks.len())
             .find(|&k| self.blocks.get(k).is_some_and(|block| block.is(Marks::ANCHOR)))
@@ -404,7 +407,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         pass.pass(pass.v_out);
     }
 
-    /// Compares a span with its profile.
+    /// Compares the blocks of a span with the span's profile.
     pub(super) fn inside(&mut self, plan: &mut Plan, work: &mut usize) {
         let Forward { from, next: to, .. } = plan.forward;
         let batch = self.batch();
@@ -485,10 +488,10 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         if !firm && !flat && from < batch && cut > from {
             let mut cut = cut;
             if !plan.inside.law.slows_down() {
-                // Its end is no better place than the first quarter.
+                // The end of the worst blocks is no better place than the first quarter.
                 cut = batch;
             } else if let Some(block) = self.blocks.get_mut(cut) {
-                // Acceleration vanishes there anyway: no other profile is faster.
+                // Acceleration is zero there in any case, so no other profile is faster.
                 block.joint.close();
             }
             self.set_anchor(cut);
@@ -509,7 +512,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
                 && cut < *to
                 && !block.is(Marks::ANCHOR)
             {
-                // Acceleration vanishes there anyway.
+                // Acceleration is zero there in any case, so no other profile is faster.
                 block.joint.close();
                 self.set_anchor(cut);
                 found = true;
@@ -518,9 +521,9 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         found
     }
 
-    /// Whether the profile of a span is too fast at the start of the block `first`, and at the start of the
-    /// block `behind`, both inside the span. If it is too fast at both, and blocks may be cut, the result
-    /// names only the one that the profile reaches with acceleration.
+    /// Whether the profile of a span is too fast at the start of block `first`, and at the start of block
+    /// `behind`, if both are inside the span. If blocks may be cut, the result names only one of them: the
+    /// block that the profile reaches with acceleration.
     fn too_fast(&self, plan: &mut Plan, worst: &Worst) -> [bool; 2] {
         let Forward { from, next: to, .. } = plan.forward;
         let &Worst { first, behind, v, at } = worst;

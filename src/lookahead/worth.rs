@@ -1,9 +1,9 @@
 //! Whether the motion passes a corner without a curve, or stops there.
 //!
-//! A step of speed shows as jerk, so both blocks beside a knee leave a part of their limits to it. At a sharp
-//! corner the passing speed is nearly zero, and the longer ramps on both sides cost more time than it saves.
-//! So the planner compares the times of both blocks, each from rest at its other end: with a stop in the
-//! corner and all limits, and with a passage and the remaining limits.
+//! A step of speed at a knee shows as jerk, so both blocks next to the knee reserve a part of their limits.
+//! At a sharp corner, the permitted speed is nearly zero. Then the longer ramps on both sides cost more time
+//! than the speed saves. So the planner compares the times of both blocks, each from a stop at its other end.
+//! One time is for a stop in the corner with all limits, the other for a passage with the remaining limits.
 use crate::dynamics::Share;
 use crate::math::float::{max, min, to_i64};
 use crate::quantity::{speed_bits, speed_f32};
@@ -13,16 +13,17 @@ use crate::slope::profile::peak_above;
 /// How the motion passes a corner without a curve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Way {
-    /// At the permitted speed, with acceleration if the slope permits it.
+    /// At the permitted speed; acceleration may pass if the slope permits it.
     Through,
-    /// At the permitted speed, with acceleration zero.
+    /// At the permitted speed, with zero acceleration.
     Resting,
     /// The motion stops.
     Standing,
 }
 
-/// The quickest passage between two blocks, which leave their shares if the motion passes the corner at the
-/// speed `v`. `passes`: acceleration may pass the corner, which needs more of the limits.
+/// The quickest way to pass the corner between two blocks. If the motion passes at the speed `v`, the blocks
+/// have the limits that their shares leave. `passes`: acceleration may pass the corner, which needs more of
+/// the limits.
 pub(super) fn quickest(blocks: [(&Limits, &Share, f32); 2], v: f32, passes: bool) -> Way {
     if blocks.iter().all(|(limits, share, _)| limits.are_within(share)) {
         return Way::Through;
@@ -39,12 +40,12 @@ pub(super) fn quickest(blocks: [(&Limits, &Share, f32); 2], v: f32, passes: bool
     }
 }
 
-/// Times that differ by less count as equal. Then acceleration through the corner is chosen, because it
-/// leaves more to the neighbours.
+/// Times with a smaller difference count as equal. Then acceleration passes the corner, because the
+/// neighbours profit from this.
 const CLEARLY: f32 = 1.0 - 1.0 / 4096.0;
 
-/// Ticks of both blocks with the limits that their shares leave, with acceleration zero at the corner
-/// (`resting`) or not.
+/// Ticks of both blocks with the limits that their shares leave. `resting`: acceleration is zero at the
+/// corner.
 #[inline(never)]
 fn times(blocks: &[(&Limits, &Share, f32); 2], v: f32, resting: bool) -> f32 {
     let left = |limits: &Limits, share: &Share| {
@@ -54,8 +55,8 @@ fn times(blocks: &[(&Limits, &Share, f32); 2], v: f32, resting: bool) -> f32 {
     blocks.iter().map(|(limits, share, length)| time(&left(limits, share), *length, v)).sum()
 }
 
-/// Ticks from rest to the speed `v`, or to the reachable part of it, over a length. The way back takes the
-/// same time.
+/// Ticks over `length` from a stop to the speed `v`, or to the speed that the length permits. The reverse
+/// motion takes the same time.
 #[inline(never)]
 fn time(limits: &Limits, length: f32, v: f32) -> f32 {
     let [up, down] = [limits.speed_up(), limits.brake()];

@@ -1,6 +1,6 @@
 //! Machine data for programs of LinuxCNC and Grbl: parameters of Glidepath, without ISG ids.
 
-/// The language of programs.
+/// The dialect of programs.
 ///
 /// The same word may mean different things: `G20` mirrors in ISG's language and switches to inches in the others.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
@@ -93,7 +93,7 @@ impl ToolLengths {
 /// The dialect of a channel, and data that only programs of LinuxCNC and Grbl need.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct ForeignChannel {
-    /// `dialect`: the language of the channel's programs.
+    /// `dialect`: the dialect of the channel's programs.
     pub dialect: Dialect,
     /// `blend_tolerance`: largest distance from the programmed path with G64 without P, µm.
     pub blend_tolerance_um: u32,
@@ -122,7 +122,7 @@ impl ForeignChannel {
 pub struct ForeignAxis {
     /// `np_grp.7.versch`…`np_grp.9.versch`: zero offsets of G59.1…G59.3.
     pub versch: [i32; MORE_OFFSETS],
-    /// `g28` and `g30`: the stored positions of these words.
+    /// `g28` and `g30`: the stored positions for G28 and G30.
     pub stored: [i32; 2],
 }
 

@@ -1,4 +1,5 @@
-//! Functions that a build may leave out. Each function is a Cargo feature; all but the last four are on by default.
+//! Functions that a build may leave out. Each function is a Cargo feature. The features are on by default,
+//! except for those marked `off by default` in the table.
 //!
 //! A build without a function refuses programs and machine data that need the function, and names the missing feature.
 //! Words that switch the function off are accepted. The code tests one of these constants where a function starts, so
@@ -36,7 +37,8 @@ impl Function {
         self.built
     }
 
-    /// Returns `count` if the function is compiled in, else 0. Sizes memory that only this function needs.
+    /// Returns `count` if the function is compiled in, otherwise 0. It gives the size of memory that only
+    /// this function needs.
     pub const fn room(self, count: usize) -> usize {
         if self.built { count } else { 0 }
     }
@@ -81,6 +83,6 @@ functions! {
     FILTERS = "filters": "#FILTER";
     /// Axes that move independently of the path.
     BESIDE = "beside": "an axis beside the path ([OSC], [INDP], #WAIT INDP)";
-    /// LinuxCNC's language, and its parameters, O words, subprograms and cycles in Grbl's.
+    /// The language of LinuxCNC. For Grbl programs: parameters, O words, subprograms and cycles.
     DIALECTS = "dialects": "the language of LinuxCNC";
 }

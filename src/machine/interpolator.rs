@@ -1,6 +1,6 @@
 //! Machine data of the interpolator (feature `plc`): its additional functions, and the memory for them.
 
-/// Smallest size of the storage for kept blocks, bytes: P-STUP-00033.
+/// Smallest size of the storage for blocks, bytes: P-STUP-00033.
 pub const FB_STORAGE_MIN: u32 = 1024;
 
 /// Names of P-CHAN-00650, by their bit.
@@ -85,8 +85,8 @@ impl InterpolatorFunctions {
         self.0 & other.0 == other.0
     }
 
-    /// The look-ahead that the set names, in blocks. `None`: FCT_LOOK_AHEAD_CUSTOM; P-CHAN-00653 has the
-    /// number.
+    /// The look-ahead that the set names, in blocks. Returns `None` for FCT_LOOK_AHEAD_CUSTOM: P-CHAN-00653
+    /// has the number.
     pub const fn look_ahead(self) -> Option<u32> {
         match self.0 & Self::SIZES {
             2 => Some(30),
@@ -96,7 +96,7 @@ impl InterpolatorFunctions {
         }
     }
 
-    /// The fault of the set, if there is one, and what is expected.
+    /// The fault of the set, if there is one, and the expected value.
     pub fn refused(self) -> Option<(&'static str, &'static str)> {
         let sizes = (self.0 & Self::SIZES).count_ones();
         if sizes != 1 {
@@ -117,11 +117,11 @@ pub struct InterpolatorData {
     /// P-CHAN-00650 `configuration.interpolator.function` (P-STUP-00070): functions of the interpolator. The length of
     /// the look-ahead is [`super::ChannelData::look_ahead`]; a machine file sets it by the name given here.
     pub functions: InterpolatorFunctions,
-    /// P-CHAN-00658 `configuration.interpolator.contour_lookahead_log_max` (P-STUP-00076): number of elements kept of
-    /// each kind, by index and by distance, as far as memory permits.
+    /// P-CHAN-00658 `configuration.interpolator.contour_lookahead_log_max` (P-STUP-00076): number of stored
+    /// elements by index, and number of stored elements by distance, as far as memory permits.
     pub log_max: u32,
-    /// P-STUP-00033 `fb_storage_size[0]`: bytes for kept blocks. 0: no storage, no log by index, and no real-time loops.
-    /// A value below [`FB_STORAGE_MIN`] counts as [`FB_STORAGE_MIN`].
+    /// P-STUP-00033 `fb_storage_size[0]`: bytes for stored blocks. 0: no storage, no log by index, and no
+    /// real-time loops. A value below [`FB_STORAGE_MIN`] counts as [`FB_STORAGE_MIN`].
     pub fb_storage_size: u32,
 }
 

@@ -117,9 +117,9 @@ pub struct AxisData {
     pub tr_geom: u32,
     /// P-AXIS-00201 `dynamik.tr_min`: smallest ramp time.
     pub tr_min: u32,
-    /// P-AXIS-00013 `dynamik.a_trans_weight`: acceleration permitted at a corner without a curve, in 0.1 %. The speed
-    /// of the axis may jump there by this acceleration times the cycle; jerk is then not limited. 0: the step of speed
-    /// is so small that the jerk limit holds.
+    /// P-AXIS-00013 `dynamik.a_trans_weight`: acceleration permitted at a corner without a curve, in 0.1 %.
+    /// The speed of the axis may jump there by this acceleration times the cycle; the jerk is then not
+    /// limited. 0: the step of speed is small enough for the jerk limit.
     pub a_trans_weight: u32,
     /// P-AXIS-00001 `slope_profil.a_beschl`: acceleration at feed.
     pub a_beschl: u32,
@@ -170,7 +170,7 @@ pub struct AxisData {
     pub swe_neg: i32,
     /// P-AXIS-00178 `kenngr.swe_pos`: positive software limit, above the negative one; [`NO_LIMIT`]: none.
     pub swe_pos: i32,
-    /// The filter of the axis's set points.
+    /// The filter for the set points of the axis.
     pub filter: FilterData,
     /// Data that only programs of LinuxCNC and Grbl need.
     #[cfg(feature = "grbl")]
@@ -188,7 +188,7 @@ pub enum FilterType {
     Average,
     /// 2: Gauss.
     Gauss,
-    /// 3: windowed sinc, an ideal low-pass cut off in time.
+    /// 3: windowed sinc, an ideal low-pass of limited length.
     Sinc,
     /// 4: time delay.
     Delay,
@@ -207,7 +207,7 @@ impl FilterType {
     }
 }
 
-/// The filter of an axis's set points (`filter_fir`). A program may override all values but the type
+/// The filter for the set points of an axis (`filter_fir`). A program may override all values except the type
 /// (`#FILTER`).
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct FilterData {
@@ -380,8 +380,8 @@ pub struct ChannelData {
     /// (P-AXIS-00154). If `false`, the motion passes such a transition as fast as acceleration permits, and jerk is not
     /// limited there.
     pub corr_v_trans_jerk: bool,
-    /// P-CHAN-00066 `override_weight_prog_feed`: the override acts on the speed that the axes permit (0) or on the
-    /// programmed feed (1); 2: as 1 while reduced speed is on, else as 0.
+    /// P-CHAN-00066 `override_weight_prog_feed`. 0: the override acts on the speed that the axes permit. 1:
+    /// the override acts on the programmed feed. 2: as 1 while reduced speed is on, otherwise as 0.
     pub override_weight_prog_feed: u8,
     /// P-CHAN-00002 `vector.acceleration`, in thousandths of [`Self::vector_unit`].
     pub vector_acceleration_milli: u64,
@@ -400,8 +400,8 @@ pub struct ChannelData {
     /// line uses at most this percentage of PATH_DEV and TRACK_DEV, 0…75; curves at its ends use the rest. 0: chords
     /// are not merged.
     pub merge_chords: u8,
-    /// P-CHAN-00239 `hsc.bspline.auto_contour_mode`: corners at which the HSC B-spline is interrupted: 0 stay sharp,
-    /// 1 are rounded, 2 are rounded beside arcs.
+    /// P-CHAN-00239 `hsc.bspline.auto_contour_mode`: corners where the HSC B-spline is interrupted. 0: they
+    /// stay sharp. 1: they are rounded. 2: they are rounded only at arcs.
     pub auto_contour_mode: u8,
     /// P-CHAN-00041 `m_synch[n]`: synchronisation of M functions.
     pub m_synch: SynchTable,
@@ -415,8 +415,8 @@ pub struct ChannelData {
     /// P-CHAN-00451 `mode_implicite_sync_indp_asyn_axis`: when a block waits for an independent axis. `true`: the block
     /// names the axis. `false`: the block moves the axis.
     pub joins_named: bool,
-    /// P-CHAN-00297 `mode_exact_stop_indp_axis`: which word waits for independent axes. 0: `#WAIT INDP`, for the named
-    /// axes. 1: exact stop (G60, G360) too, for all axes. 2: `#WAIT INDP`, for all axes.
+    /// P-CHAN-00297 `mode_exact_stop_indp_axis`: which word waits for independent axes. 0: `#WAIT INDP`, for
+    /// the named axes. 1: also an exact stop (G60, G360), for all axes. 2: `#WAIT INDP`, for all axes.
     pub exact_stop_indp: u8,
     /// P-ZERO-00002 `default_index`: zero offset in force at program start: 0 G53 (none), 1…6 G54…G59.
     pub default_index: u8,

@@ -3,9 +3,9 @@ use super::{AccelerationUnit, AxisData, ChannelData, FilterType, MODE_LINEAR, MO
 
 /// One parameter of `Target` ([`AxisData`] or [`ChannelData`]), for a loader of machine files.
 pub struct Parameter<Target> {
-    /// ISG id, `P-AXIS-…` or `P-CHAN-…`; empty where ISG has none.
+    /// ISG id, `P-AXIS-…` or `P-CHAN-…`; empty if ISG has none.
     pub id: &'static str,
-    /// Dotted name inside its table, `slope_profil.a_beschl`.
+    /// Dotted name inside its table, for example `slope_profil.a_beschl`.
     pub name: &'static str,
     /// Unit of the value in the file.
     pub unit: &'static str,
@@ -299,7 +299,7 @@ pub const CHANNEL: &[Parameter<ChannelData>] = &[
     },
 ];
 
-/// Axis parameters for dialects other than ISG's. These parameters are Glidepath's own.
+/// Axis parameters for dialects other than ISG's. They are no ISG parameters.
 #[cfg(feature = "grbl")]
 pub const AXIS_FOREIGN: &[Parameter<AxisData>] = &[
     Parameter {
@@ -335,7 +335,7 @@ const fn place(name: &'static str) -> Parameter<AxisData> {
     plain("", name, "0.1 µm or 0.0001°", -ZERO_OFFSET_MAX * 1000, ZERO_OFFSET_MAX * 1000)
 }
 
-/// Channel parameters for dialects other than ISG's. These parameters are Glidepath's own.
+/// Channel parameters for dialects other than ISG's. They are no ISG parameters.
 #[cfg(feature = "grbl")]
 pub const CHANNEL_FOREIGN: &[Parameter<ChannelData>] = &[
     Parameter {
@@ -355,7 +355,7 @@ pub const CHANNEL_FOREIGN: &[Parameter<ChannelData>] = &[
     },
 ];
 
-/// Channel parameters of the interpolator's functions for a PLC. Their second names are in the list of
+/// Channel parameters of the interpolator's functions for a PLC. Their second names are those of ISG's
 /// start-up data.
 #[cfg(feature = "plc")]
 pub const CHANNEL_PLC: &[Parameter<ChannelData>] = &[
@@ -392,7 +392,7 @@ pub const CHANNEL_PLC: &[Parameter<ChannelData>] = &[
 const LARGEST_UNS32: i64 = u32::MAX as i64 * 1000;
 
 const VECTOR_UNIT: &str = "mm/min² or mm/s², by vector.acc_dec_unit";
-/// Largest path limit. ISG leaves this value to the application; here it is 2·10^9.
+/// Largest path limit. ISG gives no bound for this value; here it is 2·10^9.
 const VECTOR_MAX_MILLI: i64 = 2_000_000_000_000;
 
 /// A whole number that no code reads or writes yet.

@@ -18,9 +18,11 @@ pub enum Synch {
     MnsSns,
     /// MNE_SNS: output at a measuring event.
     MneSns,
-    /// MVS_SLM: put out before the motion of its block, acknowledged before the next motion at feed (feature `plc`).
+    /// MVS_SLM: output before the motion of its block, acknowledged before the next motion at feed (feature
+    /// `plc`).
     MvsSlm,
-    /// MVS_SLP: put out before the motion of its block, acknowledged before the motion behind #EXPL SYN (feature `plc`).
+    /// MVS_SLP: output before the motion of its block, acknowledged before the motion after #EXPL SYN
+    /// (feature `plc`).
     MvsSlp,
     /// MOS_TS: output at a time before or after the motion.
     MosTs,
@@ -32,7 +34,7 @@ pub enum Synch {
     MepSvs,
     /// MET_SVS: output at a time ahead.
     MetSvs,
-    /// FAW_SYNCH: the decoder waits too. It comes beside another kind: [`SynchTable::with_flush`].
+    /// FAW_SYNCH: the decoder waits too. It is set in addition to another kind: [`SynchTable::with_flush`].
     FawSynch,
 }
 
@@ -66,12 +68,12 @@ impl Synch {
             || (cfg!(feature = "plc") && self.is_late())
     }
 
-    /// Whether the point of the acknowledgement is known only later in the program.
+    /// Whether the point of the acknowledgement only becomes known later in the program.
     pub const fn is_late(self) -> bool {
         matches!(self, Self::MvsSlm | Self::MvsSlp)
     }
 
-    /// Whether #EXPL SYN says that point.
+    /// Whether #EXPL SYN sets this point.
     pub const fn is_explicit(self) -> bool {
         matches!(self, Self::MvsSlp)
     }
@@ -106,7 +108,7 @@ pub struct SynchTable {
     kinds: [Synch; SYNCHRONISED],
     len: u8,
     full: bool,
-    /// FAW_SYNCH, a bit for each function of the table.
+    /// FAW_SYNCH, one bit for each function of the table.
     #[cfg(feature = "plc")]
     flushes: u32,
 }
@@ -155,7 +157,8 @@ impl SynchTable {
         self
     }
 
-    /// The same with FAW_SYNCH: behind the block with the function the program goes on when the motion has come there.
+    /// As [`Self::with`], with FAW_SYNCH: the program continues after the block of the function only when the
+    /// motion has reached this place.
     #[cfg(feature = "plc")]
     #[must_use]
     pub const fn with_flush(mut self, code: u16, synch: Synch) -> Self {

@@ -1,8 +1,8 @@
 //! Software limits of the axes: P-AXIS-00177 and P-AXIS-00178.
 //!
-//! The limits are machine positions without offsets. An axis may move exactly up to a limit. The planner checks the
-//! limits along the whole path of a block before it plans the block. An axis that stands outside of a limit may only
-//! move back.
+//! The limits are machine positions without offsets. An axis may move exactly up to a limit. The planner
+//! checks the whole path of a block before it plans the block. An axis that is outside a limit may only move
+//! back.
 use super::{MachineData, NO_LIMIT};
 use crate::math::divide::div_wide;
 use crate::quantity::Position;
@@ -35,15 +35,15 @@ pub struct Travel<const AXES: usize> {
     is_limited: bool,
 }
 
-/// 0.1 µm or 0.0001° as a position, to nearest.
+/// A value in 0.1 µm or 0.0001° as a position, rounded to nearest.
 pub(crate) fn of_tenths(tenths: i32) -> Position {
     const UNIT: u64 = 10_000;
-    // A tenth never falls on half a step of a position, because 10^4 has factors other than 2.
+    // A tenth is never exactly between two positions, because 10^4 has factors other than 2.
     let bits = div_wide(0, (u64::from(tenths.unsigned_abs()) << 32) + UNIT / 2, UNIT) as i64;
     Position::from_bits(if tenths < 0 { -bits } else { bits })
 }
 
-/// An excess of less than a nanometre is permitted: the rounding of an arc's centre can cause up to 2^-20 mm.
+/// An excess of less than a nanometre is permitted: rounding of an arc's centre can cause up to 2^-20 mm.
 const ROUNDING: i64 = 1 << 12;
 
 impl<const AXES: usize> Travel<AXES> {

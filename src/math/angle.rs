@@ -1,10 +1,10 @@
 //! Angles at full precision, for the planner.
 //!
-//! An angle is a 64-bit fraction of a revolution, LSB 2^-64, so the number wraps as the angle does.
+//! An angle is a 64-bit fraction of a revolution, LSB 2^-64. So the number wraps around like the angle.
 use super::divide::reciprocal_near;
 use super::wide::mul_hi_u;
 
-/// 1.0 with the 62 fraction bits of a sine or cosine.
+/// 1.0 with 62 fraction bits, the format of a sine or cosine.
 pub const ONE: i64 = 1 << 62;
 
 /// 2^64 / n!, n = 3, 5 … 19, rounded to nearest.
@@ -33,7 +33,7 @@ const COS: [u64; 9] = [
     0x0000_0000_0000_0b41,
 ];
 
-/// c0 − z·(c1 − z·(c2 − …)), everything in 64 fraction bits.
+/// c0 − z·(c1 − z·(c2 − …)), with 64 fraction bits everywhere.
 const fn alternating(z: u64, c: &[u64; 9]) -> u64 {
     let [c0, c1, c2, c3, c4, c5, c6, c7, c8] = *c;
     let p = c7.wrapping_sub(mul_hi_u(z, c8));

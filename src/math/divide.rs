@@ -1,9 +1,10 @@
 //! Quotients of 128 by 64 bits, exact, without the library's 64- and 128-bit division.
 //!
-//! Two quotient digits of 32 bits by "3 by 2" steps with a precomputed reciprocal word: N. Möller, T.
-//! Granlund, "Improved division by invariant integers", IEEE Trans. Computers 60 (2011), algorithms 5 (step)
-//! and 6 (reciprocal). The reciprocal word starts from one 16-bit hardware division. Newton steps refine it,
-//! and a final remainder makes it exact. [`reciprocal_near`] is for uses that need no exact value.
+//! Two "3 by 2" steps give the two quotient digits, each of 32 bits. They use a precomputed reciprocal word:
+//! N. Möller, T. Granlund, "Improved division by invariant integers", IEEE Trans. Computers 60 (2011),
+//! algorithms 5 (step) and 6 (reciprocal). The reciprocal word starts from one 16-bit hardware division.
+//! Newton steps refine it, and a final remainder makes it exact. [`reciprocal_near`] is for uses that need no
+//! exact value.
 
 /// floor((2^64 − 1) / d) − 2^32 for d ≥ 2^31.
 const fn reciprocal_word(d: u32) -> u32 {

@@ -18,7 +18,7 @@ pub fn size_f32(x: u64) -> f32 {
 }
 
 /// The integer part of `x`·2^`SCALE`, exact, for 0 ≤ x·2^(`SCALE` − 32) < 2^31. Larger values saturate;
-/// values below 0 give 0.
+/// negative values give 0.
 #[cfg_attr(feature = "fast", inline(always))]
 pub fn to_bits<const SCALE: u32>(x: f32) -> i64 {
     // Both factors are powers of two: the products are exact, and so is the difference.
@@ -34,7 +34,7 @@ pub fn to_bits<const SCALE: u32>(x: f32) -> i64 {
 /// The integer part of `x`, exact, rounded toward zero; magnitudes from 2^63 on become 2^63 − 1.
 #[cfg_attr(feature = "fast", inline(always))]
 pub fn to_i64(x: f32) -> i64 {
-    // A power of two and a difference: both are exact where they count.
+    // A power of two and a difference: both are exact where the result depends on them.
     let upper = magnitude(x) * (1.0 / TWO_32);
     let whole = upper as i32;
     let rest = (upper - whole as f32) * TWO_32;

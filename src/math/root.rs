@@ -1,8 +1,8 @@
 //! Square and cube roots: exact in integers, and close in `f32`.
 //!
 //! The integer roots scale the radicand to x in [1/4, 1). Newton's y ← y + y·(1 − x·y²)/2 gives 1/√x, first
-//! in `f32`. Then s = x·y, improved by s ← s + (x − s²)·y/2 (Karp and Markstein), until the exact remainder
-//! of one last step settles the last unit. No division, no loop.
+//! in `f32`. Then s = x·y is improved by s ← s + (x − s²)·y/2 (Karp and Markstein). The exact remainder of
+//! one last step gives the last unit. The code needs neither a division nor a loop.
 use super::wide::mul_wide;
 use micromath::F32Ext;
 
@@ -144,7 +144,7 @@ fn sqrt_special(x: f32) -> f32 {
 
 /// ³√x with the sign of x, relative error ≤ 9.8e-8 (all mantissas measured); 0 for 0.
 ///
-/// 65 instructions on thumbv7em, two of them divisions.
+/// The cost is 65 instructions on thumbv7em, two of them divisions.
 ///
 /// The seed uses a third of the exponent (4 %). Two steps of Halley's iteration follow: 4 % → 4.3e-5 →
 /// rounding only.

@@ -62,7 +62,7 @@ fn at_point(turns: u32) -> (i64, i64) {
 /// 2ρ·2^64: from a rest in units of ρ·2^-63 to 64 fraction bits of a radian.
 const RADIANS: i64 = 0x0192_1fb5_4442_d184;
 
-/// a·ρ³·2^58 with a = 1/6 − 0.87·ρ²/120, where |sin r − r + a·r³| ≤ 2^-51.5 is least.
+/// a·ρ³·2^58 with a = 1/6 − 0.87·ρ²/120. With this a, the error |sin r − r + a·r³| ≤ 2^-51.5 is least.
 const CUBIC: u64 = 0x52ae_f161;
 
 /// ρ²/2·2^48 and ρ⁴/12·2^48.

@@ -49,7 +49,7 @@ pub const fn square_wide(a: u64) -> (u64, u64) {
     (a1.wrapping_mul(a1).wrapping_add(middle >> 31).wrapping_add(carry as u64), lo)
 }
 
-/// a·b / 2^shift rounded to nearest, ties up; the low 64 bits of that where it does not fit.
+/// a·b / 2^shift, rounded to nearest, ties up. If the result does not fit, these are its low 64 bits.
 ///
 /// Shift 0…127, its higher bits are ignored. Exact for all factors. At most 95 instructions on thumbv7em, 28
 /// inlined with a shift known to the compiler.
@@ -72,7 +72,7 @@ pub const fn mul_shift(a: i64, b: i64, shift: u32) -> i64 {
     }
 }
 
-/// floor(a·n / 2^shift) from a 96-bit product; the low 64 bits of that where it does not fit.
+/// floor(a·n / 2^shift) from a 96-bit product. If the result does not fit, these are its low 64 bits.
 ///
 /// Shift 0…32, a larger one counts as 32. For the tick: with a shift known to the compiler 4 to 8
 /// instructions inlined on thumbv7em, three of them multiplications; otherwise 22.
@@ -94,13 +94,13 @@ pub struct Halves {
 }
 
 impl Halves {
-    /// Cuts.
+    /// Splits a number.
     #[inline(always)]
     pub const fn of(x: i64) -> Self {
         Self { upper: (x >> 32) as i32, lower: (x as u32 >> 1) as i32 }
     }
 
-    /// Minus the number, for one whose upper word is not −2^31.
+    /// Minus the number. The upper word must not be −2^31.
     #[inline(always)]
     pub const fn negated(self) -> Self {
         Self { upper: -self.upper, lower: -self.lower }
@@ -112,14 +112,15 @@ impl Halves {
         self.upper as i64
     }
 
-    /// self·b / 2^64 to within 3. Eight instructions on a Cortex-M4.
+    /// self·b / 2^64, with an error of at most 3. Eight instructions on a Cortex-M4.
     #[inline(always)]
     pub const fn times(self, b: Self) -> i64 {
         let cross = product(self.upper, b.lower).wrapping_add(product(self.lower, b.upper));
         (cross >> 31).wrapping_add(product(self.upper, b.upper))
     }
 
-    /// (self·a + other·b) / 2^64, to within 4; each product within ±2^124. Nine instructions on a Cortex-M4.
+    /// (self·a + other·b) / 2^64, with an error of at most 4; each product is within ±2^124. Nine
+    /// instructions on a Cortex-M4.
     #[inline(always)]
     pub const fn turn(self, a: Self, other: Self, b: Self) -> i64 {
         let cross = product(self.upper, a.lower)
@@ -130,7 +131,8 @@ impl Halves {
     }
 }
 
-/// a·b / 2^64 to within 3, for |a| and |b| up to 2^63: [`mul_hi`] without the product of the lower words.
+/// a·b / 2^64 with an error of at most 3, for |a| and |b| up to 2^63: [`mul_hi`] without the product of the
+/// lower words.
 #[inline(always)]
 pub const fn mul_near(a: i64, b: i64) -> i64 {
     Halves::of(a).times(Halves::of(b))

@@ -92,7 +92,7 @@ struct IndependentWords {
     offsets: bool,
     feed_acceleration: Option<Value>,
     rapid_acceleration: Option<Value>,
-    /// A known keyword that is not available.
+    /// A known keyword that Glidepath does not have.
     other: Option<&'static str>,
 }
 
@@ -159,14 +159,14 @@ impl Keywords for IndependentWords {
 }
 
 impl<const AXES: usize> Interpreter<AXES> {
-    /// Units of keywords that concern an axis.
+    /// Units for keywords of an axis.
     pub fn units(&self, axis: usize) -> Units {
         let denominator = self.setup.feedrate_factor_milli.max(1);
         Units { length: self.axis_factor(axis), feed: Factor { numerator: 100_000, denominator } }
     }
 
-    /// Reads a command in brackets after the name of an axis into `single`, if there is one; otherwise the
-    /// cursor stays. Returns whether there was one.
+    /// Reads a command in brackets after an axis name into `single`, if there is one; otherwise the cursor
+    /// stays. Returns whether there was a command.
     pub fn axis_command(
         &mut self,
         c: &mut Cursor<'_>,
@@ -222,7 +222,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         Ok(())
     }
 
-    /// The motion of an independent axis, with its end in machine coordinates.
+    /// The motion of an independent axis; its end is in machine coordinates.
     fn independent(&self, target: &IndependentWords, span: Span) -> Result<Independent, Fault> {
         let mut words = target.words;
         if let Some(word) = target.other {
@@ -324,8 +324,8 @@ impl<const AXES: usize> Interpreter<AXES> {
         if first == second {
             return span.fault(NcErrorKind::Missing("two different positions"));
         }
-        // The decoder does not know whether an axis is modulo; it only knows that a linear axis does not
-        // count in turns.
+        // The decoder does not know whether an axis is a modulo axis. It only knows that a linear axis does
+        // not count turns.
         if w.short && self.setup.kinds.get(axis) == Some(&AxisKind::Rotary) {
             let turn = Position::const_from_int(360);
             if [first, second].iter().any(|p| *p < Position::ZERO || *p > turn) {
@@ -343,7 +343,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         })
     }
 
-    /// The origin of a command.
+    /// The origin of a command that begins at `span`.
     pub fn head_of(&self, line: &Line, span: Span) -> Head {
         Head { n: self.n, place: line.place(span), in_motion: false }
     }

@@ -12,7 +12,7 @@ use crate::quantity::{Feed, Position};
 use core::cell::Cell;
 use heapless::Deque;
 
-/// One item of a block's output. Packed, because there are many.
+/// One result of a block. Packed, because there are many.
 #[derive(Clone, Copy)]
 #[repr(C, packed(4))]
 pub(super) struct Item {
@@ -20,17 +20,17 @@ pub(super) struct Item {
     pub kind: ItemKind,
 }
 
-/// The output of a block, in order.
+/// The results of a block, in order.
 pub(super) type Items = Deque<Item, { super::BLOCK_WORDS }>;
 
-/// The kind of an item; larger values wait in the interpreter.
+/// The kind of a result; the interpreter keeps larger values.
 #[derive(Clone, Copy)]
 pub(super) enum ItemKind {
-    /// G word with its own typed command.
+    /// A G word with its own typed command.
     Switch(u16),
     /// G131, G133, G134, G231, G233, G338, G339.
     WeightAll(WeightKind, Position),
-    /// G130, G132, G232 with the interpreter's values.
+    /// G130, G132, G232; the interpreter keeps the values.
     WeightAxes(WeightKind),
     EndFeed,
     Spindle(Position),
@@ -44,13 +44,13 @@ pub(super) enum ItemKind {
     /// M0, M1, M6, M60 of other dialects.
     #[cfg(feature = "grbl")]
     Pause(u16),
-    /// M62 to M68 of other dialects; the interpreter keeps the details.
+    /// M62 to M68 of other dialects; the interpreter keeps the values.
     #[cfg(feature = "grbl")]
     Output,
     /// G38.n: the digit after the point.
     #[cfg(feature = "grbl")]
     Probe(u8),
-    /// The comment of the line.
+    /// The comment of the line, if it is a message.
     #[cfg(feature = "grbl")]
     Message,
     /// G64 with its largest deviation.
@@ -65,7 +65,7 @@ pub(super) struct Given {
     pub span: Span,
 }
 
-/// The use of a block's axis words.
+/// Purpose of the axis words of a block.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Use {
     Motion,
@@ -77,7 +77,7 @@ pub(super) enum Use {
 /// The words of one block.
 pub(super) struct Words<const AXES: usize> {
     pub axes: [Option<Given>; AXES],
-    /// Axes in the order of the text.
+    /// The first axis word.
     pub first: Option<Span>,
     pub centre: [Option<Given>; 3],
     pub radius: Option<Given>,
@@ -87,9 +87,9 @@ pub(super) struct Words<const AXES: usize> {
     pub consumer_span: Span,
     pub mode_span: Option<Span>,
     pub exact_stop: Option<Span>,
-    /// Groups of G words already seen, and F, one bit each.
+    /// Groups of G words that were seen, and F, one bit each.
     pub groups: u16,
-    /// Number of items in the interpreter's queue that come before the motion.
+    /// Number of items in the interpreter's queue that act before the motion.
     pub before: u8,
     pub ends: Option<Ending>,
     pub end_span: Span,
@@ -98,16 +98,16 @@ pub(super) struct Words<const AXES: usize> {
 /// A block that continues in the next call.
 pub(super) struct Waiting<const AXES: usize> {
     words: Words<AXES>,
-    /// Start of its first word, and of the next word.
+    /// Start of the first word, and start of the next word.
     first: u16,
     next: u16,
 }
 
-/// Work of a word without its value, as [`super::calculator`] counts.
+/// Cost of a word without its value, in the unit of [`super::calculator`].
 const WORD: u32 = 16;
 
 impl<const AXES: usize> Words<AXES> {
-    /// No word yet.
+    /// A block without words.
     #[cfg_attr(feature = "fast", inline(always))]
     pub const fn new() -> Self {
         Self {
@@ -154,7 +154,7 @@ mod group {
     pub const F: u16 = 2048;
 }
 
-/// G words of the language that Glidepath does not have (ISG's list), sorted.
+/// G words of ISG's language that Glidepath does not have, sorted.
 const OTHER_G: [u16; 76] = [
     5, 8, 9, 10, 11, 12, 13, 20, 21, 22, 23, 25, 26, 33, 40, 41, 42, 51, 52, 63, 66, 68, 69, 74, 80, 81, 82,
     83, 84, 85, 86, 87, 88, 89, 96, 97, 98, 99, 100, 101, 102, 106, 107, 108, 112, 115, 116, 117, 135, 136,
@@ -163,7 +163,7 @@ const OTHER_G: [u16; 76] = [
 ];
 
 impl<const AXES: usize> Interpreter<AXES> {
-    /// A block of words.
+    /// Reads a block of words.
     pub fn words(&mut self, c: &mut Cursor<'_>, line: &Line) -> Result<Next, Fault> {
         let mut w = Words::new();
         let mut first = c.mark();
@@ -204,7 +204,7 @@ impl<const AXES: usize> Interpreter<AXES> {
 
     // The following functions are not inlined, so that only one of their stack frames exists at a time.
 
-    /// The block continues in another call, from these two words.
+    /// Stores the block, which continues in another call at the word `next`. `first`: its first word.
     #[inline(never)]
     fn lay_aside(&mut self, words: &mut Words<AXES>, [first, next]: [usize; 2]) {
         let words = core::mem::replace(words, Words::new());
@@ -212,7 +212,7 @@ impl<const AXES: usize> Interpreter<AXES> {
             Gathered::Waiting(Cell::new(Waiting { words, first: first as u16, next: next as u16 }));
     }
 
-    /// The block that waited.
+    /// Restores the block that was stored.
     #[inline(never)]
     fn take_up(&mut self, words: &mut Words<AXES>) -> [usize; 2] {
         let Some(waiting) = self.gathered.take_up() else { return [0; 2] };
@@ -220,7 +220,8 @@ impl<const AXES: usize> Interpreter<AXES> {
         [waiting.first, waiting.next].map(usize::from)
     }
 
-    /// Reads one word. An axis bracket command puts itself into [`Gathered::Single`]; its span is returned.
+    /// Reads one word. An axis command in brackets writes itself to [`Gathered::Single`]; its span is
+    /// returned.
     fn word(&mut self, c: &mut Cursor<'_>, line: &Line, w: &mut Words<AXES>) -> Result<Option<Span>, Fault> {
         let mark = c.mark();
         #[cfg(feature = "plc")]
@@ -324,8 +325,8 @@ impl<const AXES: usize> Interpreter<AXES> {
         Ok(None)
     }
 
-    /// Carries out an assignment to a V. variable, if there is one. Assignments to V. variables and P parameters, and
-    /// returns, are not permitted in a real-time loop, whose lines are read once.
+    /// Carries out an assignment to a V. variable, if there is one. A real-time loop must not contain
+    /// assignments to V. variables or P parameters, or returns, because its lines are read only once.
     #[cfg(feature = "plc")]
     #[inline(never)]
     fn is_calculation(&mut self, c: &mut Cursor<'_>) -> Result<bool, Fault> {
@@ -342,7 +343,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         Ok(is_variable)
     }
 
-    /// The axis whose name is here; a name of several letters needs `=` or `[` after it.
+    /// The axis whose name is at the cursor. A name of several letters needs `=` or `[` after it.
     pub fn axis_here(&self, c: &mut Cursor<'_>) -> Option<usize> {
         let mark = c.mark();
         let letter = c.peek_upper();
@@ -455,7 +456,7 @@ impl<const AXES: usize> Interpreter<AXES> {
             4 => {
                 consume(w, Use::Dwell, span)?;
                 if matches!(c.peek_upper(), b'0'..=b'9' | b'.' | b'+' | b'-' | b'=' | b'[' | b'P') {
-                    // Until the value is read, the word has changed nothing: see `calculator`.
+                    // The word must not change state before its value is read: see `calculator`.
                     let time = self.value(c, mark);
                     if time.is_err() {
                         w.consumer = Use::Motion;
@@ -538,7 +539,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         Ok(())
     }
 
-    /// G130…G134, G231…G233, G338, G339: weights in percent.
+    /// Reads the weights, in percent, of G130…G134, G231…G233, G338 or G339.
     fn weight_word(
         &mut self,
         c: &mut Cursor<'_>,
@@ -561,7 +562,7 @@ impl<const AXES: usize> Interpreter<AXES> {
     }
 }
 
-/// Whether a text of digits, points, blanks and operators is an expression, with an operator after a digit.
+/// Whether a text of digits, points, blanks and operators is an expression: it has an operator after a digit.
 #[cold]
 #[inline(never)]
 fn is_bare_arithmetic(text: &[u8]) -> bool {
@@ -571,8 +572,8 @@ fn is_bare_arithmetic(text: &[u8]) -> bool {
     text.iter().all(plain) && behind.iter().any(|byte| matches!(byte, b'+' | b'-' | b'*' | b'/'))
 }
 
-/// Whether a line ends with a plain number after an address, followed by `*` and up to three digits. Returns
-/// the byte where this begins.
+/// Whether a line ends with a checksum: a plain number after an address, then `*` and up to three digits.
+/// Returns the byte where the checksum begins.
 #[cold]
 #[inline(never)]
 pub(super) fn checksum_of(text: &[u8]) -> Option<usize> {
@@ -601,7 +602,7 @@ pub(super) fn checksum_of(text: &[u8]) -> Option<usize> {
     address.then_some(star)
 }
 
-/// Claims the axis words of the block.
+/// Claims the axis words of the block for one use.
 fn consume<const AXES: usize>(w: &mut Words<AXES>, by: Use, span: Span) -> Result<(), Fault> {
     if w.consumer != Use::Motion {
         return span.fault(NcErrorKind::Conflict("another use of its axis words"));
@@ -611,7 +612,7 @@ fn consume<const AXES: usize>(w: &mut Words<AXES>, by: Use, span: Span) -> Resul
     Ok(())
 }
 
-/// Inserts an item after those that come before the motion, which are counted.
+/// Inserts an item after the other items before the motion, and counts it.
 pub(super) fn put_before(
     queue: &mut Items,
     before: &mut u8,
@@ -645,7 +646,7 @@ fn put(slot: Option<&mut Option<Given>>, given: Given, what: &'static str) -> Re
     }
 }
 
-/// A weight: above 0 to 10 000 %.
+/// A weight: above 0, and at most 10 000 %.
 pub(super) fn weight(given: Given) -> Result<Position, Fault> {
     let value = given.number.fixed(Factor::ONE);
     let value = value.filter(|v| *v > Position::ZERO && *v <= Position::const_from_int(10_000));

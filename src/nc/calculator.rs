@@ -1,21 +1,21 @@
 //! The state of expressions, and the amount of arithmetic per call.
 //!
 //! A line may hold more arithmetic than one call of the decoder may do. The calculator counts the remaining
-//! work of the call. If it does not suffice, the current expression is laid aside in the middle, and the
-//! decoder leaves the line as if the text were wrong ([`Calculator::is_halted`] distinguishes both cases).
-//! The next call reads the line again. It skips words that were complete; it knows complete expressions of
-//! the current statement by their start; and it continues the expression laid aside. So the decoder must not
-//! change any state before the last expression of a statement, or of a word of a block, is complete.
+//! work of the call. If it does not suffice, the current expression is stored in the middle, and the decoder
+//! leaves the line as if the text were wrong ([`Calculator::is_halted`] distinguishes both cases). The next
+//! call reads the line again. It skips complete words, and takes the values of complete expressions of the
+//! current statement from a list. It then continues the stored expression. So the decoder must not change any
+//! state before an expression is complete: the last one of a statement, or of a word in a block.
 use super::expression::Stacks;
 use super::parameter::Parameters;
 use super::{Fault, NcErrorKind, Span};
 use crate::machine::functions;
 use core::cell::Cell;
 
-/// Work of one call: approximately hundreds of instructions on the target.
+/// Work of one call, in units of about a hundred instructions on the target.
 const BUDGET: u32 = 320;
 
-/// Number of complete expressions kept for one statement: more than any statement has.
+/// Number of complete expressions that are stored for one statement; no statement has more.
 const KNOWN: usize = functions::EXPRESSIONS.room(16);
 
 /// A complete expression: its start and end in the line, and its value.
@@ -26,13 +26,13 @@ struct Known {
     value: f64,
 }
 
-/// An incomplete expression: its start, the position read so far, and the waiting operators.
+/// An incomplete expression: its start, the position up to which it is read, and its pending operators.
 pub(super) struct Aside {
     pub at: usize,
     pub stacks: Stacks,
 }
 
-/// Parameters, and the work of a call.
+/// The P parameters, and the work of a call.
 pub(super) struct Calculator {
     pub parameters: Parameters,
     left: Cell<u32>,
@@ -42,18 +42,18 @@ pub(super) struct Calculator {
     known: [Cell<Known>; KNOWN],
     count: Cell<usize>,
     aside: Cell<Option<Aside>>,
-    /// Start of the expression laid aside.
+    /// Start of the stored expression.
     aside_start: Cell<usize>,
-    /// Variables from outside, for the current line.
+    /// Values of outside variables for the current line.
     #[cfg(feature = "plc")]
     pub looked: super::variable::Looked,
 }
 
-/// Not a position in a line.
+/// A value that is no position in a line.
 const NOWHERE: usize = usize::MAX;
 
 impl Calculator {
-    /// All bits are zero; [`Self::clear`] comes first.
+    /// A calculator whose bits are all zero. Call [`Self::clear`] before use.
     pub const fn new() -> Self {
         Self {
             parameters: Parameters::new(),
@@ -93,7 +93,7 @@ impl Calculator {
         self.complete();
     }
 
-    /// The current statement or word is complete.
+    /// Marks the current statement or word as complete.
     pub fn complete(&self) {
         self.count.set(0);
         self.aside_start.set(NOWHERE);
@@ -104,17 +104,18 @@ impl Calculator {
         self.halted.get()
     }
 
-    /// Whether this call has done at most `work`, and is complete.
+    /// Whether this call has done at most `work`, and its line is complete.
     pub fn has_done_no_more_than(&self, work: u32) -> bool {
         !self.is_halted() && self.left.get() >= BUDGET - work
     }
 
-    /// Adds work that had to be done.
+    /// Adds work that cannot be postponed.
     pub fn charge(&self, work: u32) {
         self.left.set(self.left.get().saturating_sub(work));
     }
 
-    /// Whether there is time for this work, which is then counted. The first work of a call always has time.
+    /// Whether the call may still do this work, which then counts. The first work of a call is always
+    /// permitted.
     pub fn affords(&self, work: u32) -> bool {
         let left = self.left.get().checked_sub(work);
         if left.is_none() && self.moved.get() {
@@ -131,25 +132,25 @@ impl Calculator {
         Span::default().fault(NcErrorKind::Endless)
     }
 
-    /// Lays aside the expression that begins at `start`. The line then halts.
+    /// Stores the expression that begins at `start`. The line then halts.
     #[inline(never)]
     pub fn lay_aside(&self, start: usize, aside: Aside) {
         self.aside.set(Some(aside));
         self.aside_start.set(start);
     }
 
-    /// Whether an expression may be laid aside: all complete ones before it must be stored.
+    /// Whether an expression may be stored: all complete ones before it must be in the list.
     pub fn knows_all(&self) -> bool {
         self.count.get() < self.known.len()
     }
 
-    /// Whether the expression that begins at `start` was laid aside.
+    /// Whether the expression that begins at `start` is stored.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn has_aside(&self, start: usize) -> bool {
         self.aside_start.get() == start
     }
 
-    /// The expression laid aside. It continues, whatever its next step costs.
+    /// Returns the stored expression. Its next step may have any cost.
     #[inline(never)]
     pub fn take_aside(&self) -> Option<Aside> {
         self.aside_start.set(NOWHERE);

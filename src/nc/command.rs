@@ -37,7 +37,8 @@ pub struct Setup<const AXES: usize> {
     pub kinds: [AxisKind; AXES],
     /// The main axes: abscissa, ordinate and applicate of G17.
     pub main: [Option<usize>; 3],
-    /// P-CHAN-00108, in thousandths: 100 000 = F in mm/min, 100 = F in m/min (F times 100 000 / this).
+    /// P-CHAN-00108, in thousandths. 100 000: F in mm/min; 100: F in m/min. The factor of F is 100 000
+    /// divided by this value.
     pub feedrate_factor_milli: u32,
     /// Axis positions before the first block.
     pub start: [Position; AXES],
@@ -45,7 +46,8 @@ pub struct Setup<const AXES: usize> {
     pub zero_offsets: [[Position; AXES]; ZERO_OFFSETS],
     /// P-ZERO-00002: zero offset that is active at program start: 0 none (G53), 1…6 G54…G59.
     pub default_index: u8,
-    /// P-CHAN-00041: M functions that are output before the motion of their block; all others come after it.
+    /// P-CHAN-00041: M functions that are output before the motion of their block. All others are output
+    /// after it.
     pub m_synch: SynchTable,
     /// P-CHAN-00027: H functions that are output before the motion of their block.
     pub h_synch: SynchTable,
@@ -70,7 +72,7 @@ impl<const AXES: usize> Setup<AXES> {
         foreign: ForeignSetup::ISG,
     };
 
-    /// The data of a machine whose axes stand at `start`.
+    /// The data of a machine whose axes are at `start`.
     pub fn new(machine: &MachineData<AXES>, start: [Position; AXES]) -> Self {
         let mut zero_offsets = [[Position::ZERO; AXES]; ZERO_OFFSETS];
         for (set, offsets) in zero_offsets.iter_mut().enumerate() {
@@ -94,7 +96,7 @@ impl<const AXES: usize> Setup<AXES> {
     }
 }
 
-/// Plane of arcs: selects the first and second axis among the main axes.
+/// Plane of arcs. It selects the first and second axis from the main axes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Plane {
@@ -121,7 +123,7 @@ impl Plane {
 /// The word that defines an arc.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ArcBy {
-    /// I, J, K: the centre, absolute, in the plane's two axes. A target equal to the start means a full
+    /// I, J, K: the centre in the two axes of the plane, absolute. A target equal to the start means a full
     /// circle.
     Centre([Position; 2]),
     /// R: the radius; a negative radius selects the arc of more than 180°.
@@ -153,12 +155,12 @@ pub struct Motion<const AXES: usize> {
     pub n: u32,
     /// First word of the motion in the text.
     pub place: Place,
-    /// Place of R, or of I, J and K, in the text. [`Self::place`] if the block has none of them (R stays in
-    /// force).
+    /// Place of R, or of I, J and K, in the text. It is [`Self::place`] if the block has none of them (R
+    /// stays in force).
     pub centre: Place,
     /// Rapid, line or arc.
     pub kind: MotionKind,
-    /// End point of every axis, offsets applied.
+    /// End point of every axis, including offsets.
     pub target: [Position; AXES],
     /// Feed, mm/min; unused for [`MotionKind::Rapid`].
     pub feed: Feed,
@@ -170,9 +172,9 @@ pub struct Motion<const AXES: usize> {
 
 /// A command with its parameters.
 ///
-/// A block gives its commands in this order: switches, weights, S, T, D in the order of the text; functions that
-/// [`Setup::m_synch`] and [`Setup::h_synch`] place before the motion; the motion or dwell; the other M and H functions;
-/// the program end.
+/// A block gives its commands in this order. First switches, weights, S, T and D, in the order of the text.
+/// Then functions that [`Setup::m_synch`] and [`Setup::h_synch`] place before the motion. Then the motion or
+/// dwell, the other M and H functions, and the program end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Command<const AXES: usize> {
     /// G00…G03.
@@ -215,7 +217,7 @@ pub enum Command<const AXES: usize> {
     PutAxes(Head, u32),
     /// #CALL AX: bit i for axis i.
     CallAxes(Head, u32),
-    /// #RT WHILE; true with MODULO.
+    /// #RT WHILE; `true` with MODULO.
     RtWhile(Head, bool),
     /// #RT ENDWHILE.
     RtEndWhile(Head),
@@ -237,8 +239,8 @@ pub enum Command<const AXES: usize> {
     /// function.
     #[cfg(feature = "grbl")]
     Pause(Head, u16),
-    /// M62 to M65, M67, M68 of LinuxCNC. `true`: at once, and the corner before it stays sharp. `false`: together
-    /// with the next motion.
+    /// M62 to M65, M67, M68 of LinuxCNC. `true`: at once, and the corner before the output stays sharp.
+    /// `false`: together with the next motion.
     #[cfg(feature = "grbl")]
     Output(Head, Function, bool),
     /// M66 of LinuxCNC: the axes stop until the operator acknowledges [`Function::Input`].
@@ -250,10 +252,10 @@ pub enum Command<const AXES: usize> {
     /// `#FLUSH`: releases blocks that wait for the next block.
     #[cfg(feature = "plc")]
     Flush(Head),
-    /// #EXPL SYN: functions of the kind MVS_SLP must be acknowledged before the next motion block.
+    /// #EXPL SYN: functions with MVS_SLP must be acknowledged before the next motion block.
     #[cfg(feature = "plc")]
     ExplicitSynch(Head),
-    /// G38.2…G38.5 of other dialects. The planner refuses the command by name: an application with a probe
+    /// G38.2…G38.5 of other dialects. The planner refuses this command by name; an application with a probe
     /// carries it out.
     #[cfg(feature = "grbl")]
     Probe(Head, Probe<AXES>),
@@ -315,7 +317,7 @@ impl<const AXES: usize> Command<AXES> {
         }
     }
 
-    /// Whether the command only switches a function off, so that it has no effect while the function is off.
+    /// Whether the command only switches a function off. It then has no effect while the function is off.
     pub const fn switches_off(&self) -> bool {
         match self {
             Self::ExactStop(_, switch) => matches!(switch, ExactStop::Off),

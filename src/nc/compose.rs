@@ -11,7 +11,7 @@ use crate::quantity::{Feed, Position};
 use core::cell::Cell;
 
 impl<const AXES: usize> Interpreter<AXES> {
-    /// Turns the words into items in order: switches and weights, then motion or dwell, then M and H
+    /// Converts the words to items in order: switches and weights, then motion or dwell, then M and H
     /// functions.
     #[inline(never)]
     pub fn finish(&mut self, w: &mut Words<AXES>, line: &Line) -> Result<Next, Fault> {
@@ -79,12 +79,12 @@ impl<const AXES: usize> Interpreter<AXES> {
         Ok(self.end_by_word(ending))
     }
 
-    /// Inch or millimetre.
+    /// The length unit in force: inch or millimetre.
     pub fn length_factor(&self) -> Factor {
         if self.modal.inch { Factor::INCH } else { Factor::ONE }
     }
 
-    /// Unit of an axis: inch applies to linear axes only.
+    /// Unit of an axis; inch applies only to linear axes.
     pub fn axis_factor(&self, axis: usize) -> Factor {
         match self.setup.kinds.get(axis) {
             Some(AxisKind::Linear) => self.length_factor(),
@@ -92,7 +92,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         }
     }
 
-    /// Zero offset and G92 of an axis.
+    /// Sum of zero offset and G92 of an axis.
     pub fn offset(&self, axis: usize) -> Position {
         let set = self.modal.zero_set.and_then(|set| self.setup.zero_offsets.get(set));
         let zero = set.and_then(|set| set.get(axis)).copied().unwrap_or(Position::ZERO);
@@ -113,7 +113,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         coordinate("coordinate", if linear { "mm" } else { "deg" })
     }
 
-    /// G04.
+    /// Reads G04.
     fn dwell_of(&mut self, w: &mut Words<AXES>, line: &Line) -> Result<(), Fault> {
         let mut time = w.time.map(|given| (given, None));
         for (axis, given) in w.axes.iter().enumerate() {
@@ -154,7 +154,8 @@ impl<const AXES: usize> Interpreter<AXES> {
         value.ok_or(Fault { span: given.span, kind })
     }
 
-    /// G92: the additional offset of the named axes, absolute with G90, added with G91; no motion.
+    /// Carries out G92: sets the additional offset of the named axes (absolute with G90, added with G91). No
+    /// axis moves.
     fn shift_of(&mut self, w: &Words<AXES>) -> Result<(), Fault> {
         if w.first.is_none() {
             return w.consumer_span.fault(NcErrorKind::Missing("axis offsets"));
@@ -174,7 +175,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         Ok(())
     }
 
-    /// G130, G132, G232.
+    /// Carries out G130, G132 and G232.
     fn weights_of(&mut self, w: &Words<AXES>) -> Result<(), Fault> {
         if w.first.is_none() {
             return w.consumer_span.fault(NcErrorKind::Missing("axis weights in percent"));
@@ -190,7 +191,7 @@ impl<const AXES: usize> Interpreter<AXES> {
 }
 
 impl<const AXES: usize> Interpreter<AXES> {
-    /// G00…G03 with the axis words of the block.
+    /// Makes the motion of G00…G03 from the axis words of the block.
     pub fn motion_of(&mut self, w: &mut Words<AXES>, line: &Line) -> Result<(), Fault> {
         let mode = self.modal.mode;
         let arc = matches!(mode, Mode::Clockwise | Mode::Counterclockwise);
@@ -259,8 +260,8 @@ impl<const AXES: usize> Interpreter<AXES> {
         put_before(&mut self.queue, &mut w.before, span, ItemKind::Motion)
     }
 
-    /// Centre or radius of an arc to `target`. Coordinates of the centre that are not programmed are the
-    /// start's.
+    /// Centre or radius of an arc to `target`. A coordinate of the centre that is not programmed is that of
+    /// the start.
     fn arc(&self, w: &Words<AXES>, target: &[Position; AXES], span: Span) -> Result<ArcBy, Fault> {
         let plane = self.modal.plane.main_axes();
         let mut axes = [0; 2];
@@ -317,7 +318,7 @@ fn move_into_order(items: &mut [Item]) {
     }
 }
 
-/// Adds a part of an LSB to the earlier parts. Returns whole LSBs.
+/// Adds `left`, a part of an LSB, to earlier parts. Returns whole LSBs.
 pub(super) fn carry(rest: &mut i32, left: i64) -> Position {
     let sum = i64::from(*rest).wrapping_add(left);
     let whole = sum.wrapping_add(1 << 31) >> 32;
@@ -325,7 +326,7 @@ pub(super) fn carry(rest: &mut i32, left: i64) -> Position {
     Position::from_bits(whole)
 }
 
-/// Inside ±[`COORDINATE_MAX`].
+/// Whether the value is inside ±[`COORDINATE_MAX`].
 pub(super) fn in_range(value: Position) -> bool {
     const MAX: u64 = (COORDINATE_MAX as u64) << 32;
     value.to_bits().unsigned_abs() <= MAX

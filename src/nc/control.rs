@@ -6,14 +6,13 @@ use super::interpreter::{Bounds, Interpreter, Next};
 use super::line::Line;
 use super::{Fault, NcErrorKind, NcWarningKind, Place, Span, real};
 
-/// Text for a statement that must stand alone in its line.
+/// Message text for a statement that must stand alone in its line.
 const STATEMENT: &str = "a $ statement";
 
 /// Bit that distinguishes names from block numbers in labels.
 const NAME: u64 = 1 << 63;
 
-/// The label at the start of a line (`N20:` or `[NAME]`), after which a `$` word may follow; steps over N
-/// too.
+/// Reads the label at the start of a line (`N20:` or `[NAME]`); a `$` word may follow. Also skips N.
 pub(super) fn label_of(c: &mut Cursor<'_>) -> Option<u64> {
     let mut label = None;
     if c.peek_upper() == b'N' {
@@ -37,7 +36,7 @@ pub(super) fn label_of(c: &mut Cursor<'_>) -> Option<u64> {
     label
 }
 
-/// `[NAME]`.
+/// Reads a label `[NAME]`.
 fn bracket_label(c: &mut Cursor<'_>) -> Option<u64> {
     c.bump();
     let mark = c.mark();
@@ -48,7 +47,7 @@ fn bracket_label(c: &mut Cursor<'_>) -> Option<u64> {
     c.eat(b']').then(|| hash(name) | NAME)
 }
 
-/// Whether a `$` word opens, closes or divides a control block.
+/// The role of a `$` word: whether it opens, closes or divides a control block.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Role {
     Opens,
@@ -67,13 +66,13 @@ fn role(word: &Word) -> Role {
 }
 
 impl<const AXES: usize> Interpreter<AXES> {
-    /// A condition: true for values from 0.5 on.
+    /// Reads a condition, which is true for values from 0.5 on.
     fn condition(&self, c: &mut Cursor<'_>) -> Result<bool, Fault> {
         Ok(expression(c, &self.calculator)?.real() >= 0.5)
     }
 
     /// Carries out a `$` statement; the cursor is at `$`. A separate function, so that its stack frame does
-    /// not lie below words.
+    /// not exist while words are read.
     #[inline(never)]
     pub fn control(&mut self, c: &mut Cursor<'_>, line: &Line, bounds: Bounds) -> Result<Next, Fault> {
         let mark = c.mark();
@@ -117,14 +116,14 @@ impl<const AXES: usize> Interpreter<AXES> {
                 self.flow.pass(Passing::Case, 0, place);
             }
             b"ELSEIF" | b"ELSE" => {
-                // A carried-out branch has reached the next branch.
+                // A branch that was carried out has reached the next branch.
                 self.innermost_is("$IF").map_err(fault)?;
                 let open_place = self.flow.innermost().map_or(place, |o| o.place);
                 self.flow.pass(Passing::Out, 0, open_place);
                 return Ok(Next::Line);
             }
             b"CASE" | b"DEFAULT" => {
-                // Without $BREAK the blocks of the next case follow.
+                // Without $BREAK, the program continues with the blocks of the next case.
                 self.innermost_is("$SWITCH").map_err(fault)?;
                 if word.is("CASE") {
                     let _ = expression(c, &self.calculator)?;
@@ -151,7 +150,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         Ok(next)
     }
 
-    /// `$FOR Pn = start, end, step`.
+    /// Carries out `$FOR Pn = start, end, step`.
     fn open_for(
         &mut self,
         c: &mut Cursor<'_>,
@@ -185,7 +184,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         Ok(())
     }
 
-    /// `$SWITCH expression` or `$SWITCH Pn = expression`.
+    /// Reads `$SWITCH expression` or `$SWITCH Pn = expression`.
     fn switch_value(&mut self, c: &mut Cursor<'_>) -> Result<f64, Fault> {
         let mark = c.mark();
         if c.peek_upper() == b'P'
@@ -237,7 +236,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         Ok(Next::Line)
     }
 
-    /// The innermost block, if `word` closes it.
+    /// The innermost control block, if `word` closes it.
     fn closed_by(&mut self, word: &Word) -> Result<Open, NcErrorKind> {
         match self.flow.innermost() {
             Some(open) if open.block.closing().as_bytes().get(1..) == Some(word.bytes()) => Ok(*open),
@@ -245,7 +244,8 @@ impl<const AXES: usize> Interpreter<AXES> {
         }
     }
 
-    /// Continues with the innermost loop, from its closing word or (`$CONTINUE`) from `left` blocks inside.
+    /// Continues the innermost loop: after its closing word, or after `$CONTINUE` with `left` blocks open
+    /// inside.
     fn next_round(&mut self, left: Option<u16>) -> Result<Next, NcErrorKind> {
         let Some(open) = self.flow.innermost().copied() else { return Err(NcErrorKind::NoLoop) };
         match open.block {
@@ -275,7 +275,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         }
     }
 
-    /// `$IF condition $GOTO label`.
+    /// Carries out `$IF condition $GOTO label`.
     fn if_goto(&mut self, c: &mut Cursor<'_>, go: bool, line: &Line, bounds: Bounds) -> Result<Next, Fault> {
         let mark = c.mark();
         c.bump();
@@ -290,7 +290,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         Ok(Next::Line)
     }
 
-    /// `$GOTO N20` or `$GOTO [NAME]`: searched from the start of the running program.
+    /// Carries out `$GOTO N20` or `$GOTO [NAME]`. The search begins at the start of the running program.
     fn goto(&mut self, c: &mut Cursor<'_>, line: &Line, bounds: Bounds) -> Result<Next, Fault> {
         let mark = c.mark();
         let label = match c.peek_upper() {
@@ -310,7 +310,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         Ok(Next::At(self.flow.program))
     }
 
-    /// A `$` word in skipped text. Returns true if its line is to be carried out after all.
+    /// Handles a `$` word in skipped text. Returns `true` if its line has to be carried out.
     pub fn pass_control(&mut self, c: &mut Cursor<'_>, start: usize, bounds: Bounds) -> Result<bool, Fault> {
         let mark = c.mark();
         c.bump();
@@ -363,7 +363,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         Ok(false)
     }
 
-    /// Whether this branch or case is to be carried out.
+    /// Whether this branch or case has to be carried out.
     fn enters(&mut self, c: &mut Cursor<'_>, passing: Passing, word: &Word) -> Result<bool, Fault> {
         match (passing, word.bytes()) {
             (Passing::Branch, b"ELSE") | (Passing::Case, b"DEFAULT") => Ok(true),
@@ -379,7 +379,8 @@ impl<const AXES: usize> Interpreter<AXES> {
         }
     }
 
-    /// Whether the label is in this line. If so, leaves the blocks that do not contain it.
+    /// Whether the wanted label is in this line. If so, leaves the control blocks that do not contain the
+    /// label.
     pub fn arrive(&mut self, c: &mut Cursor<'_>) -> Result<bool, Fault> {
         let base = self.flow.base();
         let open = self.flow.blocks.iter().skip(base);

@@ -1,4 +1,4 @@
-//! Reading one logical line from left to right; blanks between words do not count.
+//! Reads one logical line from left to right; blanks between words are ignored.
 use super::number::{Number, Plain};
 use super::{Fault, NcErrorKind, Span};
 
@@ -14,7 +14,7 @@ impl Word {
         self.letters.get(..usize::from(self.len)).unwrap_or(&[])
     }
 
-    /// Whether it is the given upper-case word.
+    /// Whether the word equals the upper-case word `word`.
     pub fn is(&self, word: &str) -> bool {
         self.bytes() == word.as_bytes()
     }
@@ -39,7 +39,7 @@ impl<'a> Cursor<'a> {
         Self { bytes, at: 0 }
     }
 
-    /// The byte at the cursor, blanks included; 0 at the end.
+    /// The byte at the cursor, which may be a blank; 0 at the end.
     pub fn raw(&self) -> u8 {
         self.bytes.get(self.at).copied().unwrap_or(0)
     }
@@ -74,7 +74,7 @@ impl<'a> Cursor<'a> {
         self.peek().to_ascii_uppercase()
     }
 
-    /// Steps over `byte` if it is next.
+    /// Skips `byte` if it is next.
     #[inline(never)]
     pub fn eat(&mut self, byte: u8) -> bool {
         let hit = self.peek() == byte;
@@ -94,7 +94,7 @@ impl<'a> Cursor<'a> {
         self.mark_at_once()
     }
 
-    /// The same, inlined for speed.
+    /// As [`Self::mark`], inlined for speed.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn mark_at_once(&mut self) -> usize {
         self.skip_blanks();
@@ -116,7 +116,7 @@ impl<'a> Cursor<'a> {
         Span { at: mark as u16, len: (end - mark) as u16 }
     }
 
-    /// The same, if no blank is before the cursor.
+    /// As [`Self::since`], if no blank is before the cursor.
     pub fn word_from(&self, mark: usize) -> Span {
         Span { at: mark as u16, len: self.at.wrapping_sub(mark) as u16 }
     }
@@ -146,7 +146,7 @@ impl<'a> Cursor<'a> {
         Span { at: mark as u16, len: (end - mark) as u16 }
     }
 
-    /// From `mark` to the next blank after the cursor.
+    /// The text from `mark` to the next blank after the cursor.
     #[cfg(feature = "plc")]
     pub fn rest_from(&self, mark: usize) -> Span {
         let mut end = self.at;
@@ -161,17 +161,17 @@ impl<'a> Cursor<'a> {
         self.here().fault(NcErrorKind::Expected(what))
     }
 
-    /// Steps over `byte` or refuses.
+    /// Skips `byte`, or refuses another byte.
     pub fn require(&mut self, byte: u8, what: &'static str) -> Result<(), Fault> {
         if self.eat(byte) { Ok(()) } else { self.expected(what) }
     }
 
-    /// Refuses anything but the end of the line.
+    /// Refuses any text except the end of the line.
     pub fn require_end(&mut self, statement: &'static str) -> Result<(), Fault> {
         if self.at_end() { Ok(()) } else { self.here().fault(NcErrorKind::NotAlone(statement)) }
     }
 
-    /// Letters only (functions, operators, `$` words).
+    /// Reads letters only (functions, operators, `$` words).
     #[inline(never)]
     pub fn letters(&mut self) -> Word {
         self.skip_blanks();
@@ -183,7 +183,7 @@ impl<'a> Cursor<'a> {
         word
     }
 
-    /// Letters, digits and underscores, at most `limit`.
+    /// Reads letters, digits and underscores, at most `limit`.
     #[inline(never)]
     pub fn identifier(&mut self, limit: usize) -> Word {
         self.skip_blanks();
@@ -197,7 +197,7 @@ impl<'a> Cursor<'a> {
         word
     }
 
-    /// Steps over `words` (upper case, blanks ignored) if they are here and no word continues after them.
+    /// Skips `words` (upper case, blanks ignored) if they are at the cursor and no letter follows.
     #[inline(never)]
     pub fn eat_words(&mut self, words: &str) -> bool {
         let mark = self.mark();
@@ -219,7 +219,7 @@ impl<'a> Cursor<'a> {
         true
     }
 
-    /// Digits as a whole number.
+    /// Reads digits as a whole number.
     #[inline(never)]
     pub fn whole(&mut self, what: &'static str) -> Result<u32, Fault> {
         let mark = self.mark();
@@ -243,7 +243,8 @@ impl<'a> Cursor<'a> {
         Ok(value)
     }
 
-    /// An unsigned decimal literal. Decimals beyond the 19th significant digit and the 19th place are cut.
+    /// Reads an unsigned decimal number. Digits beyond the 19th significant digit and the 19th decimal are
+    /// cut off.
     #[inline(never)]
     pub fn decimal(&mut self) -> Result<Number, Fault> {
         self.skip_blanks();
@@ -253,8 +254,8 @@ impl<'a> Cursor<'a> {
         }
     }
 
-    /// One to nine digits with at most one point, and neither E nor another point after them. Otherwise
-    /// `None`, and the cursor stays.
+    /// Reads one to nine digits with at most one decimal point, without E or another point after them.
+    /// Otherwise returns `None`, and the cursor stays.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn plain_decimal(&mut self) -> Option<Plain> {
         let rest = self.bytes.get(self.at..)?;
@@ -273,7 +274,7 @@ impl<'a> Cursor<'a> {
         Some(Plain { mantissa, scale: scale as u8 })
     }
 
-    /// One to nine digits without a point after them.
+    /// Reads one to nine digits without a decimal point after them.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn plain_whole(&mut self) -> Option<u32> {
         let rest = self.bytes.get(self.at..)?;
@@ -286,7 +287,7 @@ impl<'a> Cursor<'a> {
         Some(number)
     }
 
-    /// Any literal; the error says why there is none.
+    /// Reads any number; the error says why there is none.
     #[inline(never)]
     fn any_decimal(&mut self) -> Result<Number, Fault> {
         let mark = self.mark();
@@ -301,7 +302,7 @@ impl<'a> Cursor<'a> {
                 }
                 point = true;
             } else if significant < 19 && scale < 19 {
-                // Below 10^19, which fits 64 bits.
+                // Below 10^19, which fits into 64 bits.
                 mantissa = mantissa.wrapping_mul(10).wrapping_add(u64::from(digit));
                 significant += u8::from(mantissa != 0);
                 scale += u8::from(point);
@@ -333,12 +334,12 @@ impl<'a> Cursor<'a> {
     }
 }
 
-/// Appends the leading digits of `text` to `number`, and returns their count. With more than nine digits the
-/// number is invalid.
+/// Appends the leading digits of `text` to `number`, and returns how many there are. With more than nine
+/// digits, the number is invalid.
 fn digits(text: &[u8], number: &mut u32) -> usize {
     let mut count = 0;
     for byte in text {
-        // As a whole word: a byte would be masked again.
+        // Handled as a whole word; a byte would be masked again.
         let digit = u32::from(*byte).wrapping_sub(u32::from(b'0'));
         if digit > 9 {
             break;

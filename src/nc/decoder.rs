@@ -1,4 +1,4 @@
-//! The decoder: reads lines of text, returns commands, a bounded amount of work per call.
+//! The decoder: reads lines of text and returns commands, with a bounded amount of work per call.
 use super::block::{Item, ItemKind};
 use super::compose::in_range;
 use super::cursor::Cursor;
@@ -11,7 +11,7 @@ use crate::machine::MachineData;
 #[cfg(feature = "grbl")]
 use crate::technology::Function;
 
-/// A command that changes what the following blocks may do.
+/// A command that changes the dynamics of the following blocks.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Restriction<const AXES: usize> {
     Slope(Slope),
@@ -31,7 +31,7 @@ pub enum Step<const AXES: usize> {
     Warning(NcWarning),
     /// Program text has not arrived yet: call again later.
     Late,
-    /// The program has ended by M02, M30 or the end of its text, or an earlier line was refused.
+    /// The program has ended by M02, M30 or the end of its text; or an earlier line was refused.
     End,
 }
 
@@ -45,11 +45,11 @@ enum Work {
     Late,
 }
 
-/// Work of a line without its words; and bytes per unit of work, as [`super::calculator`] counts.
+/// Cost of a line without its words, and bytes per unit of cost; the unit is that of [`super::calculator`].
 const LINE: u32 = 10;
 const BYTES: u32 = 2;
-/// Work so small that another line may follow in the same call, and that the result of the current line may
-/// be carried out in it.
+/// Work below which two more things may happen in the same call: the next line is read, and the result of the
+/// current line is carried out.
 const LITTLE: u32 = 30;
 const LITTLE_LINE: u32 = 120;
 
@@ -72,7 +72,7 @@ impl<const AXES: usize> Default for DecoderMemory<AXES> {
     }
 }
 
-/// Turns program text into commands, a bounded amount of work per call.
+/// Converts program text to commands, with a bounded amount of work per call.
 pub struct Decoder<'a, T: Text, const AXES: usize> {
     reader: LineReader<T>,
     line: &'a mut Line,
@@ -107,7 +107,7 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
         }
     }
 
-    /// As [`Self::new`], for a machine that stands at `start`.
+    /// As [`Self::new`], for a machine whose axes are at `start`.
     #[inline(never)]
     pub(crate) fn of_machine(
         memory: &'a mut DecoderMemory<AXES>,
@@ -118,19 +118,19 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
         Self::new(memory, Setup::new(machine, start), text)
     }
 
-    /// Returns `command` before the first line, as if the program began with it: for a smoothing that the program
-    /// does not select. Call it before the first step.
+    /// Returns `command` before the first line, as if the program began with it. Use it for a smoothing that
+    /// the program does not select. Call this function before the first step.
     #[cfg(feature = "grbl")]
     pub fn begin_with(&mut self, command: Command<AXES>) {
         self.interpreter.gathered = Gathered::Single(core::cell::Cell::new(command));
     }
 
-    /// Returns the next command, or works towards it: at most one logical line, or 256 bytes of text; of a
-    /// line with much arithmetic a part.
+    /// Returns the next command, or works on it. A call reads at most one logical line, or 256 bytes of text,
+    /// or a part of a line with much arithmetic.
     ///
     /// # Errors
-    /// The first word that is not in the language, or not possible. After an error only [`Step::End`]
-    /// follows, until [`Self::go_on`].
+    /// The first word that the language does not have, or that is not possible. After an error, only
+    /// [`Step::End`] follows, until [`Self::go_on`].
     // Not inlined, so that its stack frame is gone before the command is carried out.
     #[inline(never)]
     pub fn step(&mut self) -> Result<Step<AXES>, NcError> {
@@ -171,7 +171,7 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
             },
         };
         self.interpreter.quiet = 0;
-        // Separate from the other commands, so that no copy is made.
+        // Separate from the other commands, so that the motion is not copied.
         if is_motion && let Gathered::Motion(motion) = &self.interpreter.gathered {
             let _ = self.interpreter.queue.pop_front();
             return Ok(Step::Command(Command::Motion(motion.get())));
@@ -179,8 +179,8 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
         self.hand_out()
     }
 
-    /// Whether the next step returns a command that changes what the following blocks may do: slope, weights,
-    /// limits along the path.
+    /// Whether the next step returns a command that changes the dynamics of the following blocks: slope,
+    /// weights, path limits.
     pub(crate) fn restricts(&self) -> bool {
         let Interpreter { gathered, warnings, .. } = &*self.interpreter;
         if !warnings.is_empty() || self.refused {
@@ -193,7 +193,7 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
         self.interpreter.front().is_some_and(weighs)
     }
 
-    /// This command without its place; `None` if [`Self::restricts`] is false.
+    /// This command without its place. Returns `None` if [`Self::restricts`] is false.
     #[cold]
     #[inline(never)]
     pub(crate) fn restriction(&self) -> Option<Restriction<AXES>> {
@@ -213,7 +213,8 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
         Some(Restriction::Weight(Weight { kind, percent }))
     }
 
-    /// Whether the last step did so little that another one may follow in the same call of the planner.
+    /// Whether the last step did little work, so that another step may follow in the same call of the
+    /// planner.
     pub(crate) fn has_done_little(&self) -> bool {
         let Interpreter { gathered, calculator, .. } = &*self.interpreter;
         let waits = self.interpreter.front().is_some() || gathered.is_single();
@@ -230,9 +231,9 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
         self.interpreter.position
     }
 
-    /// Refuses the current line, on behalf of the decoder or of the command's receiver. The rest of the line
-    /// is dropped, and the modal state from before the line (G words, F, R, zero offset, G92) is restored. P
-    /// parameters keep values that earlier words of the line assigned.
+    /// Refuses the current line, for the decoder or for the receiver of the command. The rest of the line is
+    /// dropped, and the modal state before the line (G words, F, R, zero offset, G92) is restored. P
+    /// parameters keep values that the line has assigned.
     pub(crate) fn refuse(&mut self) {
         self.interpreter.refuse();
         self.refused = true;
@@ -243,17 +244,18 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
         self.refused
     }
 
-    /// Continues after a refused line, from `position` (machine coordinates). A loop, branch or call of the refused line has
-    /// not begun. A closing word that was missing at the end of a program is no longer asked for.
+    /// Continues after a refused line, from `position` (machine coordinates). A loop, branch or call of the
+    /// refused line has not begun. If a closing word was missing at the end of a program, it is no longer
+    /// required.
     pub fn go_on(&mut self, position: [Position; AXES]) {
         self.interpreter.stand_at(position);
         self.reader.go_on();
         self.refused = false;
     }
 
-    /// Begins another text at its start, from `position` (machine coordinates), and returns the previous text. If `keeps` is
-    /// true, modal functions, F, G92 and P parameters stay in force, else they are as at program start. Zero offsets always
-    /// stay.
+    /// Begins another text at its start, from `position` (machine coordinates), and returns the previous
+    /// text. If `keeps` is true, modal functions, F, G92 and P parameters stay in force; otherwise they are
+    /// as at program start. Zero offsets always stay.
     pub fn load(&mut self, text: T, position: [Position; AXES], keeps: bool) -> T {
         self.restart(position, keeps);
         self.reader.replace(text)
@@ -273,7 +275,8 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
         self.refused = false;
     }
 
-    /// Sets the position of an axis that moved without the decoder: after an oscillation or a jog, for example.
+    /// Sets the position of an axis that moved without the decoder, for example after an oscillation or a
+    /// jog.
     pub fn set_position(&mut self, axis: usize, position: Position) {
         self.interpreter.stand_there(axis, position);
     }
@@ -284,8 +287,9 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
         self.interpreter.stand_at(position);
     }
 
-    /// Sets the offset of an axis in a zero offset, 0…5 for G54…G59. It applies from the next line on, also if that zero
-    /// offset is active. Returns `false` if there is no such set or axis, or the offset is outside of ±[`COORDINATE_MAX`].
+    /// Sets the offset of an axis in a zero offset, 0…5 for G54…G59. The offset is valid from the next line
+    /// on, also if that zero offset is active. Returns `false` if there is no such set or axis, or if the
+    /// offset is outside ±[`COORDINATE_MAX`].
     #[must_use]
     pub fn set_zero_offset(&mut self, set: usize, axis: usize, offset: Position) -> bool {
         let slot = self.interpreter.setup.zero_offsets.get_mut(set).and_then(|offsets| offsets.get_mut(axis));
@@ -304,8 +308,8 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
         self.is_between_lines().then(|| self.interpreter.in_force())
     }
 
-    /// Restores an earlier modal state, or that of program start. It counts from the next line on. Returns
-    /// `false` inside a line; nothing has changed then.
+    /// Restores an earlier modal state, or that of program start. The state is valid from the next line on.
+    /// Returns `false`, and changes nothing, inside a line.
     #[cfg(feature = "grbl")]
     #[must_use]
     pub fn put_in_force(&mut self, force: &super::InForce<AXES>) -> bool {
@@ -316,14 +320,14 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
         may
     }
 
-    /// Zero offsets and places, as programs have stored them.
+    /// Zero offsets and stored positions, as programs have stored them.
     #[cfg(feature = "grbl")]
     pub fn stored(&self) -> super::StoredOffsets<AXES> {
         self.interpreter.stored()
     }
 
-    /// Restores zero offsets and places. They count from the next line on. Returns `false` if a value is beyond ±100
-    /// 000 mm; nothing has changed then.
+    /// Restores zero offsets and stored positions. They are valid from the next line on. Returns `false`, and
+    /// changes nothing, if a value is beyond ±100 000 mm.
     #[cfg(feature = "grbl")]
     #[must_use]
     pub fn put_stored(&mut self, stored: &super::StoredOffsets<AXES>) -> bool {
@@ -368,7 +372,7 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
                 Phase::Running => self.interpreter.end_of_program(),
                 Phase::Heads => Err(Refusal::At(self.reader.here(), NcErrorKind::NoMainProgram)),
                 Phase::Start => {
-                    // A file without a block.
+                    // A file without blocks.
                     self.interpreter.phase = Phase::Running;
                     Ok(self.interpreter.finish_program())
                 }
@@ -414,7 +418,7 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
 
     /// Reads a slice of text.
     fn fill(&mut self) -> Result<Fill, NcError> {
-        // The line before is done.
+        // The previous line is done.
         self.interpreter.before = Before::Alike;
         let from = self.reader.next_start().offset;
         let fill = self.reader.fill(self.line)?;
@@ -434,7 +438,7 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
         Ok(fill)
     }
 
-    /// Continues in the file whose name is in the current line.
+    /// Continues in the file that the current line names.
     fn enter_file(&mut self, name: Span) -> Result<(), NcError> {
         let from = usize::from(name.at);
         let bytes = self.line.bytes().get(from..from + usize::from(name.len)).unwrap_or(&[]);
@@ -463,7 +467,7 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
         if matches!(error.kind, NcErrorKind::AxisNotHere | NcErrorKind::UnknownWord | NcErrorKind::NoMainAxis)
         {
             for (i, name) in self.interpreter.setup.names.iter().enumerate() {
-                // A shortened list still helps.
+                // A shortened list is still useful.
                 let _ = error.axes.push_str(if i > 0 { ", " } else { "" });
                 let _ = error.axes.push_str(name.as_str());
             }
@@ -471,14 +475,14 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
         error
     }
 
-    /// Returns the command of a queued item of the current line: any command but a motion.
+    /// Returns the command of an item in the queue: any command except a motion.
     #[inline(never)]
     fn hand_out(&mut self) -> Result<Step<AXES>, NcError> {
         let item = self.interpreter.queue.pop_front();
         Ok(item.and_then(|item| self.command_of(item)).map_or(Step::Working, Step::Command))
     }
 
-    /// The command of a queued item.
+    /// The command of an item in the queue.
     fn command_of(&mut self, item: Item) -> Option<Command<AXES>> {
         let i = &mut *self.interpreter;
         let head = Head { n: i.n, place: self.line.place(item.span), in_motion: i.moves };

@@ -4,7 +4,7 @@ use crate::machine::functions::Function;
 use core::fmt;
 use heapless::String;
 
-/// A refused line: the word, its place and what was expected. The decoder stops at this line until
+/// A refused line: the word, its place and the expected text. The decoder stops at this line until
 /// [`super::Decoder::go_on`] continues after it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -25,9 +25,9 @@ pub struct NcError {
 pub enum NcErrorKind {
     /// The text source failed.
     Unreadable,
-    /// A jump back, a call or a line that needs more text than a stream keeps.
+    /// A jump back, a call, or a line that needs text which the window of a stream no longer holds.
     BehindWindow,
-    /// A control byte, NUL for example.
+    /// A control byte, for example NUL.
     ControlByte(u8),
     /// A byte above 127 outside of a comment.
     ForeignByte(u8),
@@ -35,7 +35,7 @@ pub enum NcErrorKind {
     LineTooLong,
     /// More continuation lines than the decoder can keep places for.
     TooManyContinuations,
-    /// Syntax: what was expected instead.
+    /// Syntax: the expected text.
     Expected(&'static str),
     /// A part of the language that this version does not have.
     NotAvailable(&'static str),
@@ -80,7 +80,7 @@ pub enum NcErrorKind {
     },
     /// A whole number was expected.
     NotWhole(&'static str),
-    /// 20013: the same thing twice in a block.
+    /// 20013: the same word twice in a block.
     Twice(&'static str),
     /// Two words that exclude each other.
     Conflict(&'static str),
@@ -173,15 +173,15 @@ pub enum NcErrorKind {
     /// A V. variable that a program may not write.
     #[cfg(feature = "plc")]
     VariableReadOnly,
-    /// 22073: not permitted in a real-time loop.
+    /// 22073: a command that is not permitted in a real-time loop.
     #[cfg(feature = "plc")]
     InLoop,
-    /// A word that the dialect has and Glidepath does not. The texts name the word and what to write.
+    /// A word that the dialect has and Glidepath does not. The texts name the word and an alternative.
     #[cfg(feature = "grbl")]
     Known {
         /// The word.
         what: &'static str,
-        /// What is expected instead.
+        /// The alternative.
         hint: &'static str,
     },
     /// A G or M word that this dialect does not have.
@@ -190,7 +190,7 @@ pub enum NcErrorKind {
     /// A parameter with a name that has no value.
     #[cfg(feature = "grbl")]
     NameUnset,
-    /// O call or M98 of a subroutine that the text does not have.
+    /// A call (O word or M98) of a subroutine that the text does not have.
     #[cfg(feature = "grbl")]
     NoProgram,
     /// A value that no word of the block uses.
@@ -202,7 +202,7 @@ pub enum NcErrorKind {
 }
 
 impl NcErrorKind {
-    /// ISG's number of this message, 0 where none is known.
+    /// ISG's number of this message; 0 if no number is known.
     pub const fn id(&self) -> u32 {
         match self {
             Self::Twice(_) => 20013,
@@ -409,11 +409,13 @@ pub enum NcWarningKind {
     UnclosedComment,
     /// An arc deselects contour mode by PTP.
     PtpArc,
-    /// DIST_SOFT at a corner with an arc: the curve is chosen by its distance alone.
+    /// DIST_SOFT at a corner with an arc: only the distance determines the curve.
     SoftArc,
-    /// DIST_MASTER at a corner where the master axis changes direction: the curve is chosen by its distance alone.
+    /// DIST_MASTER at a corner where the master axis changes direction: only the distance determines the
+    /// curve.
     MasterRests,
-    /// DIST_SOFT, DIST_MASTER or PTP with the slope STEP, which has no ramp time: curves by tolerance alone.
+    /// DIST_SOFT, DIST_MASTER or PTP with the slope STEP, which has no ramp time: only the tolerance
+    /// determines the curves.
     StepIsNotOptimised,
     /// A dwell at a corner that is to be rounded: the corner stays sharp, and the axes dwell there.
     DwellAtCorner,
@@ -422,12 +424,13 @@ pub enum NcWarningKind {
     /// #FILTER ON, and no axis has an order (ORDER, ORDER_TIME, P-AXIS-00587, P-AXIS-00591): nothing is
     /// filtered.
     FilterWithoutOrder,
-    /// A spline is to begin tangentially, and no motion block since its type was chosen gives a direction.
+    /// A spline has to begin tangentially, but no motion block since the choice of its type gives a
+    /// direction.
     NoTangent,
-    /// A turn that #HSC \[SURFACE\] does not round though MAX_ANGLE permits it: straight back, or by more than
-    /// 102 degrees beside an arc.
+    /// A turn that #HSC \[SURFACE\] does not round, although MAX_ANGLE permits it. The turn is straight back,
+    /// or more than 102 degrees at an arc.
     SurfaceSharp,
-    /// #HSC \[SURFACE\] found no curve inside its tolerance, at a block before the one that is named.
+    /// #HSC \[SURFACE\] found no curve inside its tolerance, at a block before the named one.
     SurfaceLost,
     /// The dynamics of an axis limit its oscillation.
     OscillationLimited,
@@ -443,7 +446,7 @@ pub enum NcWarningKind {
     HeadEnds,
     /// SHORT of a linear axis has no effect.
     ShortLinear,
-    /// The first motion before F, G00 and G01: such motions are rapid.
+    /// The first motion comes before F, G00 and G01: such motions are rapid.
     RapidWithoutFeed,
     /// G64 without P. The value is the permitted distance from the path, µm.
     #[cfg(feature = "grbl")]
@@ -493,7 +496,7 @@ pub enum NcWarningKind {
 }
 
 impl NcWarningKind {
-    /// Whether the warning comes from the planner, when it takes the motion or the dwell, and not from the
+    /// Whether the warning comes from the planner, which takes the motion or the dwell, and not from the
     /// decoder.
     pub const fn is_of_curve(&self) -> bool {
         matches!(

@@ -1,7 +1,9 @@
-//! Arithmetic expressions without recursion: two fixed stacks, operators by priority.
+//! Arithmetic expressions without recursion: the evaluation uses two stacks of fixed size and operators with
+//! priorities.
 //!
-//! `**`, then sign and NOT, then `*` `/` MOD, then `+` `-`, then comparisons, AND, OR/XOR; square brackets
-//! group. A condition is true from 0.5 on. `P` binds to the index that follows it: `P5`, `PP5`, `P[P1+5]`.
+//! `**` binds tightest, then sign and NOT, then `*` `/` MOD, then `+` `-`, then comparisons, then AND, then
+//! OR and XOR. Square brackets group. A condition is true from 0.5 on. `P` belongs to the index after it:
+//! `P5`, `PP5`, `P[P1+5]`.
 use super::calculator::{Aside, Calculator};
 use super::cursor::Cursor;
 use super::number::Number;
@@ -11,7 +13,7 @@ use crate::machine::functions;
 use core::mem::take;
 use heapless::Vec;
 
-/// Number of operators (and of operands) that may wait at the same time.
+/// Largest number of pending operators, and of pending operands.
 pub const EXPRESSION_DEPTH: usize = functions::EXPRESSIONS.room(24);
 
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -87,7 +89,7 @@ impl Function {
         }
     }
 
-    /// Hundreds of instructions on the target.
+    /// Cost of the function, in units of about a hundred instructions on the target.
     const fn work(self) -> u32 {
         match self {
             Self::Asin | Self::Acos => 140,
@@ -150,10 +152,10 @@ enum Op {
     Negate,
     Not,
     Power,
-    /// P: turns the index on the value stack into the parameter's value.
+    /// P: replaces the index on the value stack by the value of this parameter.
     Parameter,
     Call(Function),
-    /// `[`, with the count of commas behind it.
+    /// `[`, with the number of commas after it.
     Open(u8),
 }
 
@@ -177,7 +179,7 @@ impl Op {
         }
     }
 
-    /// Hundreds of instructions on the target.
+    /// Cost of the operator, in units of about a hundred instructions on the target.
     const fn work(self) -> u32 {
         match self {
             Self::Power => 85,
@@ -187,13 +189,13 @@ impl Op {
     }
 }
 
-/// Waiting operators and operands.
+/// Pending operators and operands.
 pub(super) struct Stacks {
     values: Vec<f64, EXPRESSION_DEPTH>,
     ops: Vec<Op, EXPRESSION_DEPTH>,
 }
 
-/// Work to read an operand and the text up to the next, in hundreds of instructions.
+/// Cost of reading an operand and the text up to the next one, in units of about a hundred instructions.
 const READING: u32 = 7;
 
 struct Evaluation<'p> {
@@ -215,16 +217,17 @@ impl Evaluation<'_> {
         self.ops.push(op).map_err(|_| NcErrorKind::ExpressionTooDeep)
     }
 
-    // The evaluating function must not copy the laid-aside state: it would be on its stack all the time.
+    // The evaluating function must not copy the stored state, because the copy would be on its stack all the
+    // time.
 
-    /// Continues in another call, from `at` on.
+    /// Stores the state; the expression continues at `at` in another call.
     #[inline(never)]
     fn lay_aside(&mut self, calculator: &Calculator, start: usize, at: usize) {
         let stacks = Stacks { values: take(&mut self.values), ops: take(&mut self.ops) };
         calculator.lay_aside(start, Aside { at, stacks });
     }
 
-    /// Restores the state laid aside. Returns the position where it continues.
+    /// Restores the stored state. Returns the position where the expression continues.
     #[inline(never)]
     fn take_up(&mut self, calculator: &Calculator) -> Option<usize> {
         let Some(Aside { at, stacks: Stacks { values, ops } }) = &mut calculator.take_aside() else {
@@ -234,7 +237,7 @@ impl Evaluation<'_> {
         Some(*at)
     }
 
-    /// Takes the top value; the parser never pushes an operator without its operands.
+    /// Takes the top operand. The parser never pushes an operator without its operands.
     fn pop(&mut self) -> f64 {
         self.values.pop().unwrap_or(0.0)
     }
@@ -274,7 +277,7 @@ impl Evaluation<'_> {
         self.push(value)
     }
 
-    /// Applies waiting operators with at least `priority`, down to the last open bracket.
+    /// Applies pending operators of at least `priority`, down to the last open bracket.
     fn reduce(&mut self, priority: u8) -> Step<()> {
         while let Some(&op) = self.ops.last() {
             if op.priority() < priority.max(1) {
@@ -286,7 +289,7 @@ impl Evaluation<'_> {
         Ok(())
     }
 
-    /// Work that an operator, a closing bracket or the end causes, plus reading on to the next.
+    /// Cost of an operator, a closing bracket or the end, plus the cost of reading up to the next operand.
     fn due(&self, closes: bool) -> u32 {
         let mut work = READING;
         let mut ops = self.ops.iter().rev();
@@ -299,7 +302,7 @@ impl Evaluation<'_> {
         }
     }
 
-    /// `]`: false if no bracket is open.
+    /// Handles `]`. Returns `false` if no bracket is open.
     fn close(&mut self) -> Step<bool> {
         self.reduce(1)?;
         let Some(Op::Open(commas)) = self.ops.pop() else { return Ok(false) };
@@ -320,7 +323,7 @@ impl Evaluation<'_> {
         Ok(true)
     }
 
-    /// `,` inside the brackets of a function: false elsewhere.
+    /// Handles `,` inside the brackets of a function. Returns `false` elsewhere.
     fn comma(&mut self) -> Step<bool> {
         let open = self.ops.iter().rposition(|op| matches!(op, Op::Open(_)));
         let Some(at) = open else { return Ok(false) };
@@ -336,8 +339,8 @@ impl Evaluation<'_> {
     }
 }
 
-/// Reads an expression as far as it goes. A lone literal stays exact. An expression with too much work for
-/// the call is laid aside.
+/// Reads an expression up to its end. A single number stays exact. An expression with too much work for the
+/// call is stored.
 pub(super) fn expression(c: &mut Cursor<'_>, calculator: &Calculator) -> Result<Number, Fault> {
     let start = c.mark();
     if let Some(literal) = literal(c) {
@@ -411,7 +414,7 @@ pub(super) fn expression(c: &mut Cursor<'_>, calculator: &Calculator) -> Result<
     Ok(Number::Real(value))
 }
 
-/// A literal with at most signs before it and no operator after it.
+/// Reads a number that has only signs before it and no operator after it.
 fn literal(c: &mut Cursor<'_>) -> Option<Number> {
     let mut minus = false;
     loop {
@@ -430,7 +433,7 @@ fn literal(c: &mut Cursor<'_>) -> Option<Number> {
     alone.then_some(Number::Decimal { negative: minus, mantissa, scale })
 }
 
-/// Without the feature `expressions`: refuses a word in place of a literal.
+/// In a build without the feature `expressions`: refuses a word in place of a number.
 #[cold]
 #[inline(never)]
 fn no_literal(c: &mut Cursor<'_>) -> Result<Number, Fault> {
@@ -537,14 +540,14 @@ fn operand(c: &mut Cursor<'_>, e: &mut Evaluation<'_>, start: usize) -> Result<(
     }
 }
 
-/// V. variables need the feature `plc`.
+/// Refuses a V. variable, which needs the feature `plc`.
 #[cfg(not(feature = "plc"))]
 #[inline(always)]
 fn variable(c: &mut Cursor<'_>, _: &mut Evaluation<'_>) -> Result<(), Fault> {
     c.rest_of_word().fault(NcErrorKind::NotAvailable("variable"))
 }
 
-/// The value of a V. variable.
+/// Reads the value of a V. variable.
 #[cfg(feature = "plc")]
 #[inline(never)]
 fn variable(c: &mut Cursor<'_>, e: &mut Evaluation<'_>) -> Result<(), Fault> {
@@ -560,12 +563,12 @@ fn variable(c: &mut Cursor<'_>, e: &mut Evaluation<'_>) -> Result<(), Fault> {
     value.and_then(|value| e.push(value)).map_err(|kind| Fault { span, kind })
 }
 
-/// Steps over an operator between operands.
+/// Reads an operator between two operands.
 fn operator(c: &mut Cursor<'_>) -> Option<Op> {
     let mark = c.mark();
     let first = c.peek_upper();
     if first.is_ascii_alphabetic() {
-        // An address is followed by its value, an operator in letters by another letter.
+        // A value follows an address; another letter follows the first letter of an operator.
         if !matches!(first, b'M' | b'A' | b'X' | b'O') || !c.next().is_ascii_alphabetic() {
             return None;
         }
@@ -611,7 +614,7 @@ fn operator(c: &mut Cursor<'_>) -> Option<Op> {
     Some(op)
 }
 
-/// The index of the parameter here (`P5`, `PP5`, `P[…]`), as the target of an assignment.
+/// Reads the index of the parameter at the cursor (`P5`, `PP5`, `P[…]`), for an assignment.
 pub(super) fn parameter_target(c: &mut Cursor<'_>, calculator: &Calculator) -> Result<u32, Fault> {
     let mark = c.mark();
     if c.peek_upper() != b'P' {
@@ -621,7 +624,7 @@ pub(super) fn parameter_target(c: &mut Cursor<'_>, calculator: &Calculator) -> R
     let fault = |c: &Cursor<'_>, kind| Fault { span: c.since(mark), kind };
     match c.peek_upper() {
         b'P' => {
-            // PP5: the inner parameters are read, the outer one is written.
+            // PP5: the value of the inner parameter is read, and the outer one is written.
             let mut depth = 0_u8;
             while c.peek_upper() == b'P' {
                 c.bump();
@@ -648,7 +651,7 @@ pub(super) fn parameter_target(c: &mut Cursor<'_>, calculator: &Calculator) -> R
     }
 }
 
-/// Reads `[expression]`, and no text after it.
+/// Reads `[expression]`, without text after it.
 fn expression_in_brackets(c: &mut Cursor<'_>, calculator: &Calculator) -> Result<f64, Fault> {
     c.require(b'[', "[")?;
     let value = expression(c, calculator)?.real();

@@ -1,4 +1,4 @@
-//! The order in which program text is carried out: control blocks, calls, jumps; with bounded stacks of
+//! The order in which program text is carried out: control blocks, calls, jumps. Stacks of bounded size hold
 //! places in the text.
 use super::line::Mark;
 use super::{NcErrorKind, Place};
@@ -15,7 +15,7 @@ pub const SUBROUTINES: usize = if functions::IS_SMALL { 16 } else { 64 };
 /// Kinds of control blocks, with the data to continue them.
 #[derive(Clone, Copy)]
 pub(super) enum Block {
-    /// Counter, last value, step.
+    /// Number of the counter, end value, step.
     For {
         counter: u32,
         end: f64,
@@ -74,9 +74,9 @@ pub(super) struct Open {
 pub(super) struct Frame {
     /// The line at which the caller continues.
     pub back: Mark,
-    /// Start of the caller's text.
+    /// Start of the caller's program.
     pub program: Mark,
-    /// Control blocks that were open at the call.
+    /// Number of control blocks that were open at the call.
     pub blocks: u8,
 }
 
@@ -88,7 +88,7 @@ pub(super) struct Subroutine {
     pub body: Mark,
 }
 
-/// The reason why lines are skipped.
+/// The reason why lines are skipped, and up to which word.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Passing {
     /// No lines are skipped.
@@ -101,13 +101,14 @@ pub(super) enum Passing {
     Out,
     /// To the closing word of a loop, which is then carried out ($CONTINUE).
     Round,
-    /// To a label, by its hash; blocks opened on the way are in `Flow::passed`.
+    /// To a label, given by its hash. `Flow::passed` holds the blocks that are opened before the label.
     Label(u64),
-    /// The program has ended inside control blocks: up to their closing words, which must exist.
+    /// The program has ended inside control blocks. Lines are skipped up to their closing words, which must
+    /// exist.
     End(Ending),
 }
 
-/// What a program end word ends.
+/// The level that a program end word ends.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Ending {
     /// M17, M29.
@@ -124,20 +125,20 @@ pub(super) struct Flow {
     /// Start of the text of the running program.
     pub program: Mark,
     pub passing: Passing,
-    /// Depth of blocks opened in skipped lines.
+    /// Number of blocks that were opened in skipped lines.
     pub depth: u16,
     /// Offsets of the open blocks at the current line, in a search for a label.
     pub passed: Vec<u32, NESTING>,
-    /// The origin of the skipping, for messages.
+    /// The place where skipping began, for messages.
     pub origin: Place,
-    /// The line after the origin.
+    /// The line after this place.
     pub behind: Mark,
-    /// Whether the blocks that the current jump leaves are already left.
+    /// Whether the current jump has already left its control blocks.
     pub left: bool,
 }
 
 impl Flow {
-    /// All bits are zero; [`Self::begin`] comes first.
+    /// A state whose bits are all zero. Call [`Self::begin`] before use.
     pub const fn new() -> Self {
         Self {
             blocks: Vec::new(),
@@ -153,7 +154,7 @@ impl Flow {
         }
     }
 
-    /// Before the first line.
+    /// Sets the state before the first line.
     pub fn begin(&mut self) {
         self.clear();
         self.passed.clear();
@@ -176,7 +177,8 @@ impl Flow {
         self.passing = Passing::No;
     }
 
-    /// The local subroutine with this name: of the running file, or else of the nearest caller that has it.
+    /// The local subroutine with this name. It is searched in the running file, then in its callers, the
+    /// nearest first.
     pub fn subroutine(&self, name: u64) -> Option<Subroutine> {
         let callers = self.frames.iter().rev().map(|frame| frame.program.file);
         core::iter::once(self.program.file)
@@ -205,7 +207,7 @@ impl Flow {
         functions::EXPRESSIONS.is_built() && self.passing != Passing::No
     }
 
-    /// Begins to skip lines, `depth` blocks inside the relevant one.
+    /// Begins to skip lines. `depth`: number of blocks opened inside the relevant one.
     pub fn pass(&mut self, passing: Passing, depth: u16, origin: Place) {
         self.passing = passing;
         self.depth = depth;
@@ -213,8 +215,8 @@ impl Flow {
         self.origin = origin;
     }
 
-    /// Leaves control blocks until a loop (or a switch) is innermost. Returns their number; `None` if there
-    /// is none.
+    /// Leaves control blocks until a loop (or a switch) is the innermost one. Returns their number, or `None`
+    /// if there is no loop.
     pub fn leave_to_loop(&mut self, or_switch: bool) -> Option<u16> {
         let base = self.base();
         let mut left = 0;
@@ -229,7 +231,7 @@ impl Flow {
         None
     }
 
-    /// Returns to the caller; `None` in the main program.
+    /// Returns to the caller. Returns `None` in the main program.
     pub fn leave_call(&mut self) -> Option<Mark> {
         let frame = self.frames.pop()?;
         self.blocks.truncate(usize::from(frame.blocks));
@@ -238,7 +240,7 @@ impl Flow {
     }
 }
 
-/// FNV-1a, 64 bits. Two names in one file with one hash are not expected.
+/// A hash: FNV-1a, 64 bits. Two names in one file with equal hashes are not expected.
 pub(super) fn hash(bytes: &[u8]) -> u64 {
     bytes.iter().fold(0xcbf2_9ce4_8422_2325, |h, b| (h ^ u64::from(*b)).wrapping_mul(0x0100_0000_01b3))
 }

@@ -1,11 +1,11 @@
-//! Commands other than motion, as types. A field with `None` was not programmed and keeps its value (ISG
-//! defaults in brackets).
+//! Commands other than motion, as types. A field with `None` was not programmed and keeps its value. ISG
+//! defaults are in square brackets.
 //!
-//! Lengths in mm, angles in degrees, both with an LSB of 2^-32, to nearest.
+//! Lengths are in mm, angles in degrees, both with LSB 2^-32, rounded to nearest.
 use super::Place;
 use crate::quantity::Position;
 
-/// A number with a unit of its own: percent, seconds, Hz, 1/min; LSB 2^-32, rounded to nearest.
+/// A number with its own unit (percent, seconds, Hz, 1/min), LSB 2^-32, rounded to nearest.
 pub type Value = fixed::types::I32F32;
 
 /// The origin of a command.
@@ -29,7 +29,7 @@ pub enum DwellTime {
     Revolutions(Value),
 }
 
-/// Feed words other than G94.
+/// Feed words except G94.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum FeedMode {
@@ -41,7 +41,8 @@ pub enum FeedMode {
     Percent,
 }
 
-/// G60, G360, G359 ([`ExactStop::Off`] switches off). [`super::Motion::exact_stop`] contains the result too.
+/// G60, G360, G359; [`ExactStop::Off`] switches the exact stop off. [`super::Motion::exact_stop`] contains
+/// the result too.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum ExactStop {
@@ -100,17 +101,17 @@ pub enum ContourMethod {
     Dist,
     /// Interim point.
     Pos,
-    /// Dynamically optimised.
+    /// DIST_SOFT: the dynamics of the axes determine the curve.
     DistSoft,
-    /// Dynamically optimised, master axis.
+    /// DIST_MASTER: the dynamics of the axes determine the curve, and the master axis keeps its speed.
     DistMaster,
-    /// Optimised over the whole contour.
+    /// PTP: shortest time over the whole contour.
     Ptp,
 }
 
 impl ContourMethod {
-    /// Whether the method is DIST_SOFT, DIST_MASTER or PTP: their curves follow the dynamics of the axes and
-    /// need ramp times.
+    /// Whether the method is DIST_SOFT, DIST_MASTER or PTP. The dynamics of the axes determine their curves,
+    /// so these methods need ramp times.
     pub const fn is_optimised(self) -> bool {
         matches!(self, Self::DistSoft | Self::DistMaster | Self::Ptp)
     }
@@ -169,7 +170,7 @@ pub struct Contour {
     pub pre_dist: Option<Position>,
     /// POST_DIST \[1 mm\].
     pub post_dist: Option<Position>,
-    /// X, Y, Z of POS: the interim point on the three main axes, offsets applied.
+    /// X, Y, Z of POS: the interim point on the three main axes, including offsets.
     pub point: [Option<Position>; 3],
     /// PATH_DIST \[1 mm\]; -1: not monitored.
     pub path_dist: Option<Position>,
@@ -332,7 +333,7 @@ pub enum Tangent {
     User,
 }
 
-/// Direct splines. [`Spline::Off`] switches off.
+/// Commands of direct splines. [`Spline::Off`] switches the spline off.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Spline<const AXES: usize> {
     /// G151, #SPLINE ON, #SET SPLINE ON.
@@ -429,7 +430,7 @@ pub struct Weight<const AXES: usize> {
     pub percent: [Option<Value>; AXES],
 }
 
-/// #KIN ID\[n\], #TRAFO ON, #TRAFO OFF, #TRAFO\[n\]. [`Kinematics::Off`] switches off.
+/// #KIN ID\[n\], #TRAFO ON, #TRAFO OFF, #TRAFO\[n\]. [`Kinematics::Off`] switches the transformation off.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Kinematics {
@@ -437,7 +438,7 @@ pub enum Kinematics {
     Select(u16),
     /// #TRAFO ON.
     On,
-    /// `#TRAFO\[n\]`: selects and switches on.
+    /// `#TRAFO\[n\]`: selects a data set and switches the transformation on.
     OnWith(u16),
     /// #TRAFO OFF.
     Off,
@@ -450,7 +451,7 @@ pub enum ContourLog {
     On(Option<f64>),
     /// OFF, with PARAM.
     Off(Option<f64>),
-    /// PARAM alone: an entry.
+    /// PARAM only: an entry of its own.
     Parameter(f64),
     /// CLEAR.
     Clear,
@@ -487,11 +488,11 @@ pub enum OscillationAction {
         /// SHORT.
         short: bool,
     },
-    /// OFF: ends after the current cycle.
+    /// OFF: the oscillation ends after the current cycle.
     Off,
-    /// OFF FEED: breaks the oscillation off, and moves to the second position at this feed.
+    /// OFF FEED: the oscillation ends at once, and the axis moves to the second position at this feed.
     OffFeed(Value),
-    /// OFF INSTANT.
+    /// OFF INSTANT: the axis brakes and stays at the stop.
     OffInstant,
 }
 

@@ -1,4 +1,4 @@
-//! `#` commands: recognised by their words, then their brackets.
+//! `#` commands: the decoder recognises a command by its words, and then reads the keywords in its brackets.
 use super::cursor::Cursor;
 use super::expression::expression;
 use super::function::*;
@@ -52,7 +52,7 @@ enum Hash {
 }
 
 impl Hash {
-    /// The function that the command begins or prepares.
+    /// The function that the command needs to be compiled in.
     const fn function(self) -> Option<Function> {
         match self {
             Self::Contour(Some(ContourSwitch::Off)) | Self::Hsc(Some(false)) | Self::Filter(Some(false)) => {
@@ -72,7 +72,7 @@ impl Hash {
     }
 }
 
-/// Commands; a longer one comes before one that it begins with.
+/// All commands. A longer command comes before a command with which it begins.
 const COMMANDS: &[(&str, Hash)] = &[
     ("CONTOUR MODE ON", Hash::Contour(Some(ContourSwitch::On))),
     ("CONTOUR MODE OFF", Hash::Contour(Some(ContourSwitch::Off))),
@@ -227,8 +227,8 @@ const OTHER: &[&str] = &[
 ];
 
 impl<const AXES: usize> Interpreter<AXES> {
-    /// Reads the command after `#`, which must be the only one of its line. A separate function, so that its
-    /// stack frame does not lie below words.
+    /// Reads the command after `#`, which must be alone in its line. A separate function, so that its stack
+    /// frame does not exist while words are read.
     #[inline(never)]
     pub fn hash_command(&mut self, c: &mut Cursor<'_>, line: &Line) -> Result<(), Fault> {
         let mark = c.mark();
@@ -268,7 +268,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         end
     }
 
-    /// Units of keywords for the main axes.
+    /// Units for keywords that concern the main axes.
     fn main_units(&self) -> Units {
         Units { length: self.length_factor(), feed: Factor::ONE }
     }
@@ -442,7 +442,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         Ok(contour)
     }
 
-    /// `#SET SLOPE PROFIL [1]`, or with the keywords of `#SLOPE`.
+    /// Reads `#SET SLOPE PROFIL [1]`, or this command with the keywords of `#SLOPE`.
     #[inline(never)]
     fn old_slope(&self, c: &mut Cursor<'_>) -> Result<Slope, Fault> {
         let mark = c.mark();
@@ -469,7 +469,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         Ok(slope)
     }
 
-    /// 1 automatic, 2 tangential, 3 user-defined.
+    /// Reads a mode: 1 automatic, 2 tangential, 3 given by the user.
     fn aspline_mode(&self, c: &mut Cursor<'_>) -> Result<Tangent, Fault> {
         let mark = c.mark();
         match expression(c, &self.calculator)?.whole() {
@@ -486,7 +486,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         }
     }
 
-    /// `[9]`.
+    /// Reads an identifier such as `[9]`.
     fn kinematic_id(&self, c: &mut Cursor<'_>) -> Result<u16, Fault> {
         c.require(b'[', "[ and the number of a kinematic")?;
         let mark = c.mark();
@@ -499,7 +499,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         Ok(id)
     }
 
-    /// `X1 Y0 …` as numbers per axis.
+    /// Reads a vector such as `X1 Y0 …`, one number per axis.
     #[inline(never)]
     fn axis_vector(&self, c: &mut Cursor<'_>) -> Result<[Option<Value>; AXES], Fault> {
         let mut vector = [None; AXES];
@@ -519,7 +519,8 @@ impl<const AXES: usize> Interpreter<AXES> {
         Ok(vector)
     }
 
-    /// `[Z]`, `[X, Y]`, `[X,1,0]`, `ALL`: a bit per axis. Logical numbers and places are checked and dropped.
+    /// Reads a list of axes such as `[Z]`, `[X, Y]`, `[X,1,0]` or `ALL`; returns one bit per axis. Logical
+    /// numbers and places are checked and dropped.
     fn axis_list(&self, c: &mut Cursor<'_>) -> Result<u32, Fault> {
         if c.eat_words("ALL") {
             return Ok((0..AXES as u32).fold(0, |bits, axis| bits | 1_u32.wrapping_shl(axis)));
@@ -548,7 +549,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         Ok(bits)
     }
 
-    /// The axis whose name equals the identifier here.
+    /// The axis whose name is the identifier at the cursor.
     fn axis_name(&self, c: &mut Cursor<'_>) -> Option<usize> {
         let mark = c.mark();
         let word = c.identifier(24);
@@ -570,7 +571,8 @@ impl<const AXES: usize> Interpreter<AXES> {
     }
 }
 
-/// Whether keywords follow in brackets. After a switch there may be none, but no other text.
+/// Whether keywords follow in brackets. After a switch, the brackets may be missing, but no other text may
+/// follow.
 fn is_list(c: &mut Cursor<'_>, switched: bool) -> Result<bool, Fault> {
     match c.peek() {
         b'[' => Ok(true),
@@ -580,7 +582,7 @@ fn is_list(c: &mut Cursor<'_>, switched: bool) -> Result<bool, Fault> {
     }
 }
 
-/// `["text"]`: the text.
+/// Reads `["text"]` and returns the text.
 #[cfg(feature = "plc")]
 fn message(c: &mut Cursor<'_>) -> Result<super::Span, Fault> {
     c.require(b'[', "[\"text\"]")?;

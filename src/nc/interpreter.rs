@@ -1,5 +1,5 @@
-//! Interprets one logical line after the other: program heads, then `$`, `#`, calls or words. Results wait in
-//! a short queue.
+//! Interprets logical lines in order: program heads, then `$`, `#`, calls or words. A short queue holds the
+//! results.
 use super::block::{Item, Items, Waiting, checksum_of};
 use super::calculator::Calculator;
 use super::cursor::Cursor;
@@ -17,7 +17,7 @@ use crate::quantity::Position;
 use core::cell::Cell;
 use heapless::Deque;
 
-/// Largest number of items of a block that wait in the queue.
+/// Largest number of results of a block in the queue.
 pub const BLOCK_WORDS: usize = 16;
 
 /// Largest number of lines carried out without a command. More lines count as an endless loop. Skipped lines
@@ -32,7 +32,7 @@ pub(super) enum Phase {
     /// Among local subroutines, before the main program.
     Heads,
     Running,
-    /// The last commands are being returned; nothing follows.
+    /// The last commands are being returned; no line follows.
     Ended,
 }
 
@@ -40,14 +40,14 @@ pub(super) enum Phase {
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Next {
     Line,
-    /// The next line; the current line gives nothing but its motion.
+    /// The next line. The current line gives only its motion.
     Motion,
     At(Mark),
     /// The start of the file whose name is in the current line; the call is already open.
     File(Span),
 }
 
-/// A refusal of a part of the current line, or of an earlier place.
+/// A refusal of a part of the current line, or of an earlier place in the text.
 pub(super) enum Refusal {
     Here(Fault),
     At(Place, NcErrorKind),
@@ -59,37 +59,37 @@ impl From<Fault> for Refusal {
     }
 }
 
-/// All of the decoder's state but the text.
+/// All state of the decoder except the text.
 pub(super) struct Interpreter<const AXES: usize> {
     pub setup: Setup<AXES>,
     pub phase: Phase,
     pub flow: Flow,
     pub calculator: Calculator,
     pub modal: Modal<AXES>,
-    /// For a refused line.
+    /// The state that a refusal of the line restores.
     pub before: Before<AXES>,
     pub letters: Letters,
     /// Programmed end of the last motion, machine coordinates.
     pub position: [Position; AXES],
-    /// Remainders of the rounding of G91 increments, LSB 2^-64, so that errors do not add up.
+    /// Rounding remainders of G91 increments, LSB 2^-64, so that errors do not add up.
     pub rests: [i32; AXES],
     /// Block number of the current line.
     pub n: u32,
     /// Whether the current block moves.
     pub moves: bool,
-    /// The output of the current block; complete when no block waits.
+    /// The results of the current block. They are complete unless a block is stored.
     pub queue: Items,
     pub gathered: Gathered<AXES>,
     /// Values per axis of the block's G130, G132 or G232.
     pub values: [Option<Position>; AXES],
     pub warnings: Deque<NcWarning, 4>,
-    /// Arithmetic without brackets in the current word, and its value in thousandths.
+    /// Arithmetic without brackets in the current word, and its result in thousandths.
     pub computed: Option<(Span, i32)>,
     /// Whether the main program has no head.
     pub headless: bool,
-    /// Lines carried out since the last command.
+    /// Number of lines carried out since the last command.
     pub quiet: u32,
-    /// An assignment of the current line to a variable outside of the decoder.
+    /// An assignment of the current line to an outside variable.
     #[cfg(feature = "plc")]
     pub written: Option<super::variable::Write>,
     /// Whether the current line is in a real-time loop.
@@ -100,7 +100,7 @@ pub(super) struct Interpreter<const AXES: usize> {
     pub foreign: Foreign<AXES>,
 }
 
-/// The collected result of the current line: one of these. Cells, so that the empty value is all bits zero.
+/// The result of the current line. Each variant is a cell, so that all bits of the empty value are zero.
 pub(super) enum Gathered<const AXES: usize> {
     Nothing,
     /// A block that continues in the next call.
@@ -122,7 +122,7 @@ impl<const AXES: usize> Gathered<AXES> {
         matches!(self, Self::Single(_))
     }
 
-    /// Takes the waiting block, to continue it.
+    /// Takes the stored block, to continue it.
     pub fn take_up(&mut self) -> Option<Waiting<AXES>> {
         if !self.waits() {
             return None;
@@ -155,7 +155,7 @@ pub(super) struct Bounds {
 }
 
 impl<const AXES: usize> Interpreter<AXES> {
-    /// Blank state with all bits zero; [`Self::begin`] comes first.
+    /// A state whose bits are all zero. Call [`Self::begin`] before use.
     pub const fn blank() -> Self {
         Self {
             setup: Setup::BLANK,
@@ -185,8 +185,8 @@ impl<const AXES: usize> Interpreter<AXES> {
         }
     }
 
-    /// Resets for a machine with this set-up, before the first line. The state is large, so this happens in
-    /// place.
+    /// Resets the state for a machine with this set-up, before the first line. The state is large, so it is
+    /// written in place.
     pub fn begin(&mut self, given: &Setup<AXES>) {
         let Self { setup, phase, flow, calculator, modal, before, letters, .. } = self;
         *setup = *given;
@@ -224,7 +224,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         if self.gathered.waits() { None } else { self.queue.front() }
     }
 
-    /// Stores a warning; more than four in one line add nothing.
+    /// Stores a warning. A line has at most four warnings; further ones are dropped.
     pub fn warn(&mut self, line: &Line, span: Span, kind: NcWarningKind) {
         self.warn_at(line.place(span), kind);
     }
@@ -242,8 +242,8 @@ impl<const AXES: usize> Interpreter<AXES> {
         Some(Refusal::At(open.place, NcErrorKind::Unclosed { closing: open.block.closing() }))
     }
 
-    /// Interprets one line, or continues it. [`Calculator::is_halted`] tells whether a refusal only means a
-    /// later continuation.
+    /// Interprets a line, or continues it. [`Calculator::is_halted`] tells whether a refusal only means that
+    /// the line continues later.
     pub fn line(&mut self, line: &Line, bounds: Bounds, goes_on: bool) -> Result<Next, Refusal> {
         #[cfg(feature = "grbl")]
         let goes_on = goes_on || !self.takes_plain(line);
@@ -295,7 +295,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         Ok(self.statement(&mut c, line, bounds)?)
     }
 
-    /// `%name` or `%L name`.
+    /// Reads a program head: `%name` or `%L name`.
     fn head(&mut self, c: &mut Cursor<'_>, bounds: Bounds) -> Result<Next, Fault> {
         c.bump();
         let local = c.raw().eq_ignore_ascii_case(&b'L') && {
@@ -323,7 +323,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         let entry = Subroutine { name: hash(c.part(name)), body: bounds.next };
         let same = |s: &&Subroutine| s.name == entry.name && s.body.file == entry.body.file;
         match self.flow.subroutines.iter().find(same) {
-            // The file was called before.
+            // The file was called earlier.
             Some(known) if known.body == entry.body => return Ok(Next::Line),
             Some(_) => return name.fault(NcErrorKind::SubroutineTwice),
             None => {}
@@ -334,7 +334,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         Ok(Next::Line)
     }
 
-    /// The next head, or the end of the text: returns to the caller, or ends the program.
+    /// Handles the next program head, or the end of the text: returns to the caller, or ends the program.
     pub fn end_of_program(&mut self) -> Result<Next, Refusal> {
         match self.unfinished() {
             Some(refusal) => Err(refusal),
@@ -356,7 +356,8 @@ impl<const AXES: usize> Interpreter<AXES> {
         }
     }
 
-    /// M02, M30, M17 or M29: at once, or after the surrounding control blocks are closed.
+    /// Carries out M02, M30, M17 or M29: at once, or after the closing words of the surrounding control
+    /// blocks.
     pub fn end_by_word(&mut self, ending: Ending) -> Next {
         if self.flow.innermost().is_some() {
             self.flow.passing = Passing::End(ending);
@@ -372,7 +373,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         }
     }
 
-    /// A line that is not skipped.
+    /// Interprets a line that is not skipped.
     fn statement(&mut self, c: &mut Cursor<'_>, line: &Line, bounds: Bounds) -> Result<Next, Fault> {
         self.n = 0;
         self.moves = false;
@@ -412,7 +413,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         }
     }
 
-    /// `N10`, `N10:`, `NP123`; a fraction is cut off.
+    /// Reads a block number: `N10`, `N10:`, `NP123`. A fraction is cut off.
     fn block_number(&mut self, c: &mut Cursor<'_>) -> Result<(), Fault> {
         let mark = c.mark();
         if c.peek_upper() != b'N' {
@@ -442,7 +443,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         Ok(())
     }
 
-    /// `LL name`, `L file`, `L "file"`.
+    /// Reads a call: `LL name`, `L file`, `L "file"`.
     fn call(&mut self, c: &mut Cursor<'_>, bounds: Bounds) -> Result<Next, Fault> {
         c.bump();
         let local = c.raw().eq_ignore_ascii_case(&b'L');
@@ -467,7 +468,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         Ok(Next::At(found.body))
     }
 
-    /// The file name after `L`.
+    /// Reads the file name after `L`.
     fn call_file(&mut self, c: &mut Cursor<'_>, bounds: Bounds) -> Result<Next, Fault> {
         if !matches!(c.raw(), b' ' | b'"') {
             return c.expected("a blank and a file name after L");
@@ -512,7 +513,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         start
     }
 
-    /// Skips lines until a line ends the skipping. Returns true if this line is to be carried out.
+    /// Skips lines until a line ends the skipping. Returns `true` if this line has to be carried out.
     fn pass(&mut self, c: &mut Cursor<'_>, bounds: Bounds) -> Result<bool, Fault> {
         let start = c.mark();
         let label = super::control::label_of(c);

@@ -11,9 +11,9 @@ use crate::quantity::Position;
 /// Factors for programmed values.
 #[derive(Clone, Copy)]
 pub(super) struct Units {
-    /// Positions of the axis or of the main axes.
+    /// Factor for positions of the axis or of the main axes.
     pub length: Factor,
-    /// Feeds.
+    /// Factor for feeds.
     pub feed: Factor,
 }
 
@@ -24,7 +24,7 @@ pub(super) struct Range {
     pub max: i32,
     /// Whether the least value itself is refused.
     pub above: bool,
-    /// Whether -1 is accepted too: not monitored.
+    /// Whether -1 is also accepted, which means not monitored.
     pub or_off: bool,
     pub unit: &'static str,
     pub factor: Factor,
@@ -48,13 +48,13 @@ impl Range {
     }
 }
 
-/// Lengths and distances.
+/// Range of lengths and distances.
 pub(super) const MILLIMETRES: Range = Range::new(0, 100_000, "mm");
-/// Angles.
+/// Range of angles.
 pub(super) const DEGREES: Range = Range::new(0, 360, "deg");
-/// Shares.
+/// Range of shares.
 pub(super) const PERCENT: Range = Range::new(0, 100, "%");
-/// Coordinates.
+/// Range of coordinates.
 pub(super) const COORDINATE: Range = Range::new(-100_000, 100_000, "mm or deg");
 
 /// The destination of a keyword's value.
@@ -63,16 +63,16 @@ pub(super) enum Slot<'a> {
     Done,
     /// The keyword, or an equivalent one, was given before.
     Twice,
-    /// The keyword does not fit this word.
+    /// The keyword does not fit the method or switch with this name.
     Mismatch(&'static str),
     Number(&'a mut Option<Position>, Range),
     /// 0 or 1.
     Flag(&'a mut Option<bool>),
-    /// A whole number up to this.
+    /// A whole number from 0 to this maximum.
     Level(&'a mut Option<u8>, u8),
     Count(&'a mut Option<u32>),
     Real(&'a mut Option<f64>),
-    /// A value; without one, the channel's value.
+    /// A value. Without a value, the limit of the channel applies.
     Limit(&'a mut Option<Limit>),
     Slope(&'a mut Option<SlopeType>),
     Tangent(&'a mut Option<Tangent>),
@@ -85,11 +85,12 @@ pub(super) trait Keywords {
     /// Keywords of the command.
     const LIST: &'static [&'static str];
 
-    /// The destination of the value of `keyword` (from [`Self::LIST`]); `first`: no keyword is before it.
+    /// The destination of the value of `keyword` (from [`Self::LIST`]). `first`: whether this is the first
+    /// keyword.
     fn slot(&mut self, keyword: &'static str, first: bool, units: Units) -> Slot<'_>;
 }
 
-/// Work of a keyword without its value, as [`super::calculator`] counts.
+/// Cost of a keyword without its value, in the unit of [`super::calculator`].
 const KEYWORD: u32 = 15;
 
 /// Reads `[…]` into `target`.
@@ -103,7 +104,7 @@ pub(super) fn list<K: Keywords>(
     list_inside(c, calculator, units, target)
 }
 
-/// The same after the opening bracket.
+/// As [`list`], after the opening bracket.
 pub(super) fn list_inside<K: Keywords>(
     c: &mut Cursor<'_>,
     calculator: &Calculator,
@@ -118,7 +119,8 @@ pub(super) fn list_inside<K: Keywords>(
     Ok(())
 }
 
-/// The next keyword, its start, and its place; `None` after the closing bracket.
+/// Reads the next keyword and returns the keyword, its start and its place. Returns `None` after the closing
+/// bracket.
 #[inline(never)]
 fn next(
     c: &mut Cursor<'_>,
@@ -142,7 +144,7 @@ fn next(
     Ok(Some((keyword, mark, c.since(mark))))
 }
 
-/// The keyword here; its value may follow without a blank (`X110`, `XP5`).
+/// The keyword at the cursor; its value may follow without a blank (`X110`, `XP5`).
 fn keyword(c: &mut Cursor<'_>, known: &[&'static str]) -> Option<&'static str> {
     let mark = c.mark();
     let whole = c.identifier(24);
@@ -242,7 +244,7 @@ fn value(
     }
 }
 
-/// A number inside its range.
+/// Reads a number and checks its range.
 pub(super) fn number(
     c: &mut Cursor<'_>,
     calculator: &Calculator,
@@ -272,7 +274,7 @@ pub(super) fn number(
     })
 }
 
-/// One of some names.
+/// Reads one of these names.
 fn choice<V: Copy>(c: &mut Cursor<'_>, names: &[(&str, V)], expected: &'static str) -> Result<V, Fault> {
     let mark = c.mark();
     let word = c.identifier(24);
@@ -285,7 +287,7 @@ fn choice<V: Copy>(c: &mut Cursor<'_>, names: &[(&str, V)], expected: &'static s
     }
 }
 
-/// Whether a sum of positions is still a coordinate.
+/// Checks that a sum of positions is still a coordinate.
 pub(super) fn checked(value: Position, span: Span) -> Result<Position, Fault> {
     if in_range(value) {
         return Ok(value);

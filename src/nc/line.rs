@@ -1,7 +1,7 @@
-//! From bytes to logical lines: drops comments, joins continuations, keeps the place of every byte.
+//! Converts bytes to logical lines: drops comments, joins continuations, and keeps the place of every byte.
 //!
-//! A line ends with LF, CR LF or a lone CR. The line end closes comments, as with ISG. A comment left open
-//! causes a warning, because the text after it in the line is lost.
+//! A line ends with LF, CR LF or a lone CR. The line end also closes comments, as in ISG's language. If a
+//! comment is not closed before, a warning reports that the rest of the line is lost.
 #[cfg(feature = "grbl")]
 mod comment;
 mod skip;
@@ -21,10 +21,10 @@ pub const CONTINUATIONS: usize = if functions::IS_SMALL { 6 } else { 12 };
 const SLICE: usize = 256;
 /// U+FEFF in UTF-8.
 const BYTE_ORDER_MARK: [u8; 3] = [0xef, 0xbb, 0xbf];
-/// Gaps up to this many bytes are kept as blanks; longer ones become one blank and an anchor.
+/// Gaps of up to this number of bytes are kept as blanks. A longer gap becomes one blank and an anchor.
 const GAP: u32 = 16;
 
-/// From `index` on, the bytes of the line come from `offset` and after.
+/// The bytes of the line from `index` on are those of the text from `offset` on.
 #[derive(Clone, Copy, Debug, Default)]
 struct Anchor {
     index: u16,
@@ -80,7 +80,7 @@ impl Line {
         self.bytes.get(..self.len).unwrap_or(&[])
     }
 
-    /// Adds a byte; `false` if there is no room.
+    /// Adds a byte. Returns `false` if there is no room.
     fn push(&mut self, byte: u8) -> bool {
         let slot = self.bytes.get_mut(self.len);
         let fits = slot.is_some();
@@ -91,7 +91,8 @@ impl Line {
         fits
     }
 
-    /// Adds the leading bytes of `text` that are words with single blanks between them. Returns their number.
+    /// Adds the leading bytes of `text` that are words with single blanks between them. Returns the number of
+    /// bytes.
     #[inline(never)]
     fn push_words(&mut self, text: &[u8]) -> usize {
         let room = self.bytes.get_mut(self.len..).unwrap_or(&mut []);
@@ -111,7 +112,7 @@ impl Line {
         words
     }
 
-    /// From here on the bytes come from `place` and after. Returns `false` if there is no room.
+    /// Marks that the following bytes come from `place` on. Returns `false` if there is no room.
     fn anchor(&mut self, place: &Place) -> bool {
         let Place { line, column, offset, file, .. } = *place;
         self.anchors.push(Anchor { index: self.len as u16, line, column, offset, file }).is_ok()
@@ -152,7 +153,7 @@ impl Line {
     }
 }
 
-/// The kind of a byte outside comments: part of a word, a blank, or a byte with special treatment.
+/// Kinds of bytes outside comments: part of a word, a blank, or a byte with special treatment.
 const WORD: u8 = 0;
 const BLANK: u8 = 1;
 const OTHER: u8 = 2;
@@ -170,25 +171,25 @@ const KINDS: [u8; 256] = {
     kinds
 };
 
-/// Reads logical lines, a slice of the text per call.
+/// Reads logical lines; each call reads a slice of the text.
 pub(super) struct LineReader<T> {
     text: T,
     chunk: [u8; 64],
     used: u8,
     filled: u8,
     file: u16,
-    /// Next byte.
+    /// Offset of the next byte.
     offset: u32,
     line: u32,
-    /// Start of the physical line.
+    /// Offset of the physical line's start.
     line_offset: u32,
     fresh: bool,
     logical: Logical,
     /// Whether the current line is refused before it is complete.
     refused: bool,
-    /// Whether the rest of such a line is being skipped.
+    /// Whether the rest of a refused line is being skipped.
     skips: bool,
-    /// Comments of LinuxCNC and Grbl.
+    /// State of comments in LinuxCNC and Grbl programs.
     #[cfg(feature = "grbl")]
     pub foreign: ForeignComments,
 }
@@ -196,12 +197,12 @@ pub(super) struct LineReader<T> {
 /// State of the current logical line.
 #[derive(Clone, Copy)]
 struct Logical {
-    /// Where the logical line began.
+    /// Start of the logical line.
     start: Mark,
     comment: u16,
     /// The parenthesis that opened the outermost comment.
     opened: Place,
-    /// The first comment of the logical line that only the line end closed.
+    /// The first comment of the logical line without a closing parenthesis.
     unclosed: Option<Place>,
     remark: bool,
     continued: bool,
@@ -275,7 +276,7 @@ impl<T: Text> LineReader<T> {
         Place { line: self.line, column, offset: self.offset, length: 0, file: self.file }
     }
 
-    /// Begins a logical line; the text before may be dropped.
+    /// Begins a logical line; the text before the line may be dropped.
     fn begin(&mut self) {
         self.text.pass(self.file, self.offset);
         self.logical.start = self.next_start();
@@ -395,13 +396,14 @@ impl<T: Text> LineReader<T> {
         Ok(Fill::Partial)
     }
 
-    /// The usual case: words, possibly with blanks before and between them, at most `budget` bytes. Returns
-    /// the number of bytes.
+    /// Takes the usual text: words with blanks before and between them, at most `budget` bytes. Returns the
+    /// number of bytes.
     fn take_run(&mut self, line: &mut Line, budget: usize) -> usize {
         let rest = self.chunk.get(usize::from(self.used)..usize::from(self.filled)).unwrap_or(&[]);
         let rest = rest.get(..budget).unwrap_or(rest);
         if !self.logical.in_words {
-            // The first byte of a line begins a word. That of a file may be a byte order mark.
+            // The first byte of a line begins a word. The first byte of a file may belong to a byte order
+            // mark.
             let begins = rest.first().is_some_and(|byte| KINDS[usize::from(*byte)] == WORD);
             if !begins
                 || self.offset != self.logical.start.offset
@@ -431,7 +433,7 @@ impl<T: Text> LineReader<T> {
         run
     }
 
-    /// A line feed directly after a word ends the line. Returns `false` if there is none.
+    /// Skips a line feed directly after a word, which ends the line. Returns `false` if there is none.
     fn step_over_line_end(&mut self) -> bool {
         let next = if self.used < self.filled { self.chunk.get(usize::from(self.used)) } else { None };
         if next != Some(&b'\n') {
@@ -445,7 +447,7 @@ impl<T: Text> LineReader<T> {
         true
     }
 
-    /// Follows comments and continuations. Returns true for a byte that is not part of the line.
+    /// Handles comments and continuations. Returns `true` for a byte that is not part of the line.
     fn dropped(&mut self, byte: u8, here: Place) -> bool {
         #[cfg(feature = "grbl")]
         if self.foreign.is_on {
@@ -478,7 +480,7 @@ impl<T: Text> LineReader<T> {
         }
     }
 
-    /// The line end closes open comments.
+    /// Closes open comments at the line end.
     fn close_comment(&mut self) {
         if self.logical.comment > 0 {
             self.logical.unclosed.get_or_insert(self.logical.opened);
@@ -486,7 +488,7 @@ impl<T: Text> LineReader<T> {
         }
     }
 
-    /// The first comment of the last line that only the line end closed.
+    /// The first comment of the last line without a closing parenthesis.
     pub const fn unclosed(&self) -> Option<Place> {
         self.logical.unclosed
     }
@@ -495,7 +497,7 @@ impl<T: Text> LineReader<T> {
     fn step_over_line_feed(&mut self) -> Result<(), TextError> {
         match self.next_byte()? {
             Some(b'\n') => self.offset = self.offset.wrapping_add(1),
-            // Not read yet: the byte is still in the chunk.
+            // If it is not read yet, the byte is still in the chunk.
             Some(_) => self.used = self.used.saturating_sub(1),
             None => {}
         }
@@ -538,7 +540,7 @@ impl<T: Text> LineReader<T> {
         refusal(place, kind)
     }
 
-    /// The text is not available: the program is refused, or continues later from the same byte.
+    /// Handles text that is not available: the program is refused, or continues later from the same byte.
     fn missing(&mut self, error: TextError) -> Result<Fill, NcError> {
         match error {
             TextError::Failed => Err(refusal(self.here(), NcErrorKind::Unreadable)),
@@ -566,7 +568,7 @@ impl<T: Text> LineReader<T> {
     }
 }
 
-/// Adds a byte after a gap. An anchor keeps its place if the gap is not written out.
+/// Adds a byte after a gap. If the gap is shortened, an anchor keeps the place of the byte.
 fn keep(line: &mut Line, byte: u8, here: Place, gap: u32, broken: bool) -> Result<(), NcErrorKind> {
     let long = Err(NcErrorKind::LineTooLong);
     if line.len == 0 || broken || gap > GAP {
@@ -586,7 +588,7 @@ fn keep(line: &mut Line, byte: u8, here: Place, gap: u32, broken: bool) -> Resul
     if line.push(byte) { Ok(()) } else { long }
 }
 
-/// A refusal of text that is not in the line yet.
+/// A refusal of text that is not in the logical line yet.
 fn refusal(place: Place, kind: NcErrorKind) -> NcError {
     NcError { place, kind, found: String::new(), axes: String::new() }
 }

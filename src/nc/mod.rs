@@ -1,5 +1,5 @@
-//! The decoder: program text to typed commands. The decoder knows text and modal state, not the dynamics of a
-//! machine.
+//! The decoder: converts program text to typed commands. The decoder knows text and modal state. It does not
+//! know the dynamics of a machine.
 //!
 //! Applications use three items of this module. [`Text`] is a source of program text; a `&[u8]` implements it.
 //! [`Window`] is a buffer for text that arrives over a serial line. [`Library`] holds a program with its subroutines:
@@ -25,8 +25,8 @@
 //!                                          └ dialect         lines of programs of Grbl and LinuxCNC
 //! ```
 //!
-//! Numbers are decimals until an expression uses them ([`Motion`] targets are the decimal rounded once, to
-//! 2^-32). Expressions are f64 with + − × ÷ only, with equal bits on every machine.
+//! Numbers stay decimal until an expression uses them. The targets of a [`Motion`] are decimals that are
+//! rounded once, to 2^-32. Expressions use f64 with + − × ÷ only, so all machines give the same bits.
 
 mod axis_command;
 mod block;

@@ -12,25 +12,26 @@ pub(super) enum Mode {
     Line,
     Clockwise,
     Counterclockwise,
-    /// Neither is programmed yet: G01 with a feed, otherwise rapid motion with a warning.
+    /// No motion word (G00…G03) is programmed yet: G01 if there is a feed, otherwise rapid motion with a
+    /// warning.
     Unprogrammed,
     /// As `Unprogrammed`, after the warning.
     UnprogrammedTold,
 }
 
-/// The modal state before the current line. The first variant is all bits zero.
+/// The modal state before the current line. In the first variant all bits are zero.
 #[derive(Clone, Copy)]
 #[repr(u8)]
 pub(super) enum Before<const AXES: usize> {
-    /// The same.
+    /// No value has changed.
     Alike,
-    /// The same except for these values: a plain line changes no more.
+    /// Only these values have changed; a plain line changes no others.
     Feed(Mode, Option<Feed>),
     /// The whole modal state.
     All(Modal<AXES>),
 }
 
-/// What stays in force from block to block.
+/// Values that stay in force from block to block.
 #[derive(Clone, Copy)]
 pub(super) struct Modal<const AXES: usize> {
     pub mode: Mode,
@@ -43,9 +44,9 @@ pub(super) struct Modal<const AXES: usize> {
     pub diameter: bool,
     pub feed: Option<Feed>,
     pub exact_stop: bool,
-    /// 0…5 for G54…G59, `None` for G53.
+    /// Index of the zero offset, 0…5 for G54…G59; `None` for G53.
     pub zero_set: Option<usize>,
-    /// G92.
+    /// Offsets of G92.
     pub shift: [Position; AXES],
     pub radius: Option<Position>,
 }
@@ -67,8 +68,8 @@ impl<const AXES: usize> Modal<AXES> {
         radius: None,
     };
 
-    /// At program start: G01 (rapid motion until there is a feed), G17, G71, G90, G94, G162, G260, G150,
-    /// G359, and G53 or the offset of P-ZERO-00002.
+    /// The state at program start: G01 (rapid motion until there is a feed), G17, G71, G90, G94, G162, G260,
+    /// G150, G359, and G53 or the offset of P-ZERO-00002.
     pub fn new(default_index: u8) -> Self {
         Self { mode: Mode::Unprogrammed, zero_set: usize::from(default_index).checked_sub(1), ..Self::BLANK }
     }

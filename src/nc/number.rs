@@ -1,4 +1,4 @@
-//! Programmed numbers: decimals are kept exactly until the unit is known, results of expressions are f64.
+//! Programmed numbers. Decimals are kept exactly until the unit is known; results of expressions are f64.
 use super::real;
 use fixed::types::I32F32;
 
@@ -11,22 +11,22 @@ pub(super) enum Number {
     Real(f64),
 }
 
-/// Factor from a programmed number to the unit of a quantity.
+/// Factor that converts a programmed number to the unit of a quantity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Factor {
-    /// At most 2^20.
+    /// Numerator, at most 2^20.
     pub numerator: u32,
-    /// From 1.
+    /// Denominator, at least 1.
     pub denominator: u32,
 }
 
 impl Factor {
-    /// The programmed number is already in the unit.
+    /// The programmed number already has the unit.
     pub const ONE: Self = Self { numerator: 1, denominator: 1 };
-    /// Inch to millimetre, exactly.
+    /// Inch to millimetre, exact.
     pub const INCH: Self = Self { numerator: 254, denominator: 10 };
 
-    /// `numerator` / `denominator`, which is at least 1.
+    /// The factor `numerator` / `denominator`; the denominator must be at least 1.
     pub const fn new(numerator: u32, denominator: u32) -> Self {
         if numerator == denominator { Self::ONE } else { Self { numerator, denominator } }
     }
@@ -56,14 +56,14 @@ impl Plain {
         quotient_bits(mantissa.into(), scale, factor)
     }
 
-    /// The remainder of the rounding to these bits, see [`Number::rest`].
+    /// The rounding remainder of these bits, see [`Number::rest`].
     pub fn rest(self, factor: Factor, bits: i64) -> i64 {
         let Self { mantissa, scale } = self;
         if factor != Factor::ONE || mantissa > i32::MAX as u32 {
             return decimal_rest(mantissa.into(), scale, factor, bits);
         }
         let power = POWERS.get(usize::from(scale)).map_or(1, |power| *power as i64);
-        // Below 2^63; the rest is below half a power, 2^29.
+        // Below 2^63; the remainder is below half a power of ten, 2^29.
         let left = (i64::from(mantissa) << 32).wrapping_sub(bits.wrapping_mul(power));
         (left << 32).checked_div(power).unwrap_or(0)
     }
@@ -79,24 +79,24 @@ const POWERS: [u64; 20] = {
     table
 };
 
-/// 2^32 / 10^scale as a multiplication: `factor` / 2^(32 + `shift`), rounded up.
+/// 2^32 / 10^scale in a form for a multiplication: `factor` / 2^(32 + `shift`), rounded up.
 #[derive(Clone, Copy)]
 struct Reciprocal {
-    /// From 2^63 on: all bits count.
+    /// At least 2^63, so all bits are significant.
     factor: u64,
-    /// 3 to 29.
+    /// Shift from 3 to 29.
     shift: u8,
 }
 
-/// Numbers of decimals and mantissas, exclusive, for which [`RECIPROCALS`] round as a division does.
+/// Bounds (exclusive) of decimals and mantissas for which [`RECIPROCALS`] rounds like a division.
 const PLAIN_SCALE: u8 = 9;
 const PLAIN_MANTISSA: u64 = 1 << 31;
 
-/// For 1 to 9 decimals.
+/// The reciprocals for 1 to 9 decimals.
 ///
-/// Mantissa / 10^scale · 2^32 + ½ is a multiple of 1 / (2 · 5^scale). The product with the reciprocal lies
-/// above the quotient by mantissa · excess / (10^scale · 2^(32 + shift)). As long as that is less than such a
-/// step, both have the same whole part: the table is compiled only if it is, for all plain mantissas.
+/// Mantissa / 10^scale · 2^32 + ½ is a multiple of 1 / (2 · 5^scale). The product with the reciprocal exceeds
+/// the quotient by mantissa · excess / (10^scale · 2^(32 + shift)). If this excess is less than such a
+/// multiple, both have the same whole part. The table compiles only if this holds for all plain mantissas.
 const RECIPROCALS: [Reciprocal; PLAIN_SCALE as usize] = {
     let mut table = [Reciprocal { factor: 0, shift: 0 }; PLAIN_SCALE as usize];
     let mut scale = 1;
@@ -116,7 +116,7 @@ const RECIPROCALS: [Reciprocal; PLAIN_SCALE as usize] = {
 };
 
 impl Number {
-    /// The number as a fraction, for expressions: nearest f64.
+    /// The number as f64 for expressions, rounded to nearest.
     pub fn real(self) -> f64 {
         match self {
             Self::Real(x) => x,
@@ -127,7 +127,8 @@ impl Number {
         }
     }
 
-    /// The number times `factor` in fixed point, to nearest, ties away from zero; `None` beyond ±2^31.
+    /// The number times `factor` in fixed point, rounded to nearest, ties away from zero. Returns `None`
+    /// beyond ±2^31.
     pub fn fixed(self, factor: Factor) -> Option<I32F32> {
         match self {
             Self::Real(x) => {
@@ -141,7 +142,7 @@ impl Number {
         }
     }
 
-    /// The remainder of the rounding to `value` by [`Self::fixed`]: the number times `factor` less `value`, LSB
+    /// The rounding remainder of `value` from [`Self::fixed`]: the number times `factor` minus `value`, LSB
     /// 2^-64, from −2^31 to 2^31.
     pub fn rest(self, factor: Factor, value: I32F32) -> i64 {
         let bits = value.to_bits();
@@ -149,7 +150,7 @@ impl Number {
             Self::Real(x) => {
                 let x = if factor == Factor::ONE { x } else { times(x, factor) };
                 const LSB: f64 = (1_u64 << 32) as f64;
-                // Both are below 2^53: their difference is exact.
+                // Both are below 2^53, so their difference is exact.
                 ((x * LSB - bits as f64) * LSB) as i64
             }
             Self::Decimal { negative: false, mantissa, scale } => decimal_rest(mantissa, scale, factor, bits),
@@ -159,7 +160,7 @@ impl Number {
         }
     }
 
-    /// The number as a whole number; `None` if it has a fraction or is too large.
+    /// The number as a whole number. Returns `None` if it has a fraction or is too large.
     pub fn whole(self) -> Option<i64> {
         if let Self::Decimal { negative, mantissa, scale: 0 } = self
             && mantissa < PLAIN_MANTISSA
@@ -172,7 +173,7 @@ impl Number {
     }
 }
 
-/// `mantissa` / 10^`scale` · `factor` · 2^32, to nearest, ties up.
+/// `mantissa` / 10^`scale` · `factor` · 2^32, rounded to nearest, ties up.
 fn decimal_bits(mantissa: u64, scale: u8, factor: Factor) -> Option<i64> {
     if factor == Factor::ONE && mantissa < PLAIN_MANTISSA && scale <= PLAIN_SCALE {
         return Some(plain_bits(mantissa as u32, scale));
@@ -180,15 +181,16 @@ fn decimal_bits(mantissa: u64, scale: u8, factor: Factor) -> Option<i64> {
     quotient_bits(mantissa, scale, factor)
 }
 
-/// The same without a division, for mantissas below [`PLAIN_MANTISSA`] with at most [`PLAIN_SCALE`] decimals.
+/// As [`decimal_bits`], without a division, for mantissas below [`PLAIN_MANTISSA`] with at most
+/// [`PLAIN_SCALE`] decimals.
 fn plain_bits(mantissa: u32, scale: u8) -> i64 {
     let mantissa = u64::from(mantissa);
     let Some(Reciprocal { factor, shift }) = RECIPROCALS.get(usize::from(scale).wrapping_sub(1)) else {
         return (mantissa << 32) as i64;
     };
-    // mantissa · factor / 2^32: below 2^63. The bits cut off lie below the half that is added.
+    // mantissa · factor / 2^32 is below 2^63. The dropped bits are below the half that is added.
     let product = mantissa * (factor >> 32) + ((mantissa * (factor & 0xffff_ffff)) >> 32);
-    // 3 to 29.
+    // From 3 to 29.
     let shift = u32::from(*shift);
     let sum = product + u64::from(1_u32.wrapping_shl(shift - 1));
     let (high, low) = ((sum >> 32) as u32, sum as u32);
@@ -196,11 +198,11 @@ fn plain_bits(mantissa: u32, scale: u8) -> i64 {
     (u64::from(high.wrapping_shr(shift)) << 32 | u64::from(low)) as i64
 }
 
-/// The same by division, for all other numbers.
+/// As [`decimal_bits`], with a division, for all other numbers.
 fn quotient_bits(mantissa: u64, scale: u8, factor: Factor) -> Option<i64> {
     let power = *POWERS.get(usize::from(scale))?;
     if factor == Factor::ONE && scale <= 9 {
-        // In 64 bits: remainder below 10^9 < 2^30.
+        // In 64 bits, because the remainder is below 10^9 < 2^30.
         let whole = mantissa.checked_div(power)?;
         let rest = mantissa.wrapping_sub(whole.wrapping_mul(power));
         let fraction = ((rest << 33) + power).checked_div(power << 1)?;
@@ -209,17 +211,17 @@ fn quotient_bits(mantissa: u64, scale: u8, factor: Factor) -> Option<i64> {
         }
         return ((whole << 32) + fraction).try_into().ok();
     }
-    // Below 2^(64+20+33) and 2^(64+32+1).
+    // The dividend is below 2^(64+20+33), and the divisor is below 2^(64+32+1).
     let dividend = (u128::from(mantissa) * u128::from(factor.numerator)) << 33;
     let divisor = u128::from(power) * u128::from(factor.denominator);
     (dividend + divisor).checked_div(divisor << 1)?.try_into().ok()
 }
 
-/// `mantissa` / 10^`scale` · `factor` less `bits` / 2^32, its rounded value; LSB 2^-64.
+/// `mantissa` / 10^`scale` · `factor` minus its rounded value `bits` / 2^32; LSB 2^-64.
 fn decimal_rest(mantissa: u64, scale: u8, factor: Factor, bits: i64) -> i64 {
     let power = POWERS.get(usize::from(scale)).map_or(1, |power| *power);
     let divisor = i128::from(power) * i128::from(factor.denominator);
-    // Below 2^(64+20+32); the rest is below half a divisor, 2^(64+31).
+    // Below 2^(64+20+32); the remainder is below half a divisor, 2^(64+31).
     let number = (i128::from(mantissa) * i128::from(factor.numerator)) << 32;
     let left = number.wrapping_sub(i128::from(bits).wrapping_mul(divisor));
     (left << 32).checked_div(divisor).unwrap_or(0) as i64
@@ -229,12 +231,12 @@ fn times(x: f64, factor: Factor) -> f64 {
     x * f64::from(factor.numerator) / f64::from(factor.denominator)
 }
 
-/// To nearest, ties away from zero; `None` beyond ±2^31 and for NaN.
+/// `x` in fixed point, rounded to nearest, ties away from zero. Returns `None` beyond ±2^31 and for NaN.
 fn fixed_from_real(x: f64) -> Option<I32F32> {
     let bits = x.to_bits();
     let exponent = ((bits >> 52) & 0x7ff) as i32;
     let mantissa = (bits & ((1 << 52) - 1)) | (u64::from(exponent != 0) << 52);
-    // x = mantissa · 2^(exponent - 1075); wanted are units of 2^-32.
+    // x = mantissa · 2^(exponent - 1075); the result is in units of 2^-32.
     let shift = exponent.max(1) - 1075 + 32;
     let magnitude = if shift >= 0 {
         if shift > 10 {

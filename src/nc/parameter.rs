@@ -3,10 +3,10 @@ use super::NcErrorKind;
 use crate::machine::functions;
 use heapless::Vec;
 
-/// Parameters that can hold a value at the same time.
+/// Largest number of parameters with a value.
 pub const PARAMETERS: usize = functions::EXPRESSIONS.room(128);
 
-/// Packed, because there are many entries.
+/// A parameter with its value. Packed, because there are many entries.
 #[derive(Clone, Copy)]
 #[repr(C, packed(4))]
 struct Entry {
@@ -66,9 +66,9 @@ impl Parameters {
     }
 }
 
-/// A parameter index from the result of an expression: cut to a whole number above 0.
+/// A parameter index from the result of an expression: a whole number above 0; a fraction is cut off.
 pub(super) fn index(value: f64) -> Result<u32, NcErrorKind> {
-    // V.P. and V.L. use the indices above.
+    // V.P. and V.L. use the indices from here on.
     #[cfg(feature = "plc")]
     if value >= f64::from(super::variable::NAMED) {
         return Err(NcErrorKind::ParameterIndex);

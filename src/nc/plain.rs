@@ -1,8 +1,8 @@
-//! Plain blocks: N, G00 or G01, F and axes with plain decimals directly after the letters. One pass over the
-//! line reads them.
+//! Plain blocks: N, G00 or G01, F and axes, with plain decimals directly after the letters. They are read in
+//! one pass over the line.
 //!
-//! Most lines of most programs are plain. If a line holds anything else, or a fault,
-//! [`Interpreter::plain_block`] changes nothing, and `block` and `compose` read or refuse the line.
+//! Most lines of most programs are plain. If a line contains other text, or an error,
+//! [`Interpreter::plain_block`] changes nothing. Then `block` and `compose` read or refuse the line.
 use super::compose::{carry, in_range};
 use super::cursor::Cursor;
 use super::interpreter::{Gathered, Interpreter};
@@ -13,7 +13,7 @@ use super::{Motion, MotionKind};
 use crate::quantity::{Feed, Position};
 use core::cell::Cell;
 
-/// Work of a word, as [`super::calculator`] counts.
+/// Cost of a word, in the unit of [`super::calculator`].
 const WORD: u32 = 2;
 
 /// The largest coordinate.
@@ -25,15 +25,15 @@ const MOST_AXES: u8 = 32;
 /// Letters of the alphabet.
 const LETTERS: usize = 26;
 
-/// The axis that a single letter names: index by letter. An axis whose letter also begins another axis' name
-/// is left out.
+/// The axis that a single letter names, by letter. If the letter also begins the name of another axis, it is
+/// left out.
 pub(super) struct Letters([u8; LETTERS]);
 
 impl Letters {
     /// All bits zero.
     pub const BLANK: Self = Self([0; LETTERS]);
 
-    /// For these names.
+    /// The table for these axis names.
     pub fn new<'a>(names: impl Iterator<Item = &'a [u8; 4]> + Clone) -> Self {
         let mut letters = [u8::MAX; LETTERS];
         for (slot, letter) in letters.iter_mut().zip(b'A'..) {
@@ -52,8 +52,8 @@ impl Letters {
 }
 
 impl<const AXES: usize> Interpreter<AXES> {
-    /// The target of an axis for a plain coordinate; `to` is its earlier target. `None` if the coordinate is
-    /// not plain. `rest`: remainder of the rounding.
+    /// The target of an axis for a plain coordinate; `to` is the previous target. Returns `None` if the
+    /// coordinate is not plain. `rest`: rounding remainder.
     #[cfg_attr(feature = "fast", inline(always))]
     fn plain_coordinate(
         &self,
@@ -83,8 +83,8 @@ impl<const AXES: usize> Interpreter<AXES> {
         in_range(slot).then_some(slot)
     }
 
-    /// Carries out a plain block that moves; its motion is to be returned. `None` if the line is not plain;
-    /// nothing has changed then.
+    /// Carries out a plain block with a motion; the caller then returns this motion. Returns `None`, and
+    /// changes nothing, if the line is not plain.
     #[inline(never)]
     pub fn plain_block(&mut self, line: &Line) -> Option<()> {
         let mut c = Cursor::new(line.bytes());
@@ -166,7 +166,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         Some(())
     }
 
-    /// Factor from F to mm/min (°/min): P-CHAN-00108; in other dialects the factor of lengths.
+    /// Factor from F to mm/min (°/min): P-CHAN-00108, or in other dialects the length unit.
     pub fn feed_factor(&self) -> Factor {
         #[cfg(feature = "grbl")]
         if !self.is_isg() {

@@ -1,9 +1,10 @@
-//! f64 functions of expressions, with + − × ÷ only, so that every machine gives the same bits.
+//! f64 functions for expressions. They use only + − × ÷, so that every machine gives the same bits.
 //!
-//! Angles are in degrees and reduced exactly, so SIN\[90\] = 1, COS\[90\] = 0, SIN\[30\] = 0.5. Errors against
-//! the exact value: sine, cosine, arc functions, square root, exponential and logarithm at most 2 ulp; tangent
-//! and arc functions of it 3 ulp (host-tests/tests/language/nc_real.rs); powers with whole exponents at most 1
-//! ulp per multiplication.
+//! Angles are in degrees and are reduced exactly, so SIN\[90\] = 1, COS\[90\] = 0, SIN\[30\] = 0.5. Errors
+//! against the exact value are at most 2 ulp for sine, cosine, arc sine, arc cosine, square root, exponential
+//! and logarithm. For the tangent and the arc tangents they are at most 3 ulp
+//! (host-tests/tests/language/nc_real.rs). For powers with whole exponents they are at most 1 ulp per
+//! multiplication.
 
 #![expect(clippy::neg_cmp_op_on_partial_ord, reason = "`!(a <= b)` is meant to hold for what is no number")]
 
@@ -22,7 +23,7 @@ pub(super) fn abs(x: f64) -> f64 {
     f64::from_bits(x.to_bits() & (u64::MAX >> 1))
 }
 
-/// Nearest f64 to `mantissa` / 10^`scale`, ties to even; `scale` up to 19.
+/// The f64 nearest to `mantissa` / 10^`scale`, ties to even; `scale` is at most 19.
 pub(super) fn from_decimal(mantissa: u64, scale: u8) -> f64 {
     const POWERS: [f64; 20] = [
         1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16, 1e17,
@@ -30,11 +31,11 @@ pub(super) fn from_decimal(mantissa: u64, scale: u8) -> f64 {
     ];
     let power = POWERS.get(usize::from(scale)).copied().unwrap_or(1e19);
     if mantissa <= 1 << 53 {
-        // Both are exact: one rounding.
+        // Both are exact, so there is only one rounding.
         return mantissa as f64 / power;
     }
-    // 127 bits over at most 64: the quotient has 63 bits or more. It is made odd if a remainder is left, and
-    // then rounds correctly.
+    // 127 bits divided by at most 64 bits: the quotient has at least 63 bits. If there is a remainder, the
+    // quotient is made odd, and then rounds correctly.
     let shift = 63 + mantissa.leading_zeros();
     let dividend = u128::from(mantissa) << shift;
     let divisor = power as u64;
@@ -45,7 +46,7 @@ pub(super) fn from_decimal(mantissa: u64, scale: u8) -> f64 {
     (quotient | sticky) as f64 * power_of_two(-(shift as i32))
 }
 
-/// Towards zero.
+/// `x` rounded towards zero.
 pub(super) fn trunc(x: f64) -> f64 {
     let exponent = ((x.to_bits() >> 52) & 0x7ff) as i32 - 1023;
     if exponent < 0 {
@@ -57,18 +58,18 @@ pub(super) fn trunc(x: f64) -> f64 {
     f64::from_bits(x.to_bits() & !((1 << (52 - exponent)) - 1))
 }
 
-/// Towards minus infinity.
+/// `x` rounded towards minus infinity.
 pub(super) fn floor(x: f64) -> f64 {
     let cut = trunc(x);
     if cut > x { cut - 1.0 } else { cut }
 }
 
-/// Towards plus infinity.
+/// `x` rounded towards plus infinity.
 pub(super) fn ceil(x: f64) -> f64 {
     -floor(-x)
 }
 
-/// To nearest, ties away from zero.
+/// `x` rounded to nearest, ties away from zero.
 pub(super) fn round(x: f64) -> f64 {
     let cut = trunc(x);
     if abs(x - cut) < 0.5 {
@@ -80,7 +81,8 @@ pub(super) fn round(x: f64) -> f64 {
     }
 }
 
-/// Remainder of `x` / `y` with the sign of `x`, exact; NaN for |y| below 10^-290, where exponents end.
+/// Remainder of `x` / `y` with the sign of `x`, exact. NaN for |y| below 10^-290, because of the range of
+/// exponents.
 pub(super) fn remainder(x: f64, y: f64) -> f64 {
     let (mut rest, divisor) = (abs(x), abs(y));
     if !rest.is_finite() || !(divisor >= 1e-290) {
@@ -125,7 +127,7 @@ fn product(a: f64, b: f64) -> (f64, f64) {
     (p, ((ah * bh - p) + ah * bl + al * bh) + al * bl)
 }
 
-/// a·(high + low) as a sum of two.
+/// a·(high + low) as a sum of two numbers.
 fn scaled(a: f64, high: f64, low: f64) -> (f64, f64) {
     let (p, rest) = product(a, high);
     let rest = rest + a * low;
@@ -185,7 +187,7 @@ fn reduce(degrees: f64) -> Option<(u8, f64)> {
 /// Sine and cosine of ±45°.
 fn sin_cos_eighth(degrees: f64) -> (f64, f64) {
     let (x, y) = scaled(degrees, RADIAN_HIGH, RADIAN_LOW);
-    // The only rational values in addition to 0 and ±1.
+    // The only rational values besides 0 and ±1.
     let sine = if abs(degrees) == 30.0 { degrees / 60.0 } else { sin_radians(x, y) };
     (sine, cos_radians(x, y))
 }

@@ -1,4 +1,5 @@
-//! The start of another program, and the state after a refused line: only P parameters keep changes.
+//! The start of another program, and the state after a refused line. After a refusal, only P parameters keep
+//! changes.
 use super::NcErrorKind;
 use super::flow::Passing;
 use super::interpreter::{Gathered, Interpreter, Next, Phase};
@@ -57,8 +58,8 @@ impl<const AXES: usize> Interpreter<AXES> {
         self.quiet = 0;
     }
 
-    /// After a refusal at an earlier place, or at the end of the running program: the line to continue at, if
-    /// it is not the next line.
+    /// The line at which the program continues after a refusal at an earlier place, or at the end of the
+    /// running program. Returns `None` for the next line.
     pub fn recover(&mut self, kind: NcErrorKind) -> Option<Mark> {
         match (kind, self.flow.passing) {
             (NcErrorKind::NoLabel, _) => {
@@ -81,10 +82,10 @@ impl<const AXES: usize> Interpreter<AXES> {
         }
     }
 
-    /// A decided jump is refused.
+    /// Cancels a jump that was already decided, because it is refused.
     pub fn stay(&mut self, mark: Mark) {
         if core::mem::take(&mut self.flow.left) {
-            // No block is open any more.
+            // No control block is open any more.
         } else if matches!(self.flow.passing, Passing::Label(_)) {
             self.flow.passing = Passing::No;
         } else if self.flow.innermost().is_some_and(|open| open.body == mark) {

@@ -14,8 +14,8 @@ impl Keywords for Slope {
     }
 }
 
-/// Keywords of each method of `#CONTOUR MODE`. Actions fit all methods except those that are optimised over
-/// time between two blocks.
+/// Keywords of each method of `#CONTOUR MODE`. Actions (PRE_ACTION and so on) fit all methods, except for
+/// those that are optimised over time between two blocks.
 const fn contour_list(method: ContourMethod) -> (&'static str, &'static [&'static str]) {
     match method {
         ContourMethod::Dev => (
@@ -56,7 +56,7 @@ const fn contour_list(method: ContourMethod) -> (&'static str, &'static [&'stati
     }
 }
 
-/// Sets a value that may be chosen once.
+/// Sets a value that may be given once.
 fn choose<V>(slot: &mut Option<V>, value: V) -> Slot<'_> {
     if slot.is_some() {
         return Slot::Twice;
@@ -195,7 +195,7 @@ const BSPLINE: &[&str] = &[
     "MAX_ANGLE",
 ];
 
-/// The keywords of `#HSC`; OPMODE becomes a method when the list is complete.
+/// The keywords of `#HSC`. OPMODE becomes a method after the whole list is read.
 #[derive(Default)]
 pub(super) struct HscWords {
     pub hsc: Hsc,
@@ -241,7 +241,7 @@ impl Keywords for HscWords {
             Some(HscMethod::Bspline) if !BSPLINE.contains(&keyword) => return Slot::Mismatch("BSPLINE"),
             _ => {}
         }
-        // Surface has no deviation 0; for the B-spline 0 means not monitored.
+        // Surface has no deviation 0. For the B-spline, 0 means not monitored.
         let deviation = if surface { MILLIMETRES.above() } else { MILLIMETRES };
         match keyword {
             "OPMODE" => Slot::Level(&mut self.opmode, u8::MAX),
@@ -313,7 +313,7 @@ impl Keywords for VectorLimit {
                 return Slot::Done;
             }
         };
-        // OFF names limits without values.
+        // With OFF, limits are named without values.
         if on { Slot::Limit(slot) } else { choose(slot, Limit::Channel) }
     }
 }

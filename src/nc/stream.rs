@@ -5,13 +5,14 @@
 //!  Feeder::push → [ kept: up to N/2 bytes | current line, text ahead ] → Stream (a Text)
 //! ```
 //!
-//! Both ends may run in different contexts or on different cores. Each word of the window has one writer, so the window
-//! needs no lock and no compare-and-swap.
+//! Both handles may be used in different contexts or on different cores. Each word of the window has one
+//! writer, so the window needs no lock and no compare-and-swap.
 //!
-//! The window drops text that lies more than `N`/2 bytes before the furthest line that the decoder has reached. So whether
-//! a loop, a jump back or a subroutine call finds its text depends on the text alone, not on the times at which bytes
-//! arrive. A line whose target is dropped is refused ([`super::NcErrorKind::BehindWindow`]), and so is a line of more than
-//! `N`/2 bytes with its comments.
+//! The window drops text that is more than `N`/2 bytes before the furthest line that the decoder has reached.
+//! So only the text decides whether a loop, a jump back or a subroutine call finds its target; the arrival
+//! times of bytes have no effect. A line whose target was dropped is refused
+//! ([`super::NcErrorKind::BehindWindow`]). A line of more than `N`/2 bytes, with its comments, is also
+//! refused.
 use super::{Text, TextError};
 use core::sync::atomic::{AtomicBool, AtomicU8, AtomicU32, Ordering};
 
@@ -31,30 +32,30 @@ use core::sync::atomic::{AtomicBool, AtomicU8, AtomicU32, Ordering};
 /// ```
 pub struct Window<const N: usize> {
     bytes: [AtomicU8; N],
-    /// Bytes written since the split. The feeder writes this word, `start` and `ended`.
+    /// Number of bytes written since the split. The feeder writes this word, `start` and `ended`.
     put: AtomicU32,
-    /// Bytes before this offset are to be skipped.
+    /// Bytes before this offset are skipped.
     start: AtomicU32,
     /// Whether the text is complete.
     ended: AtomicBool,
-    /// The first byte that is kept. The decoder writes this word.
+    /// Offset of the first byte that is kept. The decoder writes this word.
     kept: AtomicU32,
 }
 
-/// The writing end of a [`Window`]. It may move to another task, an interrupt, or another core.
+/// The writer's handle of a [`Window`]. It may move to another task, an interrupt, or another core.
 pub struct Feeder<'a, const N: usize> {
     window: &'a Window<N>,
 }
 
-/// The reading end of a [`Window`], for the decoder. A stream that is loaded again begins at the last
-/// [`Feeder::restart`]. Without one it begins at its first byte, which the window may have dropped.
+/// The decoder's handle of a [`Window`]. A stream that is loaded again begins at the last
+/// [`Feeder::restart`]. Without a restart, it begins at its first byte, which the window may have dropped.
 pub struct Stream<'a, const N: usize> {
     window: &'a Window<N>,
     /// Start of the current program.
     start: u32,
 }
 
-/// Whether the offset `a` is before `b`. Both are less than 2^31 apart.
+/// Whether the offset `a` is before `b`. Both must be less than 2^31 apart.
 const fn is_before(a: u32, b: u32) -> bool {
     (a.wrapping_sub(b) as i32) < 0
 }
@@ -74,7 +75,7 @@ impl<const N: usize> Window<N> {
         Self { bytes: [const { AtomicU8::new(0) }; N], put, start, ended: AtomicBool::new(false), kept }
     }
 
-    /// Empties the window and returns its two ends.
+    /// Empties the window and returns its two handles.
     pub fn split(&mut self) -> (Feeder<'_, N>, Stream<'_, N>) {
         for word in [&mut self.put, &mut self.start, &mut self.kept] {
             *word.get_mut() = 0;
@@ -96,7 +97,7 @@ impl<const N: usize> Default for Window<N> {
 }
 
 impl<const N: usize> Feeder<'_, N> {
-    /// Number of bytes that [`Self::push`] takes now.
+    /// Number of bytes that [`Self::push`] can take now.
     pub fn room(&self) -> usize {
         let kept = self.window.kept.load(Ordering::Acquire);
         let used = self.window.put.load(Ordering::Relaxed).wrapping_sub(kept);
@@ -139,7 +140,7 @@ impl<const N: usize> Text for Stream<'_, N> {
         if !self.holds(file, offset) {
             return Err(TextError::Forgotten);
         }
-        // Read before `put`: no byte follows after the end.
+        // Read before `put`, because no byte follows after the end.
         let ended = self.window.ended.load(Ordering::Acquire);
         let there = self.window.put.load(Ordering::Acquire).wrapping_sub(offset);
         if there as i32 <= 0 {
@@ -159,7 +160,7 @@ impl<const N: usize> Text for Stream<'_, N> {
 
     fn pass(&mut self, _: u16, offset: u32) {
         let (kept, half) = (self.window.kept.load(Ordering::Relaxed), Window::<N>::BYTES / 2);
-        // Far enough behind the offset, and farther than before.
+        // The new offset is far enough before the line, and further than the last one.
         if offset.wrapping_sub(kept) as i32 > half as i32 {
             self.window.kept.store(offset.wrapping_sub(half), Ordering::Release);
         }

@@ -10,9 +10,9 @@ pub trait Text {
     /// The device failed, or the text at `offset` has not arrived yet.
     fn read(&mut self, file: u16, offset: u32, buffer: &mut [u8]) -> Result<usize, TextError>;
 
-    /// Returns the number of the file that a program calls by `name` (ASCII, at most 83 bytes), or `None` if there is no such
-    /// file. The same name always has the same number. The default knows no files. A file can be opened before its text has
-    /// arrived.
+    /// Returns the number of the file that a program calls by `name` (ASCII, at most 83 bytes), or `None` if
+    /// there is no such file. The same name must always give the same number. The default implementation has
+    /// no files. A file can be opened before its text has arrived.
     ///
     /// # Errors
     /// The device failed.
@@ -21,13 +21,14 @@ pub trait Text {
         Ok(None)
     }
 
-    /// Tells the text that the decoder has reached the line at `offset` of a file. A [`super::Window`] then drops text that
-    /// lies far enough before that line.
+    /// Tells the source that the decoder has reached the line at `offset` of a file. A [`super::Window`] then
+    /// drops text that is far enough before that line.
     fn pass(&mut self, file: u16, offset: u32) {
         let _ = (file, offset);
     }
 
-    /// Whether the line at `offset` of a file can be read again. The decoder asks before it jumps there.
+    /// Whether the line at `offset` of a file can be read again. The decoder calls this function before it
+    /// jumps there.
     fn holds(&self, file: u16, offset: u32) -> bool {
         let _ = (file, offset);
         true
@@ -54,7 +55,8 @@ pub enum TextError {
     /// The text has not arrived yet, from a serial line or a slow card. The decoder asks again. Meanwhile the motion
     /// continues with the arrived text, and stops at its end.
     NotYet,
-    /// The window of a stream no longer holds the text, or a line is longer than the window: the line is refused.
+    /// The window of a stream no longer holds the text, or a line is longer than the window. The line is
+    /// refused.
     Forgotten,
 }
 

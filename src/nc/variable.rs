@@ -8,8 +8,8 @@
 //! | `V.RTG.LOOP.ENABLED` | whether real-time loops repeat | |
 //! | `V.G.BLOCK_NR`, `V.G.FEEDRATE` | N number of the block before; F in mm/min. Read only | |
 //!
-//! V.P. and V.L. use the table of P parameters, above all numbers. The decoder reads the others before it
-//! interprets a line, for the whole line, and writes them after the line.
+//! V.P. and V.L. are in the table of P parameters, above all numbers. For the other variables, the decoder
+//! reads all values of a line before it interprets the line, and writes values after the line.
 use super::cursor::Cursor;
 use super::flow::hash;
 use super::interpreter::Interpreter;
@@ -18,19 +18,19 @@ use crate::variable::{LoopFlag, Variable};
 use core::cell::Cell;
 use heapless::Vec;
 
-/// Longest name behind `V.`.
+/// Longest name after `V.`, characters.
 const NAME: usize = 63;
 
-/// Number of V.E., V.RTG. and V.G. variables that a line may read.
+/// Largest number of V.E., V.RTG. and V.G. variables that a line may read.
 const READS: usize = 8;
 
 /// First index of V.P. and V.L. in the table of parameters.
 pub(super) const NAMED: u32 = 1 << 31;
 
-/// Bits of a name's hash. With some ten names in a program, two names with one hash are not expected.
+/// Bits of a name's hash. A program has some ten names, so two names with equal hashes are not expected.
 const HASH: u32 = (1 << 27) - 1;
 
-/// Number of open subroutine calls, the main program included; V.P. comes after them.
+/// Largest number of open subroutine calls, including the main program. V.P. uses the next number.
 const LEVELS: u32 = 15;
 
 /// The name after `V.`, in upper case.
@@ -38,16 +38,16 @@ pub(super) struct Name {
     letters: Vec<u8, NAME>,
 }
 
-/// The place of a variable.
+/// Where a variable is stored.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Place {
     /// In the table of parameters.
     Own(u32),
-    /// Outside of the decoder: the hash of the name.
+    /// Outside the decoder; the value is the hash of the name.
     Outside(u32),
 }
 
-/// Whether a V. variable is here, and not an axis V.
+/// Whether a V. variable is at the cursor, and not an axis with the name V.
 pub(super) fn is_here(c: &mut Cursor<'_>) -> bool {
     let mut ahead = *c;
     if ahead.peek_upper() != b'V' || ahead.next() != b'.' {
@@ -81,7 +81,7 @@ impl Name {
         (hash ^ hash >> 32) as u32
     }
 
-    /// The place of the variable. `level`: number of open calls.
+    /// Where the variable is stored. `level`: number of open calls.
     pub fn place(&self, level: u8) -> Option<Place> {
         let level = u32::from(level).min(LEVELS - 1);
         match self.letters.as_slice() {
@@ -95,7 +95,7 @@ impl Name {
     }
 }
 
-/// The decoder's view of variables outside of it.
+/// The decoder's access to outside variables.
 #[derive(Clone, Copy)]
 pub(crate) struct Externals<'a> {
     pub variables: &'a [Variable],
@@ -105,7 +105,7 @@ pub(crate) struct Externals<'a> {
 impl<'a> Externals<'a> {
     pub const NONE: Self = Self { variables: &[], flag: None };
 
-    /// Whether there is any.
+    /// Whether there are any outside variables.
     pub const fn exist(&self) -> bool {
         !self.variables.is_empty() || self.flag.is_some()
     }
@@ -115,7 +115,7 @@ impl<'a> Externals<'a> {
     }
 }
 
-/// Values that the current line reads.
+/// Values of outside variables that the current line reads.
 pub(super) struct Looked {
     /// Number of open calls.
     pub level: Cell<u8>,
@@ -135,23 +135,23 @@ impl Looked {
         }
     }
 
-    /// The value of a variable outside of the decoder.
+    /// The value of an outside variable.
     pub fn get(&self, hash: u32) -> Option<f64> {
         let mut values = self.values.iter().take(self.count.get()).map(Cell::get);
         values.find(|(known, _)| *known == hash).map(|(_, value)| value)
     }
 }
 
-/// An assignment of the current line to a variable outside of the decoder.
+/// An assignment of the current line to an outside variable.
 #[derive(Clone, Copy)]
 pub(super) struct Write {
-    /// The name in the line, `V.` included.
+    /// The name in the line, including `V.`.
     span: Span,
     value: f64,
 }
 
 impl<const AXES: usize> Interpreter<AXES> {
-    /// Before a line: drops variables of subroutines that have returned, and reads values from outside.
+    /// Called before a line: drops variables of subroutines that have returned, and reads outside values.
     pub fn look_up(&mut self, line: &[u8], externals: &Externals<'_>) {
         let looked = &self.calculator.looked;
         let level = self.flow.frames.len() as u8;
@@ -185,7 +185,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         }
     }
 
-    /// `V.… = value`: assigns, or keeps the assignment until the end of the line.
+    /// Carries out `V.… = value`, or stores the assignment until the end of the line.
     #[inline(never)]
     pub fn assign_variable(&mut self, c: &mut Cursor<'_>) -> Result<(), Fault> {
         let mark = c.mark();
@@ -214,7 +214,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         }
     }
 
-    /// After a line: carries out its assignment.
+    /// Called after a line: carries out its assignment.
     pub fn write_out(&mut self, line: &[u8], externals: &Externals<'_>) -> Result<(), Fault> {
         let Some(Write { span, value }) = self.written.take() else { return Ok(()) };
         let mut c = Cursor::new(line);

@@ -1,7 +1,7 @@
 //! G02 and G03: arcs, full circles and helices, by centre or by radius.
 //!
 //! Programmed coordinates have few decimals, so start and end rarely have the same distance from the centre.
-//! The radius then changes linearly with the angle from the one to the other.
+//! The radius then changes linearly with the angle, from the first distance to the second.
 use super::measure::Main;
 use super::{
     Arc, Circle, Curve, Element, End, FINER, GUARD, LONGEST, Measure, PathError, Shape, path_length, reach,
@@ -17,7 +17,8 @@ use crate::quantity::{DISTANCE_LSB, Distance, Position};
 /// 2π, LSB 2^-60.
 const TWO_PI: i64 = 0x6487_ED51_10B4_611A;
 
-/// Start and end closer than this in both axes of the plane are the same point: 2^-20 mm, about a nanometre.
+/// Start and end count as the same point if they are closer than this in both axes of the plane: 2^-20 mm,
+/// about a nanometre.
 const SAME_POINT: i64 = 1 << 12;
 
 /// Directions of start and end whose difference is below 2^-54 revolutions (LSB 2^-64) count as equal: a
@@ -26,10 +27,11 @@ const SAME_DIRECTION: u64 = 1 << 10;
 
 /// Radii may always differ by 2 µm (coordinates of three decimals) …
 const DIFFERENCE: i64 = 8_589_935 << FINER;
-/// … and by a thousandth, up to 50 µm. ISG leaves it to P-CHAN-00171 and P-CHAN-00172 without a default.
+/// … and by a thousandth of the radius, up to 50 µm. ISG has P-CHAN-00171 and P-CHAN-00172 for these limits,
+/// without defaults.
 const LARGEST_DIFFERENCE: i64 = 214_748_365 << FINER;
 
-/// How far half a chord may exceed the radius before it is an error rather than rounding: 1 µm.
+/// Half a chord may exceed the radius by 1 µm; this counts as rounding. A larger excess is an error.
 const CHORD_EXCESS: i64 = 4_294_967;
 
 /// The arc from `start` to `target` about `centre` (absolute coordinates, the plane's two axes). A target
@@ -51,7 +53,7 @@ pub fn arc<const AXES: usize>(
     Ok(element)
 }
 
-/// As [`arc`], in place of another element: a returned value would be on the stack several times.
+/// As [`arc`], written into an existing element: a returned value would be on the stack several times.
 ///
 /// # Errors
 /// See [`PathError`]; the element does not change.
@@ -82,7 +84,7 @@ pub(crate) fn arc_to<const AXES: usize>(
     let flat = reach(&outside) == 0;
     let outer = if flat { None } else { Some(&outside) };
     let travelled = travelled(plane0.max(plane1), difference, outer, measure);
-    // One LSB up: a chord is never longer than its path.
+    // One LSB more, because a chord is never longer than its path.
     let length = if flat && measure.is_space() {
         if travelled + 1 >= LONGEST {
             return Err(PathError::TooLong);
@@ -105,7 +107,7 @@ pub(crate) fn arc_to<const AXES: usize>(
     let circle = ends.circle(axes, sweep, shape, reciprocal);
     shape.curve = Curve::Arc(circle);
 
-    // A length as a part of the block's length: 60 fraction bits.
+    // A length as a fraction of the block's length, with 60 fraction bits.
     let part = |length: i64| part(length, shape.shift, reciprocal);
     let outward = Halves::of(part(difference));
     let end = |radius: &Radius, plane: i64, len: i64, end: &mut End<AXES>| {
@@ -113,7 +115,7 @@ pub(crate) fn arc_to<const AXES: usize>(
         let share = size_f32(along as u64) * LSB_60;
         let along = Halves::of(if clockwise { -along } else { along });
         let [p, q] = [Halves::of(radius.unit[0]), Halves::of(radius.unit[1])];
-        // 56 fraction bits.
+        // With 56 fraction bits.
         let tangent = [p.turn(outward, q.negated(), along), q.turn(outward, p, along)];
         let bend = -(share * share) / (to_f32(len) * DISTANCE_LSB) * LSB_28;
         for i in 0..2 {
@@ -155,7 +157,7 @@ struct Ends {
     /// Their distances from the centre, LSB 2^-44 mm.
     lengths: [i64; 2],
     radii: [Radius; 2],
-    /// Whether the two points differ.
+    /// Whether both points differ.
     apart: bool,
 }
 
@@ -182,7 +184,7 @@ fn points<const AXES: usize>(
     let ((p1, wider_p), (q1, wider_q)) = (p0.overflowing_add(dp), q0.overflowing_add(dq));
     over |= wide_p | wide_q | wider_p | wider_q;
     for x in [p0, q0, p1, q1] {
-        // Half of the range.
+        // Doubled magnitudes: a coordinate may use half of the range.
         bits |= x << 1 ^ x >> 63;
     }
     if over || bits as u64 >= (LONGEST >> FINER) as u64 {
@@ -191,8 +193,8 @@ fn points<const AXES: usize>(
     Ok([[p0 << FINER, q0 << FINER], [p1 << FINER, q1 << FINER]])
 }
 
-/// Distances of both points from the centre, LSB 2^-44 mm. `tolerant`: they may differ as much as LinuxCNC
-/// and Grbl permit.
+/// Distances of both points from the centre, LSB 2^-44 mm. `tolerant`: the distances may differ as much as
+/// LinuxCNC and Grbl permit.
 #[cfg_attr(feature = "fast", inline(always))]
 fn lengths(points: [[i64; 2]; 2], tolerant: bool) -> Result<[i64; 2], PathError> {
     let [len0, len1] = points.map(plane_hypot);
@@ -209,8 +211,9 @@ fn lengths(points: [[i64; 2]; 2], tolerant: bool) -> Result<[i64; 2], PathError>
     Ok([len0, len1])
 }
 
-/// Whether LinuxCNC and Grbl accept this difference of radii: 5 µm, and 0.1 % of the radius. They permit up to 0.5
-/// mm; the interrupt has room for 50 µm. If 5 µm are more than a quarter of the radius, the path would not be an arc.
+/// Whether LinuxCNC and Grbl accept this difference of radii: 5 µm, or 0.1 % of the radius. They permit up to
+/// 0.5 mm, but the format of the interrupt only has room for 50 µm. If 5 µm is more than a quarter of the
+/// radius, the path would not be an arc.
 fn is_tolerable(difference: i64, radius: i64) -> bool {
     const ALWAYS: i64 = 21_474_836 << FINER;
     difference <= ALWAYS.min(radius >> 2) || difference <= LARGEST_DIFFERENCE.min(radius / 1000)
@@ -258,8 +261,8 @@ impl Ends {
             let grow = |unit: i64| ((Halves::of(unit).times(Halves::of(growth)) + (1 << 26)) >> 27) as i32;
             circle.grow = [grow(self.radii[0].unit[0]), grow(self.radii[0].unit[1])];
         }
-        // The error of the turn is at most 2^-56 revolutions. It adds to the missing part, which the guard
-        // bits hide.
+        // The error of the turn is at most 2^-56 revolutions. It adds to the missing part at the end, which
+        // is smaller than the guard bits.
         let end = circle.circle(Halves::of(shape.end_w()), 0);
         let missed = |i: usize| {
             let missed = (self.points[1][i] >> (FINER - GUARD)).wrapping_sub(end[i]);
@@ -270,8 +273,8 @@ impl Ends {
     }
 }
 
-/// Path along the feed axes, LSB 2^-44 mm: `along` the circle, by `difference` away from its centre, and by
-/// the travel of the axes `outside` its plane, if there is any.
+/// Path length along the feed axes, LSB 2^-44 mm. It has three parts: `along` the circle, the `difference` of
+/// both radii, and the travel of the axes `outside` the plane, if there is any.
 #[cfg_attr(feature = "fast", inline(always))]
 fn travelled<const AXES: usize>(
     along: i64,
@@ -284,7 +287,7 @@ fn travelled<const AXES: usize>(
         || u64::from(small) != difference.unsigned_abs()
         || u64::from(small) * u64::from(small) > along as u64;
     if !counts {
-        // The square is below that of the next LSB.
+        // The square of the exact length is below that of the next LSB.
         return along;
     }
     let mut square = with_square(square_wide(along as u64), difference);
@@ -301,16 +304,16 @@ fn part(length: i64, shift: u8, reciprocal: Halves) -> i64 {
     Halves::of(length << (shift & 63)).times(reciprocal)
 }
 
-/// A radius vector, at the start or the end of an arc.
+/// A radius vector, at the start or at the end of an arc.
 struct Radius {
-    /// Direction with a length in 2^61..2^62.
+    /// Direction; its length is in 2^61..2^62.
     direction: [Halves; 2],
     /// Direction with length 1, LSB 2^-60; error at most 2^-56.
     unit: [i64; 2],
 }
 
 impl Radius {
-    /// From the vector and its length, which is above 0 and below 2^62.
+    /// A radius from its vector and the vector's length, which is above 0 and below 2^62.
     #[cfg_attr(feature = "fast", inline(always))]
     fn new(vector: [i64; 2], length: i64) -> Self {
         let shift = (length.leading_zeros().saturating_sub(2)) & 63;
@@ -328,7 +331,7 @@ impl Radius {
     }
 }
 
-/// Length of a vector in the plane, each component within ±2^62; rounded down.
+/// Length of a vector in the plane, rounded down. Each component is within ±2^62.
 #[cfg_attr(feature = "fast", inline(always))]
 pub(super) fn plane_hypot([p, q]: [i64; 2]) -> i64 {
     let (high, low) = with_square(square_wide(p.unsigned_abs()), q);
@@ -343,7 +346,7 @@ fn with_square((high, low): (u64, u64), x: i64) -> (u64, u64) {
     (high.saturating_add(more + u64::from(carry)), low)
 }
 
-/// 2^-28, 2^-44 and 2^-60.
+/// 2^-28; the next two are 2^-44 and 2^-60.
 const LSB_28: f32 = 1.0 / (1u64 << 28) as f32;
 const LSB_60: f32 = 1.0 / (1u64 << 60) as f32;
 
@@ -355,8 +358,8 @@ fn plane_axes(plane: Plane, main: &Main) -> Result<[usize; 2], PathError> {
     }
 }
 
-/// Centre of the arc by radius: of the two arcs through both points the one of at most 180°, with a negative
-/// radius the other one. Rounded to the LSB of a position.
+/// Centre of an arc by radius. Of the two arcs through both points, the result is the one of at most 180°;
+/// with a negative radius, the other one. Rounded to the LSB of a position.
 ///
 /// # Errors
 /// [`PathError::RadiusWithoutEnd`], [`PathError::RadiusTooShort`], [`PathError::NoRadius`],
@@ -383,7 +386,7 @@ pub fn centre_of_radius<const AXES: usize>(
     if chord.iter().all(|x| x.abs() <= SAME_POINT) {
         return Err(PathError::RadiusWithoutEnd);
     }
-    // All values below in 2^-44 mm: half the chord, and the distance of the centre from it.
+    // All values below have LSB 2^-44 mm: half the chord, and the distance of the centre from the chord.
     let length = plane_hypot(chord.map(|x| x << FINER));
     let half = length >> 1;
     let size44 = size << FINER;
@@ -393,7 +396,7 @@ pub fn centre_of_radius<const AXES: usize>(
     let (sum, difference) = (size44 + half, (size44 - half).max(0));
     let (hi, lo) = mul_wide(sum.unsigned_abs(), difference.unsigned_abs());
     let height = sqrt_wide(hi, lo);
-    // The centre lies left of the chord for the short counter-clockwise arc.
+    // For the short counter-clockwise arc, the centre is to the left of the chord.
     let left = clockwise == (radius < Position::ZERO);
     let offset = |x: i64| {
         let (hi, lo) = mul_wide(x.unsigned_abs(), height);
@@ -414,7 +417,8 @@ impl<const AXES: usize> Element<AXES> {
         let shift = u32::from(self.shape.shift & 63);
         let r = arc.circle(Halves::of(distance << shift), 0).map(|x| x as f64 * LSB_42);
         let r0 = { arc.a }.map(|x| x as f64 * LSB_44_F64);
-        // Angle per millimetre: 2^-59 revolutions per 2^64 units of `w`, of which there are 2^(44 + shift).
+        // Angle per millimetre: 2^-59 revolutions per 2^64 units of `w`; a millimetre has 2^(44 + shift)
+        // units.
         let per_mm = (1u64 << shift) as f64 * PER_MM;
         let rate = { arc.turn } as f64 * per_mm;
         let (length, first) = (hypot_f64(r), hypot_f64(r0));
@@ -443,7 +447,7 @@ const ONE_40: f64 = (1u64 << 40) as f64;
 /// 2π·2^(44 − 59 − 64).
 const PER_MM: f64 = core::f64::consts::TAU / (1u64 << 40) as f64 / (1u64 << 39) as f64;
 
-/// Length of a vector: from `f32`, with two of Newton's steps.
+/// Length of a vector: a value from `f32`, and two Newton steps.
 fn hypot_f64([x, y]: [f64; 2]) -> f64 {
     let square = x * x + y * y;
     let mut root = f64::from(sqrt_f32(square as f32));

@@ -1,4 +1,5 @@
-//! How strongly a part of a curve bends: the search for a stop needs this of its path.
+//! Bounds of the derivatives of a part of a curve. The search for a stop uses these bounds for the path of
+//! the stop.
 use super::poly::power_of_two;
 use super::{Arc, Bounds, Curve, Passage, Shape};
 use crate::math::float::{magnitude, max, min, to_f32};
@@ -13,7 +14,7 @@ const LSB_62: f32 = 1.0 / (1u64 << 62) as f32;
 const ROUNDED: f32 = 1.0 + 1.0 / 1_048_576.0;
 
 impl<const AXES: usize> Bounds<AXES> {
-    /// A straight element.
+    /// Bounds of a straight element.
     pub const NONE: Self = Self {
         first: [0.0; AXES],
         second: [0.0; AXES],
@@ -22,7 +23,7 @@ impl<const AXES: usize> Bounds<AXES> {
         passage: Passage::Varying,
     };
 
-    /// Adds the derivatives of one axis.
+    /// Raises the bounds of one axis to these derivatives.
     fn widen(&mut self, axis: usize, derivatives: [f32; 3]) {
         let Self { first, second, third, .. } = self;
         for (most, value) in [first, second, third].into_iter().zip(derivatives) {
@@ -34,8 +35,9 @@ impl<const AXES: usize> Bounds<AXES> {
 }
 
 impl<const AXES: usize> Shape<AXES> {
-    /// Adds the largest derivatives of every axis between two distances from the curve's start (2^-44 mm) to
-    /// `bounds`: exact for a line, by the hull for a polynomial ([`hull`]), by its axes for an arc.
+    /// Raises `bounds` to the largest derivatives of every axis between two distances from the curve's start
+    /// (LSB 2^-44 mm). The result is exact for a line. For a polynomial it comes from the hull ([`hull`]),
+    /// for an arc from the axes of its plane.
     #[inline(never)]
     pub fn bend(&self, [from, to]: [i64; 2], bounds: &mut Bounds<AXES>) {
         let per_mm = power_of_two(i32::from(self.shift) - 18);
@@ -72,13 +74,13 @@ impl<const AXES: usize> Shape<AXES> {
         }
     }
 
-    /// Both axes of an arc are sines of the angle. Over a part of the arc each is at most its larger end
+    /// Both axes of an arc are sines of the angle. In a part of the arc, each axis is at most its larger end
     /// value, divided by the cosine of half the angle between the ends.
     fn bend_arc(&self, arc: &Arc, part: [i64; 2], per_mm: f32, bounds: &mut Bounds<AXES>) {
         let Arc { a, turn, plane, .. } = *arc;
         let [p, q] = a.map(|a| to_f32(a) * DISTANCE_LSB);
         let radius = sqrt_f32(p * p + q * q);
-        // 2^-61 revolutions per 2^62 of `w`.
+        // In units of 2^-61 revolutions per 2^62 of `w`.
         let turns = magnitude(to_f32(turn)) * (1.0 / (1u64 << 61) as f32);
         let rate = TAU * turns * per_mm;
         // LSB 2^-62.
@@ -102,7 +104,7 @@ impl<const AXES: usize> Shape<AXES> {
     }
 }
 
-/// Rounding of [`within`] in the first three derivatives over path length.
+/// Largest rounding error of [`within`] in the first three derivatives over path length.
 fn hidden(a: &[f32; 5], per_mm: f32) -> [f32; 3] {
     let [a1, a2, a3, a4, a5] = a.map(magnitude);
     let unit = per_mm * (1.0 / 1_048_576.0);
@@ -112,7 +114,7 @@ fn hidden(a: &[f32; 5], per_mm: f32) -> [f32; 3] {
     [first * unit, second * unit * per_mm, third * unit * per_mm * per_mm]
 }
 
-/// Upper bounds of the first three derivatives over 0..1: those of their Bernstein coefficients Σ
+/// Upper bounds of the first three derivatives over 0..1. They are those of the Bernstein coefficients Σ
 /// C(i,j)/C(n,j)·p_j of the powers p0…pn.
 fn hull([a1, a2, a3, a4, a5]: [f32; 5]) -> [f32; 3] {
     const THIRD: f32 = 1.0 / 3.0;
@@ -133,7 +135,8 @@ fn hull([a1, a2, a3, a4, a5]: [f32; 5]) -> [f32; 3] {
     [most(&first), most(&second), most(&third)]
 }
 
-/// The polynomial of the first to the fifth power between `start` and `start` + `part`, as one over 0..1.
+/// The part of a polynomial of the first to fifth power between `start` and `start` + `part`, as a polynomial
+/// over 0..1.
 fn within(a: &[f32; 5], start: f32, part: f32) -> [f32; 5] {
     let [mut a1, mut a2, mut a3, mut a4, a5] = *a;
     // Repeated Horner's scheme: the remainders of the divisions by (τ − start).

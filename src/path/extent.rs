@@ -1,4 +1,4 @@
-//! Range of a curve along an axis, for its travel limits.
+//! Range of an axis on a curve, for the software limits.
 use super::arc::plane_hypot;
 use super::{Curve, Element, FINER};
 use crate::math::angle::atan2_turns;
@@ -10,19 +10,19 @@ use heapless::Vec;
 /// A quarter of a revolution, LSB 2^-64.
 const QUARTER: u64 = 1 << 62;
 
-/// Depth of the halvings of a polynomial, and their total number.
+/// Depth of halvings of a polynomial, and largest number of halvings.
 const DEPTH: u32 = 8;
 const SPLITS: u32 = 12;
 
-/// A nanometre: more than the rounding of a curve's end and of its direction there.
+/// A nanometre: more than the rounding of a curve's end and of the direction there.
 const NEAR: f64 = 1.0 / (1u64 << 20) as f64;
 
 const LSB_32: f64 = 1.0 / (1u64 << 32) as f64;
 const ONE_32: f64 = (1u64 << 32) as f64;
 
 impl<const AXES: usize> Element<AXES> {
-    /// The least and the greatest coordinate of an axis on an arc from `from` to `to` about `centre`. If the
-    /// radius changes from start to end, the larger one counts.
+    /// The least and the greatest coordinate of an axis, on an arc from `from` to `to` about `centre`. If
+    /// start and end radius differ, the larger one counts.
     pub fn arc_range(
         &self,
         axis: usize,
@@ -44,10 +44,10 @@ impl<const AXES: usize> Element<AXES> {
                 };
                 plane_hypot([of(p, centre[0]), of(q, centre[1])])
             };
-            // To the LSB of a position; smaller parts do not count.
+            // Rounded to the LSB of a position; smaller parts do not count.
             let radius = Position::from_bits(radius(from).max(radius(to)) >> FINER);
             let centre = centre[which];
-            // From 2^-59 revolutions; at most one revolution.
+            // Converts from 2^-59 revolutions; at most one revolution.
             let sweep = Halves::of(self.shape.end_w()).times(Halves::of(arc.turn));
             let size = (sweep.unsigned_abs() << 5).wrapping_sub(u64::from(sweep.unsigned_abs() >= 1 << 59));
             let begin = atan2_turns(a[1], a[0]);
@@ -67,9 +67,9 @@ impl<const AXES: usize> Element<AXES> {
         range.map(Some)
     }
 
-    /// Range of an axis on a polynomial that begins at `from`: a coordinate beyond `limits`, if the axis goes there,
-    /// otherwise its start. An extreme between the ends counts as beyond if the hull of the part around it, at most a
-    /// 64th of the curve, is beyond.
+    /// Checks the range of an axis on a polynomial that begins at `from`. Returns a coordinate beyond
+    /// `limits` if the axis reaches one, otherwise the start. An extreme between the ends counts as beyond
+    /// `limits` if the hull of the part around it is beyond. This part is at most a 64th of the curve.
     pub fn bent_range(
         &self,
         axis: usize,
@@ -78,7 +78,7 @@ impl<const AXES: usize> Element<AXES> {
     ) -> [Option<Position>; 2] {
         let start = from.get(axis).copied();
         let (Some(x), Some(bounds)) = (start, &self.bounds) else { return [start; 2] };
-        // The axis stays inside the range of its steepest direction, which suffices for most curves.
+        // The steepest direction of the axis gives a range that suffices for most curves.
         let slope = bounds.first.get(axis).copied().unwrap_or(0.0);
         let way = to_f32(self.shape.length.to_bits()) * (1.0 / 4096.0) * slope;
         let way = Position::from_bits(way as i64);
@@ -92,7 +92,7 @@ impl<const AXES: usize> Element<AXES> {
         [low, above(&offsets, room[1]).map_or(start, at)]
     }
 
-    /// Bernstein coefficients of an axis of a polynomial, from its start, mm.
+    /// Bernstein coefficients of a polynomial of one axis, counted from its start, mm.
     fn bernstein(&self, axis: usize) -> Option<[f64; 6]> {
         let Curve::Poly { power, down } = &self.shape.curve else { return None };
         let (power, down, gain) = (power.get(axis)?, *down.get(axis)?, *self.shape.gain.get(axis)?);
@@ -116,8 +116,8 @@ impl<const AXES: usize> Element<AXES> {
     }
 }
 
-/// A coordinate of a polynomial above `most`, if there is one: the polynomial lies in the hull of its
-/// Bernstein coefficients. If the hull exceeds `most`, the halves are examined, down to a 256th.
+/// A coordinate of a polynomial above `most`, if there is one. The polynomial is in the hull of its Bernstein
+/// coefficients. If the hull exceeds `most`, both halves are examined, down to a 256th of the curve.
 fn above(whole: &[f64; 6], most: f64) -> Option<f64> {
     let most = most + NEAR;
     let mut open: Vec<([f64; 6], u32), { DEPTH as usize + 2 }> = Vec::new();

@@ -26,7 +26,7 @@ pub fn line<const AXES: usize>(
     Ok(straight_line(start, target, measure)?.map(|line| line.element()))
 }
 
-/// As [`line`], in place of another element. Returns whether an axis moves.
+/// As [`line`], written into an existing element. Returns whether an axis moves.
 ///
 /// # Errors
 /// [`PathError::TooLong`].
@@ -41,7 +41,7 @@ pub(crate) fn line_to<const AXES: usize>(
     Ok(true)
 }
 
-/// As [`straight`], as a function call.
+/// As [`straight`], as a function call and not inlined.
 ///
 /// # Errors
 /// [`PathError::TooLong`].
@@ -72,7 +72,7 @@ pub(crate) fn straight<const AXES: usize>(
         too_long |= over;
     }
     match reach(&travel) {
-        // A power of two.
+        // The limit is a power of two, so `reach` decides exactly.
         reach if reach >= (LONGEST >> FINER) as u64 || too_long => return Err(PathError::TooLong),
         0 => return Ok(None),
         _ => {}
@@ -88,7 +88,7 @@ impl<const AXES: usize> Straight<AXES> {
     pub(crate) const BLANK: Self =
         Self { length: Distance::ZERO, gain: [0; AXES], tangent: [0; AXES], shift: 0 };
 
-    /// Its direction, LSB 2^-40.
+    /// Direction of the line, LSB 2^-40.
     pub(crate) fn tangent(&self) -> &[i64; AXES] {
         &self.tangent
     }
@@ -98,7 +98,7 @@ impl<const AXES: usize> Straight<AXES> {
         self.length
     }
 
-    /// Shape and both ends; data of curves are not even copied.
+    /// Shape and both ends; data that only curves have are not copied.
     #[cfg_attr(feature = "fast", inline(always))]
     pub(crate) fn parts(&self) -> (Shape<AXES>, End<AXES>) {
         let Self { length, gain, tangent, shift } = *self;
@@ -106,14 +106,14 @@ impl<const AXES: usize> Straight<AXES> {
         (shape, End { tangent, curvature: [0.0; AXES] })
     }
 
-    /// Becomes this line, if `line` already is a line; in place.
+    /// Writes this line into `line`, which must already be a line.
     pub(crate) fn assign_to(&self, line: &mut Element<AXES>) {
         let Self { length, gain, tangent, shift } = *self;
         (line.shape.length, line.shape.gain, line.shape.shift) = (length, gain, shift);
         (line.entry.tangent, line.exit.tangent) = (tangent, tangent);
     }
 
-    /// Becomes this line, whatever the element is; in place.
+    /// Writes this line into any kind of element.
     pub(crate) fn become_in(&self, element: &mut Element<AXES>) {
         self.assign_to(element);
         (element.shape.curve, element.circle, element.bounds) = (Curve::Line, None, None);
@@ -128,9 +128,9 @@ impl<const AXES: usize> Straight<AXES> {
 }
 
 impl<const AXES: usize> Element<AXES> {
-    /// Shortens a line to the part behind `from`, `cut` (LSB 2^-44 mm) from its start: the path gets shorter,
-    /// the direction stays. `from` is rounded to an LSB of a position on each axis. A new line from there would
-    /// have an error of that size in its path and in every direction.
+    /// Shortens a line to its part after `from`, which is `cut` (LSB 2^-44 mm) from the start. The path gets
+    /// shorter, and the direction stays. `from` is rounded to an LSB of a position on each axis. A new line
+    /// from there would have an error of that size in its path and in every direction.
     pub(crate) fn shorten(&mut self, cut: i64, from: &[Position; AXES], to: &[Position; AXES]) {
         let rest = self.shape.length.to_bits() - cut;
         if rest <= 0 || from == to {
@@ -153,19 +153,19 @@ impl<const AXES: usize> Shape<AXES> {
         self.length.to_bits() << (self.shift & 63)
     }
 
-    /// The linear part with these travels (LSB of a position, below 2^50): 2^64 times the travel per `w` at
-    /// the end, with one reciprocal for all axes. The error at the end is below twenty LSB of the product;
-    /// the guard bits hide it.
+    /// Sets the linear part from these travels (LSB of a position, below 2^50): 2^64 times the travel per `w`
+    /// at the end. One reciprocal serves all axes. The error at the end is below twenty LSB of the product,
+    /// which is less than the guard bits.
     #[cfg_attr(feature = "fast", inline(always))]
     pub(super) fn set_gains(&mut self, travel: &[i64; AXES]) {
         self.set_gains_by(travel, self.reciprocal());
     }
 
-    /// Makes the linear part from the travel of every axis and the [`Self::reciprocal`] of the length.
+    /// Sets the linear part from the travel of every axis and the [`Self::reciprocal`] of the length.
     #[cfg_attr(feature = "fast", inline(always))]
     pub(super) fn set_gains_by(&mut self, travel: &[i64; AXES], reciprocal: i64) {
         for (gain, travel) in self.gain.iter_mut().zip(travel) {
-            // Without a branch, which would keep the halves of the reciprocal apart.
+            // Without a branch; a branch would keep both halves of the reciprocal in separate registers.
             *gain = mul_near(travel << (GUARD + 3), reciprocal) << 1;
         }
     }
@@ -175,7 +175,7 @@ impl<const AXES: usize> Shape<AXES> {
         reciprocal_near((self.end_w() as u64) << 2) as i64
     }
 
-    /// dx/ds of the linear part, LSB 2^-40: the gain per `w`, scaled by powers of two.
+    /// dx/ds of the linear part, LSB 2^-40: the gain per `w`, scaled by a power of two.
     pub(super) fn linear_tangent(&self) -> [i64; AXES] {
         // gain·2^-42/2^64 per w, w = 2^shift per 2^-44 mm
         self.gain.map(|gain| match 22u32.checked_sub(u32::from(self.shift)) {

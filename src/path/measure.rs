@@ -1,22 +1,22 @@
 //! The measure of a path: the feed axes (P-CHAN-00011).
 //!
-//! The sources name the parameter without its effect. Glidepath uses this meaning, which agrees with ISG's
-//! public lists:
+//! The sources name the parameter, but do not describe its effect. Glidepath uses the following meaning,
+//! which agrees with ISG's public lists:
 //!
 //! - The path length of a block is the common travel of its feed axes. F, `s`, path speed and the limits of
 //!   `#VECTOR LIMIT` refer to this length. Every other axis moves along, even a main axis. With one feed axis
 //!   the path speed is the speed of that axis.
 //! - If no axis is a feed axis, the main axes are the feed axes, as in the rest of ISG's texts.
-//! - A block that moves no feed axis counts along its main axes. A block that moves no main axis either
-//!   counts along all other axes together.
+//! - If a block moves no feed axis, its path length counts along the main axes. If it moves no main axis
+//!   either, the length counts along all other axes together.
 //! - If an axis moves more than 64 times as far as the feed axes, a 64th of its travel counts as path. Path
-//!   distances and speeds have a limited resolution, which such an axis would show many times enlarged. (If
-//!   the main axes are the feed axes, a 1024th counts.)
-//! - An arc needs both axes of its plane as feed axes. Along one of them the arc goes back and forth, and no
-//!   feed can describe its speed. ISG even demands all main axes.
-//! - **Tolerances and deviations are distances in space** between points of the main axes, whatever the feed
-//!   refers to: PATH_DEV, RELEVANT_PATH, points left out of straight lines. **Corner distances are path**:
-//!   PRE_DIST, POST_DIST, PATH_DIST ("on the feed axes' path"), SYM_DIST, shares of blocks.
+//!   distances and speeds have a limited resolution, and such an axis would magnify their rounding. (If the
+//!   main axes are the feed axes, a 1024th counts.)
+//! - An arc needs both axes of its plane as feed axes. Along a single axis, the arc goes back and forth, and
+//!   no feed can describe its speed. ISG even demands all main axes.
+//! - **Tolerances and deviations are distances in space** between points of the main axes, for any feed axes:
+//!   PATH_DEV, RELEVANT_PATH, points left out of straight lines. **Corner distances are path**: PRE_DIST,
+//!   POST_DIST, PATH_DIST ("on the feed axes' path"), SYM_DIST, shares of blocks.
 use super::{FINER, path_length, travelled};
 #[cfg(feature = "grbl")]
 use crate::machine::Dialect;
@@ -24,7 +24,7 @@ use crate::machine::{AxisData, MODE_MASTER, MachineData};
 use crate::math::root::sqrt_f32;
 use crate::quantity::Distance;
 
-/// Places of up to three axes in a vector over all axes: the main axes, in the order of their names.
+/// Indices of up to three axes in a vector over all axes: the main axes, in the order of their names.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Main([u8; 3]);
 
@@ -32,7 +32,7 @@ impl Main {
     /// No axis in this place.
     const NONE: u8 = u8::MAX;
 
-    /// The axes that exist.
+    /// The main axes at these places; `None` for a missing axis.
     pub fn new(places: [Option<usize>; 3]) -> Self {
         Self(places.map(|place| place.and_then(|k| u8::try_from(k).ok()).unwrap_or(Self::NONE)))
     }
@@ -80,10 +80,10 @@ pub struct Measure {
     tolerant: bool,
 }
 
-/// Axes beyond this number have no bit.
+/// Axes from this number on have no bit.
 pub const FEED_AXES: usize = 32;
 
-/// Largest travel of another axis, relative to the feed axes, as a power of two.
+/// Largest ratio of the travel of another axis to that of the feed axes, as a power of two.
 const STEEPEST: u32 = 6;
 
 fn bits(axes: impl Iterator<Item = usize>) -> u32 {
@@ -179,8 +179,9 @@ impl Measure {
         travelled(self.main.of::<AXES>().filter_map(|k| travel.get(k)).copied())
     }
 
-    /// Path length of these travels (LSB of a position): along the feed axes; if none of them moves, along the main
-    /// axes; otherwise along all axes. Exact to an LSB, limited to the range of a distance.
+    /// Path length of these travels (LSB of a position). It counts along the feed axes, if one of them moves;
+    /// otherwise along the main axes, if one of them moves; otherwise along all axes. Exact to an LSB, and
+    /// limited to the range of a distance.
     pub fn path<const AXES: usize>(&self, travel: &[i64; AXES]) -> Distance {
         path_length(self.travelled(travel), travel).unwrap_or(Distance::from_bits(i64::MAX))
     }
@@ -191,7 +192,7 @@ impl Measure {
         self.resolved(travelled(feed.map(|(_, x)| *x)), travel)
     }
 
-    /// Raises the path length so that it resolves the travel of every axis, if feed axes move at all.
+    /// Raises the path length so that it resolves the travel of every axis, if any feed axis moves.
     pub(super) fn resolved<const AXES: usize>(&self, along: i64, travel: &[i64; AXES]) -> i64 {
         if self.is_space() || along == 0 {
             return along;

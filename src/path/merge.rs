@@ -1,18 +1,18 @@
-//! Merges blocks that continue in a straight line: a line cut into pieces is then as fast as the whole line,
-//! and the look-ahead sees as far.
+//! Merges blocks that continue in a straight line. A line cut into pieces is then as fast as the whole line,
+//! and the look-ahead covers as much path.
 //!
 //! One line from the start `P0` of the first block to the end `Pn` of the last block may replace all of them,
-//! if every point left out is within a tolerance. The points themselves are not needed for this check. Every
-//! `Pi` was an end before it was left out: `Pi = P0 + Ti·si`, with path length `si` and tangent `Ti` of the
-//! line to it. At the path distance `si`, the line with the tangent `T` is `|T − Ti|·si` away from it, axis
-//! by axis. So each point permits the tangents within `tolerance/si` of `Ti`. For all points together this is
-//! an interval per axis, and only this interval is stored.
+//! if every point left out is within a tolerance. This check does not need the points themselves. Every `Pi`
+//! was an end before it was left out: `Pi = P0 + Ti·si`, with path length `si` and tangent `Ti` of the line
+//! up to `Pi`. At the path distance `si`, the line with the tangent `T` is `|T − Ti|·si` away from `Pi`, axis
+//! by axis. So each point permits the tangents within `tolerance/si` of `Ti`. For all points together, this
+//! is an interval per axis. Only this interval is stored.
 //!
-//! A tracking axis that moves `t` times as far as the path has `1 + t` times the tolerance, because its place
-//! beside a point of the path is only known as accurately as that point. Main axes have the tolerance alone,
-//! whatever the path is measured by.
+//! A tracking axis that moves `t` times as far as the path has `1 + t` times the tolerance, because the place
+//! of a point along the path is only known to the tolerance. Main axes have the tolerance alone, for any feed
+//! axes.
 //!
-//! The order of points is kept: the path length grows with every block, and a block turns by less than a
+//! The order of the points is kept. The path length grows with every block. A block turns by less than a
 //! quarter of a unit on every feed axis, so no block goes back.
 use super::Measure;
 use super::line::{Straight, straight};
@@ -20,19 +20,19 @@ use crate::math::float::{to_bits, to_f32};
 use crate::quantity::{DISTANCE_LSB, Distance, Position};
 
 /// Permitted distance of a point from the line, LSB of a position: 1.14 nm on every axis, less than 2 nm on
-/// three. Points of a straight line rounded to six decimals (0.5 nm each) are up to 1.37 nm beside each
-/// other's lines, usually less than half of that.
+/// three axes. Points of a straight line that are rounded to six decimals (0.5 nm each) are up to 1.37 nm
+/// away from each other's lines, usually less than half of that.
 const TOLERANCE: i64 = 4900;
 
-/// [`TOLERANCE`] in mm, with the rounding of what is made of it.
+/// [`TOLERANCE`] in mm, reduced by the rounding of derived values.
 pub(crate) const TOLERANCE_MM: f32 = TOLERANCE as f32 / 4_294_967_296.0 * (1.0 - 1.0 / 1_048_576.0);
 
-/// Longest line, LSB 2^-44 mm: 1 m. Tangents are accurate to 2^-39, over this length to a five-hundredth of
-/// the tolerance.
+/// Longest line, LSB 2^-44 mm: 1 m. Tangents are accurate to 2^-39; over this length, the error is a
+/// five-hundredth of the tolerance.
 const LONGEST: i64 = 1 << 54;
 
-/// Half the largest change of the tangent on a feed axis; and the additional change beyond the interval of
-/// the points.
+/// Half of the largest change of the tangent on a feed axis. Second value: additional change beyond the
+/// interval of the points.
 const TURN: f32 = 0.125;
 const LOOSE: f32 = 2.0;
 
@@ -41,7 +41,7 @@ const LOOSE: f32 = 2.0;
 pub(crate) struct Stretch<const AXES: usize> {
     start: [Position; AXES],
     line: Straight<AXES>,
-    /// Whether the line stands for one block only.
+    /// Whether the line consists of a single block.
     alone: bool,
     /// Permitted tangents for several blocks, LSB 2^-40.
     low: [i64; AXES],
@@ -58,7 +58,7 @@ impl<const AXES: usize> Stretch<AXES> {
         high: [0; AXES],
     };
 
-    /// Becomes a single block.
+    /// Begins a line that is a single block.
     #[cfg_attr(feature = "fast", inline(always))]
     pub(crate) fn begin(&mut self, start: &[Position; AXES], line: &Straight<AXES>) {
         (self.start, self.line, self.alone) = (*start, *line, true);
@@ -69,12 +69,12 @@ impl<const AXES: usize> Stretch<AXES> {
         &self.line
     }
 
-    /// Whether the block `next` may be part of the line. If not, [`Self::with`] is not worth its work.
+    /// Whether the block `next` may be part of the line. If not, a call of [`Self::with`] is useless.
     #[cfg_attr(feature = "fast", inline(always))]
     pub(crate) fn goes_on(&self, next: &Straight<AXES>) -> bool {
-        // `next` leads from the end of this line to that of the common line, whose tangent is within
-        // tolerance/s of this tangent. Over its own length l the tangent may have the error of the tolerance,
-        // and the same over s.
+        // `next` leads from the end of this line to the end of the common line, whose tangent is within
+        // tolerance/s of this tangent. The tangent of `next`, of length l, may differ from the common one by
+        // tolerance/l. The bound is the sum of both.
         let (s, l) = (millimetres(self.line.length), millimetres(next.length));
         let most = LOOSE * TOLERANCE_MM * (s + l);
         // Both sides times s·l.
@@ -89,8 +89,9 @@ impl<const AXES: usize> Stretch<AXES> {
         true
     }
 
-    /// The line to `target`, the end of `next`, if it may replace all blocks: then call
-    /// [`Self::become_line`], otherwise begin again. Only if the block [`Self::goes_on`].
+    /// The line to `target`, the end of `next`, if this line may replace all blocks. In this case, call
+    /// [`Self::become_line`] afterwards; otherwise begin a new line. Call this function only if
+    /// [`Self::goes_on`] returns `true` for the block.
     #[cfg_attr(feature = "fast", inline(always))]
     pub(crate) fn with(&mut self, target: &[Position; AXES], measure: &Measure) -> Option<Straight<AXES>> {
         let line = straight(&self.start, target, measure).ok()??;
@@ -113,7 +114,7 @@ impl<const AXES: usize> Stretch<AXES> {
         Some(line)
     }
 
-    /// Becomes the line over all blocks.
+    /// Takes the line over all blocks.
     #[cfg_attr(feature = "fast", inline(always))]
     pub(crate) fn become_line(&mut self, line: &Straight<AXES>) {
         self.line = *line;
@@ -125,7 +126,7 @@ fn millimetres(length: Distance) -> f32 {
     to_f32(length.to_bits()) * DISTANCE_LSB
 }
 
-/// 1 + |t| of a tangent.
+/// 1 + |t| for a tangent t.
 #[cfg_attr(feature = "fast", inline(always))]
 fn wide(tangent: i64) -> f32 {
     1.0 + to_f32(tangent.wrapping_abs()) * (1.0 / (1u64 << 40) as f32)

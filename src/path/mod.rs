@@ -1,6 +1,8 @@
-//! Geometry over distance: every block becomes an [`Element`], a curve over its own path length. This module knows no time.
+//! Geometry over distance: every block becomes an [`Element`], a curve over its own path length. This module
+//! does not depend on time.
 //!
-//! The curve of an element is a [`Shape`]. With `w` in `0..W` for a path distance of `0..length`, axis k stands at
+//! The curve of an element is a [`Shape`]. With `w` in `0..W` for a path distance of `0..length`, the
+//! position of axis k is
 //!
 //! ```text
 //! x_k = base_k + gain_k·w                                   every axis of a line, of an arc those outside its plane
@@ -8,10 +10,10 @@
 //! x_q = base_q + a_q(w)·cos φ + a_p(w)·sin φ + miss_q·w     with φ = turn·w,  a(w) = a + grow·w
 //! ```
 //!
-//! A tick only multiplies and adds. `w` is the distance shifted to 62 bits, so every factor uses its full width
-//! whatever the length of the block. `miss` is the difference between the rounded end of the circle and the programmed
-//! end; this term makes the curve end at the programmed point to the last bit. `miss` and `grow` are so small that the
-//! upper half of `w` suffices.
+//! A tick only multiplies and adds. `w` is the distance shifted to 62 bits, so every factor uses its full
+//! width for any length of the block. `miss` is the difference between the rounded end of the circle and the
+//! programmed end. With this term, the curve ends exactly at the programmed point. `miss` and `grow` are so
+//! small that the upper half of `w` suffices.
 //!
 //! The third kind of curve is a polynomial of the fifth degree for every axis ([`mod@poly`]).
 mod arc;
@@ -53,7 +55,8 @@ impl<const AXES: usize> End<AXES> {
     /// No end.
     pub(crate) const BLANK: Self = Self { tangent: [0; AXES], curvature: [0.0; AXES] };
 
-    /// Difference of the direction of one axis to another end; 0 if there is no such axis.
+    /// Difference between the direction of one axis and its direction at another end; 0 if there is no such
+    /// axis.
     pub(crate) fn turn(&self, to: &Self, axis: usize) -> f32 {
         let at = |end: &Self| end.tangent.get(axis).copied().unwrap_or(0);
         to_f32(at(to).wrapping_sub(at(self))) * (1.0 / (1u64 << 40) as f32)
@@ -73,18 +76,18 @@ pub struct Circle {
     pub turn: f32,
 }
 
-/// A block as a curve: the output of `path`.
+/// A block as a curve: the output of this module.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Element<const AXES: usize> {
     /// The curve.
     pub shape: Shape<AXES>,
-    /// First point.
+    /// Direction and curvature at the first point.
     pub entry: End<AXES>,
-    /// Last point.
+    /// Direction and curvature at the last point.
     pub exit: End<AXES>,
-    /// Set for arcs.
+    /// Data of an arc; `None` for other curves.
     pub circle: Option<Circle>,
-    /// Set for polynomials.
+    /// Data of a polynomial; `None` for other curves.
     pub bounds: Option<Bounds<AXES>>,
 }
 
@@ -98,14 +101,14 @@ pub(crate) struct Piece<'a, const AXES: usize> {
     pub continued: bool,
     pub entry: &'a End<AXES>,
     pub exit: &'a End<AXES>,
-    /// Whether the path is time, not length.
+    /// Whether the path is time and not length.
     pub timed: bool,
-    /// Whether the piece is a part of a curve over arc length. The permitted change of speed differs from
-    /// part to part.
+    /// Whether the piece is a part of a curve over arc length. The change of speed that is permitted differs
+    /// from part to part.
     pub bent: bool,
     /// Whether the piece is a part of a curve that acceleration passes.
     pub through: bool,
-    /// Whether the piece trades speed for acceleration.
+    /// Whether the limits of the piece trade speed for acceleration.
     pub trades: bool,
     /// Whether the piece is a part of a curve of many elements.
     pub flows: bool,
@@ -116,7 +119,7 @@ impl<const AXES: usize> Element<AXES> {
     pub(crate) const BLANK: Self =
         Self { shape: Shape::BLANK, entry: End::BLANK, exit: End::BLANK, circle: None, bounds: None };
 
-    /// What the look-ahead takes of it.
+    /// The data for the look-ahead.
     #[cfg_attr(feature = "fast", inline(always))]
     pub(crate) fn piece(&self) -> Piece<'_, AXES> {
         let Self { shape, entry, exit, bounds, .. } = self;
@@ -130,15 +133,15 @@ impl<const AXES: usize> Element<AXES> {
     }
 }
 
-/// Why a block has no curve.
+/// The reason why a block has no curve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum PathError {
-    /// Longer than 2^18 mm.
+    /// The path is longer than 2^18 mm.
     TooLong,
     /// The machine has no such main axis.
     NoPlane(Plane),
-    /// An axis of the plane is no feed axis.
+    /// An axis of the plane is not a feed axis.
     NoFeedPlane(Plane),
     /// R is shorter than half the distance from start to end: radius and half distance, LSB 2^-32 mm.
     RadiusTooShort {
@@ -149,7 +152,7 @@ pub enum PathError {
     },
     /// R needs an end point that differs from the start.
     RadiusWithoutEnd,
-    /// Start or end lies on the centre.
+    /// The start or the end is at the centre.
     NoRadius,
     /// Distances of start and end from the centre differ too much: LSB 2^-32 mm.
     RadiusDiffers {
@@ -161,7 +164,7 @@ pub enum PathError {
 }
 
 impl PathError {
-    /// Whether the words that give the centre of an arc are to be looked at: R, or I, J and K.
+    /// Whether the error is about the words for the centre of an arc: R, or I, J and K.
     pub const fn concerns_centre(&self) -> bool {
         !matches!(self, Self::TooLong | Self::NoPlane(_) | Self::NoFeedPlane(_))
     }
@@ -204,10 +207,10 @@ impl core::error::Error for PathError {}
 /// Longest path length of one block: 2^18 mm.
 pub const LONGEST: i64 = 1 << 62;
 
-/// Bits below the LSB of a position that sums inside a tick carry.
+/// Fraction bits below the LSB of a position, for sums in a tick.
 const GUARD: u32 = 10;
 
-/// Half an LSB of a position in such a sum.
+/// Half an LSB of a position, in a sum with guard bits.
 const HALF: i32 = 1 << (GUARD - 1);
 
 /// A curve over its path length, ready for the tick. See the module for the formula.
@@ -215,18 +218,18 @@ const HALF: i32 = 1 << (GUARD - 1);
 pub struct Shape<const AXES: usize> {
     /// Path length, above 0.
     pub length: Distance,
-    /// Linear part: 2^-42 mm per 2^64 units of `w`.
+    /// Linear part: LSB 2^-42 mm per 2^64 units of `w`.
     gain: [i64; AXES],
     curve: Curve<AXES>,
-    /// `w = distance << shift`; `length << shift` is in 2^61..2^62, which leaves a bit to a distance beyond
-    /// an end.
+    /// `w = distance << shift`. `length << shift` is in 2^61..2^62, so that a distance beyond an end still
+    /// has a bit.
     shift: u8,
 }
 
-/// What comes to the linear part.
+/// The part of the curve beyond the linear part.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Curve<const AXES: usize> {
-    /// Nothing.
+    /// No further part.
     Line,
     /// A circle.
     Arc(Arc),
@@ -239,33 +242,33 @@ enum Curve<const AXES: usize> {
     },
 }
 
-/// The part of an arc in its plane. Packed so that a polynomial of three axes is hardly larger.
+/// The part of an arc in its plane. Packed, so that it makes a polynomial of three axes hardly larger.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C, packed(4))]
 pub(crate) struct Arc {
-    /// Radius vector at the start, 2^-44 mm.
+    /// Radius vector at the start, LSB 2^-44 mm.
     a: [i64; 2],
     /// Angle: 2^-59 revolutions per 2^64 units of `w`.
     turn: i64,
     /// Growth of `a`: 2^-44 mm per 2^51 units of `w`.
     grow: [i32; 2],
-    /// What the circle misses at its end, a few nanometres at most: 2^-42 mm per 2^64 units of `w`.
+    /// Missing distance at the end of the circle, a few nanometres at most: 2^-42 mm per 2^64 units of `w`.
     miss: [i32; 2],
     /// Axes of the plane.
     plane: [u8; 2],
 }
 
 impl<const AXES: usize> Shape<AXES> {
-    /// No shape: all bits zero.
+    /// An empty shape; all bits zero.
     pub(crate) const BLANK: Self =
         Self { length: Distance::ZERO, gain: [0; AXES], curve: Curve::Line, shift: 0 };
 
-    /// A shape of that length that does not move yet.
+    /// A shape of this length whose axes do not move yet.
     fn resting(length: Distance) -> Self {
         Self { length, gain: [0; AXES], curve: Curve::Line, shift: Self::shift_of(length) }
     }
 
-    /// Becomes [`Self::resting`], in place.
+    /// As [`Self::resting`], in place.
     fn rest(&mut self, length: Distance) {
         (self.length, self.gain, self.curve) = (length, [0; AXES], Curve::Line);
         self.shift = Self::shift_of(length);
@@ -275,7 +278,7 @@ impl<const AXES: usize> Shape<AXES> {
         (length.to_bits().leading_zeros() as u8).saturating_sub(2)
     }
 
-    /// The curve of these parts, as [`Self::linear`] and [`Self::bent`] have them.
+    /// The curve from its parts, as [`Self::linear`] and [`Self::bent`] return them.
     pub(crate) fn of_parts(
         length: Distance,
         Linear { gain, shift }: Linear<'_, AXES>,
@@ -289,13 +292,13 @@ impl<const AXES: usize> Shape<AXES> {
         Self { length, gain: *gain, curve, shift }
     }
 
-    /// Its linear part.
+    /// The linear part of the curve.
     #[inline(always)]
     pub(crate) const fn linear(&self) -> Linear<'_, AXES> {
         Linear { gain: &self.gain, shift: self.shift }
     }
 
-    /// What comes to that.
+    /// The part of the curve beyond the linear part.
     #[inline(always)]
     pub(crate) const fn bent(&self) -> Bent<'_, AXES> {
         match &self.curve {
@@ -305,7 +308,7 @@ impl<const AXES: usize> Shape<AXES> {
         }
     }
 
-    /// Whether it is a line.
+    /// Whether the shape is a line.
     pub(crate) fn is_line(&self) -> bool {
         matches!(self.curve, Curve::Line)
     }
@@ -315,8 +318,8 @@ impl<const AXES: usize> Shape<AXES> {
         matches!(self.curve, Curve::Arc(_))
     }
 
-    /// Of an arc: its radius at the start, LSB 2^-44 mm, and its angle, 2^-59 revolutions from the first axis of its
-    /// plane to the second one.
+    /// For an arc: its radius at the start, LSB 2^-44 mm, and its angle from the first axis of its plane to
+    /// the second one, 2^-59 revolutions.
     #[cfg(feature = "plc")]
     pub(crate) fn turn(&self) -> Option<(u64, i64)> {
         let Curve::Arc(arc) = self.curve else { return None };
@@ -326,7 +329,8 @@ impl<const AXES: usize> Shape<AXES> {
         Some((sqrt_wide(upper, lower), mul_near(self.end_w(), arc.turn)))
     }
 
-    /// The base that [`Self::at`] adds to, for a block from `start`; for an arc, the centre of its circle.
+    /// The base for [`Self::at`], for a block that begins at `start`. For an arc, the base contains the
+    /// centre of the circle.
     pub fn base(&self, start: &[Position; AXES]) -> [Position; AXES] {
         let mut base = *start;
         if let Curve::Arc(arc) = self.curve {
@@ -345,8 +349,8 @@ impl<const AXES: usize> Shape<AXES> {
         self.linear().w(distance)
     }
 
-    /// Position of every axis at `distance` from the start of the block. Error against the exact curve: half an LSB
-    /// of a position, for an arc 2^-44 of its radius more; 0 at both ends.
+    /// Position of every axis at `distance` from the start of the block. Error against the exact curve: half
+    /// an LSB of a position; for an arc, 2^-44 of its radius in addition; 0 at both ends.
     #[inline(always)]
     pub fn at(&self, distance: i64, base: &[Position; AXES], out: &mut [Position; AXES]) {
         let w = self.w(distance);
@@ -359,18 +363,19 @@ impl<const AXES: usize> Shape<AXES> {
         self.linear().add(w, base, out);
     }
 
-    /// What [`Self::at`] gives, as a call: not for the tick.
+    /// The result of [`Self::at`], as a function call. Do not call this function in the tick.
     #[inline(never)]
     pub fn put(&self, distance: i64, base: &[Position; AXES], out: &mut [Position; AXES]) {
         self.at(distance, base, out);
     }
 
-    /// The point at `distance` of a block that starts at `start`, as [`Self::at`] has it: not for the tick.
+    /// The point at `distance` in a block that begins at `start`, as [`Self::at`] computes it. Do not call
+    /// this function in the tick.
     pub fn point(&self, distance: i64, start: &[Position; AXES]) -> [Position; AXES] {
         self.placed(distance, &self.base(start))
     }
 
-    /// The same of a block with that base.
+    /// As [`Self::point`], for a block with this base.
     #[inline(never)]
     pub(crate) fn placed(&self, distance: i64, base: &[Position; AXES]) -> [Position; AXES] {
         let mut point = *base;
@@ -378,8 +383,8 @@ impl<const AXES: usize> Shape<AXES> {
         point
     }
 
-    /// The set points at its end. A line has no branch for every axis, which would keep the halves of `w`
-    /// apart.
+    /// The set points at the end of the shape. For a line, there is no branch for each axis; a branch would
+    /// keep the halves of `w` in separate registers.
     #[cfg_attr(feature = "fast", inline(always))]
     pub(crate) fn end(&self, base: &[Position; AXES], out: &mut [Position; AXES]) {
         if !self.is_line() {
@@ -392,17 +397,17 @@ impl<const AXES: usize> Shape<AXES> {
     }
 }
 
-/// The linear part of a curve, where it lies.
+/// The linear part of a curve, by reference.
 #[derive(Clone, Copy)]
 pub(crate) struct Linear<'a, const AXES: usize> {
     pub gain: &'a [i64; AXES],
     pub shift: u8,
 }
 
-/// What comes to the linear part, where it lies.
+/// The part beyond the linear part, by reference.
 #[derive(Clone, Copy)]
 pub(crate) enum Bent<'a, const AXES: usize> {
-    /// Nothing.
+    /// No further part.
     Line,
     /// A circle.
     Arc(&'a Arc),
@@ -411,8 +416,8 @@ pub(crate) enum Bent<'a, const AXES: usize> {
 }
 
 impl<const AXES: usize> Linear<'_, AXES> {
-    /// `distance << shift`, word by word: with a branch that is nearly always the same, shorter than a shift
-    /// of two words.
+    /// `distance << shift`, word by word. With a branch that nearly always goes the same way, this is shorter
+    /// than a shift of two words.
     #[inline(always)]
     pub fn w(&self, distance: i64) -> i64 {
         let (upper, lower) = ((distance >> 32) as u32, distance as u32);
@@ -425,13 +430,13 @@ impl<const AXES: usize> Linear<'_, AXES> {
         (u64::from(upper) << 32 | u64::from(lower)) as i64
     }
 
-    /// Adds it to `base`, at `w`, for the axes that it moves. Runs in the tick.
+    /// Adds the linear part at `w` to `base`, for the axes that it moves. Runs in the tick.
     #[inline(always)]
     pub fn add(&self, w: i64, base: &[Position; AXES], out: &mut [Position; AXES]) {
         for ((x, base), gain) in out.iter_mut().zip(base).zip(self.gain) {
             if *gain != 0 {
-                // Opaque in each branch: the sign of its upper word would come in a word of its own, and each
-                // product would be three.
+                // Hidden from the optimiser in each branch. Otherwise the sign of the upper word would get
+                // its own word, and each product would be three.
                 let w = black_box(Halves::of(w));
                 *x = add(*base, w.times(Halves::of(*gain)));
             }
@@ -439,7 +444,8 @@ impl<const AXES: usize> Linear<'_, AXES> {
     }
 }
 
-/// Adds a polynomial at `w` that is a cubic, to the last bit as [`add_poly`]. Runs in the tick.
+/// Adds a polynomial that is a cubic, at `w`. The result has the same bits as that of [`add_poly`]. Runs in
+/// the tick.
 #[inline(always)]
 pub(crate) fn add_cubic<const AXES: usize>(
     w: i64,
@@ -447,10 +453,10 @@ pub(crate) fn add_cubic<const AXES: usize>(
     (power, down): (&[[i32; 4]; AXES], &[u8; AXES]),
     out: &mut [Position; AXES],
 ) {
-    // Not unrolled, which would take much flash for little.
+    // The loop is not unrolled, because that would take much flash for little gain.
     let axes = black_box(AXES);
     for ((x, gain), ([c2, c3, ..], down)) in out.iter_mut().zip(gain).zip(power.iter().zip(down)).take(axes) {
-        // As there.
+        // Hidden from the optimiser, as in [`Linear::add`].
         let w = black_box(w);
         *x = add(*x, mul_near(w, *gain).wrapping_add(poly::bent_cubic(w, [*c2, *c3], *down)));
     }
@@ -465,18 +471,19 @@ pub(crate) fn add_poly<const AXES: usize>(
     out: &mut [Position; AXES],
 ) {
     for ((x, gain), (power, down)) in out.iter_mut().zip(gain).zip(power.iter().zip(down)) {
-        // In each axis anew: the loop would keep the sign of its upper word apart, and each product would
-        // be three.
+        // Hidden from the optimiser for each axis. Otherwise the loop would keep the sign of the upper word
+        // separately, and each product would be three.
         let w = black_box(w);
         *x = add(*x, mul_near(w, *gain).wrapping_add(poly::bent(w, power, *down)));
     }
 }
 
 impl Arc {
-    /// Adds it to the axes of its plane, at `w`. Runs in the tick.
+    /// Adds the circle at `w` to the axes of its plane. Runs in the tick.
     #[inline(always)]
     pub fn add<const AXES: usize>(&self, w: i64, out: &mut [Position; AXES]) {
-        // The plane's axes exist; `min` says so without a branch, which would keep the products apart.
+        // The axes of the plane exist. `min` tells the compiler so without a branch; a branch would keep the
+        // products in separate registers.
         let ([p, q], last) = (self.plane, AXES.saturating_sub(1));
         let (p, q) = ((p as usize).min(last), (q as usize).min(last));
         let [x, y] = self.circle(Halves::of(w), HALF);
@@ -484,14 +491,14 @@ impl Arc {
         out[q] = Position::from_bits(out[q].to_bits().wrapping_add(y >> GUARD));
     }
 
-    /// Both coordinates of the radius vector at `w`, and `more`: 2^-42 mm.
+    /// Both coordinates of the radius vector at `w`, LSB 2^-42 mm. `more`: guard bits to add.
     #[inline(always)]
     fn circle(&self, w: Halves, more: i32) -> [i64; 2] {
         let Self { a, turn, grow, miss, .. } = *self;
         let (sin, cos) = sin_cos((w.times(Halves::of(turn)) << 5) as u64);
         let upper = w.upper();
-        // One by one: an index, or a closure of its own, would be a place that can panic where the compiler
-        // looks for few bytes.
+        // Written out one by one. With an index or a closure, the code could contain a panic in builds that
+        // are optimised for size.
         let ([p, q], [grow_p, grow_q], [x, y]) = (a, grow, miss);
         let p = p.wrapping_add((upper * i64::from(grow_p)) >> 19);
         let q = q.wrapping_add((upper * i64::from(grow_q)) >> 19);
@@ -509,8 +516,8 @@ fn add(base: Position, offset: i64) -> Position {
     Position::from_bits(base.to_bits().wrapping_add(rounded))
 }
 
-/// Square root of the sum of squares of what axes travel (LSB of a position, below 2^50), as a distance,
-/// rounded down.
+/// The length of these travels (LSB of a position, below 2^50) as a distance: the square root of the sum of
+/// squares, rounded down.
 #[cfg_attr(feature = "fast", inline(always))]
 fn travelled(travel: impl IntoIterator<Item = i64>) -> i64 {
     let (mut high, mut low) = (0u64, 0u64);
@@ -524,19 +531,18 @@ fn travelled(travel: impl IntoIterator<Item = i64>) -> i64 {
     i64::try_from(sqrt_wide(high, low)).unwrap_or(i64::MAX)
 }
 
-/// From the LSB of a position to that of a distance.
+/// Additional fraction bits of a distance, compared with a position.
 const FINER: u32 = 12;
 
-/// All bits of what the axes travel: at least the largest, below twice of it.
+/// All bits of the travels: at least the largest travel, and below twice the largest.
 #[cfg_attr(feature = "fast", inline(always))]
 fn reach<const AXES: usize>(travel: &[i64; AXES]) -> u64 {
     travel.iter().fold(0, |bits, x| bits | x.unsigned_abs())
 }
 
-/// Path length of a block, from what [`Measure::travelled`] makes of it (mm, LSB 2^-44) and what every axis
-/// travels. Where that is nothing, the length is that of all axes together. Where an axis moves more than
-/// 1024 degrees or millimetres per millimetre of path, a 1024th of its travel counts, so that a distance
-/// still resolves it.
+/// Path length of a block. `along`: the result of [`Measure::travelled`], LSB 2^-44 mm. If it is zero, the
+/// length counts along all axes together. If an axis moves more than 1024 degrees or millimetres per
+/// millimetre of path, a 1024th of its travel counts, so that a distance still resolves this axis.
 #[cfg_attr(feature = "fast", inline(always))]
 fn path_length<const AXES: usize>(along: i64, travel: &[i64; AXES]) -> Result<Distance, PathError> {
     let length = if along == 0 {
@@ -544,7 +550,7 @@ fn path_length<const AXES: usize>(along: i64, travel: &[i64; AXES]) -> Result<Di
     } else if reach(travel) << (FINER - 10) <= along.unsigned_abs() {
         along
     } else {
-        // A 1024th of what an axis travels that counts is below their length.
+        // The axes that count give a length above a 1024th of their own travel.
         travel.iter().map(|x| x.wrapping_abs() << (FINER - 10)).fold(along, i64::max)
     };
     if length < LONGEST { Ok(Distance::from_bits(length)) } else { Err(PathError::TooLong) }

@@ -1,13 +1,13 @@
-//! A polynomial of the fifth degree for every axis, over a path distance. This distance is the arc length as
-//! accurately as the ends were chosen: position, direction and curvature are given at both ends.
+//! A polynomial of the fifth degree for every axis, over a path distance. The polynomial has given position,
+//! direction and curvature at both ends. The ends decide how accurately the path distance is arc length.
 //!
 //! ```text
 //! x_k = base_k + gain_k·w + 2^(12 − down_k)·τ²·(c_k2 + τ·(c_k3 + τ·(c_k4 + τ·c_k5)))      τ = w / 2^62
 //! ```
 //!
-//! The last part has LSB 2^-42 mm and coefficients of 32 bits. Their rounding error goes into the linear
-//! part, so the end is exact to the last bit; the error of direction and curvature at the ends is about 2^-29
-//! of the curve's own values. A cubic needs no curvature: it follows from the other data.
+//! The last part has LSB 2^-42 mm and coefficients of 32 bits. The linear part absorbs their rounding error,
+//! so the end is exact to the last bit. Direction and curvature at the ends have an error of about 2^-29 of
+//! the curve's own values. A cubic needs no curvature at its ends, because the other data determine it.
 use super::{Curve, Element, End, FINER, GUARD, LONGEST, Shape};
 use crate::math::float::{magnitude, max, min, to_bits, to_f32};
 use crate::math::root::sqrt_f32;
@@ -19,7 +19,7 @@ use crate::quantity::{Distance, Position};
 pub struct Knot<const AXES: usize> {
     /// Position of the point.
     pub position: [Position; AXES],
-    /// Direction and curvature there.
+    /// Direction and curvature at the point.
     pub end: End<AXES>,
 }
 
@@ -28,8 +28,9 @@ impl<const AXES: usize> Knot<AXES> {
     pub(crate) const BLANK: Self = Self { position: [Position::ZERO; AXES], end: End::BLANK };
 }
 
-/// Largest magnitudes along a polynomial, for limits. For the direction: the largest Bernstein coefficient,
-/// which is an upper bound. For the others: values at the ends, and where the next derivative vanishes.
+/// Largest magnitudes along a polynomial, for limits. For the direction, it is the largest Bernstein
+/// coefficient, which is an upper bound. For the other derivatives, it is the largest value at the ends and
+/// where the next derivative is zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounds<const AXES: usize> {
     /// |dx/ds|.
@@ -38,18 +39,19 @@ pub struct Bounds<const AXES: usize> {
     pub second: [f32; AXES],
     /// |d³x/ds³|, 1/mm².
     pub third: [f32; AXES],
-    /// Speed along the curve per path speed: 1, or more if the parameter is shorter than the arc length.
+    /// Ratio of the speed along the curve to the path speed: 1, or more if the parameter is shorter than the
+    /// arc length.
     pub fastest: f32,
-    /// Behaviour of the speed.
+    /// How the speed behaves inside the polynomial.
     pub passage: Passage,
 }
 
-/// Behaviour of the speed inside a polynomial.
+/// How the speed behaves inside a polynomial.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Passage {
     /// The speed changes as in any other element.
     Varying,
-    /// The speed is to be constant; it changes beside the element.
+    /// The speed has to be constant; it changes before and after the element.
     Steady,
     /// The speed changes over many elements that are one curve, as if they were one element.
     Flowing,
@@ -62,14 +64,14 @@ pub enum Passage {
 }
 
 impl<const AXES: usize> Bounds<AXES> {
-    /// Bounds of axes that are not made yet.
+    /// Bounds without axes; `fastest` as in [`Bounds`].
     pub(super) const fn none(fastest: f32) -> Self {
         let none = [0.0; AXES];
         Self { first: none, second: none, third: none, fastest, passage: Passage::Varying }
     }
 
-    /// Bounds of the curve between two knots, and its path length, as [`Draft`] makes it. `None` if the formats
-    /// cannot hold it.
+    /// Bounds and path length of the curve between two knots, as [`Draft`] makes it. Returns `None` if the
+    /// formats cannot hold the curve.
     pub fn between(
         from: &Knot<AXES>,
         to: &Knot<AXES>,
@@ -96,7 +98,7 @@ impl<const AXES: usize> Bounds<AXES> {
         Some((shape.length, bounds))
     }
 
-    /// Sets the bounds of an axis over 0..1; `per`: 1 mm of path.
+    /// Sets the bounds of an axis from derivatives over 0..1. `per`: 1 mm divided by the path length.
     #[cfg_attr(feature = "fast", inline(always))]
     pub(super) fn set(&mut self, k: usize, [first, second, third]: &[f32; 3], per: f32) -> Option<()> {
         *self.first.get_mut(k)? = first * per;
@@ -115,7 +117,7 @@ impl<const AXES: usize> Bounds<AXES> {
         matches!(self.passage, Passage::Flowing)
     }
 
-    /// Whether acceleration passes both ends, and its limits are known.
+    /// Whether acceleration passes both ends, with known limits.
     pub const fn passes(&self) -> bool {
         self.flows() || self.is_through()
     }
@@ -125,7 +127,7 @@ impl<const AXES: usize> Bounds<AXES> {
         matches!(self.passage, Passage::Through)
     }
 
-    /// Whether the element trades speed for acceleration.
+    /// Whether the limits of the element trade speed for acceleration.
     pub const fn trades(&self) -> bool {
         matches!(self.passage, Passage::Timed(_) | Passage::Steady)
     }
@@ -134,7 +136,7 @@ impl<const AXES: usize> Bounds<AXES> {
 const LSB_40: f32 = 1.0 / (1u64 << 40) as f32;
 const LSB_32: f32 = 1.0 / (1u64 << 32) as f32;
 
-/// Bits of a coefficient's exponent that are fixed by the format: 42 of the sum, 32 and 2 of the products.
+/// Fixed part of a coefficient's exponent: 42 bits of the sum, 32 and 2 bits of the products.
 const POINT: i32 = 12;
 /// Sums of coefficients stay below 2^30.
 const SUM: i32 = 30;
@@ -150,7 +152,7 @@ pub(super) fn bent(w: i64, power: &[i32; 4], down: u8) -> i64 {
     mul_near(w, mul_near(w, p) << 2) >> (down & 63)
 }
 
-/// The same for a cubic, with equal bits. Runs in the tick.
+/// As [`bent`], for a cubic, with the same bits. Runs in the tick.
 #[inline(always)]
 pub(super) fn bent_cubic(w: i64, [c2, c3]: [i32; 2], down: u8) -> i64 {
     let up = |c: i32| i64::from(c) << 32;
@@ -158,7 +160,7 @@ pub(super) fn bent_cubic(w: i64, [c2, c3]: [i32; 2], down: u8) -> i64 {
     mul_near(w, mul_near(w, p) << 2) >> (down & 63)
 }
 
-/// 2^n for n in -126..128; other n use the nearest of these.
+/// 2^n for n in -126..128; for other n the nearest of these values.
 pub(super) fn power_of_two(n: i32) -> f32 {
     f32::from_bits(((127 + n.clamp(-126, 127)) as u32) << 23)
 }
@@ -168,7 +170,7 @@ fn exponent(x: f32) -> i32 {
     (x.to_bits() >> 23) as i32 - 126
 }
 
-/// x·2^n as an integer, for magnitudes of `x`·2^(n − 32) below 2^31.
+/// x·2^n as an integer, if the magnitude of `x`·2^(n − 32) is below 2^31.
 #[cfg_attr(feature = "fast", inline(always))]
 fn fixed(x: f32, n: i32) -> i64 {
     let upper = magnitude(x) * power_of_two(n - 32);
@@ -179,7 +181,7 @@ fn fixed(x: f32, n: i32) -> i64 {
 
 const TWO_32: f32 = 4_294_967_296.0;
 
-/// x·2^-n, rounded to nearest, for n in 1..64. All words are shifted by the same amount.
+/// x·2^-n, rounded to nearest, for n in 1..64. All numbers are shifted by the same amount.
 #[cfg_attr(feature = "fast", inline(always))]
 fn rounded<const N: usize>(x: [i64; N], n: u32) -> [i32; N] {
     let (n, high) = ((n - 1) & 31, n > 32);
@@ -192,7 +194,7 @@ fn rounded<const N: usize>(x: [i64; N], n: u32) -> [i32; N] {
     })
 }
 
-/// x·2^n, for n in 0..64; all words alike.
+/// x·2^n, for n in 0..64. All numbers are shifted by the same amount.
 #[cfg_attr(feature = "fast", inline(always))]
 fn raised<const N: usize>(mut x: [i64; N], n: u32) -> [i64; N] {
     let (n, high) = (n & 31, n > 31);
@@ -205,7 +207,7 @@ fn raised<const N: usize>(mut x: [i64; N], n: u32) -> [i64; N] {
     x
 }
 
-/// x·2^-n, rounded down, for n in 0..64; all words alike.
+/// x·2^-n, rounded down, for n in 0..64. All numbers are shifted by the same amount.
 #[cfg_attr(feature = "fast", inline(always))]
 fn lowered<const N: usize>(mut x: [i64; N], n: u32) -> [i64; N] {
     let (n, high) = (n & 31, n > 31);
@@ -221,32 +223,32 @@ fn lowered<const N: usize>(mut x: [i64; N], n: u32) -> [i64; N] {
     x
 }
 
-/// A polynomial that is made a few axes at a time.
+/// A polynomial in progress: each call makes a few of its axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Draft<const AXES: usize> {
     /// Both ends.
     ends: [[Position; AXES]; 2],
     /// Path length, mm.
     length: f32,
-    /// Number of axes made.
+    /// Number of finished axes.
     made: usize,
-    /// Whether it is a cubic, whose second and third derivative are set otherwise.
+    /// Whether the polynomial is a cubic; the caller then sets the bounds of its second and third derivative.
     is_cubic: bool,
 }
 
 /// Axes per call.
 const AXES_PER_CALL: usize = 4;
 
-/// Largest magnitude of an axis's values, as the power of two above it, mm; and the position of the binary
-/// point in 64-bit numbers, of which sums of [`quintic`] use six bits.
+/// Largest magnitude of an axis' values, mm, as the exponent of the power of two above it. Second value:
+/// position of the binary point in 64-bit numbers; sums in [`quintic`] use six of these bits.
 const MOST: i32 = 24;
 const ROOM: i32 = 57;
-/// Smallest magnitude.
+/// Smallest magnitude that is not zero, mm.
 const LEAST: f32 = LSB_40 * LSB_32;
 
 impl<const AXES: usize> Draft<AXES> {
-    /// The curve between two knots that counts as `length` (mm) of path; no axis is made yet. `fastest` as in
-    /// [`Bounds`]. `None` if the formats cannot hold it.
+    /// The curve between two knots with `length` (mm) as path length; no axis is made yet. `fastest` as in
+    /// [`Bounds`]. Returns `None` if the formats cannot hold the curve.
     pub fn new(
         from: &Knot<AXES>,
         to: &Knot<AXES>,
@@ -260,7 +262,7 @@ impl<const AXES: usize> Draft<AXES> {
         Some((element, Self { ends: [from.position, to.position], length, made: 0, is_cubic: false }))
     }
 
-    /// As [`Self::new`], in the place of another element.
+    /// As [`Self::new`], written into an existing element.
     pub fn begin(
         element: &mut Element<AXES>,
         [from, to]: [&Knot<AXES>; 2],
@@ -277,8 +279,8 @@ impl<const AXES: usize> Draft<AXES> {
         Some(Self { ends: [from.position, to.position], length, made: 0, is_cubic: false })
     }
 
-    /// Makes the curve a cubic: points and directions give the curvature at its ends. Second and third
-    /// derivative are set otherwise, after the curve is made.
+    /// Makes the curve a cubic: points and directions determine the curvature at its ends. The caller sets
+    /// the bounds of second and third derivative after the curve is made.
     pub fn cubic(self) -> Self {
         Self { is_cubic: true, ..self }
     }
@@ -298,7 +300,7 @@ impl<const AXES: usize> Draft<AXES> {
         self.made >= AXES
     }
 
-    /// Makes the next axes. `None` if the formats cannot hold them.
+    /// Makes the next axes. Returns `None` if the formats cannot hold them.
     pub fn go_on(&mut self, element: &mut Element<AXES>) -> Option<()> {
         let Element { shape, entry, exit, bounds, .. } = element;
         let (end_w, reciprocal) = (shape.end_w(), shape.reciprocal());
@@ -314,7 +316,7 @@ impl<const AXES: usize> Draft<AXES> {
             let (Some(k0), Some(k1)) = (entry.curvature.get(k), exit.curvature.get(k)) else { return None };
             let travel = travel(*x0, *x1)?;
             if rests(travel, [*t0, *t1], [*k0, *k1]) {
-                // The old values belong to another element.
+                // The old values belong to the previous element.
                 (*power.get_mut(k)?, *downs.get_mut(k)?, *shape.gain.get_mut(k)?) = ([0; 4], 0, 0);
                 bounds.set(k, &[0.0; 3], 0.0)?;
                 continue;
@@ -332,7 +334,7 @@ impl<const AXES: usize> Draft<AXES> {
             };
             *power.get_mut(k)? = coefficients;
             *downs.get_mut(k)? = down;
-            // The error is at most a few LSB: the guard bits hide it.
+            // The error is at most a few LSB, which is less than the guard bits.
             let rest = (travel << GUARD).wrapping_sub(bent);
             *shape.gain.get_mut(k)? = mul_shift(rest, reciprocal, 60);
         }
@@ -340,25 +342,25 @@ impl<const AXES: usize> Draft<AXES> {
     }
 }
 
-/// A path length in mm in the format of an element. `None` if the format cannot hold it.
+/// A path length (mm) in the format of an element. Returns `None` if the format cannot hold it.
 #[cfg_attr(feature = "fast", inline(always))]
 pub fn distance(length: f32) -> Option<Distance> {
     let bits = to_bits::<44>(length);
     (bits > 0 && bits < LONGEST).then(|| Distance::from_bits(bits))
 }
 
-/// Travel of an axis. `None` if the formats cannot hold it.
+/// Travel of an axis. Returns `None` if the formats cannot hold it.
 #[cfg_attr(feature = "fast", inline(always))]
 fn travel(from: Position, to: Position) -> Option<i64> {
     const MOST: i64 = LONGEST >> FINER;
     let upper = |x: Position| (x.to_bits() >> 32) as i32;
     upper(to).checked_sub(upper(from))?;
     let travel = to.to_bits().wrapping_sub(from.to_bits());
-    // From -MOST to less than MOST.
+    // True for −MOST up to, not including, MOST.
     (travel.wrapping_add(MOST) as u64 >> (MOST.trailing_zeros() + 1) == 0).then_some(travel)
 }
 
-/// Whether an axis is at rest: all values are zero.
+/// Whether an axis does not move: all values are zero.
 #[cfg_attr(feature = "fast", inline(always))]
 fn rests(travel: i64, [t0, t1]: [i64; 2], [k0, k1]: [f32; 2]) -> bool {
     travel | t0 | t1 == 0 && k0 == 0.0 && k1 == 0.0
@@ -373,7 +375,8 @@ impl<const AXES: usize> Shape<AXES> {
         Some(())
     }
 
-    /// Becomes a polynomial of this length (mm) whose axes are not made yet: until then they are undefined.
+    /// Makes the element a polynomial of this length (mm) whose axes are not made yet. Until then they are
+    /// undefined.
     #[cfg_attr(feature = "fast", inline(always))]
     fn uncurve(&mut self, length: f32) -> Option<()> {
         self.measure(length)?;
@@ -386,19 +389,20 @@ impl<const AXES: usize> Shape<AXES> {
 
 /// Values that all axes of an element share.
 pub(super) struct Scale {
-    /// Length in mm: the value, its square, and as mantissa·2^`up`, with a mantissa of 24 bits and 38 zeros.
+    /// Length in mm: the value, its square, and the form mantissa·2^`up`, with a mantissa of 24 bits and 38
+    /// zeros.
     length: f32,
     square: f32,
     mantissa: i64,
     up: i32,
-    /// 2^62·τ at the end.
+    /// τ at the end, times 2^62.
     end_w: i64,
-    /// Second to fifth power of 1/τ at the end, in 1..2: with 60, 58, 56 and 54 fraction bits.
+    /// Second to fifth power of 1/τ at the end, each in 1..2. They have 60, 58, 56 and 54 fraction bits.
     powers: [i64; 4],
 }
 
 impl Scale {
-    /// `end_w` and `reciprocal` are those of the shape.
+    /// `end_w` and `reciprocal` belong to the shape.
     pub(super) fn new(length: f32, end_w: i64, reciprocal: i64) -> Self {
         let bits = length.to_bits();
         let mantissa = i64::from(bits & 0x7f_ffff | 0x80_0000) << 38;
@@ -409,27 +413,27 @@ impl Scale {
         Self { length, square: length * length, mantissa, up, end_w, powers }
     }
 
-    /// Slopes of an axis at both ends, mm.
+    /// Slopes of an axis at both ends over 0..1, mm.
     #[cfg_attr(feature = "fast", inline(always))]
     fn slopes(&self, tangents: [i64; 2]) -> [f32; 2] {
         let [t0, t1] = tangents;
         [to_f32(t0) * LSB_40 * self.length, to_f32(t1) * LSB_40 * self.length]
     }
 
-    /// Position of the binary point for an axis whose values are at most `most`, mm, in 64 bits.
+    /// Position of the binary point in 64 bits, for an axis whose values are at most `most`, mm.
     #[cfg_attr(feature = "fast", inline(always))]
     fn point(&self, travel: i64, most: f32) -> Option<i32> {
         let above = exponent(max(max(magnitude(to_f32(travel) * LSB_32), most), LEAST));
         if above > MOST { None } else { Some(ROOM - above) }
     }
 
-    /// Travel and slopes with this binary point.
+    /// Travel and slopes in numbers with this binary point.
     #[cfg_attr(feature = "fast", inline(always))]
     fn placed(&self, travel: i64, tangents: [i64; 2], point: i32) -> (i64, [i64; 2]) {
-        // Tangents in full width: a product is then 2^(40 − 64) of the value that their LSB gives.
+        // Tangents are used in full width, so a product has the weight 2^(40 − 64) of its LSB.
         let [t0, t1] = tangents;
         let up = ((t0.unsigned_abs() | t1.unsigned_abs() | 1).leading_zeros() as i32 - 1).max(0);
-        // Values below 2^57 with this binary point.
+        // The values are below 2^57 with this binary point.
         let down = (up - 24 - self.up - point).clamp(0, 63);
         let mut slopes = raised(tangents, up as u32);
         for slope in &mut slopes {
@@ -439,9 +443,10 @@ impl Scale {
         (travel, lowered(slopes, down as u32))
     }
 
-    /// A quintic, and its bounds over 0..1. `None` if the formats cannot hold it.
+    /// A quintic, and its bounds over 0..1. Returns `None` if the formats cannot hold it.
     ///
-    /// In integers: without f64 hardware this takes some hundred instructions, a tenth of the same in f64.
+    /// The calculation uses integers. Without f64 hardware, it takes some hundred instructions, a tenth of
+    /// the same calculation in f64.
     #[inline(never)]
     fn quintic(&self, travel: i64, tangents: [i64; 2], curvatures: [f32; 2]) -> Option<Quintic> {
         let slopes = self.slopes(tangents);
@@ -468,14 +473,14 @@ impl Scale {
         Some(Cubic { coefficients, down, bent, first: fastest_of_cubic(slopes[0], powers) })
     }
 
-    /// Turns coefficients over 0..1 into those over τ.
+    /// Converts coefficients over 0..1 to coefficients over τ.
     #[cfg_attr(feature = "fast", inline(always))]
     pub(super) fn scaled<const N: usize>(&self, a: [i64; N], point: i32) -> Option<Scaled<N>> {
         let zeros = a.iter().fold(0, |bits, a| bits | a.unsigned_abs()).leading_zeros() as i32;
         if zeros == 64 {
             return Some(Scaled { coefficients: [0; N], down: 0, powers: [0.0; N] });
         }
-        // In full width, and over τ.
+        // In full width, over τ.
         let (a, point) = (raised(a, (zeros - 1) as u32), point + zeros - 1);
         let unit = power_of_two(32 - point);
         let powers = a.map(|a| (a >> 32) as i32 as f32 * unit);
@@ -484,7 +489,7 @@ impl Scale {
             *b = mul_near(*b, *power) >> more;
         }
         let sum = b.iter().fold(0, |sum, b| sum + b.unsigned_abs());
-        // Bits of the sum, and bits behind the binary point.
+        // Bits of the sum, and bits after the binary point.
         let (bits, behind) = (64 - sum.leading_zeros() as i32, point - 10);
         let scale = (SUM + behind - bits).min(POINT + 60);
         if scale < POINT {
@@ -505,7 +510,7 @@ struct Quintic {
     bounds: [f32; 3],
 }
 
-/// The same for a cubic, whose second and third derivative are set otherwise.
+/// As [`Quintic`], for a cubic; the caller sets its second and third derivative.
 struct Cubic {
     coefficients: [i32; 2],
     down: u8,
@@ -522,8 +527,8 @@ pub(super) struct Scaled<const N: usize> {
     pub(super) powers: [f32; N],
 }
 
-/// Coefficients of the second to the fifth power over 0..1, from travel, slopes and second derivatives at
-/// both ends. With d = travel − v0, e = v1 − v0 and halves of w0 and w1 there are few products.
+/// Coefficients of the second to fifth power over 0..1, from travel, slopes and second derivatives at both
+/// ends. With d = travel − v0, e = v1 − v0, and half of w0 and w1, few products are needed.
 fn quintic(travel: i64, [v0, v1]: [i64; 2], [w0, w1]: [i64; 2]) -> [i64; 4] {
     let (d, e, p, q) = (travel - v0, v1 - v0, w0 >> 1, w1 >> 1);
     let (e3, p3) = (3 * e, 3 * p);
@@ -537,7 +542,7 @@ fn most(x: &[f32]) -> f32 {
     sizes.fold(first, max)
 }
 
-/// Largest magnitude of the first derivative over 0..1, plus possible rounding.
+/// Upper bound of the first derivative over 0..1, including rounding.
 pub(super) fn fastest(a1: f32, [a2, a3, a4, a5]: [f32; 4]) -> f32 {
     // Powers p0…pn become Bernstein coefficients Σ C(i,j)/C(n,j)·p_j.
     let p = [a1, 2.0 * a2, 3.0 * a3, 4.0 * a4, 5.0 * a5];
@@ -552,7 +557,7 @@ pub(super) fn fastest(a1: f32, [a2, a3, a4, a5]: [f32; 4]) -> f32 {
     most(&first) * SEEN
 }
 
-/// The same for a cubic: a quintic without its last two powers.
+/// As [`fastest`], for a cubic: the last two powers are zero.
 fn fastest_of_cubic(a1: f32, [a2, a3]: [f32; 2]) -> f32 {
     let (q1, q2) = (0.5 * a2, 0.5 * a3);
     most(&[a1, a1 + q1, a1 + 2.0 * q1 + q2, a1 + 3.0 * (q1 + q2), a1 + 4.0 * q1 + 6.0 * q2]) * SEEN
@@ -561,19 +566,19 @@ fn fastest_of_cubic(a1: f32, [a2, a3]: [f32; 2]) -> f32 {
 /// Margin for rounding.
 pub(super) const SEEN: f32 = 1.0 + 1.0 / 1_048_576.0;
 
-/// The same for the second and the third derivative.
+/// As [`fastest`], for the second and the third derivative.
 pub(super) fn bends([a2, a3, a4, a5]: [f32; 4]) -> [f32; 2] {
     let [b0, b1, b2, b3] = [2.0 * a2, 6.0 * a3, 12.0 * a4, 20.0 * a5];
     let second = |u: f32| b0 + u * (b1 + u * (b2 + u * b3));
     let third = |u: f32| b1 + u * (2.0 * b2 + u * (3.0 * b3));
-    // Each has its extremes where the next one vanishes: the roots of t² + …. One root is found without a
-    // difference.
+    // Each derivative has its extremes where the next one is zero: at the roots of t² + …. One of the roots
+    // needs no subtraction.
     let root = sqrt_f32(max(b2 * b2 - 3.0 * b1 * b3, 0.0));
     let sum = -(b2 + if b2 < 0.0 { -root } else { root });
     let inside = |p: f32, q: f32| if q == 0.0 { 0.0 } else { min(max(p / q, 0.0), 1.0) };
     let seconds = [b0, second(1.0), second(inside(sum, 3.0 * b3)), second(inside(b1, sum))];
     let thirds = [b1, third(1.0), third(inside(-b2, 3.0 * b3))];
-    // Sums of four numbers, at places that are accurate to 2^-11 where two of them coincide.
+    // Rounding of sums of four numbers. Two roots that coincide are accurate to 2^-11.
     let hidden = |p: [f32; 4]| p.iter().map(|p| magnitude(*p)).sum::<f32>() * (1.0 / 1_048_576.0);
     let (of_second, of_third) = (hidden([b0, b1, b2, b3]), hidden([0.0, b1, 2.0 * b2, 3.0 * b3]));
     [most(&seconds) + of_second, most(&thirds) + of_third]

@@ -1,25 +1,25 @@
-//! Curves as numbers, for a transformation (feature `kinematics`): the coefficients of an element over the fraction
-//! of its path, and the element from such coefficients.
+//! Curves as coefficients, for a transformation (feature `kinematics`). Converts an element to coefficients
+//! over the fraction of its path, and such coefficients to an element.
 use super::poly::{SEEN, Scale, bends, bent, fastest};
 use super::{Bounds, Curve, Distance, Element, End, GUARD, Passage, Shape};
 use crate::math::float::{magnitude, max, to_f32};
 use crate::math::wide::mul_shift;
 use crate::quantity::Position;
 
-/// An arc in the two axes of its plane, about its centre.
+/// An arc about its centre, in the two axes of its plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Turn {
     /// Axes of its plane.
     pub plane: [usize; 2],
     /// Vector from the centre to the start, mm.
     pub radius: [f64; 2],
-    /// Growth of the radius until the end, before the turn, mm.
+    /// Change of the radius from start to end, without the turn, mm.
     pub growth: [f64; 2],
-    /// Angle until the end, from the first axis of the plane to the second, degrees.
+    /// Angle of the arc, from the first axis of the plane to the second, degrees.
     pub degrees: f64,
 }
 
-/// A curve over the fraction 0 to 1 of its path.
+/// A curve over the fraction of its path, 0 to 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Powers<const AXES: usize> {
     /// Coefficients of the zeroth to fifth power, mm or degrees. In an arc's plane they contain its centre.
@@ -35,7 +35,7 @@ const LSB_62: f64 = 1.0 / (1u64 << 62) as f64;
 const ONE_40: f64 = (1u64 << 40) as f64;
 
 impl<const AXES: usize> Shape<AXES> {
-    /// The curve from `start` in numbers, with a rounding below 2^-50 of the largest coordinate.
+    /// The curve from `start` as coefficients. Rounding is below 2^-50 of the largest coordinate.
     pub(crate) fn powers(&self, start: &[Position; AXES]) -> Powers<AXES> {
         let base = self.base(start);
         let end = self.end_w() as f64 * LSB_62;
@@ -49,7 +49,7 @@ impl<const AXES: usize> Shape<AXES> {
             Curve::Line => {}
             Curve::Arc(arc) => {
                 let plane = arc.plane.map(usize::from);
-                // Of the upper halves 2^30 are the unit of τ.
+                // The unit of τ is 2^30 upper halves.
                 for (k, miss) in plane.into_iter().zip(arc.miss) {
                     if let Some(axis) = axes.get_mut(k) {
                         axis[1] += f64::from(miss) * 0.25 * LSB_42 * end;
@@ -79,19 +79,19 @@ impl<const AXES: usize> Shape<AXES> {
 /// A polynomial of one axis that will be a part of an element.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Quintic {
-    /// Coefficients of the first to fifth power over the fraction 0 to 1, LSB 2^-42 mm or degrees. Their sum is the
-    /// travel, a multiple of the LSB of a position.
+    /// Coefficients of the first to fifth power over the fraction 0 to 1, LSB 2^-42 mm or degrees. Their sum
+    /// is the travel, which is a multiple of the LSB of a position.
     pub power: [i64; 5],
-    /// First and second derivative at both ends, mm or degree.
+    /// First and second derivative at both ends, mm or degrees.
     pub ends: [[f64; 2]; 2],
 }
 
 impl Quintic {
-    /// An axis that rests.
+    /// An axis that does not move.
     pub const REST: Self = Self { power: [0; 5], ends: [[0.0; 2]; 2] };
 
-    /// Largest magnitudes of the second and third derivative over the share; `powers` are the rounded ones. Those of a
-    /// cubic follow from its ends: rounded powers of a short piece do not tell.
+    /// Largest magnitudes of the second and third derivative over the fraction. `powers` are rounded. For a
+    /// cubic, the ends give the result, because the rounded powers of a short piece are inaccurate.
     fn bends(&self, powers: [f32; 4]) -> [f32; 2] {
         let ([.., 0, 0], [[_, from], [_, to]]) = (&self.power, &self.ends) else { return bends(powers) };
         let ([from, to], third) = ([*from, *to].map(|x| magnitude(x as f32)), magnitude((to - from) as f32));
@@ -104,8 +104,8 @@ impl Quintic {
 }
 
 impl<const AXES: usize> Element<AXES> {
-    /// Becomes the polynomials of all axes over this path length; `fastest` as in [`Bounds`]. `is_straight`: only
-    /// the first powers count. `None` if the formats cannot hold them.
+    /// Writes polynomials of all axes over this path length into the element; `fastest` as in [`Bounds`].
+    /// `is_straight`: only the first powers are not zero. Returns `None` if the formats cannot hold them.
     pub(crate) fn become_quintics(
         &mut self,
         length: Distance,
@@ -134,7 +134,7 @@ impl<const AXES: usize> Element<AXES> {
         self.bend(axes, (per as f32, fastest_of))
     }
 
-    /// The powers of all axes and their bounds; `per`: 1 mm of path.
+    /// Sets the powers of all axes and their bounds. `per`: 1 mm divided by the path length.
     fn bend(&mut self, axes: &[Quintic; AXES], (per, fastest_of): (f32, f32)) -> Option<()> {
         let shape = &mut self.shape;
         let (end_w, reciprocal) = (shape.end_w(), shape.reciprocal());

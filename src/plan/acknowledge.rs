@@ -1,10 +1,11 @@
-//! Waits at gates, and continues after acknowledgements.
+//! Waits at gates (synchronisation points), and continues after acknowledgements.
 //!
-//! The motion is planned to stop before a gate, and no block behind the gate is released. If the last
-//! acknowledgement comes before the motion begins to brake for the gate, the profile before the gate is made
-//! again, with the end speed that the path behind the gate permits. The new profile must agree with the old
-//! one up to a tick shortly ahead, where the interrupt changes over ([`clock`]). They agree there if they
-//! differ only at the end. Otherwise the old profile stays, and the motion continues from rest.
+//! The motion is planned to stop before a gate, and no block after the gate is released. The last
+//! acknowledgement may come before the motion begins to brake for the gate. Then the profile before the gate
+//! is made again. Its end speed is the speed that the path after the gate permits. The new profile must agree
+//! with the old one up to a tick shortly ahead, where the interrupt changes over ([`clock`]). Both agree
+//! there if they differ only at the end. Otherwise the old profile stays, and the motion continues from a
+//! stop.
 use super::hold::REACTION;
 use super::{PIECES, Phase, Planning, RingStage, Slot, Speed, Work, clock};
 use crate::queue::PHASES;
@@ -31,7 +32,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         gate && self.task.stood && self.queue.clock.now() == self.frontier.end
     }
 
-    /// Reads acknowledgements, and continues the work that they began.
+    /// Reads acknowledgements, and continues the work that they started.
     #[inline(never)]
     pub(super) fn answer(&mut self) -> Option<Work> {
         if self.task.joining {
@@ -53,8 +54,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         if first && self.begin_join() { Some(Work::Working) } else { None }
     }
 
-    /// The first gate is open. Plans the path behind it, if the motion before the gate may still be fast
-    /// there.
+    /// The first gate is open. Plans the path after it, if the motion may still pass the gate without a stop.
     fn begin_join(&mut self) -> bool {
         let Some(last) = self.committed.len().checked_sub(1) else { return false };
         let Some(committed) = self.committed.get(last) else { return false };
@@ -73,13 +73,14 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         true
     }
 
-    /// Continues this plan. When it is complete, changes the profile before the gate.
+    /// Continues the plan of the path after the first gate. When the plan is complete, changes the profile
+    /// before the gate.
     fn join(&mut self) -> Option<Work> {
         if self.lookahead.step_pass().is_none() {
             return Some(Work::Working);
         }
         self.task.joining = false;
-        // Blocks about to be released belonged to another plan.
+        // The blocks to be released belonged to another plan.
         self.task.reopened = true;
         let first = self.lookahead.ring.first_speed();
         let last = self.committed.len().wrapping_sub(1);
@@ -111,7 +112,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     }
 
     /// Makes the first pieces of the profile, if they agree with the current motion; `None` if the motion has
-    /// not begun. Not inlined, so that its stack frame is gone before the stop behind them is made.
+    /// not begun. Not inlined, so that its stack frame is gone before the stop after these pieces is made.
     #[inline(never)]
     fn make_join(&mut self, v_out: Speed) -> Option<bool> {
         let k = self.committed.len().checked_sub(1)?;
@@ -154,7 +155,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         Some(false)
     }
 
-    /// The motion at the instant `at` in the new profile, and the piece from there on.
+    /// The motion at the instant `at` of the new profile, and the piece from this instant on.
     fn piece_at(&mut self, at: u32) -> Option<(super::Instant, Phase)> {
         let mut phase = Phase::BLANK;
         for _ in 0..PHASES {

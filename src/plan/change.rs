@@ -1,14 +1,14 @@
-//! Another profile for spans in the queue, or a start from rest. New pieces are not valid before the stop
-//! behind them is complete.
+//! Another profile for spans in the queue, or a start from a stop. New pieces become valid only when the stop
+//! after them is complete.
 //!
-//! The planner writes new pieces behind a barrier, which the interrupt does not pass. The stop behind the new
-//! pieces goes into the reserve, beside the stop in force. This may take several calls. Only then the planner
-//! publishes the cut, and the reserve changes with it. So each tick has a valid stop, even if the planner is
-//! interrupted. If the interrupt has then passed the instant of the change, nothing changes, and the next try is
-//! for a later instant.
+//! The planner writes new pieces after a barrier (end marker), which the interrupt does not pass. The stop
+//! after the new pieces goes into the reserve, next to the stop in force. This may take several calls. Only
+//! then, the planner publishes the cut (the tick of the change), and the reserve changes with it. So each
+//! tick has a valid stop, even if the planner is interrupted. If the interrupt has already passed the instant
+//! of the change, nothing changes. The planner then tries a later instant.
 //!
-//! If the stop before the new pieces has a tick in the reserve, this tick is their barrier: a planner that gets
-//! no time lets the motion stop there.
+//! If the stop before the new pieces has a tick in the reserve, this tick is their barrier. The motion then
+//! stops there if the planner gets no time.
 use super::committed::CommittedSpan;
 use super::descent::Descent;
 use super::hold::{Mode, REACTION};
@@ -16,10 +16,10 @@ use super::reserve::Way;
 use super::{Distance, Frontier, Instant, KEPT_FREE, Planning, Speed, Work};
 use crate::queue::{Change, NotNow, renew};
 
-/// Steps per call for the stop behind new pieces whose fate is decided at once.
+/// Steps per call for the stop after new pieces, if they become valid, or are withdrawn, in the same call.
 const WAYS: u32 = 8;
 
-/// Largest distance of a change in time, ticks.
+/// Largest distance of a change from the current instant, ticks.
 const FURTHEST: u32 = 128;
 
 /// New pieces that are not valid yet, and the state before them.
@@ -27,13 +27,13 @@ pub(super) struct Pending {
     change: Change,
     at: u32,
     before: Before,
-    /// Whether the look-ahead begins slower once the pieces are valid.
+    /// Whether the look-ahead begins slower as soon as the pieces are valid.
     lowers: bool,
 }
 
 /// The state before a change.
 struct Before {
-    /// The span that gets another profile; none at a start.
+    /// The span that gets another profile; `None` at a start.
     span: Option<(usize, CommittedSpan)>,
     frontier: Frontier,
     mode: Mode,
@@ -41,19 +41,19 @@ struct Before {
 }
 
 impl Pending {
-    /// Lets the look-ahead begin slower once the pieces are valid. Returns `false` if there is no pending
-    /// change of a profile.
+    /// Marks the look-ahead to begin slower as soon as the pieces are valid. Returns `false` if there is no
+    /// pending change of a profile.
     pub(super) const fn lower_later(&mut self) -> bool {
         self.lowers = self.before.span.is_some();
         self.lowers
     }
 
-    /// Whether the change is a new profile of a span, not a start.
+    /// Whether the change is a new profile of a span and not a start.
     pub const fn is_command(&self) -> bool {
         self.before.span.is_some()
     }
 
-    /// Whether the span `k` will begin anew.
+    /// Whether the change restarts the span `k`.
     pub fn renews(&self, k: usize) -> bool {
         self.before.span.as_ref().is_some_and(|(first, _)| k > *first)
     }
@@ -61,14 +61,14 @@ impl Pending {
 
 impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     /// Gives the span `k` another profile from the instant `at` on: a braking that begins there, or a new
-    /// profile from the span's start. Returns `None` if the change came too late; nothing has changed then.
+    /// profile from the start of the span. Returns `None`, and changes nothing, if the change came too late.
     pub(super) fn change(&mut self, k: usize, at: u32, descent: Option<Descent>) -> Option<Work> {
         self.make_change(k, at, descent.as_ref())?;
         self.secure_change().then_some(Work::Working)
     }
 
     /// Makes the first pieces of the change. Not inlined, so that its stack frame is gone before the stop
-    /// behind them is made.
+    /// after these pieces is made.
     #[inline(never)]
     fn make_change(&mut self, k: usize, at: u32, descent: Option<&Descent>) -> Option<()> {
         let drops = at != self.frontier.end;
@@ -84,13 +84,13 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             self.frontier.speed = committed.enters;
         }
         if descent.is_none() && self.orders.mode.stopping && self.frontier.speed == Speed::ZERO {
-            // The motion is before the span, and has no profile that stops it.
+            // The motion has not reached the span, and no profile stops it before the span.
             (self.frontier.pending_dwell, self.frontier.stops) = (0, true);
         } else if self.frontier.end == at && self.frontier.planned == k && !self.orders.mode.halting {
             if descent.is_some()
                 && let Some(committed) = self.committed.get(k)
             {
-                // A braking too short to have a tick is left to the rest.
+                // If a braking is too short for a tick, the rest of the span brakes.
                 let (distance, speed) = (committed.start.to_bits(), self.frontier.speed.to_bits());
                 self.stay_within(k, &Instant { distance, speed, accel: 0 });
             }
@@ -100,7 +100,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             }
         }
         if self.frontier.end == at && self.frontier.speed == Speed::ZERO {
-            // The motion already stops there: at the end of a profile without a tick, or inside the span.
+            // The motion stops there without the change: at the end of a profile, or inside the span.
             let ended = self
                 .frontier
                 .planned
@@ -112,7 +112,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             let stands = self.orders.mode.passed.and_then(|passed| passed.stands).map(Distance::from_bits);
             self.put_rest(stands.unwrap_or(in_span), 1);
         }
-        // No pieces exist if the profile failed or is still being searched.
+        // There are no pieces if the profile failed or is still being searched.
         if made != Ok(true) || (drops && self.frontier.end == at) {
             self.undo();
             return None;
@@ -120,7 +120,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         Some(())
     }
 
-    /// Saves the state that the change touches. Returns `None` if there is no room; nothing has changed then.
+    /// Saves the state that the change modifies. Returns `None`, and changes nothing, if there is no room.
     #[inline(never)]
     fn open_change(&mut self, k: usize, at: u32) -> Option<()> {
         let committed = *self.committed.get(k)?;
@@ -134,8 +134,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         Some(())
     }
 
-    /// From here on, new pieces from the instant `at` on are not valid before [`Self::hand_over`]. There is
-    /// room for a barrier.
+    /// Begins a change: new pieces from the instant `at` on are valid only after [`Self::hand_over`]. There
+    /// must be room for a barrier.
     pub(super) fn begin_change(&mut self, at: u32, span: Option<(usize, CommittedSpan)>) {
         let needs_barrier = at != self.frontier.end || !self.reserve.is_kept();
         let phases = &mut self.queue.phases;
@@ -152,7 +152,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     pub(super) fn begin_start(&mut self) -> bool {
         self.trim();
         if !self.reserve.is_kept() {
-            // There is one cut at a time, and a command may want it before.
+            // Only one cut exists at a time, and a command may need it before.
             if self.is_far(self.frontier.end) {
                 self.keep_rest();
             } else if self.orders.mode.cut.is_some() {
@@ -163,8 +163,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         true
     }
 
-    /// All new pieces are written. If they end at rest, they become valid; otherwise together with the stop
-    /// behind them. Returns `false` if nothing has changed.
+    /// Ends the new pieces. If they end in a stop, they become valid; otherwise they become valid together
+    /// with the stop after them. Returns `false` if nothing has changed.
     pub(super) fn secure_change(&mut self) -> bool {
         let ends = self.frontier.speed == Speed::ZERO && self.frontier.emitter.is_done();
         if ends {
@@ -178,12 +178,12 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             }
             return true;
         }
-        // The next call begins with the stop.
+        // The next call begins to make the stop.
         true
     }
 
-    /// Puts the new pieces, if there are any, and the stop behind them in force. Returns `false` if it is too
-    /// late, or if the interrupt has left the queue; nothing has changed then.
+    /// Makes the new pieces, if there are any, and the stop after them valid. Returns `false`, and changes
+    /// nothing, if it is too late, or if the interrupt has left the queue.
     pub(super) fn hand_over(&mut self, way: Option<Way>) -> bool {
         if self.queue.clock.has_left() {
             self.undo();
@@ -221,13 +221,13 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         true
     }
 
-    /// A change came too late: the next one is for a later instant.
+    /// Notes that a change came too late; the next try is for a later instant.
     pub(super) fn look_further(&mut self) {
         self.orders.lead = (2 * self.orders.lead).min(FURTHEST);
     }
 
-    /// The span of a valid change has another profile. Later spans begin anew, except those that a braking
-    /// has passed.
+    /// Updates the spans after a valid change: the changed span has its new profile. Later spans begin anew,
+    /// except for those that the braking passes.
     pub(super) fn take_over(&mut self) {
         if let Some((k, lowers)) = self.reserve.changed.take() {
             self.committed.restore_from(k + 1);
@@ -238,7 +238,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         }
     }
 
-    /// Withdraws the pieces that are not valid, if there are any. The earlier state returns.
+    /// Withdraws the pieces that are not valid, if there are any, and restores the earlier state.
     pub(super) fn undo(&mut self) {
         if let Some(pending) = self.reserve.pending.take() {
             pending.change.abandon(&mut self.queue.phases, self.queue.clock);
@@ -251,7 +251,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         (self.frontier, self.orders.mode, self.reserve.behind) =
             (before.frontier, before.mode, before.behind);
         if let Some((k, span)) = before.span {
-            // If a stop is wanted and does not exist yet, it is tried again.
+            // If a stop is wanted and not in the queue yet, it is tried again.
             self.orders.mode.stopping = before.mode.is_standing();
             if let Some(committed) = self.committed.get_mut(k) {
                 *committed = span;
@@ -260,7 +260,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         self.reserve.undone = true;
     }
 
-    /// Carries out a change at once or not at all.
+    /// Carries out a change completely in this call, or not at all.
     pub(super) fn join_change(&mut self) -> bool {
         self.secure_change();
         for _ in 0..WAYS {

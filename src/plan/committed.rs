@@ -1,4 +1,4 @@
-//! Committed spans: the interrupt has not passed them, and their profile may still change.
+//! Committed spans: released spans that the interrupt has not passed. Their profile may still change.
 use crate::lookahead::{GoingOn, ReleasedSpan};
 use crate::machine::functions;
 use crate::math::float::{min, to_f32};
@@ -15,17 +15,18 @@ pub(super) struct CommittedSpan {
     /// The first tick of the span, and the time from the span's start to this tick.
     pub first: u32,
     pub next: u64,
-    /// Ticks of dwell after the span that are in the queue. Before the dwell begins, the queue holds fewer than 2^32 of
-    /// them.
+    /// Ticks of dwell after the span that are in the queue. Before the dwell begins, this number is below
+    /// 2^32.
     pub rest: u32,
-    /// Conditions of the span's profile: speeds at its start and end, the highest permitted speed, and the operator's
-    /// pace ([`crate::lookahead::Pace::key`]).
+    /// Conditions for which the profile was made: speeds at the start and end of the span, the highest
+    /// permitted speed, and the operator's pace ([`crate::lookahead::Pace::key`]).
     pub enters: Speed,
     pub leaves: Speed,
     pub limit: f32,
     pub pace: u32,
-    /// Speed planned at the span's start at release. `span` knows whether this speed keeps the limits of all blocks.
-    /// The span was released at the end of the span before ([`CommittedSpans::begins`]).
+    /// Speed at the start of the span, as planned at release. `span` knows whether this speed keeps the
+    /// limits of all blocks. The span was released at the end of the span before
+    /// ([`CommittedSpans::begins`]).
     released: Speed,
 }
 
@@ -45,8 +46,8 @@ impl CommittedSpan {
         (self.span.slow.ceiling, self.span.slow.cruise) = (f32::MAX, 0.0);
     }
 
-    /// Notes whether the rest of the span from the path distance `at` on may be as fast as the cruise of its planned
-    /// profile. `begins`: the distance where the span was released.
+    /// Notes whether the rest of the span, from the path distance `at` on, may reach the constant speed of
+    /// its planned profile. `begins`: the distance where the span was released.
     pub fn look(&mut self, begins: i64, at: i64) {
         let [length, at] = [self.end(), at].map(|x| x.wrapping_sub(begins));
         let known = self.span.checked.released() && at > 0 && self.span.is_uneven();
@@ -63,7 +64,8 @@ impl CommittedSpan {
         if known && is_long { self.span.go_on(length, self.released, at, v) } else { None }
     }
 
-    /// The motion has passed the span up to path distance `start`, and continues there at the speed `v_in`.
+    /// Moves the start of the span to the path distance `start`, where the motion continues at the speed
+    /// `v_in`.
     pub fn begin_at(&mut self, start: i64, v_in: Speed) {
         let left = self.end().wrapping_sub(start);
         self.start = Distance::from_bits(start);
@@ -72,7 +74,7 @@ impl CommittedSpan {
         span.v_in = v_in;
         span.checked.lose();
         if left < SHORT {
-            // Most of the rest is at constant speed, which takes up rounding.
+            // Most of the rest has constant speed, which absorbs rounding.
             let limits = &span.limits;
             let part = to_f32(left) * (0.125 / (1u64 << 44) as f32);
             let v = min(limits.speed_up().reach(0.0, part), limits.brake().reach(0.0, part));
@@ -80,7 +82,7 @@ impl CommittedSpan {
         }
     }
 
-    /// Highest speed at the span's start, as released, from which its end speed can be reached.
+    /// Highest speed at the start of the released span from which the profile can reach the span's end speed.
     fn enter_released(&self, begins: i64) -> Speed {
         let length = Distance::from_bits(self.end().wrapping_sub(begins));
         ReleasedSpan { length, v_in: self.released, ..self.span }.enter()
@@ -97,13 +99,13 @@ impl CommittedSpan {
     }
 }
 
-/// Number of committed spans: more than a tick passes, so the queue holds at least a tick of the shortest spans.
-/// One slot stays free for the reserve. These slots are most of a plan's memory, so a small build has as few as
-/// possible.
+/// Number of slots. More spans than a tick can pass have room, so the queue holds at least a tick of motion
+/// even with the shortest spans. One slot stays free for the reserve. These slots are most of a planner's
+/// memory, so a small build has as few as possible.
 const SLOTS: usize = MAX_CURVES_PER_TICK as usize + if functions::IS_SMALL { 3 } else { 8 };
 const _: () = assert!(SLOTS > MAX_CURVES_PER_TICK as usize + 2);
 
-/// The index `k` slots behind another one.
+/// The index `k` slots after `front`.
 const fn behind(front: usize, k: usize) -> usize {
     let slot = front + k;
     if slot >= SLOTS { slot - SLOTS } else { slot }
@@ -136,7 +138,7 @@ impl CommittedSpans {
         Self { slots: [blank; SLOTS], front: 0, len: 0, begins: 0 }
     }
 
-    /// Becomes a copy of the others.
+    /// Copies the spans of another ring.
     #[cfg(feature = "plc")]
     pub const fn copy_from(&mut self, other: &Self) {
         self.slots = other.slots;
@@ -223,7 +225,8 @@ impl CommittedSpans {
             .map(|(_, committed)| committed)
     }
 
-    /// Limits the end speed of the first `count` spans to `v_out`, and their earlier speeds accordingly.
+    /// Limits the end speed of the first `count` spans to `v_out`, and lowers their earlier speeds so that
+    /// each span can reach its end speed.
     pub fn lower(&mut self, count: usize, mut v_out: Speed) {
         for k in (0..count).rev() {
             let start = self.begins(k);

@@ -1,19 +1,20 @@
 //! The stop from the current motion: one braking profile through as many spans as needed.
 //!
-//! The plan makes acceleration zero at the ends of spans. A stop need not do so: where the path turns little
-//! between two spans (`SpanMarks::passing`), a deceleration passes. The braking uses the least deceleration
-//! and jerk of all spans from the first one to the one in which it ends. At no transition it is faster than
-//! planned, and it brakes there, so the following spans keep their speed limits too. Where the braking would
-//! be too fast, it ends: at that transition, with acceleration zero, at most at the planned speed. The next
-//! profile continues there.
+//! In a plan, the acceleration is zero at the ends of spans. In a stop, a deceleration may pass such an end
+//! if the path turns little there (`SpanMarks::passing`). The braking uses the least deceleration and jerk of
+//! all spans, from the first one to the one where it ends. At every transition it is at most as fast as
+//! planned, and it brakes there. So the following spans keep their speed limits. If the braking would be too
+//! fast at a transition, it ends there, with zero acceleration and at most at the planned speed. The next
+//! profile continues from there.
 //!
-//! STEP may change its deceleration anywhere, so spans with different decelerations have a profile each. A
-//! curve takes its part of the deceleration with the square of the speed, so more is left as the motion slows
-//! down ([`Fall`]). Inside such a curve the stop has several profiles of two stages.
+//! STEP may change its deceleration anywhere, so each span with another deceleration has its own profile. The
+//! part of the deceleration that a curve needs grows with the square of the speed. So more deceleration is
+//! left as the motion slows down ([`Fall`]). Inside such a curve, the stop has several profiles of two
+//! stages.
 //!
-//! The motion passes a span of several blocks (HSC) below the speed of its slowest block, or while it brakes
-//! at least as hard as the span's own profile. A curve that trades speed for acceleration is entered so
-//! slowly that the deceleration of the braking may continue inside it.
+//! The motion passes a span of several blocks (HSC) in one of two ways: below the speed of its slowest block,
+//! or braking at least as hard as the span's own profile. A curve whose limits trade speed for acceleration
+//! is entered so slowly that the deceleration may continue inside the curve.
 use super::hold::NOTHING;
 use super::search::{PLAN_COSTS, SCAN_COSTS, SPAN_COSTS};
 use super::{Brake, Instant, Planning, Profile, RingStage, Speed, clock};
@@ -24,10 +25,10 @@ use crate::quantity::{speed_bits, speed_f32};
 use crate::slope::brake::SHORT;
 use crate::slope::limits::{Fall, Limits, SlopeLaw};
 
-/// Largest number of spans of one profile. A longer stop has several profiles.
+/// Largest number of spans in one profile. A longer stop has several profiles.
 pub(super) const SPANS: usize = 32;
 
-/// A stop must be shorter than the room by this factor, because of rounding of its length.
+/// A stop must be shorter than its room by this factor, because its length is rounded.
 pub(super) const CLOSE: f32 = 1.0 - 1.0 / 262_144.0;
 
 /// A braking profile and its end.
@@ -36,7 +37,7 @@ pub(super) struct Descent {
     pub brake: Brake,
     /// Number of spans that the profile passes completely.
     pub spans: usize,
-    /// The next block of the look-ahead behind these spans, and its path distance.
+    /// The next block of the look-ahead after the spans of the braking, and its path distance.
     ahead: Ahead,
 }
 
@@ -55,7 +56,7 @@ impl Descent {
 /// The spans that a braking passes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Passed {
-    /// The span in which the braking begins, and the span behind those that it passes completely.
+    /// The span in which the braking begins, and the first span after those that it passes completely.
     from: usize,
     to: usize,
     /// The instant after the braking's last tick.
@@ -80,39 +81,39 @@ impl Ahead {
 pub(super) struct Cursor {
     k: usize,
     ahead: Ahead,
-    /// For STEP: the braking for which the limits of all spans are known.
+    /// STEP: the braking for which the limits of all spans are known.
     fall: Option<Fall>,
 }
 
-/// Data of a span for a braking profile.
+/// Data of a span for a braking.
 pub(super) struct Stretch {
     pub limits: Limits,
-    /// Speed planned at the span's start; for several blocks the speed of the slowest one.
+    /// Speed planned at the start of the span; with several blocks, the speed of the slowest one.
     pub v_in: Speed,
     v_slow: f32,
     v_least: f32,
     is_uneven: bool,
     pub smooth: bool,
-    /// The part of a deceleration that passes the span's start.
+    /// The part of a deceleration that may pass the start of the span.
     pub passing: f32,
-    /// Whether the span trades speed for acceleration.
+    /// Whether the limits of the span trade speed for acceleration.
     trades: bool,
-    /// Whether the path turns at the span's start, or inside a span of several blocks.
+    /// Whether the path turns at the start of the span, or inside a span of several blocks.
     pub knees: bool,
     pub is_many: bool,
     bought: bool,
-    /// Whether the span is rapid motion.
+    /// Whether the span is rapid motion; `None` if only a part of it is.
     pub rapid: Option<bool>,
     /// Path distance of the span's end, and the speed planned there.
     pub end: i64,
     v_out: Speed,
 }
 
-/// The result for the limits of the spans.
+/// The result of [`Planning::look_along`].
 pub(super) enum Along {
     /// The braking ends in a stop.
     Stands,
-    /// One profile through `spans` spans; `fits`: a stop fits into them.
+    /// One profile passes `spans` spans; `fits`: whether a stop has room in them.
     Through { spans: usize, fits: bool },
 }
 
@@ -141,20 +142,20 @@ impl Stretch {
         }
     }
 
-    /// Whether the current deceleration may continue in the span. The deceleration of STEP changes at any
-    /// tick.
+    /// Whether the current deceleration may continue in the span. With STEP, always: its deceleration changes
+    /// at any tick.
     fn permits(&self, motion: &Instant) -> bool {
         let decel = speed_f32(motion.accel.wrapping_neg());
         matches!(self.limits.law, SlopeLaw::Stepped { .. }) || decel <= self.entered().a_down
     }
 
-    /// Limits of the span for a braking that comes through the span's start.
+    /// Limits of the span for a braking that passes the start of the span.
     pub fn entered(&self) -> Limits {
         Limits { a_down: self.limits.a_down * self.passing, ..self.limits }
     }
 
-    /// If the span trades speed for acceleration: the highest speed without acceleration, and the
-    /// acceleration at standstill.
+    /// The highest speed without acceleration, and the acceleration at standstill, if the limits of the span
+    /// trade speed for acceleration.
     fn bought(&self) -> Option<(f32, f32)> {
         let Limits { v, a_down, .. } = self.limits;
         if self.trades {
@@ -164,8 +165,8 @@ impl Stretch {
         }
     }
 
-    /// Highest speed in the span of a braking with these limits, whose deceleration falls from the speed `falls`
-    /// on. Below the speed of the slowest block this fall may be as slow as needed.
+    /// Highest speed in the span for a braking with these limits. Its deceleration begins to fall at the
+    /// speed `falls`. Below the speed of the slowest block, the fall may be as slow as needed.
     fn cap(&self, limits: &Limits, falls: f32) -> f32 {
         if !self.is_uneven {
             return f32::MAX;
@@ -176,8 +177,8 @@ impl Stretch {
 }
 
 impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
-    /// Where the spans behind the span `k` begin: committed ones first, then those of the look-ahead. `stays`:
-    /// only committed spans.
+    /// A cursor at the start of the spans after span `k`: first committed spans, then those of the
+    /// look-ahead. `stays`: only committed spans.
     pub(super) fn begin_ahead(&self, k: usize, stays: bool) -> Cursor {
         let ahead = if stays {
             Ahead::NONE
@@ -192,7 +193,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         Cursor { k, ahead, fall: None }
     }
 
-    /// As [`Self::begin_ahead`], with the limits that the first span has from this motion on: [`Fall`].
+    /// As [`Self::begin_ahead`], and sets the limits that the first span has from this motion on: [`Fall`].
     #[inline(never)]
     pub(super) fn know_fall(
         &self,
@@ -207,8 +208,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
 
     // The following functions are not inlined, so that only one of their stack frames exists at a time.
 
-    /// Whether the limits of the spans permit a stop by one profile. If not: the number of spans for one profile, and
-    /// whether a stop fits into them.
+    /// Whether the limits of the spans permit a stop by one profile. If not, returns the number of spans for
+    /// one profile, and whether a stop has room in them.
     #[inline(never)]
     pub(super) fn look_along(
         &mut self,
@@ -227,7 +228,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let mut spans = 1;
         let mut fits = Brake::fits(motion, end, &limits, CLOSE);
         while !fits && spans < SPANS {
-            // A deceleration that the next span does not permit ends before this span.
+            // If the next span does not permit a deceleration, the deceleration ends before this span.
             let goes_on = |next: &Stretch| {
                 let passes = next.smooth && next.v_in > Speed::ZERO && next.permits(motion);
                 passes && limits.slows_alike(&next.limits)
@@ -248,8 +249,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         Some(Along::Through { spans, fits })
     }
 
-    /// Brakes to the end of `spans` spans. `Err`: fewer spans are possible, because the profile is too fast
-    /// before.
+    /// Brakes to the end of `spans` spans. Returns an error with fewer spans if the profile is too fast at an
+    /// earlier one.
     #[inline(never)]
     pub(super) fn step_down(
         &mut self,
@@ -285,9 +286,9 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             && self.committed.get(k).is_some_and(|committed| steps(&committed.span.limits))
     }
 
-    /// For STEP in a curve: brakes only to a speed at which the curve leaves more deceleration. The rest gets
-    /// its own profile. The braking is at least as hard as the planned profile, so every later speed stays
-    /// possible.
+    /// STEP in a curve: brakes only to a speed at which the curve leaves more deceleration. The rest of the
+    /// stop has its own profile. The braking is at least as hard as the planned profile, so every later speed
+    /// stays possible.
     fn fall_inside(
         &mut self,
         start: Cursor,
@@ -305,9 +306,9 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         (brake.v_out == to && self.leaves_way(start, span, &brake)).then(|| Descent::inside(brake))
     }
 
-    /// Whether a braking inside the first span leaves enough path for another profile, which has to reach the planned
-    /// end speed. After a braking that is just as hard as planned, rounding may leave too little: the shorter the
-    /// rest, the larger the effect.
+    /// Whether a braking inside the first span leaves enough path for the next profile, which has to reach
+    /// the planned end speed. If the braking is only as hard as planned, rounding may leave too little path;
+    /// the shorter the rest, the larger this effect.
     pub(super) fn leaves_way(&self, start: Cursor, span: &mut ReleasedSpan, brake: &Brake) -> bool {
         let Some(first) = self.ahead(&mut Cursor { fall: None, ..start }, span, true) else { return false };
         let span = self.committed.get(start.k).map_or(&*span, |committed| &committed.span);
@@ -315,9 +316,10 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         left > SHORT && span.can_slow_within(left, Speed::from_bits(brake.v_out))
     }
 
-    /// The next span, if there is one and the interrupt knows its path.
+    /// The next span. Returns `None` after the last span, or if the interrupt does not know the span's path
+    /// yet.
     ///
-    /// If the motion continues behind the span, its end speed need not be computed: `ends` is false.
+    /// If the motion continues after the span, its end speed need not be computed: `ends` is false.
     pub(super) fn ahead(&self, cursor: &mut Cursor, span: &mut ReleasedSpan, ends: bool) -> Option<Stretch> {
         if let Some(committed) = self.committed.get(cursor.k) {
             self.orders.search.spend(SPAN_COSTS);
@@ -337,7 +339,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         Some(Stretch::new(span, span.v_in, end, cursor.fall.as_ref()))
     }
 
-    /// Limits that `spans` spans permit for a braking, the end of the last span, and its planned end speed.
+    /// Limits that `spans` spans together permit for a braking, the end of the last of them, and the planned
+    /// speed there.
     fn together(
         &self,
         mut cursor: Cursor,
@@ -353,8 +356,9 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         Some((limits, last.end, last.v_out))
     }
 
-    /// Checks a braking, whose parts are in the profile, along its spans. If it passes, it is `found`. `Err`: the
-    /// number of spans behind which it is too fast. `short`: its limits are those of the axes along its path.
+    /// Checks the braking of the emitter's profile against its spans. On success, `found` holds the braking.
+    /// Otherwise returns the number of spans after which the braking is too fast. `short`: the limits of the
+    /// braking are those of the axes along its path.
     #[inline(never)]
     pub(super) fn verify(
         &self,
@@ -395,7 +399,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         }
     }
 
-    /// Gives a braking that begins in the span `k` to the emitter. [`Self::note_passed`] updates the spans.
+    /// Gives the emitter a braking that begins in the span `k`. [`Self::note_passed`] updates the spans
+    /// later.
     #[inline(never)]
     pub(super) fn go_down(&mut self, k: usize, descent: &Descent) {
         let Descent { brake, spans, ahead } = descent;
@@ -442,7 +447,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         self.orders.mode.passed = Some(Passed { from: k, to, last, stands });
     }
 
-    /// The braking is in the queue: marks the spans on its path as passed.
+    /// After the braking is in the queue: marks the spans on its path as passed.
     pub(super) fn note_passed(&mut self) {
         let Some(Passed { from, to, last, stands }) = self.orders.mode.passed.take() else { return };
         for k in from + 1..=to {
@@ -456,7 +461,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     }
 }
 
-/// Whether the braking is at most as fast as `v` from the path distance `at` on.
+/// Whether the speed of the braking is at most `v` from the path distance `at` on.
 fn is_slower(profile: &Profile, brake: &Brake, at: i64, v: f32) -> bool {
     let along = to_f32(at.wrapping_sub(brake.from)) * (1.0 / (1u64 << 44) as f32);
     brake.passes(profile, v) <= along * CLOSE

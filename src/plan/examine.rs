@@ -7,7 +7,7 @@ use super::{Planning, Work};
 use crate::smooth::Smoother;
 
 impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
-    /// From now on blocks are only examined. Call it before the first block.
+    /// Starts a check: blocks are only examined from now on. Call this function before the first block.
     pub fn begin_to_examine(&mut self) {
         self.lookahead.ring.begin_to_examine();
     }
@@ -31,7 +31,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             return Work::Working;
         }
         self.let_go();
-        // Everything rests here: functions are output and acknowledged at once.
+        // No motion is pending here: functions are output and acknowledged at once.
         self.functions.clear(self.queue.control);
         (self.task.flush, self.task.rest) = (false, 0);
         Work::Working

@@ -1,9 +1,9 @@
-//! Questions about the coming motion: the state at a later tick, the next block at feed, the standstill if a
-//! hold came now.
+//! Answers of the planner about the coming motion: the state at a later tick, the next block at feed, and the
+//! point where a hold would stop the axes now.
 //!
-//! The pieces in the queue are the future: state and next block are read from them. The standstill is the result of a
-//! hold. The planner makes the profiles of this hold on a copy of its spans ([`Inquiry`]), and gives none of them to
-//! the interrupt. With FCT_CALC_POS_V_0 a hold keeps the stop with which it begins, so it stops at the answered place.
+//! The pieces in the queue give the state and the next block. For the stop by a hold, the planner makes the
+//! profiles of this hold on a copy of its spans ([`Inquiry`]). The interrupt gets none of them. With
+//! FCT_CALC_POS_V_0, a hold keeps the stop with which it begins, so it stops at the answered place.
 use super::committed::CommittedSpans;
 use super::hold::Mode;
 use super::search::{Later, Search};
@@ -16,7 +16,7 @@ use crate::queue::{Cut, PHASES};
 /// Largest number of profiles of a stop.
 const LAWS: usize = 64;
 
-/// Memory for the question where the motion would stop: a copy of the state that a hold changes.
+/// Memory for the question where a hold would stop the motion: a copy of the state that a hold changes.
 pub struct Inquiry {
     spans: CommittedSpans,
     trial: Option<Trial>,
@@ -30,7 +30,7 @@ struct Trial {
     profile: Profile,
     behind: Option<i64>,
     step: Step,
-    /// State of the look-ahead at the start: a change ends the trial.
+    /// State of the look-ahead at the start of the trial; a change ends the trial.
     handed: Distance,
     stage: RingStage,
     /// The instant of the question.
@@ -39,16 +39,16 @@ struct Trial {
 
 #[derive(Clone, Copy)]
 enum Step {
-    /// The motion leaves the current profile at the instant, inside the span.
+    /// Leave the current profile at the instant `at`, inside span `k`.
     Leave { k: usize, at: u32, motion: Instant },
-    /// The motion leaves the current profile where this span begins.
+    /// Leave the current profile at the start of this span.
     Enter(usize),
-    /// Make profiles for the spans without one.
+    /// Make profiles for spans without one.
     Laws,
 }
 
 impl Inquiry {
-    /// Memory without a question.
+    /// An unused memory.
     pub const fn new() -> Self {
         Self { spans: CommittedSpans::new(), trial: None }
     }
@@ -61,18 +61,18 @@ impl Default for Inquiry {
 }
 
 impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
-    /// Memory for the question of the standstill.
+    /// Sets the memory for the question where a hold would stop.
     pub fn set_inquiry(&mut self, inquiry: &'q mut Inquiry) {
         self.intake.inquiry = Some(inquiry);
     }
 
-    /// Whether a hold keeps the stop with which it begins.
+    /// Whether a hold keeps the stop with which it begins (FCT_CALC_POS_V_0).
     pub(super) const fn keeps_stop(&self) -> bool {
         self.intake.machine.channel.interpolator.has(Functions::CALC_POS_V_0)
     }
 
-    /// The current profile is as slow at its end as a hold can be: it stays, if a hold keeps the stop with
-    /// which it begins.
+    /// Marks the current profile as final for a hold, if `stays` is true and a hold keeps the stop with which
+    /// it begins. The profile is as slow at its end as a hold can be.
     pub(super) const fn settle(&mut self, stays: bool) {
         self.orders.settled = stays && self.keeps_stop();
     }
@@ -80,7 +80,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
     /// Answers a question.
     ///
     /// # Errors
-    /// Returns [`Unknown`] if there is no answer now.
+    /// Returns [`Unknown`] if the planner has no answer now.
     #[inline(never)]
     pub fn forecast(&mut self, question: Question) -> Result<Moment<AXES>, Unknown> {
         let (function, is_read) = match question {
@@ -95,7 +95,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
             return Err(Unknown::Busy);
         }
         let now = self.queue.clock.now();
-        // Pieces before a change are not in order.
+        // Pieces before a change are not in the order of time.
         let last = now.wrapping_sub(clock::TICK);
         if is_read && self.orders.mode.cut.is_some_and(|Cut(at)| clock::is_before(last, at)) {
             return Err(Unknown::Busy);
@@ -132,13 +132,13 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
             for (travel, (to, from)) in travel.iter_mut().zip(moment.set_points.iter().zip(&from)) {
                 *travel = to.to_bits().wrapping_sub(from.to_bits());
             }
-            // From 2^-44 to 2^-58 mm per tick, as in the status.
+            // Converts from LSB 2^-44 to 2^-58 mm per tick, as in the status.
             moment.speed = Speed::from_bits(self.measure.path(&travel).to_bits().saturating_mul(1 << 14));
         }
         Ok(moment)
     }
 
-    /// The state at an instant, at rest.
+    /// The state at an instant, with speed and acceleration zero.
     fn moment(&self, now: u32, at: u32, distance: i64) -> Option<Moment<AXES>> {
         let (n, block, set_points) = self.place(distance)?;
         let ticks = at.wrapping_sub(now) / clock::TICK + 1;
@@ -151,7 +151,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
     /// N number, motion block and point at a path distance.
     fn place(&self, distance: i64) -> Option<(u32, u32, [Position; AXES])> {
         let segments = &self.queue.segments;
-        // At the end of all curves it is the last curve.
+        // At the end of all curves, the last curve counts.
         let number =
             segments.ends_behind(distance).or_else(|| segments.ends_behind(distance.wrapping_sub(1)))?;
         let number = segments.curve_of(number);
@@ -194,8 +194,8 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         segments.recent(number).map(|track| segments.block_of(track.segment))
     }
 
-    /// Whether a motion block is rapid motion, from the spans of its curves, this curve first. The corner's curve
-    /// beside a block at feed does not count.
+    /// Whether a motion block is rapid motion, from the spans of its curves beginning with `first`. The curve
+    /// of a corner next to a block at feed has no effect.
     fn is_rapid(&self, first: u32, block: u32) -> bool {
         let segments = &self.queue.segments;
         let mut number = first;
@@ -216,7 +216,8 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         span.is_some_and(|committed| committed.span.marks.rapid() == Some(true))
     }
 
-    /// The first instant at which the motion is at a path distance or beyond. `end`: end of the queue.
+    /// The first instant at which the motion reaches a path distance. `end`: the instant at which the queue
+    /// ends.
     fn instant_of(&self, end: u32, distance: i64) -> Option<u32> {
         let mut start = end;
         let mut number = self.queue.phases.count();
@@ -227,7 +228,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
             if phase.at(0).wrapping_sub(distance) >= 0 {
                 continue;
             }
-            // The first tick of the piece is before the distance.
+            // At the first tick of the piece, the motion has not reached the distance.
             let (mut before, mut beyond) = (0u16, phase.ticks);
             while beyond - before > 1 {
                 let half = before + (beyond - before) / 2;
@@ -238,7 +239,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         None
     }
 
-    /// Whether the motion stops at a path distance for a tick, at the end of a piece of the queue.
+    /// Whether the motion stands for a tick at a path distance, at the end of a piece of the queue.
     fn rests_at(&self, distance: i64) -> bool {
         let mut number = self.queue.phases.count();
         (0..PHASES).any(|_| {
@@ -250,7 +251,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         })
     }
 
-    /// The standstill if a hold came now.
+    /// The state at the stop if a hold came now.
     fn standstill(&mut self, now: u32) -> Result<Moment<AXES>, Unknown> {
         if self.orders.mode.is_standing() {
             // A hold in force keeps its stop.
@@ -272,7 +273,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         self.moment(now, at, stands).ok_or(Unknown::NotPlanned)
     }
 
-    /// The instant and the path distance of the standstill.
+    /// The instant and the path distance of the stop.
     fn try_hold(&mut self, now: u32, inquiry: &mut Inquiry) -> Result<(u32, i64), Unknown> {
         let Inquiry { spans, trial } = inquiry;
         let is_same = |trial: &Trial| {
@@ -302,7 +303,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         core::mem::swap(self.committed, spans);
     }
 
-    /// The instant at which a hold now would change the plan, and the span there.
+    /// The instant at which a hold now would change the plan, and the span at this instant.
     fn begin_trial(&mut self, now: u32) -> Result<Trial, Unknown> {
         self.trim();
         let waits = self.reserve.waits && self.task.stage == RingStage::Passing;
@@ -334,8 +335,8 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         })
     }
 
-    /// The plan from the start of the span `k` on, or of the next span with a tick; otherwise from the end of the
-    /// planned motion.
+    /// Continues the trial from the start of span `k`, or of the next span with a tick. If there is no such
+    /// span, it continues from the end of the planned motion.
     fn enter(&mut self, k: usize) {
         let k = self.with_tick(k);
         let frontier = &mut self.frontier;
@@ -349,7 +350,8 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         }
     }
 
-    /// Continues the profiles of a hold, up to the standstill. `end`: end of the queue.
+    /// Continues with the profiles of a hold, until the stop is known. `end`: the instant at which the queue
+    /// ends.
     fn go_on_trying(&mut self, step: &mut Step, end: u32) -> Result<(u32, i64), Unknown> {
         match *step {
             Step::Leave { k, at, motion } => {
@@ -362,7 +364,8 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
                         self.skip_law();
                         if self.frontier.end == at && self.frontier.planned == k && !self.orders.mode.halting
                         {
-                            // A braking too short to have a tick, as in a hold.
+                            // If a braking is too short for a tick, the rest of the span brakes, as in a
+                            // hold.
                             if let Some(committed) = self.committed.get(k) {
                                 let (distance, speed) =
                                     (committed.start.to_bits(), self.frontier.speed.to_bits());
@@ -374,7 +377,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
                             self.skip_law();
                         }
                         if self.frontier.end == at && self.frontier.speed != Speed::ZERO {
-                            // A hold begins a tick later.
+                            // A hold would begin a tick later.
                             return Err(Unknown::Busy);
                         }
                         self.committed.restore_from(k + 1);
@@ -389,7 +392,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         if !matches!(core::mem::replace(step, Step::Laws), Step::Laws)
             && let Some(stands) = self.stands_at()
         {
-            // If the motion stops by itself, the stop comes before a dwell.
+            // If the motion stops without the hold, the stop comes before a dwell.
             let at = self.frontier.end;
             let begins = self.instant_of(end, stands).filter(|begins| clock::is_before(*begins, at));
             let by_itself = begins.filter(|_| self.rests_at(stands));
@@ -413,13 +416,13 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         Err(Unknown::NotPlanned)
     }
 
-    /// The emitter's profile counts as written into the queue.
+    /// Treats the emitter's profile as if it were in the queue.
     fn skip_law(&mut self) {
         let ticks = self.frontier.emitter.skip();
         self.frontier.end = self.frontier.end.wrapping_add(clock::TICK * ticks);
     }
 
-    /// Path distance of the standstill, if the profiles reach it.
+    /// Path distance of the stop, if the profiles reach a stop.
     fn stands_at(&self) -> Option<i64> {
         let Frontier { planned, speed, .. } = self.frontier;
         if self.orders.mode.halting {

@@ -1,11 +1,11 @@
-//! M, H, S and T on their way from the program to a point of the path, and the gates at which the motion
-//! waits.
+//! Functions (M, H, S and T) from the program to their point of the path, and the gates (synchronisation
+//! points) at which the motion waits.
 //!
-//! A function belongs between two motion blocks. Its place counts as the number of motion blocks before it.
-//! Contour mode decides which element of the path begins at this place. When this element enters the
-//! look-ahead, the point of the function is known, and the function enters the queue: the motion may reach
-//! the point without the planner. The element may become a *gate*. A gate is not released: the motion is
-//! planned to stop before it, until all acknowledgements demanded there have come.
+//! A function belongs between two motion blocks. Its place is the number of motion blocks before it. Contour
+//! mode decides which element of the path begins at this place. When this element enters the look-ahead, the
+//! point of the function is known, and the function enters the queue. The motion may then reach the point
+//! without a call of the planner. The element may become a *gate*. A gate is not released: the motion is
+//! planned to stop before the gate, until all demanded acknowledgements have come.
 use super::Function;
 use crate::control::{Control, OPEN};
 use crate::machine::Synch;
@@ -14,27 +14,27 @@ use crate::queue::{ACTIONS, PlacedAction, Scheduler};
 use crate::technology::{Action, Ticket};
 use heapless::Vec;
 
-/// A function that is not in the queue yet, or whose gate is still to come. Packed, because there are many.
+/// A function that is not in the queue yet, or whose gate is not known yet. Packed, because there are many.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, packed(4))]
 struct Entry {
     n: u32,
     function: Function,
     ticket: Ticket,
-    /// Number of motion blocks before the function, and before its gate.
+    /// Number of motion blocks before the function, and number of motion blocks before its gate.
     out: u32,
     gate: u32,
-    /// Whether the motion of the same line is still to come; whether that motion is before the gate.
+    /// Whether the motion of the same line has not come yet, and whether that motion is before the gate.
     unsettled: bool,
     spans: bool,
     /// Whether the gate is known.
     gated: bool,
     /// Whether the function is in the queue.
     placed: bool,
-    /// The motion block before which it must be acknowledged is still to come: [`Functions::demand`].
+    /// Whether the motion block that needs the acknowledgement is not known yet: [`Functions::demand`].
     #[cfg(feature = "plc")]
     late: bool,
-    /// MVS_SLP: #EXPL SYN says which; else the next motion at feed.
+    /// MVS_SLP: whether #EXPL SYN names that block; otherwise the block is the next motion at feed.
     #[cfg(feature = "plc")]
     explicit: bool,
 }
@@ -53,14 +53,14 @@ impl Entry {
 /// Functions and gates.
 pub(super) struct Functions {
     entries: Vec<Entry, ACTIONS>,
-    /// The gates in the look-ahead in order, each with a bit per open acknowledgement; and the
+    /// The gates in the look-ahead in order, each as a set of bits, one per missing acknowledgement. Also the
     /// acknowledgements demanded at the end of all blocks.
     gates: Vec<u32, OPEN>,
     last: u32,
     sequence: u8,
 }
 
-/// Whether `number` is not later than `other`: numbers of motion blocks.
+/// Whether `number` is not later than `other`. Both are numbers of motion blocks.
 const fn reaches(number: u32, other: u32) -> bool {
     number.wrapping_sub(other) as i32 >= 0
 }
@@ -71,7 +71,7 @@ impl Functions {
         Self { entries: Vec::new(), gates: Vec::new(), last: 0, sequence: 0 }
     }
 
-    /// Takes a function between the motion blocks `number` - 1 and `number`. `room` is the room in the ring
+    /// Takes a function between the motion blocks `number` − 1 and `number`. `room`: free places in the ring
     /// of actions. `in_motion`: the function was programmed in a line with a motion.
     ///
     /// # Errors
@@ -108,7 +108,8 @@ impl Functions {
         self.entries.push(entry).map_err(|_| ())
     }
 
-    /// The motion of the same line is there. `moved`: it has a path. `rounds`: its end is to be rounded.
+    /// Completes functions of a line after its motion. `moved`: whether the motion has a path. `rounds`:
+    /// whether its end is to be rounded.
     pub fn settle(&mut self, moved: bool, rounds: bool) {
         for entry in self.entries.iter_mut().filter(|entry| entry.unsettled) {
             entry.unsettled = false;
@@ -119,8 +120,9 @@ impl Functions {
         }
     }
 
-    /// Functions of late synchronisation must be acknowledged before the motion block `number`: `explicit`, those of
-    /// #EXPL SYN; else those of the change to feed. Whether there are any.
+    /// Demands the acknowledgement of functions with late synchronisation before the motion block `number`.
+    /// `explicit` selects those of #EXPL SYN; otherwise those of the change to feed. Returns whether there
+    /// are any.
     #[cfg(feature = "plc")]
     pub fn demand(&mut self, number: u32, explicit: bool) -> bool {
         let late = |entry: &&mut Entry| entry.late && entry.explicit == explicit;
@@ -131,23 +133,23 @@ impl Functions {
         any
     }
 
-    /// Whether a function waits for such a demand.
+    /// Whether a function with late synchronisation waits for a call of [`Self::demand`].
     #[cfg(feature = "plc")]
     pub fn are_late(&self, explicit: bool) -> bool {
         self.entries.iter().any(|entry| entry.late && entry.explicit == explicit)
     }
 
-    /// Whether a function still needs its place or its gate.
+    /// Whether a function has no place yet, or no gate.
     pub fn are_open(&self) -> bool {
         self.entries.iter().any(|entry| !entry.placed || (!entry.gated && entry.has_gate()))
     }
 
-    /// Whether such a function demands an acknowledgement.
+    /// Whether a function without a place or a gate demands an acknowledgement.
     pub fn are_awaited(&self) -> bool {
         self.entries.iter().any(|entry| !entry.gated && entry.has_gate() && entry.ticket.waits())
     }
 
-    /// Drops functions because the motion of their line is refused.
+    /// Drops functions whose line has a refused motion.
     pub fn drop_unsettled(&mut self, control: &Control) {
         for entry in self.entries.iter().filter(|entry| entry.unsettled) {
             control.acknowledgements().give_back(entry.ticket);
@@ -155,7 +157,7 @@ impl Functions {
         self.entries.retain(|entry| !entry.unsettled);
     }
 
-    /// Drops functions because their motion is dropped before their place was known.
+    /// Drops functions without a place, because their motion is dropped.
     pub fn drop_unplaced(&mut self, control: &Control) {
         for entry in self.entries.iter().filter(|entry| !entry.placed) {
             control.acknowledgements().give_back(entry.ticket);
@@ -171,11 +173,12 @@ impl Functions {
         }
         self.place(due, distance, queue);
         let gate = core::mem::take(&mut self.last);
-        // There is room: each gate has at least one bit.
+        // There is room, because each gate has at least one bit.
         gate != 0 && self.gates.push(gate).is_ok()
     }
 
-    /// All blocks end at `distance`, after `number` motion blocks. Returns whether the motion waits there.
+    /// Gives functions after the last block their place: all blocks end at `distance`, after `number` motion
+    /// blocks. Returns whether the motion waits there.
     pub fn at_end(&mut self, number: u32, distance: Distance, queue: &mut Scheduler<'_>) -> bool {
         self.place(number, distance, queue);
         self.last != 0
@@ -197,8 +200,8 @@ impl Functions {
         self.tidy();
     }
 
-    /// For an element with at most `due` motion blocks before it, which is only examined: functions and gates before
-    /// it get their place. They wait for [`Self::drop_passed`].
+    /// As [`Self::before`], for an element that is only examined. Functions and gates before it get their
+    /// place, and wait for [`Self::drop_passed`].
     #[cfg(feature = "examine")]
     pub fn pass_by(&mut self, due: u32) {
         for entry in &mut self.entries {
@@ -219,16 +222,16 @@ impl Functions {
         self.tidy();
     }
 
-    /// Removes entries that are done. A function in the queue stays while its gate is still to come.
+    /// Removes completed entries. A function in the queue stays until its gate is known.
     fn tidy(&mut self) {
         self.entries.retain(|entry| !entry.placed || !entry.gated);
     }
 
-    /// Takes acknowledgements. Calls `open` with the number of every gate in the look-ahead that opens now.
-    /// The number does not count gates already open.
+    /// Takes acknowledgements. Calls `open` for every gate in the look-ahead that opens now, with its number
+    /// among the gates that are still closed.
     pub fn answer(&mut self, bits: u32, mut open: impl FnMut(usize)) {
         for entry in self.entries.iter_mut().filter(|entry| entry.ticket.bit() & bits != 0) {
-            // Acknowledged before its gate was known: no gate is needed.
+            // The acknowledgement came before the gate was known, so no gate is needed.
             entry.gated = true;
         }
         self.last &= !bits;
@@ -246,7 +249,7 @@ impl Functions {
         self.tidy();
     }
 
-    /// Whether the motion is to wait at the end of all blocks.
+    /// Whether the motion has to wait at the end of all blocks.
     pub const fn waits(&self) -> bool {
         self.last != 0
     }
@@ -257,7 +260,7 @@ impl Functions {
         self.forget();
     }
 
-    /// Drops all functions, if no acknowledgement of them is planned.
+    /// Drops all functions, if no acknowledgement of them is demanded.
     pub fn forget(&mut self) {
         self.entries.clear();
         self.gates.clear();

@@ -1,11 +1,10 @@
-//! The line held back: consecutive blocks in a straight line with the same feed become one line
-//! ([`Stretch`]).
+//! The held line: consecutive blocks in a straight line with the same feed become one line ([`Stretch`]).
 //!
-//! No information is lost: every command that belongs to the point between two blocks (an exact stop, an
-//! event, other dynamics, contour mode) comes before the second block and releases the held line. A line
-//! grows until two conditions hold. It is twice as long as the distances to reach its speed and to brake from
-//! it. And a knee at its end, which its tolerance leaves open, is too small to see. So the planner releases a
-//! long straight line while it is still being read, and two such pieces fill the ring
+//! No information is lost. A command between two blocks (an exact stop, an event, other dynamics, contour
+//! mode) comes before the second block and releases the held line. A line grows until two conditions hold.
+//! First, it is twice as long as the distances to reach its speed and to brake again. Second, a change of
+//! direction at its end by its tolerance is too small to matter. So the planner releases a long straight line
+//! while its blocks are still being read, and two such lines fill the ring
 //! ([`crate::lookahead::Ring::is_full`]).
 use super::intake::Pass;
 use super::{Planning, to_f32};
@@ -16,11 +15,11 @@ use crate::path::{Element, Piece, Straight, Stretch, TOLERANCE_MM};
 use crate::quantity::{DISTANCE_LSB, Position};
 use crate::slope::limits::Limits;
 
-/// The held line, or none. Written and read in its place, because it is large.
+/// The held line, or none. Written and read in place, because it is large.
 pub(super) struct HeldLine<const AXES: usize> {
     /// Whether a line is held.
     is_held: bool,
-    /// Whether the line stands for several blocks and is long enough.
+    /// Whether the line replaces several blocks and is long enough.
     long: bool,
     curve: Curve<AXES>,
     limits: Permitted,
@@ -51,7 +50,7 @@ impl<const AXES: usize> HeldLine<AXES> {
 
 enum Curve<const AXES: usize> {
     Line(Stretch<AXES>),
-    /// An arc, only if the look-ahead had no room for two blocks.
+    /// An arc that waits; only if the look-ahead had no room for two blocks.
     Arc(Element<AXES>),
 }
 
@@ -59,7 +58,7 @@ enum Curve<const AXES: usize> {
 const WAYS: f32 = 2.0;
 
 impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
-    /// Holds a line back and releases the line held before.
+    /// Holds a line, and releases the line held before.
     #[cfg_attr(feature = "fast", inline(always))]
     pub(super) fn hold_line(&mut self, line: &Straight<AXES>, limits: &Permitted, pass: Pass) {
         self.let_go();
@@ -74,7 +73,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         (held.is_held, held.long, held.limits, held.pass) = (true, false, *limits, pass);
     }
 
-    /// Passes an arc on, behind the held line.
+    /// Passes an arc to the look-ahead, after the held line.
     pub(super) fn pass_arc(
         &mut self,
         element: &Element<AXES>,
@@ -91,7 +90,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         }
     }
 
-    /// Joins the line with the held line before it. Returns `false` if this is not possible.
+    /// Joins the line to the held line. Returns `false` if this is not possible.
     #[cfg_attr(feature = "fast", inline(always))]
     pub(super) fn join_held(
         &mut self,
@@ -129,7 +128,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         true
     }
 
-    /// Moves the held line into the look-ahead, which has room.
+    /// Moves the held line into the look-ahead, which must have room.
     #[cfg_attr(feature = "fast", inline(always))]
     pub(super) fn let_go(&mut self) {
         if self.intake.held.is_held {
@@ -145,7 +144,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         }
     }
 
-    // Two calls, so that the stack frame of the first is gone before the second.
+    // Two calls, so that the stack frame of the first is gone before the second begins.
 
     #[inline(never)]
     fn pass_line_on(&mut self) {
@@ -176,7 +175,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         self.intake.held.clear();
     }
 
-    /// Gives the held line the current limits.
+    /// Computes the limits of the held line again.
     pub(super) fn renew_held(&mut self) {
         let held = &mut self.intake.held;
         held.limits = match &held.curve {
@@ -185,7 +184,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         };
     }
 
-    /// The held line ends in a stop.
+    /// Demands a stop at the end of the held line.
     pub(super) fn stop_held(&mut self) {
         self.intake.held.pass.stop = true;
     }

@@ -1,17 +1,16 @@
 //! The operator's commands in the planner: feed hold, resume, abort.
 //!
 //! When a stop is demanded, up to [`crate::queue::PHASES`] pieces of a faster motion are in the queue. The
-//! planner finds the span and the motion a few ticks ahead. It plans a stop from there ([`Brake`]) and lets
-//! the interrupt change over at that tick ([`clock`]). If the span is too short to stop, the spans behind it
-//! are planned in the same way, each with its own limits, until one is long enough; the last known span
-//! always is. A span that already brakes as hard as it can keeps its profile, and the change begins with the
-//! next span.
+//! planner finds the span and the motion a few ticks ahead. It plans a stop from there ([`Brake`]), and the
+//! interrupt changes over at that tick ([`clock`]). If the span is too short for the stop, the spans after it
+//! are planned in the same way, each with its own limits. The last known span is always long enough. A span
+//! that already brakes as hard as it can keeps its profile, and the change begins with the next span.
 //!
-//! A resume begins at rest, after the interrupt has reached the stop, even if the command comes before. The
-//! rest of a span then gets another profile (`super::law`).
+//! A resume begins at standstill, after the interrupt has reached the stop, even if the command comes
+//! earlier. The rest of a span then gets another profile (`super::law`).
 //!
-//! A dwell continues during a feed hold; the motion behind it waits. The dwell begins only after the motion
-//! before is complete. An abort ends a dwell.
+//! A dwell continues during a feed hold, and the motion after the dwell waits. The dwell begins only after
+//! the motion before it is complete. An abort ends a dwell.
 use super::clock;
 use super::committed::CommittedSpan;
 use super::descent::{Descent, Passed};
@@ -20,28 +19,29 @@ use super::{Commands, Control, Distance, Instant, KEPT_FREE, Planning, RingStage
 use crate::queue::{Change, Cut, PHASES};
 use crate::smooth::Smoother;
 
-/// Ticks from a command to the change: the time in which the planner makes the new profile.
+/// Ticks from a command to the change. In this time, the planner makes the new profile.
 pub const REACTION: u32 = 4;
 
-/// A new profile for a motion is handed over at most this number of ticks before the motion starts. A dwell
-/// may be before it, and there is one change at a time.
+/// A new profile is handed over at most this number of ticks before its motion starts. A dwell may come
+/// first, and only one change exists at a time.
 const NEAR: u32 = 64;
 
-/// While braking, a shorter stop is searched when the speed has dropped by this power of two since the last
-/// search, if so many ticks are left. A new stop must be shorter by this power of two.
+/// The planner searches a shorter stop while braking, each time the speed has dropped by the first power of
+/// two. At least the second number of ticks must be left. A new stop must be shorter by the third power of
+/// two.
 const SLOWED: u32 = 3;
 const WORTH: u32 = 8;
 const SHORTER: u32 = 5;
 
-/// A path shorter than this (2^-44 mm) is less than the rounding of a set point.
+/// A path shorter than this (LSB 2^-44 mm) is below the rounding of a set point.
 pub(super) const NOTHING: i64 = 1 << 10;
 
 /// The state of the commands.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Mode {
-    /// Whether there is work, or a report, for the commands.
+    /// Whether the commands need work or a report.
     pub(super) busy: bool,
-    /// The profiles lead to a stop.
+    /// Whether the profiles lead to a stop.
     pub stopping: bool,
     /// Whether profiles in the queue may have been made for another override.
     pub(super) adjusting: bool,
@@ -56,14 +56,14 @@ pub(super) struct Mode {
     pub(super) tried: Option<u32>,
     /// The spans that a braking passes, until they are marked.
     pub(super) passed: Option<Passed>,
-    /// At this speed a shorter stop is searched: [`Planning::stand_sooner`].
+    /// Speed at which a shorter stop is searched: [`Planning::stand_sooner`].
     slowed: Speed,
-    /// The last instant at which that speed was compared.
+    /// The last instant at which the motion was compared with this speed.
     looked: Option<u32>,
 }
 
 impl Mode {
-    /// No command.
+    /// The state without commands.
     pub const RUN: Self = Self {
         busy: false,
         stopping: false,
@@ -86,14 +86,14 @@ impl Mode {
         self.standing
     }
 
-    /// The same state, with a stop after the emitter's profile, whatever the commands are.
+    /// The same state with a stop after the emitter's profile, for any commands.
     pub const fn stop(self) -> Self {
         Self { busy: true, stopping: true, uneven: true, halting: self.halting, ..Self::RUN }
     }
 }
 
 impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
-    /// Carries out commands, if there is work for them.
+    /// Carries out commands, if they need work.
     #[cfg_attr(feature = "fast", inline(always))]
     pub(super) fn attend(&mut self) -> Option<Work> {
         self.orders.search.begin_call();
@@ -114,17 +114,17 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let mut commands = Commands::of(word);
         // After a profile that failed, the motion ends as with an abort.
         commands.abort |= self.orders.failed;
-        // An unread acknowledgement changes every word.
+        // Acknowledgements also change the word.
         let word = word & Control::COMMANDS;
         if word != self.orders.word {
             self.orders.word = word;
             self.orders.search.forget();
             #[cfg(feature = "plc")]
             self.settle(false);
-            // At a standstill no tick of motion passes: another command is tried at the same instant.
+            // At a standstill, the instant does not change, so another command is tried at the same instant.
             self.orders.mode.tried = None;
-            // The call has gone through all committed spans. This counts as work, unless other work was
-            // postponed for it before.
+            // The call has looked at all committed spans. This counts as work, unless other work was
+            // postponed for it.
             let is_paced = self.set_pace(&commands);
             self.orders.trying = is_paced && !self.orders.yields;
         }
@@ -146,7 +146,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             || commands.standstill()
             || self.task.joining
             || self.queue.control.is_answered();
-        // A try that changed nothing counts as the work of its call; the next call does other work.
+        // A try that changed nothing uses the call; the next call does other work.
         let tried = core::mem::take(&mut self.orders.trying);
         self.orders.yields = tried && work.is_none();
         if tried && matches!(work, None | Some(Work::Waiting)) { Some(Work::Working) } else { work }
@@ -154,7 +154,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
 
     // The following functions are not inlined, so that only one of their stack frames exists at a time.
 
-    /// Works on a stop, and during it.
+    /// Begins a stop, or continues to work on it.
     #[inline(never)]
     fn hold(&mut self, commands: &Commands) -> Option<Work> {
         if commands.abort {
@@ -184,8 +184,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         None
     }
 
-    /// At lower speed the axes have more deceleration, and tight places of the path are behind. So another stop
-    /// replaces the current one, if it is shorter by a part.
+    /// Replaces the current stop by another one, if that stop is sufficiently shorter. At a lower speed, the
+    /// axes permit more deceleration, and narrow bends may already have been passed.
     #[inline(never)]
     fn stand_sooner(&mut self) -> Option<Work> {
         #[cfg(feature = "plc")]
@@ -199,7 +199,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         if !worth || self.orders.mode.cut.is_some() || self.reserve.behind.is_some() {
             return None;
         }
-        // Finding the motion goes through all pieces of the way. The call that does so is work, and the next one waits.
+        // Finding the motion means a walk through all pieces of the stop. This call counts as work, and the
+        // next one waits.
         if paused.is_none() && self.orders.mode.looked.replace(at) == Some(at) {
             return None;
         }
@@ -222,12 +223,12 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             return None;
         }
         let work = self.change(k, at, Some(descent))?;
-        // The stop is completely in the queue, or none of it is valid.
+        // The stop is completely in the queue, or none of it is valid yet.
         if self.reserve.pending.is_some() {
             self.undo();
             return None;
         }
-        // Spans that the other stop passed were to begin at its end.
+        // Spans that the other stop passed had their start at its end.
         let passed = |committed: &&mut CommittedSpan| clock::is_before(at, committed.first);
         for committed in self.committed.among(0, k + 1).filter(passed) {
             committed.first = at;
@@ -235,8 +236,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         Some(work)
     }
 
-    /// Whether the motion is slow enough for another search. The first call only notes the speed, because the stop in
-    /// the queue is still new.
+    /// Whether the motion is slow enough for another search. The first call only stores the speed, because
+    /// the stop in the queue is still new.
     fn has_slowed(&mut self, motion: &Instant) -> bool {
         let slowed = self.orders.mode.slowed.to_bits();
         let is_slow = motion.speed <= slowed;
@@ -246,7 +247,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         is_slow && slowed > 0
     }
 
-    /// Drops the rest of a dwell, if no other motion is left.
+    /// Drops the rest of a dwell, if no motion is left.
     #[inline(never)]
     fn end_rest(&mut self) {
         self.frontier.pending_dwell = 0;
@@ -267,7 +268,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         match change.hand_over(at, None, &mut self.queue.phases, &mut self.queue.reserve, self.queue.clock) {
             Ok(cut) => {
                 self.orders.mode.cut = cut;
-                // The reserve was behind the dropped dwell.
+                // The reserve came after the dropped dwell.
                 (self.reserve.kept, self.reserve.failed) = (None, None);
             }
             Err(_) => self.frontier.end = before,
@@ -286,9 +287,9 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         empty && self.task.rest == 0 && !left && !self.orders.failed
     }
 
-    /// Removes spans that the interrupt has passed, and a cut that it has passed. On the way to a stop the motion is
-    /// slower, so no span is over by its time. An instant that was read before this call is valid for the removed
-    /// spans. Returns the current instant.
+    /// Removes spans and a cut that the interrupt has passed. A motion that brakes to a stop is slower than
+    /// planned, so its spans do not end at their planned time. An instant that was read before this call is
+    /// valid for the removed spans. Returns the current instant.
     #[inline]
     pub(super) fn trim(&mut self) -> u32 {
         let now = self.queue.clock.now();
@@ -332,19 +333,20 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             {
                 let waits = self.task.stage == RingStage::Passing && !self.orders.failed;
                 if waits && descent.brake.v_out > 0 && !self.is_stage(k, &descent) {
-                    // A stop through the look-ahead is known when its plan is complete.
+                    // A stop through the look-ahead is known only when the plan of the look-ahead is
+                    // complete.
                     return None;
                 }
                 return self.stop_at(k, at, Some(descent));
             }
         }
-        // From the start of the next span that has a tick.
+        // The stop begins at the start of the next span that has a tick.
         next = self.with_tick(next);
         let stops = match self.committed.get(next) {
             Some(committed) if next < self.frontier.planned => {
                 let first = committed.first;
                 if abort && next > 0 && self.motion_at(at).is_some_and(|motion| motion.is_rest()) {
-                    // In a dwell.
+                    // The motion is in a dwell.
                     self.stop_at(next, at, None)
                 } else if self.is_far(first) {
                     None
@@ -364,13 +366,13 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         stops
     }
 
-    /// Whether the current profile stays up to its end, as an answer to a question assumes.
+    /// Whether the current profile stays to its end, as the answer to a question assumes.
     #[cfg(feature = "plc")]
     const fn is_settled(&self) -> bool {
         self.orders.settled
     }
 
-    /// Whether the current profile stays up to its end.
+    /// Whether the current profile stays to its end.
     #[cfg(not(feature = "plc"))]
     const fn is_settled(&self) -> bool {
         false
@@ -383,8 +385,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         work
     }
 
-    /// The instant of a change that is decided now, and the first span that begins after it. There is one
-    /// change at a time, and one attempt per tick.
+    /// The instant of a change that is decided now, and the first span that begins after this instant. Only
+    /// one change exists at a time, and each tick has at most one attempt.
     pub(super) fn attempt(&mut self) -> Option<(u32, usize)> {
         if let Some(paused) = self.paused() {
             self.orders.trying = true;
@@ -392,7 +394,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         }
         let now = self.trim();
         let waits = self.reserve.waits && self.task.stage == RingStage::Passing;
-        // A change has no room, so no search begins.
+        // There is no room for a change, so no search begins.
         if waits
             || self.queue.phases.room() < KEPT_FREE
             || self.orders.yields
@@ -412,7 +414,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         Some((at, later))
     }
 
-    /// Whether the instant is too far ahead to hand over a change for it.
+    /// Whether the instant is too far ahead for a change.
     pub(super) fn is_far(&self, instant: u32) -> bool {
         clock::is_before(self.queue.clock.now().wrapping_add(clock::TICK * NEAR), instant)
     }
@@ -451,7 +453,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         None
     }
 
-    /// The emitter's profile, which ended inside a span, is in the queue: a tick shows the stop.
+    /// Ends a profile that stops inside a span and is in the queue. A tick shows the stop.
     pub(super) fn stand_inside(&mut self) {
         self.orders.mode.halting = false;
         self.orders.mode.standing = true;
@@ -463,7 +465,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         }
     }
 
-    /// Work between the end of a profile and new spans.
+    /// Does the work after the end of a profile, before new spans.
     #[inline(never)]
     pub(super) fn catch_up(&mut self) -> Result<Option<Work>, Unplannable> {
         if self.orders.mode.halting {
@@ -484,7 +486,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             return Ok(Some(Work::Working));
         }
         if self.frontier.planned < self.committed.len() {
-            // Many profiles may have to be made, and meanwhile the queue ends early.
+            // Many profiles may be needed, and until then the queue ends early.
             if self.secure(self.reserve.near) {
                 return Ok(Some(Work::Working));
             }
@@ -495,8 +497,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         Ok(None)
     }
 
-    /// A profile ends between two ticks. If no other profile follows, a tick of rest shows its end. There is
-    /// room.
+    /// Shows the end of a profile that lies between two ticks, by a tick of standstill, if no other profile
+    /// follows. The queue must have room.
     fn show_end(&mut self) {
         let last = self.frontier.end.wrapping_sub(clock::TICK);
         let moves = self.motion_at(last).is_some_and(|motion| !motion.is_rest());
@@ -507,8 +509,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         }
     }
 
-    /// The next span has no profile. The motion stops as with an abort: the stop is another profile. If this
-    /// fails too, the motion ends at the end of the queue.
+    /// Handles a next span without a possible profile. The motion stops as with an abort: the stop is another
+    /// profile. If this stop fails too, the motion ends at the end of the queue.
     #[cold]
     #[inline(never)]
     pub(super) fn fail_to_plan(&mut self, error: Unplannable) -> Unplannable {
@@ -523,7 +525,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         error
     }
 
-    /// Drops all motion behind the stop. The interrupt has no work.
+    /// Drops all motion after the stop. Call this function only while the interrupt has no motion.
     pub(super) fn forget(&mut self) {
         let number = self.queue.segments.taken();
         let stands =
@@ -536,7 +538,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
                 self.report.begun = self.queue.segments.block_of(track.segment).wrapping_add(1);
             }
         }
-        // The interrupt keeps its current curve, up to a point inside. The stop becomes the next curve.
+        // The interrupt keeps its current curve up to the stop inside it. The stop becomes the next curve.
         self.queue.segments.end_at(stands);
         self.handed = self.queue.segments.end();
         self.stay_here(self.report.begun.saturating_sub(1));
@@ -546,7 +548,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             action = action.wrapping_add(1);
         }
         self.queue.actions.withdraw(action);
-        // A running tick may read those curves.
+        // A tick in progress may still read those curves.
         self.queue.clock.settle();
         self.functions.clear(self.queue.control);
         (self.task.reopened, self.task.joining, self.task.stood) = (false, false, false);

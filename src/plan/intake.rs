@@ -1,5 +1,5 @@
-//! Motion blocks on their way in: path, limits, and into contour mode, into the line held back, or into the
-//! look-ahead.
+//! Takes motion blocks: makes the path, finds the limits, and passes the result to contour mode, to the held
+//! line, or to the look-ahead.
 use super::Planning;
 use super::functions::Functions;
 use super::held_line::HeldLine;
@@ -18,25 +18,25 @@ use crate::quantity::{Distance, Position};
 use crate::queue::{CurveProducer, Function, Scheduler};
 use crate::smooth::{Before, Data, Form, Parting, ProgrammedBlock, Smoothed, Smoother, SplineError};
 
-/// A motion block that has no path or no speed.
+/// The reason why a motion block is refused.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum MotionError {
-    /// It has no curve.
+    /// The block has no valid curve.
     Path(PathError),
-    /// Its feed is zero.
+    /// The feed is zero.
     NoFeed,
-    /// It would take more than 2^26 ticks.
+    /// The block would take more than 2^26 ticks.
     TooSlow,
-    /// A motion beside the path would take longer than can be planned.
+    /// A motion of a single axis would take longer than the planner permits.
     StrokeTooSlow,
-    /// It moves an axis that was given away.
+    /// The block moves an axis that has been released from the channel.
     Released,
     /// 120254: an arc in a direct B-spline.
     ArcInSpline,
-    /// It leads beyond a software limit.
+    /// The block leads beyond a software limit.
     Beyond(Beyond),
-    /// Its curve has no transformation.
+    /// The curve cannot be transformed to the axes.
     #[cfg(feature = "kinematics")]
     Split(SplitError),
 }
@@ -53,20 +53,20 @@ impl From<Beyond> for MotionError {
     }
 }
 
-/// What goes with a block into the look-ahead.
+/// Data of a block for the look-ahead.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Pass {
-    /// Feed, mm/min; rapid without.
+    /// Feed, mm/min; `None` for rapid motion.
     pub feed: Option<f32>,
     /// Programmed N number.
     pub n: u32,
-    /// Motion blocks before it.
+    /// Number of motion blocks before this one.
     pub number: u32,
     /// Whether the block ends in an exact stop.
     pub stop: bool,
 }
 
-/// The way into the look-ahead.
+/// Access to the look-ahead and to the other parts that a block enters.
 pub(super) struct Entrance<'a, 'q, const AXES: usize, const BLOCKS: usize> {
     pub(super) ring: &'a mut Ring<'q, AXES, BLOCKS>,
     functions: &'a mut Functions,
@@ -79,14 +79,14 @@ pub(super) struct Entrance<'a, 'q, const AXES: usize, const BLOCKS: usize> {
 }
 
 impl<const AXES: usize, const BLOCKS: usize> Entrance<'_, '_, AXES, BLOCKS> {
-    /// The curve of a corner stays inside the software limits.
+    /// Checks that the curve of a corner stays inside the software limits.
     #[inline(never)]
     fn stays(&self, element: &Element<AXES>, travel: &Travel<AXES>) -> Result<(), Beyond> {
         let from = &*self.entered;
         travel.curve(from, |axis| element.bent_range(axis, from, travel.of(axis, from)))
     }
 
-    /// Limits of an element that may pass within the window of filters.
+    /// Limits of an element that the motion may pass within the window of the filters.
     #[cold]
     #[inline(never)]
     fn shorten(&self, element: &Piece<'_, AXES>, limits: &Permitted) -> Option<Permitted> {
@@ -94,7 +94,7 @@ impl<const AXES: usize, const BLOCKS: usize> Entrance<'_, '_, AXES, BLOCKS> {
         self.dynamics.shorten(limits, length, !element.shape.is_line())
     }
 
-    /// An element of the smoother.
+    /// Takes an element of the smoother.
     #[inline(never)]
     fn take(&mut self, smoothed: &Smoothed<'_, AXES>) {
         #[cfg(feature = "examine")]
@@ -123,7 +123,7 @@ impl<const AXES: usize, const BLOCKS: usize> Entrance<'_, '_, AXES, BLOCKS> {
         }
     }
 
-    /// `end`: where it ends, if that is known.
+    /// Puts an element into queue and look-ahead. `end`: the end of the element, if known.
     #[inline(never)]
     pub fn push(
         &mut self,
@@ -140,7 +140,7 @@ impl<const AXES: usize, const BLOCKS: usize> Entrance<'_, '_, AXES, BLOCKS> {
         self.push_here(piece, limits, pass, (due, false), end);
     }
 
-    /// An arc. Behind two turns of its circle it becomes two blocks.
+    /// Puts an arc into queue and look-ahead. After two turns of its circle, the arc becomes two blocks.
     #[inline(never)]
     pub fn push_arc(
         &mut self,
@@ -157,7 +157,7 @@ impl<const AXES: usize, const BLOCKS: usize> Entrance<'_, '_, AXES, BLOCKS> {
         }
         let turns = if self.ring.has_room_for_two() { self.dynamics.turns(element, pass.feed) } else { None };
         let Some(turns) = turns else { return self.push(&piece, limits, pass, due, end) };
-        // What comes to the point before it is behind the curve before.
+        // A function before this point acts after the curve before.
         if !self.functions.are_open() {
             self.ring.rejoin(&piece, pass.feed.is_none(), &turns, self.dynamics);
         }
@@ -171,7 +171,7 @@ impl<const AXES: usize, const BLOCKS: usize> Entrance<'_, '_, AXES, BLOCKS> {
         self.ring.run_out(before);
     }
 
-    /// In place of queue and look-ahead, for an element that is only examined.
+    /// Replaces queue and look-ahead for an element that is only checked.
     #[cfg(feature = "examine")]
     fn pass_by(&mut self, element: &Piece<'_, AXES>, due: u32, end: Option<&[Position; AXES]>) {
         if !element.continued {
@@ -188,7 +188,8 @@ impl<const AXES: usize, const BLOCKS: usize> Entrance<'_, '_, AXES, BLOCKS> {
         self.dynamics.settle();
     }
 
-    /// Puts an element into queue and look-ahead, inline: of a line only what lines have is made.
+    /// Puts an element into queue and look-ahead. Inline, so that the code for a line contains no work for
+    /// curves.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn push_here(
         &mut self,
@@ -207,7 +208,7 @@ impl<const AXES: usize, const BLOCKS: usize> Entrance<'_, '_, AXES, BLOCKS> {
         if !element.continued {
             let gate = self.functions.before(due, self.segments.end(), self.actions);
             let base = element.shape.base(self.entered);
-            // There is room: the caller asked.
+            // There is room: the caller has checked this.
             let _ = self.segments.push(element.shape, &base, pass.n, pass.number);
             #[cfg(feature = "plc")]
             self.record(element, &base, pass);
@@ -226,10 +227,10 @@ impl<const AXES: usize, const BLOCKS: usize> Entrance<'_, '_, AXES, BLOCKS> {
 }
 
 impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
-    /// Takes in a motion block. Only after [`super::Work::Hungry`].
+    /// Takes a motion block. Call this function only after [`super::Work::Hungry`].
     ///
     /// # Errors
-    /// The block is refused and leaves no trace.
+    /// The block is refused and nothing has changed.
     pub fn take(&mut self, motion: &Motion<AXES>) -> Result<(), MotionError> {
         let result = self.take_motion(motion);
         if result.is_err() {
@@ -266,7 +267,8 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         }
     }
 
-    /// Not inlined, as the next one: of what each has on the stack, only one is there at a time.
+    /// Neither this function nor the next one is inlined, so that only one of their stack frames exists at a
+    /// time.
     #[inline(never)]
     fn take_line(&mut self, motion: &Motion<AXES>, feed: Option<f32>) -> Result<(), MotionError> {
         let (from, to) = (&self.intake.programmed, &motion.target);
@@ -288,7 +290,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         Ok(())
     }
 
-    /// A line that the smoother takes.
+    /// Passes a line to the smoother.
     #[inline(never)]
     fn round_line(&mut self, motion: &Motion<AXES>, feed: Option<f32>) -> Result<(), MotionError> {
         let (from, to) = (&self.intake.programmed, &motion.target);
@@ -306,7 +308,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         Ok(())
     }
 
-    /// A line on which no axis moves: what comes with it is with the block before.
+    /// Handles a line on which no axis moves: its functions and its exact stop belong to the block before.
     pub(super) fn join_last(&mut self, motion: &Motion<AXES>) {
         self.functions.settle(false, false);
         if motion.exact_stop {
@@ -314,7 +316,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         }
     }
 
-    /// Not inlined: lines would pay for its registers.
+    /// Not inlined; otherwise lines would save its registers too.
     #[inline(never)]
     fn take_arc(
         &mut self,
@@ -322,7 +324,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         feed: Option<f32>,
         (centre, plane, clockwise): ([Position; 2], Plane, bool),
     ) -> Result<(), MotionError> {
-        // Made where it goes on from: an element is large.
+        // Made in its final place, because an element is large.
         let mut element = Element::BLANK;
         let ends = [&self.intake.programmed, &motion.target];
         path::arc_to(ends, (centre, plane, clockwise), &self.measure, &mut element)?;
@@ -334,7 +336,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         Ok(())
     }
 
-    /// An arc that the smoother takes.
+    /// Passes an arc to the smoother.
     #[inline(never)]
     fn round_arc(
         &mut self,
@@ -352,7 +354,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         Ok(())
     }
 
-    /// What an arc permits, and what goes with it, if it may be driven.
+    /// Checks whether an arc may be driven. Returns its limits and its data.
     #[cfg_attr(feature = "fast", inline(always))]
     fn look_over(
         &self,
@@ -386,7 +388,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         }
     }
 
-    /// All of an arc stays inside the software limits.
+    /// Checks that an arc stays inside the software limits.
     #[inline(never)]
     fn stays(
         &self,
@@ -398,11 +400,11 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         self.intake.travel.curve(from, |axis| element.arc_range(axis, from, to, centre))
     }
 
-    /// Whether a motion has a path that it may take. For a line in which other commands come before its
-    /// motion.
+    /// Checks a motion without taking it. A line of the program may contain commands before its motion; the
+    /// check comes before these commands.
     ///
     /// # Errors
-    /// Why it has none.
+    /// Returns why the motion is refused.
     #[inline(never)]
     pub fn look_at(&self, motion: &Motion<AXES>) -> Result<(), MotionError> {
         let (from, to) = (&self.intake.programmed, &motion.target);
@@ -425,12 +427,12 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         Ok(())
     }
 
-    /// Drops the motion of the current line: functions that were to come before it are not put out.
+    /// Drops the motion of the current line, with the functions before this motion.
     pub fn drop_motion(&mut self) {
         self.functions.drop_unsettled(self.queue.control);
     }
 
-    /// An exact stop at the end of the block taken in last.
+    /// Demands an exact stop at the end of the last block.
     fn stop_before(&mut self) {
         self.intake.smoothing.flush(true);
         self.stop_held();
@@ -439,8 +441,9 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         }
     }
 
-    /// The axes that the block moves: bit i for axis i. An arc moves both of its plane, and may end on them where it
-    /// begins; so may a block with a spline or a curve of POS.
+    /// The axes that the block moves: bit i is axis i. An arc moves both axes of its plane, even if it ends
+    /// where it begins. A block with a spline, or with a curve of POS, may also move an axis and end at its
+    /// start.
     pub fn moved(&self, motion: &Motion<AXES>) -> u32 {
         let turned = match motion.kind {
             MotionKind::Arc { plane, .. } => plane.main_axes().map(|place| self.measure.main.get(place)),
@@ -456,8 +459,8 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         moved
     }
 
-    /// Contour mode changes. Only after [`super::Work::Hungry`]; `in_motion`: the command stands in a motion
-    /// block.
+    /// Changes contour mode. Call this function only after [`super::Work::Hungry`]. `in_motion`: the command
+    /// is part of a motion block.
     ///
     /// # Errors
     /// A spline is on.
@@ -467,10 +470,11 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         self.intake.smoothing.contour(contour, in_motion)
     }
 
-    /// A command of direct splines, and what is doubtful about it. Only after [`super::Work::Hungry`].
+    /// Carries out a command of direct splines and returns a warning about it, if any. Call this function
+    /// only after [`super::Work::Hungry`].
     ///
     /// # Errors
-    /// It is refused, and nothing has changed.
+    /// The command is refused and nothing has changed.
     pub fn spline(&mut self, command: &Spline<AXES>) -> Result<Option<NcWarningKind>, SplineError> {
         self.let_go();
         let exit = self.lookahead.ring.exit();
@@ -480,21 +484,22 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         self.intake.smoothing.spline(command, &before)
     }
 
-    /// #HSC changes. Only after [`super::Work::Hungry`]. `false`: it is on, and its parameters stay.
+    /// Carries out #HSC. Call this function only after [`super::Work::Hungry`]. Returns `false` if #HSC is
+    /// already on and keeps its parameters.
     ///
     /// # Errors
-    /// It is refused, and nothing has changed.
+    /// The command is refused and nothing has changed.
     pub fn hsc(&mut self, hsc: &Hsc) -> Result<bool, SplineError> {
         self.let_go();
         self.intake.smoothing.hsc(hsc)
     }
 
-    /// The method that #HSC ON takes with this command.
+    /// The method that #HSC ON selects with this command.
     pub fn hsc_method(&self, hsc: &Hsc) -> HscMethod {
         self.intake.smoothing.method(hsc)
     }
 
-    /// Whether the main axes are the feed axes, as Surface takes for granted.
+    /// Whether the main axes are the feed axes, as Surface requires.
     pub fn measures_space(&self) -> bool {
         self.measure.is_space()
     }
@@ -504,30 +509,32 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         self.measure.master().is_some()
     }
 
-    /// Whether the end of the block taken in last is to be rounded.
+    /// Whether the end of the last block is to be rounded.
     pub fn rounds(&self) -> bool {
         self.intake.smoothing.rounds()
     }
 
-    /// The warning about the curve of the last motion, once.
+    /// The warning about the curve of the last motion; each warning is returned once.
     pub fn remark(&mut self) -> Option<NcWarningKind> {
         self.intake.smoothing.remark()
     }
 
-    /// The last warning when all is done, and its block.
+    /// The last warning and its block, after the whole program.
     pub fn last_remark(&mut self) -> Option<(NcWarningKind, Place)> {
         let kind = self.remark()?;
         Some((kind, self.intake.smoothing.place().unwrap_or_default()))
     }
 
-    /// The block taken in last ends where it was programmed to. Only after [`super::Work::Hungry`].
+    /// Keeps the end of the last block exact, without a corner curve. Call this function only after
+    /// [`super::Work::Hungry`].
     pub fn keep_corner(&mut self) {
         self.let_go();
         self.intake.smoothing.cancel();
     }
 
-    /// Plans the blocks that are held back with the dynamics in force, before these change; the corner at the end stays
-    /// sharp. `false`: no block is held back. Call it only after [`super::Work::Hungry`].
+    /// Plans the held blocks with the current dynamics, before a change of the dynamics; the corner at their
+    /// end stays sharp. Returns `false` if no block is held. Call this function only after
+    /// [`super::Work::Hungry`].
     pub fn end_row(&mut self) -> bool {
         self.let_go();
         if !self.intake.smoothing.holds() {
@@ -542,23 +549,24 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         self.dynamics.differ(self.intake.machine, command)
     }
 
-    /// A block of that length does not take too long at the speed `v`.
+    /// Checks that a block of this length does not take too long at the speed `v`.
     #[cfg_attr(feature = "fast", inline(always))]
     pub(super) fn in_time(v: f32, length: Distance) -> Result<(), MotionError> {
         if to_f32(length.to_bits()) > v * SLOWEST { Err(MotionError::TooSlow) } else { Ok(()) }
     }
 
-    /// What goes with a block.
+    /// The data of a block for the look-ahead.
     #[cfg_attr(feature = "fast", inline(always))]
     pub(super) fn pass(&self, motion: &Motion<AXES>, feed: Option<f32>) -> Result<Pass, MotionError> {
-        // A block without motion needs no feed: it does not come here.
+        // A block without motion needs no feed, and never reaches this place.
         if feed.is_some_and(|feed| feed <= 0.0) {
             return Err(MotionError::NoFeed);
         }
         Ok(Pass { feed, n: motion.n, number: self.intake.taken, stop: motion.exact_stop })
     }
 
-    /// A block as the smoother takes it, but for its element: as an argument that would be copied.
+    /// A block for the smoother, without its element. The caller fills in the element, because an argument
+    /// would be copied.
     #[cfg_attr(feature = "fast", inline(always))]
     pub(super) fn programmed(
         &self,
@@ -577,7 +585,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         ProgrammedBlock { element: Element::BLANK, from, to, form, data }
     }
 
-    /// The smoother takes a block.
+    /// Passes a block to the smoother.
     pub(super) fn round(&mut self, block: &ProgrammedBlock<AXES>) {
         let parting = if self.functions.are_awaited() {
             Parting::Awaited
@@ -590,26 +598,27 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         self.functions.settle(true, self.intake.smoothing.rounds());
     }
 
-    /// A block has been taken in.
+    /// Counts a block that has been taken.
     pub(super) fn advance(&mut self, motion: &Motion<AXES>) {
         self.intake.programmed = motion.target;
         self.intake.taken = self.intake.taken.wrapping_add(1);
     }
 
-    /// Blocks that follow run with this slope, or with that of P-CHAN-00071. Only after
+    /// Sets the slope of the blocks that follow; the default is P-CHAN-00071. Call this function only after
     /// [`super::Work::Hungry`].
     pub fn set_slope(&mut self, command: &Slope) {
         let machine = self.intake.machine;
         self.dynamics().set_slope(machine, command);
     }
 
-    /// Weights the axes in the blocks that follow. Only after [`super::Work::Hungry`].
+    /// Sets the weights of the axes for the blocks that follow. Call this function only after
+    /// [`super::Work::Hungry`].
     pub fn weigh(&mut self, weight: &Weight<AXES>) {
         let machine = self.intake.machine;
         self.dynamics().weigh(machine, weight);
     }
 
-    /// The dynamics, without what filters take from them. Only after [`super::Work::Hungry`].
+    /// The dynamics without restrictions by filters. Call this function only after [`super::Work::Hungry`].
     pub fn unwatched(&mut self) -> &mut Dynamics<AXES> {
         let machine = self.intake.machine;
         let dynamics = self.dynamics();
@@ -617,7 +626,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         dynamics
     }
 
-    /// The dynamics, for path limits of the blocks that follow. Only after
+    /// The dynamics, to set path limits of the blocks that follow. Call this function only after
     /// [`super::Work::Hungry`].
     pub fn dynamics(&mut self) -> &mut Dynamics<AXES> {
         self.let_go();
@@ -625,7 +634,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         self.dynamics
     }
 
-    /// The way into the look-ahead, and what is held back before it.
+    /// Access to the look-ahead, and the line that is held back before it.
     #[cfg_attr(feature = "fast", inline(always))]
     pub(super) fn entrance(&mut self) -> (Entrance<'_, 'q, AXES, BLOCKS>, &HeldLine<AXES>) {
         let Self { lookahead, functions, dynamics, intake, queue, .. } = self;
@@ -647,7 +656,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         (entrance, held)
     }
 
-    /// The next element of the smoother goes into the look-ahead; `false` if there is none.
+    /// Passes the next element of the smoother to the look-ahead. Returns `false` if there is no element.
     #[inline(never)]
     pub(super) fn pass_smoothed(&mut self) -> bool {
         #[cfg(feature = "kinematics")]
@@ -687,8 +696,8 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         emitted
     }
 
-    /// A part of the curve of a corner leads beyond a software limit: the motion ends before it, and what was
-    /// taken in behind is forgotten.
+    /// Refuses the curve of a corner that leads beyond a software limit. The motion ends before this curve,
+    /// and all later blocks are dropped.
     #[cold]
     #[inline(never)]
     fn drop_curve(&mut self, place: Place, beyond: Beyond) {
@@ -696,7 +705,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         self.forget_ahead();
     }
 
-    /// Forgets what was taken in and is not in the look-ahead.
+    /// Drops blocks that have been taken and are not in the look-ahead.
     pub(super) fn forget_ahead(&mut self) {
         self.intake.smoothing.clear();
         self.intake.held.clear();
@@ -704,11 +713,11 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         self.intake.stand();
     }
 
-    /// Hands over what is to happen between the last block taken in and the next one; `in_motion`: it was
-    /// programmed together with a motion. Only after [`super::Work::Hungry`].
+    /// Takes a function that acts between the last block and the next one. `in_motion`: the function was
+    /// programmed together with a motion. Call this function only after [`super::Work::Hungry`].
     ///
     /// # Errors
-    /// Returns the function if there is no room. Then [`Self::make_room`] is called, and this again.
+    /// Returns the function if there is no room. Call [`Self::make_room`], then call `output` again.
     pub fn output(
         &mut self,
         n: u32,
@@ -729,8 +738,9 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         taken.map_err(|()| function)
     }
 
-    /// Functions of late synchronisation must be acknowledged before the next motion block: `explicit`, those of #EXPL SYN;
-    /// else those of the change to feed. Only after [`super::Work::Hungry`].
+    /// Demands the acknowledgement of functions with late synchronisation before the next motion block.
+    /// `explicit` selects those of #EXPL SYN; otherwise those of the change to feed. Call this function only
+    /// after [`super::Work::Hungry`].
     #[cfg(feature = "plc")]
     pub fn demand(&mut self, explicit: bool) {
         if self.functions.are_late(explicit) {

@@ -1,21 +1,21 @@
-//! Program text that comes late, and functions without room.
+//! Handles late program text, and functions without room.
 //!
-//! Blocks wait in the look-ahead for the blocks that follow. When the queue runs low, the planner releases
-//! the waiting blocks, a quarter of the ring at a time. Like every plan, theirs ends in a stop. So the motion
-//! slows down as the known path gets shorter, speeds up when blocks come, and stops at the end of the last
-//! block if none comes.
+//! Blocks wait in the look-ahead for later blocks. When the queue runs low, the planner releases the waiting
+//! blocks, a quarter of the ring at a time. The plan of these blocks ends in a stop, like every plan. So the
+//! motion slows down as the known path gets shorter, and speeds up when blocks come. If no block comes, the
+//! motion stops at the end of the last block.
 //!
 //! If the next function has no room, the planner releases the waiting blocks in the same way, because the interrupt
 //! has to reach the functions before. The planner stops the motion only if no block is left to be released.
 //!
-//! A planner that does not keep up releases blocks in the same way, before it has finished the next block.
-//! The condition is a low queue that ends at speed, while blocks are being taken. A planner that keeps up
-//! never meets this condition, because it has filled the queue before each tick. If the planner is not called
-//! at all, the interrupt uses the reserve (`reserve.rs`).
+//! A planner that does not keep up also releases blocks in this way, before it has taken the next block. The
+//! condition is: the queue is low and ends at speed while blocks are being taken. A planner that keeps up
+//! never meets this condition, because it fills the queue before each tick. If the planner is not called at
+//! all, the interrupt uses the reserve (`reserve.rs`).
 //!
-//! A corner that contour mode holds back waits for its second block, because the path must not depend on the
-//! arrival time of text. A run of blocks that HSC holds back ends at the end of its last block
-//! ([`Smoother::gives_way`]).
+//! If contour mode holds a corner back, the corner waits for its second block, because the path must not
+//! depend on the arrival time of text. If HSC holds a run of blocks back, the run ends at the end of its last
+//! block ([`Smoother::gives_way`]).
 use super::{KEPT_FREE, Planning, Speed, Work, clock};
 use crate::queue::{MAX_CURVES_PER_TICK, PHASES, SEGMENTS};
 use crate::smooth::Smoother;
@@ -24,14 +24,16 @@ use crate::smooth::Smoother;
 /// full ring.
 const LOW: u32 = 64;
 
-/// Ticks of motion in the queue that are few for a planner that does not keep up, whose plan takes longer.
+/// As [`LOW`], for a planner that is slower than the motion: its plan takes longer.
 const DRY: u32 = 256;
 
-/// Numbers of released curves and of pieces that are few: of a full ring, more are left after a tick.
+/// Released curves and pieces: fewer than this number count as few. With a full ring, more of them are left
+/// after a tick.
 const FEW: u32 = 10;
 const _: () = assert!(FEW < SEGMENTS as u32 - MAX_CURVES_PER_TICK && FEW < PHASES as u32 - 2 * KEPT_FREE);
 
-/// Number of ticks within which a planner that keeps up, called in each tick, has filled the queue again.
+/// A planner that keeps up has filled the queue again within this number of ticks, if it is called in each
+/// tick.
 const SOON: u32 = 2;
 
 impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
@@ -44,15 +46,15 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let low = self.frontier.end.wrapping_sub(now) <= clock::TICK * DRY
             && self.queue.phases.len() <= FEW
             && self.queue.segments.len() <= FEW;
-        // Ticks without a call of the planner say nothing about later ticks.
+        // Ticks without a call of the planner do not count.
         if low && now != self.supply.seen {
             (self.supply.seen, self.supply.low) = (now, self.supply.low + 1);
         }
         low && self.supply.low >= SOON
     }
 
-    /// Continues without a next block. Call it only after [`Work::Hungry`]. Returns [`Work::Starved`] once for each
-    /// stop.
+    /// Continues without a next block. Call this function only after [`Work::Hungry`]. Returns
+    /// [`Work::Starved`] once for each stop.
     pub fn go_without(&mut self) -> Work {
         let left = self.frontier.end.wrapping_sub(self.queue.clock.now());
         if left > clock::TICK * LOW {
@@ -75,7 +77,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         Work::Starved
     }
 
-    /// Makes room for a function. Call it only after [`Work::Hungry`].
+    /// Makes room for a function. Call this function only after [`Work::Hungry`].
     pub fn make_room(&mut self) -> Work {
         let left = self.frontier.end.wrapping_sub(self.queue.clock.now());
         if left > clock::TICK * LOW {

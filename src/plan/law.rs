@@ -1,12 +1,14 @@
-//! The profile of the next span without one: the planned profile, or a replacement.
+//! The profile of the next span that has none: the planned profile, or a replacement.
 //!
-//! A profile is planned for the start speed of its span, the whole span, and the override of that time. After a
-//! stop, a change of override or a slower span before, a replacement is needed:
+//! A profile is planned for the start speed of its span, the whole span, and the override of that time. After
+//! a stop, a change of override, or a slower span before, one of these profiles replaces it:
 //!
-//! - For several blocks: the rest of the planned profile, or a profile below it at each place, at a part of its
-//!   speed. Any other profile would need a comparison with every block ([`CommittedSpan::go_on`]).
-//! - Otherwise: a profile within the current speed limit of the span, from the current speed. For several blocks
-//!   the limit is the speed of the slowest one, or the cruise of the planned profile ([`CommittedSpan::look`]).
+//! - For several blocks: the rest of the planned profile, or a profile that is at most as fast at each place,
+//!   scaled by a part of the speed. Any other profile would have to be compared with every block
+//!   ([`CommittedSpan::go_on`]).
+//! - Otherwise: a profile from the current speed, within the current speed limit of the span. For several
+//!   blocks, this limit is the speed of the slowest block, or the constant speed of the planned profile
+//!   ([`CommittedSpan::look`]).
 //! - Or a braking to this limit.
 use super::change::Pending;
 use super::committed::CommittedSpan;
@@ -16,33 +18,33 @@ use crate::lookahead::{Gain, GoingOn};
 use crate::math::float::{max, min, size_f32, to_f32};
 use crate::quantity::{DISTANCE_LSB, speed_bits, speed_f32};
 
-/// Longest duration of a profile at a part of its speed: 2^26 ticks.
+/// Longest duration of a profile that is scaled in speed: 2^26 ticks.
 const LONGEST: Time = Time::from_bits(1 << (26 + 36));
 
-/// How far a new profile follows the planned one.
+/// How far a replacement reaches the planned end speed.
 #[derive(Clone, Copy, PartialEq)]
 enum Fit {
-    /// Up to the planned end speed, or to the current one.
+    /// The profile reaches the planned end speed, or keeps its current one.
     Whole,
-    /// Up to a lower end speed.
+    /// The profile reaches a lower end speed.
     Part,
 }
 
-/// The outcome for the profile of a span that differs from the planned one.
+/// The result of the search for a profile that differs from the planned one.
 enum Made {
-    /// The speeds are known.
+    /// The speeds of the profile are known.
     Suited(Fit),
     /// The profile is ready.
     Planned,
-    /// Another profile was made, which ends inside the span. It goes to the queue.
+    /// Another profile that ends inside the span is ready, and goes to the queue.
     Otherwise,
     /// The search continues.
     Later,
 }
 
 impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
-    /// Makes the profile of the next span without one. Returns `false` if the search continues; nothing has
-    /// changed then.
+    /// Makes the profile of the next span that has none. Returns `false`, and changes nothing, if the search
+    /// continues.
     pub(super) fn lay(&mut self) -> Result<bool, Unplannable> {
         let made = self.make_law();
         self.note_passed();
@@ -90,8 +92,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         Ok(true)
     }
 
-    /// Gives the span `k` its planned profile, or the rest of it, at a part of the speed, if this part is the
-    /// current one, or the one of the start speed.
+    /// Gives the span `k` its planned profile, or the rest of it, scaled by a part of the speed. The part
+    /// must be the current override, or fit the start speed.
     #[inline(never)]
     fn stretch(&mut self, k: usize) -> Option<Made> {
         let begins = self.committed.begins(k);
@@ -113,7 +115,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         }
         if let Some(part) = self.orders.pace.stretch(span, v_in) {
             let [from, to] = [span.v_in, span.v_out].map(Speed::to_bits);
-            // The change of speed must fit. Rounding of the end speed alone would be far larger.
+            // The end speed comes from the scaled change of speed. A scaled end speed would have a far larger
+            // rounding error.
             let change = speed_bits(speed_f32((to - from).abs()) * part);
             let leaves = v_in.to_bits() + if to < from { -change } else { change };
             if self.plan_at(k, part, None, Speed::from_bits(leaves.max(0))) {
@@ -124,7 +127,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         None
     }
 
-    /// Gives the rest of the span `k` a profile below the planned one, at the current part of the speed.
+    /// Gives the rest of the span `k` a profile that is at most as fast as the planned one, at the current
+    /// part of the speed.
     #[inline(never)]
     fn go_on_as_planned(&mut self, k: usize) -> Option<Made> {
         let begins = self.committed.begins(k);
@@ -137,8 +141,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             return None;
         }
         let CommittedSpan { span, limit, .. } = self.committed.get_mut(k)?;
-        // At a low override the profile gains speed so slowly that the profile of the slowest block may take
-        // less time.
+        // At a low override, this profile gains speed slowly. A profile at the speed of the slowest block may
+        // take less time.
         let way = to_f32(span.length.to_bits()) * DISTANCE_LSB;
         let ticks = size_f32(self.profile.time().to_bits()) * (1.0 / (1u64 << 36) as f32);
         if ticks * (span.slow.shared * part) > way {
@@ -148,8 +152,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         Some(Made::Planned)
     }
 
-    /// Gives the span `k` a profile with its limits, and those of `most`, at a part of the speed, with the end speed
-    /// `v_out`. Returns `false` if there is none.
+    /// Gives the span `k` a profile with its limits and those of `most`, scaled by `part`, with the end speed
+    /// `v_out`. Returns `false` if there is no such profile.
     #[inline(never)]
     fn plan_at(&mut self, k: usize, part: f32, most: Option<&GoingOn>, v_out: Speed) -> bool {
         let Some(committed) = self.committed.get_mut(k) else { return false };
@@ -169,8 +173,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         planned.is_ok() && self.profile.time() <= LONGEST
     }
 
-    /// Speed limit and end speed of a profile of the span `k` that differs from the planned one. The span may brake
-    /// instead.
+    /// Finds speed limit and end speed of a replacement for the profile of span `k`. The result may also be a
+    /// braking.
     #[inline(never)]
     fn suit(&mut self, k: usize) -> Made {
         let Some(committed) = self.committed.get_mut(k) else { return Made::Otherwise };
@@ -236,7 +240,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         Made::Suited(if reached { Fit::Whole } else { Fit::Part })
     }
 
-    /// Gives the span `k` a braking. Its first tick is known. The rest of the span gets its own profile.
+    /// Gives the span `k` a braking, whose first tick is known. The rest of the span gets its own profile.
     #[inline(never)]
     pub(super) fn brake(&mut self, k: usize, brake: &Brake) {
         self.frontier.emitter.begin_brake(&self.profile, brake);
@@ -258,8 +262,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         self.lower();
     }
 
-    /// The current profile ends slower than planned: the ring begins at this speed, and relies on it. If the
-    /// profile is not valid yet, the ring changes only when it becomes valid.
+    /// Lowers the first speed of the ring, because the current profile ends slower than planned. If the
+    /// profile is not valid yet, the ring changes only when the profile becomes valid.
     pub(super) fn lower(&mut self) {
         #[cfg(feature = "plc")]
         if self.orders.asking {

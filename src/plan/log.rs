@@ -10,7 +10,7 @@ use crate::quantity::Position;
 /// Data of the intake for a PLC.
 pub(super) struct Plc<'q> {
     pub recorder: Option<Recorder<'q>>,
-    /// Whether a real-time loop is being taken: long curves become two blocks.
+    /// Whether a real-time loop is being taken. Long curves are then divided into two blocks.
     pub parts: bool,
 }
 
@@ -19,7 +19,7 @@ impl Plc<'_> {
 }
 
 impl<const AXES: usize, const BLOCKS: usize> Entrance<'_, '_, AXES, BLOCKS> {
-    /// Records the curve that was put into the queue last.
+    /// Records the last curve that was put into the queue.
     #[inline(never)]
     pub(super) fn record(&mut self, element: &Piece<'_, AXES>, base: &[Position; AXES], pass: &Pass) {
         let Some(recorder) = &mut self.plc.recorder else { return };
@@ -31,7 +31,7 @@ impl<const AXES: usize, const BLOCKS: usize> Entrance<'_, '_, AXES, BLOCKS> {
 }
 
 impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
-    /// Starts the log, if the machine data have FCT_CONTOUR_LAH.
+    /// Starts the log, if the machine data contain FCT_CONTOUR_LAH.
     pub fn set_recorder(&mut self, mut recorder: Recorder<'q>) {
         let interpolator = &self.intake.machine.channel.interpolator;
         if !interpolator.has(InterpolatorFunctions::CONTOUR_LAH) {
@@ -43,7 +43,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         self.intake.plc.recorder = Some(recorder);
     }
 
-    /// Bytes for blocks that are kept, for a log by index and for real-time loops: P-STUP-00033.
+    /// Bytes for stored blocks, for a log by index and for real-time loops: P-STUP-00033.
     pub const fn storage(&self) -> u32 {
         let bytes = self.intake.machine.channel.interpolator.fb_storage_size;
         if bytes == 0 || bytes > FB_STORAGE_MIN { bytes } else { FB_STORAGE_MIN }
@@ -62,7 +62,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         }
     }
 
-    /// Drops the lines read ahead. The path is known up to the coming stop.
+    /// Drops the lines that were read ahead. The known path then ends at the coming stop.
     pub fn cut_log(&mut self) {
         self.intake.plc.parts = false;
         let path = self.queue.segments.end().to_bits();
@@ -72,8 +72,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         }
     }
 
-    /// Gives commands their place as soon as no motion block before them is still on its way into the
-    /// look-ahead.
+    /// Sets the place of commands, as soon as all motion blocks before them are in the look-ahead.
     pub fn settle_log(&mut self) {
         use crate::smooth::Smoother;
         if self.intake.held.is_none() && self.intake.smoothing.is_empty() {
@@ -84,8 +83,8 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         }
     }
 
-    /// #CONTOUR LOOKAHEAD LOG CLEAR: the log is emptied at the standstill before the next motion block, and nothing is
-    /// taken in until then.
+    /// #CONTOUR LOOKAHEAD LOG CLEAR: clears the log at a standstill before the next motion block. No block
+    /// is taken until then.
     ///
     /// # Errors
     /// Too many commands wait for one motion block.
@@ -93,7 +92,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         self.log(n, ContourLog::Clear)
     }
 
-    /// Whether CLEAR waits for a stop. Call it only after [`super::Work::Hungry`].
+    /// Whether CLEAR waits for a stop. Call this function only after [`super::Work::Hungry`].
     pub fn waits_for_log(&mut self) -> bool {
         let waits = self.intake.plc.recorder.as_ref().is_some_and(Recorder::waits_for_rest);
         if waits && self.is_at_rest() {
@@ -106,10 +105,11 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         waits
     }
 
-    /// A command of the log after the last motion block. Call it only after [`super::Work::Hungry`].
+    /// Takes a command of the log after the last motion block. Call this function only after
+    /// [`super::Work::Hungry`].
     ///
     /// # Errors
-    /// Too many of them wait for one motion block.
+    /// Too many commands wait for one motion block.
     pub fn log(&mut self, n: u32, log: ContourLog) -> Result<(), Crowded> {
         self.let_go();
         let taken = self.intake.taken;
@@ -118,7 +118,8 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         Ok(())
     }
 
-    /// `#DISTANCE PROG START CLEAR` after the last motion block. Call it only after [`super::Work::Hungry`].
+    /// Takes `#DISTANCE PROG START CLEAR` after the last motion block. Call this function only after
+    /// [`super::Work::Hungry`].
     ///
     /// # Errors
     /// Too many commands wait for one motion block.

@@ -1,4 +1,5 @@
-//! From motion blocks to the queue: path, look-ahead and slope in a row, a bounded amount of work per call.
+//! From motion blocks to the queue: path, look-ahead and speed profiles in sequence, with bounded work per
+//! call.
 //!
 //! | file | what it decides |
 //! |---|---|
@@ -85,7 +86,7 @@ enum RingStage {
     Filling,
     /// The ring is being planned.
     Passing,
-    /// This number of blocks will still be released, span by span.
+    /// This number of blocks is still to be released, span by span.
     Releasing(usize),
 }
 
@@ -98,17 +99,18 @@ pub enum Work {
     Waiting,
     /// A span has its speed profile: [`Planning::planned`].
     Planned,
-    /// The same span has another profile, which ends faster.
+    /// The last span has got another profile, which ends faster.
     Replanned,
     /// The only work left is to take the next block.
     Hungry,
     /// The motion stops at the end of the last block, because no further block is known.
     Starved,
-    /// The planner got so little time that the motion stopped on its path. The motion resumes now.
+    /// The planner was called so rarely that the motion stopped on its path. The motion resumes now.
     Late,
-    /// No stop from the current speed has room. The motion is slower until a stop has room.
+    /// The motion gets slower, because a stop from the current speed has no room.
     Slower,
-    /// The motion has stopped, and the remaining blocks are dropped: by an abort, or because a plan failed.
+    /// The motion has stopped, and the remaining blocks are dropped. The cause is an abort, or a plan that
+    /// failed.
     Aborted,
     /// The curve of a corner leads beyond a software limit. The motion ends before it:
     /// [`Planning::take_refused`].
@@ -159,7 +161,7 @@ pub struct Planning<'a, const AXES: usize, const BLOCKS: usize> {
     /// Released spans that the interrupt has not passed. The first of them have a profile:
     /// [`Frontier::planned`].
     committed: &'a mut CommittedSpans,
-    /// Path distance up to which the look-ahead is released.
+    /// Path distance up to which the look-ahead has been released.
     handed: Distance,
     supply: Supply,
     orders: Orders,
@@ -188,7 +190,7 @@ struct Intake<'a, const AXES: usize> {
     uniform: Uniform,
     #[cfg(feature = "plc")]
     plc: log::Plc<'a>,
-    /// Memory for the question of the standstill.
+    /// Memory for a forecast of the stop by a hold.
     #[cfg(feature = "plc")]
     inquiry: Option<&'a mut Inquiry>,
     #[cfg(feature = "kinematics")]
@@ -204,12 +206,12 @@ impl<const AXES: usize> Intake<'_, AXES> {
     }
 }
 
-/// The blocks that have the current limits.
+/// The blocks to which the current dynamics apply.
 #[derive(Clone, Copy, Debug)]
 struct Uniform {
-    /// The first of these blocks.
+    /// The first block to which the current dynamics apply.
     since: u32,
-    /// Whether curves were asked to keep the jerk of the ramp times (CHECK_JERK=2).
+    /// Whether curves have to keep the jerk of the ramp times (CHECK_JERK=2).
     by_ramps: bool,
 }
 
@@ -223,14 +225,15 @@ struct Task {
     rest: u64,
     /// Whether a gate has opened, so that the look-ahead is planned again.
     reopened: bool,
-    /// Whether the gate at the first block is open, so that the profile before it is made again too.
+    /// Whether the gate at the first block is open. The profile before this gate is then made again too.
     joining: bool,
-    /// Whether the motion stops, or will stop, before the first block or at the end, with a tick that shows
-    /// the stop.
+    /// Whether the motion stops, or will stop, before the first block or at the end; a tick then shows the
+    /// stop.
     stood: bool,
-    /// The instant at which the queue ends, if nothing has moved since the axes stopped there.
+    /// The instant at which the queue ends, if the axes stopped there and nothing has moved since.
     shifted: Option<u32>,
-    /// A level that the ring cannot follow, and the instant at which the queue ended at that time.
+    /// A planned override that the ring could not follow, and the instant at which the queue ended at that
+    /// time.
     refused_level: Option<(u32, f32)>,
 }
 
@@ -239,17 +242,17 @@ struct Task {
 struct Frontier {
     /// Cuts the last profile into pieces.
     emitter: Emitter,
-    /// Number of spans with a profile. The emitter has the last of these profiles.
+    /// Number of spans with a profile; the emitter has the last of these profiles.
     planned: usize,
     /// Speed at the end of that profile.
     speed: Speed,
-    /// Ticks of dwell behind that profile.
+    /// Ticks of dwell after that profile that are not in the queue yet.
     pending_dwell: u64,
     /// Instant up to which pieces are in the queue.
     end: u32,
     /// Whether the profile ends in a stop.
     stops: bool,
-    /// Whether the queue ends at rest.
+    /// Whether the queue ends with a dwell or a standstill.
     rests: bool,
 }
 
@@ -259,21 +262,21 @@ struct Orders {
     mode: Mode,
     /// The commands as read last.
     word: u32,
-    /// Their effect on the speed.
+    /// The effect of the commands on the speed.
     pace: Pace,
     /// Whether a profile could not be made: the motion stops, and the remaining blocks are dropped.
     failed: bool,
     /// Ticks from a command to the change.
     lead: u32,
-    /// Whether a change is in progress. The last try changed nothing, and other work has this call.
+    /// Whether a change was tried in this call and nothing changed. Other work then has this call.
     trying: bool,
     yields: bool,
     /// The search for a stop.
     search: Search,
-    /// Whether profiles are made for a question of the PLC: these are not valid for the interrupt.
+    /// Whether profiles are made only for a question of the PLC and not for the interrupt.
     #[cfg(feature = "plc")]
     asking: bool,
-    /// Whether a hold keeps the current profile up to its end.
+    /// Whether a hold keeps the current profile to its end.
     #[cfg(feature = "plc")]
     settled: bool,
 }
@@ -283,17 +286,17 @@ struct Orders {
 struct Supply {
     /// Number of ticks with a low queue.
     low: u32,
-    /// The last such tick.
+    /// The last tick with a low queue.
     seen: u32,
 }
 
 /// Data for reports about the program.
 #[derive(Clone, Copy, Debug)]
 struct Report {
-    /// Number of motion blocks whose profile has begun.
+    /// Number of motion blocks in spans whose profile has begun.
     begun: u32,
     planned: Planned,
-    /// Whether the profile of the last released span is still being searched.
+    /// Whether the last released span still has no profile.
     is_due: bool,
 }
 
@@ -305,23 +308,23 @@ pub struct PlannedBlock {
     pub block: u32,
     /// Number of blocks that begin in the span.
     pub blocks: u32,
-    /// Programmed N number of the first.
+    /// Programmed N number of the first motion block.
     pub n: u32,
     /// Path length.
     pub length: Distance,
-    /// Speed at the span's start.
+    /// Speed at the start of the span.
     pub v_in: Speed,
     /// Highest speed.
     pub v_peak: Speed,
-    /// Speed at the span's end.
+    /// Speed at the end of the span.
     pub v_out: Speed,
     /// Duration.
     pub time: Time,
-    /// If the span ends in a stop: time from the stop to the tick at which the next motion may begin.
+    /// Time from the stop to the tick at which the next motion may begin, if the span ends in a stop.
     pub wait: Time,
 }
 
-/// Program data of the span planned last. The rest of [`PlannedBlock`] is computed on demand.
+/// Program data of the span planned last. The other data of [`PlannedBlock`] are computed on demand.
 #[derive(Clone, Copy, Debug, Default)]
 struct Planned {
     number: u32,
@@ -344,7 +347,7 @@ impl Task {
 }
 
 impl Frontier {
-    /// At rest, with an empty queue.
+    /// The state at standstill, with an empty queue.
     fn start() -> Self {
         let emitter = Emitter::new();
         Self { emitter, planned: 0, speed: Speed::ZERO, pending_dwell: 0, end: 0, stops: false, rests: true }
@@ -362,20 +365,21 @@ struct Large<'a, const AXES: usize, const BLOCKS: usize> {
     reserve: &'a mut Reserve,
 }
 
-/// Makes a value in its memory. A separate function: until the copy, the value is on this stack frame alone.
+/// Makes a value in its memory. A separate function, so that only its own stack frame holds the value before
+/// the copy.
 #[inline(never)]
 fn filled<T>(memory: &mut MaybeUninit<T>, make: impl FnOnce() -> T) -> &mut T {
     memory.write(make())
 }
 
-/// Pieces per call. The queue of a small build has a quarter of the room, and fewer pieces at once fill it
-/// better.
+/// Pieces per call. The queue of a small build is a quarter of the size; with fewer pieces per call, it is
+/// filled better.
 const PIECES: u32 = if crate::machine::functions::IS_SMALL { 4 } else { 8 };
 
-/// Places in the queue that always stay free, for a new profile in place of an existing one.
+/// Places of the queue that always stay free for a change of profiles.
 const KEPT_FREE: u32 = PIECES + 2;
 
-/// Longest rest in one piece, ticks.
+/// Longest standstill in one piece, ticks.
 const LONGEST_REST: u64 = 65_535;
 
 impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
@@ -399,7 +403,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         Self::with(large, machine, start, queue)
     }
 
-    /// With the large parts in their places.
+    /// As [`Self::new`], with the large parts in their places.
     #[inline(never)]
     fn with(
         large: Large<'a, AXES, BLOCKS>,
@@ -470,18 +474,18 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         self.orders.search.spent()
     }
 
-    /// Demands a stop after the blocks taken so far, and `ticks` ticks of dwell. The next [`Work::Hungry`] comes when
-    /// all of them are in the queue.
+    /// Demands a stop after the blocks taken so far, and then a dwell of `ticks` ticks. The next
+    /// [`Work::Hungry`] comes when stop and dwell are in the queue.
     pub fn rest(&mut self, ticks: u64) {
         self.task.flush = true;
         self.task.rest = ticks;
     }
 
-    /// Continues the work.
+    /// Does a bounded part of the pending work.
     ///
     /// # Errors
-    /// [`Unplannable`]: a defect of the planner, which its own check has found, or a reduced speed at which a
-    /// block takes too long. The motion stops as with an abort: [`Work::Aborted`] follows.
+    /// [`Unplannable`]: the check of a plan has found a defect of the planner, or a block takes too long at
+    /// reduced speed. The motion stops as with an abort: [`Work::Aborted`] follows.
     pub fn work(&mut self) -> Result<Work, Unplannable> {
         #[cfg(feature = "examine")]
         if self.lookahead.ring.examines() {
@@ -494,10 +498,10 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         if let Some(work) = self.attend() {
             return Ok(work);
         }
-        // Also if the queue has no room: the interrupt may reach the stop before the next call.
+        // This also happens if the queue has no room: the interrupt may reach the stop before the next call.
         self.end_law();
-        // Checked first, so that no piece is made without room. Several pieces at once, because each call has
-        // its own cost.
+        // Room is checked first, so that no piece is made in vain. A call makes several pieces, because each
+        // call has a fixed cost.
         if self.queue.phases.room() < PIECES + KEPT_FREE {
             return Ok(self.wait_a_while());
         }
@@ -516,8 +520,8 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         self.go_on()
     }
 
-    /// Hands out the first pieces of a motion. They wait for a plan in progress, because their stop is not
-    /// known before.
+    /// Emits the first pieces of a motion. These pieces wait until the plan in progress is complete, because
+    /// their stop is unknown before.
     fn start(&mut self) -> Work {
         if self.task.stage == RingStage::Passing && !self.orders.mode.stopping {
             self.step_pass();
@@ -543,8 +547,8 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         }
     }
 
-    /// Ends a profile that stops and is in the queue: the next motion begins at a tick, and the stop itself
-    /// is in the reserve.
+    /// Ends a profile that stops and is in the queue. The next motion begins at a tick; the reserve holds the
+    /// tick of the stop.
     #[cfg_attr(feature = "fast", inline(always))]
     fn end_law(&mut self) {
         if self.frontier.stops && self.frontier.emitter.is_done() {
@@ -567,14 +571,15 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         more
     }
 
-    /// Puts a piece in. There is room.
+    /// Puts a piece into the queue, which must have room.
     fn put(&mut self, phase: Phase) {
         self.frontier.end = self.frontier.end.wrapping_add(clock::TICK * u32::from(phase.ticks));
         let _ = self.queue.phases.push(phase);
         self.pass_end();
     }
 
-    /// Rests at the path distance `at` for one piece. There is room. Returns the remaining ticks.
+    /// Puts a standstill at the path distance `at` into the queue, as one piece. The queue must have room.
+    /// Returns the remaining ticks.
     fn put_rest(&mut self, at: Distance, ticks: u64) -> u64 {
         let now = ticks.min(LONGEST_REST);
         if now > 0 {
@@ -600,7 +605,8 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
                 self.step_pass();
                 Ok(Work::Working)
             }
-            // A span of many blocks was released at once. The room that it took from others comes back first.
+            // A span of many blocks was released at once and uses more of the curve queue than its share.
+            // This room has to become free first.
             RingStage::Releasing(0) if self.queue.segments.is_over() => Ok(self.wait_a_while()),
             RingStage::Releasing(0) => {
                 if self.secure(self.reserve.near.max(FAR)) {
@@ -621,7 +627,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         }
     }
 
-    /// Does one step of the smoother, or moves one of its elements on, if there is work.
+    /// Does one step of the smoother, or takes one of its elements, if there is work.
     fn round_off(&mut self) -> bool {
         self.intake.smoothing.work(self.dynamics) || self.pass_smoothed()
     }
@@ -652,25 +658,26 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         if self.task.flush && self.lookahead.ring.is_empty() {
             return self.come_to_rest();
         }
-        // For a stop the known blocks must suffice: a corner that is held back waits for the rest.
+        // A stop has to use the known blocks: a corner that is held back waits for the remaining program
+        // text.
         if self.task.flush || self.orders.mode.stopping { self.begin_pass() } else { Work::Hungry }
     }
 
-    /// Plans again before a release, because gates have opened, or because the level has changed.
+    /// Plans again before a release, because gates have opened, or because the planned override has changed.
     #[inline(never)]
     fn plan_anew(&mut self) -> Work {
         self.task.reopened = false;
         if self.task.flush {
             return self.begin_pass();
         }
-        // With as many blocks as the ring can hold.
+        // The plan includes as many blocks as the ring can hold.
         self.task.stage = RingStage::Filling;
         Work::Working
     }
 
     fn begin_pass(&mut self) -> Work {
         self.follow_level();
-        // The level is lower: the rest of this change comes first.
+        // The planned override is lower: the rest of this change comes first.
         self.task.reopened = self.lookahead.is_lowering();
         if self.task.reopened {
             return Work::Working;
@@ -702,7 +709,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         if self.keeps_ahead(now) {
             return Ok(self.wait_a_while());
         }
-        // The queue is full. From this a planner that is called rarely learns the time between its calls.
+        // The queue is full. This tells a rarely called planner the time between its calls.
         if self.queue.segments.is_sated() || self.committed.is_full() {
             return Ok(self.wait_a_while());
         }
@@ -727,14 +734,14 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
             self.frontier.planned += 1;
             return Ok(Work::Working);
         }
-        // All spans before have a profile, and this span had none before.
+        // This span never had a profile before, and all earlier spans have one.
         self.orders.mode.uneven = false;
         self.report.is_due = !self.lay().map_err(|error| self.fail_to_plan(error))?;
         Ok(if self.report.is_due { Work::Working } else { Work::Planned })
     }
 
-    /// Releases the first `blocks` blocks of the look-ahead. Their curves are in the queue since they entered
-    /// the look-ahead.
+    /// Releases the first `blocks` blocks of the look-ahead. Their curves have been in the queue since they
+    /// entered the look-ahead.
     fn hand_on(&mut self, blocks: usize) {
         let mut curves = 0;
         for _ in 0..blocks {
@@ -746,7 +753,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         self.queue.segments.hand_on(curves);
     }
 
-    /// Keeps the number, the blocks and the N number of a span. The span begins on the curve with the number
+    /// Stores the number, the blocks and the N number of a span. The span begins on the curve with the number
     /// `first` and ends on the last released curve.
     fn name(&mut self, first: u32, blocks: usize) {
         let segments = &self.queue.segments;
@@ -757,7 +764,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         }
         let (number, last) = (segments.block_of(first.segment), segments.block_of(last.segment));
         let begun = last.wrapping_add(1);
-        // A line that stands for several blocks has the number of the last one.
+        // A line that replaces several blocks has the number of the last one.
         let merged = number.wrapping_sub(self.report.begun) as i32 > 0;
         self.report.planned = Planned {
             number: if merged { self.report.begun } else { number },
@@ -779,7 +786,8 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         Some((self.queue.segments.block_of(track.segment), track.point(distance as i64)))
     }
 
-    /// The span planned last. Call it only after [`Work::Planned`], before the next call of [`Self::work`].
+    /// The span planned last. Call this function only after [`Work::Planned`], before the next call of
+    /// [`Self::work`].
     pub fn planned(&self) -> PlannedBlock {
         let Planned { number, blocks, n } = self.report.planned;
         let committed = self.committed.len().checked_sub(1).and_then(|last| self.committed.get(last));
@@ -808,8 +816,8 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         Work::Working
     }
 
-    /// Rests at the end of the released path for one piece. There is room: checked at the beginning of the
-    /// call. Returns the remaining ticks.
+    /// Puts a standstill at the end of the released path into the queue, as one piece. There is room: checked
+    /// at the start of the call. Returns the remaining ticks.
     fn stay(&mut self, ticks: u64) -> u64 {
         let left = self.put_rest(self.handed, ticks);
         if let Some(committed) =

@@ -1,9 +1,10 @@
-//! Override and reduced speed in profiles that are already in the queue.
+//! Changes of override and reduced speed in profiles that are already in the queue.
 //!
-//! The planner finds the motion a few ticks ahead, as for a feed hold, and lets the interrupt change over there. From
-//! there on the motion brakes to the new speed, or its acceleration ends. The rest of the span then gets its own
-//! profile with the new speed. The change begins with the next span if too little of the current one is left, or if
-//! the motion already brakes in it, unless it is then far too slow. Spans without a profile get the right one later.
+//! The planner finds the motion a few ticks ahead, as for a feed hold, and the interrupt changes over there.
+//! From there on, the motion brakes to the new speed, or its acceleration ends. The rest of the span then
+//! gets its own profile with the new speed. In two cases, the change begins with the next span: too little of
+//! the current span is left, or the motion already brakes in it. A braking span changes too if it would be
+//! far too slow. Spans without a profile get the right one later.
 use super::committed::CommittedSpan;
 use super::descent::Descent;
 use super::{Brake, Commands, Planning, Speed, Work, clock};
@@ -12,14 +13,14 @@ use crate::math::float::{max, min};
 use crate::nc::SlopeType;
 use crate::quantity::{speed_bits, speed_f32};
 
-/// A profile is replaced, even while it brakes, if it was made for a speed lower by this factor.
+/// A profile that brakes is replaced if it was made for a speed lower by this factor.
 const CRAWL: f32 = 2.0;
 
 /// Ticks of motion in the queue that are enough with HSC.
 const AHEAD: u32 = 1024;
 
 impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
-    /// Takes the override of the commands, for all later profiles. Returns `false` if it has not changed.
+    /// Sets the override for all later profiles. Returns `false` if the override has not changed.
     pub(super) fn set_pace(&mut self, commands: &Commands) -> bool {
         let before = self.orders.pace;
         self.orders.pace.follow(commands);
@@ -37,22 +38,22 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         true
     }
 
-    /// The level for the current override. Only HSC has levels below 100 %: spans of other slopes have one
-    /// speed.
+    /// The planned override for the current override. Only HSC has values below 100 %: spans of other slopes
+    /// have a single speed.
     pub(super) fn level(&self) -> f32 {
         let level = self.orders.pace.level();
         if self.dynamics.slope() == SlopeType::Hsc { level } else { max(level, 1.0) }
     }
 
-    /// Whether the queue has so much motion that no further span of HSC is released: a released span keeps
-    /// its level.
+    /// Whether the queue has so much motion that no further span of HSC is released. A released span keeps
+    /// its planned override.
     pub(super) fn keeps_ahead(&self, now: u32) -> bool {
         self.frontier.end.wrapping_sub(now) > clock::TICK * AHEAD
             && self.lookahead.ring.first().is_some_and(Block::varies)
     }
 
-    /// Plans the ring for the current level, if the motion enters the ring slowly enough. Only when all
-    /// profiles are made, before a plan begins.
+    /// Plans the ring for the current planned override, if the motion enters the ring slowly enough. Call
+    /// this function only when all profiles are made, before a plan begins.
     pub(super) fn follow_level(&mut self) {
         let (before, level) = (self.lookahead.ring.level(), self.level());
         let empty = self.lookahead.ring.is_empty();
@@ -65,15 +66,15 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             return;
         }
         if level < before && !empty {
-            // With a higher override again, they must not end faster than the next block begins.
+            // If the override rises again, these spans must not end faster than the next block begins.
             self.committed.lower(self.frontier.planned, self.lookahead.ring.first_speed());
         }
         self.dynamics.set_level(max(level, 1.0));
         self.renew_held();
     }
 
-    /// The speed at which the last profile would end without the override's effect. If the profile was made for another
-    /// override, there is no limit.
+    /// The speed at which the last profile would end without the effect of the override. If the profile was
+    /// made for another override, there is no limit.
     fn unslowed_end(&self, level: f32) -> Speed {
         let v = self.frontier.speed;
         let last = self.committed.len().checked_sub(1).and_then(|k| self.committed.get(k));
@@ -87,7 +88,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         }
     }
 
-    /// Whether the ring is planned for another level than the current one, may be able to follow it, and has
+    /// Whether the ring is planned for another override than the current one, may be able to follow, and has
     /// time.
     pub(super) fn has_other_level(&self) -> bool {
         let level = self.level();
@@ -96,8 +97,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             && self.is_far(self.frontier.end)
     }
 
-    /// Plans the ring for the current level, if it can follow. The check looks at all blocks, so it is done once for
-    /// each end of the queue.
+    /// Plans the ring for the current planned override, if the ring can follow. The check looks at all
+    /// blocks, so it is done once for each end of the queue.
     pub(super) fn try_level(&mut self) -> Work {
         let (ring, level) = (&self.lookahead.ring, self.level());
         if level > ring.level() || self.frontier.speed <= ring.entry_for(level) {
@@ -107,7 +108,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         Work::Working
     }
 
-    /// Whether the profile was made for another override and must change.
+    /// Whether the profile was made for another override and has to change.
     fn differs(&self, committed: &CommittedSpan) -> bool {
         let v = self.orders.pace.limit(&committed.span);
         let slower =
@@ -124,7 +125,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         committed.look(begins, motion.distance);
         let v = self.orders.pace.limit(&committed.span);
         let target = speed_bits(v);
-        // The existing braking stays, unless it takes many times longer.
+        // The existing braking stays, unless it is slower by [`CRAWL`].
         let crawls = v > CRAWL * committed.limit;
         if motion.accel < 0 && motion.speed <= target && !crawls {
             return None;
@@ -135,7 +136,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         goes.then_some(brake)
     }
 
-    /// Replaces profiles in the queue, from the first one that differs on.
+    /// Replaces the profiles in the queue, beginning with the first one that differs.
     #[inline(never)]
     pub(super) fn adjust(&mut self) -> Option<Work> {
         let (at, later) = self.attempt()?;

@@ -1,53 +1,53 @@
-//! The reserve: a stop for a planner that gets no time.
+//! The reserve: a prepared stop for the case that the planner gets no time.
 //!
-//! The queue may end at speed. Behind its end the planner keeps a stop ready, and tells the interrupt to
-//! continue with this stop ([`clock`]). As long as the planner is called, it moves the reserve on before the
-//! interrupt gets there, and the reserve is never used. Otherwise the motion brakes to a stop by itself,
-//! inside the limits of every block. At its next call the planner withdraws the rest of the queue and
-//! continues from the stop.
+//! The queue may end at speed. The planner keeps a stop after the end of the queue, and the interrupt
+//! continues with this stop ([`clock`]). As long as the planner is called, it replaces the reserve before the
+//! interrupt gets there, and the reserve is never used. Otherwise the motion brakes to a stop, inside the
+//! limits of every block. At its next call, the planner withdraws the rest of the queue and continues from
+//! the stop.
 //!
-//! The reserve is made like a feed hold (`hold`). It begins with the motion at the end of the queue. It leads
-//! through the rest of that span and the planned spans of the look-ahead, until one is long enough. The plan
-//! of the ring ends in a stop, so the reserve does too. Meanwhile the planner sets its current work aside and
-//! continues it afterwards.
+//! The reserve is made like a feed hold (`hold`). It begins with the motion at the end of the queue. It
+//! passes the rest of that span and the planned spans of the look-ahead, until one is long enough. The plan
+//! of the ring ends in a stop, so the reserve always ends. While the planner makes the reserve, it sets its
+//! current work aside; it continues this work afterwards.
 //!
-//! If the queue ends in a planned stop, its last tick is before the stop. The tick that shows the stop
-//! belongs to the next motion. Until that motion is in the queue, the reserve is this one tick.
+//! If the queue ends in a planned stop, its last tick comes before the stop. The tick that shows the stop
+//! belongs to the next motion. Until that motion is in the queue, the reserve is only this tick.
 //!
-//! A new reserve is made when the interrupt comes near the old one: once for a full queue, whatever the
-//! length of the blocks.
+//! A new reserve is made when the interrupt comes near the old one: once per full queue, for blocks of any
+//! length.
 //!
-//! A stop without room, or whose end is not known, is not used. The old reserve stays, and the motion gets
+//! A stop without room, or with an unknown end, is not used. The old reserve stays, and the motion gets
 //! slower ([`super::slower`]).
 //!
-//! A command that changes profiles in the queue, and a start from rest, become valid when the next reserve is
-//! complete ([`super::change`]).
+//! A command that changes profiles in the queue, and a start from a standstill become valid when the next
+//! reserve is complete ([`super::change`]).
 use super::change::Pending;
 use super::committed::CommittedSpan;
 use super::hold::{Mode, NOTHING};
 use super::search::Later;
 use super::{Distance, Frontier, Instant, PIECES, Phase, Planning, RingStage, Slot, Speed, Work, clock};
 
-/// Smallest time before the old reserve at which a new one is made; and the same before blocks are taken and
-/// planned, which a slow planner needs.
+/// Least time before the old reserve at which a new one is made. The second value is the same before blocks
+/// are taken and planned, because a slow planner needs this time.
 const NEAR: u32 = clock::TICK * 32;
 pub(super) const FAR: u32 = clock::TICK * 256;
 
-/// A planner that is called rarely makes a reserve ahead by this multiple of the time between its calls.
+/// A rarely called planner makes the new reserve earlier, by this multiple of the time between its calls.
 const CALLS: u32 = 2;
 
-/// Profiles per call: each may lead through many spans.
+/// Profiles per call. Each profile may pass many spans.
 const LAWS: u32 = 1;
 
 /// The stop with which the interrupt will continue.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Way {
-    /// The first instant of the stop, and the instant at which the axes stand.
+    /// The first instant of the stop, and the instant at which the axes stand still.
     pub at: u32,
     end: u32,
     /// Path distance of the stop.
     stands: i64,
-    /// Whether the plan stops there anyway.
+    /// Whether the plan stops at this place too.
     as_planned: bool,
 }
 
@@ -57,11 +57,11 @@ pub(super) struct Aside {
     frontier: Frontier,
     pub mode: Mode,
     spans: usize,
-    /// A span that has another profile meanwhile.
+    /// A span that gets another profile meanwhile.
     touched: Option<(usize, CommittedSpan)>,
-    /// Whether the braking from inside the emitter's profile is still being searched.
+    /// Whether a braking from inside the emitter's profile is still being searched.
     slows: bool,
-    /// Whether the next span keeps its own ramps, because with linear ramps it has no profile.
+    /// Whether the next span keeps its own ramps, because no profile with linear ramps exists for it.
     keeps_ramps: bool,
 }
 
@@ -76,19 +76,19 @@ pub(super) struct Reserve {
     pub changed: Option<(usize, bool)>,
     pub undone: bool,
     pub waits: bool,
-    /// For the stop being made: the next block of the look-ahead, or `usize::MAX` if the stop is to end
-    /// before, and its path distance.
+    /// For the stop in progress: the next block of the look-ahead and its path distance. `usize::MAX` if the
+    /// stop has to end before the look-ahead.
     next: usize,
     distance: Distance,
     /// Whether the stop so far is only the emitter's profile.
     as_planned: bool,
-    /// Path distance of the stop, if it is in none of the committed spans.
+    /// Path distance of the stop, if it is not in a committed span.
     stands: Option<i64>,
     /// The instant of the last call without work, and the time before the old reserve at which a new one is
     /// made.
     waited: u32,
     pub near: u32,
-    /// A stop that begins at this instant has no room. The motion is slower, and this is not reported yet.
+    /// Start of a stop that has no room. The motion gets slower, and this has not been reported yet.
     pub failed: Option<u32>,
     pub slowed: bool,
     /// Path distance of the stop, if spans up to there are still in the look-ahead.
@@ -126,7 +126,7 @@ impl Reserve {
         self.kept.is_some()
     }
 
-    /// Whether a span with a profile is about to get another one.
+    /// Whether the change in progress gives another profile to a span that has one.
     pub fn renews_law(&self) -> bool {
         self.pending.as_ref().is_some_and(Pending::is_command)
     }
@@ -136,22 +136,22 @@ impl Reserve {
         (self.next, self.distance)
     }
 
-    /// Whether the reserve is only the tick of a planned stop.
+    /// Whether the reserve is only the tick that shows a planned stop.
     fn shows_end(&self) -> bool {
         self.kept.is_some_and(|way| way.as_planned && way.end.wrapping_sub(way.at) == clock::TICK)
     }
 
-    /// The stop being made continues at this block and distance.
+    /// Lets the stop in progress continue at this block and path distance.
     pub const fn go_on_at(&mut self, next: usize, distance: i64) {
         (self.next, self.distance) = (next, Distance::from_bits(distance));
     }
 
-    /// The plan of the look-ahead is complete: a stop that had no room before may have room.
+    /// Permits another try of a stop that had no room: the plan of the look-ahead is now complete.
     pub const fn try_again(&mut self) {
         (self.failed, self.waits) = (None, false);
     }
 
-    /// The stop being made ends there.
+    /// Ends the stop in progress at this path distance.
     pub const fn stand_at(&mut self, distance: i64) {
         self.stands = Some(distance);
     }
@@ -177,7 +177,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             }
             return Work::Working;
         }
-        // Commands come first, except for pieces that are already written.
+        // Commands come first, unless new pieces are already written.
         let called = self.queue.control.word() != self.orders.word && self.reserve.pending.is_none();
         if called || !self.go_on_stopping() {
             self.take_back();
@@ -185,14 +185,14 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         Work::Working
     }
 
-    /// Begins a reserve, if the queue ends at speed beyond the old reserve, and the interrupt will reach the
-    /// old reserve within this time, or within half of the queue.
+    /// Begins a reserve if two conditions hold: the queue ends at speed beyond the old reserve, and the
+    /// interrupt reaches the old reserve within `within` ticks or within half of the queue.
     #[cfg_attr(feature = "fast", inline(always))]
     pub(super) fn secure(&mut self, within: u32) -> bool {
         self.secure_at(self.queue.clock.now(), within)
     }
 
-    /// The same, at this instant.
+    /// As [`Self::secure`], at this instant.
     #[cfg_attr(feature = "fast", inline(always))]
     pub(super) fn secure_at(&mut self, now: u32, within: u32) -> bool {
         let within = (self.frontier.end.wrapping_sub(now) / 2).min(within);
@@ -201,7 +201,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             && self.begin_reserve()
     }
 
-    /// No other work now: time for the reserve.
+    /// Uses a call without other work for the reserve.
     #[cfg_attr(feature = "fast", inline(always))]
     pub(super) fn wait_a_while(&mut self) -> Work {
         let now = self.queue.clock.now();
@@ -210,20 +210,20 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         if self.secure_at(now, self.reserve.near) { Work::Working } else { Work::Waiting }
     }
 
-    /// A profile that ends in a stop is in the queue. The reserve led into this profile; now it is the tick
-    /// that shows the stop.
+    /// Replaces the reserve when a profile that stops is in the queue: the new reserve is one tick, which
+    /// shows the stop.
     #[inline(never)]
     pub(super) fn keep_end(&mut self) {
         if self.reserve.is_kept() {
             self.drop_reserve();
         }
-        // If the stop was demanded, this tick comes at once.
+        // If the stop was demanded, this tick enters the queue at once.
         if !self.orders.mode.stopping && !self.orders.mode.halting {
             self.begin_reserve();
         }
     }
 
-    /// The queue ends in a rest that is far ahead: one tick of the rest is the reserve.
+    /// Makes one tick of a standstill the reserve, if the queue ends in a standstill that is far ahead.
     pub(super) fn keep_rest(&mut self) {
         let at = self.frontier.end;
         let Some(motion) = self.motion_at(at).filter(Instant::is_rest) else { return };
@@ -235,7 +235,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         }
     }
 
-    /// The queue continues behind the stop, and shows it.
+    /// The queue continues after the stop, and shows the stop.
     #[cfg_attr(feature = "fast", inline(always))]
     pub(super) fn pass_end(&mut self) {
         if self.reserve.shows_end() && self.reserve.pending.is_none() {
@@ -249,10 +249,10 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let failed = self.reserve.failed == Some(self.frontier.end) || has_one;
         let ends = self.frontier.speed == Speed::ZERO;
         let stands = ends && !self.frontier.emitter.has_piece();
-        // The rest of a profile that stops is a stop.
+        // The rest of a profile that stops is itself a stop.
         let stops = ends && !stands && self.orders.mode.stopping;
         let unplanned = self.task.stage == RingStage::Passing;
-        // The existing reserve leads further.
+        // The existing reserve goes further.
         let has_better = unplanned && self.reserve.is_kept();
         let refused = (has_better || failed || self.comes_down()) && self.reserve.pending.is_none();
         if refused || (self.reserve.behind.is_some() && !stops) {
@@ -263,7 +263,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let mode = &self.orders.mode;
         let halts = mode.halting;
         let inside = mode.passed.and_then(|passed| passed.stands);
-        // The stop through the look-ahead is known when the plan of the look-ahead is complete.
+        // A stop through the look-ahead is known only when the plan of the look-ahead is complete.
         let next = if unplanned { usize::MAX } else { 0 };
         (self.reserve.next, self.reserve.distance) = (next, self.handed);
         self.orders.mode = mode.stop();
@@ -279,8 +279,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         true
     }
 
-    /// Saves the state that returns afterwards. Not inlined, nor is the next function, so that only one of
-    /// their stack frames exists at a time.
+    /// Saves the state that is restored afterwards. This function and the next one are not inlined, so that
+    /// only one of their stack frames exists at a time.
     #[inline(never)]
     fn set_aside(&mut self) {
         let (frontier, mode, spans) = (self.frontier, self.orders.mode, self.committed.len());
@@ -328,8 +328,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         }
     }
 
-    /// The span of the emitter's profile, which is at this path distance. A span that was slowed down may
-    /// have no other profile yet.
+    /// The span of the emitter's profile, at this path distance. A span with a braking may have no other
+    /// profile yet.
     fn span_at(&self, distance: i64) -> usize {
         let mut k = self.frontier.planned;
         let is_within = |committed: &CommittedSpan| distance.wrapping_sub(committed.end()) < 0;
@@ -339,7 +339,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         k
     }
 
-    /// Saves the span `k` before it gets another profile. Its state returns afterwards.
+    /// Saves the span `k` before it gets another profile. Its state is restored afterwards.
     fn touch(&mut self, k: usize) {
         self.restore_touched();
         let begins = self.committed.begins(k);
@@ -361,7 +361,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         }
     }
 
-    /// Does one step of the stop. Returns `false` if it is complete or impossible.
+    /// Does one step of the stop. Returns `false` if the stop is complete or impossible.
     fn go_on_stopping(&mut self) -> bool {
         if self.reserve.aside.as_ref().is_some_and(|aside| aside.slows) {
             let (k, motion) = self.orders.search.begins();
@@ -393,13 +393,13 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         true
     }
 
-    /// Writes a piece of the stop.
+    /// Writes a piece of the stop to the reserve.
     fn put_aside(&mut self, phase: Phase) -> bool {
         self.frontier.end = self.frontier.end.wrapping_add(clock::TICK * u32::from(phase.ticks));
         self.queue.reserve.push(phase) || self.fail()
     }
 
-    /// Makes the profile of the next span: a released span, or one of the look-ahead.
+    /// Makes the profile of the next span, a released one or one of the look-ahead.
     #[inline(never)]
     fn lay_next(&mut self) -> bool {
         let Some(Aside { spans, touched, .. }) = &self.reserve.aside else { return false };
@@ -414,7 +414,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
                 if next == usize::MAX || !self.lookahead.ring.planned(next, &mut committed.span) {
                     return false;
                 }
-                // The interrupt would leave the part of the path that it knows.
+                // The stop would leave the part of the path that the interrupt knows.
                 if !self.queue.segments.is_known(self.reserve.distance) {
                     return false;
                 }
@@ -426,8 +426,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         } else if touched != Some(self.frontier.planned) {
             self.touch(self.frontier.planned);
         }
-        // A ramp of SIN2 is many pieces. A linear ramp with the mean jerk keeps the limits too, and is few pieces.
-        // If the four ramps differ, the linear profile may need more path than there is.
+        // A ramp of SIN2 has many pieces. A linear ramp with the mean jerk also keeps the limits, with few
+        // pieces. If the four ramps differ, the linear profile may need more path than is left.
         let keeps_ramps =
             self.reserve.aside.as_mut().is_some_and(|aside| core::mem::take(&mut aside.keeps_ramps));
         let Some(committed) = self.committed.get_mut(self.frontier.planned) else { return false };
@@ -450,7 +450,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         is_laid.is_ok() || is_straight
     }
 
-    /// The reserve is complete: the interrupt may use it.
+    /// Completes the reserve: the interrupt may use it.
     fn keep(&mut self) {
         let Some(aside) = &self.reserve.aside else { return };
         let at = aside.frontier.end;
@@ -491,8 +491,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         self.reserve.aside = None;
     }
 
-    /// Withdraws the reserve before profiles in the queue change, until the next one is made. Returns `false`
-    /// if the interrupt already uses the reserve.
+    /// Withdraws the reserve before profiles in the queue change; the next reserve follows later. Returns
+    /// `false` if the interrupt already uses the reserve.
     pub(super) fn drop_reserve(&mut self) -> bool {
         if self.queue.clock.has_left() || !self.queue.reserve.drop_kept(self.queue.clock) {
             return false;
@@ -502,7 +502,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         true
     }
 
-    /// The interrupt has used the reserve: after the stop, all further motion begins there.
+    /// Continues after the interrupt has used the reserve: all further motion begins at its stop.
     fn go_on_late(&mut self) -> Work {
         let Some(way) = self.reserve.kept else {
             self.queue.clock.let_go();
@@ -534,14 +534,14 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         if way.as_planned { Work::Working } else { Work::Late }
     }
 
-    /// Whether the span `k` is behind the stop. If not, it begins at the stop.
+    /// Whether the span `k` is after the stop. Otherwise, the span begins at the stop.
     pub(super) fn is_behind(&mut self, k: usize) -> bool {
         let begins = self.committed.begins(k);
         let (Some(stands), Some(committed)) = (self.reserve.behind, self.committed.get_mut(k)) else {
             return false;
         };
         if committed.end().wrapping_sub(stands) <= NOTHING {
-            // The span has begun: a command does not change it.
+            // The span has begun, so that a command does not change it.
             committed.first = self.frontier.end.wrapping_sub(clock::TICK);
             self.frontier.pending_dwell = u64::from(committed.rest);
             return true;

@@ -1,12 +1,12 @@
-//! The seam between two passes of a real-time loop: how long the planner waits before it decides on the next
+//! The seam between two passes of a real-time loop: the planner waits there before it decides on the next
 //! pass.
 //!
-//! Blocks wait in the look-ahead. The planner releases only blocks that a longer path would not make faster, so behind
-//! the released blocks there is always enough path to stop. When the path is no longer long enough, and the queue runs
-//! low, the flag decides on the next pass.
+//! Blocks wait in the look-ahead. The planner releases only blocks that a longer path would not make faster.
+//! So after the released blocks, there is always enough path to stop. The flag decides on the next pass in
+//! this case: the path is no longer long enough, and the queue runs low.
 //!
-//! So the decision comes [`SOON`] ticks and about two braking distances ahead, in whole blocks of the
-//! look-ahead. A longer line or arc becomes two blocks.
+//! The decision comes [`SOON`] ticks and about two braking distances ahead, in whole blocks of the
+//! look-ahead. A longer line or arc is divided into two blocks.
 use super::intake::{Entrance, Pass};
 use super::{Planning, clock};
 use crate::contour_log::{Crowded, Turn};
@@ -15,8 +15,8 @@ use crate::lookahead::WAYS;
 use crate::path::Piece;
 use crate::quantity::{Distance, Position};
 
-/// Ticks of motion in the queue below which the planner decides on the next pass: the time to take it and to
-/// plan a full ring.
+/// Ticks of motion in the queue below which the planner decides on the next pass. In this time, the planner
+/// takes the pass and plans a full ring.
 const SOON: u32 = 128;
 
 /// The next action at a seam.
@@ -24,18 +24,18 @@ const SOON: u32 = 128;
 pub enum Seam {
     /// There is time: the call did no work.
     Wait,
-    /// Something was done; there is more.
+    /// The call did some work; there is more.
     Working,
     /// The decision on the next pass is due.
     Decide,
 }
 
-/// Factor for the path that must be known, rounding included.
+/// Factor for the path that must be known; it includes rounding.
 const SPARE: f32 = 1.0625;
 
 impl<const AXES: usize, const BLOCKS: usize> Entrance<'_, '_, AXES, BLOCKS> {
-    /// A long line or arc of a real-time loop becomes two blocks; the second one has the length of a stop.
-    /// Returns `false` if it is too short; nothing was done then.
+    /// Divides a long line or arc of a real-time loop into two blocks; the second one has the length of a
+    /// stop. Returns `false`, and does nothing, if the element is too short.
     #[inline(never)]
     pub(super) fn push_parted(
         &mut self,
@@ -65,12 +65,12 @@ impl<const AXES: usize, const BLOCKS: usize> Entrance<'_, '_, AXES, BLOCKS> {
 }
 
 impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
-    /// Works while the following blocks are unknown. Call it only after [`super::Work::Hungry`].
+    /// Works while the following blocks are unknown. Call this function only after [`super::Work::Hungry`].
     pub fn seam(&mut self) -> Seam {
-        // A line that continues in the next pass is a separate element.
+        // If a line continues in the next pass, its parts stay separate elements.
         self.let_go();
         let now = self.queue.clock.now();
-        // The queue is low on purpose.
+        // The queue is low intentionally, so this does not count as a late planner.
         (self.supply.seen, self.supply.low) = (now, 0);
         if self.frontier.end.wrapping_sub(now) > clock::TICK * SOON {
             return match self.wait_a_while() {
@@ -85,7 +85,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         Seam::Working
     }
 
-    /// A pass of a real-time loop begins after the last motion block, or the last pass ends there.
+    /// Begins a pass of a real-time loop after the last motion block, or ends the last pass there.
     ///
     /// # Errors
     /// Too many commands of the log wait for one motion block.

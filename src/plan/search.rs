@@ -9,13 +9,13 @@
 //! | `Begin`, `Short`, surely | the first stage again, if a stop fits, but not by one profile | a round |
 //! | `Down` | braking to the end of fewer and fewer spans | one profile |
 //!
-//! Each step adds its cost. A call that has spent [`ENOUGH`] ends with [`Later`], and the next call continues.
-//! Between two steps a search is a few numbers. The last step makes the profile and checks it against the current
-//! spans.
+//! Each step adds its cost. A call that has spent [`ENOUGH`] ends with [`Later`], and the next call
+//! continues. Between two steps, only a few numbers are stored. The last step makes the profile and checks it
+//! against the current spans.
 //!
-//! A search belongs to a span and a motion. For another span or motion it begins anew, so a change of plan need not
-//! end it. If the motion is ahead of the interrupt, its instant is kept ([`Search::pause`]). If the interrupt has
-//! passed that instant, the next search begins for a later one.
+//! A search is for one span and one motion. For another span or motion, the search begins anew, so a change
+//! of plan need not end it. If the motion is ahead of the interrupt, its instant is stored
+//! ([`Search::pause`]). If the interrupt has passed that instant, the next search is for a later one.
 use super::descent::{Along, Descent};
 use super::short_stop::{No, Short};
 use super::{Instant, Planning, clock};
@@ -30,13 +30,13 @@ pub(super) const SCAN_COSTS: u32 = 6;
 pub(super) const LAW_COSTS: u32 = 15;
 pub(super) const PLAN_COSTS: u32 = 100;
 
-/// Highest cost of one round. A stop that costs more counts as impossible.
+/// Highest cost of one round. A stop with a higher cost counts as impossible.
 pub(super) const WALK: u32 = 760;
 
 /// Cost after which a call ends.
 const ENOUGH: u32 = 60;
 
-/// Cost of examining a part of this curve.
+/// Cost of examining a part of a curve.
 pub(super) const fn curve_costs<const AXES: usize>(segment: &Segment<AXES>) -> u32 {
     let axes = AXES as u32;
     if segment.is_line() {
@@ -48,7 +48,7 @@ pub(super) const fn curve_costs<const AXES: usize>(segment: &Segment<AXES>) -> u
     }
 }
 
-/// Cost of the deceleration that a part of the path permits.
+/// Cost of finding the deceleration that a part of the path permits.
 pub(super) const fn part_costs(axes: usize) -> u32 {
     2 * axes as u32
 }
@@ -69,7 +69,8 @@ enum Stage {
 /// A search, between two calls.
 #[derive(Clone, Debug)]
 pub(super) struct Search {
-    /// The span, the motion in it, and whether the search is for a reserve. At rest there is no search.
+    /// The span, the motion in it, and whether the search is for a reserve. At a standstill, there is no
+    /// search.
     k: usize,
     motion: Instant,
     is_reserve: bool,
@@ -77,12 +78,12 @@ pub(super) struct Search {
     stays: bool,
     stage: Stage,
     short: Short,
-    /// Whether the stop itself is examined again: the limits of the spans lead to a stop only in several
-    /// profiles.
+    /// Whether the stop itself is examined again, because the limits of the spans permit a stop only in
+    /// several profiles.
     again: bool,
-    /// Number of spans that [`Stage::Along`] found for a profile.
+    /// Number of spans in the profile that [`Stage::Along`] has found.
     spans: usize,
-    /// The instant of the motion, and the first span that begins behind it.
+    /// The instant of the motion, and the first span that begins after this instant.
     paused: Option<(u32, usize)>,
     /// Whether the current span has no stop, so that the stop begins with the next span.
     skips: bool,
@@ -117,7 +118,7 @@ impl Search {
         self.spent.set(self.spent.get().saturating_add(costs));
     }
 
-    /// Spends work in a round, up to `most` of all. `None`: the work does not suffice.
+    /// Adds costs of a round, if they stay within `most` in total. Returns `None` if they do not.
     pub fn spend_up_to(&self, most: u32, costs: u32) -> Option<()> {
         self.spend(costs);
         (self.spent() <= most).then_some(())
@@ -138,8 +139,8 @@ impl Search {
         (self.motion, self.paused, self.skips) = (Self::NO_MOTION, None, false);
     }
 
-    /// Pauses the search until the next call, for a change at the instant `at`. `later`: the first span that begins
-    /// after it. `skips`: the stop begins with that span.
+    /// Pauses the search until the next call, for a change at the instant `at`. `later`: the first span that
+    /// begins after `at`. `skips`: the stop begins with that span.
     pub const fn pause(&mut self, (at, later): (u32, usize), skips: bool) {
         (self.paused, self.skips) = (Some((at, later)), skips);
     }
@@ -171,7 +172,7 @@ impl Search {
         (self.stage, self.again) = (stage, false);
     }
 
-    /// This stage has found no stop.
+    /// Ends the short stages without a stop.
     fn leave_short(&mut self, no: No, surely: bool) {
         self.again = no == No::Shorter;
         self.stage = if surely { Stage::Down(self.spans) } else { Stage::Along };
@@ -179,13 +180,13 @@ impl Search {
 }
 
 impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
-    /// The instant and span of a continued search. If the interrupt has passed that instant, there is none, and the
-    /// next search begins for a later instant.
+    /// The instant and the span of a paused search. Returns `None` if the interrupt has passed that instant;
+    /// the next search is then for a later instant.
     #[inline(never)]
     pub(super) fn paused(&mut self) -> Option<(u32, usize)> {
         let paused = self.orders.search.paused.take()?;
         let now = self.queue.clock.now();
-        // At a standstill the instant may be the current one.
+        // At a standstill, the instant may be the current one.
         if !clock::is_before(paused.0, now) {
             self.orders.mode.tried = Some(now);
             return Some(paused);
@@ -196,11 +197,11 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         None
     }
 
-    /// Searches the stop from `motion` in the span `k`. Returns `None` if the current profile is as slow at the end of
-    /// this span. The result is in the profile.
+    /// Searches the stop from `motion` in the span `k`. Returns `None` if the current profile is as slow at
+    /// the end of this span. The emitter's profile holds the result.
     ///
     /// # Errors
-    /// The call has done enough. The next call for the same motion continues the search.
+    /// [`Later`]: the call has done enough work. The next call for the same motion continues the search.
     #[inline(never)]
     pub(super) fn descend(&mut self, k: usize, motion: &Instant) -> Result<Option<Descent>, Later> {
         if motion.speed <= 0 {
@@ -211,7 +212,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         if search.k != k || search.motion != *motion || search.is_reserve != is_reserve {
             search.restart((k, motion), is_reserve, false);
         }
-        // In its place, here and below: a returned value would be on the stack several times.
+        // Made in place, here and below: a returned value would be on the stack several times.
         let mut descent = Descent::none();
         loop {
             if self.orders.search.spent() >= ENOUGH {
@@ -219,7 +220,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
                 return Err(Later);
             }
             let Some(is_found) = self.go_on_searching(&mut descent) else { continue };
-            // A hold continues only behind committed spans.
+            // A hold continues only through committed spans.
             let commits = is_reserve || descent.brake.v_out == 0 || self.orders.search.stays;
             if is_found && !commits && k + descent.spans > self.committed.len() {
                 self.orders.search.restart((k, motion), is_reserve, true);
@@ -230,7 +231,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         }
     }
 
-    /// The stop from this motion stays within the span `k`: the next [`Self::descend`] needs one step.
+    /// Makes the stop from this motion stay within the span `k`. The next [`Self::descend`] then needs one
+    /// step.
     pub(super) fn stay_within(&mut self, k: usize, motion: &Instant) {
         let is_reserve = self.reserve.is_made();
         let search = &mut self.orders.search;

@@ -1,11 +1,11 @@
 //! The shortest stop that the path ahead permits.
 //!
-//! The limits of a span are those of its highest speed, and of the place where it bends most. A stop uses only a
-//! part of the span, at falling speed, so the axes may permit more. Their limits depend on the speed at each place
-//! of the path, and this speed depends on the deceleration. So the profile is found in rounds. The first round
-//! tries the limits of the axes at the start of the stop. Each further round uses less, until the axes permit the
-//! profile everywhere. Each round checks a few speeds, and for each of them the path that is left when the profile
-//! has come down to it.
+//! The limits of a span are those of its highest speed, and of the place where it bends most. A stop uses
+//! only a part of the span, at falling speed, so the axes may permit more. The limits of the axes depend on
+//! the speed at each place of the path, and this speed depends on the deceleration. So the profile is found
+//! in rounds. The first round tries the limits of the axes at the start of the stop. Each further round uses
+//! lower limits, until the axes permit the profile everywhere. Each round checks a few speeds of the profile,
+//! each at the place where the profile has this speed.
 //!
 //! One call makes a round, or a few rounds if the stop has few curves (`search`).
 use super::descent::{CLOSE, Cursor, Descent, SPANS, Stretch};
@@ -19,26 +19,26 @@ use crate::quantity::{speed_bits, speed_f32};
 use crate::slope::brake::SHORT;
 use crate::slope::limits::{Limits, SlopeLaw};
 
-/// Speeds at the starts of the parts of a stop, and at its end, as parts of the highest speed.
+/// Speeds at the starts of the parts of a stop and at its end, as ratios to the highest speed.
 type Speeds = [f32; PARTS + 1];
-/// Number of parts, and the part with which the second stage of STEP begins.
+/// Number of parts, and number of the part with which the second stage of STEP begins.
 const PARTS: usize = 7;
 const STAGE: usize = 3;
-/// Down to a stop; with STEP down to half the speed, where the next profile begins.
+/// Speeds down to a stop. The second row is for STEP: down to half the speed, where the next profile begins.
 const STANDS: Speeds = [1.0, 0.95, 0.85, 0.7, 0.5, 0.3, 0.12, 0.0];
 const SLOWS: Speeds = [1.0, 0.95, 0.9, 0.8, 0.7, 0.6, 0.55, 0.5];
-/// A stop of STEP up to this many times longer than with the limits at its start is one profile.
+/// STEP uses one profile for a stop that is up to this many times longer than with the limits at its start.
 const NEARLY: f32 = 1.2;
-/// The same with another slope, in place of several profiles.
+/// The same factor for other slopes; a longer stop has several profiles.
 const FAIRLY: f32 = 3.0;
 /// Largest number of rounds.
 const ROUNDS: usize = 8;
-/// Number of ticks in which a knee shows.
+/// Number of ticks in which the step of a knee acts.
 const KNEE_TICKS: i64 = 2;
 
-/// A part of a stop: its highest speed; how far its speeds are below the highest of all, and at most above the
-/// last; whether the deceleration rises and falls in it; whether acceleration falls in it; and the path distance
-/// of its end.
+/// A part of a stop. `v`: its highest speed. `change`: difference of its speeds to the highest speed of the
+/// stop, and to the last speed. `ramps`: whether the deceleration rises in it, and whether the deceleration
+/// falls. `gains`: whether an acceleration falls in it. `until`: path distance of its end.
 #[derive(Clone, Copy)]
 struct Part {
     v: f32,
@@ -49,16 +49,16 @@ struct Part {
 }
 
 impl Part {
-    /// No part.
+    /// An empty part.
     const BLANK: Self = Self { v: 0.0, change: [0.0; 2], ramps: [true; 2], gains: true, until: 0 };
 }
 
-/// The reason why there is no such stop.
+/// The reason why there is no short stop.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum No {
     /// The stop within the limits of the spans is as short.
     Shorter,
-    /// No single profile stops.
+    /// No single profile reaches a stop.
     Law,
 }
 
@@ -67,10 +67,10 @@ pub(super) enum No {
 struct Rounds {
     count: usize,
     are_over: bool,
-    /// The limits of the next round; the limits of the round before, and what the axes left.
+    /// The limits of the next round. Also the limits of the round before, and what the axes then permitted.
     braking: Braking,
     before: Option<[Braking; 2]>,
-    /// Path of the first profile, mm.
+    /// Path of the first profile, mm; no stop is shorter.
     nearest: f32,
 }
 
@@ -79,18 +79,17 @@ impl Rounds {
         Self { count: 0, are_over: false, braking: Braking::WIDEST, before: None, nearest: 0.0 };
 }
 
-/// The search for such a stop, between two calls.
+/// The search for the shortest stop, between two calls.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Short {
-    /// Path distances of the end of the first span, and of the end of the span up to which a deceleration may
-    /// continue.
+    /// Path distance of the end of the first span, and path distance up to which a deceleration may continue.
     ends: [i64; 2],
-    /// A longer stop is not wanted, mm.
+    /// Length of the known stop, mm; a longer one is useless.
     way: f32,
-    /// With STEP: whether a braking to half the speed is searched.
+    /// STEP: whether a braking to half the speed is searched.
     slows: bool,
     rounds: Rounds,
-    /// The profile of a stop, and how many times longer it is than with the limits at its start.
+    /// The profile of a stop, and the ratio of its length to the length with the limits at its start.
     stands: Result<(Braking, f32), No>,
 }
 
@@ -99,8 +98,8 @@ impl Short {
     pub const NONE: Self =
         Self { ends: [0; 2], way: 0.0, slows: false, rounds: Rounds::NONE, stands: Err(No::Law) };
 
-    /// With STEP: whether one profile does not stop, or takes much longer, so that another braking is
-    /// searched.
+    /// STEP: whether another braking is searched, because no single profile stops, or the stop is much
+    /// longer.
     fn goes_on(&self, begin: &Begin) -> bool {
         let is_near = self.stands.is_ok_and(|(_, needs)| needs <= NEARLY);
         begin.is_stepped() && !is_near && !self.rounds.are_over
@@ -112,7 +111,7 @@ struct Begin {
     cursor: Cursor,
     /// Number of the first curve.
     curve: u32,
-    /// Starts of the first curve and of the next one.
+    /// Path distances of the starts of the first curve and of the next one.
     curve_starts: [i64; 2],
     is_line: bool,
     /// Whether the stop begins near the start of its first span.
@@ -121,9 +120,9 @@ struct Begin {
     planned: Limits,
     /// Highest speed.
     v: f32,
-    /// Deceleration.
+    /// Deceleration at the start of the stop.
     begun: f32,
-    /// Acceleration, except with STEP.
+    /// Acceleration at the start of the stop; 0 with STEP.
     gains: f32,
 }
 
@@ -133,7 +132,7 @@ impl Begin {
         matches!(self.planned.law, SlopeLaw::Stepped { .. })
     }
 
-    /// Limits of a profile through these speeds.
+    /// Limits of a profile with these speeds.
     fn limits(&self, braking: &Braking, speeds: &Speeds) -> Limits {
         let ends = if self.gains > 0.0 { braking.ends } else { 0.0 };
         self.planned.braked(braking.a, speeds[STAGE] * self.v, braking.j, ends)
@@ -141,9 +140,10 @@ impl Begin {
 }
 
 impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
-    /// Begins the search for a stop from `motion` by one profile that the axes permit along its own path. Returns an
-    /// error if there is none, or if the dynamics have changed since those blocks entered. Unless `surely`, it also
-    /// returns an error if the limits of the spans lead to a stop as short.
+    /// Begins the search for a stop from `motion` by one profile. The axes permit this profile along its own
+    /// path. Returns an error if there is no such stop, or if the dynamics have changed since those blocks
+    /// entered. Unless `surely` is true, the function also returns an error if the limits of the spans permit
+    /// a stop that is as short.
     #[inline(never)]
     pub(super) fn begin_short(
         &self,
@@ -154,7 +154,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
     ) -> Result<Short, No> {
         let begin = self.begin_way(cursor, span, motion).ok_or(No::Law)?;
         let (now, ends, mut way) = self.as_planned(*cursor, span, motion).ok_or(No::Law)?;
-        // For several blocks, the limits are those of the worst one.
+        // For several blocks, the limits are those of the most restrictive block.
         if begin.is_line && !now.is_many && Brake::fits(motion, ends[0], &now.limits, CLOSE) {
             return Err(No::Shorter);
         }
@@ -166,8 +166,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
 
     // The following functions are not inlined, so that only one of their stack frames exists at a time.
 
-    /// Does one round, or after the rounds makes the found profile with its spans. `Ok(false)`: the search
-    /// continues. The result is in the profile.
+    /// Does one round, or after the rounds makes the found profile with its spans. Returns `Ok(false)` if the
+    /// search continues. The emitter's profile holds the result.
     #[inline(never)]
     pub(super) fn go_on_short(
         &mut self,
@@ -176,7 +176,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         (motion, descent): (&Instant, &mut Descent),
         short: &mut Short,
     ) -> Result<bool, No> {
-        // By reference, here and below: a value would be on the stack twice.
+        // A reference, here and below: a value would be on the stack twice.
         let begun = self.begin_way(cursor, span, motion);
         let begin = begun.as_ref().ok_or(No::Law)?;
         if let Ok((braking, needs)) = short.stands
@@ -196,8 +196,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
                 Err(no) => return Err(no),
             }
             if found != Ok(None) && short.goes_on(begin) {
-                // To half the speed within the first span, at least as hard as planned. Every later speed stays
-                // possible.
+                // Down to half the speed within the first span, at least as hard as planned. So every later
+                // speed stays possible.
                 (short.slows, short.rounds) = (true, Rounds::NONE);
             }
             return Ok(false);
@@ -240,7 +240,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         self.verify(begin.cursor, span, (motion, descent), (&brake, limits), true).map_err(|_| No::Law)
     }
 
-    /// The start of such a stop.
+    /// The data at the start of a short stop.
     #[inline(never)]
     fn begin_way(&self, cursor: &Cursor, span: &mut ReleasedSpan, motion: &Instant) -> Option<Begin> {
         let curve = self.curve_at(motion.distance)?;
@@ -258,8 +258,9 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         Some(Begin { cursor: *cursor, curve, curve_starts, is_line, starts, planned, v, begun, gains })
     }
 
-    /// Does a round for a profile through these speeds that the axes permit, before the path distance `end` and in
-    /// less than `way` (mm). In the last round, returns the profile, and the part that it uses of the axes' limits.
+    /// Does a round for a profile with these speeds. The axes must permit it, before the path distance `end`
+    /// and in less than `way` (mm). The last round returns the profile, and the share of the axes' limits
+    /// that the profile uses.
     #[inline(never)]
     fn go_round(
         &mut self,
@@ -273,7 +274,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let mut parts = [Part::BLANK; PARTS];
         let Rounds { count, braking, nearest, before, .. } = rounds;
         if *count == 0 {
-            // Some of each stage of STEP.
+            // Some parts of the profile are in each stage of STEP.
             let mut here = motion.distance;
             for (k, (part, speed)) in parts.iter_mut().zip(speeds).enumerate() {
                 if k % STAGE == 0 && k <= STAGE {
@@ -309,8 +310,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         Ok(None)
     }
 
-    /// The parts of the profile's path. An acceleration falls up to the top speed: in all parts that begin before
-    /// it.
+    /// Divides the path of the profile into parts. An acceleration falls up to the top speed, in all parts
+    /// that begin before this speed.
     #[inline(never)]
     fn part(&self, brake: &Brake, (speeds, v): (&Speeds, f32), parts: &mut [Part; PARTS]) {
         let [begins, risen, falls, _] = self.profile.down.speeds;
@@ -335,8 +336,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         }
     }
 
-    /// The first stretch; its end, and the path distance up to which a deceleration may continue; and the path of
-    /// a stop with the limits of the spans, if that is one profile.
+    /// Returns the first stretch and its end, and the path distance up to which a deceleration may continue.
+    /// Also returns the path of a stop with the limits of the spans, if one profile suffices.
     fn as_planned(
         &self,
         mut cursor: Cursor,
@@ -376,8 +377,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         self.queue.segments.ends_behind(distance)
     }
 
-    /// Lowers `braking` where a part permits less. In each span the speed is at most the one planned at its
-    /// start.
+    /// Lowers `braking` where a part permits less. In each span, the speed is at most the one planned at the
+    /// start of the span.
     #[inline(never)]
     fn permitted(
         &self,
@@ -418,7 +419,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
                         break;
                     }
                     curve = self.queue.segments.after(curve);
-                    // The motion may have stopped inside the first curve.
+                    // The motion may have stopped inside the first curve before.
                     let is_second = curve == self.queue.segments.after(begin.curve);
                     start = if is_second { second } else { behind };
                 }
@@ -428,7 +429,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
                     stretch = self.ahead(&mut cursor, span, false)?;
                     v_in = speed_f32(stretch.v_in.to_bits());
                     corners = stretch.knees;
-                    // The knee also shows before its point.
+                    // A knee also acts shortly before its point.
                     knee |= corners;
                     passing = stretch.passing;
                     still = min(still, passing);

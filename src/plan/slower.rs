@@ -1,15 +1,15 @@
-//! A stop without room: the motion gets slower until its stop has room.
+//! Lowers the speed of a motion without room for its stop, until the stop has room.
 //!
-//! The reserve in force is never lost: at its start the interrupt leaves the queue. So pieces behind that
-//! instant are not valid before the next reserve is complete. If the next reserve has more pieces than there
-//! is room for ([`crate::queue::Keeper`]), or leads beyond the path that the interrupt knows, the planner
-//! sets a cap that no profile exceeds ([`crate::lookahead::Pace::set_cap`]). It then withdraws the pieces
-//! that are not valid, and makes the reserve again. A lower speed gives a shorter stop; each try is slower.
-//! If no try is in time, the interrupt uses the reserve in force and stops.
+//! The reserve in force is never lost: at its start the interrupt leaves the queue. So pieces after that
+//! instant become valid only when the next reserve is complete. The next reserve may need more pieces than
+//! there is room for ([`crate::queue::Keeper`]), or leave the path that the interrupt knows. Then the planner
+//! sets a speed cap for all profiles ([`crate::lookahead::Pace::set_cap`]), withdraws the pieces that are not
+//! valid, and makes the reserve again. A lower speed gives a shorter stop, and each try is slower. If no try
+//! is in time, the interrupt uses the reserve in force and stops.
 //!
-//! A start from rest, or a new profile by a command, is also withdrawn and tried again at the lower speed.
+//! A start from a stop, or a new profile by a command, is also withdrawn and tried again at the lower speed.
 //!
-//! The speed rises step by step while stops leave room, so it stays where they just fit.
+//! The cap rises step by step while stops leave room. So the speed stays where stops just fit.
 use super::committed::CommittedSpan;
 use super::{Brake, Instant, KEPT_FREE, PIECES, Planning, RingStage, Speed, clock};
 use crate::math::float::{max, min};
@@ -17,26 +17,26 @@ use crate::math::root::sqrt_f32;
 use crate::quantity::{speed_bits, speed_f32};
 use crate::queue::{PHASES, WAY_PIECES};
 
-/// The next try uses this part of the speed.
+/// Each try has this part of the speed of the try before.
 const PART: f32 = 0.7;
 /// No try is below this part of the speed at which the reserve in force begins. The next profile begins at
-/// that speed anyway, and hardly gets shorter.
+/// that speed in any case, so its stop hardly gets shorter.
 const LEAST_PART: f32 = 1.0 / 4.0;
 
-/// After a stop of fewer pieces the speed rises, up to a stop of this number: three quarters of the room. The number
-/// grows with the square of the speed.
+/// Number of pieces, about three quarters of the room for a stop. If a stop has fewer pieces, the cap rises
+/// to the speed whose stop has this number. The number of pieces grows with the square of the speed.
 const FULL: f32 = WAY_PIECES as f32 * (100.0 / 128.0);
 
-/// Lowest cap: an LSB of the path distance per tick, mm, which is a standstill. From [`MOST`] on there is no
-/// cap, because nothing is faster.
+/// Lowest cap: an LSB of the path distance per tick, mm, which is a standstill. Nothing is faster than
+/// [`MOST`], so from there on there is no cap.
 const LEAST: f32 = 1.0 / (1u64 << 44) as f32;
 const MOST: f32 = 256.0;
 
-/// Rounding of a speed.
+/// Margin for rounding of a speed.
 const CLOSE: f32 = 1.0 + 1.0 / 65_536.0;
 
 impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
-    /// The reserve being made has no room. Always returns `false`.
+    /// Handles a reserve without room. Always returns `false`.
     #[cold]
     #[inline(never)]
     pub(super) fn fail(&mut self) -> bool {
@@ -47,11 +47,12 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         if self.reserve.pending.is_some() {
             let starts = !self.reserve.renews_law();
             if self.task.stage == RingStage::Passing && !starts {
-                // A stop may be found when the plan is complete.
+                // A stop may be found when the plan of the look-ahead is complete.
                 self.reserve.waits = true;
                 self.undo();
             } else if !starts {
-                // The earlier state returns and continues. The planner tries again when the motion is slower.
+                // The earlier state is restored and continues. The planner tries again when the motion is
+                // slower.
                 self.undo();
                 if !is_above {
                     self.slow(v);
@@ -72,21 +73,22 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         false
     }
 
-    /// Whether profiles going into the queue are still about to reach the speed that may permit a stop.
+    /// Whether profiles that enter the queue have not yet come down to the speed that may permit a stop.
     #[cfg_attr(feature = "fast", inline(always))]
     pub(super) fn comes_down(&self) -> bool {
         let cap = self.orders.pace.cap();
         cap < f32::MAX && speed_f32(self.frontier.speed.to_bits()) > cap * CLOSE && self.has_room()
     }
 
-    /// The next piece has room.
+    /// Whether the next piece has room in the reserve.
     fn has_room(&self) -> bool {
         self.queue.phases.room() >= PIECES + KEPT_FREE
             && !self.committed.is_full()
             && !self.queue.segments.is_sated()
     }
 
-    /// Lowers the cap to a part of `v`, and of the cap tried before. Returns `false` if it cannot be lower.
+    /// Lowers the cap to a part of `v`, and below the cap tried before. Returns `false` if the cap cannot be
+    /// lower.
     fn slow(&mut self, v: f32) -> bool {
         let cap = self.orders.pace.cap();
         let v = if v > 0.0 { min(v, cap) } else { cap };
@@ -100,7 +102,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         true
     }
 
-    /// The reserve is complete. If it left much room, the motion may be faster.
+    /// Raises the cap after a complete reserve, if the reserve left much room.
     #[cfg_attr(feature = "fast", inline(always))]
     pub(super) fn rise(&mut self) {
         if self.orders.pace.cap() < f32::MAX {
@@ -118,7 +120,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         }
     }
 
-    /// Makes the emitter's profile again, which begins at rest, and the profiles before it without a tick.
+    /// Makes the emitter's profile again, which begins at a stop, together with the profiles before it that
+    /// have no tick.
     fn start_slower(&mut self) {
         let at = self.frontier.end;
         let Some(mut k) = self.frontier.planned.checked_sub(1) else { return };
@@ -129,7 +132,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         self.begin_again(k);
     }
 
-    /// The span `k` becomes the next one that gets a profile, from its start.
+    /// Makes the span `k` the next one that gets a profile, from its start.
     fn begin_again(&mut self, k: usize) {
         let Some(committed) = self.committed.get(k) else { return };
         (self.frontier.planned, self.frontier.speed) = (k, committed.enters);
@@ -139,7 +142,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         self.committed.restore_from(k + 1);
     }
 
-    /// Withdraws the pieces behind the start of the reserve in force. New profiles replace them.
+    /// Withdraws the pieces after the start of the reserve in force. New profiles replace them.
     fn go_back(&mut self) {
         let Some(at) = self.reserve.kept.map(|way| way.at) else { return };
         let mode = &self.orders.mode;
@@ -173,14 +176,14 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         }
     }
 
-    /// From the instant `at` on, inside the span `k`, the motion brakes to the permitted speed. Returns
-    /// `false` if it does so already, or cannot.
+    /// Brakes to the permitted speed from the instant `at` on, inside the span `k`. Returns `false` if the
+    /// motion already does so, or cannot.
     fn slow_down_from(&mut self, k: usize, at: u32, motion: &Instant) -> bool {
         let begins = self.committed.begins(k);
         let Some(committed) = self.committed.get_mut(k) else { return false };
         let before = *committed;
         if committed.start.to_bits().wrapping_sub(motion.distance) > 0 {
-            // The span was made slower before, and begins anew.
+            // The span was slowed down before, and begins anew.
             committed.restore(begins);
         }
         committed.look(begins, motion.distance);
@@ -213,7 +216,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         true
     }
 
-    /// Withdraws the pieces from the instant `at` on. They are behind the start of the reserve in force, where
+    /// Withdraws the pieces from the instant `at` on. They are after the start of the reserve in force, where
     /// the interrupt leaves the queue. Returns `false` if no piece begins there.
     fn take_back_from(&mut self, at: u32) -> bool {
         let (mut start, mut number) = (self.frontier.end, self.queue.phases.count());
@@ -229,7 +232,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             return false;
         }
         self.queue.phases.withdraw(number);
-        // On another core a running tick may still read the queue.
+        // On another core, a tick in progress may still read the queue.
         self.queue.clock.settle();
         self.frontier.end = at;
         true

@@ -1,4 +1,5 @@
-//! At rest: where the axes stand, the start of a new program, and a new position for the same place.
+//! Functions for a standstill: the position of the axes, the start of a new program, and a new coordinate for
+//! the same place.
 use super::{Beyond, Commands, KEPT_FREE, PIECES, Phase, Place, Planning, Slot, Speed, clock, to_f32};
 use crate::nc::SlopeType;
 use crate::path::Shape;
@@ -7,7 +8,7 @@ use crate::slope::limits::Limits;
 use crate::smooth::Smoother;
 
 impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
-    /// Whether the axes stand and all commands read so far are carried out.
+    /// Whether the axes stand still and all commands read so far are carried out.
     pub fn is_at_rest(&self) -> bool {
         #[cfg(feature = "kinematics")]
         if self.intake.transform.is_busy() {
@@ -23,25 +24,25 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         !taken_in && handed_out && passed && rests && !self.queue.clock.has_left() && !self.orders.failed
     }
 
-    /// Whether a tick has shown all released motion, and a position that was set.
+    /// Whether a tick has shown all released motion, and a new coordinate, if set.
     pub fn is_shown(&self) -> bool {
         !clock::is_before(self.queue.clock.now(), self.frontier.end)
     }
 
-    /// Half of the ticks up to the reserve, or up to the end of the queue, at least 1: time for a planner to do
-    /// other work.
+    /// Half of the ticks up to the reserve, or up to the end of the queue; at least 1. In this time, the
+    /// planner may do other work.
     pub fn ticks_of_reserve(&self) -> u32 {
         let ahead = self.reserve.kept.map_or(self.frontier.end, |way| way.at);
         let ticks = (ahead.wrapping_sub(self.queue.clock.now()) as i32).max(0).unsigned_abs() / clock::TICK;
         (ticks / 2).max(1)
     }
 
-    /// End of the last block. At rest it is the set point of every axis, to the last bit.
+    /// End of the last block. At a standstill, this is exactly the set point of every axis.
     pub fn position(&self) -> &[Position; AXES] {
         &self.intake.programmed
     }
 
-    /// Position of the axes at rest, to the last bit.
+    /// Exact position of the axes at a standstill.
     pub fn stands(&self) -> &[Position; AXES] {
         #[cfg(feature = "kinematics")]
         if self.is_transformed() {
@@ -73,7 +74,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         self.dynamics.single(self.intake.machine, axis, rapid, slope, percent)
     }
 
-    /// A feed (mm/min) as speed, mm/tick.
+    /// The speed of a feed (mm/min), mm/tick.
     pub fn speed_of(&self, feed: Feed) -> f32 {
         self.dynamics.programmed(Some(to_f32(feed.to_bits()) * (1.0 / 4_294_967_296.0)))
     }
@@ -83,25 +84,26 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         self.queue.control.commands()
     }
 
-    /// Place at which a curve was refused for a software limit, once.
+    /// The place of a curve that was refused for a software limit; each refusal is returned once.
     pub fn take_refused(&mut self) -> Option<(Place, Beyond)> {
         self.intake.refused.take()
     }
 
-    /// Drops an abort. At rest there is no motion for an abort to end.
+    /// Drops an abort. At a standstill, there is no motion to end.
     pub fn forget_abort(&mut self) {
         if self.queue.control.commands().abort {
             self.queue.control.aborted();
         }
     }
 
-    /// Begins another text, at rest. A tick has already shown the end of the last motion, so late text needs
-    /// no further tick.
+    /// Begins another text, at a standstill. A tick has already shown the end of the last motion, so late
+    /// text needs no further tick.
     pub fn begin(&mut self) {
         self.task.stood |= self.committed.len() > 0;
     }
 
-    /// Resets weights, path limits, slope and contour mode to program start. Only at rest.
+    /// Resets weights, path limits, slope and contour mode to program start. Call this function only at a
+    /// standstill.
     pub fn restart(&mut self) {
         self.intake.uniform.since = self.intake.taken;
         #[cfg(feature = "kinematics")]
@@ -117,16 +119,16 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         (self.task.flush, self.task.rest) = (false, 0);
     }
 
-    /// Appends a curve without length at the position of the axes: the next curve begins there. There is
-    /// room.
+    /// Appends a curve without length at the position of the axes; the next curve begins there. The queue
+    /// must have room.
     pub(super) fn stay_here(&mut self, block: u32) {
         let _ = self.queue.segments.push(&Shape::BLANK, &self.intake.entered, 0, block);
         self.queue.segments.hand_on(1);
     }
 
-    /// Sets the position of an axis to `position`; nothing moves. A curve without length brings the new set
-    /// point to the interrupt, which shows it from its next tick on. Only at rest. Returns `false` if there
-    /// is no room; nothing has changed then.
+    /// Sets the coordinate of an axis to `position`; no axis moves. A curve without length carries the new
+    /// set point to the interrupt, which shows it from its next tick on. Call this function only at a
+    /// standstill. Returns `false`, and changes nothing, if there is no room.
     #[must_use]
     pub fn set_position(&mut self, axis: usize, position: Position) -> bool {
         if self.queue.segments.is_full() || self.queue.phases.room() < PIECES + KEPT_FREE {

@@ -1,10 +1,12 @@
-//! The transformation of the path (feature `kinematics`): elements of tip and angles become elements of the axes.
+//! The transformation of the path (feature `kinematics`): elements of tool tip and angles become elements of
+//! the axes.
 //!
-//! While a transformation is active, smoothers and intake work in workpiece coordinates: the main axes have the tip of
-//! the tool, rotary axes their angles. Each element is split ([`Splitter`]), one polynomial per call. Where an axis has
-//! a software limit, all of an element is looked at before its first polynomial goes on.
+//! While a transformation is active, intake and smoothers use workpiece coordinates: the main axes hold the
+//! tool tip, and the rotary axes hold their angles. Each element is split ([`Splitter`]), one polynomial per
+//! call. If an axis has a software limit, the whole element is checked before its first polynomial enters the
+//! look-ahead.
 //!
-//! The transformation changes at a standstill, when all blocks before the command are on their way.
+//! The transformation changes at a standstill, after all blocks before the command.
 use super::intake::Pass;
 use super::{Intake, MotionError, Planning, Work};
 use crate::dynamics::{Curving, Near};
@@ -16,15 +18,15 @@ use crate::path::{self, Bounds, Element, End, Passage};
 use crate::quantity::{Distance, Position};
 use crate::smooth::{Data, Form, ProgrammedBlock, Smoothed, Smoother};
 
-/// Why a transformation does not change.
+/// The reason why the transformation does not change.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum SwitchError {
-    /// 20687: another one is active: its identifier.
+    /// 20687: the transformation with this identifier is active.
     Active(u16),
     /// No data set has this identifier.
     Unknown(u16),
-    /// None is selected, and there is no default.
+    /// No transformation is selected, and there is no default.
     None,
 }
 
@@ -46,7 +48,7 @@ impl core::fmt::Display for SwitchError {
 
 impl core::error::Error for SwitchError {}
 
-/// How many elements were transformed, and how many polynomials they became.
+/// Number of transformed elements and of their polynomials.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Split {
@@ -61,23 +63,23 @@ struct Job<'a> {
     splitter: Splitter<'a>,
     /// Path length of the element.
     length: Distance,
-    /// Speed along the curve per path speed.
+    /// Largest ratio of the speed along the curve to the path speed.
     fastest: f32,
-    /// Acceleration passes both ends of the element, which is the curve of a corner.
+    /// Whether the element is a corner curve that acceleration passes at both ends.
     is_through: bool,
     data: Data,
     curving: Curving,
     due: u32,
-    /// Its polynomials are looked at before the first of them goes on.
+    /// Whether the polynomials are being checked, before the first of them enters the look-ahead.
     is_checking: bool,
 }
 
 impl Job<'_> {
-    /// Path length of a polynomial: the whole length is shared out to the last bit.
+    /// Path length of polynomial `number`. The sum of these lengths is exactly the length of the element.
     fn length_of(&self, number: u32) -> Distance {
         let (length, cells) = (self.length.to_bits(), i64::from(self.splitter.cells().max(1)));
         let (part, rest) = (length / cells, length % cells);
-        // Less than 2^32.
+        // The rest times the number is below 2^32.
         let upto = |number: i64| part * number + rest * number / cells;
         let number = i64::from(number);
         Distance::from_bits(upto(number + 1) - upto(number))
@@ -92,9 +94,9 @@ pub(super) struct Transform<'a, const AXES: usize> {
     /// #KIN ID; 0 for none.
     selected: u16,
     active: Option<&'a Kinematic>,
-    /// What becomes active as soon as all that was taken in is on its way.
+    /// The transformation that becomes active after the blocks before the command; `Some(None)` for none.
     wanted: Option<Option<&'a Kinematic>>,
-    /// End of the elements that were handed over, in workpiece coordinates, and their direction there.
+    /// End of the elements that have been passed on, and their direction there, in workpiece coordinates.
     stands: [Position; AXES],
     exit: Option<End<AXES>>,
     job: Option<Job<'a>>,
@@ -103,7 +105,7 @@ pub(super) struct Transform<'a, const AXES: usize> {
 }
 
 impl<'a, const AXES: usize> Transform<'a, AXES> {
-    /// Without data sets.
+    /// A transformation stage without data sets.
     pub const fn new(start: [Position; AXES]) -> Self {
         Self {
             sets: &[],
@@ -134,12 +136,12 @@ impl<'a, const AXES: usize> Transform<'a, AXES> {
         sets.iter().find(|set| set.id == id).ok_or(SwitchError::Unknown(id))
     }
 
-    /// Forgets the element at hand. The elements that follow begin at `stands`.
+    /// Drops the current element. The elements that follow begin at `stands`.
     fn forget(&mut self, stands: &[Position; AXES]) {
         (self.job, self.wanted, self.exit, self.stands) = (None, None, None, *stands);
     }
 
-    /// Takes an element; the axes stand at `entered` where it begins.
+    /// Begins to split an element; the axes are at `entered` where the element begins.
     fn begin(
         &mut self,
         smoothed: &Smoothed<'_, AXES>,
@@ -177,7 +179,7 @@ impl<'a, const AXES: usize> Transform<'a, AXES> {
 }
 
 impl<const AXES: usize> Intake<'_, AXES> {
-    /// What was taken in ends where the curves of the look-ahead end.
+    /// Sets the programmed position to the end of the curves in the look-ahead.
     pub(super) fn stand(&mut self) {
         let entered = self.entered;
         let stands = self.transform.active.and_then(|active| active.workpiece(&entered));
@@ -186,23 +188,23 @@ impl<const AXES: usize> Intake<'_, AXES> {
     }
 }
 
-/// What comes of the next polynomial.
+/// The result for the next polynomial.
 enum Next<const AXES: usize> {
-    /// It goes on: whether it is the last one of its element.
+    /// The polynomial enters the look-ahead. `is_last`: it is the last one of its element.
     Passes {
         element: Element<AXES>,
         end: [Position; AXES],
         is_last: bool,
     },
-    /// It was looked at.
+    /// The polynomial has been checked.
     Looked,
-    /// It leads an axis beyond its limit.
+    /// The polynomial leads an axis beyond its software limit.
     Beyond(Beyond),
     Refused(SplitError),
 }
 
 impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
-    /// The data sets of the machine and the default (P-CHAN-00032), 0 for none.
+    /// Sets the data sets of the machine, and the default (P-CHAN-00032; 0 for none).
     pub fn set_kinematics(&mut self, sets: &'a [Kinematic], default_id: u16) {
         (self.intake.transform.sets, self.intake.transform.default_id) = (sets, default_id);
     }
@@ -217,12 +219,12 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         self.intake.transform.active.is_some()
     }
 
-    /// The data set that is active.
+    /// The active data set.
     pub const fn kinematic(&self) -> Option<&'a Kinematic> {
         self.intake.transform.active
     }
 
-    /// How many elements became how many polynomials.
+    /// Number of transformed elements and of their polynomials.
     pub const fn split(&self) -> Split {
         self.intake.transform.split
     }
@@ -232,7 +234,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         &self.intake.entered
     }
 
-    /// #KIN ID.
+    /// #KIN ID: selects a data set.
     ///
     /// # Errors
     /// There is no such data set, or another one is active.
@@ -245,10 +247,10 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         Ok(())
     }
 
-    /// #TRAFO ON, as soon as all that was taken in is on its way: [`Self::switches`].
+    /// #TRAFO ON: the transformation becomes active after the blocks before the command ([`Self::switches`]).
     ///
     /// # Errors
-    /// There is no data set, or another one is active.
+    /// No data set is selected, or another one is active.
     pub fn switch_on(&mut self) -> Result<&'a Kinematic, SwitchError> {
         let transform = &mut self.intake.transform;
         let id = if transform.selected != 0 { transform.selected } else { transform.default_id };
@@ -267,12 +269,12 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         }
     }
 
-    /// The transformation stays as it is.
+    /// Cancels a change of the transformation.
     pub fn forget_switch(&mut self) {
         self.intake.transform.wanted = None;
     }
 
-    /// #TRAFO OFF, likewise.
+    /// #TRAFO OFF: the transformation ends after the blocks before the command.
     pub fn switch_off(&mut self) {
         if self.is_transformed() {
             self.intake.transform.wanted = Some(None);
@@ -280,8 +282,8 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         }
     }
 
-    /// Changes the transformation, if one is wanted. Only after [`Work::Hungry`]. Whether positions of the program are
-    /// others now.
+    /// Changes the transformation, if a change is pending. Call this function only after [`Work::Hungry`].
+    /// Returns `true` if the transformation has changed; program positions then mean other axis positions.
     pub fn switches(&mut self) -> bool {
         let Some(wanted) = self.intake.transform.wanted.take() else { return false };
         self.intake.transform.active = wanted;
@@ -293,7 +295,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         true
     }
 
-    /// No transformation, and none selected. Only at rest.
+    /// Ends the transformation and its selection. Call this function only at standstill.
     pub(super) fn end_transformation(&mut self) {
         let transform = &mut self.intake.transform;
         transform.selected = 0;
@@ -305,14 +307,15 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         }
     }
 
-    /// Under a transformation the path is that of the tip, so path distance is what is driven.
+    /// Sets how driven distance is counted. Under a transformation, path distance is the distance of the tool
+    /// tip and counts directly.
     #[cfg(feature = "driven")]
     fn measure_driven(&mut self) {
         let measure = self.intake.transform.active.is_none().then_some(self.measure);
         self.queue.segments.set_measure(measure);
     }
 
-    /// A motion in workpiece coordinates.
+    /// Takes a motion in workpiece coordinates.
     #[inline(never)]
     pub(super) fn take_transformed(
         &mut self,
@@ -352,7 +355,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         Ok(())
     }
 
-    /// A block that no smoother takes.
+    /// Takes a block that no smoother changes.
     fn transform_block(&mut self, block: &ProgrammedBlock<AXES>) -> Result<(), SplitError> {
         let smoothed = Smoothed {
             element: &block.element,
@@ -367,7 +370,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         transform.begin(&smoothed, entered, rules)
     }
 
-    /// The next element of the smoother; `false` if there is none.
+    /// Takes the next element of the smoother. Returns `false` if there is no element.
     #[inline(never)]
     pub(super) fn transform_smoothed(&mut self) -> bool {
         let rules = (self.intake.machine.channel.check_jerk_on_poly_path, self.intake.travel.is_limited());
@@ -379,7 +382,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         })
     }
 
-    /// The next polynomial of the element at hand.
+    /// Makes the next polynomial of the current element and passes it on.
     #[inline(never)]
     pub(super) fn pass_transformed(&mut self) -> Work {
         let next = if self.intake.transform.refused.is_some() { None } else { self.next_polynomial() };
@@ -424,7 +427,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         }
     }
 
-    /// Makes the next polynomial, or looks at it.
+    /// Makes or checks the next polynomial.
     #[inline(never)]
     fn next_polynomial(&mut self) -> Option<Next<AXES>> {
         let Intake { transform, entered, travel, .. } = &mut self.intake;
@@ -465,7 +468,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         Some(Next::Looked)
     }
 
-    /// Why an element was refused, once.
+    /// Returns why an element was refused; each refusal is returned once.
     pub fn take_unsplit(&mut self) -> Option<(Place, SplitError)> {
         self.intake.transform.refused.take()
     }

@@ -1,5 +1,5 @@
-//! How far arcs turn about one centre. An arc that continues another one counts as one arc together with it
-//! ([`crate::path::Circle::turn`]).
+//! The angle that consecutive arcs turn about one centre. An arc that continues another one counts as one arc
+//! together with it ([`crate::path::Circle::turn`]).
 use crate::nc::Plane;
 use crate::path::Element;
 use crate::quantity::Position;
@@ -14,18 +14,18 @@ pub(super) struct Turning {
     centre: [Position; 2],
     plane: Plane,
     clockwise: bool,
-    /// Number of the motion block behind the arc.
+    /// Number of the motion block after the arc.
     behind: u32,
-    /// Radians up to the arc's end.
+    /// Radians up to the end of the arc.
     turn: f32,
 }
 
 impl Turning {
-    /// No turn.
+    /// No arc yet.
     pub const NONE: Self =
         Self { centre: [Position::ZERO; 2], plane: Plane::G17, clockwise: false, behind: 0, turn: 0.0 };
 
-    /// Adds an arc as motion block `number`. The arc may continue the one before.
+    /// Adds an arc as motion block `number`. The arc may continue the arc before.
     pub fn go_on<const AXES: usize>(
         &mut self,
         element: &mut Element<AXES>,

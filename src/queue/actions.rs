@@ -1,10 +1,10 @@
-//! Functions at points of the path, from the planner through the interrupt to the operator.
+//! Actions (functions at points of the path), from the planner through the interrupt to the operator.
 //!
 //! An action keeps one place from the planner to the operator. Three counters say who owns a place, and each
-//! counter has one writer: the planner counts actions *put in*, the interrupt counts *due* actions, the
+//! counter has one writer. The planner counts actions *put in*, the interrupt counts *due* actions, the
 //! operator counts *taken* actions. When the path reaches the point of an action, the interrupt writes the
-//! tick number into the place and increments its counter. Nothing is copied, whether the operator comes early
-//! or late.
+//! tick number into the place and increments its counter. No action is copied, and the operator may take it
+//! at any later time.
 #![allow(unsafe_code)]
 use super::{ACTIONS, PlacedAction};
 use crate::quantity::{Distance, Position};
@@ -24,7 +24,7 @@ pub struct Actions {
     places: [UnsafeCell<Record>; ACTIONS],
 }
 
-/// A placed action in memory. Nested enums would take a quarter more.
+/// An action in memory. Nested enums would take a quarter more memory.
 #[derive(Clone, Copy)]
 struct Record {
     distance: Distance,
@@ -84,15 +84,15 @@ impl Record {
     }
 }
 
-// SAFETY: a place is written only by the one planner, while `put - taken` says that nobody else owns it, and
-// read only by the one interrupt and the one operator, while it does; the counters pass it on with release
-// and acquire.
+// SAFETY: only the one planner writes a place, while `put - taken` says that no other side owns the place.
+// Only the one interrupt and the one operator read it, while they own it. The counters pass the place on with
+// release and acquire.
 unsafe impl Sync for Actions {}
 
-/// The planner's end: puts actions in, in the order of their points.
+/// The planner's handle: puts actions in, in the order of their points.
 pub struct Scheduler<'a>(&'a Actions);
 
-/// The operator's end: takes actions.
+/// The operator's handle: takes actions.
 pub struct Outlet<'a>(&'a Actions);
 
 impl Actions {
@@ -103,21 +103,21 @@ impl Actions {
         Self { put, due, taken, places: [const { UnsafeCell::new(Record::BLANK) }; ACTIONS] }
     }
 
-    /// Drops all actions. Call it before the three sides run.
+    /// Drops all actions. Call this function before the three sides run.
     pub(super) fn reset(&mut self) {
         for counter in [&mut self.put, &mut self.due, &mut self.taken] {
             *counter.get_mut() = 0;
         }
     }
 
-    /// The ends of planner and operator. The interrupt's end is part of [`super::Shared`]. The caller makes
-    /// one of each.
+    /// The handles of planner and operator. The handle of the interrupt is part of [`super::Shared`]. The
+    /// caller makes only one of each.
     pub(super) const fn ends(&self) -> (Scheduler<'_>, Outlet<'_>) {
         (Scheduler(self), Outlet(self))
     }
 
     fn record(&self, number: u32) -> *mut Record {
-        // The mask is below the length: the optimiser removes the check.
+        // The mask is below the length, so the optimiser removes the check.
         self.places[(number & MASK) as usize].get()
     }
 }
@@ -138,8 +138,8 @@ impl Scheduler<'_> {
             return Err(placed);
         }
         let put = self.0.put.load(Ordering::Relaxed);
-        // SAFETY: the operator has given the place back, and of planners there is one; it is handed over
-        // below.
+        // SAFETY: the operator has given the place back, and there is only one planner. The counter hands the
+        // place over below.
         unsafe { *self.0.record(put) = Record::new(&placed) };
         self.0.put.store(put.wrapping_add(1), Ordering::Release);
         Ok(())
@@ -158,12 +158,13 @@ impl Scheduler<'_> {
         if put.wrapping_sub(number).wrapping_sub(1) >= open {
             return None;
         }
-        // SAFETY: only this end writes places, and needs `&mut self` for that; the others read too.
+        // SAFETY: only this handle writes places, and needs `&mut self` for that. The other sides read too.
         Some(unsafe { (*self.0.record(number)).distance })
     }
 
-    /// Withdraws the actions from `number` on. None of them is due or will become due. Before other actions take
-    /// these places, the current tick has to end ([`super::Clock::settle`]), because the tick may read them.
+    /// Withdraws the actions from `number` on. None of them may be due, or become due. Before other actions
+    /// take these places, the current tick has to end ([`super::Clock::settle`]), because the tick may read
+    /// them.
     pub fn withdraw(&mut self, number: u32) {
         if self.0.put.load(Ordering::Relaxed).wrapping_sub(number) <= ACTIONS as u32 {
             self.0.put.store(number, Ordering::Release);
@@ -171,7 +172,7 @@ impl Scheduler<'_> {
     }
 }
 
-/// Calls of the interrupt. There is one interrupt.
+/// Functions for the interrupt. There is one interrupt.
 impl Actions {
     /// Whether an action is not due yet. Runs in the tick.
     #[inline(always)]
@@ -190,12 +191,13 @@ impl Actions {
                 return;
             }
             let record = self.record(due);
-            // SAFETY: put in and not due, so the operator does not know it, and the planner leaves it alone.
+            // SAFETY: the action is put in and not due. So the operator does not know the place, and the
+            // planner does not change it.
             let point = unsafe { (*record).distance };
             if distance.wrapping_sub(point.to_bits()) < 0 {
                 return;
             }
-            // SAFETY: the same; of the record the planner reads the distance only.
+            // SAFETY: as above. The planner reads only the distance of the record.
             unsafe { (*record).tick = tick };
             due = due.wrapping_add(1);
             self.due.store(due, Ordering::Release);
@@ -203,12 +205,12 @@ impl Actions {
     }
 }
 
-/// Actions behind filters: they become due later than on the path.
+/// State for actions with filters after the path: they become due later than on the path.
 #[derive(Clone, Copy, Debug)]
 pub struct Lag {
     /// The number of the first action whose point the path has not reached.
     reached: u32,
-    /// Ticks from the path's passage of a point to the axes' passage.
+    /// Ticks between the time when the path passes a point and the time when the axes pass it.
     pub delay: u32,
 }
 
@@ -227,11 +229,12 @@ impl Actions {
         let put = self.put.load(Ordering::Acquire);
         for _ in 0..ACTIONS {
             let record = self.record(lag.reached);
-            // SAFETY: put in and not due, so the operator does not know it, and the planner leaves it alone.
+            // SAFETY: the action is put in and not due. So the operator does not know the place, and the
+            // planner does not change it.
             if lag.reached == put || distance.wrapping_sub(unsafe { (*record).distance }.to_bits()) < 0 {
                 break;
             }
-            // SAFETY: the same; of the record the planner reads the distance only.
+            // SAFETY: as above. The planner reads only the distance of the record.
             unsafe { (*record).tick = tick.wrapping_add(lag.delay) };
             lag.reached = lag.reached.wrapping_add(1);
         }
@@ -240,13 +243,13 @@ impl Actions {
                 return;
             }
             let record = self.record(due);
-            // SAFETY: the same.
+            // SAFETY: as above.
             let (point, from) = unsafe { ((*record).distance, (*record).tick) };
             let is_there = distance == point.to_bits();
             if !(is_there && settled) && (is_there || (tick.wrapping_sub(from) as i32) < 0) {
                 return;
             }
-            // SAFETY: the same.
+            // SAFETY: as above.
             unsafe { (*record).tick = tick };
             due = due.wrapping_add(1);
             self.due.store(due, Ordering::Release);
@@ -261,7 +264,7 @@ impl Outlet<'_> {
         if self.0.due.load(Ordering::Acquire) == taken {
             return None;
         }
-        // SAFETY: due and not taken, so it is the operator's until the counter moves on.
+        // SAFETY: the action is due and not taken, so the operator owns the place until the counter moves on.
         let record = unsafe { *self.0.record(taken) };
         self.0.taken.store(taken.wrapping_add(1), Ordering::Release);
         Some((record.placed(), record.tick))

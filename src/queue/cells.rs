@@ -1,9 +1,9 @@
-//! The memory of curves ([`super::curves`]). A slot holds the data that every curve has; a line has no other data. The
-//! additional data of an arc or a polynomial are its *part*.
+//! The memory of curves ([`super::curves`]). A slot holds the data of every curve; a line has no other data.
+//! The additional data of an arc or a polynomial are its *part*.
 //!
-//! A build with Surface or splines has room for a part behind each slot. A small build has no such room: a line takes
-//! one slot, and any other curve takes two, the first for the part. A part leaves the end of its slot free, and a mark
-//! there says that the slot holds a part.
+//! A build with Surface or splines has room for a part after each slot. A small build has no such room. There
+//! a line takes one slot, and any other curve takes two slots; the first one holds the part. A part leaves
+//! the end of its slot free, and a mark there says that the slot holds a part.
 //!
 //! The part of a curve always lies in memory just before the curve's slot. One extra slot lies before the first slot of
 //! the ring. A curve in the first slot keeps its part in the extra slot; the last slot of the ring is then marked as a
@@ -15,10 +15,10 @@ use crate::quantity::{Distance, Position};
 use core::cell::UnsafeCell;
 use core::mem::{MaybeUninit, offset_of};
 
-/// Whether each slot has a part behind it.
+/// Whether each slot has room for a part after it.
 pub(super) const IS_WHOLE: bool = !functions::IS_SMALL;
 
-/// Parts behind a slot.
+/// Number of parts after a slot.
 const WHOLE: usize = if IS_WHOLE { 1 } else { 0 };
 
 /// Largest number of slots that a curve takes.
@@ -40,11 +40,11 @@ pub struct Segment<const AXES: usize> {
     /// The lower half of the motion block's number: [`whole`].
     block: u16,
     unused: u8,
-    /// The shift, with the kind in the bits above; or [`PART`].
+    /// The shift, with the kind of the curve in the bits above; or [`PART`].
     form: u8,
 }
 
-/// The bits of the curve's kind, above the bits of the shift.
+/// Bits for the curve's kind, above the bits of the shift.
 const KIND: u8 = 0xC0;
 const LINE: u8 = 0;
 const ARC: u8 = 0x40;
@@ -53,7 +53,8 @@ const POLY: u8 = 0xC0;
 /// Marks a slot that holds a part. No shift has this value.
 const PART: u8 = 0x3F;
 
-/// The number of a motion block from its lower half and from a later number that is less than 2^16 behind.
+/// The full number of a motion block, from its lower half and from a later number that is less than 2^16
+/// higher.
 pub(super) const fn whole(latest: u32, lower: u16) -> u32 {
     latest.wrapping_sub((latest as u16).wrapping_sub(lower) as u32)
 }
@@ -83,9 +84,9 @@ struct Cell<const AXES: usize> {
 /// The slot of a curve.
 pub(super) struct Place<const AXES: usize>(UnsafeCell<Cell<AXES>>);
 
-// SAFETY: it is written only by the one planner, while the interrupt has not seen a start of its curve or has
-// given it back, and read only by the one interrupt in between, or by the planner itself; starts and the count of
-// curves left pass it with release and acquire.
+// SAFETY: only the one planner writes it, before the interrupt sees a start of its curve, or after the
+// interrupt has given it back. Between these times, only the one interrupt and the planner itself read it.
+// The starts, and the count of passed curves, pass it on with release and acquire.
 unsafe impl<const AXES: usize> Sync for Place<AXES> {}
 
 impl<const AXES: usize> Place<AXES> {
@@ -104,7 +105,7 @@ impl<const AXES: usize> Place<AXES> {
     /// The data of a line.
     ///
     /// # Safety
-    /// Nobody writes the slot while the reference is in use.
+    /// No other side writes the slot while the reference is in use.
     #[inline(always)]
     const unsafe fn segment(&self) -> &Segment<AXES> {
         // SAFETY: the caller guarantees it.
@@ -114,16 +115,16 @@ impl<const AXES: usize> Place<AXES> {
     /// The lower half of the motion block's number.
     ///
     /// # Safety
-    /// Nobody writes the slot during the call.
+    /// No other side writes the slot during the call.
     pub const unsafe fn block(&self) -> u16 {
         // SAFETY: the caller guarantees it. The rest of the slot may be a part.
         unsafe { (*self.0.get()).segment.block }
     }
 
-    /// Changes that number, for a curve that was withdrawn.
+    /// Changes the lower half of the motion block's number, for a curve that was withdrawn.
     ///
     /// # Safety
-    /// Nobody reads or writes the slot during the call.
+    /// No other side reads or writes the slot during the call.
     pub const unsafe fn set_block(&self, block: u16) {
         // SAFETY: the caller guarantees it.
         unsafe { (*self.0.get()).segment.block = block }
@@ -132,10 +133,10 @@ impl<const AXES: usize> Place<AXES> {
     /// Whether this slot holds the part of a curve.
     ///
     /// # Safety
-    /// Nobody writes the slot during the call.
+    /// No other side writes the slot during the call.
     #[inline(always)]
     pub const unsafe fn is_part(&self) -> bool {
-        // SAFETY: the caller guarantees it. The rest of the slot may be anything.
+        // SAFETY: the caller guarantees it. The other data of the slot may have any value.
         !IS_WHOLE && unsafe { (*self.0.get()).segment.form } == PART
     }
 }
@@ -153,7 +154,7 @@ const fn part_of<const AXES: usize>(place: *const Place<AXES>) -> *const u32 {
 /// A curve in its slot.
 #[derive(Clone, Copy)]
 pub struct Track<'a, const AXES: usize> {
-    /// The data of a line.
+    /// The data that every curve has; for a line, all of its data.
     pub segment: &'a Segment<AXES>,
     /// The curve's slot. Reading the slot before is permitted too.
     place: *const Place<AXES>,
@@ -163,7 +164,7 @@ impl<'a, const AXES: usize> Track<'a, AXES> {
     /// The curve in a slot.
     ///
     /// # Safety
-    /// [`write`] has written the curve, and nobody writes the slot while the reference is in use.
+    /// [`write`] has written the curve, and no other side writes the slot while the reference is in use.
     #[inline(always)]
     pub(super) const unsafe fn new(place: *const Place<AXES>) -> Self {
         // SAFETY: the caller guarantees it.
@@ -222,7 +223,7 @@ impl<'a, const AXES: usize> Track<'a, AXES> {
         linear.add(w, base, out);
     }
 
-    /// Adds a polynomial at `w`. Not inlined: lines would pay for the registers.
+    /// Adds a polynomial at `w`. Not inlined; otherwise lines would save its registers too.
     ///
     /// # Safety
     /// The curve is a polynomial.
@@ -240,8 +241,8 @@ impl<'a, const AXES: usize> Track<'a, AXES> {
         }
     }
 
-    /// As [`Self::at`], outside of the tick. A separate function, so that the curve is not on the caller's
-    /// stack.
+    /// As [`Self::at`], for use outside the tick. A separate function, so that the curve is not on the
+    /// caller's stack.
     #[inline(never)]
     pub fn point(&self, distance: i64) -> [Position; AXES] {
         self.shape().placed(distance, &self.segment.base)
@@ -254,8 +255,9 @@ impl<'a, const AXES: usize> Track<'a, AXES> {
         self.shape().bend(part, bounds);
     }
 
-    /// Travel of every axis per path distance, LSB 2^-40; polynomials only. The value is a difference over a 1024th of
-    /// the curve's length to both sides, at least 2^-14 mm or a 16th of the length: 12 bits or more. Not for the tick.
+    /// Travel of every axis per path distance, LSB 2^-40; only for polynomials. The value is a difference
+    /// over a 1024th of the curve's length to both sides. It uses at least 2^-14 mm or a 16th of the length,
+    /// which gives 12 bits or more. Do not call this function in the tick.
     #[inline(never)]
     pub fn slope(&self, along: i64) -> Option<[i64; AXES]> {
         if self.segment.form & CUBIC == 0 {
@@ -268,7 +270,7 @@ impl<'a, const AXES: usize> Track<'a, AXES> {
         let mut slope = [0; AXES];
         for ((slope, from), to) in slope.iter_mut().zip(from).zip(to) {
             let travel = i128::from(to.to_bits().wrapping_sub(from.to_bits()));
-            // From 2^-32 mm per 2^-44 mm.
+            // Converts from 2^-32 mm per 2^-44 mm.
             *slope = (travel << 52).checked_div(2 * i128::from(by)).unwrap_or(0) as i64;
         }
         Some(slope)
@@ -332,7 +334,7 @@ impl<const AXES: usize> Segment<AXES> {
 /// Number of slots that a curve takes; `None` if the curve does not fit into [`MOST`] slots.
 #[cfg_attr(feature = "fast", inline(always))]
 pub(super) fn slots<const AXES: usize>(shape: &Shape<AXES>) -> Option<usize> {
-    // An arc has two axes and fits for any number of axes.
+    // An arc has two axes, so it fits for any number of axes.
     let fits = const {
         let (poly, arc) = (size_of::<Poly<AXES>>(), size_of::<Arc>());
         let room = offset_of!(Segment<AXES>, block);
@@ -350,8 +352,7 @@ pub(super) fn slots<const AXES: usize>(shape: &Shape<AXES>) -> Option<usize> {
 /// `part`: the slot before, if the curve takes two slots.
 ///
 /// # Safety
-/// Nobody else reads or writes the slot, the slot of the part, and the slot before. Pointers to them are
-/// valid.
+/// No other side reads or writes the slot, the slot of the part, and the slot before. All pointers are valid.
 #[cfg_attr(feature = "fast", inline(always))]
 pub(super) unsafe fn write<const AXES: usize>(
     place: *const Place<AXES>,
@@ -361,7 +362,7 @@ pub(super) unsafe fn write<const AXES: usize>(
     (n, block): (u32, u16),
 ) {
     let Linear { gain, shift } = shape.linear();
-    // SAFETY: the caller guarantees that nobody uses the slots.
+    // SAFETY: the caller guarantees that no other side uses the slots.
     unsafe {
         let kind = if shape.is_line() { LINE } else { write_part::<AXES>(part_of(place).cast_mut(), shape) };
         (*(*place).0.get()).segment = Segment {
@@ -380,10 +381,11 @@ pub(super) unsafe fn write<const AXES: usize>(
     }
 }
 
-/// Writes the additional data and returns the kind of the curve. Not inlined: lines would pay for it.
+/// Writes the additional data and returns the kind of the curve. Not inlined; otherwise lines would pay for
+/// it.
 ///
 /// # Safety
-/// There is room for a part, and nobody reads or writes that room.
+/// There is room for a part, and no other side reads or writes that room.
 #[inline(never)]
 unsafe fn write_part<const AXES: usize>(part: *mut u32, shape: &Shape<AXES>) -> u8 {
     // SAFETY: the caller guarantees it. Slots and parts are aligned to words.
@@ -395,7 +397,7 @@ unsafe fn write_part<const AXES: usize>(part: *mut u32, shape: &Shape<AXES>) -> 
                 ARC
             }
             Bent::Poly(power, down) => {
-                // Field by field: the whole struct would first be built on the stack.
+                // Written field by field; otherwise the whole struct would first be built on the stack.
                 let to = part.cast::<Poly<AXES>>();
                 ((*to).power, (*to).down) = (*power, *down);
                 let beyond = power.iter().fold(0, |all, [_, _, c4, c5]| all | c4 | c5);

@@ -1,5 +1,5 @@
-//! Time: ticks, instants, and the words by which the planner withdraws pieces that the interrupt may already
-//! see.
+//! The shared clock: ticks, instants, and the words by which the planner withdraws pieces that the interrupt
+//! may already see.
 //!
 //! There are two clocks. *Ticks* count every call of the interrupt. *Instants* count only ticks that use a
 //! piece: motion, dwell, and the tick that shows a standstill. Pieces begin at instants, so a cut is an
@@ -21,15 +21,16 @@
 //!
 //! A tick is running while `begun` is ahead of the sum of `now` and `idle`. A planner on the interrupt's core
 //! never sees a running tick. A planner on another core waits for the end of that tick ([`Clock::settle`])
-//! before it decides: a few hundred instructions. The interrupt never waits. (With loads and stores alone,
-//! two sides cannot decide who came first unless one of them waits.)
+//! before it decides; the wait takes a few hundred instructions. The interrupt never waits. (With loads and
+//! stores alone, two sides can only decide who came first if one of them waits.)
 //!
-//! There is room for two reserves, so one reserve is valid while the planner writes the next one. Each reserve
-//! belongs to one cut. An interrupt that has not taken this cut, or has taken a later one, has no reserve.
+//! There is room for two reserves, so one reserve is valid while the planner writes the next one. Each
+//! reserve belongs to one cut. If the interrupt has not taken this cut, or has taken a later one, the reserve
+//! is not valid.
 //!
-//! Every tick that ends after [`Clock::settle`] sees what the planner has written before. The interrupt
-//! stores `begun` before it reads the planner's words. Both sides put a sequentially consistent fence
-//! between, so at least one side sees the write of the other.
+//! The interrupt stores `begun` before it reads the planner's words. Both sides execute a sequentially
+//! consistent fence between their write and their read. So at least one side sees the write of the other.
+//! Every tick that ends after [`Clock::settle`] therefore sees what the planner has written before.
 use super::word::{Memory, Ram, Word};
 use core::sync::atomic::Ordering;
 
@@ -90,7 +91,7 @@ impl<M: Memory> Clock<M> {
         }
     }
 
-    /// Resets the clock. Call it before both sides run.
+    /// Resets the clock. Call this function before both sides run.
     pub fn reset(&mut self) {
         *self = Self::blank();
         self.withdraw();
@@ -98,7 +99,7 @@ impl<M: Memory> Clock<M> {
     }
 }
 
-/// Calls of the interrupt.
+/// Functions for the interrupt.
 impl<M: Memory> Clock<M> {
     /// Begins a tick and returns its instant, in case the tick uses a piece.
     #[inline(always)]
@@ -120,9 +121,9 @@ impl<M: Memory> Clock<M> {
         self.rest_while(false);
     }
 
-    /// As [`Self::rest`]. `moves`: set points moved in this tick although the path rested.
+    /// As [`Self::rest`]. `moves`: set points moved in this tick although the path stood still.
     pub fn rest_while(&self, moves: bool) {
-        // Counts of ticks are even, so bit 0 is free.
+        // Counts of ticks are even, so bit 0 is free for the mark.
         self.rested.store(self.begun.load(Ordering::Relaxed) | u32::from(moves), Ordering::Relaxed);
         let idle = self.idle.load(Ordering::Relaxed);
         self.idle.store(idle.wrapping_add(TICK), Ordering::Release);
@@ -156,8 +157,9 @@ impl<M: Memory> Clock<M> {
         one.load(Ordering::Relaxed) == instant || other.load(Ordering::Relaxed) == instant
     }
 
-    /// Changes from the queue to the reserve of an instant after the last change of plan, and returns the reserve's
-    /// first piece. `None`: the reserve belongs to another plan.
+    /// Changes from the queue to the reserve of this instant, and returns the reserve's first piece. `cut`:
+    /// the piece after the last cut that the interrupt has taken. Returns `None` if the reserve belongs to
+    /// another plan.
     pub fn leave(&self, instant: u32, cut: u32) -> Option<u32> {
         for (slot, (end, of)) in (0..).zip(self.ends.iter().zip(&self.cuts)) {
             if end.load(Ordering::Relaxed) != instant {
@@ -180,7 +182,7 @@ impl<M: Memory> Clock<M> {
     }
 }
 
-/// Calls of the planner.
+/// Functions for the planner.
 impl<M: Memory> Clock<M> {
     /// The instant of the next tick that uses a piece.
     #[inline(always)]
@@ -193,8 +195,8 @@ impl<M: Memory> Clock<M> {
         self.idle.load(Ordering::Acquire)
     }
 
-    /// Waits until each tick that ends from now on sees the words written before. On another core than the
-    /// interrupt's, the call waits for the current tick.
+    /// Waits until every tick that ends from now on sees all words written before this call. On another core
+    /// than the interrupt's, this call waits for the current tick.
     pub fn settle(&self) {
         M::fence(Ordering::SeqCst);
         let begun = self.begun.load(Ordering::Acquire);
@@ -204,7 +206,8 @@ impl<M: Memory> Clock<M> {
         });
     }
 
-    /// Publishes a cut; there is no other cut. At `instant` the interrupt continues with the piece `number`.
+    /// Publishes a cut: at `instant`, the interrupt continues with the piece `number`. There must be no other
+    /// cut.
     pub fn publish(&self, instant: u32, number: u32) {
         self.to.store(number, Ordering::Relaxed);
         self.at.store(instant, Ordering::Release);
@@ -216,8 +219,8 @@ impl<M: Memory> Clock<M> {
         self.at.store(NEVER, Ordering::Relaxed);
     }
 
-    /// Adds a reserve. It is valid from `instant`, begins with the piece `first`, and belongs to the change to the
-    /// piece `cut`. The reserve `other` stays valid.
+    /// Adds a reserve that is valid from `instant` on. It begins with the piece `first`, and belongs to the
+    /// cut that changes to the piece `cut`. The reserve `other` stays valid.
     pub fn keep(&self, other: Option<Kept>, instant: u32, first: u32, cut: u32) -> Kept {
         let kept = if other == Some(Kept::One) { Kept::Other } else { Kept::One };
         kept.of(&self.firsts).store(first, Ordering::Relaxed);
@@ -237,7 +240,7 @@ impl<M: Memory> Clock<M> {
         self.ends.iter().for_each(|end| end.store(NEVER, Ordering::Release));
     }
 
-    /// Whether the interrupt stops, or has stopped, by a reserve.
+    /// Whether the interrupt has changed to a reserve.
     #[inline(always)]
     pub fn has_left(&self) -> bool {
         let has_left = self.left.load(Ordering::Relaxed) != self.let_go.load(Ordering::Relaxed);
@@ -247,8 +250,8 @@ impl<M: Memory> Clock<M> {
         has_left
     }
 
-    /// Lets the interrupt continue with the queue at the end of the reserve. The interrupt reads this reserve
-    /// no more.
+    /// Lets the interrupt return to the queue at the end of the reserve. The interrupt does not read this
+    /// reserve any more.
     pub fn let_go(&self) {
         self.withdraw_reserves();
         self.let_go.store(self.left.load(Ordering::Acquire), Ordering::Release);
@@ -256,10 +259,10 @@ impl<M: Memory> Clock<M> {
     }
 }
 
-/// Calls of the operator.
+/// Functions for the operator.
 impl<M: Memory> Clock<M> {
-    /// Ticks ended, in units of [`TICK`]. Also whether the last tick used a piece, and whether set points moved
-    /// without a piece. For a snapshot: see [`Self::is_at`].
+    /// Number of ended ticks, in units of [`TICK`]. The first flag tells whether the last tick used a piece.
+    /// The second flag tells whether set points moved without a piece. For a snapshot: see [`Self::is_at`].
     pub fn ended(&self) -> (u32, [bool; 2]) {
         let now = self.now.load(Ordering::Acquire);
         let ended = now.wrapping_add(self.idle.load(Ordering::Acquire));
@@ -268,7 +271,7 @@ impl<M: Memory> Clock<M> {
         (ended, [moved, !moved && rested & 1 == 1])
     }
 
-    /// Whether no tick has begun since `ended` ticks had ended. If so, all values read in between belong
+    /// Whether no tick has begun since `ended` ticks had ended. Then all values read in between belong
     /// together.
     pub fn is_at(&self, ended: u32) -> bool {
         M::fence(Ordering::Acquire);
@@ -276,7 +279,7 @@ impl<M: Memory> Clock<M> {
     }
 }
 
-/// Whether the instant `a` is before `b`. Both are less than 2^30 ticks apart.
+/// Whether the instant `a` is before `b`. Both must be less than 2^30 ticks apart.
 #[inline(always)]
 pub const fn is_before(a: u32, b: u32) -> bool {
     (a.wrapping_sub(b) as i32) < 0

@@ -1,27 +1,28 @@
-//! The ring of curves with their starts: the tick finds its current curve from the path distance alone.
+//! The ring of curves with their starts. The tick finds its current curve from the path distance alone.
 //!
 //! The planner writes a curve once, when the block enters the look-ahead. The curve stays in its place until
-//! the interrupt has passed it. There are two kinds: *released* curves, along which pieces move, and behind
-//! them the curves of the look-ahead. The interrupt already knows the starts of the latter.
+//! the interrupt has passed it. There are two kinds: *released* curves, along which pieces move, and after
+//! them the curves of the look-ahead. The interrupt already knows the starts of both kinds.
 //!
-//! Starts lie in a separate array, longer than the ring. Behind the last curve this array holds starts that
-//! no distance reaches, as many as a tick reads. So a tick needs neither the number of curves nor the end of
-//! the array: the head of the array is repeated behind its end. The tick halves a window of fixed size.
+//! Starts are in a separate array, which is longer than the ring. After the last curve, this array holds
+//! starts that no distance reaches, as many as a tick reads. The head of the array is repeated after its end.
+//! So a tick needs neither the number of curves nor the end of the array: it halves a window of fixed size.
 //!
 //! A start tells the interrupt that its curve is valid. The planner writes the start after the curve, the
-//! upper half last. The old value is out of reach in both halves, so a half-written start is out of reach
-//! too. Distances compare correctly over a limited path only. If the curves of the look-ahead lead beyond
+//! upper half last. Both halves of the old value are out of reach, so a half-written start is out of reach
+//! too. Distances compare correctly only over a limited path. If the curves of the look-ahead lead beyond
 //! this path, the planner writes their starts when the interrupt comes nearer.
 //!
-//! In a small build an arc or a polynomial takes two slots ([`super::cells`]): the first for the part, the second for
-//! the curve. Each slot has a number and a start; both starts are the same path distance. A tick that passes the first
-//! slot therefore passes the second one too, and never ends on a part. The interrupt reads the first start, so the
-//! planner writes this start last. Counts in this file are slots then, and many such curves shorten the look-ahead.
+//! In a small build, an arc or a polynomial takes two slots ([`super::cells`]): the first for the part, the
+//! second for the curve. Each slot has a number and a start; both starts are the same path distance. So a
+//! tick that passes the first slot also passes the second one, and never ends on a part. The interrupt reads
+//! the first start, so the planner writes this start last. Counts in this file are then counts of slots, and
+//! many such curves shorten the look-ahead.
 //!
 //! A slot holds the lower half of the motion block's number. A reader counts back from the latest number
-//! ([`super::cells::whole`]), so numbers in the ring must be less than 2^16 apart. A curve may stand for many motion
-//! blocks. Before another block joins such a curve, the planner asks whether the numbers get too far apart
-//! ([`CurveProducer::is_crowded`]). If so, the block gets a curve of its own.
+//! ([`super::cells::whole`]), so numbers in the ring must be less than 2^16 apart. A curve may replace many
+//! motion blocks. Before another block joins such a curve, the planner checks whether the numbers would be
+//! too far apart ([`CurveProducer::is_crowded`]). If so, the block gets its own curve.
 #![allow(unsafe_code)]
 use super::SEGMENTS;
 use super::cells::{self, BEFORE, IS_WHOLE, MOST, Place, Segment, Track, whole};
@@ -47,7 +48,7 @@ const HALVINGS: usize = 5;
 
 /// Slots that a tick reads: the current slot, the next slot, and the slots of the halvings.
 const WINDOW: usize = 2 + MOST_SLOTS as usize;
-/// Sizes of the halvings.
+/// Sizes of the halvings, in starts.
 const HALVES: [usize; HALVINGS] = {
     let mut halves = [1; HALVINGS];
     let mut k = HALVINGS - 1;
@@ -57,43 +58,44 @@ const HALVES: [usize; HALVINGS] = {
     }
     halves
 };
-/// Starts behind a curve that a tick reads.
+/// Number of starts after a curve that a tick reads.
 const BEHIND: usize = WINDOW - 1;
-/// Smallest look-ahead (P-STUP-00071): so many curves of any kind have room. No more curves need to be in the ring
-/// together: a span of several blocks is a part of the look-ahead, and a curve of more elements passes through the
-/// ring.
+/// Smallest look-ahead (P-STUP-00071), in curves of any kind that have room. The ring never needs more curves
+/// at the same time. A span of several blocks is a part of the look-ahead. A curve of more elements passes
+/// through the ring.
 const LEAST: usize = 10;
 
 /// Slots of the look-ahead in addition to one slot per block.
 const SPARE: usize = if IS_WHOLE { 0 } else { LEAST + 8 };
-/// Slots that the look-ahead may need for one more curve than requested: a curve that was held back, and
-/// another one.
+/// Slots that the look-ahead may need for two more curves than requested: a curve that was held back, and the
+/// next one.
 const NEXT: usize = if IS_WHOLE { 0 } else { 2 * MOST };
-/// Slots in addition to one slot per block of the look-ahead: the slots above, released curves, and the part of the
-/// current curve.
+/// Slots in addition to one slot per block of the look-ahead: the additional slots above, released curves,
+/// and the part of the current curve.
 const SLOTS: usize = SPARE + SEGMENTS + BEFORE;
-/// Starts in addition to those of the look-ahead: the slots above, starts out of reach behind the last curve,
-/// and the repeated head.
+/// Starts in addition to those of the look-ahead: one per additional slot, starts out of reach after the last
+/// curve, and the repeated head.
 const STARTS: usize = SLOTS + WINDOW + BEHIND;
 
-/// A start so far behind the last curve is out of reach: 2^61. Distances compare correctly up to 2^63: the
-/// current curve, the last curve and this value together stay below.
+/// A start that is 2^61 (LSB 2^-44 mm) after the last curve is out of reach. Distances compare correctly up
+/// to 2^63; the sum of the current curve, the last curve and this value is below.
 const OUT_OF_REACH: i64 = 1 << 61;
 
-/// Length of the path that the interrupt sees ahead of the released curves, from the end of the current
-/// curve; only the next start is compared with this end. Together with the part out of reach, the length is
-/// below 2^63.
+/// Length of the path that the interrupt sees ahead of the released curves, counted from the end of the
+/// current curve. Only the next start is compared with this end. This length plus [`OUT_OF_REACH`] is below
+/// 2^63.
 const SHOWN: i64 = 5 << 60;
 
-/// A curve longer than this moves every start that is out of reach. A window of shorter curves stays far
-/// below the limit.
+/// A longer curve moves every start that is out of reach. A window of shorter curves stays far below the
+/// limit.
 const LONG: i64 = OUT_OF_REACH / 64;
 
-/// A motion block so far behind the oldest one of the ring must not join a curve. Until the oldest block is passed, at
-/// most a curve per block is added, so all numbers stay less than 2^16 apart.
+/// A motion block must not join a curve if its number exceeds the oldest one in the ring by this value. Until
+/// the oldest block is passed, at most one curve per block is added. So all numbers stay less than 2^16
+/// apart.
 const MOST_APART: u32 = 1 << 15;
 
-/// Two arrays without a gap between.
+/// Two arrays without a gap between them.
 #[repr(C)]
 struct Both<T, const A: usize, const B: usize> {
     front: [T; A],
@@ -102,8 +104,9 @@ struct Both<T, const A: usize, const B: usize> {
 
 impl<T, const A: usize, const B: usize> Both<T, A, B> {
     fn as_slice(&self) -> &[T] {
-        // SAFETY: in C layout the second array begins where the first one ends, a multiple of their
-        // alignment, and the struct ends with it: `A + B` elements in a row, borrowed as long as `self` is.
+        // SAFETY: in C layout, the second array begins where the first one ends, at a multiple of their
+        // alignment, and the struct ends with it. So there are `A + B` consecutive elements, borrowed as long
+        // as `self` is.
         unsafe { slice::from_raw_parts(ptr::from_ref(self).cast(), A + B) }
     }
 }
@@ -114,7 +117,7 @@ const fn as_starts<const AXES: usize>() -> usize {
     size_of::<Place<AXES>>() / size_of::<Start>()
 }
 
-/// The index `by` further in a ring of `len`.
+/// The index `by` places after `at`, in a ring of `len` places.
 #[inline(always)]
 const fn on(at: usize, by: usize, len: usize) -> usize {
     let to = at + by;
@@ -158,12 +161,12 @@ pub struct CurveRing<const AXES: usize, const BLOCKS: usize> {
     taken: AtomicU32,
     /// The latest motion block in the ring. The planner writes this word.
     latest: AtomicU32,
-    /// What the axes drive on each curve.
+    /// The driven distance of each curve.
     #[cfg(feature = "driven")]
     drives: Both<Kept, BLOCKS, SLOTS>,
 }
 
-/// The planner's end: writes curves. Curves are numbered from 0 since the split.
+/// The planner's handle: writes curves. Curves are numbered from 0 since the split.
 pub struct CurveProducer<'a, const AXES: usize> {
     /// The slots. The first [`BEFORE`] slots are not part of the ring.
     slots: &'a [Place<AXES>],
@@ -176,30 +179,31 @@ pub struct CurveProducer<'a, const AXES: usize> {
     handed: u32,
     /// Number of curves whose start the interrupt sees.
     shown: u32,
-    /// Start of the first curve that the interrupt cannot see. Only used after long curves.
+    /// Start of the first curve that the interrupt cannot see; used only after long curves.
     hidden: i64,
     /// Indices of the next curve and of its start.
     slot: usize,
     place: usize,
     /// End of the last curve.
     end: i64,
-    /// Whether there were long curves.
+    /// Whether the ring has held long curves.
     long: bool,
-    /// What the axes drive on each curve.
+    /// The driven distance of each curve.
     #[cfg(feature = "driven")]
     drives: Drives<'a>,
-    /// Driven distance at the end of the last one.
+    /// Driven distance at the end of the last curve.
     #[cfg(feature = "driven")]
     driven: i64,
-    /// By what a driven distance is measured. `None`: the path distance of each curve is its driven length.
+    /// The axes along which driven distance counts. `None`: the path distance of each curve is its driven
+    /// length.
     #[cfg(feature = "driven")]
     measure: Option<Measure>,
 }
 
-/// The interrupt's end: follows the curves.
+/// The interrupt's handle: follows the curves.
 pub struct CurveConsumer<'a, const AXES: usize> {
     taken: &'a AtomicU32,
-    /// The start of the current curve, with [`BEHIND`] others behind, and the slot.
+    /// The start of the current curve, with [`BEHIND`] more starts after it, and the slot of the curve.
     start: RingCursor<'a, Start>,
     slot: RingCursor<'a, Place<AXES>>,
     latest: &'a AtomicU32,
@@ -207,8 +211,8 @@ pub struct CurveConsumer<'a, const AXES: usize> {
     drives: Drives<'a>,
 }
 
-/// An element of a ring, the end of its array, and the way from this end back to the ring's begin in bytes,
-/// below 0. A step needs neither an index nor a bounds check.
+/// An element of a ring, the end of its array, and the negative offset from this end to the ring's first
+/// element, in bytes. A step needs neither an index nor a bounds check.
 struct RingCursor<'a, T> {
     at: *const T,
     end: *const T,
@@ -216,7 +220,7 @@ struct RingCursor<'a, T> {
     ring: PhantomData<&'a [T]>,
 }
 
-// SAFETY: it is as good as the shared slice that it was made of.
+// SAFETY: the cursor is as safe to send as the shared slice from which it was made.
 unsafe impl<T: Sync> Send for RingCursor<'_, T> {}
 
 impl<'a, T> RingCursor<'a, T> {
@@ -228,7 +232,7 @@ impl<'a, T> RingCursor<'a, T> {
         Self { at, end: at.wrapping_add(len), back, ring: PhantomData }
     }
 
-    /// Steps by a number of bytes: whole elements, at most one round.
+    /// Steps by a number of bytes: a multiple of the element size, at most one round.
     #[inline(always)]
     fn go_on(&mut self, by: usize) {
         let to = self.at.wrapping_byte_add(by);
@@ -255,7 +259,7 @@ impl<const AXES: usize, const BLOCKS: usize> CurveRing<AXES, BLOCKS> {
         }
     }
 
-    /// Empties the ring and returns its two ends.
+    /// Empties the ring and returns its two handles.
     pub fn split(&mut self) -> (CurveProducer<'_, AXES>, CurveConsumer<'_, AXES>) {
         const {
             assert!(BLOCKS + SLOTS < MOST_APART as usize / 2, "numbers of motion blocks of 16 bits");
@@ -315,7 +319,8 @@ impl<const AXES: usize, const BLOCKS: usize> Default for CurveRing<AXES, BLOCKS>
     }
 }
 
-/// The lower word has its highest value: a half-written start never lies before the final value.
+/// A start that is out of reach after a path end: [`OUT_OF_REACH`]. The lower word has its highest value, so
+/// a half-written start is never below the final value.
 const fn out_of_reach(end: i64) -> i64 {
     end.wrapping_add(OUT_OF_REACH) | 0xFFFF_FFFF
 }
@@ -342,13 +347,13 @@ impl<'a, const AXES: usize> CurveProducer<'a, AXES> {
         !self.has_room(self.taken(), 1)
     }
 
-    /// Whether so many slots are free. The slot with the part of the current curve is not free.
+    /// Whether this number of slots is free. The slot with the part of the current curve is not free.
     #[cfg_attr(feature = "fast", inline(always))]
     fn has_room(&self, taken: u32, slots: usize) -> bool {
         self.count.wrapping_sub(taken) as usize + BEFORE + slots <= self.most()
     }
 
-    /// Whether the look-ahead has no more room for curves, even if it has fewer curves than blocks.
+    /// Whether the look-ahead has no room for more curves, even if it has fewer curves than blocks.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn is_ahead_full(&self) -> bool {
         !IS_WHOLE && self.count.wrapping_sub(self.handed) as usize + NEXT > self.ahead() + SPARE
@@ -366,7 +371,7 @@ impl<'a, const AXES: usize> CurveProducer<'a, AXES> {
 
     /// Whether the slot with this number holds a part.
     fn is_part(&self, number: u32) -> bool {
-        // SAFETY: only this end of the ring writes slots, and needs `&mut self` for that.
+        // SAFETY: only this handle writes slots, and needs `&mut self` for that.
         !IS_WHOLE
             && number != self.count
             && self.slot(self.index_of(number)).is_some_and(|slot| unsafe { slot.is_part() })
@@ -382,21 +387,21 @@ impl<'a, const AXES: usize> CurveProducer<'a, AXES> {
         self.curve_of(self.curve_of(number).wrapping_add(1))
     }
 
-    /// Whether the queue has as many released curves as it takes, or more path than distances compare over.
+    /// Whether the queue holds its full number of released curves, or more path than distances can compare.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn is_sated(&self) -> bool {
-        // With another curve of any kind, the count would exceed the limit.
+        // Another curve of any kind would exceed the limit.
         self.len() + MOST as u32 > SEGMENTS as u32 || (self.long && self.is_far(self.handed))
     }
 
-    /// Whether the queue has more curves than it takes, because the last released span had several.
+    /// Whether the queue has more curves than its full number, because the last released span had several.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn is_over(&self) -> bool {
         self.len() > SEGMENTS as u32 || (self.long && self.is_far(self.handed.wrapping_sub(1)))
     }
 
-    /// Whether the path from the current curve to the curve with this number is longer than distances compare
-    /// over.
+    /// Whether the path from the current curve to the curve with this number is longer than distances can
+    /// compare.
     fn is_far(&self, number: u32) -> bool {
         self.is_behind(number, self.start(number), OUT_OF_REACH - self.length(self.taken()))
     }
@@ -408,8 +413,8 @@ impl<'a, const AXES: usize> CurveProducer<'a, AXES> {
     }
 
     /// Whether the path from the end of the current curve to the start of the curve with this number is
-    /// longer than `path`. The distance counts from that end, because both curves and the path between may
-    /// exceed the comparable range.
+    /// longer than `path`. The path counts from that end, because both curves together with the path between
+    /// may exceed the comparable range.
     #[inline(never)]
     fn is_behind(&self, number: u32, start: i64, path: i64) -> bool {
         let next = self.taken().wrapping_add(1);
@@ -424,7 +429,7 @@ impl<'a, const AXES: usize> CurveProducer<'a, AXES> {
         self.recent(number).map_or(0, |track| track.segment.length())
     }
 
-    /// Path distance at which the curve with this number starts, LSB 2^-44 mm. Only for curves that
+    /// Path distance at which the curve with this number starts, LSB 2^-44 mm. Valid only for curves that
     /// [`Self::recent`] returns.
     pub fn start(&self, number: u32) -> i64 {
         if (number.wrapping_sub(self.shown) as i32) < 0 {
@@ -440,7 +445,7 @@ impl<'a, const AXES: usize> CurveProducer<'a, AXES> {
         if first == self.count || self.end_of(first).wrapping_sub(distance) > 0 {
             return (first != self.count).then_some(first);
         }
-        // The motion may have stopped within the first curve; the next curve starts there.
+        // The motion may have stopped inside the first curve; the next curve starts at that place.
         let second = first.wrapping_add(1);
         let mut end = self.start(second);
         numbers(second, self.count).find(|number| {
@@ -469,10 +474,10 @@ impl<'a, const AXES: usize> CurveProducer<'a, AXES> {
         whole(self.latest(), segment.block())
     }
 
-    /// Whether the next motion block, with this number, must not join a curve. Its number would be too far from the
-    /// oldest block still in use, that of the slot which the next curve takes.
+    /// Whether the next motion block, with this number, must not join a curve. The number would be too far
+    /// from the oldest block number in use, which is in the slot of the next curve.
     pub fn is_crowded(&self, block: u32) -> bool {
-        // SAFETY: only this end of the ring writes slots, and needs `&mut self` for that.
+        // SAFETY: only this handle writes slots, and needs `&mut self` for that.
         let oldest = self.slot(self.slot).map_or(0, |slot| unsafe { slot.block() });
         block.wrapping_sub(whole(self.latest(), oldest)) >= MOST_APART
     }
@@ -487,8 +492,9 @@ impl<'a, const AXES: usize> CurveProducer<'a, AXES> {
         let (front, index) = (self.slot, on(self.slot, slots - 1, self.most()));
         let part = if slots > 1 { self.slot(front) } else { None };
         let slot = self.slots.as_ptr().wrapping_add(BEFORE + index);
-        // SAFETY: the slot is in the ring, and one slot lies before it. The ring is not full, so the interrupt has
-        // given back these slots and that of the part, and their starts are out of reach. There is one planner.
+        // SAFETY: the slot is in the ring, and one slot is before it. The ring is not full, so the interrupt
+        // has given back these slots and that of the part, and their starts are out of reach. There is only
+        // one planner.
         unsafe { cells::write(slot, part, shape, base, (n, block as u16)) };
         if (block.wrapping_sub(self.latest()) as i32) > 0 {
             self.latest.store(block, Ordering::Relaxed);
@@ -507,7 +513,7 @@ impl<'a, const AXES: usize> CurveProducer<'a, AXES> {
         if self.long {
             self.show();
         } else {
-            // The last start first.
+            // The last start is written first.
             for k in (0..slots).rev() {
                 let behind = on(place, BEHIND + k, places(self.starts));
                 self.set(behind, out_of_reach(self.end), Ordering::Relaxed);
@@ -520,19 +526,20 @@ impl<'a, const AXES: usize> CurveProducer<'a, AXES> {
         true
     }
 
-    /// Driven distances are measured like that from the next curve on. `None`: its path distance is its driven length.
+    /// Sets the axes along which driven distance counts, from the next curve on. `None`: the path distance of
+    /// each curve is its driven length.
     #[cfg(feature = "driven")]
     pub const fn set_measure(&mut self, measure: Option<Measure>) {
         self.measure = measure;
     }
 
-    /// What the axes drive on each curve, for others.
+    /// The driven distance of each curve, for other readers.
     #[cfg(feature = "driven")]
     pub(super) const fn drives(&self) -> Drives<'a> {
         self.drives
     }
 
-    /// Writes what the axes drive on the curve that goes behind the last one, as the one with this number.
+    /// Writes the driven distance of a curve after the last one. `number`: number of the new curve.
     #[cfg(feature = "driven")]
     #[inline(never)]
     fn measure(&mut self, shape: &Shape<AXES>, base: &[Position; AXES], number: u32) {
@@ -558,7 +565,7 @@ impl<'a, const AXES: usize> CurveProducer<'a, AXES> {
         }
     }
 
-    /// Writes the starts of released curves, and of further curves as far as distances compare.
+    /// Writes the starts of released curves, and of further curves as far as distances can compare.
     #[inline(never)]
     fn show(&mut self) {
         let (from, mut start) = (self.shown, self.hidden);
@@ -585,7 +592,7 @@ impl<'a, const AXES: usize> CurveProducer<'a, AXES> {
         let mut number = from;
         while number != shown {
             let curve = self.curve_of(number);
-            // The last start first.
+            // The last start is written first.
             self.set(self.place_of(curve), start, Ordering::Release);
             if curve != number {
                 self.set(self.place_of(number), start, Ordering::Release);
@@ -616,8 +623,9 @@ impl<'a, const AXES: usize> CurveProducer<'a, AXES> {
         }
     }
 
-    /// Number of released curves that the interrupt has not passed, the current one included. At the end of all of them
-    /// the interrupt may be on the first curve of the look-ahead; in the reserve, on a later one.
+    /// Number of released curves that the interrupt has not passed, including the current one. At the end of
+    /// the released curves, the interrupt may be on the first curve of the look-ahead, or in the reserve on a
+    /// later one.
     #[inline(always)]
     pub fn len(&self) -> u32 {
         let ahead = self.handed.wrapping_sub(self.taken()) as i32;
@@ -661,7 +669,7 @@ impl<'a, const AXES: usize> CurveProducer<'a, AXES> {
         !self.long || distance.to_bits().wrapping_sub(self.known().to_bits()) <= 0
     }
 
-    /// The curve with this number, or whose part has this number, if it is one of the latest curves.
+    /// The curve with this number, or with a part of this number, if it is one of the latest curves.
     #[inline(never)]
     pub fn recent(&self, number: u32) -> Option<Track<'_, AXES>> {
         let number = self.curve_of(number);
@@ -670,13 +678,13 @@ impl<'a, const AXES: usize> CurveProducer<'a, AXES> {
             return None;
         }
         let slot = self.slots.as_ptr().wrapping_add(BEFORE + self.index_of(number));
-        // SAFETY: the ring holds the slot and the slot before. Only this end of the ring writes slots, and needs `&mut
-        // self` to do so; the interrupt only reads.
+        // SAFETY: the ring holds the slot and the slot before. Only this handle writes slots, and needs `&mut
+        // self` for that; the interrupt only reads.
         Some(unsafe { Track::new(slot) })
     }
 
-    /// Withdraws the curves after the current one. The axes stand at the path distance `stands`, where the next curve
-    /// begins.
+    /// Withdraws the curves after the current one. The axes are at the path distance `stands`, where the next
+    /// curve begins.
     pub fn end_at(&mut self, stands: i64) {
         self.withdraw(self.taken());
         #[cfg(feature = "driven")]
@@ -690,8 +698,8 @@ impl<'a, const AXES: usize> CurveProducer<'a, AXES> {
         (self.end, self.hidden) = (stands, stands);
     }
 
-    /// Withdraws the curves from the one with this number on, except the curve that the interrupt is on. The
-    /// interrupt gets no further before the planner writes new curves. All curves that remain are released.
+    /// Withdraws the curves from this number on, except for the curve that the interrupt is on. The interrupt
+    /// must not move further before the planner writes new curves. All remaining curves are released.
     pub fn withdraw(&mut self, number: u32) {
         let first = self.curve_of(self.taken()).wrapping_add(1);
         let number = if (number.wrapping_sub(first) as i32) < 0 { first } else { number };
@@ -717,16 +725,16 @@ impl<'a, const AXES: usize> CurveProducer<'a, AXES> {
         self.show();
     }
 
-    /// Writes this motion block into all slots except those of the curves from this one on. Then no slot has an older
-    /// block than the blocks in use and those to come.
+    /// Writes the current motion block into all slots except those of the curves from this number on. Then no
+    /// slot has an older block number than the blocks in use.
     fn forget(&self, first: u32) {
         let Some(block) = self.recent(first).map(|track| track.segment.block()) else { return };
         // Includes the slot of the part.
         let used = self.count.wrapping_sub(first) as usize + BEFORE;
         for k in used..self.most() {
-            // From the slot that the next curve takes.
+            // The range begins at the slot of the next curve.
             if let Some(slot) = self.slot(on(self.slot, k - used, self.most())) {
-                // SAFETY: the interrupt does not reach these slots, and there is one planner.
+                // SAFETY: the interrupt does not reach these slots, and there is only one planner.
                 unsafe { slot.set_block(block) };
             }
         }
@@ -739,17 +747,17 @@ fn numbers(from: u32, to: u32) -> impl Iterator<Item = u32> {
 }
 
 impl<const AXES: usize> CurveConsumer<'_, AXES> {
-    /// Finds the curve at a path distance, and the distance from the curve's start. `distance` is not below
-    /// that of the call before. The call gives back the curves before, at most [`MAX_CURVES_PER_TICK`].
-    /// Returns `None` before the first curve. Runs in the tick.
+    /// Finds the curve at a path distance, and the distance from the curve's start. `distance` must be at
+    /// least that of the previous call. The call gives back the curves before, at most
+    /// [`MAX_CURVES_PER_TICK`]. Returns `None` before the first curve. Runs in the tick.
     #[inline(always)]
     pub fn follow(&mut self, distance: i64) -> Option<(Track<'_, AXES>, i64)> {
-        // SAFETY: the start lies in its ring. Behind the ring the array continues for a whole window.
+        // SAFETY: the start is in its ring. After the ring, the array continues for a whole window.
         let [first, rest @ ..] = unsafe { &*self.start.at.cast::<[Start; WINDOW]>() };
         let mut at = first;
         if rest.first()?.has_begun(distance) {
             at = last_begun(rest, distance)?;
-            // SAFETY: both starts are in one window, and `first` is the first.
+            // SAFETY: both starts are in one window, and `first` is its first element.
             let passed = unsafe { ptr::from_ref(at).byte_offset_from_unsigned(first) };
             self.start.go_on(passed);
             self.slot.go_on(passed * as_starts::<AXES>());
@@ -763,7 +771,7 @@ impl<const AXES: usize> CurveConsumer<'_, AXES> {
         }
         fence(Ordering::Acquire);
         // SAFETY: the slot is in its ring, which is not empty. The start is not out of reach, so the planner
-        // has written the curve, and does not touch the slot until it is given back.
+        // has written the curve. The planner does not change the slot until the slot is given back.
         let track = unsafe {
             assert_unchecked(!self.slot.at.is_null());
             Track::new(self.slot.at)
@@ -771,14 +779,14 @@ impl<const AXES: usize> CurveConsumer<'_, AXES> {
         Some((track, along))
     }
 
-    /// The curve that the interrupt is on, at the distance of the last call.
+    /// The curve that the interrupt is on, at the distance of the last tick.
     pub fn peek(&self, distance: i64) -> Option<&Segment<AXES>> {
         self.at_hand(distance).map(|(track, _)| track.segment)
     }
 
     /// The current curve with its part, and the distance from its start.
     pub fn at_hand(&self, distance: i64) -> Option<(Track<'_, AXES>, i64)> {
-        // SAFETY: the start lies in its ring.
+        // SAFETY: the start is in its ring.
         let start = unsafe { &*self.start.at }.get();
         let along = distance.wrapping_sub(start);
         if along < -(OUT_OF_REACH / 2) {
@@ -789,7 +797,7 @@ impl<const AXES: usize> CurveConsumer<'_, AXES> {
         unsafe { if (*self.slot.at).is_part() { None } else { Some((Track::new(self.slot.at), along)) } }
     }
 
-    /// What the axes have driven at a path distance of the curve that the interrupt is on.
+    /// Driven distance at a path distance on the interrupt's current curve.
     #[cfg(feature = "driven")]
     pub(super) fn driven(&self, distance: i64) -> i64 {
         self.drives.at(distance)
@@ -801,7 +809,7 @@ impl<const AXES: usize> CurveConsumer<'_, AXES> {
     }
 }
 
-/// The last of these starts that the distance has reached. The distance has reached the first start.
+/// The last of these starts that the distance has reached. The distance must have reached the first start.
 #[inline(always)]
 fn last_begun(starts: &[Start; WINDOW - 1], distance: i64) -> Option<&Start> {
     let (first, rest) = starts.split_first()?;

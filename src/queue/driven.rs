@@ -1,21 +1,21 @@
-//! What the axes have driven at a path distance, for the operator.
+//! The distance that the axes have driven at a path distance, for the operator.
 //!
-//! Path distance is the coordinate of the plan. On a line or an arc it is the travel of the feed axes. On a curve that is
-//! planned over time it is time at the feed, and the axes travel less. So each curve has a [`Drive`]: the driven
-//! distance at its start, in its middle and at its end, and the travel per path distance there.
+//! Path distance is the coordinate of the plan. On a line or an arc, it is the travel of the feed axes. On a
+//! curve over time, it is time at the feed speed, and the axes travel less. So each curve has a [`Drive`]:
+//! the driven distance at its start, middle and end, and the travel per path distance there.
 //!
-//! Inside each half the driven distance is the cubic with these values. Where a curve over time brakes on a straight line
-//! it is exact, because the axes follow a cubic there. The interrupt does nothing for this: a reader finds the curve by
-//! the number of curves that the interrupt has left.
+//! In each half of the curve, the driven distance is the cubic with these values. If a curve over time brakes
+//! on a straight line, the result is exact, because the axes follow a cubic there. The interrupt does no work
+//! for this: a reader finds the curve from the number of curves that the interrupt has passed.
 use crate::math::float::{max, min, to_f32, to_i64};
 use crate::path::{Measure, Shape};
 use crate::quantity::Position;
 use core::sync::atomic::{AtomicU32, Ordering};
 
-/// Words of a [`Drive`].
+/// Number of words in a [`Drive`].
 const WORDS: usize = 10;
 
-/// Weights of slopes at the ends of eight parts of a curve, for the mean of each half: Boole's rule.
+/// Weights of the slopes at the ends of eight parts of a curve, for the mean of each half (Boole's rule).
 const WEIGHTS: [[f32; 2]; 9] = [
     [7.0, 0.0],
     [32.0, 0.0],
@@ -33,25 +33,26 @@ const WHOLE: f32 = 90.0;
 /// The driven distance of one curve over its path distance, LSB 2^-44 mm.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Drive {
-    /// Path distance at its start.
+    /// Path distance at the start of the curve.
     start: i64,
-    /// Driven distance at its start.
+    /// Driven distance at the start of the curve.
     driven: i64,
-    /// Half of the path length; 0 where the driven distance grows as the path distance does.
+    /// Half of the path length, mm; 0 if driven distance and path distance grow equally.
     half: f32,
-    /// Driven length of each half.
+    /// Driven length of each half, mm.
     travel: [f32; 2],
     /// Travel per path distance at the start, in the middle and at the end.
     slopes: [f32; 3],
 }
 
 impl Drive {
-    /// The drive of a curve that is driven as its path distance says.
+    /// The drive of a curve whose driven distance equals its path distance.
     pub const fn plain(start: i64, driven: i64) -> Self {
         Self { start, driven, half: 0.0, travel: [0.0; 2], slopes: [1.0; 3] }
     }
 
-    /// The drive of a curve. `start`, `driven`: path distance and driven distance at its start.
+    /// The drive of a curve. `start` and `driven`: path distance and driven distance at the start of the
+    /// curve.
     #[inline(never)]
     pub fn of<const AXES: usize>(
         (shape, base): (&Shape<AXES>, &[Position; AXES]),
@@ -59,7 +60,7 @@ impl Drive {
         [start, driven]: [i64; 2],
     ) -> Self {
         let length = shape.length.to_bits();
-        // As in the slope of a track: 12 bits and more.
+        // As in [`super::cells::Track::slope`]: 12 bits or more.
         let by = (length >> 10).max((length >> 4).min(1 << 30)).max(1);
         let scale = 1.0 / to_f32(2 * by);
         let half = 0.5 * to_f32(length);
@@ -100,7 +101,7 @@ impl Drive {
         self.driven.wrapping_add(to_i64(gone))
     }
 
-    /// The driven distance at its end, of a curve with that path length.
+    /// The driven distance at the end of a curve with this path length.
     pub fn end(&self, length: i64) -> i64 {
         self.at(self.start.wrapping_add(length))
     }
@@ -132,13 +133,14 @@ impl Drive {
     }
 }
 
-/// The cubic over 0..1 from 0 to `travel` with these slopes at both ends, in 0..=`travel`.
+/// The cubic over 0 to 1 from 0 to `travel` with these slopes at both ends; the result is between 0 and
+/// `travel`.
 fn cubic(part: f32, travel: f32, [first, last]: [f32; 2]) -> f32 {
     let (square, cube) = (3.0 * travel - 2.0 * first - last, first + last - 2.0 * travel);
     max(0.0, min(travel, part * (first + part * (square + part * cube))))
 }
 
-/// A drive in memory. The planner writes it before the interrupt can come to its curve.
+/// A drive in memory. The planner writes it before the interrupt can reach its curve.
 pub(super) struct Kept([AtomicU32; WORDS]);
 
 impl Kept {
@@ -147,21 +149,21 @@ impl Kept {
     }
 }
 
-/// The drives of the curves of a ring. A curve is found by its number, which counts from 0 since the split.
+/// The drives of all curves in a ring. The number of a curve, from 0 since the split, selects its drive.
 #[derive(Clone, Copy)]
 pub(super) struct Drives<'a> {
     kept: &'a [Kept],
-    /// Curves that the interrupt has left.
+    /// Number of curves that the interrupt has passed.
     taken: &'a AtomicU32,
 }
 
 impl<'a> Drives<'a> {
-    /// Drives in that memory: as many as the ring has slots, at least.
+    /// Drives in this memory, which has at least as many places as the ring has slots.
     pub const fn new(kept: &'a [Kept], taken: &'a AtomicU32) -> Self {
         Self { kept, taken }
     }
 
-    /// Each curve is driven as its path distance says.
+    /// Resets all drives: driven distance equals path distance.
     pub fn clear(&self) {
         for number in 0..self.kept.len() as u32 {
             self.set(number, &Drive::plain(0, 0));
@@ -188,7 +190,7 @@ impl<'a> Drives<'a> {
         Drive::of_words(words)
     }
 
-    /// The driven distance at a path distance of the curve that the interrupt is on.
+    /// Driven distance at a path distance on the interrupt's current curve.
     pub fn at(&self, distance: i64) -> i64 {
         self.get(self.taken.load(Ordering::Acquire)).at(distance)
     }

@@ -12,8 +12,9 @@
 //! | `overlay` | the motion of a single axis |
 //! | `word` | words and places, from which the other files are built |
 //!
-//! The planner adds a curve when its block enters the look-ahead, and releases the curve before the first piece that
-//! moves along it. The operator's commands are part of this memory too; [`crate::control`] describes them.
+//! The planner adds a curve when its block enters the look-ahead. It releases the curve before the first
+//! piece that moves along it. The operator's commands are also part of this memory; [`crate::control`]
+//! describes them.
 mod actions;
 mod cells;
 pub mod clock;
@@ -44,21 +45,22 @@ use crate::math::wide::mul_u32;
 use crate::quantity::{Accel, Distance, Jerk, Position, Speed};
 use crate::technology::Action;
 
-/// Slots of released curves, in addition to those of the look-ahead. A tick passes at most [`MAX_CURVES_PER_TICK`]
-/// curves, so the slots last at least one and a half ticks of the shortest blocks. In a small build, where an arc or a
-/// polynomial takes two slots, they last two ticks of lines and one tick of other curves.
+/// Slots of released curves, in addition to those of the look-ahead. A tick passes at most
+/// [`MAX_CURVES_PER_TICK`] curves, so the slots hold at least one and a half ticks of the shortest blocks. In
+/// a small build, an arc or a polynomial takes two slots. There the slots hold two ticks of lines and one
+/// tick of other curves.
 pub const SEGMENTS: usize = if functions::IS_SMALL { 34 } else { 48 };
 /// Number of pieces in the queue. A block takes at most seven pieces, a short block two or three.
 pub const PHASES: usize = if functions::IS_SMALL { 32 } else { 128 };
 
-/// Number of actions that may be pending, from the program to the operator.
+/// Number of actions that may be pending, from reading the program to the operator.
 pub const ACTIONS: usize = if functions::IS_SMALL { 16 } else { 32 };
 
 /// An action at its point of the path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct PlacedAction {
-    /// Path distance of its point.
+    /// Path distance of the action's point.
     pub distance: Distance,
     /// Programmed N number.
     pub n: u32,
@@ -71,7 +73,7 @@ pub struct PlacedAction {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C, packed(4))]
 pub struct Phase {
-    /// Path distance at its first tick.
+    /// Path distance at the first tick of the piece.
     pub distance: Distance,
     /// Speed at the first tick.
     pub speed: Speed,
@@ -94,7 +96,7 @@ impl Slot for Phase {
 }
 
 impl Phase {
-    /// Moves the piece's start by `n` ticks.
+    /// Moves the start of the piece by `n` ticks.
     pub fn advance(&mut self, n: u16) {
         let ticks = i64::from(n);
         let (half, sixth) = (self.half_accel.to_bits(), self.sixth_jerk.to_bits());
@@ -112,7 +114,7 @@ impl Phase {
         let times = i64::from(n);
         let slope = self.half_accel.to_bits().wrapping_add(self.sixth_jerk.to_bits().wrapping_mul(times));
         let mean = self.speed.to_bits().wrapping_add(slope.wrapping_mul(times));
-        // From 2^-58 to 2^-44.
+        // Converts 2^-58 to 2^-44.
         self.distance.to_bits().wrapping_add(mul_u32(mean, u32::from(n), 14))
     }
 }
@@ -126,7 +128,8 @@ pub struct Rings<const AXES: usize, const BLOCKS: usize> {
     shared: Shared<AXES>,
 }
 
-/// Data of the interrupt outside the rings, in one place: one register addresses all of them.
+/// Data of the interrupt outside the rings. They are in one place, so that one register addresses all of
+/// them.
 #[repr(C)]
 struct Shared<const AXES: usize> {
     clock: Clock,
@@ -134,7 +137,7 @@ struct Shared<const AXES: usize> {
     actions: Actions,
 }
 
-/// The planner's end.
+/// The planner's handle.
 pub struct Sender<'a, const AXES: usize> {
     /// Curves.
     pub segments: CurveProducer<'a, AXES>,
@@ -150,7 +153,7 @@ pub struct Sender<'a, const AXES: usize> {
     pub clock: &'a Clock,
 }
 
-/// The interrupt's end.
+/// The interrupt's handle.
 pub struct Receiver<'a, const AXES: usize> {
     /// Curves.
     pub segments: CurveConsumer<'a, AXES>,
@@ -169,8 +172,8 @@ impl<const AXES: usize> Receiver<'_, AXES> {
         Some(distance)
     }
 
-    /// The curve at a path distance, and the distance from the curve's start. Writes N number and block to
-    /// the status.
+    /// The curve at a path distance, and the distance from the start of the curve. Writes N number and block
+    /// to the status.
     #[inline(always)]
     pub fn follow(&mut self, distance: i64) -> Option<(Track<'_, AXES>, i64)> {
         let (track, along) = self.segments.follow(distance)?;
@@ -200,15 +203,15 @@ impl<const AXES: usize> Receiver<'_, AXES> {
         clock.pass();
     }
 
-    /// Ends a tick without a piece: actions at the point where the path rests become due. `moves`: set points
-    /// move although the path rests.
+    /// Ends a tick without a piece: actions at the point where the path stands become due. `moves`: set
+    /// points move although the path stands still.
     pub fn rest(&mut self, moves: bool) {
         let Shared { clock, actions, .. } = self.shared;
         actions.reach(self.distance(), clock.tick());
         clock.rest_while(moves);
     }
 
-    /// As [`Self::pass`], with filters after the path.
+    /// As [`Self::pass`], with filters after the path. `settled`: whether the axes have stopped.
     #[inline(always)]
     pub fn pass_later(&mut self, lag: &mut Lag, settled: bool) {
         let Shared { clock, status, actions } = self.shared;
@@ -218,7 +221,7 @@ impl<const AXES: usize> Receiver<'_, AXES> {
         clock.pass();
     }
 
-    /// As [`Self::rest`], with filters after the path; `moves`: set points still move.
+    /// As [`Self::rest`], with filters after the path. `moves`: set points still move.
     pub fn rest_later(&mut self, lag: &mut Lag, settled: bool, moves: bool) {
         let Shared { clock, actions, .. } = self.shared;
         actions.reach_later(self.distance(), clock.tick(), lag, settled);
@@ -230,14 +233,14 @@ impl<const AXES: usize> Receiver<'_, AXES> {
         self.shared.status.distance()
     }
 
-    /// What the axes have driven at that path distance, LSB 2^-44 mm.
+    /// Driven distance at that path distance, LSB 2^-44 mm.
     #[cfg(feature = "driven")]
     pub fn driven(&self) -> i64 {
         self.segments.driven(self.distance())
     }
 }
 
-/// The operator's end.
+/// The operator's handle.
 pub struct Panel<'a, const AXES: usize> {
     /// Commands.
     pub control: &'a Control,
@@ -245,7 +248,7 @@ pub struct Panel<'a, const AXES: usize> {
     pub actions: Outlet<'a>,
     /// The status of the last tick.
     pub status: Display<'a, AXES>,
-    /// What the axes drive.
+    /// The driven distance of each curve.
     #[cfg(feature = "driven")]
     drives: driven::Drives<'a>,
 }
@@ -272,7 +275,7 @@ impl<const AXES: usize, const BLOCKS: usize> Rings<AXES, BLOCKS> {
         }
     }
 
-    /// Empties every ring and returns the ends.
+    /// Empties every ring and returns the handles.
     pub fn split(&mut self) -> (Sender<'_, AXES>, Receiver<'_, AXES>, Panel<'_, AXES>) {
         let Self { segments, phases, reserve, control, shared } = self;
         shared.clock.reset();

@@ -1,11 +1,11 @@
-//! An overlay: the motion of a single axis, from the planner to the interrupt.
+//! An overlay: the motion of a single axis, passed from the planner to the interrupt.
 //!
 //! An overlay has its own pieces, whose distance is the position of the axis, and its own clock. This clock
-//! runs in every tick that finds a piece, whether the path moves or not. The planner writes a whole motion,
-//! from rest to rest, so the interrupt can always finish the motion without the planner. The interrupt keeps
-//! the axis, also at rest, until the planner gives it back to the path.
+//! counts every tick with a piece, whether the path moves or not. The planner writes a whole motion, from
+//! stop to stop. So the interrupt can always finish the motion without the planner. The interrupt keeps the
+//! axis, also at standstill, until the planner returns the axis to the path.
 //!
-//! A change of these pieces is a cut, as for the path ([`super::time`]).
+//! Changes of these pieces use a cut, as for the path ([`super::time`]).
 use super::word::Word;
 use super::{Clock, Consumer, Phase, Producer, Ring, Slot};
 use crate::quantity::Position;
@@ -17,7 +17,8 @@ pub const OVERLAY_PHASES: usize = 64;
 /// No axis.
 const NONE: u32 = 0;
 
-/// Additional bits of the position in a piece, compared with a [`Position`]: 2^-44 instead of 2^-32.
+/// Additional fraction bits of the position in a piece, compared with a [`Position`]: LSB 2^-44 and not
+/// 2^-32.
 const FINER: u32 = 12;
 
 /// A position in the format of an overlay's piece, LSB 2^-44 mm or degrees.
@@ -25,7 +26,7 @@ pub const fn fine(position: Position) -> i64 {
     position.to_bits() << FINER
 }
 
-/// The set point of such a position, rounded to nearest.
+/// The set point of a position in this format, rounded to nearest.
 pub const fn set_point(fine: i64) -> Position {
     Position::from_bits((fine + (1 << (FINER - 1))) >> FINER)
 }
@@ -38,22 +39,22 @@ pub struct Overlay {
     axis: AtomicU32,
 }
 
-/// The planner's end.
+/// The planner's handle.
 pub struct OverlaySender<'a> {
     /// Pieces of the motion.
     pub pieces: Producer<'a, Phase, OVERLAY_PHASES>,
-    /// The overlay's ticks, and the cut.
+    /// The clock of the overlay, and the cut.
     pub clock: &'a Clock,
     axis: &'a AtomicU32,
 }
 
-/// The interrupt's end.
+/// The interrupt's handle.
 pub struct OverlayReceiver<'a> {
     phase: Phase,
     pieces: Consumer<'a, Phase, OVERLAY_PHASES>,
     clock: &'a Clock,
     axis: &'a AtomicU32,
-    /// Ticks evaluated of the current piece.
+    /// Number of ticks evaluated in the current piece.
     done: u16,
     /// The set point of the last tick.
     stands: Position,
@@ -65,20 +66,20 @@ impl Overlay {
         Self { pieces: Ring::new(), clock: Clock::blank(), axis: AtomicU32::ZERO }
     }
 
-    /// Empties the overlay. Call it before both sides run.
+    /// Empties the overlay. Call this function before both sides run.
     fn reset(&mut self) {
         self.pieces.split();
         self.clock.reset();
         self.axis = AtomicU32::new(NONE);
     }
 
-    /// The planner's end. The caller makes one.
+    /// The planner's handle. The caller makes only one.
     const fn sender(&self) -> OverlaySender<'_> {
         let (pieces, _) = self.pieces.ends();
         OverlaySender { pieces, clock: &self.clock, axis: &self.axis }
     }
 
-    /// The interrupt's end. The caller makes one.
+    /// The interrupt's handle. The caller makes only one.
     const fn receiver(&self) -> OverlayReceiver<'_> {
         let (_, pieces) = self.pieces.ends();
         let (clock, axis) = (&self.clock, &self.axis);
@@ -86,7 +87,7 @@ impl Overlay {
     }
 }
 
-/// Empties all overlays and returns both ends of each.
+/// Empties all overlays and returns both handles of each.
 pub fn overlay_ends<const OVERLAYS: usize>(
     memory: &mut [Overlay; OVERLAYS],
 ) -> ([OverlaySender<'_>; OVERLAYS], [OverlayReceiver<'_>; OVERLAYS]) {
@@ -102,12 +103,12 @@ impl Default for Overlay {
 }
 
 impl OverlaySender<'_> {
-    /// Gives this axis to the interrupt from the next tick on. The overlay already holds a piece.
+    /// Gives this axis to the interrupt from the next tick on. The overlay must already hold a piece.
     pub fn take_over(&self, axis: u8) {
         self.axis.store(u32::from(axis) + 1, Ordering::Release);
     }
 
-    /// Gives the axis back to the path. The axis stands where the path planner has it.
+    /// Returns the axis to the path. The axis must be where the path planner assumes it.
     pub fn give_back(&self) {
         self.axis.store(NONE, Ordering::Release);
     }

@@ -1,13 +1,14 @@
-//! The pieces of a stop. The interrupt continues with them if the planner gets no time ([`super::clock`]).
+//! The pieces of the reserve: a stop with which the interrupt continues if the planner gets no time
+//! ([`super::clock`]).
 //!
 //! One array holds the stop in force and the stop that the planner is writing. Each stop ends with a piece of
 //! no ticks and has half of the array, so the next stop always has room. The interrupt reads only the stop in
-//! force, and only after it has left the queue. From then on, until the planner lets the interrupt return, the
-//! planner writes nothing. While one stop replaces the other, both stay unchanged.
+//! force, and only after it has left the queue. From then on, the planner writes no piece, until it lets the
+//! interrupt return to the queue. While one stop replaces the other, both stay unchanged.
 //!
-//! A part of a profile has many pieces where ramps are long and ticks short. A piece that continues the piece before,
-//! except for rounding, is stored as that rounding: four such pieces take the place of one whole piece ([`change`]).
-//! Reading returns the written pieces, bit by bit.
+//! If ramps are long and ticks short, a part of a profile has many pieces. A piece may continue the piece
+//! before it, except for rounding. Such a piece is stored as the rounding only: four of them take the place
+//! of one whole piece ([`change`]). Reading gives exactly the written pieces.
 #![allow(unsafe_code)]
 use super::clock::Kept;
 use super::word::{Memory, Place, Ram, Replay};
@@ -15,32 +16,33 @@ use super::{Clock, Phase, Slot};
 use crate::machine::functions;
 use crate::quantity::{Accel, Distance, Jerk, Speed};
 
-/// Places for the pieces of both stops, a power of two. A place holds one piece, or four that continue each other.
-/// Usual stops have at most twenty pieces; stops through chains of knees, or with long ramps at short cycles, have
-/// more.
+/// Places for the pieces of both stops, a power of two. A place holds one piece, or four that continue each
+/// other. Usual stops have at most twenty pieces. Stops through many close knees, or with long ramps at short
+/// cycles, have more.
 pub const STOP_PIECES: usize = if functions::IS_SMALL { 64 } else { 256 };
 /// Places of one stop, including the place of its end mark.
 pub const WAY_PIECES: u32 = STOP_PIECES as u32 / 2;
 const MASK: u32 = STOP_PIECES as u32 - 1;
 
-/// Continuing pieces in the place of one whole piece.
+/// Number of continuing pieces in the place of one whole piece.
 const CHANGES: usize = 4;
 
-/// Bits of a continuing piece: ticks, path distance, half the acceleration; the other 26 bits are for the
+/// Bits for a continuing piece: ticks, path distance, half the acceleration. The other 26 bits are for the
 /// speed.
 const TICKS: u32 = 10;
 const PARTS: u32 = 14;
 const ONES: i64 = (1 << PARTS) - 1;
 
-/// Whether `piece` may be stored as a continuation of the piece before: both have the same jerk. At constant speed a
-/// piece is so long that it gets a place of its own.
+/// Whether `piece` may be stored as a continuation of the piece before: both have the same jerk. At constant
+/// speed, pieces are so long that each gets its own place.
 fn may_go_on(before: &Phase, piece: &Phase) -> bool {
     let jerk = piece.sixth_jerk.to_bits();
     jerk == before.sixth_jerk.to_bits() && piece.half_accel.to_bits() | jerk != 0
 }
 
-/// The difference between `piece` and the end of the piece before, which has the same jerk; never zero. `None`: the
-/// difference is more than rounding. Not inlined: most pieces have another jerk.
+/// The difference between `piece` and the end of the piece before, which has the same jerk; never zero.
+/// Returns `None` if the difference is more than rounding. Not inlined, because most pieces have another
+/// jerk.
 #[inline(never)]
 fn change(before: &Phase, piece: &Phase) -> Option<i64> {
     let mut ends = *before;
@@ -77,7 +79,7 @@ fn put_change(place: &mut Phase, number: usize, change: i64) {
     }
 }
 
-/// The continuing pieces in a place. Such a place is marked by a whole piece of no ticks.
+/// The continuing pieces in a place. A whole piece of no ticks marks such a place.
 fn changes(place: &Phase) -> [i64; CHANGES] {
     let Phase { distance, speed, half_accel, sixth_jerk, .. } = *place;
     [distance.to_bits(), speed.to_bits(), half_accel.to_bits(), sixth_jerk.to_bits()]
@@ -88,33 +90,33 @@ pub struct Reserve<M: Memory = Ram> {
     pieces: [M::Place<Phase>; STOP_PIECES],
 }
 
-// SAFETY: the interrupt reads pieces in force, the planner writes others; the clock says which are in force,
-// with release and acquire.
+// SAFETY: the interrupt reads only the pieces in force, and the planner writes only the others. The clock
+// says which pieces are in force, with release and acquire.
 unsafe impl<M: Memory> Sync for Reserve<M> {}
 
-/// Writes the pieces of stops: the planner's end.
+/// The planner's handle: writes the pieces of stops.
 pub struct Keeper<'a, M: Memory = Ram> {
     reserve: &'a Reserve<M>,
     /// The stop in force: number of its first piece, and number of its pieces.
     first: u32,
     count: u32,
-    /// The stop that is being written: the same numbers, its last piece, and how many continuing pieces are
-    /// in the current place.
+    /// The stop that is being written: number of its first piece and number of its pieces, its last piece,
+    /// and the number of continuing pieces in the current place.
     start: u32,
     written: u32,
     last: Phase,
     changes: usize,
-    /// The reserve in the clock that is in force.
+    /// The reserve of the clock that is in force.
     kept: Option<Kept>,
     /// The piece after the last cut that the interrupt has taken or will take.
     cut: u32,
 }
 
-/// Reads the pieces of the stop in force: the interrupt's end.
+/// The interrupt's handle: reads the pieces of the stop in force.
 pub struct Taker<'a, M: Memory = Ram> {
     reserve: &'a Reserve<M>,
     next: u32,
-    /// The index among the continuing pieces of a place.
+    /// Index of the next piece within its place.
     change: usize,
 }
 
@@ -125,7 +127,7 @@ impl<M: Memory> Reserve<M> {
         Self { pieces: [const { M::Place::BLANK }; STOP_PIECES] }
     }
 
-    /// The two ends.
+    /// The handles of planner and interrupt.
     pub fn split(&mut self) -> (Keeper<'_, M>, Taker<'_, M>) {
         let (first, count, start, written, cut) = (0, 0, 0, 0, 0);
         let last = Phase::BLANK;
@@ -135,7 +137,7 @@ impl<M: Memory> Reserve<M> {
     }
 
     fn piece(&self, number: u32) -> &M::Place<Phase> {
-        // The mask is below the length: the optimiser removes the check.
+        // The mask is below the length, so the optimiser removes the check.
         &self.pieces[(number & MASK) as usize]
     }
 }
@@ -161,7 +163,7 @@ impl<M: Replay> Clone for Taker<'_, M> {
 }
 
 impl<M: Memory> Keeper<'_, M> {
-    /// Begins a new stop. Do not call it while the interrupt uses the stop in force.
+    /// Begins a new stop. Do not call this function while the interrupt uses the stop in force.
     pub const fn begin(&mut self) {
         self.start = self.first.wrapping_add(self.count);
         (self.written, self.last, self.changes) = (0, Phase::BLANK, CHANGES);
@@ -175,7 +177,7 @@ impl<M: Memory> Keeper<'_, M> {
             && self.changes < CHANGES
         {
             let number = self.start.wrapping_add(self.written).wrapping_sub(1);
-            // SAFETY: the place is outside of the stop in force, so the interrupt does not read it.
+            // SAFETY: the place is outside the stop in force, so the interrupt does not read it.
             unsafe { self.reserve.piece(number).write(|place| put_change(place, self.changes, change)) };
             (self.last, self.changes) = (piece, self.changes + 1);
             return true;
@@ -191,15 +193,15 @@ impl<M: Memory> Keeper<'_, M> {
                 put_change(place, 0, change);
             }
         };
-        // SAFETY: the same.
+        // SAFETY: as above.
         unsafe { self.reserve.piece(number).write(put) };
         (self.last, self.changes) = (piece, if change.is_some() { 1 } else { CHANGES });
         self.written += 1;
         true
     }
 
-    /// Adds the new stop as a reserve, valid from `instant`, beside the stop in force. The new stop belongs to the
-    /// cut to the piece `cut`, or to the last cut.
+    /// Adds the new stop as a reserve that is valid from `instant` on, in addition to the stop in force. The
+    /// new stop belongs to the cut to the piece `cut`, or to the last cut.
     pub(super) fn hold(&self, instant: u32, cut: Option<u32>, clock: &Clock<M>) -> Kept {
         clock.keep(self.kept, instant, self.start, cut.unwrap_or(self.cut))
     }
@@ -223,7 +225,7 @@ impl<M: Memory> Keeper<'_, M> {
         self.written
     }
 
-    /// Withdraws the stop in force; `false` if the interrupt uses it already.
+    /// Withdraws the stop in force. Returns `false` if the interrupt already uses it.
     pub fn drop_kept(&mut self, clock: &Clock<M>) -> bool {
         let is_free = self.release(clock);
         if is_free {
@@ -232,7 +234,7 @@ impl<M: Memory> Keeper<'_, M> {
         is_free
     }
 
-    /// Drops the stop. The clock has no reserve.
+    /// Drops the stop. The clock must have no reserve.
     pub const fn clear(&mut self) {
         (self.count, self.kept) = (0, None);
     }
@@ -249,10 +251,10 @@ impl<M: Memory> Taker<'_, M> {
         (self.next, self.change) = (first, 0);
     }
 
-    /// Reads the next piece into `piece`, which holds the one before; `false` at the end.
+    /// Reads the next piece into `piece`, which must hold the piece before. Returns `false` at the end.
     pub fn take_into(&mut self, piece: &mut Phase) -> bool {
         let Self { reserve, next, change } = self;
-        // SAFETY: the place belongs to the stop in force, up to its end mark. The planner does not touch it.
+        // SAFETY: the place belongs to the stop in force, up to its end mark. The planner does not change it.
         let (is_whole, is_last, by) = unsafe {
             reserve.piece(*next).read(|place| {
                 if place.ticks > 0 {

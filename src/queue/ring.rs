@@ -2,9 +2,9 @@
 //!
 //! Producer and consumer each have one counter that only they write. A slot belongs to the producer until the
 //! producer's counter passes it, then to the consumer until the consumer's counter does. Counters run freely
-//! and are masked, so all `N` slots are used and no index needs a division. (After a split, the queues of
-//! `heapless` no longer know `N`. They would put a division into the interrupt, and a panic for the case that
-//! `N` is 0.)
+//! and are masked, so all `N` slots are used and no index needs a division. (After a split, the type of a
+//! queue of `heapless` no longer contains `N`. Such a queue would need a division in the interrupt, and a
+//! panic for `N` = 0.)
 #![allow(unsafe_code)]
 use super::word::{Memory, Place, Ram, Replay, Word};
 use core::sync::atomic::Ordering;
@@ -15,26 +15,27 @@ pub trait Slot: Copy {
     const BLANK: Self;
 }
 
-/// `N` slots, a power of two. The counters come first: a small offset takes fewer instructions.
+/// `N` slots, a power of two. The counters come first, because a small offset takes fewer instructions.
 #[repr(C)]
 pub struct Ring<T: Slot, const N: usize, M: Memory = Ram> {
-    /// Items taken out since the split.
+    /// Number of items taken out since the split.
     taken: M::Word,
-    /// Items put in since the split.
+    /// Number of items put in since the split.
     put: M::Word,
     slots: [M::Place<T>; N],
 }
 
-// SAFETY: a slot is written only by the one producer, while `put - taken` says that the consumer does not own
-// it, and read only by the one consumer, while it does; the counters pass ownership with release and acquire.
+// SAFETY: only the one producer writes a slot, while `put - taken` says that the consumer does not own the
+// slot. Only the one consumer reads the slot, while the consumer owns it. The counters pass ownership with
+// release and acquire.
 unsafe impl<T: Slot + Send, const N: usize, M: Memory> Sync for Ring<T, N, M> {}
 
-/// The end that puts items in.
+/// The producer's handle: puts items in.
 pub struct Producer<'a, T: Slot, const N: usize, M: Memory = Ram> {
     ring: &'a Ring<T, N, M>,
 }
 
-/// The end that takes items out.
+/// The consumer's handle: takes items out.
 pub struct Consumer<'a, T: Slot, const N: usize, M: Memory = Ram> {
     ring: &'a Ring<T, N, M>,
 }
@@ -49,7 +50,7 @@ impl<T: Slot, const N: usize, M: Memory> Gauge<'_, T, N, M> {
     pub fn len(&self) -> u32 {
         let taken = self.ring.taken.load(Ordering::Relaxed);
         let len = self.ring.put.load(Ordering::Relaxed).wrapping_sub(taken);
-        // The producer withdrew pieces between the two reads.
+        // The producer has withdrawn pieces between the two reads.
         if (len as i32) < 0 { 0 } else { len.min(N as u32) }
     }
 
@@ -72,26 +73,26 @@ impl<T: Slot, const N: usize, M: Memory> Ring<T, N, M> {
         N as u32 - 1
     };
 
-    /// An empty ring in any memory; all bits zero.
+    /// An empty ring in any kind of memory; all bits zero.
     pub const fn blank() -> Self {
         Self { taken: M::Word::ZERO, put: M::Word::ZERO, slots: [const { M::Place::BLANK }; N] }
     }
 
-    /// Empties the ring and returns its two ends.
+    /// Empties the ring and returns its two handles.
     pub fn split(&mut self) -> (Producer<'_, T, N, M>, Consumer<'_, T, N, M>) {
         (self.taken, self.put) = (M::Word::ZERO, M::Word::ZERO);
         (Producer { ring: self }, Consumer { ring: self })
     }
 
-    /// The producer's and the consumer's end. The caller makes one of each, of a ring that [`Self::split`]
-    /// has emptied.
+    /// The handles of producer and consumer. The caller makes only one of each, for a ring that
+    /// [`Self::split`] has emptied.
     pub(super) const fn ends(&self) -> (Producer<'_, T, N, M>, Consumer<'_, T, N, M>) {
         (Producer { ring: self }, Consumer { ring: self })
     }
 
     #[inline(always)]
     fn slot(&self, count: u32) -> &M::Place<T> {
-        // The mask is below N: the optimiser removes the check.
+        // The mask is below N, so the optimiser removes the check.
         &self.slots[(count & Self::MASK) as usize]
     }
 }
@@ -115,7 +116,7 @@ impl<'a, T: Slot, const N: usize, M: Memory> Producer<'a, T, N, M> {
         (N as u32).wrapping_sub(put.wrapping_sub(self.ring.taken.load(Ordering::Acquire)))
     }
 
-    /// Items in the ring.
+    /// Number of items in the ring.
     #[inline(always)]
     pub fn len(&self) -> u32 {
         (N as u32).wrapping_sub(self.room())
@@ -141,7 +142,7 @@ impl<'a, T: Slot, const N: usize, M: Memory> Producer<'a, T, N, M> {
         if self.push_with(|slot| *slot = item) { Ok(()) } else { Err(item) }
     }
 
-    /// Lets `fill` change a used slot in place, and puts it in. Returns `false` if the ring is full.
+    /// Lets `fill` write the next slot in place, and puts it in. Returns `false` if the ring is full.
     #[inline(always)]
     pub fn push_with(&mut self, fill: impl FnOnce(&mut T)) -> bool {
         if self.is_full() {
@@ -162,7 +163,7 @@ impl<'a, T: Slot, const N: usize, M: Memory> Producer<'a, T, N, M> {
             return false;
         }
         let put = self.ring.put.load(Ordering::Relaxed);
-        // SAFETY: there is room, so the slot belongs to the one producer until it is put in.
+        // SAFETY: there is room, so the one producer owns the slot until it is put in.
         unsafe { self.ring.slot(put.wrapping_add(ahead)).write(fill) };
         true
     }
@@ -173,12 +174,12 @@ impl<'a, T: Slot, const N: usize, M: Memory> Producer<'a, T, N, M> {
         self.ring.put.store(put.wrapping_add(count), Ordering::Release);
     }
 
-    /// Items put in since the split.
+    /// Number of items put in since the split.
     pub fn count(&self) -> u32 {
         self.ring.put.load(Ordering::Relaxed)
     }
 
-    /// Items the consumer has given back since the split.
+    /// Number of items that the consumer has given back since the split.
     pub fn taken(&self) -> u32 {
         self.ring.taken.load(Ordering::Acquire)
     }
@@ -188,14 +189,14 @@ impl<'a, T: Slot, const N: usize, M: Memory> Producer<'a, T, N, M> {
         if self.count().wrapping_sub(number).wrapping_sub(1) >= N as u32 {
             return None;
         }
-        // SAFETY: only this producer writes slots, and needs `&mut self` to do so; the consumer only reads.
+        // SAFETY: only this producer writes slots, and needs `&mut self` for that; the consumer only reads.
         Some(unsafe { &*self.ring.slot(number).get() })
     }
 
     /// Withdraws the items from `number` on.
     ///
-    /// The caller knows that the consumer cannot reach these items. Before other items take their places, the caller
-    /// waits for the current tick, which may read them ([`super::Clock::settle`]).
+    /// The consumer must not be able to reach these items. Before other items take their places, the caller
+    /// has to wait for the current tick, which may read them ([`super::Clock::settle`]).
     pub fn withdraw(&mut self, number: u32) {
         if self.count().wrapping_sub(number) <= N as u32 {
             self.ring.put.store(number, Ordering::Release);
@@ -210,7 +211,7 @@ impl<T: Slot, const N: usize, M: Replay> Clone for Consumer<'_, T, N, M> {
 }
 
 impl<T: Slot, const N: usize, M: Memory> Consumer<'_, T, N, M> {
-    /// Items in the ring.
+    /// Number of items in the ring.
     #[inline(always)]
     pub fn len(&self) -> u32 {
         let taken = self.ring.taken.load(Ordering::Relaxed);
@@ -229,12 +230,12 @@ impl<T: Slot, const N: usize, M: Memory> Consumer<'_, T, N, M> {
         if self.is_empty() {
             return None;
         }
-        // SAFETY: the ring is not empty, so the slot belongs to the consumer until `advance`, which needs
-        // `&mut self`.
+        // SAFETY: the ring is not empty, so the consumer owns the slot until `advance`, which needs `&mut
+        // self`.
         Some(unsafe { &*self.ring.slot(self.ring.taken.load(Ordering::Relaxed)).get() })
     }
 
-    /// Increments the counter. The caller knows that there is an item.
+    /// Increments the counter. There must be an item.
     #[inline(always)]
     fn advance(&mut self) {
         let taken = self.ring.taken.load(Ordering::Relaxed);
@@ -252,13 +253,13 @@ impl<T: Slot, const N: usize, M: Memory> Consumer<'_, T, N, M> {
     /// Takes the oldest item out into `item` with one copy, if there is an item and `fit` accepts it.
     #[inline(always)]
     pub fn pop_into(&mut self, item: &mut T, fit: impl FnOnce(&T) -> bool) -> bool {
-        // Copied into a register: the compiler would load it again.
+        // Copied into a register; otherwise the compiler would load it again.
         let ring = self.ring;
         let number = ring.taken.load(Ordering::Relaxed);
         if ring.put.load(Ordering::Acquire) == number {
             return false;
         }
-        // SAFETY: the ring is not empty, so the slot belongs to the consumer until the counter moves on.
+        // SAFETY: the ring is not empty, so the consumer owns the slot until the counter moves on.
         let is_fit = unsafe {
             ring.slot(number).read(|oldest| {
                 let is_fit = fit(oldest);
@@ -274,7 +275,7 @@ impl<T: Slot, const N: usize, M: Memory> Consumer<'_, T, N, M> {
         is_fit
     }
 
-    /// Gives back all items before the item with this number. The producer has put that item in.
+    /// Gives back all items before the item with this number. The producer must have put that item in.
     #[inline(always)]
     pub fn jump(&mut self, number: u32) {
         self.ring.taken.store(number, Ordering::Release);

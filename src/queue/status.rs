@@ -1,8 +1,8 @@
 //! The status of every tick. Any other context reads a snapshot of one tick, without a lock.
 //!
-//! The interrupt writes word by word, and no word is ever torn. The words of a snapshot belong together if no
-//! tick has begun during the read. The clock shows this ([`Clock::ended`], [`Clock::is_at`]), and the reader
-//! repeats the read until it succeeds. A reader never delays the interrupt.
+//! The interrupt writes whole words, so no word is ever half written. The words of a snapshot belong together
+//! if no tick has begun during the read. The clock shows this ([`Clock::ended`], [`Clock::is_at`]), and the
+//! reader repeats the read until it succeeds. A reader never delays the interrupt.
 //!
 //! The interrupt writes values that it already has; the reader derives the others. The speed, for example, is
 //! the difference of the set points of two ticks. Even and odd ticks have separate places for set points.
@@ -13,10 +13,10 @@ use super::{Clock, Gauge, PHASES, Phase};
 use crate::quantity::{Distance, Position};
 use core::sync::atomic::Ordering;
 
-/// The result of the last tick, for the reader.
+/// The result of the last tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Snapshot<const AXES: usize> {
-    /// Ticks ended, modulo 2^31.
+    /// Number of ended ticks, modulo 2^31.
     pub ticks: u32,
     /// Whether the last tick used a piece.
     pub moved: bool,
@@ -79,11 +79,11 @@ pub struct Words<const AXES: usize, M: Memory = Ram> {
     n: M::Word,
     /// The lower half of the block's number.
     block: M::Word,
-    /// Set points of the last two ticks, in turn.
+    /// Set points of the last two ticks: even ticks write the first place, odd ticks the second.
     set_points: [[Long<M::Word>; AXES]; 2],
 }
 
-/// The reader's end.
+/// The reader's handle.
 pub struct Display<'a, const AXES: usize, M: Memory = Ram> {
     words: &'a Words<AXES, M>,
     clock: &'a Clock<M>,
@@ -103,30 +103,31 @@ impl<const AXES: usize, M: Memory> Words<AXES, M> {
         }
     }
 
-    /// Writes the path distance of a tick that takes time of a piece. The interrupt calls it.
+    /// Writes the path distance of a tick that uses a piece. Only the interrupt calls this function.
     #[inline(always)]
     pub fn show_distance(&self, distance: i64) {
         self.distance.set(distance);
     }
 
-    /// The path distance written last. The interrupt calls it.
+    /// The path distance that was written last. Only the interrupt calls this function.
     #[inline(always)]
     pub fn distance(&self) -> i64 {
         self.distance.get()
     }
 
-    /// Writes N number and lower half of the motion block's number of the current curve. The interrupt calls
-    /// it.
+    /// Writes the N number and the lower half of the motion block's number of the current curve. Only the
+    /// interrupt calls this function.
     #[inline(always)]
     pub fn show_curve(&self, n: u32, block: u16) {
         self.n.store(n, Ordering::Relaxed);
         self.block.store(block.into(), Ordering::Relaxed);
     }
 
-    /// Writes the set points of a tick. The interrupt calls it in every tick, also while the axes rest.
+    /// Writes the set points of a tick. Only the interrupt calls this function, in every tick, also at
+    /// standstill.
     #[inline(always)]
     pub fn show_points(&self, tick: u32, set_points: &[Position; AXES]) {
-        // One bit selects one of two places: the optimiser removes the bounds check.
+        // One bit selects one of two places, so the optimiser removes the bounds check.
         for (words, point) in self.set_points[(tick & 1) as usize].iter().zip(set_points) {
             words.set(point.to_bits());
         }
@@ -134,7 +135,7 @@ impl<const AXES: usize, M: Memory> Words<AXES, M> {
 }
 
 impl<'a, const AXES: usize, M: Memory> Display<'a, AXES, M> {
-    /// A status that is read from these words.
+    /// A status that reads these words.
     pub const fn new(
         words: &'a Words<AXES, M>,
         clock: &'a Clock<M>,
@@ -144,7 +145,7 @@ impl<'a, const AXES: usize, M: Memory> Display<'a, AXES, M> {
         Self { words, clock, pieces, latest }
     }
 
-    /// The result of the last tick. The call repeats the read if a tick comes in between.
+    /// The result of the last tick. If a tick begins during the read, the call reads again.
     pub fn read(&self) -> Snapshot<AXES> {
         let mut snapshot = Snapshot::BLANK;
         M::wait(|| {
@@ -154,7 +155,8 @@ impl<'a, const AXES: usize, M: Memory> Display<'a, AXES, M> {
         snapshot
     }
 
-    /// As [`Self::read`]. `beside` gets the path distance and reads more of the same tick; it may be called again.
+    /// As [`Self::read`]. `beside` gets the path distance and reads other values of the same tick; it may be
+    /// called several times.
     #[cfg(feature = "driven")]
     pub fn read_with(&self, mut beside: impl FnMut(Distance)) -> Snapshot<AXES> {
         let mut snapshot = Snapshot::BLANK;

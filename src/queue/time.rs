@@ -2,32 +2,32 @@
 //! already see.
 //!
 //! The planner writes pieces well ahead. To change future pieces, the planner agrees with the interrupt on an
-//! instant, the *cut*. Before the tick of that instant the interrupt leaves its pieces and continues with the
-//! piece that the cut names. Up to that instant the old pieces are valid.
+//! instant, the *cut*. At the tick of that instant, the interrupt leaves its pieces and continues with the
+//! piece that the cut names. Up to that instant, the old pieces are valid.
 //!
 //! No order of events can mix old and new pieces:
 //!
-//! 1. The planner puts a *barrier*, a piece of no ticks, behind the old pieces, then the new pieces
+//! 1. The planner puts a *barrier*, a piece of no ticks, after the old pieces, and then the new pieces
 //!    ([`Change::begin`]). The interrupt does not pass a barrier, so nothing changes for the interrupt.
 //! 2. The planner publishes the cut: first the piece, then the instant. The planner then waits for a running
 //!    tick ([`Clock::settle`]). From here on every tick sees the cut.
-//! 3. The planner reads the instant of the next tick. If this instant is not behind the cut, the interrupt will
-//!    take the cut. Otherwise the interrupt's count of pieces tells: a count beyond the barrier means that the
-//!    interrupt has taken the cut. If the count is not beyond the barrier, the interrupt never takes the cut and
-//!    stays before the barrier. The planner then withdraws barrier and new pieces ([`Change::commit`]).
+//! 3. The planner reads the instant of the next tick. If this instant is not after the cut, the interrupt
+//!    will take the cut. Otherwise, the interrupt's count of pieces decides. If the count is beyond the
+//!    barrier, the interrupt has taken the cut. If not, the interrupt never takes the cut and stays before
+//!    the barrier. The planner then withdraws barrier and new pieces ([`Change::commit`]).
 //!
-//! The end of the queue has a standing cut of its own, the *reserve*. Where the profiles in the queue end at
-//! speed, the interrupt continues with a stop, unless the planner has moved the reserve on before. So the
-//! motion slows down without any action of the planner. The pieces of the stop have separate memory
-//! ([`super::reserve`]). After this change the interrupt stays with the stop until the planner lets it
-//! continue. A cut and the reserve after it change together ([`Change::hand_over`]). At every moment there is a
-//! valid stop, even if the planner is interrupted in between.
+//! The end of the queue has its own permanent cut, the *reserve*. If the profiles in the queue end at speed,
+//! the interrupt continues with a stop, unless the planner has replaced the reserve before. So the motion
+//! brakes without any action of the planner. The pieces of the stop have separate memory
+//! ([`super::reserve`]). After this change, the interrupt stays with the stop until the planner lets it
+//! continue. A cut and the reserve after it change together ([`Change::hand_over`]). At every moment there is
+//! a valid stop, even if the planner is interrupted in between.
 //!
 //! `host-tests/tests/interleavings` runs this code in every order of its accesses to shared words.
 use super::word::{Memory, Ram, Replay};
 use super::{Clock, Consumer, Keeper, PHASES, Phase, Producer, Slot, Taker};
 
-/// The planner's end of the ring.
+/// The planner's handle of the ring.
 pub type Pieces<'a, M = Ram> = Producer<'a, Phase, PHASES, M>;
 
 /// Barrier and new pieces that are being written for a cut. [`Self::commit`] or [`Self::abandon`] ends the
@@ -40,15 +40,16 @@ pub struct Change {
     has_barrier: bool,
 }
 
-/// The interrupt leaves its old pieces at this instant, or has done so.
+/// The instant at which the interrupt leaves its old pieces, or has left them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Cut(pub u32);
 
-/// The interrupt has passed the instant of the cut on its old pieces. Nothing has changed.
+/// The error of a late change: the interrupt has passed the instant of the cut on its old pieces. Nothing has
+/// changed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TooLate;
 
-/// The new pieces are not valid. Nothing has changed.
+/// The reason why new pieces are not valid. Nothing has changed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NotNow {
     /// The interrupt has passed the instant of the cut on its old pieces.
@@ -57,8 +58,8 @@ pub enum NotNow {
     Left,
 }
 
-/// Replaces the stop in force by the new stop, which is valid from the instant `at`. No tick is without a stop.
-/// Returns `false` if the interrupt already uses the old stop, which then stays.
+/// Replaces the stop in force by the new stop, which is valid from the instant `at` on. Every tick has a
+/// stop. Returns `false` if the interrupt already uses the old stop; the old stop then stays.
 pub fn renew<M: Memory>(at: u32, keeper: &mut Keeper<'_, M>, clock: &Clock<M>) -> bool {
     let kept = keeper.hold(at, None, clock);
     let is_free = keeper.release(clock);
@@ -71,21 +72,21 @@ pub fn renew<M: Memory>(at: u32, keeper: &mut Keeper<'_, M>, clock: &Clock<M>) -
 }
 
 impl Change {
-    /// Writes the barrier. Pieces written after it count from the cut. The caller has checked that there is
-    /// room.
+    /// Writes the barrier. Pieces written after it are valid from the cut on. There must be room.
     pub fn begin<M: Memory, const N: usize>(pieces: &mut Producer<'_, Phase, N, M>) -> Self {
         let first = pieces.count();
         let _ = pieces.push(Phase::BLANK);
         Self { first, has_barrier: true }
     }
 
-    /// A change for pieces that follow all pieces in the queue: nothing is left out, and no end marker is needed.
+    /// A change for pieces that follow all pieces in the queue. No piece is withdrawn, and no barrier is
+    /// needed.
     pub fn append<M: Memory, const N: usize>(pieces: &Producer<'_, Phase, N, M>) -> Self {
         Self { first: pieces.count(), has_barrier: false }
     }
 
-    /// Publishes a cut at `at`, the instant at which the new pieces begin. There is no other cut. Where the
-    /// reserve matters, use [`Self::hand_over`].
+    /// Publishes a cut at `at`, the instant at which the new pieces begin. There must be no other cut. If a
+    /// reserve exists, use [`Self::hand_over`].
     ///
     /// # Errors
     /// Returns [`TooLate`]; barrier and new pieces are withdrawn.
@@ -115,9 +116,9 @@ impl Change {
         is_ahead || pieces.taken().wrapping_sub(self.first) as i32 > 0
     }
 
-    /// Puts the new pieces in force from the instant `at` on, together with the new reserve, which is valid from the
-    /// instant `way`. If the pieces end in a stop, there is no new reserve. Each tick has one valid reserve: the old
-    /// one until the change is known to be in time, and the new one only after the change.
+    /// Makes the new pieces valid from the instant `at` on, together with the new reserve, which is valid
+    /// from the instant `way` on. If the pieces end in a stop, there is no new reserve. Each tick has one
+    /// valid reserve: the old one until the change is known to be in time, and the new one after the change.
     ///
     /// # Errors
     /// The change is too late, or the interrupt uses the old reserve. Barrier and new pieces are withdrawn; nothing
@@ -157,21 +158,21 @@ impl Change {
         clock: &Clock<M>,
     ) {
         pieces.withdraw(self.first);
-        // A running tick may read the barrier.
+        // A tick in progress may read the barrier.
         clock.settle();
     }
 }
 
-/// The interrupt's end of the profile: the current piece and the next ones.
+/// The interrupt's handle of the profile: the current piece and the next ones.
 pub struct Timeline<'a, M: Memory = Ram> {
     phase: Phase,
     pieces: Consumer<'a, Phase, PHASES, M>,
     reserve: Taker<'a, M>,
-    /// Ticks evaluated of the current piece.
+    /// Number of ticks evaluated in the current piece.
     done: u16,
-    /// Whether the interrupt stops, or has stopped, by the reserve.
+    /// Whether the interrupt has changed to the reserve.
     stops: bool,
-    /// The piece after the last cut taken.
+    /// The piece after the last cut that was taken.
     cut: u32,
 }
 
@@ -227,8 +228,8 @@ impl<'a, M: Memory> Timeline<'a, M> {
         self.pieces.pop_into(&mut self.phase, |phase| phase.ticks > 0)
     }
 
-    /// Leaves the current pieces and continues at the cut. If the interrupt is on a stop, it has left the
-    /// queue for good.
+    /// Leaves the current pieces and continues at the cut. If the interrupt already uses a stop, it has left
+    /// the queue and ignores the cut.
     #[cold]
     #[inline(never)]
     fn change_over(&mut self, number: u32) {
@@ -239,8 +240,8 @@ impl<'a, M: Memory> Timeline<'a, M> {
         }
     }
 
-    /// Takes the next piece of the stop; `begins`: the stop may begin here. At the end of the stop, and once
-    /// the planner has seen it, takes the next piece that the planner has written since.
+    /// Takes the next piece of the stop. `begins`: the stop may begin here. At the end of the stop, after the
+    /// planner has seen it, takes the next piece that the planner has written since.
     #[cold]
     #[inline(never)]
     fn stop(&mut self, clock: &Clock<M>, begins: bool) -> bool {
@@ -261,7 +262,7 @@ impl<'a, M: Memory> Timeline<'a, M> {
         self.take()
     }
 
-    /// The current piece, and its tick that was evaluated last.
+    /// The current piece, and the number of its tick that was evaluated last.
     pub fn at_hand(&self) -> (&Phase, u16) {
         (&self.phase, self.done.saturating_sub(1))
     }

@@ -1,14 +1,14 @@
-//! The shared words of planner, interrupt and operator, each with one writer, and places that pass from one
+//! The shared words of planner, interrupt and operator, each with one writer. Also places that pass from one
 //! owner to the next.
 //!
-//! [`Memory`] stands for the memory of the target. A test replaces it by a memory of its own: the test sees
-//! every access of the code that runs on the target, and runs the code in every order of these accesses.
+//! [`Memory`] is the memory of the target. A test replaces this memory by its own. So the test sees every
+//! access of the code that runs on the target, and runs the code in every order of these accesses.
 #![allow(unsafe_code)]
 use super::Slot;
 use core::cell::UnsafeCell;
 use core::sync::atomic::{self, AtomicU32, Ordering};
 
-/// A word. One side writes the word, all sides may read it.
+/// A word. One side writes the word; all sides may read it.
 pub trait Word: Sync {
     /// The word with the value 0.
     const ZERO: Self;
@@ -16,7 +16,7 @@ pub trait Word: Sync {
     /// The value of the word.
     fn load(&self, order: Ordering) -> u32;
 
-    /// Sets a new value. Only the writing side calls it.
+    /// Sets a new value. Only the writing side calls this function.
     fn store(&self, value: u32, order: Ordering);
 }
 
@@ -48,15 +48,15 @@ pub trait Memory {
     /// A place.
     type Place<T: Slot>: Place<T>;
 
-    /// As [`core::sync::atomic::fence`].
+    /// A fence, as [`core::sync::atomic::fence`].
     fn fence(order: Ordering);
 
-    /// Waits until `is_over` returns true because of another side.
+    /// Waits until `is_over` returns `true`. Another side causes the change.
     fn wait(is_over: impl FnMut() -> bool);
 }
 
-/// A memory whose accesses can be repeated, so the ends of a ring may be copied. A target's memory never has
-/// this trait.
+/// A memory whose accesses can be repeated, so that the handles of a ring may be copied. The memory of a
+/// target never has this trait.
 pub trait Replay: Memory {}
 
 /// The memory of a target: atomics and cells.
@@ -101,13 +101,13 @@ impl<T: Slot> Place<T> for UnsafeCell<T> {
 
     #[inline(always)]
     unsafe fn read<R>(&self, take: impl FnOnce(&T) -> R) -> R {
-        // SAFETY: the caller guarantees that nobody writes the place.
+        // SAFETY: the caller guarantees that no other side writes the place.
         take(unsafe { &*self.get() })
     }
 
     #[inline(always)]
     unsafe fn write(&self, fill: impl FnOnce(&mut T)) {
-        // SAFETY: the caller guarantees that nobody else uses the place.
+        // SAFETY: the caller guarantees that no other side uses the place.
         fill(unsafe { &mut *self.get() });
     }
 

@@ -1,7 +1,8 @@
-//! Changes of a motion that the interrupt already has: a stop, the end of an oscillation with its cycle,
-//! another speed.
+//! Changes of a motion whose pieces the interrupt already has: a stop, the end of an oscillation with its
+//! cycle, another speed.
 //!
-//! There is one change at a time, and one attempt per tick. A stroke that already brakes stays unchanged.
+//! Only one change exists at a time, and each tick has at most one attempt. A stroke that already brakes
+//! stays unchanged.
 use super::{Goal, Single, has_room, place, stroke};
 use crate::math::float::max;
 use crate::quantity::{Distance, Speed, speed_bits, speed_f32};
@@ -11,26 +12,26 @@ use crate::slope::emit::Emitter;
 use crate::slope::limits::Limits;
 use crate::slope::profile::Profile;
 
-/// Ticks from a command to the change: the time in which the planner makes the new profile.
+/// Ticks from a command to the change. In this time, the planner makes the new profile.
 const REACTION: u32 = 4;
 
 /// Largest number of halvings of a raised speed.
 const SLOWER: usize = 6;
 
-/// A future motion, seen in its own direction.
+/// A future motion, with distance and speed in its own direction.
 struct Ahead {
-    /// The stroke of the motion, and the instant.
+    /// Number of the stroke, and the instant of the change.
     k: usize,
     at: u32,
-    /// Position of the axis at that instant, and end of its stroke.
+    /// Position of the axis at that instant, and end position of its stroke.
     from: i64,
     to: i64,
     backward: bool,
-    /// Distance 0; the speed is not negative.
+    /// Motion at that instant; its distance is 0, and its speed is not negative.
     motion: Motion,
 }
 
-/// The replacement of a stroke: the pieces of the emitter, then this profile, then rest.
+/// The replacement of a stroke: first the pieces of the emitter, then this profile, then a standstill.
 struct Law {
     from: i64,
     backward: bool,
@@ -73,7 +74,8 @@ impl Single {
         false
     }
 
-    /// Whether the oscillation ends with the current stroke, while the next stroke is already in the queue.
+    /// Whether the oscillation has to end with the current stroke, while the next stroke is already in the
+    /// queue.
     pub(super) fn is_to_end_here(&self) -> bool {
         match (&self.handed.strokes, &self.laying) {
             ([Some(_), Some(next)], _) if next.before.is_ended() => self.handed.tried != Some(next.end),
@@ -82,7 +84,7 @@ impl Single {
         }
     }
 
-    /// Withdraws the strokes behind the current one, if there is time.
+    /// Withdraws the strokes after the current one, if there is time.
     pub(super) fn drop_next(&mut self, overlay: &mut OverlaySender<'_>) -> bool {
         self.drop_laying();
         if let [Some(_), Some(next)] = self.handed.strokes
@@ -94,7 +96,7 @@ impl Single {
                 self.end_with(overlay, &ahead);
             }
             if self.handed.cut.is_none() && self.is_begun(overlay) {
-                // Too late: the axis continues to the end of the cycle that has begun.
+                // It is too late: the axis continues to the end of the cycle that has begun.
                 self.handed.tried = Some(next.end);
             }
             return false;
@@ -108,7 +110,7 @@ impl Single {
         self.handed.strokes[0].is_none_or(|stroke| !clock::is_before(at, stroke.end))
     }
 
-    /// Continues the current stroke at the speed `v`. Returns whether this was done.
+    /// Changes the speed of the current stroke to `v`. Returns whether the speed has changed.
     pub(super) fn adjust(&mut self, overlay: &mut OverlaySender<'_>, v: f32) -> bool {
         self.drop_laying();
         if self.rests(overlay) {
@@ -151,7 +153,7 @@ impl Single {
                 if planned.is_err() || stroke::is_short(&profile) {
                     break;
                 }
-                // Lower, until there is room for the pieces.
+                // A lower speed is tried, until there is room for the pieces.
                 limits.v = 0.5 * (limits.v + speed_f32(v_in.to_bits()));
                 planned = profile.plan(length, v_in, Speed::ZERO, &limits);
             }
@@ -173,18 +175,18 @@ impl Single {
         done
     }
 
-    /// Pieces start at a tick. The pieces of a change without room are dropped.
+    /// Lets the pieces start at a tick. Pieces of a change without room are dropped.
     fn emit_from_here(&mut self) {
         self.emitter = Emitter::new();
         self.emitter.resume_at(0);
     }
 
-    /// The goal behind the stroke `k`.
+    /// The goal after the stroke `k`.
     fn behind(&self, k: usize) -> Goal {
         self.handed.strokes.get(k + 1).copied().flatten().map_or(self.goal, |next| next.before)
     }
 
-    /// The motion at the instant of a change that is decided now, if there is one.
+    /// The motion at the instant of a change that is decided now; `None` if no change is possible now.
     fn attempt(&mut self, overlay: &OverlaySender<'_>) -> Option<Ahead> {
         let now = overlay.clock.now();
         if self.handed.cut.is_some() || self.handed.tried == Some(now) {
@@ -226,16 +228,16 @@ impl Single {
         None
     }
 
-    /// Withdraws the pieces behind the stroke of `ahead`.
+    /// Withdraws the pieces after the stroke of `ahead`.
     fn end_with(&mut self, overlay: &mut OverlaySender<'_>, ahead: &Ahead) {
         if let (0, [Some(stroke), Some(next)]) = (ahead.k, self.handed.strokes) {
             self.cut(overlay, (0, stroke.end), next.before, None, ahead.to);
         }
     }
 
-    /// From the instant `at` in the stroke `k`, or at its end, the axis follows `law`, if given, and then
-    /// stands at `stands`, with `goal` before it. Returns `false` if there is no room, or if it is too late;
-    /// nothing has changed then.
+    /// Cuts the stroke `k` at the instant `at`, or at its end. From there on, the axis follows `law`, if
+    /// given, and then stands still at `stands`, with `goal` as its next goal. Returns `false`, and changes
+    /// nothing, if there is no room or if it is too late.
     fn cut(
         &mut self,
         overlay: &mut OverlaySender<'_>,
@@ -244,7 +246,7 @@ impl Single {
         law: Option<Law>,
         stands: i64,
     ) -> bool {
-        // At least for the barrier and the rest.
+        // There must be room for the barrier and the standstill.
         if !has_room(overlay, 1) {
             return false;
         }

@@ -24,17 +24,18 @@
 //! assert_eq!(interpolator.set_points()[1], Position::from_num(-3));
 //! ```
 //!
-//! A [`Single`] takes a goal (a position, or an oscillation) and the limits of the axis. It writes pieces of a speed
-//! profile into the queue of that axis ([`crate::queue::Overlay`]). A motion consists of *strokes*, from stop to stop.
-//! A stroke is queued as a whole, and the next stroke follows before it ends. If the planner gets no time, the axis
-//! stops at the end of its stroke.
+//! A [`Single`] takes a goal (a position, or an oscillation) and the limits of the axis. It writes pieces of
+//! a speed profile into the queue of that axis ([`crate::queue::Overlay`]). A motion consists of *strokes*,
+//! from stop to stop. A stroke enters the queue as a whole, and the next stroke enters before the current one
+//! ends. If the planner gets no time, the axis stops at the end of its stroke.
 //!
-//! An oscillation has the slope of P-CHAN-00071; an independent axis has this slope or its own. A stroke ends with the
-//! tick that shows its end, so reversals are exact and strokes last whole ticks. The remainder of a period goes to the
-//! next stroke, so an oscillation does not drift.
+//! An oscillation has the slope of P-CHAN-00071; an independent axis has this slope or its own slope. A
+//! stroke ends with the tick that shows its end. So reversals are exact, and strokes last whole ticks. The
+//! rounding remainder of a period is added to the next stroke, so an oscillation does not drift.
 //!
-//! Feed hold, abort and OFF act a few ticks ahead, as for the path ([`crate::queue::Change`]): the axis brakes inside its
-//! limits ([`crate::slope::brake::Brake`]), or ends the current stroke if it is braking already.
+//! Feed hold, abort and OFF act a few ticks ahead, as for the path ([`crate::queue::Change`]): the axis
+//! brakes inside its limits ([`crate::slope::brake::Brake`]). If the axis is already braking, it ends the
+//! current stroke.
 mod change;
 mod stroke;
 
@@ -45,26 +46,26 @@ use crate::slope::emit::{Emitter, TICK};
 use crate::slope::limits::Limits;
 use crate::slope::profile::{Profile, Unplannable};
 
-/// Largest number of pieces in a stroke, its rest included. A stroke with more pieces runs slower, so there
-/// is always room for a stop behind it. The sine has up to 36.
+/// Largest number of pieces in a stroke, including its standstill. A stroke with more pieces gets a lower
+/// speed, so that a stop always has room after it. SIN2 needs up to 36 pieces.
 const PIECES_OF_A_STROKE: u32 = 36;
 
-/// Largest number of halvings of a motion that takes too long for one stroke. The axis rests in between.
+/// Largest number of halvings of a motion that takes too long for one stroke. The axis stops in between.
 const HALVES: usize = 12;
 
 /// Pieces per call.
 const PIECES: u32 = 8;
 
-/// The next stroke is queued when so few pieces are left.
+/// The next stroke enters the queue when this number of pieces is left.
 const FEW: u32 = 6;
 
-/// Strokes in the queue: the current one and the next one.
+/// Number of strokes in the queue: the current one and the next one.
 const STROKES: usize = 2;
 
-/// Longest rest in one piece, ticks.
+/// Longest standstill in one piece, ticks.
 const LONGEST_REST: u64 = 65_535;
 
-/// The next action of an axis at rest.
+/// The next action of an axis at standstill.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Goal {
     /// None.
@@ -80,11 +81,11 @@ enum Goal {
 struct Swing {
     /// Whether the next stroke leads to the first position.
     to_first: bool,
-    /// Remaining strokes to the second position, if they are counted.
+    /// Number of remaining strokes to the second position, if they are counted.
     left: Option<u32>,
-    /// Ticks of rest before the next stroke.
+    /// Ticks of standstill before the next stroke.
     rest: u64,
-    /// Fraction of a tick left from the strokes before, LSB 2^-32.
+    /// Rounding remainder of earlier strokes, as a fraction of a tick, LSB 2^-32.
     share: u64,
 }
 
@@ -95,7 +96,7 @@ pub struct Oscillating {
     pub ends: [Position; 2],
     /// Dwell at both positions, in ticks, LSB 2^-32.
     pub waits: [u64; 2],
-    /// Speed in mm/tick, or the period with both dwells in ticks, LSB 2^-32.
+    /// Speed in mm/tick, or the period including both dwells in ticks, LSB 2^-32.
     pub pace: Pace,
     /// Number of oscillations; endless if `None`.
     pub count: Option<u32>,
@@ -135,33 +136,34 @@ pub struct Wishes {
 struct Stroke {
     /// The goal before the stroke.
     before: Goal,
-    /// The instant after its last tick.
+    /// The instant after the last tick of the stroke.
     end: u32,
 }
 
-/// The stroke that is being cut into pieces.
+/// The stroke whose pieces are being written.
 #[derive(Clone, Copy, Debug)]
 struct Laying {
-    /// The goal before the stroke, and the stroke's start.
+    /// The goal before the stroke, and the start position of the stroke.
     before: Goal,
     from: i64,
-    /// Whether the stroke leads in negative direction.
+    /// Whether the stroke moves in negative direction.
     backward: bool,
-    /// End of the stroke.
+    /// End position of the stroke.
     to: i64,
-    /// Ticks with pieces; ticks still without pieces, including the rest behind the stroke.
+    /// Number of ticks with pieces, and number of ticks without pieces yet. The latter includes the
+    /// standstill after the stroke.
     ticks: u32,
     left: u32,
     /// Number of finished pieces.
     ready: u32,
 }
 
-/// How a motion ends before its goal.
+/// How a motion ends before its goal, if it does.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Ending {
-    /// It does not.
+    /// The motion reaches its goal.
     None,
-    /// It ends at its stop.
+    /// The motion ends where it stops.
     Here,
     /// After its stop the axis moves to a position at this speed.
     Then(Position, f32),
@@ -172,21 +174,20 @@ enum Ending {
 struct Course {
     ends: [Position; 2],
     waits: [u64; 2],
-    /// Ticks of a stroke, LSB 2^-32; `None`: as many as it needs.
+    /// Duration of a stroke in ticks, LSB 2^-32; `None` for the shortest possible duration.
     stroke: Option<u64>,
-    /// Ticks of a stroke that the dynamics limit.
+    /// Duration of a stroke that the limits of the axis determine, ticks.
     limited: Option<u32>,
 }
 
-/// The planner's side of the motion of one axis. It needs an overlay, which brings the motion to the
-/// interrupt.
+/// The planner's side of the motion of one axis. An overlay passes the motion to the interrupt.
 #[derive(Clone, Copy, Debug)]
 pub struct Single {
     axis: Option<u8>,
-    /// Whether the interrupt has a stroke of it.
+    /// Whether the interrupt has a stroke of this motion.
     shown: bool,
     limits: AxisLimits,
-    /// Demanded speed of strokes, and whether the override counts.
+    /// Programmed speed of strokes, and whether the override acts.
     v: f32,
     obeys: bool,
     /// The speed of the strokes in the queue.
@@ -201,23 +202,23 @@ pub struct Single {
     emitter: Emitter,
     laying: Option<Laying>,
     handed: Handed,
-    /// The clock's idle ticks at the end of the motion.
+    /// The clock's count of idle ticks at the end of the motion.
     stood: Option<u32>,
 }
 
-/// The part of the motion that the interrupt has.
+/// The part of the motion that is in the queue.
 #[derive(Clone, Copy, Debug)]
 struct Handed {
     strokes: [Option<Stroke>; STROKES],
-    /// The instant after the last piece.
+    /// The instant after the last piece in the queue.
     end: u32,
     cut: Option<Cut>,
-    /// The instant of the last tried cut.
+    /// The instant of the last cut that was tried.
     tried: Option<u32>,
 }
 
 impl Single {
-    /// A single without an axis.
+    /// No axis, and no motion.
     pub const NONE: Self = Self {
         axis: None,
         shown: false,
@@ -236,7 +237,7 @@ impl Single {
         stood: None,
     };
 
-    /// The moved axis, also while it is stopped by a hold.
+    /// The axis that moves, or that a hold has stopped.
     pub const fn axis(&self) -> Option<usize> {
         match self.axis {
             Some(axis) => Some(axis as usize),
@@ -244,13 +245,13 @@ impl Single {
         }
     }
 
-    /// Whether the interrupt has the motion, or there is none.
+    /// Whether the interrupt has the motion, or there is no motion.
     pub const fn is_shown(&self) -> bool {
         self.shown || matches!((self.goal, self.laying), (Goal::Rest, None))
     }
 
-    /// Moves `axis` from `from`, where it stands, to `target`. `obeys`: the override acts. Returns `false` if the
-    /// axis cannot be that fast; it then moves as fast as it can.
+    /// Moves `axis` from its position `from` to `target`. `obeys`: the override acts. Returns `false` if the
+    /// axis cannot reach the demanded speed; the axis then moves as fast as it can.
     ///
     /// # Errors
     /// [`Unplannable`]: the motion would take too long.
@@ -281,7 +282,7 @@ impl Single {
         Ok(within)
     }
 
-    /// Oscillates `axis`, which stands at `from`. Returns `false` if the axis cannot be that fast.
+    /// Oscillates `axis`, which is at `from`. Returns `false` if the axis cannot reach the demanded speed.
     ///
     /// # Errors
     /// [`Unplannable`]: a stroke would take too long.
@@ -294,7 +295,7 @@ impl Single {
     ) -> Result<bool, Unplannable> {
         self.begin(axis, from, limits);
         let [first, second] = how.ends.map(fine);
-        // A motion of an oscillation is a single stroke.
+        // Each motion of an oscillation is a single stroke.
         let length = (second - first).abs();
         let mut profile = Profile::default();
         let v_most = stroke::plan_short(&mut profile, length, &limits.limits)?;
@@ -304,7 +305,7 @@ impl Single {
             Pace::Speed(wanted) => {
                 v = min(wanted, v_most);
                 stroke::plan(&mut profile, length, &Limits { v, ..most })?;
-                // A slightly lower peak is rounding.
+                // A slightly lower peak counts as rounding.
                 if speed_bits(wanted * CLOSE) > profile.peak().to_bits() {
                     limited = Some(0);
                 }
@@ -355,7 +356,7 @@ impl Single {
         }
     }
 
-    /// Breaks the oscillation off: the axis moves to the second position at the speed `v` (mm/tick).
+    /// Ends the oscillation at once: the axis moves to the second position at the speed `v` (mm/tick).
     pub fn leave(&mut self, v: f32) {
         if matches!(self.ending, Ending::None) && self.is_swinging() {
             self.ending = Ending::Then(self.course.ends[1], v);
@@ -370,8 +371,8 @@ impl Single {
             || self.handed.strokes.iter().flatten().any(|stroke| of(&stroke.before))
     }
 
-    /// Position of the axis, when its motion has been over for `settling` ticks: the time in which its filter
-    /// settles.
+    /// Position of the axis after its motion has been over for `settling` ticks. In this time, the filter of
+    /// the axis settles.
     pub fn stands(&mut self, overlay: &OverlaySender<'_>, settling: u32) -> Option<Position> {
         let over = self.goal == Goal::Rest && self.laying.is_none() && self.ending == Ending::None;
         if !over || overlay.clock.now() != self.handed.end {
@@ -380,7 +381,7 @@ impl Single {
         }
         let idle = overlay.clock.idle();
         let rested = idle.wrapping_sub(*self.stood.get_or_insert(idle));
-        // If the interrupt never had the motion, no filter has to settle: the axis already stood there.
+        // If the interrupt never had the motion, no filter has to settle.
         let settled = !self.shown || rested >= clock::TICK * settling;
         settled.then(|| set_point(self.at))
     }
@@ -390,15 +391,15 @@ impl Single {
         self.axis = None;
     }
 
-    /// Whether the axis stands, and stays there unless the commands change.
+    /// Whether the axis stands still, and stays there unless the commands change.
     pub fn rests(&self, overlay: &OverlaySender<'_>) -> bool {
         overlay.clock.now() == self.handed.end
     }
 
-    /// Does a bounded step of work. Returns `false` if there is none.
+    /// Does a bounded step of work. Returns `false` if there is no work.
     ///
     /// # Errors
-    /// [`Unplannable`]: a defect. The axis stops at the end of the queued strokes.
+    /// [`Unplannable`]: a defect of the planner. The axis stops at the end of the queued strokes.
     pub fn work(&mut self, overlay: &mut OverlaySender<'_>, wishes: &Wishes) -> Result<bool, Unplannable> {
         let Some(axis) = self.axis else { return Ok(false) };
         self.trim(overlay);
@@ -441,7 +442,7 @@ impl Single {
     fn lay(&mut self, v: f32) -> Result<bool, Unplannable> {
         let before = self.goal;
         if v != self.made && self.handed.strokes[0].is_some() {
-            // Queued strokes stay unchanged; the new speed counts after the next stop.
+            // Queued strokes stay unchanged; the new speed acts after the next stop.
             return Ok(false);
         }
         self.made = v;
@@ -456,8 +457,8 @@ impl Single {
                 Ok(true)
             }
             Goal::Swing(swing) if swing.left == Some(0) => {
-                // Before its rest, because there is none behind the last stroke. After a hold the axis may
-                // stand elsewhere.
+                // Checked before the dwell, because there is no dwell after the last stroke. After a hold,
+                // the axis may be elsewhere.
                 let is_there = self.at == fine(self.course.ends[1]);
                 let again = Goal::Swing(Swing { left: Some(1), ..swing });
                 self.goal = if is_there { Goal::Rest } else { again };
@@ -489,7 +490,7 @@ impl Single {
             if swing.to_first { (first, second, waits[0]) } else { (second, first, waits[1]) };
         let left = if swing.to_first { swing.left } else { swing.left.map(|left| left.saturating_sub(1)) };
         let ends = !swing.to_first && left == Some(0);
-        // From another position, or slower than planned, the stroke takes its own time.
+        // From another position, or at a lower speed than planned, the stroke takes its own time.
         let is_whole = self.at == fine(other) && v >= self.v;
         let time = stroke.filter(|_| is_whole);
         let share = if is_whole { swing.share } else { 0 };
@@ -513,9 +514,9 @@ impl Single {
         Ok(true)
     }
 
-    /// Plans a stroke to `target`. `all` turns the ticks that the stroke needs into its ticks including the
-    /// rest. If the rest is too long for a piece, some of it is left for later. If the stroke takes too long,
-    /// it ends before the target, at [`Self::at`].
+    /// Plans a stroke to `target` and the standstill after it. `all` converts the ticks of the stroke to the
+    /// ticks of both. If the standstill is too long for a piece, a part is left for later. If the stroke
+    /// takes too long, it ends before the target, at [`Self::at`].
     fn lay_stroke(
         &mut self,
         before: Goal,
@@ -554,7 +555,7 @@ impl Single {
         Ok(all - ticks)
     }
 
-    /// Writes pieces of the planned stroke, at most the number of one call. Returns `false` if there is no
+    /// Writes pieces of the planned stroke, at most the number for one call. Returns `false` if there is no
     /// room.
     fn cut_pieces(&mut self, overlay: &mut OverlaySender<'_>) -> bool {
         let Self { laying: Some(laying), emitter, .. } = self else { return false };
@@ -584,13 +585,13 @@ impl Single {
             if is_rest {
                 break;
             }
-            // The last tick is a tick of rest.
+            // The last tick is a tick of standstill.
             *left = (*left).max(1);
         }
         done
     }
 
-    /// Queues the planned stroke before the current one ends.
+    /// Puts the planned stroke into the queue before the current one ends.
     fn hand_over(&mut self, overlay: &mut OverlaySender<'_>, axis: u8) -> bool {
         let Some(laying) = self.laying else { return false };
         let Some(slot) = self.handed.strokes.iter_mut().find(|slot| slot.is_none()) else { return false };
@@ -606,7 +607,7 @@ impl Single {
         true
     }
 
-    /// Drops strokes that are over, and a cut that is over.
+    /// Drops strokes and a cut that are over.
     fn trim(&mut self, overlay: &OverlaySender<'_>) {
         let now = overlay.clock.now();
         if self.handed.cut.is_some_and(|Cut(at)| clock::is_before(at, now)) {
@@ -619,7 +620,7 @@ impl Single {
         }
     }
 
-    /// Drops the planned stroke, which is not queued yet.
+    /// Drops the planned stroke, which is not in the queue yet.
     fn drop_laying(&mut self) {
         if let Some(laying) = self.laying.take() {
             (self.goal, self.at) = (laying.before, laying.from);
@@ -628,7 +629,7 @@ impl Single {
 }
 
 impl Goal {
-    /// Whether an oscillation has ended, before a stroke to the first position.
+    /// Whether an oscillation has ended: its next stroke would lead to the first position.
     const fn is_ended(self) -> bool {
         matches!(self, Self::Swing(Swing { to_first: true, left: Some(0), .. }))
     }
@@ -641,13 +642,13 @@ impl Goal {
     }
 }
 
-/// Whether there is room for another piece behind the finished ones. The place of the current piece must
-/// stay, because [`Single::motion_at`] reads it.
+/// Whether there is room for another piece after the finished ones. The place of the current piece must stay
+/// unchanged, because [`Single::motion_at`] reads it.
 fn has_room(overlay: &OverlaySender<'_>, ready: u32) -> bool {
     overlay.pieces.room() > ready + 1
 }
 
-/// Turns a piece of a stroke into positions of the axis, from the stroke's start.
+/// Converts a piece of a stroke into positions of the axis, from the start position of the stroke.
 fn place(phase: &mut Phase, from: i64, backward: bool) {
     let distance = phase.distance.to_bits();
     if !backward {
@@ -660,8 +661,9 @@ fn place(phase: &mut Phase, from: i64, backward: bool) {
     phase.sixth_jerk = Jerk::from_bits(-phase.sixth_jerk.to_bits());
 }
 
-/// A speed that counts as reached despite rounding.
+/// A speed above this ratio of the demanded one counts as reached.
 const CLOSE: f32 = 1.0 - 1.0 / 65_536.0;
 
-/// A stroke of whole ticks is planned a little faster, so that rounding does not make it a tick longer.
+/// A stroke of whole ticks is planned slightly faster by this ratio, so that rounding does not make it a tick
+/// longer.
 const SOONER: f32 = 1.0 - 1.0 / 65_536.0;

@@ -1,5 +1,5 @@
-//! One stroke: the speed profile of an axis from rest to rest, and the speed at which a stroke takes a given
-//! time.
+//! One stroke: the speed profile of an axis from stop to stop. Also finds the speed at which a stroke takes a
+//! given time.
 use super::PIECES_OF_A_STROKE;
 use crate::math::float::{min, size_f32, to_f32};
 use crate::quantity::{Distance, Speed, speed_f32};
@@ -8,14 +8,14 @@ use crate::slope::limits::Limits;
 use crate::slope::profile::{Change, Form, Profile, Unplannable};
 use crate::slope::ramp_shape::RampShape;
 
-/// Steps of the search for a speed, which halves an interval.
+/// Number of halvings in the search for a speed.
 const STEPS: usize = 26;
 
 /// Number of pieces of the ramps of a stroke with SIN2.
 const PIECES_OF_SINES: u64 = 32;
 const PIECES_OF_SLOPES: u64 = 6;
 
-/// Loss of the limits by rounding, which a profile gains in time: less than this part.
+/// Rounding lowers the limits and so lengthens a profile by less than one part in this number.
 const ROUNDING: u64 = 1 << 17;
 
 /// Makes the speed profile over `length` (2^-44 mm) inside `limits`.
@@ -32,8 +32,8 @@ pub fn ticks(profile: &Profile) -> u32 {
     (profile.time().to_bits().div_ceil(TICK)) as u32
 }
 
-/// Ticks of the fastest stroke of the axis: those of the profile, rounded up, and one at the end. Rounding of the
-/// limits does not count.
+/// Ticks of the fastest stroke of the axis: the ticks of the profile, rounded up, and one at the end.
+/// Rounding of the limits is left out.
 pub fn fastest(profile: &Profile) -> u32 {
     let time = profile.time().to_bits();
     let exact = time - time / ROUNDING;
@@ -63,8 +63,8 @@ const fn cruise(profile: &Profile) -> u64 {
 /// Makes the profile, at a lower speed if its ramps have too many pieces. Returns the speed.
 ///
 /// # Errors
-/// As [`plan`], and [`Unplannable::TooSlow`] if too many pieces lie between the ramps: more than about 196 000 ticks
-/// with SIN2, 1 900 000 with the other slopes.
+/// As [`plan`], and [`Unplannable::TooSlow`] if too many pieces are between the ramps: more than about 196
+/// 000 ticks with SIN2, or 1 900 000 with the other slopes.
 pub fn plan_short(profile: &mut Profile, length: i64, limits: &Limits) -> Result<f32, Unplannable> {
     let mut limits = *limits;
     plan(profile, length, &limits)?;
@@ -72,7 +72,7 @@ pub fn plan_short(profile: &mut Profile, length: i64, limits: &Limits) -> Result
         if is_short(profile) {
             return Ok(limits.v);
         }
-        // At lower speed the ramps take longer.
+        // At a lower speed, the ramps take longer.
         let sine = matches!(profile.up.form, Form::JerkLimited(RampShape::SineSquare));
         let slopes = if sine { PIECES_OF_SINES } else { PIECES_OF_SLOPES };
         if slopes + cruise(profile) >= u64::from(PIECES_OF_A_STROKE) {
@@ -84,9 +84,9 @@ pub fn plan_short(profile: &mut Profile, length: i64, limits: &Limits) -> Result
     Err(Unplannable::TooSlow)
 }
 
-/// The lowest speed at which a stroke over `length` takes at most `time` ticks, if the fastest stroke takes
-/// less. With STEP it is the smaller root of v²/a − v·time + length = 0. With every slope time falls with
-/// speed, so a search halves the interval.
+/// The lowest speed at which a stroke over `length` takes at most `time` ticks. The fastest stroke must take
+/// less. With STEP, the result is the smaller root of v²/a − v·time + length = 0. With every slope, the time
+/// falls with rising speed, so a search by halving finds the result.
 pub fn speed_for(length: i64, time: f32, limits: &Limits) -> f32 {
     let length = to_f32(length) * (1.0 / (1u64 << 44) as f32);
     let (up, down) = (limits.speed_up(), limits.brake());
@@ -95,7 +95,7 @@ pub fn speed_for(length: i64, time: f32, limits: &Limits) -> f32 {
         let v = 0.5 * (low + high);
         let slopes = up.distance(0.0, v)[0] + down.distance(0.0, v)[0];
         let takes = up.duration(0.0, v) + down.duration(0.0, v) + (length - slopes) / v;
-        // A speed that is not reached is above the fastest one.
+        // A speed that the stroke does not reach is above its fastest speed.
         if slopes < length && takes > time {
             low = v;
         } else {

@@ -1,20 +1,19 @@
-//! Braking from the current motion: from any speed and acceleration to acceleration zero at a lower speed, or
-//! at the lowest speed that the rest of the span permits.
+//! Braking from the current motion, with any speed and acceleration. The braking ends with zero acceleration
+//! at a lower speed, or at the lowest speed that the rest of the span permits.
 //!
-//! A positive acceleration first falls to zero, with the jerk that ends a gain of speed. A deceleration
-//! continues on a ramp. This ramp is the one that would have begun a/j ago, where `a` is the size of the
-//! deceleration. Start and size of the ramp are integers computed from the state, so speed and acceleration
-//! do not jump.
+//! A positive acceleration first falls to zero, with the jerk that ends a gain of speed. A deceleration a
+//! continues on a ramp, as if this ramp had begun the time a/j ago. Start and size of the ramp are integers
+//! computed from the state, so speed and acceleration do not jump.
 //!
-//! All ramps are linear, also with SIN2, because an existing acceleration is not a point of a whole sine. A
-//! linear ramp with the mean jerk stays below the peak of SIN2's jerk, and the limits count with this peak.
-//! Where a positive acceleration falls to zero, the ramp uses the peak jerk. The sine would not fall faster
-//! at any point, so the linear ramp ends at no higher speed than the profile it replaces. STEP has no jerk
-//! limit: the deceleration begins at once.
+//! All ramps are linear, also with SIN2, because an existing acceleration is not the start of a whole sine
+//! ramp. A linear ramp with the mean jerk stays below the peak jerk of SIN2, which the limits assume. Where a
+//! positive acceleration falls to zero, the ramp uses the peak jerk. A sine ramp would not fall faster at any
+//! point, so the linear ramp ends at no higher speed than the profile it replaces. STEP has no jerk limit:
+//! the deceleration begins at once.
 //!
-//! The new profile is never faster than the profile it replaces, at no place: the old profile also ends with
-//! acceleration zero at the end of the span, and brakes at most as hard. So the new profile keeps the limits
-//! of every block of the span. (A linear ramp of SIN2 may brake later than the replaced sine. But then all
+//! At no place is the new profile faster than the profile it replaces. The old profile also ends with zero
+//! acceleration at the end of the span, and brakes at most as hard. So the new profile keeps the limits of
+//! every block of the span. (A linear ramp may brake later than the replaced sine ramp of SIN2. But then all
 //! blocks of the span have one limit, and the motion only brakes.)
 use super::area;
 use super::profile::{Change, Form, Profile};
@@ -27,7 +26,8 @@ use crate::math::wide::{mul_near, mul_shift, mul_wide};
 use crate::quantity::{speed_bits, speed_f32};
 use crate::slope::limits::{Limits, SlopeLaw};
 
-/// A motion at one instant: path distance (2^-44 mm), speed and acceleration (2^-58 mm per tick and tick²).
+/// A motion at one instant. LSB: 2^-44 mm for the path distance, 2^-58 mm per tick for the speed, 2^-58 mm
+/// per tick² for the acceleration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Motion {
     /// Path distance.
@@ -39,18 +39,18 @@ pub struct Motion {
 }
 
 impl Motion {
-    /// Whether the motion is at rest.
+    /// Whether the motion stands still.
     pub const fn is_rest(&self) -> bool {
         self.speed == 0 && self.accel == 0
     }
 }
 
-/// A braking profile: the parts of `profile`, then `tail` at the last speed.
+/// A braking. A `profile` holds its parts; after them, the motion keeps the last speed for `tail`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Brake {
-    /// Path distance of the braking's start, at or before the instant.
+    /// Path distance at which the braking starts, at or before the current instant.
     pub from: i64,
-    /// Time from the start to the instant, LSB 2^-36 tick.
+    /// Time from the start of the braking to the current instant, LSB 2^-36 tick.
     pub over: u64,
     /// Time at the lowest speed, LSB 2^-36 tick.
     pub tail: u64,
@@ -64,33 +64,33 @@ pub struct Brake {
 #[derive(Clone, Copy)]
 struct Aim {
     v: i64,
-    /// If there is no room to reach the speed, use the nearest higher speed that has room.
+    /// Whether the nearest higher speed is taken if there is no room to reach `v`.
     or_near: bool,
 }
 
-/// Below this length (2^-44 mm) one LSB shows in the jerk of the fastest profile.
+/// Below this length (LSB 2^-44 mm), one LSB of length matters for the jerk of the fastest profile.
 pub const SHORT: i64 = 1 << 20;
 
 /// Accelerations up to 2^-50 mm/tick² are rounding.
 const NO_ACCEL: i64 = 1 << 8;
 
-/// Steps of the search for an end speed, and the accuracy of the result.
+/// Largest number of steps in the search for an end speed, and the relative accuracy of the result.
 const STEPS: usize = 48;
 const CLOSE: f32 = 1.0 / (1u64 << 20) as f32;
 const CLOSE_BELOW: f32 = 1.0 - CLOSE;
-/// Margin for the rounding of a jerk that just takes all of the speed.
+/// Margin for the rounding of a jerk that just takes the whole speed.
 const OVER: f32 = 1.0 + 16.0 * CLOSE;
 
-/// Steps that shorten a ramp which is too long by rounding.
+/// Largest number of steps that shorten a ramp whose length is rounded up.
 const SHRINKS: usize = 8;
 
 impl Brake {
-    /// Brakes from `motion` to the speed `target`, or to the lowest speed that is possible before `end`, the
-    /// path distance of the span's end. A slower motion only ends its acceleration. The parts go into
-    /// `profile`. `a_down` is the deceleration; `limits` are those of the rest of the span. Returns `None` in
-    /// three cases: the end speed would not be below `v_out`, the planned speed at the end; the rest of the
-    /// span is too short for the end speed; or the time at the end speed would exceed sixteen times the
-    /// braking time.
+    /// Brakes from `motion` to the speed `target`, or to the lowest speed that is possible before the path
+    /// distance `end` of the span's end. If the motion is slower, only its acceleration ends. `profile`
+    /// receives the parts. `a_down` is the deceleration; `limits` are those of the rest of the span. Returns
+    /// `None` in three cases: the end speed would not be below `v_out`, the planned speed at the end; the
+    /// rest of the span is too short for the end speed; or the time at the end speed would exceed sixteen
+    /// times the braking time.
     pub fn plan(
         profile: &mut Profile,
         motion: &Motion,
@@ -130,13 +130,14 @@ impl Brake {
         if left == 0 {
             return (brake.v_out < v_out).then_some(brake);
         }
-        // At a speed near zero the rest would hardly end: then the existing profile is the faster one.
+        // Near standstill, the rest would take very long. The existing profile is then faster.
         let tail = time_at(left, brake.v_out);
         let down = profile.down.times.iter().fold(0, |sum: u64, time| sum.saturating_add(*time));
         (brake.v_out <= v_out && tail >> 4 <= down).then_some(Self { tail, end, ..brake })
     }
 
-    /// Brakes from `motion` to the speed `to` before `end`, if that is possible. Cost: a few evaluations, no search.
+    /// Brakes from `motion` to the speed `to` before `end`, if this is possible. The cost is a few
+    /// evaluations, without a search.
     pub fn down_to(
         profile: &mut Profile,
         motion: &Motion,
@@ -186,13 +187,14 @@ impl Brake {
         }
     }
 
-    /// Whether the braking loses less than half of the speed, and leaves path before `end` for another profile.
+    /// Whether the braking loses less than half of the speed, and leaves path for another profile before
+    /// `end`.
     pub const fn ends_at_once(&self, motion: &Motion, end: i64) -> bool {
         self.v_out > motion.speed / 2 && end.wrapping_sub(self.end) >= SHORT
     }
 
-    /// Path length from [`Self::from`] to the point after which the speed stays below `v`, mm. `profile` holds the
-    /// parts.
+    /// Path length from [`Self::from`] to the point after which the speed is below `v`, mm. `profile` holds
+    /// the parts.
     #[inline(never)]
     pub fn passes(&self, profile: &Profile, v: f32) -> f32 {
         let down = &profile.down;
@@ -228,9 +230,9 @@ impl Brake {
         }
     }
 
-    /// The speed from which on v + a²/2j ≤ `most` holds, mm/tick. `profile` holds the parts of the braking, `a_most`
-    /// = √(2·j·`most`), and the profile's own jerks are at most j. While a deceleration rises, this sum does not
-    /// grow, so the speed before may replace the sum. Later the sum falls.
+    /// The speed from which on v + a²/2j ≤ `most` holds, mm/tick. `profile` holds the parts of the braking,
+    /// and `a_most` is √(2·j·`most`). The jerks of the profile are at most j. While the deceleration rises,
+    /// the sum v + a²/2j does not grow, so it is at most the speed at the start. Later the sum falls.
     pub fn trade(&self, profile: &Profile, most: f32, a_most: f32) -> f32 {
         let j = a_most * a_most / (2.0 * max(most, f32::MIN_POSITIVE));
         let down = &profile.down;
@@ -246,7 +248,7 @@ impl Brake {
         if held >= vb {
             return held;
         }
-        // a² = 2·(v − v1)·(a/t3) while it falls.
+        // While the deceleration falls, a² = 2·(v − v1)·(a/t3).
         let part = decel / (max(t3, f32::MIN_POSITIVE) * j);
         min((most + v1 * part) / (1.0 + part), vb)
     }
@@ -259,7 +261,8 @@ impl Brake {
                 let peak = shape.peak_jerk();
                 let mut ramp = Linear { up_fall: up_fall * peak, a: limits.a_down, down_rise, down_fall };
                 if motion.accel < -NO_ACCEL {
-                    // The end of a sine has less than the mean jerk left, and would take more speed.
+                    // Near the end of a sine ramp, the jerk is below its mean, so the speed loss would be
+                    // larger.
                     let decel = to_f32(motion.accel) * (1.0 / ACCEL_ONE);
                     let ends = decel * decel * OVER / (2.0 * speed_f32(motion.speed));
                     ramp.down_fall = max(down_fall, min(ends, down_fall * peak));
@@ -271,8 +274,8 @@ impl Brake {
         }
     }
 
-    /// Plans from acceleration zero, or from an acceleration that may end at once. An acceleration that has
-    /// to fall first is in `profile.up`.
+    /// Plans from zero acceleration, or from an acceleration that may end at once. `profile.up` holds an
+    /// acceleration that has to fall first.
     fn begin(profile: &mut Profile, motion: &Motion, room: i64, ramp: &Ramp, aim: Aim) -> Option<Self> {
         let distance = motion.distance;
         let length = profile.up.length();
@@ -316,8 +319,8 @@ impl Linear {
         JerkLimited::new(RampShape::Linear, self.a, self.down_fall, self.down_rise)
     }
 
-    /// Plans from acceleration zero or above. Not inlined, nor is the next function, so that only one of both stack
-    /// frames exists at a time.
+    /// Plans from an acceleration of zero or above. Neither this function nor the next one is inlined, so
+    /// that only one of both stack frames exists at a time.
     #[inline(never)]
     fn turn(&self, profile: &mut Profile, motion: &Motion, room: i64, aim: Aim) -> Option<Brake> {
         if motion.accel > NO_ACCEL {
@@ -334,12 +337,12 @@ impl Linear {
         let jerk_limited = self.ramp();
         let ramp = Ramp::JerkLimited(jerk_limited);
         let over = ticks(size_f32(decel) / (self.down_rise * ACCEL_ONE));
-        // From its start the ramp would have lost a·t/2.
+        // From its start, the ramp would have lost the speed a·t/2.
         let begun = Change::rise(motion.speed, decel, over);
         let v = begun.speeds[0];
         let before = begun.length();
         let room = room.saturating_add(before);
-        // At least the current deceleration.
+        // The speed loss is at least the one of the current deceleration.
         let least = (v - motion.speed).saturating_add(released(decel, self.down_fall));
         if least > v {
             return None;
@@ -361,10 +364,10 @@ impl Linear {
     }
 }
 
-/// The form of all changes in this file.
+/// The form of all changes of speed in this file.
 const LINEAR: Form = Form::JerkLimited(RampShape::Linear);
 
-/// 2^58 as a factor.
+/// 2^58, as a factor.
 const ACCEL_ONE: f32 = (1u64 << 58) as f32;
 
 /// A length (2^-44 mm) in mm.
@@ -389,9 +392,9 @@ fn released(decel: u64, j: f32) -> i64 {
     speed_bits(v + v * CLOSE)
 }
 
-/// The loss of the speed `v` within `room`: `most`, or as much as ends there, between `least`, if that is
-/// possible, and `most`. The solution is unique: the distance grows with the loss up to two thirds of `v`,
-/// and from there on stays above the distance of `most`.
+/// The loss of the speed `v` within `room`: `most` if possible, otherwise the largest loss between `least`
+/// and `most` that has room. The solution is unique: the distance grows with the loss up to two thirds of
+/// `v`. For larger losses, it stays above the distance of `most`.
 fn lost(ramp: &Ramp, [least, most]: [i64; 2], v: i64, room: i64, aim: Aim) -> Option<i64> {
     let target = mm(room) * (1.0 - CLOSE);
     let [mut low, mut high] = [least, most].map(speed_f32);
@@ -423,9 +426,9 @@ fn lost(ramp: &Ramp, [least, most]: [i64; 2], v: i64, room: i64, aim: Aim) -> Op
 }
 
 impl Change {
-    /// The current acceleration falls to zero.
+    /// A change in which the current acceleration falls to zero.
     fn fall(v: i64, accel: i64, time: u64) -> Self {
-        // 2^-58 · 2^-36 to 2^-58, halved
+        // Converts 2^-58 · 2^-36 to 2^-58, and halves the result.
         let gained = mul_shift(accel, time as i64, 37);
         let top = v + gained;
         Self {
@@ -436,7 +439,7 @@ impl Change {
         }
     }
 
-    /// A deceleration that has grown to `decel` within `time`, and ends at the speed `v`.
+    /// A change in which a deceleration grows to `decel` within `time`, and ends at the speed `v`.
     fn rise(v: i64, decel: u64, time: u64) -> Self {
         let lost = mul_shift(decel as i64, time as i64, 37);
         let top = v + lost;
@@ -448,7 +451,8 @@ impl Change {
         }
     }
 
-    /// A braking from `v0` to `v1` whose deceleration is `decel` after the time `over`, and still grows.
+    /// A braking from `v0` to `v1` with the deceleration `decel` after the time `over`; the deceleration
+    /// still grows then.
     fn extended(v0: i64, v1: i64, decel: u64, over: u64, ramp: &JerkLimited, j_last: f32) -> Option<Self> {
         let [_, _, first] = ramp.times(speed_f32(v0 - v1));
         let mut first = ticks(first);

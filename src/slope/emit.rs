@@ -1,11 +1,11 @@
 //! From the profile of a span to the pieces of the tick: cubics that start at a tick and last whole ticks.
 //!
-//! The parts of a [`Profile`] begin and end between ticks. The planner knows where the ticks fall, so a piece
-//! begins with the state at the first tick inside a part. The interrupt then counts whole ticks. A part
-//! without a tick has no piece, so a tick begins at most one piece.
+//! The parts of a [`Profile`] begin and end between ticks. The planner knows the times of the ticks, so a
+//! piece begins with the state at the first tick inside a part. The interrupt then counts whole ticks. A part
+//! without a tick has no piece, so at most one piece begins at a tick.
 //!
-//! Pieces are short where rounding would grow: 128 ticks with jerk, 512 with acceleration. With coefficients
-//! of 2^-58 mm the cubic stays within 2^-37 mm of the exact curve, a sixteenth of the rounding of a set
+//! Rounding limits the length of pieces: 128 ticks with jerk, 512 ticks with acceleration. With coefficients
+//! of LSB 2^-58 mm, the cubic stays within 2^-37 mm of the exact curve, a sixteenth of the rounding of a set
 //! point.
 use super::area;
 use super::brake::Brake;
@@ -20,8 +20,8 @@ use core::slice::IterMut;
 /// One tick, LSB 2^-36.
 pub const TICK: u64 = 1 << 36;
 
-/// Longest pieces in ticks: with jerk, with acceleration, at constant speed. The last value applies to a jerk
-/// that is a product of others.
+/// Longest pieces, ticks: with jerk, with acceleration, at constant speed. The last value also applies to a
+/// jerk that is a product of other values.
 const LONGEST: [u32; 3] = [128, 512, 65_535];
 const LONGEST_SINE: u32 = 64;
 
@@ -30,24 +30,24 @@ const LONGEST_SINE: u32 = 64;
 enum Kind {
     /// Acceleration rises from zero: v = v0 + Δ u².
     Rise,
-    /// Acceleration holds: v = v0 + Δ u.
+    /// Acceleration is constant: v = v0 + Δ u.
     Hold,
     /// Acceleration falls to zero: v = v1 − Δ (1 − u)².
     Fall,
-    /// Acceleration rises or falls as in [`RampShape::SineSquare`]: v = v0 + Δ speed(u), v = v1 − Δ speed(1 −
-    /// u).
+    /// Acceleration rises from zero as in [`RampShape::SineSquare`]: v = v0 + Δ speed(u). Below, it falls to
+    /// zero: v = v1 − Δ speed(1 − u).
     SineRise,
     SineFall,
 }
 
-/// One part of a profile; `u` is time as a fraction of the part. Packed: a profile has seven parts, and three
-/// profiles are kept.
+/// One part of a profile. `u` is the time as a fraction of the part. Packed, because a profile has seven
+/// parts, and three profiles are stored.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, packed(4))]
 struct Part {
     kind: Kind,
     time: u64,
-    /// Path distance of the part's start and end, LSB 2^-44, on the scale of the whole path.
+    /// Path distances of the part's start and end, LSB 2^-44 mm, counted along the whole path.
     from: i64,
     to: i64,
     v0: i64,
@@ -58,12 +58,12 @@ struct Part {
 #[derive(Clone, Copy, Debug)]
 pub struct Emitter {
     parts: [Part; PARTS],
-    /// The current part, and the number of parts that take time.
+    /// Number of the current part, and number of parts with a duration.
     part: usize,
     count: usize,
     /// Time from the start of the current part to the next tick.
     next: u64,
-    /// Quotients by the part's time. The next part often has the same time.
+    /// Quotients by the part's time; the next part often has the same time.
     per_time: PerTime,
 }
 
@@ -81,18 +81,19 @@ impl Default for Emitter {
 }
 
 impl Emitter {
-    /// An emitter at rest, at a tick.
+    /// An emitter without a profile, at a tick.
     pub const fn new() -> Self {
         Self { parts: [IDLE; PARTS], part: 0, count: 0, next: 0, per_time: PerTime::NONE }
     }
 
-    /// Takes the profile of the next span, which starts at path distance `start`. Call it only when no piece is
-    /// left: [`Self::has_piece`].
+    /// Takes the profile of the next span, which starts at the path distance `start`. Call this function only
+    /// when no piece is left: [`Self::has_piece`].
     pub fn begin(&mut self, profile: &Profile, start: Distance, length: Distance) {
         let end = start.to_bits().wrapping_add(length.to_bits());
         let mut slots = Slots(self.parts.iter_mut());
         let at = slots.lay_out(&profile.up, start.to_bits());
-        // The braking is laid out backward from the end, so the span ends exactly; the cruise lies between.
+        // The braking is computed backward from the end, so the span ends exactly. The part at constant speed
+        // lies between.
         let back = end.wrapping_sub(profile.down.length());
         let v = profile.peak().to_bits();
         slots.add(Part { kind: Kind::Hold, time: profile.cruise, from: at, to: back, v0: v, v1: v });
@@ -101,7 +102,7 @@ impl Emitter {
     }
 
     /// Takes a braking, whose parts are in `profile`. The next tick is at `brake.over` plus the time from the
-    /// start of a block to the next tick.
+    /// current instant to the next tick.
     pub fn begin_brake(&mut self, profile: &Profile, brake: &Brake) {
         self.next += brake.over;
         let mut slots = Slots(self.parts.iter_mut());
@@ -116,7 +117,7 @@ impl Emitter {
         (self.part, self.count) = (0, slots.used());
     }
 
-    /// Continues `time` before a tick, and drops the rest of the current profile.
+    /// Continues at `time` before a tick, and drops the rest of the current profile.
     pub fn resume_at(&mut self, time: u64) {
         (self.part, self.count) = (0, 0);
         self.next = time;
@@ -133,13 +134,13 @@ impl Emitter {
         self.part >= self.count
     }
 
-    /// Moves on to the part that contains the next tick. Returns `false` when no piece is left.
+    /// Steps to the part that contains the next tick. Returns `false` when no piece is left.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn has_piece(&mut self) -> bool {
         self.at_hand().is_some()
     }
 
-    /// The current part, with the other data of a piece.
+    /// The current part, with the other data for a piece.
     #[cfg_attr(feature = "fast", inline(always))]
     fn at_hand(&mut self) -> Option<(&Part, &mut PerTime, &mut u64)> {
         let Self { parts, part: number, count, next, per_time, .. } = self;
@@ -176,14 +177,14 @@ impl Emitter {
         false
     }
 
-    /// Writes the next piece. Only after [`Self::has_piece`]. Bounded work.
+    /// Writes the next piece. Call this function only after [`Self::has_piece`]. The work is bounded.
     pub fn step(&mut self, phase: &mut Phase) {
         if let Some((part, per_time, next)) = self.at_hand() {
             part.cut(per_time, next, phase);
         }
     }
 
-    /// Drops the remaining pieces as if they were in the queue. Returns their ticks.
+    /// Drops the remaining pieces as if they were in the queue. Returns the number of their ticks.
     #[cfg(feature = "plc")]
     pub fn skip(&mut self) -> u32 {
         let time: u64 = self.parts.iter().take(self.count).skip(self.part).map(|part| part.time).sum();
@@ -193,12 +194,12 @@ impl Emitter {
         ticks
     }
 
-    /// Waits for the next tick while the axes stand: the next motion starts at this tick.
+    /// Lets the next motion start at the next tick, while the axes stand.
     pub fn settle(&mut self) {
         self.next = 0;
     }
 
-    /// Ticks of the remaining pieces.
+    /// Number of ticks of the remaining pieces.
     pub fn ticks(&self) -> u32 {
         let time: u64 = self.parts.iter().take(self.count).skip(self.part).map(|part| part.time).sum();
         (time.saturating_sub(self.next).saturating_add(TICK - 1) >> 36) as u32
@@ -211,11 +212,12 @@ impl Emitter {
     }
 }
 
-/// Collects the parts that take time, one after the other.
+/// Collects the parts that have a duration, one after the other.
 struct Slots<'a>(IterMut<'a, Part>);
 
 impl Slots<'_> {
-    /// Lays out the three parts of a change of speed from path distance `from` on. Returns their end.
+    /// Writes the three parts of a change of speed, from the path distance `from` on. Returns the path
+    /// distance of their end.
     #[cfg_attr(feature = "fast", inline(always))]
     fn lay_out(&mut self, change: &Change, from: i64) -> i64 {
         let mut at = from;
@@ -225,7 +227,8 @@ impl Slots<'_> {
             Form::Stepped => [Kind::Hold; 3],
         };
         for (k, kind) in kinds.into_iter().enumerate() {
-            // There are three parts. In builds for few bytes the compiler does not see it without `min`.
+            // There are three parts. Builds that are optimised for size need `min` so that the compiler knows
+            // this.
             let k = k.min(2);
             let to = at.wrapping_add(change.lengths[k]);
             let (v0, v1) = (change.speeds[k], change.speeds[k + 1]);
@@ -250,7 +253,7 @@ impl Slots<'_> {
 }
 
 impl Part {
-    /// Writes the piece that begins at the time `next`, and moves `next` to the piece's end.
+    /// Writes the piece that begins at the time `next`, and sets `next` to the end of the piece.
     #[cfg_attr(feature = "fast", inline(always))]
     fn cut(&self, per_time: &mut PerTime, next: &mut u64, phase: &mut Phase) {
         let delta = self.v1 - self.v0;
@@ -269,7 +272,7 @@ impl Part {
         } else if matches!(self.kind, Kind::SineRise | Kind::SineFall) {
             longest = LONGEST_SINE;
             (*phase, end) = self.sine_piece(per_time, t);
-            // At least the current tick, whatever rounding does to the end.
+            // The end is after the current tick, for any rounding.
             end = end.max(t + 1);
         } else if t < TICK {
             self.first_piece(per_time, (t >> 4) as u32, t as u32 & 15, phase);
@@ -280,7 +283,7 @@ impl Part {
         let ticks = ((end - t + (TICK - 1)) >> 36) as u32;
         let ticks = ticks.min(longest);
         phase.ticks = ticks as u16;
-        // Rounding must not lead beyond the part: the next piece would go backward.
+        // Rounding must not lead beyond the end of the part; otherwise the next piece would go backward.
         let beyond = phase.at(ticks as u16 - 1).wrapping_sub(self.to);
         if beyond > 0 {
             phase.distance = Distance::from_bits(phase.distance.to_bits().wrapping_sub(beyond));
@@ -298,12 +301,12 @@ impl Part {
         }
     }
 
-    /// The piece that begins at the time `t` in a part with a linear ramp, as coefficients in ticks.
+    /// The coefficients, in ticks, of the piece that begins at the time `t` in a part with a linear ramp.
     #[inline(never)]
     fn piece(&self, per_time: &PerTime, t: u64) -> Phase {
         let delta = self.v1 - self.v0;
         let fraction = |t: u64| (mul_wide(t << per_time.zeros, per_time.reciprocal).0) as i64;
-        // Accurate to 2^-54. The jerk counts n³ times, so it has an exact product.
+        // Accurate to 2^-54. The factor of the jerk is n³, so its product is exact.
         let by = |x: i64, u: i64| mul_near(x, u) << 2;
         let slope = per_time.slope;
         let (s, v, half_accel, sixth_jerk) = match self.kind {
@@ -349,7 +352,7 @@ impl Part {
         let delta = self.v1 - self.v0;
         let gained = by(delta, bent.speed);
         let made = area(by(delta, bent.distance), self.time);
-        // per_time.sixth is a sixth of the mean jerk: eight pieces.
+        // `per_time.sixth` is a sixth of the mean jerk; the ramp has eight pieces.
         let jerk = mul_shift(per_time.sixth, bent.jerk, 59);
         let (s, v, jerk, end) = if falls {
             let s = self.to.wrapping_sub(area(self.v1, from_zero).wrapping_sub(made));
@@ -368,12 +371,12 @@ impl Part {
         (phase, end)
     }
 
-    /// The piece that begins within the first tick of a part, computed from the part's start: the powers of t
-    /// stay below 1.
+    /// The piece that begins within the first tick of a part. It is computed from the start of the part, so
+    /// that the powers of t stay below 1.
     #[inline(never)]
     fn first_piece(&self, per_time: &PerTime, t32: u32, rest: u32, phase: &mut Phase) {
         let times = |x: i64| mul_u32(x, t32, 32);
-        // Mean speed gained. The other values are written at once, because registers are few.
+        // Mean speed gained. The other values are written at once, because the processor has few registers.
         let mean = match self.kind {
             Kind::Rise => {
                 let bent = times(per_time.sixth);
@@ -407,7 +410,7 @@ impl Part {
 /// Speed times a time below one tick, as in [`area`].
 #[cfg_attr(feature = "fast", inline(always))]
 fn area_in_tick(v: i64, t32: u32, rest: u32) -> i64 {
-    // LSB 2^-58, then the lower four bits; accurate to 2^-62 mm.
+    // Upper bits with LSB 2^-58, then the lower four bits; accurate to 2^-62 mm.
     let upper = mul_u32(v, t32, 32);
     let lower = ((v >> 32) * i64::from(rest)) >> 4;
     (upper + lower + (1 << 13)) >> 14
@@ -421,21 +424,21 @@ struct PerTime {
     /// 2^126 / (time << zeros).
     reciprocal: u64,
     zeros: u32,
-    /// Δ per time, and a sixth of twice Δ per time squared.
+    /// Δ per time, and a third of Δ per time squared.
     slope: i64,
     sixth: i64,
 }
 
 impl PerTime {
-    /// For no part.
+    /// Values for no part.
     const NONE: Self = Self { time: 0, delta: 0, reciprocal: 0, zeros: 0, slope: 0, sixth: 0 };
 
     #[inline(never)]
     fn divide(&mut self, time: u64, delta: i64) {
         let zeros = time.leading_zeros();
-        // Below 2^63, so no product has to check its sign.
+        // Below 2^63, so that products need no check of the sign.
         let reciprocal = reciprocal_near(time << (zeros & 63)) & (u64::MAX >> 1);
-        // Per tick. A part below two ticks has so few of them that the missing lower bits do not add up.
+        // Per tick. A part below two ticks has so few ticks that the missing low bits do not add up.
         let scale = |x: i64| if zeros <= 26 { x >> (26 - zeros) } else { x << ((zeros - 26) & 63) };
         let per_tick = |x: i64| mul_hi(x, reciprocal as i64);
         let slope = scale(per_tick(delta));

@@ -1,7 +1,8 @@
 //! Limits of a block in the look-ahead: seven numbers, and some bits for the slope.
 //!
-//! An enum would take four bytes more. Limits of a constant speed (CONST_VEL) would take another four bytes per block.
-//! These limits keep one jerk for each direction, the lower one, because little is left to accelerations.
+//! An enum would take four bytes more per block. Limits with constant speed (CONST_VEL) would take another
+//! four bytes. So these limits store only one jerk per direction, the lower one; with constant speed,
+//! accelerations are small.
 use super::limits::{Joins, Limits, Loose, SlopeLaw, lower};
 use super::ramp_shape::RampShape;
 use crate::math::float::{max, min};
@@ -13,14 +14,14 @@ pub struct Numbers {
     pub v: f32,
     /// Acceleration and deceleration, mm/tick².
     a: [f32; 2],
-    /// Numbers of the slope. TRAPEZ, SIN2, HSC: mean jerks, mm/tick³. STEP: change-over speed, both accelerations
-    /// above it, deceleration at standstill. With CONST_VEL: the lower jerk of both directions, unused, the
-    /// acceleration of [`Loose`]. STEP with CONST_VEL: change-over speed, the lower acceleration, the acceleration of
-    /// [`Loose`], deceleration at standstill.
+    /// Numbers of the slope, in this order. TRAPEZ, SIN2, HSC: mean jerks, mm/tick³. STEP: change-over speed,
+    /// both accelerations above this speed, deceleration at standstill. With CONST_VEL: the lower jerk of
+    /// each direction, an unused number, the acceleration of [`Loose`]. STEP with CONST_VEL: change-over
+    /// speed, the lower acceleration, the acceleration of [`Loose`], deceleration at standstill.
     law: [f32; 4],
 }
 
-/// The slope of kept limits, and whether their speed is to stay constant.
+/// The slope of stored limits, and whether CONST_VEL demands a constant speed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LawKind(u8);
 
@@ -37,7 +38,7 @@ impl LawKind {
     const VALLEYS: u8 = Joins::Valleys as u8;
     const STAYS: u8 = 16;
 
-    /// The kind in a byte whose other bits may be set.
+    /// The kind in a byte; its other bits may have any value.
     #[inline(always)]
     pub const fn of(byte: u8) -> Self {
         Self(byte & !Self::FREE)
@@ -61,7 +62,7 @@ impl LawKind {
         self.0 & Self::JOINS != 0
     }
 
-    /// Whether the speed is to stay constant: [`Loose`].
+    /// Whether CONST_VEL demands a constant speed: [`Loose`].
     #[inline(always)]
     pub const fn stays(self) -> bool {
         self.0 & Self::STAYS != 0
@@ -83,7 +84,7 @@ impl Numbers {
     /// All bits are zero.
     pub const NOTHING: Self = Self { v: 0.0, a: [0.0; 2], law: [0.0; 4] };
 
-    /// The limits of these numbers and this slope.
+    /// The limits from these numbers and the slope.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn limits(&self, kind: LawKind) -> Limits {
         let (v, [a_up, a_down], [w, x, y, z]) = (self.v, self.a, self.law);
@@ -110,7 +111,7 @@ impl Numbers {
 }
 
 impl Limits {
-    /// As [`Self::join`], with the limits that these numbers and this slope describe.
+    /// As [`Self::join`], with limits that are given as numbers and slope.
     #[cfg_attr(feature = "fast", inline(always))]
     pub(crate) fn join_kept(&mut self, numbers: &Numbers, kind: LawKind) {
         let SlopeLaw::JerkLimited { j, .. } = &mut self.law else { return self.join_any(numbers, kind) };

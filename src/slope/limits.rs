@@ -1,5 +1,5 @@
-//! Permitted path speed, acceleration and jerk; the common limits of several elements; and the ramps of these
-//! limits.
+//! Permitted path speed, acceleration and jerk. This file also has the common limits of several elements, and
+//! the ramps of these limits.
 use super::ramp::{JerkLimited, Ramp, Stepped};
 use super::ramp_shape::RampShape;
 use crate::math::float::{magnitude, max, min};
@@ -8,33 +8,34 @@ use crate::quantity::{Speed, speed_f32};
 
 /// Factor for a lowered speed: the result stays below its limit despite rounding.
 pub(crate) const ROUNDED: f32 = 1.0 - 1.0 / 4_194_304.0;
-/// Two limits that differ by less count as equal. A span has the higher one of the speeds; the value allows
-/// four roundings.
+/// Limits with a smaller relative difference count as equal. A span has the highest speed of its blocks; the
+/// value allows four roundings.
 const ALIKE: f32 = 1.0 / 262_144.0;
 const ALIKE_SPEED: f32 = 1.0 / 4_194_304.0;
-/// Two brakings whose limits differ by less count as equally hard. The difference in speed is below the margin
-/// that speeds leave for rounding.
+/// Brakings whose limits have a ratio above this value count as equally hard. Their difference in speed is
+/// below the margin that speeds have for rounding.
 const AS_HARD: f32 = 1.0 - 1.0 / 131_072.0;
-/// Above this multiple of another value, a value is clearly higher.
+/// A value above this multiple of another one counts as clearly higher.
 const STRONGER: f32 = 1.125;
-/// Each stage of a braking has so many times the deceleration of the stage before. The last stage begins at
-/// most at this part of the speed.
+/// Ratio of the deceleration in a stage of a braking to the deceleration in the stage before. `LAST`: the
+/// last stage begins at most at this part of the speed.
 const STAGE: f32 = 1.25;
 const LAST: f32 = 0.7;
-/// Each stage lowers the speed at least to this part: a curve may leave next to nothing at its highest speed.
+/// Each stage lowers the speed at least to this part. At its highest speed, a curve may leave nearly no
+/// deceleration.
 const LEAST: [f32; 2] = [0.9975, 0.995];
-/// Two decelerations of STEP whose ratio is above this value count as one.
+/// Decelerations of STEP with a ratio above this value count as one.
 const NEAR: f32 = 0.85;
-/// Number of parts in which the length of a braking is computed.
+/// Number of parts for the length of a braking.
 const PARTS: u8 = 6;
-/// Below this part of its speed, a curve with CONST_VEL may change its speed.
+/// With CONST_VEL, the speed in a curve may change below this part of the constant speed.
 const LOOSE: f32 = 0.25;
 /// Margin for rounding.
 const LEAVES: f32 = 1.0 - 1.0 / 1_048_576.0;
 /// The four ramps of a slope: acceleration rises, acceleration falls, deceleration rises, deceleration falls.
 pub type Ramps = [f32; 4];
 
-/// Which blocks may follow each other with acceleration at the transition.
+/// Which blocks may follow each other with acceleration at their transition.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Joins {
     /// Blocks with the same limits: TRAPEZ, SIN2.
@@ -52,24 +53,23 @@ pub enum SlopeLaw {
     JerkLimited {
         /// Shape of the ramps.
         shape: RampShape,
-        /// Which blocks may follow with acceleration at the transition.
+        /// Which blocks may follow each other with acceleration at their transition.
         joins: Joins,
         /// Mean jerk of each ramp.
         j: Ramps,
     },
-    /// STEP: the path has one change-over speed, that of the axis which reaches its own change-over speed
+    /// STEP. The path has one change-over speed: that of the axis which reaches its own change-over speed
     /// first.
     Stepped {
-        /// Speed up to which the accelerations of the limits hold.
+        /// Speed below which [`Limits::a_up`] and [`Limits::a_down`] apply.
         change_over: f32,
         /// Acceleration above the change-over speed.
         a_up: f32,
         /// Deceleration above the change-over speed.
         a_down: f32,
-        /// Deceleration at standstill. The part that a curve takes from it falls with the square of the
-        /// speed.
+        /// Deceleration at standstill. The part that a curve needs falls with the square of the speed.
         still: f32,
-        /// Whether the curve takes its part at a right angle to the path.
+        /// Whether the curve's part of the acceleration is at a right angle to the path.
         across: bool,
     },
 }
@@ -85,23 +85,23 @@ pub struct Limits {
     pub a_down: f32,
     /// Additional limits of the slope.
     pub law: SlopeLaw,
-    /// Accelerations at low speed where the speed is to stay constant (CONST_VEL).
+    /// Accelerations at low speed in a curve of constant speed (CONST_VEL).
     pub loose: Loose,
 }
 
-/// Acceleration and deceleration at low speed where the speed is to stay constant (CONST_VEL), mm/tick²;
-/// otherwise 0.
+/// Acceleration and deceleration at low speed in a curve of constant speed (CONST_VEL), mm/tick²; 0 for other
+/// blocks.
 ///
-/// With CONST_VEL accelerations are nearly zero. A profile that begins or ends near a stop, below a part of the
-/// constant speed, may have this acceleration. The axes permit it at any speed of the limits.
+/// With CONST_VEL, accelerations are nearly zero. A profile that begins or ends near a stop, below a part of
+/// the constant speed, may use this acceleration. The axes permit it at any speed of the limits.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Loose(f32);
 
 impl Loose {
-    /// No constant speed.
+    /// No constant speed is demanded.
     pub const NONE: Self = Self(0.0);
 
-    /// The same acceleration everywhere.
+    /// The acceleration `a`, for profiles that begin or end at low speed.
     pub const fn of(a: f32) -> Self {
         Self(a)
     }
@@ -111,7 +111,7 @@ impl Loose {
         self.0
     }
 
-    /// Whether there is a constant speed.
+    /// Whether a constant speed is demanded.
     #[inline(always)]
     pub fn is_some(self) -> bool {
         self.0 > 0.0
@@ -173,7 +173,7 @@ impl Limits {
             && near(self.loose.get(), other.loose.get(), ALIKE)
     }
 
-    /// Restricts the limits to what both permit, with the higher one of the speeds.
+    /// Restricts the limits to values that both permit, with the higher one of both speeds.
     #[inline]
     pub(crate) fn join(&mut self, other: &Self) {
         self.v = max(self.v, other.v);
@@ -184,14 +184,14 @@ impl Limits {
             (SlopeLaw::JerkLimited { j, .. }, SlopeLaw::JerkLimited { j: other, .. }) => lower(j, *other),
             (SlopeLaw::Stepped { change_over, still, .. }, SlopeLaw::Stepped { change_over: other, .. }) => {
                 *change_over = min(*change_over, *other);
-                // The part that both leave below their speeds is not known for the higher speed.
+                // At the higher speed, the deceleration that both curves leave at lower speeds is unknown.
                 *still = self.a_down;
             }
             _ => {}
         }
     }
 
-    /// Takes the limits of a braking that continues from here into a motion with `other`. Values that end a
+    /// Changes the limits of a braking that continues into a motion with the limits `other`. Limits for a
     /// gain of speed stay.
     pub fn go_on_braking(&mut self, other: &Self) {
         self.a_down = min(self.a_down, other.a_down);
@@ -208,8 +208,8 @@ impl Limits {
             ) => {
                 *a_down = min(*a_down, *other_a_down);
                 if change_over != other_change_over {
-                    // Between both change-over speeds, one of the limits has the deceleration of the lower
-                    // stage.
+                    // Between both change-over speeds, one of the limits already has the deceleration of its
+                    // lower stage.
                     *change_over = min(*change_over, *other_change_over);
                     *a_down = min(*a_down, self.a_down);
                 }
@@ -218,9 +218,9 @@ impl Limits {
         }
     }
 
-    /// Whether a profile between two speeds over `length` mm, in any direction, may use all acceleration of the axes.
-    /// With CONST_VEL this is so if one of the speeds is low, or if the change of speed needs it in that direction. A
-    /// speed that is low beside the constant speed need not be low beside a lower constant speed of a later override.
+    /// Whether a profile between two speeds over `length` mm, in either direction, may use all acceleration
+    /// of the axes. With CONST_VEL, this is so if one of the speeds is low, or if the change of speed needs
+    /// it. A speed that is low compared with the constant speed may not be low at a later, lower override.
     #[inline(always)]
     fn is_loose_between(&self, speeds: [Speed; 2], length: f32) -> bool {
         self.loose.is_some() && self.lets_change(speeds, length)
@@ -241,21 +241,21 @@ impl Limits {
         self.loose.is_some() && speed_f32(low.to_bits()) < self.lowest()
     }
 
-    /// Limits of a profile that may use this acceleration. The profile is not faster than `high`, mm/tick,
-    /// and the low speed.
+    /// Limits of a profile that may use all acceleration of the axes. The profile is at most as fast as
+    /// `high`, mm/tick, and the low speed.
     #[cold]
     #[inline(never)]
     fn loosened_to(&self, high: f32) -> Self {
         Self { v: min(self.v, max(high, self.lowest())), ..self.loosened() }
     }
 
-    /// Limits of a profile with this speed at one end.
+    /// Limits of a profile with the speed `low` at one end.
     #[inline(always)]
     pub(crate) fn near<'a>(&'a self, low: Speed, room: &'a mut Option<Self>) -> &'a Self {
         if self.is_loose_at(low) { room.insert(self.loosened_to(0.0)) } else { self }
     }
 
-    /// Limits of a profile between two speeds, in any direction, over `length` mm.
+    /// Limits of a profile between two speeds, in either direction, over `length` mm.
     #[inline(always)]
     pub(crate) fn between<'a>(
         &'a self,
@@ -299,9 +299,9 @@ impl Limits {
         LOOSE * self.v
     }
 
-    /// Limits of a stop with these decelerations and jerks, at its start and at its end. With STEP the second
-    /// deceleration acts below the speed `lower`, the first above. An acceleration that is left falls to zero with
-    /// the mean jerk `ends` or that of these limits, whichever is higher. The ramps are linear.
+    /// Limits of a stop with these decelerations and jerks at its start and at its end. With STEP, the first
+    /// deceleration acts above the speed `lower`, the second below. A positive acceleration falls to zero
+    /// with the mean jerk `ends`, or with that of these limits, whichever is higher. The ramps are linear.
     pub fn braked(&self, [above, below]: [f32; 2], lower: f32, jerks: [f32; 2], ends: f32) -> Self {
         let mut limits = *self;
         match &mut limits.law {
@@ -319,9 +319,10 @@ impl Limits {
         limits
     }
 
-    /// Highest factor for the speed at which every motion inside `self` stays inside the limits. Accelerations scale
-    /// with the square of the factor. STEP is the exception: the acceleration permitted below the change-over speed may
-    /// be lower, and speeds from above may come below. 0..=1, within 2^-22.
+    /// Highest factor for the speed at which every motion inside `self` stays inside the limits; 0 to 1,
+    /// accurate to 2^-22. Accelerations scale with the square of the factor. STEP is an exception: below the
+    /// change-over speed, the permitted acceleration may be lower, and scaled speeds may fall below the
+    /// change-over speed.
     pub fn part_inside(&self) -> f32 {
         match self.law {
             SlopeLaw::JerkLimited { .. } => 1.0,
@@ -332,7 +333,7 @@ impl Limits {
         }
     }
 
-    /// Whether one braking suits both limits about as well as two brakings in turn. Only STEP can return
+    /// Whether one braking suits both limits about as well as two brakings in sequence. Only STEP can return
     /// `false`, because its deceleration may change anywhere.
     pub fn slows_alike(&self, other: &Self) -> bool {
         let near = |a: f32, b: f32| min(a, b) >= NEAR * max(a, b);
@@ -344,8 +345,8 @@ impl Limits {
         }
     }
 
-    /// Whether a braking with these limits is at least as hard as with the others, except for rounding. First
-    /// value: until the deceleration falls; second value: later.
+    /// Whether a braking with these limits is at least as hard as with the limits `other`, except for
+    /// rounding. The first value is for the braking until the deceleration falls, the second for the rest.
     pub fn brakes_like(&self, other: &Self) -> [bool; 2] {
         match (&self.law, &other.law) {
             (
@@ -379,8 +380,8 @@ impl Limits {
         matches!(self.law, SlopeLaw::JerkLimited { joins: Joins::Any | Joins::Valleys, .. })
     }
 
-    /// The limits of the same profile at `part` of its speed, with a margin for rounding. Accelerations scale with the
-    /// square, jerks with the cube.
+    /// The limits of the same profile scaled to `part` of its speed, with a margin for rounding.
+    /// Accelerations scale with the square of `part`, jerks with the cube.
     pub fn at_part(&self, part: f32) -> Self {
         let mut limits = *self;
         if part >= 1.0 {
@@ -397,8 +398,8 @@ impl Limits {
         limits
     }
 
-    /// Halves the first jerk of a gain of speed. The acceleration is at most that near the speed of the
-    /// limits.
+    /// Halves the jerk with which an acceleration rises. With CONST_VEL, the higher accelerations at low
+    /// speed no longer apply.
     pub const fn gain_gently(&mut self) {
         self.loose = Loose::NONE;
         if let SlopeLaw::JerkLimited { j: [rise, ..], .. } = &mut self.law {
@@ -406,7 +407,7 @@ impl Limits {
         }
     }
 
-    /// Takes the acceleration limits of `other`; both have the same slope.
+    /// Sets the acceleration limits of `other`; both have the same slope.
     pub const fn gain_like(&mut self, other: &Self) {
         self.a_up = other.a_up;
         if let (
@@ -431,19 +432,19 @@ impl Limits {
         (0..4).fold(0.0, |most, ramp| max(most, self.jerk(ramp)))
     }
 
-    /// Speed, acceleration and jerk that a motion may have in both directions; `None` with a slope that has
-    /// no jerk limit.
+    /// Speed, acceleration and jerk that a motion may have in both directions. Returns `None` with a slope
+    /// without jerk limit.
     pub fn along(&self) -> Option<[f32; 3]> {
         let SlopeLaw::JerkLimited { j, .. } = self.law else { return None };
         Some([self.v, min(self.a_up, self.a_down), j.into_iter().fold(f32::MAX, min)])
     }
 
-    /// Lowers the speed limit to the higher one of these speeds.
+    /// Lowers the speed limit to the higher one of both speeds.
     pub(crate) fn flatten(&mut self, v_in: Speed, v_out: Speed) {
         self.v = speed_f32(v_in.max(v_out).to_bits());
     }
 
-    /// Largest acceleration or deceleration of both limits.
+    /// Largest acceleration or deceleration in both limits.
     pub(crate) fn fastest(&self, other: &Self) -> f32 {
         max(max(self.a_up, self.a_down), max(other.a_up, other.a_down))
     }
@@ -454,7 +455,7 @@ impl Limits {
         jerks || self.a_up > STRONGER * other.a_up || self.a_down > STRONGER * other.a_down
     }
 
-    /// Makes the ramps linear, and returns the previous slope.
+    /// Makes the ramps linear, and returns the previous limits of the slope.
     pub const fn straighten(&mut self) -> SlopeLaw {
         let before = self.law;
         if let SlopeLaw::JerkLimited { shape, .. } = &mut self.law {
@@ -493,7 +494,7 @@ impl Limits {
         }
     }
 
-    /// The ramp that loses speed, seen backward from the lower speed.
+    /// The ramp that loses speed, seen backward from its lower speed.
     pub fn brake(&self) -> Ramp {
         match self.law {
             SlopeLaw::JerkLimited { shape, j: [.., rise, fall], .. } => {
@@ -528,9 +529,9 @@ impl Limits {
         }
     }
 
-    /// Lowers all accelerations to at most `a` at the speed of the limits, where a curve takes the rest of
-    /// the acceleration. At standstill up to `rest` is left. `right_angle`: the curve's part is at a right
-    /// angle to the path.
+    /// Lowers all accelerations to at most `a` at the speed of the limits, where a curve needs the rest of
+    /// the acceleration. At standstill, up to `rest` is permitted. `right_angle`: the curve's part is at a
+    /// right angle to the path.
     pub(crate) fn curve(&mut self, a: f32, rest: f32, right_angle: bool) {
         self.lower_accelerations(a);
         if let SlopeLaw::Stepped { still, across, .. } = &mut self.law {
@@ -538,8 +539,8 @@ impl Limits {
         }
     }
 
-    /// Deceleration of STEP at the speed `v`, which is at most the lower change-over speed. V is the speed of
-    /// these limits, and q = v/V. A curve leaves at least
+    /// Deceleration of STEP at the speed `v`, which is below the change-over speeds. V is the speed of these
+    /// limits, and q = v/V. A curve leaves at least
     ///
     /// - a(0) − (a(0) − a(V))·q²: an axis has a_max − |x''|·v² left for |x'|·a;
     /// - √(a(0)² − (a(0)² − a(V)²)·q⁴) for an arc, which has √(a_max² − v⁴·κ²).
@@ -554,8 +555,8 @@ impl Limits {
         max(low, left * LEAVES)
     }
 
-    /// The braking of STEP from the speed `v` where a curve permits more deceleration as speed falls. `None` with
-    /// another slope, or above the change-over speed.
+    /// The braking of STEP from the speed `v`, in a curve that permits more deceleration as the speed falls.
+    /// Returns `None` with another slope, or above the change-over speed.
     pub fn fall(&self, v: f32) -> Option<Fall> {
         let SlopeLaw::Stepped { change_over, still, across, .. } = self.law else { return None };
         if v > change_over {
@@ -565,7 +566,7 @@ impl Limits {
         if a * (STAGE * STAGE) >= still {
             return Some(Fall { from: v, change_over: LAST * v, to: 0.0 });
         }
-        // The speed at which the curve leaves so many times more deceleration; at least a little lower.
+        // The speed at which the curve leaves `times` as much deceleration, and at most `part` of the speed.
         let at = |times: f32, part: f32| {
             let (a, low) = (times * a, self.a_down);
             let q = if across {
@@ -578,8 +579,8 @@ impl Limits {
         Some(Fall { from: v, change_over: at(STAGE, LEAST[0]), to: at(STAGE * STAGE, LEAST[1]) })
     }
 
-    /// Approximate path length of a braking of STEP from the speed `v`, mm. `None` with another slope, or
-    /// above the change-over speed.
+    /// Approximate path length of a braking of STEP from the speed `v`, mm. Returns `None` with another
+    /// slope, or above the change-over speed.
     pub fn falls(&self, v: f32) -> Option<f32> {
         let SlopeLaw::Stepped { change_over, still, across, .. } = self.law else { return None };
         let part = |k: u8| 1.0 - f32::from(k) * (1.0 / f32::from(PARTS));
@@ -589,7 +590,7 @@ impl Limits {
         (v <= change_over).then(|| 0.5 * v * v * (0..PARTS).map(lost).sum::<f32>())
     }
 
-    /// For STEP: takes the limits of this braking.
+    /// STEP: sets the limits of this braking.
     pub fn fall_from(&mut self, fall: &Fall) {
         let SlopeLaw::Stepped { change_over, still, across, .. } = self.law else { return };
         if fall.from > change_over {

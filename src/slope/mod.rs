@@ -1,4 +1,5 @@
-//! Speed profiles: path speed over time for a length, two end speeds and limits. This module knows no geometry.
+//! Speed profiles: path speed over time, for a length, two end speeds and limits. This module does not depend
+//! on geometry.
 //!
 //! | slope | acceleration over time |
 //! |---|---|

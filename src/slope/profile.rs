@@ -1,12 +1,13 @@
-//! The speed profile of one span: gain of speed (three parts), cruise, braking (three parts), exact in its
-//! length.
+//! The speed profile of one span, exact in its length: a gain of speed (three parts), a part at constant
+//! speed, and a braking (three parts).
 //!
 //! The fastest profile from `v_in` to `v_out` over the length has the highest peak that length and limits
-//! permit. A search in `f32` finds the peak. The ramp times of this peak are then fixed, and integers compute
-//! the distance of both ramps. The cruise gets the rest, to 2^-36 tick. If the rest is negative (rounding of
-//! a ramp that fills the span), all times shrink by the missing part in ten million. The margins of the
-//! limits cover this, and [`Profile::plan`] verifies it. In a very short span, where rounding of the length
-//! is more than the margin, a length changes by up to 2^-42 mm instead.
+//! permit. A search in `f32` finds the peak. The ramp times for this peak are then fixed, and integers
+//! compute the length of both ramps. The rest of the length has constant speed, accurate to 2^-36 tick. The
+//! rest may be negative, because rounding makes the ramps longer than the span. Then all times shrink by the
+//! missing part, about a ten-millionth. The margins of the limits cover this, and [`Profile::plan`] verifies
+//! it. In a very short span, rounding of the length exceeds the margin. There a length changes by up to 2^-42
+//! mm instead.
 use super::area;
 use super::ramp::{JerkLimited, Ramp, Stepped, root_of_cubic};
 use super::ramp_shape::RampShape;
@@ -21,9 +22,9 @@ use crate::slope::limits::{Limits, SlopeLaw};
 /// The form of the three parts of a change of speed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Form {
-    /// Acceleration rises, holds, falls.
+    /// Acceleration rises, is constant, and falls.
     JerkLimited(RampShape),
-    /// One acceleration, an unused part, another acceleration.
+    /// One constant acceleration, an unused part, and another constant acceleration.
     Stepped,
 }
 
@@ -73,7 +74,7 @@ impl Profile {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Unplannable {
-    /// The plan broke a limit: a defect of the planner, reported instead of executed.
+    /// The plan exceeds a limit. This is a defect of the planner; the plan is reported and not executed.
     Broken,
     /// The profile takes more than 2^27 ticks. Only a reduced speed (P-AXIS-00214) leads to this.
     TooSlow,
@@ -82,13 +83,13 @@ pub enum Unplannable {
 /// Longest span: 2^27 ticks.
 const LONGEST: u64 = 1 << 63;
 
-/// The difference of `high` and `low`.
+/// The difference `high` − `low`.
 #[cfg_attr(feature = "fast", inline(always))]
 fn gap_f32(low: i64, high: i64) -> f32 {
     size_f32((high - low) as u64) * SPEED_LSB
 }
 
-/// The gain of speed in a ramp of this time, for a change by `dv` with these three times.
+/// The gain of speed in a ramp with the duration `time`. The whole change is `dv`, with these three times.
 #[inline(never)]
 fn part(dv: i64, time: u64, [t1, t2, t3]: [u64; 3]) -> i64 {
     let (hi, lo) = mul_wide(dv.unsigned_abs(), time);
@@ -97,20 +98,21 @@ fn part(dv: i64, time: u64, [t1, t2, t3]: [u64; 3]) -> i64 {
 }
 
 impl Change {
-    /// Becomes the change from `low` to `high` along a ramp that begins at `low`. Rounding raises no
+    /// Sets the change from `low` to `high` along a ramp that begins at `low`. Rounding raises no
     /// acceleration and no jerk.
     #[cfg_attr(feature = "fast", inline(always))]
     pub(super) fn speed_up(&mut self, ramp: &Ramp, low: i64, high: i64) {
         self.plan(ramp, [low, high], low, high, |times| times);
     }
 
-    /// Becomes the change from `high` to `low`.
+    /// Sets the change from `high` to `low`.
     #[cfg_attr(feature = "fast", inline(always))]
     pub(super) fn slow_down(&mut self, ramp: &Ramp, high: i64, low: i64) {
         self.plan(ramp, [low, high], high, low, |[near, hold, far]| [far, hold, near]);
     }
 
-    /// `ordered`: turns the times from `low` to `high` into those from `v0` to `v1`.
+    /// `ordered`: reverses the times, which are in the order from `low` to `high`, if the change is a
+    /// braking.
     #[cfg_attr(feature = "fast", inline(always))]
     fn plan(
         &mut self,
@@ -140,7 +142,7 @@ impl Change {
         }
     }
 
-    /// Becomes the change from `v0` to `v1` with these times. With ramps, the speeds between the parts follow
+    /// Sets the change from `v0` to `v1` with these times. With ramps, the speeds between the parts follow
     /// from equal peak accelerations: dv = ap (t1/2 + t2 + t3/2). With STEP, the speed in the middle stays.
     #[cfg_attr(feature = "fast", inline(always))]
     fn set(&mut self, form: Form, v0: i64, v1: i64, times: [u64; 3]) {
@@ -167,10 +169,10 @@ impl Change {
         // Accurate to 2^-54 mm/tick.
         let mean = |x: i64| mul_near(x, shape.mean()) << 2;
         let mean_first = mean(first);
-        // Halves that differ by one bit have the same mean.
+        // Both halves may differ by one bit; they have the same mean.
         let mean_last = if t1 == t3 { mean_first } else { mean(last) };
-        // ∫v for linear ramps: a third of the change in a rising part, half in a constant part, two thirds in
-        // a falling part.
+        // ∫v for linear ramps: a rising part contributes a third of the change, a constant part half, and a
+        // falling part two thirds.
         let hold = if t2 == 0 { 0 } else { area(a + (b - a) / 2, t2) };
         self.times = times;
         self.speeds = [v0, a, b, v1];
@@ -194,7 +196,7 @@ impl Change {
         self.times.iter().sum()
     }
 
-    /// Becomes the same change in `factor`·2^-62 of the time.
+    /// Shrinks the times of the change by `factor`·2^-62.
     #[inline(never)]
     fn shrink(&mut self, factor: u64) {
         let times =
@@ -202,7 +204,7 @@ impl Change {
         self.set(self.form, self.speeds[0], self.speeds[3], times);
     }
 
-    /// Shortens the longest part by `rounding`. Times and speeds stay.
+    /// Shortens the longest part by `rounding` (LSB 2^-44 mm). Times and speeds stay.
     #[cold]
     #[inline(never)]
     fn give_way(&mut self, rounding: i64) {
@@ -211,21 +213,21 @@ impl Change {
         }
     }
 
-    /// Whether both accelerations of a STEP change are permitted.
+    /// Whether both accelerations of a STEP change are inside the limits `a`.
     fn is_stepped_inside(&self, a: [f32; 2]) -> bool {
         let [v0, middle, _, v1] = self.speeds;
         let parts = [(middle - v0, self.times[0]), (v1 - middle, self.times[2])];
         parts.into_iter().zip(a).all(|((dv, time), a)| {
             let dv = dv.unsigned_abs();
-            // From 2^-36 to 2^-58.
+            // Converts 2^-36 to 2^-58.
             dv <= ROUNDING
                 || size_f32(dv - ROUNDING) <= a * ACCEL_SLACK * (size_f32(time) * (1u64 << 22) as f32)
         })
     }
 
-    /// Whether peak acceleration and mean jerks of a change with ramps are permitted, without a division: dv
-    /// ≤ a·whole/2 and dv ≤ j·t·whole/2, with whole = t1 + 2 t2 + t3. Calculated in `f32`: `dv` and `whole`
-    /// are accurate to 2^-23 each, the product adds 2^-23.
+    /// Whether peak acceleration and mean jerks of a change with ramps are permitted. The check needs no
+    /// division: dv ≤ a·whole/2 and dv ≤ j·t·whole/2, with whole = t1 + 2 t2 + t3. It uses `f32`: `dv` and
+    /// `whole` are accurate to 2^-23 each, and the product adds 2^-23.
     fn is_inside(&self, a: f32, j_first: f32, j_last: f32) -> bool {
         let dv = (self.speeds[3] - self.speeds[0]).unsigned_abs();
         if dv <= ROUNDING {
@@ -233,7 +235,7 @@ impl Change {
         }
         let dv = size_f32(dv - ROUNDING);
         let [t1, t2, t3] = self.times;
-        // From 2^-36 to 2^-58.
+        // Converts 2^-36 to 2^-58.
         let half = size_f32(t1 + 2 * t2 + t3) * (1u64 << 21) as f32;
         let jerk = |j: f32, t: u64| t == 0 || dv <= j * (size_f32(t) * (JERK_SLACK / TICK as f32)) * half;
         let jerks = || {
@@ -243,32 +245,33 @@ impl Change {
     }
 }
 
-/// Margins of the limits that the plan may use: half of 2^-19 (speed, acceleration) and of 2^-13 (jerk). Six
-/// roundings of 2^-24 in [`Change::is_inside`] come in addition.
+/// Part of the margins of the limits that the plan may use: half of 2^-19 (speed, acceleration) and half of
+/// 2^-13 (jerk). [`Change::is_inside`] adds six roundings of 2^-24.
 const ACCEL_SLACK: f32 = 1.0 + 1.0 / 1_048_576.0;
 const JERK_SLACK: f32 = 1.0 + 1.0 / 16_384.0;
-/// Change of speed below which rounding to 2^-58 dominates: 2^-52 mm/tick.
+/// For a change of speed below this value (2^-52 mm/tick), rounding to 2^-58 dominates.
 const ROUNDING: u64 = 64;
-/// The six lengths of a profile are rounded to 2^-44 mm each. Together they exceed the block by at most this
-/// value.
+/// The six lengths of a profile are rounded to 2^-44 mm each. Their sum exceeds the length of the block by at
+/// most this number of LSB.
 const ROUNDED_LENGTHS: i64 = 4;
-/// Times may shrink by this power of two without use of the margins. In a short block, where a rounded length
-/// is a larger part, the length changes instead of the times.
+/// All times of a profile may shrink by the factor 1 − 2^-22: the margins stay unused. In a short block,
+/// rounding is a larger part of the length. There a length changes instead of the times.
 const MARGIN: u32 = 22;
 
-/// A peak is lowered by this power of two in relation to itself.
+/// If needed, a peak is lowered by this power of two, relative to itself.
 const LOWER: u32 = 18;
 
-/// A peak that exceeds the higher end speed by less than this power of two, in relation to that speed, is rounding:
-/// two speeds in `f32` and their difference. Its ramps may exceed the rest of the block by more than the margin.
+/// A peak above the higher end speed by less than this power of two, relative to that speed, is rounding of
+/// two `f32` speeds and of their difference. Its ramps may exceed the rest of the block by more than the
+/// margin.
 const NO_PEAK: u32 = 20;
 
 impl Profile {
-    /// Becomes the fastest profile over `length` inside `limits`.
+    /// Sets the fastest profile over `length` inside `limits`.
     ///
     /// # Errors
-    /// [`Unplannable::Broken`] if the speeds cannot be joined over that length, which the look-ahead
-    /// excludes. [`Unplannable::TooSlow`] if the block takes more than 2^27 ticks.
+    /// [`Unplannable::Broken`]: the length does not suffice for the change between the speeds, which the
+    /// look-ahead excludes. [`Unplannable::TooSlow`]: the block takes more than 2^27 ticks.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn plan(
         &mut self,
@@ -279,14 +282,14 @@ impl Profile {
     ) -> Result<(), Unplannable> {
         let [length, v_in, v_out] = [length.to_bits(), v_in.to_bits(), v_out.to_bits()];
         match self.plan_to(length, [v_in, v_out], limits, false) {
-            // The peak comes from `f32`. If its ramps exceed the block by more than the margins, the times
-            // would shrink too much.
+            // The peak comes from an `f32` search. If its ramps exceed the block by more than the margins,
+            // the times would shrink too much.
             Err(Unplannable::Broken) => self.plan_to(length, [v_in, v_out], limits, true),
             planned => planned,
         }
     }
 
-    /// The same with the highest peak, or a lower one.
+    /// As [`Self::plan`], with the highest peak, or with a lower one.
     #[inline(never)]
     fn plan_to(
         &mut self,
@@ -310,8 +313,8 @@ impl Profile {
         let slopes = self.up.length() + self.down.length();
         let rest = length - slopes;
         if rest >= 0 {
-            // From 2^-44 / 2^-58 to 2^-36. The remainder is less than 2^-36 tick of travel, or 2^-20 of a
-            // rest below 2^-20 mm.
+            // Converts 2^-44 / 2^-58 to 2^-36. The remainder is less than 2^-36 tick of travel. For a rest
+            // below 2^-20 mm, it is less than 2^-20 of the rest.
             self.cruise = if rest < 1 << 24 && peak > 0 {
                 to_bits::<36>(to_f32(rest) * 16_384.0 / to_f32(peak)) as u64
             } else {
@@ -354,7 +357,7 @@ impl Profile {
     }
 }
 
-/// Height of the peak above `low`, the higher one of both speeds, as limit and length permit.
+/// Height of the peak above `low`, the higher one of both end speeds, as limit and length permit.
 #[cfg_attr(feature = "fast", inline(always))]
 pub fn peak_above(up: &Ramp, down: &Ramp, speeds: [i64; 3], length: i64, v_limit: f32) -> i64 {
     match (up, down) {
@@ -365,10 +368,10 @@ pub fn peak_above(up: &Ramp, down: &Ramp, speeds: [i64; 3], length: i64, v_limit
     }
 }
 
-/// Highest peak of a profile whose ramps belong to one slope.
+/// Highest peak of a profile; both ramps are of one slope.
 ///
-/// The distance of both ramps grows with the peak. Newton's method finds the root inside a bracket; if a step
-/// leaves the bracket, the bracket is halved. The first guess is exact from rest to rest.
+/// The length of both ramps grows with the peak. Newton's method finds the root inside a bracket. If a step
+/// leaves the bracket, the bracket is halved. The first guess is exact between two stops.
 #[cfg_attr(feature = "fast", inline(always))]
 fn highest<R: Guess>(up: &R, down: &R, [v_in, v_out, low]: [i64; 3], length: i64, v_limit: f32) -> i64 {
     let limit = speed_bits(v_limit) - low;
@@ -428,19 +431,21 @@ fn highest<R: Guess>(up: &R, down: &R, [v_in, v_out, low]: [i64; 3], length: i64
     gained(x, limit, low)
 }
 
-/// A little below the root, so that the cruise has some length. 0 for an invisible peak.
+/// Slightly below the root, so that the part at constant speed has some length. Returns 0 for a negligible
+/// peak.
 fn gained(x: f32, limit: i64, low: i64) -> i64 {
     let gain = speed_bits(x * (1.0 - 1.0 / 4_194_304.0)).clamp(0, limit);
     if gain < low >> 22 { 0 } else { gain }
 }
 
-/// Square of 2^-12: Newton's next step would be about the square of this value.
+/// Square of 2^-12: the next Newton step would be about the square of the last one.
 const CLOSE: f32 = 1.0 / (1u64 << 24) as f32;
 
-/// A peak counts as far if it is so many times further above the higher speed than the lower speed is below.
+/// A peak is far above the end speeds if its height above the higher speed is this multiple of their
+/// difference.
 const FAR: f32 = 8.0;
 
-/// Steps of the search.
+/// Largest number of steps of the search.
 const PEAK_STEPS: usize = 25;
 
 /// First guesses for the search of the peak.
@@ -448,21 +453,21 @@ trait Guess {
     /// Path length of the change by `dv` from `low` on, and its derivative by `dv`.
     fn distance(&self, low: f32, dv: f32) -> [f32; 2];
 
-    /// The peak above `low` if both speeds were `low`, and whether this value is exact.
+    /// The peak above `low` if both end speeds were `low`, and whether this value is exact.
     fn level(up: &Self, down: &Self, low: f32, length: f32) -> (f32, bool);
 
-    /// The peak above the higher speed `low`. The slopes are: up, down, and the one of them that begins at
-    /// `low`.
+    /// The peak above `low`, the higher end speed. The ramps are: up, down, and the one of them that begins
+    /// at `low`.
     fn beside(slopes: [&Self; 3], low: f32, sides: &Sides) -> f32;
 }
 
-/// Known values where the two speeds differ.
+/// Known values if both end speeds differ.
 struct Sides {
     /// The difference of the speeds.
     gap: f32,
-    /// Growth of the ramp from the lower speed, per speed.
+    /// Increase of the ramp's length from the lower speed, per speed.
     slope: f32,
-    /// The whole length, and the rest of it above the higher speed.
+    /// The whole length, and the rest of it for the motion above the higher speed.
     lengths: [f32; 2],
 }
 
@@ -472,8 +477,8 @@ impl Guess for JerkLimited {
         Self::distance(self, low, dv)
     }
 
-    /// Without a plateau: with k² = x/full of one ramp and (r·k)² of the other, both together take c1·k +
-    /// c3·k³. Exact from rest to rest, a good guess elsewhere.
+    /// For ramps without a plateau. With k² = x/full of one ramp and (r·k)² of the other, both together take
+    /// the length c1·k + c3·k³. The result is exact between two stops, and a good guess otherwise.
     #[cfg_attr(feature = "fast", inline(always))]
     fn level(up: &Self, down: &Self, low: f32, length: f32) -> (f32, bool) {
         let ratio = up.full / down.full;
@@ -485,12 +490,12 @@ impl Guess for JerkLimited {
         (x, x <= min(up.full, down.full))
     }
 
-    /// For a ramp from `low` without a plateau, while the other ramp is long and grows linearly: with k² =
-    /// x/full both take c1·k + c2·k² + c3·k³ more.
+    /// For a ramp from `low` without a plateau, while the length of the other ramp grows linearly. With k² =
+    /// x/full, both take c1·k + c2·k² + c3·k³ more.
     #[cfg_attr(feature = "fast", inline(always))]
     fn beside([up, down, near]: [&Self; 3], low: f32, sides: &Sides) -> f32 {
         let Sides { gap, slope, lengths: [length, left] } = *sides;
-        // If the peak is far above both speeds, their difference hardly matters.
+        // If the peak is far above both speeds, their difference hardly changes the result.
         let (x, _) = Self::level(up, down, low, length);
         if x > FAR * gap {
             return x;

@@ -1,10 +1,10 @@
 //! A change of speed: its duration and its distance, for given limits.
 //!
 //! **TRAPEZ, HSC, SIN2** ([`JerkLimited`]): acceleration rises, holds and falls. From v0 to v1 > v0 with
-//! plateau a and ramp times t_rise, t_fall: full = a (t_rise + t_fall)/2, whatever the shape of the ramps
-//! ([`RampShape`]). If dv ≥ full the plateau lasts (dv − full)/a; else both ramps shrink by k = √(dv/full)
-//! and the acceleration peaks at k·a. Distance, with the times t1, t2, t3 of the three parts and q of the
-//! shape (TRAPEZ 1/6),
+//! plateau a and ramp times t_rise, t_fall: full = a (t_rise + t_fall)/2, for any shape of the ramps
+//! ([`RampShape`]). If dv ≥ full, the plateau lasts (dv − full)/a. Otherwise both ramps shrink by k =
+//! √(dv/full), and the peak acceleration is k·a. With the times t1, t2, t3 of the three parts and q of the
+//! shape (TRAPEZ 1/6), the distance is
 //!
 //! ```text
 //! S = v0 (t1+t2+t3) + ap (q t1² + t1 t2/2 + t2²/2 + t1 t3/2 + t2 t3 + (1/2 − q) t3²)
@@ -13,13 +13,13 @@
 //! **STEP** ([`Stepped`]): acceleration a1 below the change-over speed, a2 above it. In each part v1² = v0² +
 //! 2 a S.
 //!
-//! A braking is the same motion backward: the ramp at its end comes first. All values are `f32` in ticks.
-//! They decide the times, which the integers of [`super::profile`] then take as given.
+//! A braking is the same motion backward: the ramp at its end comes first. All values are `f32`, in ticks and
+//! mm. The planner derives the times from them; the integers of [`super::profile`] use these times.
 use super::ramp_shape::RampShape;
 use crate::math::float::{max, min};
 use crate::math::root::{cbrt_guess, sqrt_f32};
 
-/// A ramp between two speeds, seen from the lower speed. Times in ticks.
+/// A ramp between two speeds, seen from the lower speed. Times are in ticks.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Ramp {
     /// Jerk-limited.
@@ -53,7 +53,7 @@ impl Ramp {
         }
     }
 
-    /// Duration of a change by `dv`. A STEP change returns 0, because nobody needs its value.
+    /// Duration of a change by `dv`. A STEP change returns 0; no caller uses this value.
     pub fn time(&self, dv: f32) -> f32 {
         match self {
             Self::JerkLimited(ramp) => ramp.times(dv).iter().sum(),
@@ -109,8 +109,8 @@ pub struct Stepped {
 }
 
 impl Stepped {
-    /// The parts of a change by `dv` from `low` below and above the change-over speed. A small change is accurate only
-    /// to 2^-23 of the speed, so distances and the plan must use the same parts.
+    /// The parts of a change by `dv` from `low`, below and above the change-over speed. A small change is
+    /// accurate only to 2^-23 of the speed, so distances and plan must use the same parts.
     pub fn parts(&self, low: f32, dv: f32) -> [f32; 2] {
         let below = min(max(self.change_over - low, 0.0), dv);
         [below, dv - below]
@@ -137,22 +137,22 @@ impl Stepped {
         gain + gained_over(low + gain, self.a[1] * rest)
     }
 
-    /// The peak above `low` of a gain of speed and a braking that both have `low` as lower speed and take
+    /// The peak above `low` of a gain of speed and a braking. Both have `low` as lower speed, and take
     /// `length` together.
     pub fn peak(up: &Self, down: &Self, low: f32, length: f32) -> f32 {
-        // Length per half the square of speed: both together act as one ramp.
+        // Length per half the square of the speed, for both ramps together.
         let both = |stage: usize| 1.0 / (1.0 / up.a[stage] + 1.0 / down.a[stage]);
         let change_over = min(up.change_over, down.change_over);
         Self { a: [both(0), both(1)], change_over }.reach(low, length)
     }
 }
 
-/// Change of speed from `low` on if half the square of the speed grows by `half`.
+/// Change of speed from `low` on, if half the square of the speed grows by `half`.
 fn gained_over(low: f32, half: f32) -> f32 {
     2.0 * half / max(low + sqrt_f32(low * low + 2.0 * half), f32::MIN_POSITIVE)
 }
 
-/// A ramp in which acceleration rises, holds and falls.
+/// A ramp in which acceleration rises, is constant, and falls.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct JerkLimited {
     shape: RampShape,
@@ -162,7 +162,7 @@ pub struct JerkLimited {
     rise: f32,
     /// Full length of the ramp at the higher speed.
     fall: f32,
-    /// Change of speed that reaches the plateau: a (rise + fall)/2.
+    /// Change of speed that just reaches the plateau: a (rise + fall)/2.
     pub full: f32,
     /// Distance of this change from a stop: a (q·rise² + rise·fall/2 + (1/2 − q)·fall²).
     pub cubic: f32,
@@ -248,8 +248,8 @@ impl JerkLimited {
 
     /// Largest change of speed from `low` on within `length`.
     ///
-    /// Below `full` the result is the root k of cubic·k³ + low·(rise + fall)·k = length. The left side is
-    /// increasing and convex, so Newton's method converges from an upper bound.
+    /// Below `full`, the result is the root k of cubic·k³ + low·(rise + fall)·k = length. The left side grows
+    /// and is convex, so Newton's method converges from an upper bound.
     #[cfg_attr(feature = "fast", inline(always))]
     fn reach(&self, low: f32, length: f32) -> f32 {
         let linear = low * (self.rise + self.fall);
@@ -265,8 +265,8 @@ impl JerkLimited {
     }
 }
 
-/// The root u > 0 of c3·u³ + c2·u² + c1·u = length. The left side grows and is convex, so Newton's method converges
-/// from above. Newton's method starts at the least u at which one term alone, c3·u³, c2·u² or c1·u, is the length.
+/// The root u > 0 of c3·u³ + c2·u² + c1·u = length. The left side grows and is convex, so Newton's method
+/// converges from above. Newton's method starts at the least u with c3·u³, c2·u² or c1·u equal to `length`.
 /// This start is at most 1.9 times the result. The error falls to 23 %, 2.3 %, 2.6e-4, 1.5e-7.
 pub fn root_of_cubic(c1: f32, c2: f32, c3: f32, length: f32) -> f32 {
     let mut u = cbrt_guess(length / c3);

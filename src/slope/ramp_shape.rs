@@ -1,17 +1,17 @@
-//! Shapes of a ramp: the course of acceleration from zero to the peak and, mirrored, back.
+//! Shapes of a ramp: acceleration from zero to the peak and, mirrored, back to zero.
 //!
-//! Over the time of a ramp, u in 0…1, acceleration is peak·f(u), with f(0) = 0, f(1) = 1 and f(u) + f(1 − u)
-//! = 1: every shape gains the speed peak·time/2. f is linear between evenly spaced nodes. So distance is a
-//! cubic between the nodes, and speed and distance are exact integrals of the executed motion.
+//! Over the time of a ramp, u from 0 to 1, the acceleration is peak·f(u), with f(0) = 0, f(1) = 1 and f(u) +
+//! f(1 − u) = 1. So every shape gains the speed peak·time/2. f is linear between equally spaced nodes. So
+//! distance is a cubic between the nodes, and speed and distance are exact integrals of the executed motion.
 //!
 //! | shape | nodes | f at the nodes | mean speed gained, as part of all | highest jerk, as part of peak/time |
 //! |---|---|---|---|---|
 //! | [`RampShape::Linear`] | 0, 1 | u | 1/3 | 1 |
 //! | [`RampShape::SineSquare`] | 0, 1/8, … 1 | sin²(πu/2) | 0.29994 | 1.5307; limits count with π/2, the value of the sine |
 //!
-//! Between the nodes the acceleration of [`RampShape::SineSquare`] differs from sin² by at most 0.95 % of its
-//! peak, and the mean speed by 0.26 % of the speed gained (1/2 − 2/π² for the sine). If both ends of a change
-//! have equal ramps, these errors cancel: the change takes the time and the distance of the sine.
+//! Between the nodes, the acceleration of [`RampShape::SineSquare`] differs from sin² by at most 0.95 % of
+//! its peak. The mean speed differs by 0.26 % of the speed gained (1/2 − 2/π² for the sine). If both ends of
+//! a change have equal ramps, these errors cancel: the change takes the time and the distance of the sine.
 use crate::math::float::{max, min, to_f32};
 use crate::math::root::sqrt_f32;
 use crate::math::wide::mul_near;
@@ -49,7 +49,7 @@ const SINE_SQUARE: [i64; PIECES + 1] = [
 /// One piece: acceleration from one node to the next.
 #[derive(Clone, Copy)]
 struct Piece {
-    /// f at the start of the piece, and the gain of f within the piece.
+    /// f at the start of the piece, and the increase of f within the piece.
     f: i64,
     gain: i64,
     /// Speed and distance up to the start of the piece, as in [`Bent`].
@@ -102,7 +102,8 @@ impl RampShape {
         }
     }
 
-    /// q and 1/2 − q: distance of a ramp from a stop, and of a mirrored one, per peak acceleration and time squared.
+    /// q and 1/2 − q: distance of a ramp from a stop and of a mirrored ramp, divided by peak acceleration
+    /// times time squared.
     pub const fn distances(self) -> [f32; 2] {
         match self {
             Self::Linear => [1.0 / 6.0, 1.0 / 3.0],
@@ -110,7 +111,7 @@ impl RampShape {
         }
     }
 
-    /// Highest jerk, per peak acceleration and time.
+    /// Highest jerk, divided by peak acceleration over time.
     pub const fn peak_jerk(self) -> f32 {
         match self {
             Self::Linear => 1.0,
@@ -118,8 +119,8 @@ impl RampShape {
         }
     }
 
-    /// u at which a ramp from a stop has gained the part `gained` of its speed, and the distance as in
-    /// [`Bent`].
+    /// u at which a ramp from a stop has gained the part `gained` of its speed, and the distance in the unit
+    /// of [`Bent`].
     pub fn reaches(self, gained: f32) -> [f32; 2] {
         match self {
             Self::Linear => {
@@ -133,9 +134,9 @@ impl RampShape {
                 for (k, piece) in TABLE.iter().enumerate().rev() {
                     let rest = gained - to_f32(piece.speed) * LSB;
                     if rest > 0.0 || k == 0 {
-                        // x of the piece: (f + gain·x/2)·x = rest·n/2
+                        // x in the piece: (f + gain·x/2)·x = rest·n/2.
                         let [f, gain] = [piece.f, piece.gain].map(|x| to_f32(x) * LSB);
-                        // Above 0: in the first piece the divisor is the root of this value.
+                        // Above 0, because the divisor in the first piece is the root of this value.
                         let rest = max(rest, 1e-30) * (0.5 * N);
                         let x = 2.0 * rest / (f + sqrt_f32(f * f + 2.0 * gain * rest));
                         let x = min(x, 1.0);
@@ -151,8 +152,8 @@ impl RampShape {
     }
 }
 
-/// The piece of [`RampShape::SineSquare`] at `u` (LSB 2^-62, 0…1): the piece that begins there, or with time
-/// reversed the piece that ends there.
+/// The piece of [`RampShape::SineSquare`] at `u` (LSB 2^-62, 0 to 1): the piece that begins there.
+/// `reversed`: with time reversed, the piece that ends there.
 pub fn sine_piece(u: i64, reversed: bool) -> usize {
     let u = if reversed { u - 1 } else { u };
     ((u.max(0) >> (62 - PIECES_LOG2)) as usize).min(PIECES - 1)
@@ -164,9 +165,9 @@ pub fn sine_node(time: u64, node: usize) -> u64 {
     (time >> PIECES_LOG2) * node + (((time & (PIECES as u64 - 1)) * node) >> PIECES_LOG2)
 }
 
-/// [`RampShape::SineSquare`] at `u` in its piece `k`, accurate to 2^-59.
+/// [`RampShape::SineSquare`] at `u`, which is in piece `k`; accurate to 2^-59.
 pub fn sine_square(u: i64, k: usize) -> Bent {
-    // Product of two numbers of 2^-62.
+    // Product of two numbers with LSB 2^-62.
     let by = |x: i64, y: i64| mul_near(x, y) << 2;
     let piece = TABLE.get(k).copied().unwrap_or(BLANK);
     let x = (u - ((k as i64) << (62 - PIECES_LOG2))) << PIECES_LOG2;

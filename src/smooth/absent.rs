@@ -1,5 +1,5 @@
-//! Replaces a kind of smoothing that is not compiled in ([`crate::machine::functions`]). No value of this type
-//! exists, so it has neither memory nor code.
+//! Replaces a kind of smoothing that is not compiled in ([`crate::machine::functions`]). No value of this
+//! type can exist, so it needs neither memory nor code.
 use super::spline::Mode;
 #[cfg(not(feature = "splines"))]
 use super::{Before, Selected, Smoothing, SplineError};
@@ -10,7 +10,7 @@ use crate::nc::Spline;
 use crate::nc::{NcWarningKind, Place};
 use core::convert::Infallible;
 
-/// Without direct splines: the only command that arrives here switches them off.
+/// In a build without direct splines, only the command that switches them off arrives here.
 #[cfg(not(feature = "splines"))]
 impl<const AXES: usize> Smoothing<AXES> {
     /// Takes the command.
@@ -28,7 +28,7 @@ impl<const AXES: usize> Smoothing<AXES> {
         }
     }
 
-    /// No axis has a vector.
+    /// No axis has a start or end vector.
     pub(super) const fn leans(&self, _: usize) -> bool {
         false
     }
@@ -37,7 +37,7 @@ impl<const AXES: usize> Smoothing<AXES> {
     pub(super) const fn restart_direct(&mut self) {}
 }
 
-/// No value.
+/// A type without values.
 #[derive(Clone, Copy, Debug)]
 pub struct Absent<const AXES: usize>(Infallible);
 

@@ -1,9 +1,11 @@
-//! P-CHAN-00239: the HSC B-spline and contour mode take turns. Lines become points of the curve. Where an arc
-//! begins or ends, contour mode takes over with the tolerance of the curve, as with
-//! `#CONTOUR MODE [DEV PATH_DEV=X TRACK_DEV=Y RELEVANT_PATH=X RELEVANT_TRACK=Y]`; X and Y are those of `#HSC`.
+//! P-CHAN-00239: the HSC B-spline and contour mode alternate. Lines become points of the curve. Where an arc
+//! begins or ends, contour mode rounds the transition with the tolerance of the curve. The effect is that of
+//! `#CONTOUR MODE [DEV PATH_DEV=X TRACK_DEV=Y RELEVANT_PATH=X RELEVANT_TRACK=Y]`; X and Y are those of
+//! `#HSC`.
 //!
-//! A line with an arc on one side is halved. One half is the last or the first leg of the curve, the other half
-//! a block of contour mode, of which a corner takes at most half. Both are straight where they meet.
+//! A line with an arc on one side is halved. One half is the last or the first leg of the curve. The other
+//! half is a block of contour mode, and a corner takes at most half of it. Both halves are straight where
+//! they meet.
 use super::contour::{Contouring, Settings};
 use super::halved::{Waiting, halve};
 use super::spline::{Mode, Rules, Splining, Start, is_leg};
@@ -13,11 +15,11 @@ use crate::nc::{Contour, ContourMethod, NcWarningKind, Place};
 use crate::path::Measure;
 use crate::quantity::Position;
 
-/// The smoother whose turn it is.
+/// The active smoother.
 #[derive(Clone, Copy, Debug)]
 #[expect(clippy::large_enum_variant, reason = "one of both is at work at a time, in static memory")]
 enum Turn<const AXES: usize> {
-    /// Neither smoother yet.
+    /// No smoother is active yet.
     None,
     /// The B-spline.
     Curve(Splining<AXES>),
@@ -33,18 +35,18 @@ pub struct Alternating<const AXES: usize> {
     /// Settings of contour mode.
     settings: Settings,
     turn: Turn<AXES>,
-    /// The last line, or its half behind a corner.
+    /// The last line, or its half after a corner.
     last: Option<Waiting<AXES>>,
-    /// The block behind that line, until everything before is done.
+    /// The block after the waiting line; it waits until everything before is done.
     next: Option<Waiting<AXES>>,
-    /// No block follows for now; `true` demands a stop.
+    /// Set if no block follows for now; `true` demands a stop.
     ending: Option<bool>,
     /// The warning about a corner.
     remark: Option<NcWarningKind>,
 }
 
 impl<const AXES: usize> Alternating<AXES> {
-    /// A smoother with contour mode as [`settings`] gives it.
+    /// A smoother with the settings of contour mode from [`settings`].
     #[inline(always)]
     pub const fn new(measure: Measure, rules: Rules, settings: Settings) -> Self {
         Self {
@@ -59,12 +61,12 @@ impl<const AXES: usize> Alternating<AXES> {
         }
     }
 
-    /// Whether the curve is deselected for this block, and the corners beside it are rounded.
+    /// Whether the block is not part of the curve, and the corners next to it are rounded.
     fn is_beside(&self, block: &ProgrammedBlock<AXES>) -> bool {
         block.form != Form::Line || (self.rules.rounds && !is_leg(&self.measure, block))
     }
 
-    /// Whether the current smoother has no work left.
+    /// Whether the active smoother has no work left.
     fn is_done(&self) -> bool {
         match &self.turn {
             Turn::None => true,
@@ -92,7 +94,8 @@ impl<const AXES: usize> Alternating<AXES> {
         self.turn = Turn::Corner(Contouring::with(self.measure, &self.settings));
     }
 
-    /// The waiting line becomes a leg of the curve. Only if there is no work, and contour mode holds nothing.
+    /// Makes the waiting line a leg of the curve. Call this function only if there is no work, and contour
+    /// mode holds no block.
     fn lay(&mut self, dynamics: &Dynamics<AXES>) {
         if !matches!(self.turn, Turn::Curve(_)) {
             self.begin_curve();
@@ -103,8 +106,8 @@ impl<const AXES: usize> Alternating<AXES> {
         self.last = None;
     }
 
-    /// The waiting line becomes a block of contour mode. Only if there is no work, and the curve holds
-    /// nothing.
+    /// Makes the waiting line a block of contour mode. Call this function only if there is no work, and the
+    /// curve holds no block.
     fn round(&mut self, dynamics: &Dynamics<AXES>) {
         if !matches!(self.turn, Turn::Corner(_)) {
             self.begin_corner();
@@ -115,7 +118,7 @@ impl<const AXES: usize> Alternating<AXES> {
         self.last = None;
     }
 
-    /// The current smoother ends inside the waiting line, of which half is left.
+    /// Ends the active smoother inside the waiting line, of which half is left.
     fn end(&mut self, dynamics: &Dynamics<AXES>) {
         let Some((line, parting)) = &mut self.last else { return };
         let rest = halve(line, &self.measure);
@@ -138,7 +141,8 @@ impl<const AXES: usize> Alternating<AXES> {
         }
     }
 
-    /// Takes the block behind the waiting line, when everything before is done. Returns whether it did.
+    /// Takes the block after the waiting line, when everything before is done. Returns whether a block was
+    /// taken.
     fn let_in(&mut self, beside: bool, dynamics: &Dynamics<AXES>) -> bool {
         let is_done = match &self.turn {
             Turn::Corner(corner) if beside => !corner.hands_out(),
@@ -151,7 +155,7 @@ impl<const AXES: usize> Alternating<AXES> {
             let goes_out = self.last.is_some();
             self.round(dynamics);
             if goes_out {
-                // Before the next block is taken.
+                // This happens before the next block is taken.
                 return true;
             }
             if let (Turn::Corner(corner), Some((block, parting))) = (&mut self.turn, &self.next) {
@@ -165,7 +169,7 @@ impl<const AXES: usize> Alternating<AXES> {
         true
     }
 
-    /// Continues when the current smoother has no work. Returns whether there was work.
+    /// Continues when the active smoother has no work. Returns whether there was work.
     fn go_on(&mut self, dynamics: &Dynamics<AXES>) -> bool {
         if let Some((next, _)) = &self.next {
             return self.let_in(self.is_beside(next), dynamics);
@@ -197,7 +201,7 @@ impl<const AXES: usize> Smoother<AXES> for Alternating<AXES> {
                 self.end(dynamics);
                 &mut self.next
             }
-            // A curve of this line alone need not begin.
+            // A curve of this line alone is not needed.
             Turn::None | Turn::Curve(_) => &mut self.next,
             Turn::Corner(corner) if self.last.is_none() && beside => {
                 return corner.take(block, dynamics, parting);
@@ -287,12 +291,12 @@ impl<const AXES: usize> Smoother<AXES> for Alternating<AXES> {
     }
 
     fn gives_way(&mut self) -> bool {
-        // The path must not depend on the arrival time of text.
+        // No: the path must not depend on the arrival time of text.
         false
     }
 }
 
-/// Settings of contour mode beside arcs; `own` has the values that the rules leave open.
+/// Settings of contour mode at arcs. `own` has the values that the rules do not give.
 #[inline(never)]
 pub fn settings(rules: &Rules, own: &Settings) -> Settings {
     let [path, track] = [rules.path_dev, rules.track_dev]

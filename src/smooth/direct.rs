@@ -4,7 +4,7 @@ use super::{Before, Kind, Selected, Smoothing, SplineError, Wanted};
 use crate::nc::{NcWarningKind, Spline, SplineType, Tangent};
 
 impl<const AXES: usize> Smoothing<AXES> {
-    /// Takes a command of direct splines. Returns the warning about it, if there is one.
+    /// Takes a command of direct splines. Returns a warning about it, if there is one.
     ///
     /// # Errors
     /// The command is refused; nothing has changed.
@@ -26,7 +26,7 @@ impl<const AXES: usize> Smoothing<AXES> {
         }
     }
 
-    /// G151.
+    /// Carries out G151.
     fn begin_spline(&mut self, before: &Before<'_, AXES>) -> Result<Option<NcWarningKind>, SplineError> {
         self.check_axes()?;
         if self.rounds_corners() {
@@ -54,7 +54,7 @@ impl<const AXES: usize> Smoothing<AXES> {
         Ok(remark)
     }
 
-    /// G150.
+    /// Carries out G150.
     fn end_spline(&mut self) -> Result<(), SplineError> {
         let (points, needed) = (self.points(), self.spline.points());
         if points < needed {
@@ -76,13 +76,13 @@ impl<const AXES: usize> Smoothing<AXES> {
         }
     }
 
-    /// The slope that the program gives for one end of the curve.
+    /// The slope that the program gives for one end of the curve, if any.
     fn vector(&self, end: usize) -> Option<[f32; AXES]> {
         spline::slope(&self.measure, &self.spline.vector(end)?)
     }
 
-    /// Whether an axis may move at an end of the active spline, although a block ends for this axis where it
-    /// begins.
+    /// Whether a block may move this axis at an end of the active spline although its start and end positions
+    /// are equal for this axis.
     pub(super) fn leans(&self, axis: usize) -> bool {
         self.selected == Selected::Spline && self.spline.leans(axis)
     }

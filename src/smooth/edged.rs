@@ -1,10 +1,11 @@
-//! `#HSC \[SURFACE\]` and contour mode take turns. Where two lines make an edge (`surface/edges.rs`), contour mode rounds the corner by DEV with the tolerances of Surface. The same holds for every transition with an arc that stays an arc (CIR_MODE): at a tangential transition, a curve leads from one curvature to the other. CIR_MODE=0 leaves these transitions unchanged.
-//! one of DEV with the tolerances of Surface. So is every transition with an arc that stays one (CIR_MODE): where
-//! it is tangential, a curve leads from one curvature to the other. CIR_MODE=0 leaves them all.
+//! `#HSC \[SURFACE\]` and contour mode alternate. Where two lines make an edge (`surface/edges.rs`), contour
+//! mode rounds the corner by DEV with the tolerances of Surface. The same holds for every transition with an
+//! arc that stays an arc (CIR_MODE). At a tangential transition, a curve leads from one curvature to the
+//! other. CIR_MODE=0 leaves these transitions unchanged.
 //!
-//! A line with an edge at one end is halved. One half is the last or the first chord of a run of Surface, the
-//! other half a block of contour mode, of which the corner may take nearly all. Both are straight where they
-//! meet.
+//! A line with an edge at one end is halved. One half is the last or the first chord of a run of Surface. The
+//! other half is a block of contour mode, and the corner may take nearly all of it. Both halves are straight
+//! where they meet.
 use super::contour::{Contouring, Settings};
 use super::halved::{Waiting, halve};
 use super::surface::{Edges, Parameters, Surface, Used};
@@ -13,7 +14,7 @@ use crate::dynamics::Dynamics;
 use crate::nc::{NcWarningKind, Place};
 use crate::path::Measure;
 
-/// The smoother whose turn it is.
+/// The active smoother.
 #[derive(Debug)]
 #[expect(clippy::large_enum_variant, reason = "one of both is at work at a time, in static memory")]
 enum Turn<const AXES: usize> {
@@ -29,15 +30,15 @@ pub struct Edged<const AXES: usize> {
     measure: Measure,
     parameters: Parameters,
     turn: Turn<AXES>,
-    /// The last line before an edge, or its half there; behind an edge the last line.
+    /// The last line before an edge, or its half there; after an edge, the last line.
     last: Option<Waiting<AXES>>,
     /// Whether that line is half a line.
     half: bool,
-    /// The part of the tolerance that the lines under it use.
+    /// The share of the tolerance that the merged lines of this line use.
     used: Used,
-    /// The block behind that line, until everything before is done.
+    /// The block after that line; it waits until everything before is done.
     next: Option<Waiting<AXES>>,
-    /// No block follows for now; `true` demands a stop.
+    /// Set if no block follows for now; `true` demands a stop.
     ending: Option<bool>,
     /// The warning about a corner.
     remark: Option<NcWarningKind>,
@@ -83,7 +84,7 @@ impl<const AXES: usize> Edged<AXES> {
         self.turn = Turn::Corner(Contouring::with(self.measure, &settings));
     }
 
-    /// The waiting line goes into contour mode, as half a line or as a whole line. `rapid`: the block behind
+    /// Passes the waiting line to contour mode, as half a line or as a whole line. `rapid`: the block after
     /// it is rapid motion.
     #[inline(never)]
     fn round(&mut self, rapid: bool, half: bool, dynamics: &Dynamics<AXES>) {
@@ -95,7 +96,7 @@ impl<const AXES: usize> Edged<AXES> {
         }
     }
 
-    /// Whether a block makes an edge with the last line of a run, which then ends before that line. A
+    /// Whether a block makes an edge with the last line of a run; the run then ends before that line. A
     /// separate function, because the rest of the line is large.
     #[inline(never)]
     fn leave(&mut self, block: &ProgrammedBlock<AXES>, parting: Parting, dynamics: &Dynamics<AXES>) -> bool {
@@ -106,13 +107,13 @@ impl<const AXES: usize> Edged<AXES> {
         true
     }
 
-    /// A block waits. A separate function, because it has two callers.
+    /// Stores a block that waits. A separate function, because it has two callers.
     #[inline(never)]
     fn wait(&mut self, block: &ProgrammedBlock<AXES>, parting: Parting) {
         self.next = Some((*block, parting));
     }
 
-    /// Takes a block behind the waiting line, which belongs to contour mode.
+    /// Takes a block after the waiting line, which belongs to contour mode.
     #[inline(never)]
     fn follow(&mut self, block: &ProgrammedBlock<AXES>, parting: Parting, dynamics: &Dynamics<AXES>) {
         let rapid = block.data.feed.is_none();
@@ -130,7 +131,8 @@ impl<const AXES: usize> Edged<AXES> {
         self.next = Some((*block, parting));
     }
 
-    /// There is no edge behind the waiting line: half of the line goes to contour mode, the other half waits.
+    /// Handles a waiting line without an edge at its end: half of the line goes to contour mode, and the
+    /// other half waits.
     #[inline(never)]
     fn end(&mut self, dynamics: &Dynamics<AXES>) {
         let Some((line, _)) = &mut self.last else { return };
@@ -149,7 +151,7 @@ impl<const AXES: usize> Edged<AXES> {
         }
     }
 
-    /// Continues when the current smoother has no work. Returns whether there was work.
+    /// Continues when the active smoother has no work. Returns whether there was work.
     fn go_on(&mut self, dynamics: &Dynamics<AXES>) -> bool {
         let busy = match &self.turn {
             Turn::Surface(surface) => surface.hands_out(),
@@ -161,7 +163,7 @@ impl<const AXES: usize> Edged<AXES> {
         self.change(dynamics)
     }
 
-    /// The current smoother takes the waiting line, or the other smoother begins.
+    /// Passes the waiting line to the active smoother, or changes to the other smoother.
     #[cold]
     #[inline(never)]
     fn change(&mut self, dynamics: &Dynamics<AXES>) -> bool {

@@ -1,9 +1,9 @@
-//! A line between a curve and contour mode is halved: each gets one half.
+//! Halves a line between a curve and contour mode: each of them gets one half.
 use super::{Parting, ProgrammedBlock, middle};
 use crate::path::{Measure, Straight, straight_line};
 use crate::quantity::Position;
 
-/// A waiting block, and the commands between it and the block before.
+/// A waiting block, and the kind of commands between it and the block before.
 pub type Waiting<const AXES: usize> = (ProgrammedBlock<AXES>, Parting);
 
 /// The rest of a line.
@@ -22,7 +22,7 @@ impl<const AXES: usize> Rest<AXES> {
     }
 }
 
-/// Ends the line in its middle, and returns the rest. `None` if the line is too short to be halved.
+/// Ends the line in its middle, and returns the rest. Returns `None` if the line is too short to be halved.
 pub fn halve<const AXES: usize>(block: &mut ProgrammedBlock<AXES>, measure: &Measure) -> Option<Rest<AXES>> {
     let middle = middle(&block.from, &block.to);
     let line = straight_line(&middle, &block.to, measure).ok()??;

@@ -1,10 +1,10 @@
-//! Smoothing of the path: from programmed blocks to the elements that are driven.
+//! Smoothing of the path: converts programmed blocks to the elements that the axes follow.
 //!
-//! A [`Smoother`] takes programmed blocks, holds back as many as it needs, works on them in bounded steps,
-//! and emits elements. Other stages know only [`Smoothing`], not the kind of smoother.
+//! A [`Smoother`] takes programmed blocks and holds back as many as it needs. It works on them in bounded
+//! steps and emits elements. Other stages use only [`Smoothing`] and do not know the kind of smoother.
 //!
-//! A kind that a build leaves out ([`crate::machine::functions`]) is a type without values (`absent.rs`). This file
-//! is the only place that names the kinds.
+//! A kind that a build leaves out ([`crate::machine::functions`]) is a type without values (`absent.rs`).
+//! Only this file names the kinds.
 #![cfg_attr(
     not(all(feature = "contour", feature = "surface", feature = "splines")),
     allow(dead_code, clippy::large_enum_variant, reason = "what is left out is not used, and has no size")
@@ -46,7 +46,7 @@ use contour::Preset;
 use spline::{DirectParameters, Start};
 use spline::{HscParameters, Mode};
 
-/// How a block was programmed, so that its rest can be made again.
+/// The programmed form of a block, from which its rest can be computed again.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Form {
     /// Straight.
@@ -65,7 +65,7 @@ pub enum Form {
 /// Data of a block.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Data {
-    /// Feed, mm/min; rapid without.
+    /// Feed, mm/min; `None` for rapid motion.
     pub feed: Option<f32>,
     /// Programmed N number.
     pub n: u32,
@@ -78,7 +78,7 @@ pub struct Data {
 }
 
 impl Data {
-    /// Of no block.
+    /// Data without a block.
     pub(crate) const BLANK: Self = Self {
         feed: None,
         n: 0,
@@ -108,13 +108,13 @@ pub struct ProgrammedBlock<const AXES: usize> {
 pub struct Smoothed<'a, const AXES: usize> {
     /// The curve.
     pub element: &'a Element<AXES>,
-    /// End of the element, if it is known, to the last bit.
+    /// Exact end of the element, if known.
     pub end: Option<&'a [Position; AXES]>,
     /// Data of the element's block.
     pub data: &'a Data,
     /// Set for a part of a corner's curve.
     pub curving: Option<Curving>,
-    /// Functions with at most this number of motion blocks before them come before the element.
+    /// Functions with at most this number of motion blocks before them act before the element.
     pub due: u32,
     /// Limits of the element, if already known.
     pub known: Option<&'a Known>,
@@ -132,7 +132,7 @@ fn middle<const AXES: usize>(from: &[Position; AXES], to: &[Position; AXES]) -> 
 /// Commands between a block and the block before.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Parting {
-    /// Nothing.
+    /// No command.
     None,
     /// Functions.
     Functions,
@@ -142,39 +142,43 @@ pub enum Parting {
 
 /// A stage between programmed blocks and the look-ahead.
 pub trait Smoother<const AXES: usize> {
-    /// Takes the next block. Only if [`Self::work`] has no work and [`Self::emit`] has no element.
+    /// Takes the next block. Call this function only if [`Self::work`] has no work and [`Self::emit`] has no
+    /// element.
     fn take(&mut self, block: &ProgrammedBlock<AXES>, dynamics: &Dynamics<AXES>, parting: Parting);
 
-    /// Does a bounded step of work. `false` if there is no work; only then [`Self::emit`] may be asked.
+    /// Does a bounded step of work. Returns `false` if there is no work; only then may [`Self::emit`] be
+    /// called.
     fn work(&mut self, dynamics: &Dynamics<AXES>) -> bool;
 
-    /// Passes the next element to `into`, in place. `false` if no element is ready before another block
-    /// comes.
+    /// Passes the next element to `into`, in place. Returns `false` if no element is ready before another
+    /// block comes.
     fn emit(&mut self, into: impl FnOnce(&Smoothed<'_, AXES>)) -> bool;
 
     /// Releases all blocks; `stop` demands a stop at the end of the last block.
     fn flush(&mut self, stop: bool);
 
-    /// The last block ends at its programmed point. If this block is left out, the corner before it stays.
+    /// Keeps the end of the last block at its programmed point. If this block is left out, the corner before
+    /// it stays exact.
     fn cancel(&mut self);
 
     /// Drops all blocks.
     fn clear(&mut self);
 
-    /// Switches off, with the parameters of program start. Only if no block is held back.
+    /// Switches the smoother off and restores the parameters of program start. Call this function only if no
+    /// block is held.
     fn restart(&mut self);
 
-    /// Place of the held block in the text: the block behind the corner that is being emitted.
+    /// Place of the held block in the text: the block after the corner that is being emitted.
     fn place(&self) -> Option<Place>;
 
-    /// The warning about the curve that the last block led to, once.
+    /// The warning about the curve before the last block; each warning is returned once.
     fn remark(&mut self) -> Option<NcWarningKind>;
 
-    /// Whether a block can bypass this stage: no block is held back, and its end is not rounded. Asked only
-    /// if [`Self::emit`] has no element.
+    /// Whether a block can bypass this stage: no block is held, and the end of the block is not rounded. Call
+    /// this function only if [`Self::emit`] has no element.
     fn is_idle(&self) -> bool;
 
-    /// Whether there is neither work nor an element before another block comes.
+    /// Whether there is neither work nor an element until another block comes.
     fn is_empty(&self) -> bool;
 
     /// Whether the end of the last block is to be rounded.
@@ -183,12 +187,12 @@ pub trait Smoother<const AXES: usize> {
     /// Whether a block is held back.
     fn holds(&self) -> bool;
 
-    /// The text is late, and the motion would stop because of this. Returns whether the held blocks are
-    /// released now.
+    /// Handles late text: the motion would stop because of it. Returns whether the held blocks are released
+    /// now.
     fn gives_way(&mut self) -> bool;
 }
 
-/// The kinds of smoother, in shared memory.
+/// The kinds of smoother; all share the same memory.
 #[derive(Debug)]
 enum Kind<const AXES: usize> {
     /// #CONTOUR MODE, G61, G261, and #HSC \[OPMODE=1\].
@@ -202,7 +206,7 @@ enum Kind<const AXES: usize> {
 }
 
 impl<const AXES: usize> Kind<AXES> {
-    /// Becomes contour mode with these settings; in place if it already is contour mode.
+    /// Changes to contour mode with these settings; in place if contour mode is already active.
     #[inline(never)]
     fn begin_contour(&mut self, measure: Measure, settings: &contour::Settings) {
         match self {
@@ -212,7 +216,7 @@ impl<const AXES: usize> Kind<AXES> {
     }
 }
 
-/// The kind that begins as soon as no block is held back.
+/// The kind that begins when no block is held.
 #[derive(Debug)]
 enum Wanted<const AXES: usize> {
     /// Contour mode with the current settings.
@@ -230,7 +234,7 @@ enum Wanted<const AXES: usize> {
 /// The function that the program has switched on in addition to contour mode.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Selected {
-    /// Nothing.
+    /// No other function.
     None,
     /// G151.
     Spline,
@@ -249,11 +253,11 @@ pub enum SplineError {
         /// Number of points needed.
         needed: u32,
     },
-    /// 120255: contour mode or `#HSC` while a spline is on, or vice versa.
+    /// 120255: contour mode or `#HSC` while a spline is on, or a spline while one of them is on.
     InSpline,
     /// 120370: G150 or G151 while #HSC is on.
     InHsc,
-    /// Path length counts along more than three axes.
+    /// The path length counts more than three axes.
     FeedAxes,
 }
 
@@ -283,8 +287,8 @@ pub struct Smoothing<const AXES: usize> {
 }
 
 impl<const AXES: usize> Smoothing<AXES> {
-    /// Contour mode, switched off. `auto_contour_mode`: P-CHAN-00239.
-    // In place, in every build: a returned value would be on the stack twice.
+    /// Contour mode, switched off. `auto_contour_mode`: P-CHAN-00239. Made in place in every build; a
+    /// returned value would be on the stack twice.
     #[inline(always)]
     pub fn new(measure: Measure, preset: Preset, auto_contour_mode: u8) -> Self {
         Self {
@@ -349,8 +353,8 @@ impl<const AXES: usize> Smoothing<AXES> {
         }
     }
 
-    /// Axes that a block may move although it ends for them where it begins, bit i for axis i: because of the
-    /// interim point of POS, or of a vector at an end of a spline.
+    /// Axes that a block may move although its start and end positions are equal for them: bit i is axis i.
+    /// The cause is an interim point of POS, or a vector at an end of a spline.
     #[inline(never)]
     pub fn swung(&self) -> u32 {
         let swings = self.measure.main.places().into_iter().zip(self.rounding().swings());
@@ -361,7 +365,7 @@ impl<const AXES: usize> Smoothing<AXES> {
 
     /// Takes parameters and switch of `#HSC`. The held blocks end at their programmed points.
     ///
-    /// While HSC is on, its parameters stay. Returns `false` if the command tries to change them.
+    /// While HSC is on, its parameters stay unchanged. Returns `false` if the command tries to change them.
     ///
     /// # Errors
     /// The command is refused; nothing has changed.
@@ -439,14 +443,15 @@ impl<const AXES: usize> Smoothing<AXES> {
         self.wanted = Some(wanted);
     }
 
-    /// Saves the settings of contour mode for later. Only if no other function is selected.
+    /// Saves the settings of contour mode for later. Call this function only if no other function is
+    /// selected.
     fn keep_contour(&mut self) {
         if let (Kind::Contour(contouring), None) = (&self.kind, &self.wanted) {
             self.contour = contouring.settings();
         }
     }
 
-    /// Changes to another kind. Only if no block is held back.
+    /// Changes to another kind. Call this function only if no block is held.
     #[cold]
     #[inline(never)]
     fn change(&mut self, wanted: &Wanted<AXES>) {

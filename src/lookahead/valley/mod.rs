@@ -1,27 +1,29 @@
-//! NO_OPT=0: acceleration at the ends of a slow block.
+//! NO_OPT=0: permits acceleration at the ends of a slow block.
 //!
-//! An anchor at the end of a slow block makes acceleration zero where the limit is met. The optimum passes
-//! this point with an acceleration: the motion still brakes inside the slow block, and begins to speed up
-//! before its end. So the anchor moves into the slow block, and gets a lower speed: a *valley*. The piece
-//! between the anchor and the end of the slow block belongs to the fast span. With jerk J and a depth of h
-//! below the limit V, the ramp between them takes t = √(2h/J) and the distance t (V − 2h/3).
+//! An anchor at the end of a slow block makes acceleration zero where the limit is reached. The fastest
+//! motion passes this place with an acceleration: it still brakes inside the slow block, and speeds up again
+//! before the block's end. So the anchor moves into the slow block, and gets a lower speed: a *valley*. The
+//! piece between the anchor and the end of the slow block then belongs to the fast span. Let J be the jerk, V
+//! the limit, and V − h the speed at the anchor. The ramp between them takes t = √(2h/J) and covers t·(V −
+//! 2h/3).
 //!
-//! Such a piece needs no check of its limit. From an anchor of the speed w on, the speed v = w + J t²/2 is
-//! reached at s = w t + J t³/6 at the earliest. For a given s, v grows with w above v/2 and falls below. So
-//! its highest values are those of w = V − h, which is V, and of w = 0, which is below V as long as h ≤ V/8.
-//! The same holds backward. So any motion that begins or ends at the anchor with acceleration zero, at the
-//! anchor's speed or slower, keeps the limit of the piece: after a hold, with another override, with new
-//! blocks behind. The piece is *lent* to the fast span, where its own limit does not count. At another level
-//! the slow block gets all of its pieces back ([`super::Lookahead::set_level`]).
+//! Such a piece needs no check of its limit. From an anchor of the speed w on, the speed v = w + J·t²/2 is
+//! reached at s = w·t + J·t³/6 at the earliest. For a given s, v grows with w for w above v/2, and falls for
+//! w below. So the highest v is at one end of the range of w. For w = V − h it is V; for w = 0 it is below V
+//! as long as h ≤ V/8. The same holds for the reverse motion. So a motion keeps the limit of the piece if it
+//! begins or ends at the anchor with zero acceleration and at most the anchor's speed. This also holds after
+//! a hold, with another override, and with new blocks after the piece. The piece is *lent* to the fast span,
+//! where its own limit does not count. When the planned override changes, the slow block gets all of its
+//! pieces back ([`super::Lookahead::set_level`]).
 //!
-//! A valley costs time inside the slow block and saves time before it: with a fast block of speed F the best
-//! depth is about V (1 − V/F)/4. A slow block that is too short for two valleys gets one from end to end. Two
-//! or three profiles are compared with those of the current plan; a valley that is not faster is dropped.
-//! Speeds at the other ends of both spans stay, because later blocks rely on them.
+//! A valley costs time inside the slow block and saves time outside. With a fast block of speed F, the best
+//! depth is about V·(1 − V/F)/4. A slow block that is too short for two valleys gets a single one from end to
+//! end. Two or three profiles are compared with those of the current plan. A valley that is not faster is
+//! dropped. The speeds at the other ends of both spans stay, because later blocks rely on them.
 //!
 //! An anchor may also move: [`mod@self::shift`].
 //!
-//! A block that is cut takes two places of the ring. Both parts share its curve.
+//! A block that is cut uses two places of the ring, and both parts share its curve.
 mod shift;
 
 use super::block::{Block, Marks};
@@ -33,22 +35,23 @@ use crate::math::float::{max, min, to_bits};
 use crate::math::root::sqrt_f32;
 use crate::quantity::{Speed, speed_bits};
 
-/// Part of the ring that stays free for cuts.
+/// Places of the ring that stay free for cuts.
 pub(super) const SPARE: usize = 8;
 /// Blocks per call that are counted.
 const WALK: usize = 32;
-/// Valleys to try: a factor for the best depth, and whether both sides get the same depth.
+/// Valleys to try: a factor for the best depth, and whether both sides have the same depth.
 const DEPTHS: [(f32, bool); 3] = [(1.0, false), (1.0, true), (0.4, false)];
-/// Two speeds that differ by less count as equal.
+/// Speeds with a smaller ratio count as equal.
 const SAME: f32 = 1.0 + 1.0 / 65_536.0;
-/// Deepest valley, as a part of the speed. Up to 0.133 the limit is kept from a stop too.
+/// Deepest valley, as a part of the speed. Up to 0.133, a motion from a stop at the anchor also keeps the
+/// limit.
 const DEEPEST: f32 = 0.125;
-/// Depth of the best valley for a speed that is small beside that of the fast block.
+/// Depth of the best valley, for a slow block whose speed is small compared with the fast block.
 const BEST: f32 = 1.0 / 3.9;
-/// A valley is shorter than its jerk permits by this factor.
+/// A valley is shorter by this factor than its jerk permits.
 const SHORTER: f32 = 1.0 - 1.0 / 1024.0;
 
-/// A ramp from a lower speed with acceleration zero up to the limit of a slow block.
+/// A ramp from the anchor, with a lower speed and zero acceleration, up to the limit of a slow block.
 #[derive(Clone, Copy, Debug, Default)]
 struct Side {
     /// Speed at the anchor.
@@ -58,19 +61,19 @@ struct Side {
 }
 
 impl Side {
-    /// `v`: limit; `j`: jerk; `t`: time from the anchor.
+    /// `v`: limit; `j`: jerk; `t`: time from the anchor to the end of the block.
     fn new(v: f32, j: f32, t: f32) -> Self {
         let gain = 0.5 * j * t * t;
         Self { v: v - gain, way: t * (v - gain * (2.0 / 3.0)) * SHORTER }
     }
 
-    /// Time of the best ramp beside a peak; `a` is the largest acceleration.
+    /// Time of the best ramp for a span with this peak; `a` is the largest acceleration.
     fn best(v: f32, peak: f32, j: f32, a: f32, part: f32) -> f32 {
         let depth = v * part * min(DEEPEST, BEST * max(0.0, 1.0 - v / peak));
         min(sqrt_f32(2.0 * depth / j), a / j)
     }
 
-    /// Time of a ramp over this distance.
+    /// Time of a ramp that covers this distance.
     fn fill(v: f32, j: f32, way: f32) -> f32 {
         let mut t = way / v;
         for _ in 0..3 {
@@ -94,12 +97,12 @@ pub(super) enum Step {
     Weigh,
     /// Fit the profile of one of the spans to its blocks.
     Fit(u8),
-    /// Carry the change out.
+    /// Make the change.
     Do,
 }
 
 impl Step {
-    /// The step after the profile of this span is fitted.
+    /// The next step after the profile of this span fits its blocks.
     const fn behind(which: u8) -> Self {
         if which < 3 { Self::Fit(which + 1) } else { Self::Do }
     }
@@ -108,7 +111,8 @@ impl Step {
 /// Up to three spans; the middle one is slow.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Valley {
-    /// The span whose profile is being fitted to its blocks: before (1), behind (2), between (3).
+    /// The span whose profile is being fitted to its blocks: before the slow one (1), after it (2), or the
+    /// slow one (3).
     fitting: u8,
     /// Number of valleys tried.
     tried: u8,
@@ -116,9 +120,10 @@ pub(super) struct Valley {
     edges: [usize; 4],
     spans: [Span; 3],
     speeds: [Speed; 4],
-    /// Highest speeds on both sides.
+    /// Highest speeds of the spans on both sides.
     peaks: [f32; 2],
-    /// Time of the current plan, and of the new profiles: before, behind, between.
+    /// Time of the current plan. Then times of the new profiles: of the span before the slow one, of the span
+    /// after it, and of the slow span.
     before: f32,
     times: [f32; 3],
     cut: Cut,
@@ -137,14 +142,15 @@ struct Cut {
     meet: bool,
 }
 
-/// The shift of an anchor, in place of a valley.
+/// The shift of an anchor, if it moves in place of a valley.
 #[derive(Clone, Copy, Debug)]
 struct Shift {
     on: bool,
-    /// The old place of the anchor, and its shift in whole blocks.
+    /// The old place of the anchor, and the number of whole blocks by which it moves.
     was: usize,
     moved: i64,
-    /// The search for the new place: steps done, distances into the block, speed and time found.
+    /// The search for the new place: number of steps, distances into the block, and the best speed and time
+    /// found.
     steps: u8,
     between: [i64; 2],
     best: Option<(Speed, f32)>,
@@ -173,7 +179,7 @@ impl Valley {
         shift: Shift::NONE,
     };
 
-    /// Time of all new profiles.
+    /// Sum of the times of all new profiles.
     fn time(&self) -> f32 {
         self.times.iter().sum()
     }
@@ -202,7 +208,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         }
     }
 
-    /// Moves on to the next anchor. `tried`: the current anchor is not tried again.
+    /// Goes on to the next anchor. `tried`: the current anchor is not tried again.
     fn leave_anchor(&mut self, pass: &mut Trial, valley: &mut Valley, tried: bool) {
         (pass.fit.fitting, pass.fit.head) = (false, 0);
         *valley = Valley::NONE;
@@ -230,7 +236,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         }
         let mut edges = [pass.from, at, to, to];
         if before > v * RISE {
-            // The anchor moves into a slow span.
+            // The anchor moves into the slow span after it.
             let leaves = to < self.blocks.len()
                 && self.limit(to) > self.limit(to - 1) * RISE
                 && self.blocks.get(to).is_some_and(|block| {
@@ -338,7 +344,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             let mut leave = Side::new(v_out, j_out, t_out);
             let mut meet = false;
             if b + 1 == c {
-                // One block: both valleys, or one from end to end.
+                // A single block: two valleys, or one from end to end.
                 let most = lengths[0] * (1.0 - 1.0 / 16.0);
                 if a < b && c < d && enter.way + leave.way > most {
                     meet = true;
@@ -359,14 +365,14 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
                     leave = Side::new(v_out, j_out, Side::fill(v_out, j_out, most[1]));
                 }
             }
-            // Without a gain the next depth will be tried.
+            // Without a gain, the next depth is tried.
             let _ = self.try_dip(pass, valley, [enter, leave], meet);
             return;
         }
         self.leave_anchor(pass, valley, true);
     }
 
-    /// Returns `None` if there is no gain.
+    /// Tries a valley with these speeds and distances. Returns `None` if there is no gain.
     fn try_dip(
         &mut self,
         pass: &mut Trial,
@@ -458,7 +464,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             ],
         };
         pass.speeds = [v_in, v_out, v_out];
-        // The piece that a moved anchor adds is compared too.
+        // A moved anchor adds a piece, which is compared too.
         let (mut from, mut to) = (from, to);
         let mut before = 0;
         if valley.shift.on && cut > 0 {
@@ -487,7 +493,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         }
         pass.spans[0] = span;
         pass.ease = ease;
-        // The time that is left for this span.
+        // The time that the other profiles leave for this span.
         if let Some(time) = valley.times.get_mut(usize::from(which) - 1) {
             *time = 0.0;
         }
@@ -497,7 +503,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         self.try_law(pass);
     }
 
-    /// The profile keeps the limits of the blocks.
+    /// Continues after a profile has been fitted: it keeps the limits of the blocks.
     pub(super) fn fitted(&mut self, pass: &mut Trial, valley: &mut Valley) {
         if let Some(time) = valley.times.get_mut(usize::from(valley.fitting) - 1) {
             *time = pass.law.time();
@@ -529,7 +535,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         }
     }
 
-    /// Sets acceleration zero at the start of the block `k`, at this speed, permanently.
+    /// Makes the start of block `k` a permanent anchor with the speed `v`.
     fn dip_at(&mut self, k: usize, v: f32) {
         let Some(block) = self.blocks.get_mut(k) else { return };
         let speed = Planned::below_by_call(Speed::from_bits(speed_bits(v)));
@@ -582,7 +588,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             span.limits.ease(plan.eases[0]);
             self.renew(a, &span, Speed::from_bits(speed_bits(plan.cut.v[0])));
             if plan.leaves() {
-                // The other end follows in the next call.
+                // The other end of the slow block follows in the next call.
                 valley.edges = [at, at, c, d + 1];
                 pass.last += 1;
                 return;
@@ -607,7 +613,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             }
             self.keep_ease(at, plan.eases[1]);
         }
-        // The span gets no faster there, although the new profile might.
+        // The end of the span keeps its speed, although the new profile might permit more.
         if let Some(end) = self.blocks.get_mut(d + cuts) {
             end.v_in = end.v_reached;
         }

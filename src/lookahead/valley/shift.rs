@@ -1,8 +1,8 @@
 //! Moves an anchor.
 //!
-//! An anchor may be slower than its limit because the length on one side is too short. Then it is a poor
-//! place for acceleration zero. The anchor moves into the block on the other side, as far as the limit at its
-//! old place permits.
+//! An anchor may be slower than its limit, because the length on one side is too short. Then zero
+//! acceleration is better at another place. The anchor moves into the block on the other side, as far as the
+//! limit at its old place permits.
 use super::{Shift, Step, Valley};
 use crate::lookahead::block::Marks;
 use crate::lookahead::ease::{self, Ease, Trial};
@@ -12,12 +12,12 @@ use crate::math::float::to_f32;
 use crate::quantity::{DISTANCE_LSB, Speed, speed_bits, speed_f32};
 use crate::slope::limits::{Limits, ROUNDED};
 
-/// Largest number of whole blocks that an anchor passes; steps of the search for its place in the next block;
-/// steps of the search per call.
+/// Largest number of whole blocks by which an anchor moves; number of steps of the search for its place in
+/// the next block; steps per call.
 const MOVES: u8 = 4;
 const SHIFTS: u8 = 12;
 const LAWS: usize = 2;
-/// An anchor moves only for at least this gain of time.
+/// An anchor moves only if the ratio of the new time to the old one is below this value.
 const WORTH: f32 = 0.995;
 
 impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
@@ -43,8 +43,8 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         pass.step = ease::Step::Gather;
     }
 
-    /// Moves the anchor into the faster block beside it, as far as the limit at the block's end permits, or
-    /// not at all.
+    /// Moves the anchor into the faster block next to it, as far as the limit at the block's end permits. The
+    /// anchor stays if no shift is possible.
     pub(super) fn weigh_shift(&mut self, pass: &mut Trial, valley: &mut Valley) {
         let moves = if pass.fit.fitting { None } else { self.search_shift(pass, valley) };
         if moves.is_none() {
@@ -53,8 +53,8 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         }
     }
 
-    /// Whether the motion speeds up to the anchor or brakes from it, which decides the block that the anchor
-    /// moves into.
+    /// Whether the anchor moves into the block before or after it. This depends on whether the motion speeds
+    /// up to the anchor or brakes from it.
     fn shifts_early(&self, valley: &Valley) -> Option<bool> {
         let high = speed_f32(valley.speeds[1].to_bits()) * RISE;
         match [valley.peaks[0] > high, valley.peaks[1] > high] {
@@ -65,7 +65,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
     }
 
     /// Speed at the anchor, and time of the profile that ends there, if the anchor moves by `way` into a
-    /// block; `None` if this profile is too fast at the anchor's old place.
+    /// block. Returns `None` if this profile is too fast at the anchor's old place.
     fn shifted(&self, valley: &Valley, limits: &Limits, early: bool, way: i64) -> Option<(Speed, f32)> {
         let mut span = valley.spans[if early { 2 } else { 0 }];
         let at = to_f32(if early { valley.shift.moved + way } else { span.length - valley.shift.moved })
@@ -83,7 +83,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         law.keeps(cap, at, at).then(|| (v, law.time()))
     }
 
-    /// Continues the search. `None`: the anchor stays.
+    /// Continues the search. Returns `None` if the anchor stays.
     fn search_shift(&mut self, pass: &mut Trial, valley: &mut Valley) -> Option<()> {
         let early = self.shifts_early(valley)?;
         let [a, b, _, d] = valley.edges;
@@ -127,7 +127,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         Some(())
     }
 
-    /// Returns `None` if there is no gain.
+    /// Tries the shift. Returns `None` if there is no gain.
     fn try_shift(&mut self, pass: &mut Trial, valley: &mut Valley, early: bool) -> Option<()> {
         let [_, b, ..] = valley.edges;
         let [v_from, .., v_end] = valley.speeds;
@@ -173,7 +173,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             k + 1
         };
         let early = at < was;
-        // The old anchor.
+        // This is the old place of the anchor.
         let cap = self.blocks.get(was).map_or(0.0, |block| block.cap);
         self.open_up(was, cap);
         let (cap_here, open_here) =
@@ -195,7 +195,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         }
         self.keep_ease(at, plan.eases[1]);
         self.keep_ease(a, plan.eases[0]);
-        // The span gets no faster there, although the new profile might.
+        // The end of the span keeps its speed, although the new profile might permit more.
         let end = plan.edges[3] + usize::from(plan.cut.cuts[0] != 0);
         if let Some(end) = self.blocks.get_mut(end) {
             end.v_in = end.v_reached;

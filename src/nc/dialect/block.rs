@@ -1,4 +1,4 @@
-//! The words of a line, by modal group and by letter; nothing is carried out yet.
+//! Reads the words of a line, by modal group and by letter; nothing is carried out yet.
 use super::words::{NOT_BUILT, WordEntry, find, group};
 use crate::machine::{Dialect, functions};
 use crate::nc::block::Given;
@@ -11,11 +11,11 @@ use heapless::Vec;
 /// Letters of the alphabet.
 const LETTERS: usize = 26;
 
-/// A G or M word that stands in the line.
+/// A G or M word of the line.
 #[derive(Clone, Copy)]
 pub(super) struct Said {
     pub word: &'static WordEntry,
-    /// M100…M199 share an entry.
+    /// The number of the word: M100…M199 share one table entry.
     pub number: u16,
     pub span: Span,
 }
@@ -26,20 +26,20 @@ pub(super) struct Block<const AXES: usize> {
     /// The first axis word.
     pub first: Option<Span>,
     values: [Option<Given>; LETTERS],
-    /// `#n=`: which parameter, and its value. Written once the whole line is read.
+    /// Assignments `#n=`: parameter and value. They are carried out after the whole line is read.
     pub assigned: Vec<(u32, f64), ASSIGNED>,
     said: [Option<Said>; group::COUNT],
-    /// Letters whose number has no decimal point, a bit each; for Fanuc's programs.
+    /// Letters whose number has no decimal point, one bit each; used for Fanuc programs.
     pub pointless: u32,
 }
 
-/// Work of a word, as [`crate::nc::calculator`] counts it.
+/// Cost of a word, in the unit of [`crate::nc::calculator`].
 const WORD: u32 = 8;
 
-/// Most values that a line gives to parameters.
+/// Largest number of assignments in a line.
 const ASSIGNED: usize = 16;
 
-/// Digits that a number keeps; places behind the point.
+/// Most digits of a number; most digits after the decimal point.
 const DIGITS: u8 = 19;
 
 impl<const AXES: usize> Block<AXES> {
@@ -54,7 +54,7 @@ impl<const AXES: usize> Block<AXES> {
         }
     }
 
-    /// The word of a modal group.
+    /// The word of a modal group, if the line has one.
     pub fn said(&self, group: u8) -> Option<Said> {
         self.said.get(usize::from(group)).copied().flatten()
     }
@@ -63,27 +63,27 @@ impl<const AXES: usize> Block<AXES> {
         self.values.get_mut(usize::from(letter.wrapping_sub(b'A')))
     }
 
-    /// The value behind a letter, which is used.
+    /// Returns the value after a letter and marks it as used.
     pub fn take(&mut self, letter: u8) -> Option<Given> {
         self.slot(letter)?.take()
     }
 
-    /// The value behind a letter.
+    /// The value after a letter.
     pub fn value(&self, letter: u8) -> Option<Given> {
         self.values.get(usize::from(letter.wrapping_sub(b'A'))).copied().flatten()
     }
 
-    /// The same, to be changed.
+    /// The value after a letter, to be changed.
     pub fn value_mut(&mut self, letter: u8) -> Option<&mut Given> {
         self.slot(letter)?.as_mut()
     }
 
-    /// Whether the number behind a letter has no decimal point.
+    /// Whether the number after a letter has no decimal point.
     pub const fn is_pointless(&self, letter: u8) -> bool {
         self.pointless & 1_u32.wrapping_shl(letter.wrapping_sub(b'A') as u32) != 0
     }
 
-    /// That every value was used by something.
+    /// Checks that every value has been used.
     pub fn is_used_up(&self) -> Result<(), Fault> {
         let left = self.values.iter().flatten().map(|given| given.span).min_by_key(|span| span.at);
         match left {
@@ -149,7 +149,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         Ok(block)
     }
 
-    /// `$` and the number of a spindle: there is one, `$0`. Whether a number stands there.
+    /// Reads `$` and the number of a spindle; the only spindle is `$0`. Returns whether there is a number.
     fn read_spindle(&self, c: &mut Cursor<'_>) -> Result<bool, Fault> {
         let mark = c.mark();
         c.bump();
@@ -164,7 +164,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         Ok(true)
     }
 
-    /// A letter that is no axis, with its value.
+    /// Reads a letter that is not an axis, with its value.
     fn read_letter(
         &self,
         c: &mut Cursor<'_>,
@@ -181,14 +181,14 @@ impl<const AXES: usize> Interpreter<AXES> {
         Ok(())
     }
 
-    /// Remembers whether the number has a decimal point.
+    /// Notes whether the number has a decimal point.
     fn note_point(&self, c: &Cursor<'_>, given: Given, letter: u8, block: &mut Block<AXES>) {
         if self.setup.foreign.dialect.is_fanuc() && !c.part(given.span).contains(&b'.') {
             block.pointless |= 1_u32.wrapping_shl(u32::from(letter.wrapping_sub(b'A')));
         }
     }
 
-    /// What does not begin with a letter.
+    /// Handles text that does not begin with a letter.
     fn no_address(&self, c: &mut Cursor<'_>, byte: u8) -> Result<Block<AXES>, Fault> {
         match byte {
             b'$' => c.rest_of_word().fault(NcErrorKind::Known {
@@ -226,7 +226,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         Ok(())
     }
 
-    /// `#5=…`.
+    /// Reads an assignment such as `#5=…`.
     fn read_assignment(&self, c: &mut Cursor<'_>, block: &mut Block<AXES>) -> Result<(), Fault> {
         if !functions::DIALECTS.is_built() {
             return c.here().fault(NO_PARAMETERS);
@@ -239,7 +239,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         block.assigned.push((target, value)).map_err(|_| full)
     }
 
-    /// A number behind a letter, or what gives one. Blanks inside do not count.
+    /// Reads the value after a letter: a number or an expression. Blanks inside are ignored.
     fn read_value(&self, c: &mut Cursor<'_>, mark: usize) -> Result<Given, Fault> {
         let negative = c.peek() == b'-';
         let at = c.mark();
@@ -265,7 +265,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         c.expected("a number")
     }
 
-    /// G or M and its number.
+    /// Reads G or M and its number.
     fn read_code(
         &self,
         c: &mut Cursor<'_>,
@@ -289,7 +289,7 @@ impl<const AXES: usize> Interpreter<AXES> {
     }
 }
 
-/// `/` and perhaps the number of its switch.
+/// Skips `/` and the number of its switch, if there is one.
 pub(super) fn skip_switch(c: &mut Cursor<'_>) {
     c.bump();
     if matches!(c.peek(), b'1'..=b'9') {
@@ -297,7 +297,7 @@ pub(super) fn skip_switch(c: &mut Cursor<'_>) {
     }
 }
 
-/// That no statement of macro B stands here.
+/// Refuses a statement of macro B.
 fn no_macro(c: &mut Cursor<'_>) -> Result<(), Fault> {
     let mark = c.mark();
     let word = c.letters();
@@ -311,14 +311,14 @@ fn no_macro(c: &mut Cursor<'_>) -> Result<(), Fault> {
     Ok(())
 }
 
-/// What macro B is refused with.
+/// The error for macro B.
 const MACRO: NcErrorKind = NcErrorKind::Known { what: "macro B", hint: "a program without macros" };
 
-/// What parameters and expressions are refused with in a build without them.
+/// The error for parameters and expressions in a build without them.
 const NO_PARAMETERS: NcErrorKind =
     NcErrorKind::Known { what: "a parameter or an expression", hint: NOT_BUILT };
 
-/// A number without a sign.
+/// Reads a number without a sign.
 pub(super) fn literal(c: &mut Cursor<'_>, mark: usize, negative: bool) -> Result<Given, Fault> {
     let (mut mantissa, mut scale, mut significant) = (0_u64, 0_u8, 0_u8);
     let (mut point, mut digits, mut full) = (false, false, false);
@@ -331,7 +331,7 @@ pub(super) fn literal(c: &mut Cursor<'_>, mark: usize, negative: bool) -> Result
             }
             point = true;
         } else if significant < DIGITS && scale < DIGITS {
-            // Below 10^19, which 64 bits hold.
+            // The value is below 10^19 and fits into 64 bits.
             mantissa = mantissa.wrapping_mul(10).wrapping_add(u64::from(digit));
             significant += u8::from(mantissa != 0);
             scale += u8::from(point);
@@ -350,7 +350,8 @@ pub(super) fn literal(c: &mut Cursor<'_>, mark: usize, negative: bool) -> Result
     Ok(Given { number: Number::Decimal { negative, mantissa, scale }, span: c.since(mark) })
 }
 
-/// The number of a G or M word in tenths, if it has one place at most.
+/// The number of a G or M word in tenths. Returns `None` if the number has more than one digit after the
+/// decimal point.
 fn tenths(number: Number) -> Option<u16> {
     if let Number::Real(value) = number {
         let tenths = real::round(value * 10.0);
@@ -368,7 +369,7 @@ fn tenths(number: Number) -> Option<u16> {
     u16::try_from(tenths).ok()
 }
 
-/// A line number, without its fraction.
+/// A line number without its fraction.
 fn whole_part(number: Number) -> u32 {
     let Number::Decimal { mantissa, scale, .. } = number else { return 0 };
     let power = 10_u64.saturating_pow(u32::from(scale));

@@ -1,4 +1,5 @@
-//! Blocks with several motions: G28 and G30, arcs of several turns, canned cycles. One part per call.
+//! Blocks with several motions: G28 and G30, arcs of several turns, and canned cycles. Each call gives one
+//! part.
 use crate::machine::functions;
 use crate::math::angle::atan2_turns;
 use crate::nc::compose::carry;
@@ -9,7 +10,8 @@ use crate::quantity::Position;
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 #[repr(u8)]
 pub enum CycleKind {
-    /// G81. From 1, so that a cycle that is not there is all zero: [`super::Foreign::BLANK`].
+    /// G81. The numbers start at 1, so that all bytes are zero if there is no cycle:
+    /// [`super::Foreign::BLANK`].
     Drill = 1,
     /// G82.
     Dwell,
@@ -40,7 +42,7 @@ impl CycleKind {
         matches!(self, Self::Dwell | Self::BoreDwell)
     }
 
-    /// Whether the spindle reverses on the way out.
+    /// Whether the spindle reverses at the bottom, for the motion out of the hole.
     const fn taps(self) -> bool {
         matches!(self, Self::Tap | Self::TapLeft)
     }
@@ -51,7 +53,7 @@ impl CycleKind {
     }
 }
 
-/// A block that is carried out in several parts. `None` is all zero: [`super::Foreign::BLANK`].
+/// A block that is carried out in several parts. All bytes of `None` are zero: [`super::Foreign::BLANK`].
 #[derive(Clone, Copy)]
 #[repr(u8)]
 pub enum Course<const AXES: usize> {
@@ -98,7 +100,7 @@ impl<const AXES: usize> Course<AXES> {
         }
     }
 
-    /// Whether there is one.
+    /// Whether the block has parts.
     pub const fn is_some(&self) -> bool {
         !matches!(self, Self::None)
     }
@@ -153,14 +155,14 @@ impl<const AXES: usize> Turns<AXES> {
     fn angle(&self) -> u64 {
         let turned = self.direction(&self.end).wrapping_sub(self.direction(&self.start));
         let turned = if self.clockwise { turned.wrapping_neg() } else { turned };
-        // To nearest; a nearly zero angle is a full circle.
+        // Rounded to nearest; an angle of nearly zero is a full circle.
         match ((turned >> 15) + 1) >> 1 {
             0 => 1 << 48,
             angle => angle,
         }
     }
 
-    /// Position of all axes after `turns` full circles: those outside the plane move in proportion to the
+    /// Position of all axes after `turns` full circles. Axes outside the plane move in proportion to the
     /// angle.
     fn behind(&self, turns: u32) -> [Position; AXES] {
         let whole = (i128::from(self.full) << 48) + i128::from(self.angle());
@@ -170,9 +172,9 @@ impl<const AXES: usize> Turns<AXES> {
             if self.axes.contains(&axis) {
                 continue;
             }
-            // Below 2^50, times below 2^62.
+            // A value below 2^50 times a value below 2^62.
             let travel = i128::from(end.to_bits()) - i128::from(slot.to_bits());
-            // The angle is above 0.
+            // `whole` is above 0, because the angle is above 0.
             let gone = (travel * part * 2 + whole).checked_div_euclid(whole * 2).unwrap_or(0);
             *slot = Position::from_bits(slot.to_bits().saturating_add(gone as i64));
         }
@@ -180,14 +182,14 @@ impl<const AXES: usize> Turns<AXES> {
     }
 }
 
-/// An arc whose radius changes linearly with its angle, in several arcs.
+/// An arc whose radius changes linearly with its angle. It is carried out as several arcs.
 #[derive(Clone, Copy)]
 pub struct Spiral<const AXES: usize> {
     /// The arc as it was programmed.
     pub turns: Turns<AXES>,
-    /// At the start and at the end, mm.
+    /// Radius at the start and at the end, mm.
     pub radii: [f64; 2],
-    /// Number of arcs, a whole number.
+    /// Number of arcs; a whole number.
     pub count: f64,
 }
 
@@ -203,7 +205,7 @@ impl<const AXES: usize> Spiral<AXES> {
         Some(Part::Motion(MotionKind::Arc { plane, clockwise, by: ArcBy::Centre(centre) }, target))
     }
 
-    /// Position of all axes after a part of the angle.
+    /// Position of all axes after the share `part` of the angle.
     fn behind(&self, part: f64) -> [Position; AXES] {
         let turns = &self.turns;
         let degrees = |turns: u64, lsb: f64| turns as f64 * 360.0 / lsb;
@@ -228,7 +230,7 @@ impl<const AXES: usize> Spiral<AXES> {
     }
 }
 
-/// A peck that ends so near to the bottom is the last one: a nanometre, for rounding.
+/// A peck that ends within a nanometre of the bottom is the last one; the value covers rounding.
 const NEAR: Position = Position::from_bits(1 << 12);
 
 /// Actions of the spindle in a hole.
@@ -277,14 +279,14 @@ pub enum Stage {
     Lift,
     /// Move over the hole.
     Over,
-    /// To R.
+    /// Rapid motion down to R.
     Down,
     Feed,
     /// Out to R between pecks.
     Back,
-    /// Down again to the last depth.
+    /// Down again, close to the last depth.
     Again,
-    /// Retract a little, to break the chip.
+    /// Retract a short distance, to break the chip.
     Break,
     Bottom,
     Out,
@@ -327,7 +329,8 @@ impl<const AXES: usize> Holes<AXES> {
         }
     }
 
-    /// The next action while the axes stand, at the bottom or outside; `None` when there is no more.
+    /// The next action at standstill, at the bottom or outside the hole. Returns `None` if there is no
+    /// further action.
     fn do_act(&mut self) -> Option<Part<AXES>> {
         let dwell = || Some(Part::Dwell(self.dwell));
         let back = if self.acts.turn == 3 { 4 } else { 3 };
@@ -368,7 +371,7 @@ impl<const AXES: usize> Holes<AXES> {
         }
     }
 
-    /// The next level, and whether the motion to it is rapid.
+    /// The next level along the axis of the hole, and whether the motion there is rapid.
     fn level(&mut self) -> (Position, bool) {
         let stage = self.stage;
         let (level, rapid, next) = match stage {

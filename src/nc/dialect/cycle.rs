@@ -1,4 +1,4 @@
-//! Canned cycles: the meaning of their words.
+//! Canned cycles: reads their words.
 use super::Cycle;
 use super::block::Block;
 use super::course::{Acts, Course, CycleKind, Holes, Stage};
@@ -9,14 +9,15 @@ use crate::nc::number::Factor;
 use crate::nc::{Fault, NcErrorKind, Span};
 use crate::quantity::Position;
 
-/// Distance above the last depth at which a deep hole continues, and distance of a chip break: 0.01 inch.
+/// Distance above the last depth where drilling of a deep hole continues, and retract distance of a chip
+/// break: 0.01 inch.
 const BACK: Position = Position::from_bits(0x4106_24dd);
 
 /// Largest number of holes by L.
 const REPEATS: u32 = 10_000;
 
 impl<const AXES: usize> Interpreter<AXES> {
-    /// A block of a cycle with axis words: makes its holes.
+    /// Carries out a block with axis words while a cycle is active: begins its holes.
     pub(super) fn drill(
         &mut self,
         kind: CycleKind,
@@ -57,7 +58,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         self.needs_turning(span)?;
         let turn = self.turn_of(kind, span)?;
         if repeats == 0 {
-            // Fanuc keeps the words without drilling.
+            // Fanuc stores the words but does not drill.
             self.foreign.now.cycle = Some(cycle);
             return Ok(Course::None);
         }
@@ -100,7 +101,7 @@ impl<const AXES: usize> Interpreter<AXES> {
                     CycleKind::Tap => (3, "M3 before tapping"),
                     _ => (4, "M4 before left-hand tapping"),
                 };
-                // Fanuc starts the spindle itself.
+                // On Fanuc, the cycle starts the spindle itself.
                 if spindle != wanted && !fanuc {
                     return span.fault(NcErrorKind::Missing(missing));
                 }
@@ -111,7 +112,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         }
     }
 
-    /// Axes of the active plane, and the axis across.
+    /// Axes of the active plane, and the axis across the plane.
     pub(super) fn axes_of_plane(&self, span: Span) -> Result<[usize; 3], Fault> {
         let [first, second] = self.modal.plane.main_axes();
         let places = [first, second, 3 - first - second];
@@ -125,7 +126,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         Ok(axes)
     }
 
-    /// The words of a cycle; a missing word has the value of the block before.
+    /// Reads the words of a cycle. A missing word keeps its value from the block before.
     fn cycle_of(
         &self,
         kind: CycleKind,
@@ -179,7 +180,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         value.ok_or(Fault { span: given.span, kind })
     }
 
-    /// P in seconds; `is_ms`: P counts milliseconds.
+    /// P in seconds. `is_ms`: the programmed value is in milliseconds.
     pub(super) fn seconds(&self, given: Given, is_ms: bool) -> Result<Position, Fault> {
         let factor = if is_ms { Factor::new(1, 1000) } else { Factor::ONE };
         let value = given.number.fixed(factor).filter(|v| *v >= Position::ZERO && in_range(*v));

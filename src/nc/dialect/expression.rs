@@ -1,7 +1,8 @@
-//! Values of words: `X[#1+2]`, `X-#<depth>`, `XSIN[30]`. No recursion: two fixed stacks, operators by priority.
+//! Values of words: `X[#1+2]`, `X-#<depth>`, `XSIN[30]`. The evaluation uses no recursion, but two stacks of
+//! fixed size and operators with priorities.
 //!
-//! Signs and `#` bind tightest, then `**`, `*` `/` MOD, `+` `-`, comparisons, AND OR XOR; operators of one priority
-//! go from left to right. Angles are degrees.
+//! Signs and `#` bind tightest, then `**`, then `*` `/` MOD, then `+` `-`, then comparisons, then AND OR XOR.
+//! Operators of one priority are evaluated from left to right. Angles are in degrees.
 use super::block::literal;
 use super::parameter::{Name, name};
 use crate::nc::cursor::Cursor;
@@ -9,16 +10,16 @@ use crate::nc::interpreter::Interpreter;
 use crate::nc::{Fault, NcErrorKind, real};
 use heapless::Vec;
 
-/// Operands and operators that may wait at the same time.
+/// Largest number of operands, and of operators, on the stacks.
 const DEPTH: usize = 24;
 
-/// Most work of an expression, hundreds of instructions on the target.
+/// Largest cost of an expression, in hundreds of instructions on the target.
 const MOST_WORK: u32 = 600;
 
-/// Reading an operand, hundreds of instructions.
+/// Cost of reading an operand, in hundreds of instructions.
 const READING: u32 = 8;
 
-/// Values so near are equal.
+/// Values with a smaller difference are equal.
 const EQUAL: f64 = 1e-6;
 
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -73,7 +74,7 @@ impl Function {
         }
     }
 
-    /// Hundreds of instructions on the target.
+    /// Cost of the operator, in hundreds of instructions on the target.
     const fn work(self) -> u32 {
         match self {
             Self::Acos | Self::Asin => 140,
@@ -104,10 +105,10 @@ enum Op {
     Modulo,
     Power,
     Negate,
-    /// `#`: turns a number into the parameter's value.
+    /// `#`: replaces a number by the value of this parameter.
     Parameter,
     Call(Function),
-    /// Between the two arguments of ATAN.
+    /// The `/` between the two arguments of ATAN.
     Atan,
     Open,
 }
@@ -131,7 +132,7 @@ impl Op {
     }
 }
 
-/// What waits.
+/// Operands and operators that are not evaluated yet.
 struct Stacks {
     values: Vec<f64, DEPTH>,
     ops: Vec<Op, DEPTH>,
@@ -153,7 +154,7 @@ impl Stacks {
         self.ops.push(op).map_err(|_| NcErrorKind::ExpressionTooDeep)
     }
 
-    /// The parser never pushes an operator without its operands.
+    /// The top operand. The parser never pushes an operator without its operands.
     fn pop(&mut self) -> f64 {
         self.values.pop().unwrap_or(0.0)
     }
@@ -176,7 +177,7 @@ impl Stacks {
 }
 
 impl<const AXES: usize> Interpreter<AXES> {
-    /// The value that begins here: a signed number, a parameter, a function, or an expression in brackets.
+    /// Evaluates a value: a signed number, a parameter, a function, or an expression in brackets.
     pub(super) fn evaluate(&self, c: &mut Cursor<'_>) -> Result<f64, Fault> {
         let start = c.mark();
         if self.calculator.is_halted() {
@@ -196,7 +197,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         Ok(value)
     }
 
-    /// `[`, a value, `]`.
+    /// Evaluates `[`, a value, and `]`.
     pub(super) fn evaluate_in_brackets(&self, c: &mut Cursor<'_>) -> Result<f64, Fault> {
         if c.peek() != b'[' {
             return c.expected("[");
@@ -250,7 +251,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         }
     }
 
-    /// Signs, `#`, brackets and functions up to the end of one operand.
+    /// Reads one operand, with its signs, `#`, brackets and functions.
     fn operand(&self, c: &mut Cursor<'_>, e: &mut Stacks, start: usize) -> Result<(), Fault> {
         let fault = |c: &Cursor<'_>, kind| Fault { span: c.since(start), kind };
         loop {
@@ -299,7 +300,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         }
     }
 
-    /// `[#<name>]` or `[#5]` behind EXISTS.
+    /// Evaluates `[#<name>]` or `[#5]` after EXISTS.
     fn exists(&self, c: &mut Cursor<'_>) -> Result<bool, Fault> {
         c.require(b'[', "[ after EXISTS")?;
         c.require(b'#', "# after EXISTS[")?;
@@ -315,7 +316,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         Ok(exists)
     }
 
-    /// Applies what waits with at least `priority`, down to the last open bracket.
+    /// Applies all operators of at least `priority`, down to the last open bracket.
     fn reduce(&self, e: &mut Stacks, priority: u8) -> Step<()> {
         while let Some(op) = e.ops.last().copied().filter(|op| op.priority() >= priority) {
             e.ops.pop();
@@ -339,7 +340,7 @@ fn fault_of(c: &Cursor<'_>, mark: usize, kind: NcErrorKind) -> Fault {
     Fault { span: c.since(mark), kind }
 }
 
-/// An operator with two operands.
+/// Applies an operator to two operands.
 fn two(op: Op, x: f64, y: f64) -> Step<f64> {
     let truth = |b: bool| if b { 1.0 } else { 0.0 };
     let equal = real::abs(x - y) < EQUAL;
@@ -367,7 +368,7 @@ fn two(op: Op, x: f64, y: f64) -> Step<f64> {
     })
 }
 
-/// Steps over an operator between operands.
+/// Reads an operator between two operands.
 fn operator(c: &mut Cursor<'_>) -> Option<Op> {
     const WORDS: [(&str, Op); 10] = [
         ("AND", Op::And),
@@ -385,7 +386,7 @@ fn operator(c: &mut Cursor<'_>) -> Option<Op> {
     let first = c.peek_upper();
     if first.is_ascii_alphabetic() {
         let word = c.letters();
-        // A function may follow at once: `1ANDSIN[30]`.
+        // A function may follow without a blank: `1ANDSIN[30]`.
         let found = WORDS.iter().find(|(name, _)| word.bytes().starts_with(name.as_bytes()));
         c.back_to(mark + found.map_or(0, |(name, _)| name.len()));
         return found.map(|(_, op)| *op);

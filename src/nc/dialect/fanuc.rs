@@ -1,4 +1,4 @@
-//! Differences of Fanuc's controllers: numbers without a decimal point, and the order of some functions.
+//! Special rules for Fanuc controllers: numbers without a decimal point, and the order of some functions.
 use super::block::Block;
 use super::words::{Meaning, group};
 use crate::machine::AxisKind;
@@ -8,8 +8,8 @@ use crate::nc::line::Line;
 use crate::nc::number::Number;
 use crate::nc::{NcWarningKind, Span};
 
-/// Whether all numbers of a line except 0 have a decimal point; G, M and N do not count. Other lines are not
-/// plain.
+/// Whether all numbers of a line except 0 have a decimal point; G, M and N do not count. Other lines take the
+/// slow path of the decoder.
 pub(super) fn has_points(bytes: &[u8]) -> bool {
     let (mut counts, mut digits, mut point) = (false, false, false);
     for byte in bytes.iter().chain(b" ") {
@@ -29,7 +29,7 @@ pub(super) fn has_points(bytes: &[u8]) -> bool {
     true
 }
 
-/// Moves the decimal point to the left.
+/// Moves the decimal point `places` digits to the left.
 fn shift(given: &mut Given, places: u8) -> bool {
     match &mut given.number {
         Number::Decimal { mantissa, scale: scale @ 0, .. } => {
@@ -41,8 +41,8 @@ fn shift(given: &mut Given, places: u8) -> bool {
 }
 
 impl<const AXES: usize> Interpreter<AXES> {
-    /// Lengths without a decimal point count in 0.001 mm or 0.0001 inch, angles in 0.001 degrees. `inch`: unit of the
-    /// block.
+    /// Converts numbers without a decimal point: lengths count in 0.001 mm or 0.0001 inch, angles in 0.001
+    /// degrees. `inch`: unit of the block.
     pub(super) fn least_increments(&mut self, block: &mut Block<AXES>, inch: bool, line: &Line) {
         if !self.setup.foreign.dialect.is_fanuc() || block.pointless == 0 {
             return;
@@ -67,7 +67,7 @@ impl<const AXES: usize> Interpreter<AXES> {
                 b'F' if self.foreign.now.by_time => continue,
                 b'F' if self.foreign.now.per_turn => places - if inch { 0 } else { 1 },
                 b'F' if inch => 2,
-                // P and X of G4 are milliseconds.
+                // P and X of G4 count milliseconds.
                 b'A'..=b'C' | b'U'..=b'Z' if !dwells => places,
                 _ => continue,
             };
@@ -89,7 +89,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         }
     }
 
-    /// Drops letters that Fanuc accepts without use: D without G41, and H0.
+    /// Drops letters that Fanuc accepts without effect: D without G41, and H0.
     pub(super) fn drop_unused(&mut self, block: &mut Block<AXES>) {
         if !self.setup.foreign.dialect.is_fanuc() {
             return;
@@ -123,7 +123,8 @@ impl<const AXES: usize> Interpreter<AXES> {
         None
     }
 
-    /// P of M98: the program, and the number of calls from the digits before the last four.
+    /// Splits P of M98 into the number of the program (last four digits) and the number of calls (digits
+    /// before).
     pub(super) const fn called_by(number: u32) -> (u32, u32) {
         let (times, program) = (number / 10_000, number % 10_000);
         (program, if times == 0 { 1 } else { times })

@@ -1,4 +1,4 @@
-//! The modal state between two lines: a controller on a serial line shows and restores it.
+//! The modal state between two lines, which a controller on a serial line reports and restores.
 use super::course::CycleKind;
 use super::{Interpreter, State};
 use crate::machine::{MORE_OFFSETS, ZERO_OFFSETS};
@@ -7,7 +7,8 @@ use crate::nc::compose::in_range;
 use crate::nc::modal::{Modal, Mode};
 use crate::quantity::{Feed, Position};
 
-/// Modal words, F, tool, G92 and tool length after a line. Zero offsets belong to the set-up.
+/// Modal words, F, tool, offsets of G92 and tool length after a line. Zero offsets are part of the machine's
+/// set-up and not of this state.
 #[derive(Clone, Copy)]
 pub struct InForce<const AXES: usize> {
     modal: Modal<AXES>,
@@ -17,17 +18,17 @@ pub struct InForce<const AXES: usize> {
 /// Zero offsets: G54…G59.3.
 const SETS: usize = ZERO_OFFSETS + MORE_OFFSETS;
 
-/// Values that G10, G28.1 and G30.1 store, machine coordinates.
+/// Values that G10, G28.1 and G30.1 store, in machine coordinates.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct StoredOffsets<const AXES: usize> {
     /// G54…G59.3.
     pub zero: [[Position; AXES]; SETS],
-    /// The places of G28 and G30.
+    /// The positions of G28 and G30.
     pub places: [[Position; AXES]; 2],
 }
 
 impl<const AXES: usize> StoredOffsets<AXES> {
-    /// All are 0.
+    /// All values are 0.
     pub const ZERO: Self = Self { zero: [[Position::ZERO; AXES]; SETS], places: [[Position::ZERO; AXES]; 2] };
 
     /// Whether all values are inside ±100 000 mm.
@@ -37,7 +38,7 @@ impl<const AXES: usize> StoredOffsets<AXES> {
 }
 
 impl<const AXES: usize> InForce<AXES> {
-    /// At power-up: G0 G54 G17 G21 G90 G94, no F, T0, no G92 and no tool length.
+    /// State at power-up: G0 G54 G17 G21 G90 G94, no F, T0, no G92 and no tool length.
     pub const START: Self =
         Self { modal: Modal { zero_set: Some(0), ..Modal::BLANK }, now: State::<AXES>::START };
 
@@ -63,7 +64,7 @@ impl<const AXES: usize> InForce<AXES> {
         }
     }
 
-    /// G17, G18, G19.
+    /// Number of the plane word: 17, 18 or 19.
     pub const fn plane(&self) -> u8 {
         match self.modal.plane {
             Plane::G17 => 17,
@@ -72,17 +73,17 @@ impl<const AXES: usize> InForce<AXES> {
         }
     }
 
-    /// G20.
+    /// Whether G20 (inch) is in force.
     pub const fn is_inch(&self) -> bool {
         self.modal.inch
     }
 
-    /// G91.
+    /// Whether G91 (relative positions) is in force.
     pub const fn is_relative(&self) -> bool {
         self.modal.relative
     }
 
-    /// G93.
+    /// Whether G93 (inverse time) is in force.
     pub const fn is_by_time(&self) -> bool {
         self.now.by_time
     }
@@ -92,32 +93,32 @@ impl<const AXES: usize> InForce<AXES> {
         self.modal.zero_set.unwrap_or(0)
     }
 
-    /// F, mm/min; 0 without one.
+    /// Feed F, mm/min; 0 if none is programmed.
     pub fn feed(&self) -> Feed {
         self.modal.feed.unwrap_or(Feed::ZERO)
     }
 
-    /// G95.
+    /// Whether G95 (feed per revolution) is in force.
     pub const fn is_per_turn(&self) -> bool {
         self.now.per_turn
     }
 
-    /// S, 1/min.
+    /// Spindle speed S, 1/min.
     pub const fn speed(&self) -> Position {
         self.now.speed
     }
 
-    /// M7, and M8.
+    /// Whether M7 and M8 are on, in this order.
     pub const fn coolant(&self) -> [bool; 2] {
         [self.now.coolant & 1 != 0, self.now.coolant & 2 != 0]
     }
 
-    /// T.
+    /// Tool number T.
     pub const fn tool(&self) -> u32 {
         self.now.tool
     }
 
-    /// M3 and M4; 0 when the spindle is off.
+    /// Spindle word: 3 or 4; 0 if the spindle is off.
     pub const fn spindle(&self) -> u16 {
         self.now.spindle
     }
@@ -134,19 +135,19 @@ impl<const AXES: usize> InForce<AXES> {
 }
 
 impl<const AXES: usize> Interpreter<AXES> {
-    /// The modal state.
+    /// The current modal state.
     pub fn in_force(&self) -> InForce<AXES> {
         InForce { modal: self.modal, now: self.foreign.now }
     }
 
-    /// Restores a modal state, from the next line on.
+    /// Restores a modal state for the next line and the following ones.
     pub fn put_in_force(&mut self, force: &InForce<AXES>) {
         (self.modal, self.foreign.now) = (force.modal, force.now);
         self.settle_plain();
         self.settle_shift();
     }
 
-    /// Zero offsets and places, as programs have stored them.
+    /// Zero offsets and positions of G28 and G30 that programs have stored.
     pub fn stored(&self) -> StoredOffsets<AXES> {
         let mut zero = [[Position::ZERO; AXES]; SETS];
         let sets = self.setup.zero_offsets.iter().chain(&self.setup.foreign.offsets);
@@ -156,7 +157,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         StoredOffsets { zero, places: self.setup.foreign.stored }
     }
 
-    /// Restores zero offsets and places, from the next line on.
+    /// Restores zero offsets and positions for the next line and the following ones.
     pub fn put_stored(&mut self, stored: &StoredOffsets<AXES>) {
         let sets = self.setup.zero_offsets.iter_mut().chain(&mut self.setup.foreign.offsets);
         for (to, from) in sets.zip(&stored.zero) {

@@ -1,14 +1,14 @@
-//! G7 and G8: X of a lathe as a diameter.
+//! G7 and G8: programmed X of a lathe as a diameter or as a radius.
 use super::block::Block;
 use super::words::{Meaning, group};
 use crate::nc::interpreter::Interpreter;
 use crate::nc::number::Number;
 use crate::nc::{Fault, NcErrorKind};
 
-/// Digits that a halved number may have behind its point.
+/// Most digits after the decimal point of a halved number.
 const PLACES: u8 = 19;
 
-/// Half of a number; exact but where the digits do not suffice.
+/// Half of a number. The result is exact if the digits suffice.
 fn half(number: Number) -> Number {
     match number {
         Number::Decimal { negative, mantissa, scale } if scale < PLACES => match mantissa.checked_mul(5) {
@@ -20,8 +20,9 @@ fn half(number: Number) -> Number {
 }
 
 impl<const AXES: usize> Interpreter<AXES> {
-    /// With G7 in force, X words are diameters. LinuxCNC takes X in the mode before the block, grblHAL in that behind it:
-    /// a word that changes the mode stands without X.
+    /// Halves X words while G7 is in force, because they are diameters. A word that changes the mode must not
+    /// be in a block with X. LinuxCNC reads X in the mode before the block, but grblHAL in the mode after the
+    /// block.
     pub(super) fn take_diameter(&self, block: &mut Block<AXES>) -> Result<(), Fault> {
         let now = self.modal.diameter;
         let changes = block.said(group::LATHE).filter(|said| said.word.meaning != Meaning::Diameter(now));

@@ -1,12 +1,12 @@
-//! Lines of programs of LinuxCNC, Grbl and Fanuc.
+//! Decodes programs of LinuxCNC, Grbl and Fanuc.
 //!
 //! ```text
 //!  Line → block ──words by group──→ order ─fixed order─→ items of the queue, one motion
 //!                   words: the table of all dialects     └ course: blocks that make several motions
 //! ```
 //!
-//! Plain lines (N, G0, G1, F and axes) go through [`super::plain`], as those of ISG's language do. What is in
-//! force of both kinds lies in [`super::modal::Modal`]; what only these dialects have, in [`Foreign`].
+//! Plain lines (N, G0, G1, F and axes) go through [`super::plain`], as in ISG's language. Modal state that
+//! both kinds of language have is in [`super::modal::Modal`]; the rest is in [`Foreign`].
 mod block;
 mod course;
 mod cycle;
@@ -41,27 +41,27 @@ use oword::Calls;
 use saved::SavedStates;
 use spindle::Surface;
 
-/// What programs of other dialects need of the machine.
+/// Machine data for programs of other dialects.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ForeignSetup<const AXES: usize> {
-    /// The language of programs.
+    /// The dialect of the programs.
     pub dialect: Dialect,
     /// Zero offsets of G59.1…G59.3.
     pub offsets: [[Position; AXES]; MORE_OFFSETS],
-    /// Where G28 and G30 lead to, machine coordinates.
+    /// Positions of G28 and G30, machine coordinates.
     pub stored: [[Position; AXES]; 2],
-    /// How far G64 without P may leave the path, mm.
+    /// Largest deviation of G64 without P, mm.
     pub blend: Position,
-    /// Lines that begin with `/` are left out.
+    /// Whether lines that begin with `/` are skipped.
     pub block_delete: bool,
-    /// M1 pauses.
+    /// Whether M1 pauses the program.
     pub optional_stop: bool,
-    /// Lengths for G43, along the third main axis.
+    /// Tool lengths for G43, along the third main axis.
     pub tools: ToolLengths,
 }
 
 impl<const AXES: usize> ForeignSetup<AXES> {
-    /// None: ISG's language.
+    /// The setup for ISG's language.
     pub(super) const ISG: Self = Self {
         dialect: Dialect::Isg,
         offsets: [[Position::ZERO; AXES]; MORE_OFFSETS],
@@ -72,7 +72,7 @@ impl<const AXES: usize> ForeignSetup<AXES> {
         tools: ToolLengths::NONE,
     };
 
-    /// Of a machine.
+    /// The setup from the data of a machine.
     pub(super) fn new(machine: &MachineData<AXES>) -> Self {
         let channel = &machine.channel.foreign;
         let mut setup = Self { dialect: channel.dialect, ..Self::ISG };
@@ -95,51 +95,51 @@ impl<const AXES: usize> ForeignSetup<AXES> {
     }
 }
 
-/// What is in force beside [`Modal`].
+/// Modal state of other dialects, in addition to [`Modal`].
 #[derive(Clone, Copy)]
 pub(super) struct State<const AXES: usize> {
-    /// Offsets of G92 and G52, in force or suspended.
+    /// Offsets of G92 and G52; they may be suspended.
     pub here: [Position; AXES],
-    /// They are not in force: G92.2.
+    /// Whether the offsets of G92 and G52 are suspended: G92.2.
     pub here_off: bool,
-    /// Tool length in force.
+    /// Tool length in force, for each axis.
     pub length: [Position; AXES],
     pub cycle: Option<Cycle>,
-    /// G80: axis words need a motion word.
+    /// G80 is in force: axis words need a motion word.
     pub no_motion: bool,
-    /// G99.
+    /// G99 is in force.
     pub to_level: bool,
-    /// G93.
+    /// G93 is in force.
     pub by_time: bool,
-    /// G95.
+    /// G95 is in force.
     pub per_turn: bool,
-    /// G96.
+    /// G96: the surface speed, if in force.
     pub surface: Option<Surface>,
-    /// S, 1/min.
+    /// Spindle speed S, 1/min.
     pub speed: Position,
-    /// M3 or M4; 0 when off.
+    /// Spindle word: 3 or 4; 0 if the spindle is off.
     pub spindle: u16,
-    /// 1 for M7, 2 for M8.
+    /// Coolant: bit 0 for M7, bit 1 for M8.
     pub coolant: u8,
-    /// G64 rounds corners, by so much at most.
+    /// G64: largest deviation of rounded corners; `None` without rounding.
     pub blend: Option<Position>,
-    /// F as a number of degrees, where inches scale that of lengths.
+    /// F in degrees per minute. With inches, the length unit scales F for lengths, but not for degrees.
     pub degrees: Option<Feed>,
-    /// T.
+    /// Tool number T.
     pub tool: u32,
 }
 
-/// A cycle in force. Levels are program coordinates, or increments.
+/// An active cycle. Levels are program coordinates, or increments.
 #[derive(Clone, Copy)]
 pub(super) struct Cycle {
     pub kind: CycleKind,
     pub r: Position,
     pub bottom: Position,
-    /// Q, and what its rounding left.
+    /// Depth of a peck (Q), and its rounding remainder.
     pub peck: (Position, i64),
     pub back: Position,
     pub dwell: Position,
-    /// Machine coordinate of the tool before the first cycle of the row.
+    /// Machine coordinate of the tool before the first of consecutive cycles.
     pub from: Position,
 }
 
@@ -163,11 +163,11 @@ impl<const AXES: usize> State<AXES> {
     };
 }
 
-/// A comment that is meant for somebody.
+/// A comment with an effect.
 #[derive(Clone, Copy, PartialEq, Eq)]
 #[repr(u8)]
 pub(super) enum Note {
-    /// `(MSG, text)`. From 1, so that a comment that is not there is all zero.
+    /// `(MSG, text)`. The numbers start at 1, so that all bytes are zero if there is no comment.
     Message = 1,
     /// `(DEBUG, …)`, `(PRINT, …)`, `(LOG…, …)`, `(PROBE…)`.
     Other,
@@ -175,38 +175,38 @@ pub(super) enum Note {
     Abort,
 }
 
-/// All that only programs of other dialects have.
+/// State that only programs of other dialects need.
 pub(super) struct Foreign<const AXES: usize> {
     pub now: State<AXES>,
-    /// For a line that is refused.
+    /// State before the line, restored if the line is refused.
     before: State<AXES>,
-    /// Plain lines may be read by [`super::plain`].
+    /// Whether [`super::plain`] may read plain lines.
     plain: bool,
-    /// A line `%` has come.
+    /// Whether a line `%` has been read.
     percent: bool,
-    /// An active comment of the line at hand.
+    /// An active comment of the current line.
     pub note: Option<(Note, Place)>,
-    /// Where the text of the message to be handed out stands.
+    /// Place of the text of the message that is due.
     pub message: Place,
     course: Course<AXES>,
-    /// M word that ends the block behind its motions.
+    /// M word that ends the block after its motions.
     tail: Option<(u16, Span)>,
-    /// M5 and M9 of Fanuc's programs, which come behind the motion of their block.
+    /// M5 and M9 of Fanuc programs, which act after the motion of their block.
     behind: [Option<(u16, Span)>; 2],
-    /// Output or input of the line at hand; outputs: whether at once.
+    /// Output or input of the current line. `true` for an output that acts at once.
     pub output: (Function, bool),
     saved: SavedStates<AXES>,
-    /// The warning about least increments has been given.
+    /// Whether the warning about least increments has been given.
     told_increments: bool,
-    /// The words that made the course.
+    /// The words from which the course was made.
     span: Span,
     calls: Calls,
-    /// Subprogram of M98, and how often.
+    /// Subprogram of M98, and number of calls.
     called: (u32, u32),
 }
 
 impl<const AXES: usize> Foreign<AXES> {
-    /// Nothing is in it. All bytes are zero, so that a static channel takes no flash.
+    /// An empty state. All bytes are zero, so that a static channel takes no flash.
     pub const BLANK: Self = Self {
         now: State::START,
         before: State::START,
@@ -225,19 +225,19 @@ impl<const AXES: usize> Foreign<AXES> {
         called: (0, 0),
     };
 
-    /// Parts of the block at hand are still to come.
+    /// Whether parts of the current block are still to come.
     pub const fn is_under_way(&self) -> bool {
         self.course.is_some() || self.tail.is_some() || matches!(self.behind, [Some(_), _] | [_, Some(_)])
     }
 }
 
 impl<const AXES: usize> Interpreter<AXES> {
-    /// Whether programs are ISG's.
+    /// Whether programs are in ISG's language.
     pub fn is_isg(&self) -> bool {
         self.setup.foreign.dialect == Dialect::Isg
     }
 
-    /// Whether a plain line means the same in the dialect at hand.
+    /// Whether a plain line means the same in the current dialect.
     pub fn takes_plain(&self, line: &Line) -> bool {
         self.is_isg()
             || self.foreign.plain
@@ -246,7 +246,7 @@ impl<const AXES: usize> Interpreter<AXES> {
                 && (!self.setup.foreign.dialect.is_fanuc() || fanuc::has_points(line.bytes()))
     }
 
-    /// A channel begins.
+    /// Sets the state at the start of a channel.
     pub fn begin_foreign(&mut self) {
         self.foreign = Foreign::BLANK;
         if !self.is_isg() {
@@ -254,10 +254,10 @@ impl<const AXES: usize> Interpreter<AXES> {
         }
     }
 
-    /// What holds at program start. The unit, F, G92 and the tool length stay.
+    /// Sets the state at program start. The unit, F, G92 and the tool length stay.
     pub fn begin_program(&mut self, mode: Mode) {
         let Modal { inch, diameter, shift, .. } = self.modal;
-        // In inverse time F is of its block alone.
+        // With inverse time, F is valid only for its own block.
         let feed = self.modal.feed.filter(|_| !self.foreign.now.by_time && !self.foreign.now.per_turn);
         self.modal = Modal { mode, inch, diameter, feed, shift, zero_set: Some(0), ..Modal::BLANK };
         let State { here, here_off, length, degrees, tool, speed, .. } = self.foreign.now;
@@ -271,12 +271,13 @@ impl<const AXES: usize> Interpreter<AXES> {
         self.settle_plain();
     }
 
-    /// No call, loop or branch is open.
+    /// Closes all calls, loops and branches.
     pub fn clear_calls(&mut self) {
         self.foreign.calls.clear();
     }
 
-    /// Whether plain lines may be read as such: no cycle, no G80, and no axis whose F counts in another unit.
+    /// Updates whether [`super::plain`] may read plain lines. This needs three conditions: no cycle, no G80,
+    /// and no axis whose F counts in another unit.
     fn settle_plain(&mut self) {
         let State { cycle, no_motion, by_time, per_turn, surface, degrees, .. } = &self.foreign.now;
         let turns = self.setup.kinds.contains(&AxisKind::Rotary) && (self.modal.inch || degrees.is_some());
@@ -285,7 +286,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         self.foreign.plain = cycle.is_none() && !no_motion && !by_time && !by_spindle && !others;
     }
 
-    /// G92 and the tool length make one shift.
+    /// Computes the common shift of G92 and the tool length.
     fn settle_shift(&mut self) {
         let State { here, here_off, length, .. } = &self.foreign.now;
         for ((shift, here), length) in self.modal.shift.iter_mut().zip(here).zip(length) {
@@ -294,7 +295,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         }
     }
 
-    /// A line that is refused leaves nothing behind.
+    /// Restores the state before a refused line.
     pub fn refuse_foreign(&mut self) {
         self.foreign.note = None;
         if self.foreign.is_under_way() || matches!(self.before, Before::All(_)) {
@@ -303,7 +304,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         (self.foreign.course, self.foreign.tail, self.foreign.behind) = (Course::None, None, [None; 2]);
     }
 
-    /// The next part of a block that makes several, or what stands behind its motions.
+    /// Emits the next part of a block with several parts, or the words after its motions.
     pub fn foreign_part(&mut self, line: &Line) {
         let mut position = self.position;
         let Foreign { course, span, .. } = &mut self.foreign;
@@ -326,7 +327,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         let _ = self.queue.push_back(Item { span, kind: item });
     }
 
-    /// A motion of a block that makes several.
+    /// A motion of a block with several motions.
     fn part(&self, kind: MotionKind, target: [Position; AXES], place: Place) -> Motion<AXES> {
         let moved = target.iter().zip(&self.position).enumerate().filter(|(_, (to, from))| to != from);
         let named = moved.fold(0_u32, |bits, (axis, _)| bits | 1_u32.wrapping_shl(axis as u32));
@@ -344,7 +345,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         }
     }
 
-    /// M0, M1, M2, M30 and M60 behind the motions of their block.
+    /// Carries out M0, M1, M2, M30 or M60 after the motions of their block.
     fn end_block(&mut self) {
         for slot in &mut self.foreign.behind {
             if let Some((code, span)) = slot.take() {
@@ -362,7 +363,8 @@ impl<const AXES: usize> Interpreter<AXES> {
         let _ = self.queue.push_back(Item { span, kind });
     }
 
-    /// M2 and M30: spindle and coolant off, and what holds at program start. Line is the motion behind it.
+    /// M2 and M30: switches spindle and coolant off, and restores the state at program start. The motion word
+    /// is then G1.
     fn end_program(&mut self, span: Span) {
         let State { spindle, coolant, blend, .. } = self.foreign.now;
         let blends = blend.is_some();
@@ -375,7 +377,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         self.phase = Phase::Ended;
     }
 
-    /// The text has ended, without M2 or M30.
+    /// Handles the end of the text without M2 or M30.
     ///
     /// # Errors
     /// A subroutine, a loop or a branch is not closed.

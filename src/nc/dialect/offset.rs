@@ -1,4 +1,4 @@
-//! Shifts of the origin: zero offsets, G92, tool lengths; and the places of G28 and G30.
+//! Shifts of the origin: zero offsets, G92 and tool lengths. Also the positions of G28 and G30.
 use super::block::{Block, Said};
 use super::words::Meaning;
 use crate::machine::{Dialect, ZERO_OFFSETS, of_tenths};
@@ -9,7 +9,7 @@ use crate::nc::line::Line;
 use crate::nc::{Fault, NcErrorKind, NcWarningKind, Span};
 use crate::quantity::Position;
 
-/// Zero offsets: G54…G59.3.
+/// Number of zero offsets: G54…G59.3.
 const SETS: u32 = 9;
 
 impl<const AXES: usize> Interpreter<AXES> {
@@ -21,14 +21,14 @@ impl<const AXES: usize> Interpreter<AXES> {
         }
     }
 
-    /// G59.1…G59.3 of an axis; 0 where another zero offset is in force.
+    /// Offset of an axis by G59.1…G59.3; 0 if another zero offset is in force.
     pub fn more_offset(&self, axis: usize) -> Position {
         let more = self.modal.zero_set.and_then(|set| set.checked_sub(ZERO_OFFSETS));
         let set = more.and_then(|more| self.setup.foreign.offsets.get(more));
         set.and_then(|set| set.get(axis)).copied().unwrap_or(Position::ZERO)
     }
 
-    /// Carries out words that store or clear an offset, in their order.
+    /// Carries out words that store or clear an offset, in the order of the dialect.
     pub(super) fn store(&mut self, said: Said, block: &mut Block<AXES>) -> Result<(), Fault> {
         let clears = matches!(said.word.meaning, Meaning::HereClear | Meaning::HereOff | Meaning::HereBack);
         if let (true, Some(first)) = (clears, block.first) {
@@ -128,7 +128,7 @@ impl<const AXES: usize> Interpreter<AXES> {
             Some(set) => set as usize,
             None => self.modal.zero_set.unwrap_or(0),
         };
-        // No value is stored unless the whole block is right.
+        // No value is stored if any word of the block is wrong.
         block.is_used_up()?;
         let mut stored = [None; AXES];
         for ((axis, given), stored) in block.axes.iter().enumerate().zip(&mut stored) {
@@ -189,7 +189,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         Ok(())
     }
 
-    /// The length of a tool. Without a table it is 0, with a warning.
+    /// The length of a tool. Without a tool table, the length is 0, with a warning.
     fn length_of(&mut self, (number, span): (u32, Span), line: &Line) -> Result<Position, Fault> {
         let tools = &self.setup.foreign.tools;
         match tools.of(number) {

@@ -1,4 +1,4 @@
-//! What the words of a line do, in the order that the dialects share: the order of the text does not count.
+//! Carries out the words of a line, in an order that all dialects share. The order in the text has no effect.
 use super::block::{Block, Said, skip_switch};
 use super::course::{Course, Spiral, Turns};
 use super::words::{Meaning, NOT_BUILT, group};
@@ -14,17 +14,17 @@ use crate::nc::number::Factor;
 use crate::nc::{ArcBy, DwellTime, Fault, Motion, MotionKind, NcErrorKind, NcWarningKind, Span, real};
 use crate::quantity::{Feed, Position};
 
-/// Most turns of an arc.
+/// Largest number of turns of an arc.
 const TURNS: u32 = 10_000;
 
-/// Radii of one arc may differ by so much, mm, however small they are.
+/// Radii of one arc may differ by this value, mm, for any radius.
 const PIECE: f64 = 0.005;
 
-/// A longer dwell may be meant in milliseconds.
+/// A longer dwell gives a warning: the value may be meant in milliseconds.
 const LONG_DWELL: Position = Position::const_from_int(60);
 
 impl<const AXES: usize> Interpreter<AXES> {
-    /// A line of a program of another dialect than ISG's.
+    /// Decodes a line of a program in another dialect than ISG's.
     #[inline(never)]
     pub fn foreign_line(&mut self, line: &Line, bounds: Bounds) -> Result<Next, Refusal> {
         let mut c = Cursor::new(line.bytes());
@@ -79,7 +79,7 @@ impl<const AXES: usize> Interpreter<AXES> {
             self.take_note()?;
             return Ok(next);
         }
-        // All values first: a line with much arithmetic goes on in the next call.
+        // All values are read first. A line with much arithmetic continues in the next call.
         let mut block = self.read_block(&mut c)?;
         self.take_note()?;
         self.carry_out(&mut block, line)?;
@@ -91,7 +91,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         Ok(self.go_to(&block, line, bounds)?)
     }
 
-    /// Whether the line is a command to Grbl that reports or unlocks, and moves nothing.
+    /// Whether the line is a command to Grbl that reports or unlocks, and moves no axis.
     fn is_report(&self, line: &Line) -> bool {
         const REPORTS: [&[u8]; 8] = [b"?", b"$", b"$$", b"$#", b"$G", b"$I", b"$N", b"$X"];
         self.setup.foreign.dialect == Dialect::Grbl
@@ -101,7 +101,7 @@ impl<const AXES: usize> Interpreter<AXES> {
             })
     }
 
-    /// What an active comment of the line does.
+    /// Carries out an active comment of the line.
     fn take_note(&mut self) -> Result<(), Refusal> {
         match self.foreign.note.take() {
             None => {}
@@ -118,7 +118,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         Ok(())
     }
 
-    /// M98 and M99.
+    /// Carries out M98 and M99.
     fn go_to(&mut self, block: &Block<AXES>, line: &Line, bounds: Bounds) -> Result<Next, Fault> {
         let said = block.said(group::USER).filter(|_| functions::DIALECTS.is_built());
         let Some(said) = said else { return Ok(Next::Line) };
@@ -132,7 +132,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         }
     }
 
-    /// P and L of M98.
+    /// Reads P and L of M98.
     fn read_call(&mut self, block: &mut Block<AXES>) -> Result<(), Fault> {
         let is_call = |said: &Said| functions::DIALECTS.is_built() && said.word.meaning == Meaning::Call;
         let Some(said) = block.said(group::USER).filter(is_call) else { return Ok(()) };
@@ -154,7 +154,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         Ok(())
     }
 
-    /// `%`: the first one begins a program, the next one ends it.
+    /// Handles a line `%`: the first one begins a program, the next one ends it.
     fn percent(&mut self, c: &mut Cursor<'_>, line: &Line) -> Result<Next, Fault> {
         let span = c.here();
         c.bump();
@@ -196,7 +196,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         self.least_increments(block, self.modal.inch != converts, line);
         let feed = block.take(b'F');
         if let (Some(given), false) = (feed, grbl) {
-            // LinuxCNC takes F before the unit.
+            // LinuxCNC reads F before the change of unit.
             if converts {
                 self.warn(line, given.span, NcWarningKind::FeedBeforeUnit);
             }
@@ -218,7 +218,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         self.drop_unused(block);
         block.is_used_up()?;
         if self.foreign.now.by_time {
-            // F is of its block alone.
+            // F is valid only for its own block.
             self.modal.feed = None;
         }
         self.settle_plain();
@@ -237,7 +237,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         Ok(())
     }
 
-    /// F per minute; 0 is none.
+    /// Sets F per minute; 0 means none.
     fn set_feed(&mut self, given: Given) -> Result<(), Fault> {
         let range =
             NcErrorKind::Range { what: "F", min: 0, max: 2_147_483_647, unit: "mm/min", above: false };
@@ -256,7 +256,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         Ok(())
     }
 
-    /// S, T, M6, spindle, coolant, other M.
+    /// Carries out S, T, M6, spindle, coolant and other M words.
     fn functions(&mut self, block: &mut Block<AXES>, line: &Line) -> Result<(), Fault> {
         self.speed(block, line)?;
         if let Some(given) = block.take(b'T') {
@@ -288,7 +288,7 @@ impl<const AXES: usize> Interpreter<AXES> {
                 Meaning::Spindle | Meaning::Coolant
                     if matches!(number, 5 | 9) && self.setup.foreign.dialect.is_fanuc() =>
                 {
-                    // M5 and M9 are of different groups.
+                    // M5 and M9 are in different groups.
                     let [spindle, coolant] = &mut self.foreign.behind;
                     *(if number == 5 { spindle } else { coolant }) = Some((number, span));
                     continue;
@@ -316,7 +316,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         Ok(())
     }
 
-    /// S: with G96 a speed of the surface, of which the spindle speed is put out.
+    /// S: with G96, the surface speed. The spindle speed that results is output.
     fn speed(&mut self, block: &mut Block<AXES>, line: &Line) -> Result<(), Fault> {
         let said = block.said(group::SPINDLE_MODE).filter(|_| functions::DIALECTS.is_built());
         if let Some(said) = said {
@@ -331,7 +331,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         let kind = NcErrorKind::Range { what: "S", min: 0, max: 2_147_483_647, unit: "1/min", above: false };
         let mut speed = speed.ok_or(Fault { span: given.span, kind })?;
         if let (Some(surface), true) = (&mut self.foreign.now.surface, functions::DIALECTS.is_built()) {
-            // Metres, or feet.
+            // Metres or feet per minute.
             let unit = block
                 .said(group::UNITS)
                 .map_or(self.modal.inch, |said| said.word.meaning == Meaning::Inch(true));
@@ -343,7 +343,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         self.push(ItemKind::Spindle(speed), given.span)
     }
 
-    /// With G96 a block with axis words begins with the spindle speed for the place where it begins.
+    /// With G96, a block with axis words begins with the spindle speed for its start position.
     fn follow_surface(&mut self, block: &Block<AXES>) -> Result<(), Fault> {
         let surface = self.foreign.now.surface.filter(|_| functions::DIALECTS.is_built());
         let (Some(surface), Some(span)) = (surface, block.first) else { return Ok(()) };
@@ -354,7 +354,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         Ok(())
     }
 
-    /// M19 without an angle, or to 0.
+    /// Accepts M19 without an angle, or with the angle 0.
     fn no_angle(&self, block: &mut Block<AXES>) -> Result<(), Fault> {
         match block.take(b'R') {
             Some(given) if given.number.real() != 0.0 => given
@@ -364,7 +364,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         }
     }
 
-    /// G4.
+    /// Carries out G4.
     fn dwell(&mut self, block: &mut Block<AXES>, line: &Line) -> Result<(), Fault> {
         let Some(said) = block.said(group::NON_MODAL) else { return Ok(()) };
         if said.word.meaning != Meaning::Dwell {
@@ -384,7 +384,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         self.push(ItemKind::Dwell(DwellTime::Seconds(time)), said.span)
     }
 
-    /// Words that stay in force, but for the motion.
+    /// Carries out words that stay in force, except for the motion word.
     fn settings(&mut self, block: &mut Block<AXES>, line: &Line) -> Result<(), Fault> {
         const ORDER: [u8; 8] = [
             group::PLANE,
@@ -418,7 +418,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         Ok(())
     }
 
-    /// G61 and G61.1: corners as programmed, with or without a standstill.
+    /// G61 and G61.1: exact corners, passed without or with a stop.
     pub(super) fn path_mode(&mut self, stops: bool, span: Span) -> Result<(), Fault> {
         if self.foreign.now.blend.take().is_some() {
             self.push(ItemKind::Switch(260), span)?;
@@ -429,7 +429,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         Ok(())
     }
 
-    /// G64 with the largest deviation P; without it, or with 0, that of the machine data.
+    /// G64: P is the largest deviation. Without P, or with P0, the machine data give it.
     fn blend(&mut self, block: &mut Block<AXES>, span: Span, line: &Line) -> Result<(), Fault> {
         span.needs(functions::CONTOUR)?;
         let given = block.take(b'P');
@@ -455,7 +455,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         self.blend_by(deviation, span)
     }
 
-    /// Corners are rounded by so much at most.
+    /// Rounds corners with this largest deviation.
     pub(super) fn blend_by(&mut self, deviation: Position, span: Span) -> Result<(), Fault> {
         if core::mem::take(&mut self.modal.exact_stop) {
             self.push(ItemKind::Switch(359), span)?;
@@ -464,7 +464,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         self.push(ItemKind::Blend(deviation), span)
     }
 
-    /// Words that use the axes of the block: at most one.
+    /// Carries out the word that uses the axes of the block; there is at most one.
     fn moves_of(&mut self, block: &mut Block<AXES>, line: &Line) -> Result<Course<AXES>, Fault> {
         let single = block.said(group::NON_MODAL);
         let end = block.said(group::CYCLE_END);
@@ -529,9 +529,9 @@ impl<const AXES: usize> Interpreter<AXES> {
         Ok(course)
     }
 
-    /// G38.2…G38.5: the motion of the block becomes a probing motion. The next one needs its word.
+    /// G38.2…G38.5: makes the motion of the block a probing motion. The next block needs a motion word.
     fn probe(&mut self, tenth: u8, span: Span) -> Result<(), Fault> {
-        // The motion of a line before is still there.
+        // Without a motion in this block, the motion of an earlier line is still stored.
         if !self.moves || self.gathered.motion().is_none() {
             return span.fault(NcErrorKind::Missing("axis words"));
         }
@@ -540,7 +540,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         self.push(ItemKind::Probe(tenth), span)
     }
 
-    /// A word of the motion group.
+    /// Carries out a word of the motion group.
     fn choose_motion(&mut self, said: Said, block: &Block<AXES>) -> Result<(), Fault> {
         let now = &mut self.foreign.now;
         match said.word.meaning {
@@ -553,7 +553,7 @@ impl<const AXES: usize> Interpreter<AXES> {
                 (now.cycle, now.no_motion) = (None, false);
             }
             Meaning::NoMotion => {
-                // Fanuc goes on with the motion word that held before the cycle.
+                // Fanuc continues with the motion word from before the cycle.
                 (now.cycle, now.no_motion) = (None, !self.setup.foreign.dialect.is_fanuc());
                 if !now.no_motion {
                     return Ok(());
@@ -568,7 +568,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         Ok(())
     }
 
-    /// G28 and G30.
+    /// Carries out G28 and G30.
     fn home(&mut self, place: u8, block: &Block<AXES>, span: Span) -> Result<Course<AXES>, Fault> {
         let stored = self.setup.foreign.stored.get(usize::from(place)).copied();
         let stored = stored.unwrap_or([Position::ZERO; AXES]);
@@ -599,7 +599,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         Ok(Course::Home { way: Some(way), to })
     }
 
-    /// G0 to G3 in force, with the axis words of the block.
+    /// Moves by the G0…G3 word in force, with the axis words of the block.
     fn move_by(
         &mut self,
         block: &mut Block<AXES>,
@@ -620,7 +620,7 @@ impl<const AXES: usize> Interpreter<AXES> {
             };
         }
         if !arc || machine {
-            // Fanuc's G53 is rapid motion.
+            // On Fanuc, G53 is rapid motion.
             let mode = self.modal.mode;
             if machine && self.setup.foreign.dialect.is_fanuc() {
                 self.modal.mode = Mode::Rapid;
@@ -638,7 +638,8 @@ impl<const AXES: usize> Interpreter<AXES> {
         for (slot, letter) in words.centre.iter_mut().zip([b'I', b'J', b'K']) {
             *slot = block.take(letter);
         }
-        // Grbl does not look at the one outside of the plane. Posts write K0, which moves nothing in LinuxCNC either.
+        // Grbl ignores the centre word outside the plane. Postprocessors write K0, which has no effect in
+        // LinuxCNC either.
         let [first, second] = self.modal.plane.main_axes();
         let grbl = self.setup.foreign.dialect == Dialect::Grbl;
         if let Some(slot) = words.centre.get_mut(3 - first - second)
@@ -666,7 +667,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         self.feed_of_turns(words.first.unwrap_or_default())
     }
 
-    /// With G93 the motion gets the feed at which it takes its time.
+    /// With G93, sets the feed so that the motion takes the programmed time.
     fn feed_of_time(&mut self, start: &[Position; AXES]) {
         if let (true, true, Gathered::Motion(cell)) = (self.foreign.now.by_time, self.moves, &self.gathered) {
             let motion = cell.get();
@@ -676,7 +677,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         }
     }
 
-    /// Where only rotary axes move, F counts in degrees with inches too.
+    /// If only rotary axes move, F counts in degrees, also with inches.
     fn feed_in_degrees(&mut self, start: &[Position; AXES]) {
         let (Some(feed), Gathered::Motion(cell)) = (self.foreign.now.degrees, &self.gathered) else { return };
         let mut motion = cell.get();
@@ -689,7 +690,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         }
     }
 
-    /// G2 and G3; `turns` is P.
+    /// Carries out G2 and G3; `turns` is P.
     fn move_round(
         &mut self,
         words: &mut Words<AXES>,
@@ -741,8 +742,8 @@ impl<const AXES: usize> Interpreter<AXES> {
         Ok(Course::Turns(Turns { start, end, axes, centre, plane, clockwise, full: turns - 1, done: 0 }))
     }
 
-    /// An arc whose radii at its ends differ more than one motion takes: a spiral in several. One that is so small
-    /// that the difference leaves no arc is a straight line.
+    /// An arc whose radii at both ends differ by more than one motion permits: a spiral of several arcs. If
+    /// the arc is so small that the difference leaves no arc, it becomes a straight line.
     fn spiral(&mut self, start: &[Position; AXES], span: Span) -> Course<AXES> {
         let Gathered::Motion(cell) = &self.gathered else { return Course::None };
         let motion = cell.get();
@@ -755,7 +756,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         let [from, to] = [start, &end].map(|point| turns.radius(point));
         let difference = real::abs(to - from);
         let small = if from < to { from } else { to };
-        // LinuxCNC takes half a thousandth of an inch where the program counts in inches.
+        // For a program in inches, LinuxCNC permits half a thousandth of an inch.
         let inches = self.modal.inch && self.setup.foreign.dialect == Dialect::LinuxCnc;
         let least = if inches { 0.0127 } else { PIECE };
         if small > 0.0 && difference <= PIECE && difference > small / 4.0 {
@@ -775,7 +776,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         Course::Spiral(Spiral { turns, radii: [from, to], count })
     }
 
-    /// R of an arc.
+    /// Reads R of an arc.
     fn radius_of(&self, given: Given) -> Result<Position, Fault> {
         let radius = given.number.fixed(self.length_factor());
         let radius = radius.filter(|r| *r != Position::ZERO && in_range(*r));

@@ -16,7 +16,7 @@ const PORTS: u32 = 255;
 const LONGEST: i64 = 4_000_000;
 
 impl<const AXES: usize> Interpreter<AXES> {
-    /// The word of the block for an output or an input.
+    /// Carries out the word of the block for an output or an input.
     pub(super) fn outputs(&mut self, block: &mut Block<AXES>) -> Result<(), Fault> {
         let said = block.said(group::OUTPUT).filter(|_| functions::DIALECTS.is_built());
         let Some(said) = said else { return Ok(()) };
@@ -50,7 +50,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         Ok(self.whole(given, "the port", PORTS)? as u8)
     }
 
-    /// M66.
+    /// Reads the words of M66.
     fn input(&self, block: &mut Block<AXES>, span: Span) -> Result<InputWait, Fault> {
         let is_analog = block.value(b'E').is_some();
         let port = if is_analog {
@@ -73,7 +73,7 @@ impl<const AXES: usize> Interpreter<AXES> {
                 let kind =
                     NcErrorKind::Range { what: "Q", min: 0, max: LONGEST as u32, unit: "s", above: true };
                 let time = seconds.filter(fits).ok_or(Fault { span: given.span, kind })?;
-                // Below 2^54 times 1000.
+                // A value below 2^54 times 1000.
                 ((i128::from(time.to_bits()) * 1000 + 0xffff_ffff) >> 32) as u32
             }
             // LinuxCNC accepts Q without effect here.

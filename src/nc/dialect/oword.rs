@@ -1,6 +1,6 @@
-//! O words: subroutines, loops, branches; and subprograms by number, M98 and M99.
+//! O words: subroutines, loops and branches. Also subprograms by number, M98 and M99.
 //!
-//! A word finds its partner by its label, `o100` or `o<name>`. In skipped lines only O words are read.
+//! A word finds its partner by its label, `o100` or `o<name>`. In skipped lines, only O words are read.
 use super::Interpreter;
 use super::block::literal;
 use super::parameter::{ARGUMENTS, name};
@@ -17,20 +17,20 @@ use heapless::Vec;
 /// The label after O: a number, or the hash of a name with bit 31 set.
 pub(super) type Label = u32;
 
-/// The reason why lines are skipped.
+/// Whether lines are skipped, and up to which O word.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Skip {
     /// No lines are skipped.
     No,
-    /// Up to `endsub`: a definition is not carried out in its place.
+    /// Up to `endsub`: a definition is skipped, not carried out.
     Sub(Label),
     /// Up to `elseif`, `else` or `endif`.
     Branch(Label),
     /// Up to `endif`.
     EndIf(Label),
-    /// Up to the end of a loop that is left.
+    /// Up to the end of a loop that the program leaves.
     Out(Label),
-    /// Up to the `while` that ends a `do` loop, which is then carried out.
+    /// Up to the `while` at the end of a `do` loop. This `while` is then carried out.
     Round(Label),
     /// Up to the subprogram with this number.
     Program(Label),
@@ -39,15 +39,15 @@ pub(super) enum Skip {
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Kind {
     If,
-    /// The mark is the line of the condition.
+    /// A `while` loop; the mark is the line of the condition.
     While(Mark2),
-    /// The mark is the first line inside.
+    /// A `do` loop; the mark is its first line inside.
     Do(Mark2),
-    /// The mark is the first line inside; the number counts the remaining rounds.
+    /// A `repeat` loop; the mark is its first line inside, and the number counts the remaining rounds.
     Repeat(Mark2, u32),
 }
 
-/// A mark that can be compared.
+/// A mark in the text that can be compared.
 type Mark2 = (u32, u32, u16);
 
 const fn packed(mark: Mark) -> Mark2 {
@@ -78,7 +78,7 @@ struct Frame {
     locals: [f64; ARGUMENTS],
     /// For M98: the first line, once known, and the number of remaining runs.
     again: Option<(Mark2, u32)>,
-    /// Whether the definition is still searched: it is in its own file, or after M98.
+    /// Whether the definition is still searched: in a file of its own, or later in the text after M98.
     seeks: bool,
 }
 
@@ -93,7 +93,7 @@ pub(super) struct Calls {
     blocks: Vec<Open, NESTING>,
     subroutines: Vec<(Label, Mark2), SUBROUTINES>,
     skip: Skip,
-    /// The origin of the skipping, for messages.
+    /// The place where skipping began, for messages.
     origin: Place,
 }
 
@@ -163,7 +163,7 @@ impl Calls {
     }
 }
 
-/// Keys of O words.
+/// Keywords of O words.
 const KEYS: [&str; 15] = [
     "SUB",
     "ENDSUB",
@@ -191,7 +191,7 @@ struct Head {
 }
 
 impl<const AXES: usize> Interpreter<AXES> {
-    /// Reads an O word at the start of a block; `None` if there is none, and nothing is read.
+    /// Reads an O word at the start of a block. Returns `None`, and reads nothing, if there is no O word.
     pub(super) fn o_word(
         &mut self,
         c: &mut Cursor<'_>,
@@ -262,7 +262,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         Ok(Head { label, name: spelled, span, key: key.unwrap_or("") })
     }
 
-    /// An O word in skipped lines.
+    /// Handles an O word in skipped lines.
     fn passed(
         &mut self,
         head: &Head,
@@ -332,7 +332,7 @@ impl<const AXES: usize> Interpreter<AXES> {
                 Next::Line
             }
             "ELSEIF" | "ELSE" => {
-                // After the branch that was taken: the condition is not evaluated.
+                // After a branch that was carried out, the condition is not evaluated.
                 self.close_branch(head)?;
                 self.skip(Skip::EndIf(head.label), head, line);
                 return Ok(Next::Line);
@@ -390,7 +390,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         }
     }
 
-    /// `endwhile` and `endrepeat`.
+    /// Carries out `endwhile` and `endrepeat`.
     fn go_round(&mut self, head: &Head) -> Result<Next, Fault> {
         let calls = &mut self.foreign.calls;
         let label = head.label;
@@ -412,7 +412,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         }
     }
 
-    /// `break` and `continue`.
+    /// Carries out `break` and `continue`.
     fn leave_or_go_on(&mut self, head: &Head, line: &Line) -> Result<Next, Fault> {
         let base = self.foreign.calls.base();
         let at = self
@@ -446,7 +446,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         self.foreign.calls.blocks.push(open).map_err(|_| full)
     }
 
-    /// `endif`, or the end of a branch.
+    /// Carries out `endif`, or the end of a branch.
     fn close_branch(&mut self, head: &Head) -> Result<(), Fault> {
         match self.foreign.calls.innermost() {
             Some(open) if open.label == head.label && open.kind == Kind::If => {
@@ -462,7 +462,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         self.foreign.calls.origin = line.place(head.span);
     }
 
-    /// `sub`: stores the definition and skips it.
+    /// Carries out `sub`: stores the definition and skips it.
     fn define(&mut self, head: &Head, line: &Line, bounds: Bounds) -> Result<Next, Fault> {
         let calls = &mut self.foreign.calls;
         if let Some(frame) = calls.frames.last_mut()
@@ -485,7 +485,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         Ok(Next::Line)
     }
 
-    /// `call [a] [b] …`.
+    /// Carries out `call [a] [b] …`.
     fn call_sub(&mut self, head: &Head, c: &mut Cursor<'_>, bounds: Bounds) -> Result<Next, Fault> {
         let mut arguments = [0.0; ARGUMENTS];
         let mut slots = arguments.iter_mut();
@@ -503,7 +503,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         };
         self.enter(head.label, bounds.next, head.span, None, body.is_none())?;
         if body.is_none() {
-            // The decoder takes this back if there is no such file.
+            // The decoder undoes the call if there is no such file.
             let frame = crate::nc::flow::Frame { back: bounds.next, program: self.flow.program, blocks: 0 };
             let deep = Fault { span: head.span, kind: NcErrorKind::CallTooDeep };
             if self.flow.frames.push(frame).is_err() {
@@ -533,14 +533,14 @@ impl<const AXES: usize> Interpreter<AXES> {
         Ok(())
     }
 
-    /// A call whose file does not exist has not begun.
+    /// Undoes a call whose file does not exist.
     pub(in crate::nc) fn leave_missing_file(&mut self) {
         if let Some(frame) = self.foreign.calls.frames.pop() {
             self.foreign.calls.locals = frame.locals;
         }
     }
 
-    /// `endsub`, `return`, M99.
+    /// Carries out `endsub`, `return` and M99.
     fn leave_sub(&mut self, head: &Head, value: Option<f64>) -> Result<Next, Fault> {
         let level = self.foreign.calls.level();
         let Some(frame) = self.foreign.calls.frames.last().copied() else {
@@ -569,7 +569,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         Next::At(mark(frame.back))
     }
 
-    /// M98 P L: the subprogram with number P, L times.
+    /// M98 P L: calls the subprogram with number P, L times.
     pub(super) fn call_program(
         &mut self,
         label: Label,
@@ -585,7 +585,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         Ok(Next::At(start))
     }
 
-    /// M99.
+    /// Carries out M99.
     pub(super) fn end_of_subprogram(&mut self, span: Span) -> Result<Next, Fault> {
         let level = self.foreign.calls.level();
         let Some(frame) = self.foreign.calls.frames.last_mut() else {
@@ -602,7 +602,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         Ok(self.go_back(&frame, level))
     }
 
-    /// The text of a file ends: returns to the caller, if `endsub` is missing.
+    /// At the end of a called file without `endsub`, returns to the caller.
     pub(super) fn end_of_called_file(&mut self) -> Option<Next> {
         if !functions::DIALECTS.is_built() {
             return None;

@@ -1,4 +1,5 @@
-//! `#` parameters: 1…30 of the call at hand, free ones up to 4999, those with names, and those that tell the state.
+//! `#` parameters: 1…30 of the current call, free ones up to 4999, named ones, and those that report the
+//! state.
 use super::Interpreter;
 use crate::machine::MORE_OFFSETS;
 use crate::nc::cursor::Cursor;
@@ -7,30 +8,30 @@ use crate::nc::{Fault, NcErrorKind, Plane, real};
 use crate::quantity::Position;
 use heapless::Vec;
 
-/// Arguments of a call, `#1`…`#30`.
+/// Number of arguments of a call, `#1`…`#30`.
 pub(super) const ARGUMENTS: usize = 30;
 
-/// Longest name of a parameter or a subroutine.
+/// Longest name of a parameter or a subroutine, characters.
 const NAME: usize = 63;
 
-/// Named parameters lie in the table of parameters, above all numbers.
+/// In the table of parameters, indices of named parameters have this bit; they are above all numbers.
 const NAMED: u32 = 1 << 31;
 
-/// Bits of a name's hash. With some ten names in a program, two with one hash are not expected.
+/// Bits of a name's hash. A program has some ten names, so two names with equal hashes are not expected.
 const HASH: u32 = (1 << 27) - 1;
 
-/// What stands between `<` and `>`, in upper case.
+/// The name between `<` and `>`, in upper case.
 pub(super) struct Name {
     letters: Vec<u8, NAME>,
 }
 
 impl Name {
-    /// Names with `_` in front are known everywhere.
+    /// Whether the name begins with `_`: such names are valid in the program and all subroutines.
     fn is_global(&self) -> bool {
         self.letters.first() == Some(&b'_')
     }
 
-    /// What it is refused with where it has no value.
+    /// The error if the name has no value.
     pub fn unset(&self) -> NcErrorKind {
         let of_machine = [&b"_HAL["[..], b"_INI["].iter().any(|lead| self.letters.starts_with(lead));
         if of_machine {
@@ -45,7 +46,7 @@ impl Name {
         (hash ^ hash >> 32) as u32
     }
 
-    /// Its place in the table; `level` is 0 outside of subroutines.
+    /// Index in the table. `level` is the call level, 0 outside of subroutines.
     pub fn index(&self, level: usize) -> u32 {
         let level = if self.is_global() { 0 } else { level as u32 + 1 };
         NAMED | (level & 15) << 27 | self.hash() & HASH
@@ -70,11 +71,11 @@ pub(super) fn name(c: &mut Cursor<'_>) -> Result<Name, Fault> {
     Ok(Name { letters })
 }
 
-/// Letters of axes in the order of LinuxCNC's tables.
+/// Letters of axes, in the order of LinuxCNC's tables.
 const AXES_IN_ORDER: &[u8; 9] = b"XYZABCUVW";
 
 impl<const AXES: usize> Interpreter<AXES> {
-    /// The number of a parameter that may be written: from 1 to 4999.
+    /// Reads the number of a parameter that a program may write: 1 to 4999.
     pub(super) fn target(&self, c: &mut Cursor<'_>) -> Result<u32, Fault> {
         let mark = c.mark();
         c.require(b'#', "#")?;
@@ -103,7 +104,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         Ok(())
     }
 
-    /// The value of `#n`. What was never written is 0.
+    /// The value of `#n`; 0 if nothing was written.
     pub(super) fn numbered(&self, n: f64) -> Result<f64, NcErrorKind> {
         let number = number_of(n).ok_or(NcErrorKind::ParameterIndex)?;
         if let Some(local) = (number as usize).checked_sub(1).and_then(|k| self.foreign.calls.locals.get(k)) {
@@ -118,13 +119,13 @@ impl<const AXES: usize> Interpreter<AXES> {
         Ok(self.calculator.parameters.get(number).unwrap_or(0.0))
     }
 
-    /// The value of `#<name>`; `None` where it has none.
+    /// The value of `#<name>`; `None` if it has no value.
     pub(super) fn named(&self, name: Name) -> Option<f64> {
         let index = name.index(self.foreign.calls.level());
         self.state_named(&name).or_else(|| self.calculator.parameters.get(index).ok())
     }
 
-    /// Parameters from 5000 on, that tell the state. Lengths in the unit in force.
+    /// Parameters from 5000 on, which report the state. Lengths are in the unit in force.
     fn state_numbered(&self, number: u32) -> Option<f64> {
         let letter = |at: u32| AXES_IN_ORDER.get(at as usize).copied();
         let foreign = &self.foreign.now;
@@ -155,7 +156,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         }
     }
 
-    /// Names that tell the state.
+    /// Named parameters that report the state.
     fn state_named(&self, name: &Name) -> Option<f64> {
         let truth = |b: bool| Some(if b { 1.0 } else { 0.0 });
         let now = &self.foreign.now;
@@ -210,13 +211,14 @@ impl<const AXES: usize> Interpreter<AXES> {
         }
     }
 
-    /// F as it is programmed.
+    /// F in the unit of the program.
     fn feed_in_unit(&self) -> Option<f64> {
         let feed = self.modal.feed?.to_bits() as f64 / 4_294_967_296.0;
         Some(if self.modal.inch && !self.foreign.now.by_time { feed / 25.4 } else { feed })
     }
 
-    /// A length of an axis in the unit in force; 0 where the machine lacks the axis. With G7 that of X is not told.
+    /// A length of an axis in the unit in force; 0 if the machine does not have the axis. Returns `None` for
+    /// X while G7 is in force.
     fn length_along(&self, places: &[Position; AXES], letter: u8) -> Option<f64> {
         if self.modal.diameter && letter == b'X' {
             return None;
@@ -227,7 +229,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         Some(mm * f64::from(factor.denominator) / f64::from(factor.numerator))
     }
 
-    /// Where the axis stands in program coordinates.
+    /// Position of the axis in program coordinates.
     fn place_along(&self, letter: u8) -> Option<f64> {
         let Some(axis) = self.letters.axis(letter) else { return Some(0.0) };
         let mut places = self.position;
@@ -237,11 +239,11 @@ impl<const AXES: usize> Interpreter<AXES> {
     }
 }
 
-/// What parameters that tell the state are refused with.
+/// The error for writing a parameter that reports the state.
 const READ_ONLY: NcErrorKind =
     NcErrorKind::Known { what: "a value for a parameter that tells the state", hint: "#1 to #4999" };
 
-/// A whole number above 0, as near as LinuxCNC asks for.
+/// A whole number above 0. `value` may differ from it as far as LinuxCNC permits.
 fn number_of(value: f64) -> Option<u32> {
     let whole = real::round(value);
     (real::abs(value - whole) < 1e-4 && (1.0..1e6).contains(&whole)).then_some(whole as u32)

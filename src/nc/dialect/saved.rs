@@ -1,4 +1,4 @@
-//! M70 to M73: modal state that is kept for the call at hand, and brought back.
+//! M70 to M73: save and restore the modal state of the current call.
 use super::spindle::Surface;
 use super::words::Meaning;
 use super::{Interpreter, State};
@@ -8,7 +8,7 @@ use crate::nc::modal::Modal;
 use crate::nc::{Fault, NcErrorKind, Plane, Span};
 use crate::quantity::{Feed, Position};
 
-/// What is on or off.
+/// Modes that are on or off.
 #[derive(Clone, Copy)]
 struct Modes {
     relative: bool,
@@ -21,7 +21,7 @@ struct Modes {
     diameter: bool,
 }
 
-/// What M70 keeps: all but the motion word and the offsets of G92.
+/// The state that M70 saves: all modal state except the motion word and the offsets of G92.
 #[derive(Clone, Copy)]
 pub(super) struct Saved<const AXES: usize> {
     modes: Modes,
@@ -62,39 +62,39 @@ impl<const AXES: usize> Saved<AXES> {
     };
 }
 
-/// States by call level, 0 for the main program.
+/// Saved states by call level; level 0 is the main program.
 pub(super) struct SavedStates<const AXES: usize> {
     states: [Saved<AXES>; CALL_DEPTH + 1],
-    /// A bit for each level whose state is kept.
+    /// One bit for each level with a saved state.
     kept: u16,
-    /// A bit for each level whose state comes back where it ends: M73.
+    /// One bit for each level whose state is restored at its end (M73).
     comes_back: u16,
 }
 
 impl<const AXES: usize> SavedStates<AXES> {
-    /// Nothing is kept; all bytes are zero.
+    /// No saved state; all bytes are zero.
     pub const BLANK: Self = Self { states: [Saved::BLANK; CALL_DEPTH + 1], kept: 0, comes_back: 0 };
 
-    /// Nothing is kept of a level.
+    /// Drops the saved state of a level.
     pub fn clear(&mut self, level: usize) {
         let others = !1_u16.wrapping_shl(level as u32);
         (self.kept, self.comes_back) = (self.kept & others, self.comes_back & others);
     }
 
-    /// What is kept of a level.
+    /// The saved state of a level.
     fn get(&self, level: usize) -> Option<Saved<AXES>> {
         let is_kept = self.kept & 1_u16.wrapping_shl(level as u32) != 0;
         self.states.get(level).filter(|_| is_kept).copied()
     }
 
-    /// Nothing is kept of any level.
+    /// Drops all saved states.
     pub fn clear_all(&mut self) {
         (self.kept, self.comes_back) = (0, 0);
     }
 }
 
 impl<const AXES: usize> Interpreter<AXES> {
-    /// M70 to M73.
+    /// Carries out M70 to M73.
     pub(super) fn keep_state(&mut self, meaning: Meaning, span: Span) -> Result<(), Fault> {
         let level = self.foreign.calls.level();
         match meaning {
@@ -147,14 +147,14 @@ impl<const AXES: usize> Interpreter<AXES> {
         Ok(())
     }
 
-    /// A call ends: what M73 has kept comes back.
+    /// Ends a call: restores the state that M73 saved.
     pub(super) fn end_of_level(&mut self, level: usize) {
         let saved = &mut self.foreign.saved;
         let comes_back = saved.comes_back & 1_u16.wrapping_shl(level as u32) != 0;
         let state = saved.get(level);
         saved.clear(level);
         if let Some(state) = state.filter(|_| comes_back) {
-            // The block of an end holds nothing else: there is room for what changes.
+            // The block that ends a call holds nothing else, so there is room for all changes.
             let _ = self.bring_back(&state, Span::default());
         }
         self.settle_plain();

@@ -5,24 +5,24 @@ use crate::nc::interpreter::{Gathered, Interpreter};
 use crate::nc::{Fault, Motion, MotionKind, NcErrorKind, Span, real};
 use crate::quantity::{Feed, Position};
 
-/// G96: speed of the surface, mm/min, and the highest spindle speed, 1/min, infinite without one.
+/// G96: surface speed, mm/min, and highest spindle speed, 1/min, which is infinite if not programmed.
 #[derive(Clone, Copy, PartialEq)]
 pub(in crate::nc) struct Surface {
     pub speed: f64,
     pub most: f64,
 }
 
-/// 2^32: the factor of an LSB.
+/// 2^32: converts a number to LSB.
 const BITS: f64 = 4_294_967_296.0;
 
 impl<const AXES: usize> Interpreter<AXES> {
-    /// F in mm/min: with G95 that at the programmed spindle speed.
+    /// F in mm/min. With G95, this is the feed at the programmed spindle speed.
     pub(super) fn path_feed(&self) -> Feed {
         let feed = self.modal.feed.unwrap_or(Feed::ZERO);
         if !functions::DIALECTS.is_built() || !self.foreign.now.per_turn {
             return feed;
         }
-        // Below 2^63 times below 2^63.
+        // A value below 2^63 times a value below 2^63.
         let product = (i128::from(feed.to_bits()) * i128::from(self.foreign.now.speed.to_bits())) >> 32;
         Feed::from_bits(i64::try_from(product).unwrap_or(i64::MAX).max(1))
     }
@@ -37,7 +37,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         Ok(())
     }
 
-    /// With G95 the motion gets its feed per minute.
+    /// With G95, sets the feed of the motion per minute.
     pub(super) fn feed_of_turns(&mut self, span: Span) -> Result<(), Fault> {
         let Gathered::Motion(cell) = &self.gathered else { return Ok(()) };
         let motion = cell.get();
@@ -52,7 +52,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         Ok(())
     }
 
-    /// G96 with S and D, and G97.
+    /// Carries out G96 with S and D, and G97.
     pub(super) fn choose_surface(
         &mut self,
         on: bool,

@@ -1,4 +1,4 @@
-//! G93: F is the inverse of the block's time in minutes. With the length of the path this gives a feed.
+//! G93: F is the inverse of the block's time in minutes. The path length times F is the feed.
 use crate::math::angle::atan2_turns;
 use crate::math::root::sqrt_wide;
 use crate::nc::interpreter::Interpreter;
@@ -13,7 +13,7 @@ fn root(x: u128) -> u128 {
     u128::from(sqrt_wide((x >> 64) as u64, x as u64))
 }
 
-/// Distance between two positions, LSB 2^-32.
+/// Distance between two positions, LSB 2^-32 mm or degree.
 fn between(from: Position, to: Position) -> u128 {
     u128::from(to.to_bits().abs_diff(from.to_bits()))
 }
@@ -23,7 +23,7 @@ impl<const AXES: usize> Interpreter<AXES> {
     /// feed.
     pub(super) fn feed_by_time(&self, motion: &Motion<AXES>, start: &[Position; AXES]) -> Feed {
         let per_minute = u128::from(motion.feed.to_bits().unsigned_abs());
-        // Below 2^55 times below 2^63.
+        // A value below 2^55 times a value below 2^63.
         let feed = (self.length(motion, start) * per_minute) >> 32;
         Feed::from_bits(i64::try_from(feed).unwrap_or(i64::MAX).max(1))
     }
@@ -71,7 +71,7 @@ impl<const AXES: usize> Interpreter<AXES> {
                 let turned = atan2_turns(y1, x1).wrapping_sub(atan2_turns(y0, x0));
                 let turned = if clockwise { turned.wrapping_neg() } else { turned };
                 let [x, y] = [x0, y0].map(|x| u128::from(x.unsigned_abs()));
-                // A nearly zero angle is a full circle.
+                // An angle of nearly zero is a full circle.
                 let full = turned < 1 << 10 || from == to;
                 (root(x * x + y * y), if full { 1 << 64 } else { u128::from(turned) })
             }
@@ -84,7 +84,7 @@ impl<const AXES: usize> Interpreter<AXES> {
                 (r, if radius < Position::ZERO { (1 << 64) - turned } else { turned })
             }
         };
-        // Below 2^51 times at most 2^64, then below 2^51 times below 2^63.
+        // A value below 2^51 times at most 2^64; then a value below 2^51 times a value below 2^63.
         (((radius * angle) >> 64) * TWO_PI) >> 60
     }
 }

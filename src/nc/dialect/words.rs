@@ -1,10 +1,10 @@
-//! The G and M words of LinuxCNC, Grbl and Fanuc: one table for the decoder and for whoever lists them.
+//! The G and M words of LinuxCNC, Grbl and Fanuc: one table for the decoder and for lists of words.
 use super::course::CycleKind;
 use crate::machine::{Dialect, functions};
 use crate::nc::Plane;
 use crate::nc::modal::Mode;
 
-/// What a word does.
+/// The effect of a word.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Meaning {
     /// G0…G3.
@@ -19,29 +19,29 @@ pub enum Meaning {
     Inch(bool),
     /// G10.
     Store,
-    /// G28, G30: the place with this number.
+    /// G28, G30: the number of the stored position.
     Home(u8),
     /// G28.1, G30.1.
     StoreHome(u8),
-    /// G53.
+    /// G53: positions are machine coordinates.
     Machine,
     /// G54…G59.3 by number, from 0.
     Offset(u8),
-    /// A word that says what is so anyway.
+    /// A word for a mode that is always in force; it has no effect.
     Nothing,
     /// G7 (true), G8: X is a diameter.
     Diameter(bool),
-    /// G43.
+    /// G43: tool length from the table.
     Length,
-    /// G43.1.
+    /// G43.1: tool length from the block.
     LengthNow,
-    /// G49.
+    /// G49: no tool length.
     NoLength,
-    /// G61.
+    /// G61: exact corners.
     ExactPath,
-    /// G61.1.
+    /// G61.1: a stop at each corner.
     ExactStop,
-    /// G64.
+    /// G64: corners are rounded.
     Blend,
     /// G91 (true), G90.
     Relative(bool),
@@ -49,9 +49,9 @@ pub enum Meaning {
     CentreAbsolute(bool),
     /// G93 (true), G94.
     ByTime(bool),
-    /// G38.2…G38.5, by the digit behind the point.
+    /// G38.2…G38.5, by the digit after the point.
     Probe(u8),
-    /// G95.
+    /// G95: feed per revolution.
     PerTurn,
     /// G96 (true), G97.
     Surface(bool),
@@ -59,61 +59,61 @@ pub enum Meaning {
     StopOnce,
     /// G44.
     LengthMinus,
-    /// A mode of the controller that changes no programmed path; its values are not used.
+    /// A mode of the controller that changes no programmed path; its values have no effect.
     Mode,
-    /// M49…M53, M56: overrides stay as they are, which is told.
+    /// M49…M53, M56: overrides stay as they are, and a warning reports this.
     Override,
     /// M62…M65: digital output on (true) or off, at once (true) or with the motion.
     Digital(bool, bool),
     /// M67, M68: analogue output, at once (true) or with the motion.
     Analog(bool),
-    /// M66.
+    /// M66: wait for an input.
     Input,
-    /// M19.
+    /// M19: orient the spindle.
     Orient,
-    /// M70, and M73 (true), which restores where the subroutine ends.
+    /// M70, or M73 (true), which restores the state at the end of the subroutine.
     Save(bool),
-    /// M71.
+    /// M71: drop the saved state.
     Forget,
-    /// M72.
+    /// M72: restore the saved state.
     Restore,
-    /// M61 Q: the tool number, without a change.
+    /// M61 Q: sets the tool number without a tool change.
     ToolNumber,
-    /// M98.
+    /// M98: call a subprogram.
     Call,
-    /// M99.
+    /// M99: return from a subprogram.
     Return,
-    /// G92.
+    /// G92: set coordinates.
     Here,
-    /// G92.1.
+    /// G92.1: clear the offsets of G92.
     HereClear,
-    /// G92.2.
+    /// G92.2: suspend the offsets of G92.
     HereOff,
-    /// G92.3.
+    /// G92.3: restore the offsets of G92.
     HereBack,
-    /// G52.
+    /// G52: local shift.
     Local,
     /// G99 (true), G98.
     ToLevel(bool),
-    /// M0, M60.
+    /// M0, M60: pause.
     Pause,
-    /// M1.
+    /// M1: pause if enabled.
     OptionalPause,
-    /// M2, M30.
+    /// M2, M30: program end.
     End,
-    /// M3, M4, M5.
+    /// M3, M4, M5: spindle.
     Spindle,
-    /// M7, M8, M9.
+    /// M7, M8, M9: coolant.
     Coolant,
-    /// M6.
+    /// M6: tool change.
     Change,
     /// M100…M199.
     User,
-    /// Known to the dialect and not built: what to do instead.
+    /// A word that the dialect has and this version does not; the text names an alternative.
     Later(&'static str),
 }
 
-/// Modal groups: a block holds one word of each.
+/// Modal groups: a block holds at most one word of each group.
 pub mod group {
     pub const NON_MODAL: u8 = 0;
     pub const MOTION: u8 = 1;
@@ -132,13 +132,13 @@ pub mod group {
     pub const STOP: u8 = 14;
     pub const TOOL: u8 = 15;
     pub const SPINDLE: u8 = 16;
-    /// M7, which may stand beside M8.
+    /// M7, which may be in one block with M8.
     pub const MIST: u8 = 17;
     pub const FLOOD: u8 = 18;
     pub const OVERRIDE: u8 = 19;
     pub const USER: u8 = 20;
     pub const OUTPUT: u8 = 21;
-    /// G80, which the heads of programs have beside G0.
+    /// G80, which may be in one block with G0.
     pub const CYCLE_END: u8 = 22;
     /// G9, and modes of the controller.
     pub const ONCE: u8 = 23;
@@ -156,9 +156,9 @@ pub mod group {
 pub struct WordEntry {
     /// `G` or `M`.
     pub letter: char,
-    /// Its number in tenths: 382 for G38.2.
+    /// The number of the word in tenths: 382 for G38.2.
     pub tenths: u16,
-    /// What it does, in plain words.
+    /// The effect of the word, in plain words.
     pub text: &'static str,
     dialects: u8,
     pub(super) group: u8,
@@ -183,15 +183,15 @@ const fn bit(dialect: Dialect) -> u8 {
 }
 
 impl WordEntry {
-    /// Whether the dialect has it.
+    /// Whether the dialect has the word.
     pub const fn is_in(&self, dialect: Dialect) -> bool {
         self.dialects & bit(dialect) != 0
     }
 
-    /// Whether this version carries it out; `Err` with what to do instead.
+    /// Returns an error with an alternative if this version does not carry out the word.
     ///
     /// # Errors
-    /// It is refused.
+    /// The word is refused.
     pub const fn is_built(&self) -> Result<(), &'static str> {
         match self.meaning {
             Meaning::Later(hint) => Err(hint),
@@ -215,7 +215,7 @@ impl WordEntry {
     }
 }
 
-/// What a build without this function needs.
+/// The condition for words that this build does not have.
 pub(super) const NOT_BUILT: &str = "a build with the library's feature `dialects`";
 
 /// The word with this number, if the dialect has it.
@@ -239,7 +239,7 @@ const fn m(number: u16, dialects: u8, group: u8, meaning: Meaning, text: &'stati
     WordEntry { letter: 'M', tenths: number * 10, text, dialects, group, meaning }
 }
 
-/// LinuxCNC's M100…M199, and Fanuc's M10…M999: the first one stands for all of them.
+/// M100…M199 of LinuxCNC, and M10…M999 of Fanuc: the first word stands for all of them.
 const USER: WordEntry = m(
     100,
     FULL,
@@ -254,13 +254,13 @@ const PLAIN: &str = "coordinates as they are to be driven";
 const ORIENTED: &str = "G85 or G89";
 const MACRO: &str = "a program without macros";
 
-/// All words, by letter and number. A build without LinuxCNC's language has those of Grbl alone.
+/// All words, by letter and number. A build without LinuxCNC's language has only the words of Grbl.
 pub static WORDS: &[WordEntry] = if functions::DIALECTS.is_built() { TABLE } else { &OF_GRBL };
 
-/// The part of [`TABLE`] that Grbl has.
+/// The words of [`TABLE`] that Grbl has.
 const OF_GRBL: [WordEntry; of_grbl::<0>().0] = of_grbl().1;
 
-/// How many words Grbl has, and the words, with others behind them.
+/// Number of words that Grbl has, and these words, padded with other entries.
 const fn of_grbl<const N: usize>() -> (usize, [WordEntry; N]) {
     let (mut words, mut count, mut k) = ([USER; N], 0, 0);
     while k < TABLE.len() {
@@ -465,13 +465,13 @@ const TABLE: &[WordEntry] = &[
 pub struct AddressEntry {
     /// The letter.
     pub letter: char,
-    /// What its value means, in plain words.
+    /// The meaning of the value, in plain words.
     pub text: &'static str,
     dialects: u8,
 }
 
 impl AddressEntry {
-    /// Whether the dialect has it.
+    /// Whether the dialect has the letter.
     pub const fn is_in(&self, dialect: Dialect) -> bool {
         self.dialects & bit(dialect) != 0
     }
@@ -481,7 +481,7 @@ const fn letter(letter: char, dialects: u8, text: &'static str) -> AddressEntry 
     AddressEntry { letter, text, dialects }
 }
 
-/// Letters with values, and what they mean.
+/// Letters with values, and their meaning.
 pub static ADDRESSES: &[AddressEntry] = &[
     letter('A', ALL, "axis (also B C U V W X Y Z, as the machine has them)"),
     letter('D', BOTH, "back-off of G73, highest spindle speed of G96"),

@@ -1,5 +1,5 @@
-//! Comments of LinuxCNC and Grbl. They do not nest, `\\` continues nothing, and some of them are messages or
-//! commands.
+//! Comments of LinuxCNC and Grbl. They do not nest, `\\` does not continue a line, and some of them are
+//! messages or commands.
 use super::LineReader;
 use crate::nc::dialect::Note;
 use crate::nc::{Place, Text};
@@ -7,30 +7,30 @@ use crate::nc::{Place, Text};
 /// Number of letters that distinguish active comments.
 const LETTERS: usize = 6;
 
-/// The current comment, and the last active one of the line.
+/// The current comment, and the last active comment of the line.
 #[derive(Clone, Copy)]
 pub struct ForeignComments {
-    /// Whether programs are LinuxCNC's or Grbl's.
+    /// Whether programs are in the language of LinuxCNC or Grbl.
     pub is_on: bool,
     /// The first letters of the comment in upper case.
     letters: [u8; LETTERS],
-    /// Number of letters; above the capacity if the comment is not active.
+    /// Number of letters so far. It exceeds the capacity if the comment is not active.
     count: u8,
-    /// The kind of comment, known after `,`, and the place of its text.
+    /// The kind of comment, which is known after `,`, and the place of its text.
     begun: Option<(Note, Place)>,
     note: Option<(Note, Place)>,
 }
 
 impl ForeignComments {
-    /// ISG's comments.
+    /// The state for ISG's comments.
     pub const ISG: Self = Self { is_on: false, letters: [0; LETTERS], count: 0, begun: None, note: None };
 
-    /// Begins a line.
+    /// Clears the state at the start of a line.
     pub fn clear(&mut self) {
         (self.count, self.begun, self.note) = (0, None, None);
     }
 
-    /// The active comment of the line, the last one if there are several.
+    /// The active comment of the line; the last one if there are several.
     pub fn take(&mut self) -> Option<(Note, Place)> {
         self.note.take()
     }
@@ -81,7 +81,7 @@ impl ForeignComments {
 }
 
 impl<T: Text> LineReader<T> {
-    /// Follows comments. Returns true for a byte that is not part of the line.
+    /// Handles comments. Returns `true` for a byte that is not part of the line.
     pub(super) fn foreign_dropped(&mut self, byte: u8, here: Place) -> bool {
         if self.logical.remark {
             return true;

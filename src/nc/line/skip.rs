@@ -1,9 +1,9 @@
-//! Skipped text: the rest of a refused line, and the rest of a text that another one replaces.
+//! Skips text: the rest of a refused line, or the rest of a replaced text.
 use super::{Fill, LineReader, Mark, SLICE};
 use crate::nc::{NcError, Text};
 
 impl<T: Text> LineReader<T> {
-    /// Continues with another text, from its start. Returns the text before.
+    /// Continues with another text, from its start. Returns the previous text.
     pub fn replace(&mut self, mut text: T) -> T {
         self.seek(Mark { offset: text.start(), ..Mark::start_of(0) });
         core::mem::replace(&mut self.text, text)
@@ -12,14 +12,14 @@ impl<T: Text> LineReader<T> {
     /// Continues with the next program in the main file, after a line that ends at `mark`.
     pub fn next_program(&mut self, mark: Mark) {
         let begins = self.text.next_program();
-        // The part of a line that is already read does not belong to the program.
+        // The part of a line that is already read does not belong to the next program.
         let begun = !self.fresh && self.offset != self.logical.start.offset;
         let goes_on = begun && mark == self.next_start() && begins.is_none();
         self.seek(Mark { offset: begins.unwrap_or(mark.offset), ..mark });
         self.skips = goes_on;
     }
 
-    /// After a refusal: continues with the next line.
+    /// Continues with the next line after a refusal.
     pub fn go_on(&mut self) {
         self.skips |= core::mem::take(&mut self.refused);
     }
@@ -29,7 +29,7 @@ impl<T: Text> LineReader<T> {
         self.text.holds(mark.file, mark.offset)
     }
 
-    /// Skips the rest of a line, at most a slice.
+    /// Skips the rest of a line; a call skips at most a slice.
     #[cold]
     #[inline(never)]
     pub(super) fn skip(&mut self) -> Result<Fill, NcError> {

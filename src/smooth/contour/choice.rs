@@ -1,9 +1,9 @@
-//! The kind of curve that a corner gets: over time, if the method demands it or if it is quicker; over arc
-//! length; or with DEV none.
+//! Selects the kind of curve of a corner. The curve is over time if the method demands that kind, or if that
+//! kind is quicker; otherwise it is over arc length. With DEV, the motion may also stop in the corner.
 //!
-//! PATH_DEV is the largest permitted deviation. Over all of the path that the corner may use, the code takes
-//! the quickest choice: a curve with a smaller deviation if that is quicker, and at last a stop in the
-//! corner. So a corner is never slower than a stop in it, and never quicker with a smaller tolerance.
+//! PATH_DEV is the largest permitted deviation. The code compares the times over all of the path that the
+//! corner may use. It takes a curve with a smaller deviation if that curve is quicker, or a stop in the
+//! corner. So a corner is never slower than a stop, and a smaller tolerance is never quicker.
 use super::Parameters;
 use super::corner::{Corner, Tolerance};
 use super::curve::{Main, Quintic, aside, plus, size};
@@ -18,10 +18,11 @@ use crate::path::Measure;
 use crate::slope::limits::Limits;
 use crate::slope::ramp::Ramp;
 
-/// The two blocks of a corner: times of the parts beside a curve.
+/// The two blocks of a corner, for the times of their parts before and after a curve.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Approach {
-    /// Ramps from the speed in the corner to that of the block and back.
+    /// Ramps: from the speed of the first block to the speed in the corner, and from there to the speed of
+    /// the second block.
     slopes: [Ramp; 2],
     /// Speeds, mm/tick, and the path of both blocks that the corner may use, mm.
     v: [f32; 2],
@@ -31,7 +32,8 @@ pub struct Approach {
 }
 
 impl Approach {
-    /// The approach of two blocks with these limits; the corner may use `room` of them.
+    /// The approach of two blocks with these limits. `room`: path length of each block that the corner may
+    /// use, mm.
     pub fn new([first, second]: [&Limits; 2], room: [f32; 2]) -> Self {
         let along = [first.along(), second.along()];
         Self { slopes: [first.brake(), second.speed_up()], v: [first.v, second.v], room, along }
@@ -50,8 +52,8 @@ impl Approach {
                 return sum + way / max(v, f32::MIN_POSITIVE);
             }
             let (mut gain, mut gaining) = (missing, f32::MAX);
-            // A speed that is surely reached needs no root. It may be reached if all of the acceleration
-            // reaches it.
+            // If the speed is surely reached, no root is needed. The speed may be reached if the ramp has the
+            // full acceleration from its start.
             if (v + 0.5 * missing) * missing <= way * slope.acceleration() {
                 gaining = slope.distance(v, gain)[0];
             }
@@ -64,7 +66,8 @@ impl Approach {
         })
     }
 
-    /// A curve must be quicker than a stop by this factor, the accuracy of ramp times. STEP has no ramps.
+    /// A curve must be quicker than a stop by this factor, which is the accuracy of ramp times. The factor is
+    /// 1 for STEP, which has no ramps.
     pub fn known(&self) -> f32 {
         if self.along.iter().all(Option::is_some) { KNOWN } else { 1.0 }
     }
@@ -72,7 +75,7 @@ impl Approach {
     /// Whether a stop in the corner takes fewer ticks than `most`.
     pub fn stops_within(&self, most: f32) -> bool {
         let sides = self.slopes.iter().zip(self.v).zip(self.room);
-        // No part is faster than its feed, or than all of the acceleration makes it.
+        // In no part is the speed above the feed, or above the speed that the full acceleration reaches.
         let least = sides.fold(0.0, |sum, ((slope, v), room)| {
             sum + max(room / v, sqrt_f32(2.0 * room / slope.acceleration()))
         });
@@ -84,8 +87,8 @@ impl Approach {
         self.time(way.rise.v, [way.rise.distance(); 2], way.duration())
     }
 
-    /// Ticks with a curve over arc length with this path length and these distances. The speed over its parameter is
-    /// at most `passes`.
+    /// Ticks with a curve over arc length, with its path length and its corner distances (mm). The speed
+    /// along the curve is at most `passes`.
     pub fn even(&self, (length, passes): (f32, f32), distances: [f32; 2]) -> f32 {
         let [v1, v2] = self.v;
         let (even, tight) = (length * passes, self.is_tight(distances));
@@ -99,20 +102,20 @@ impl Approach {
 }
 
 impl Approach {
-    /// The speed that the shorter part reaches from a stop.
+    /// The speed that the motion reaches from a stop over the shorter part.
     fn reached(&self) -> f32 {
         let [v1, v2] = self.v;
         min(min(v1, v2), self.slopes[0].reach(0.0, min(self.room[0], self.room[1])))
     }
 
-    /// Whether nearly no path is left beside a curve with these distances, so that the curve has to leave
-    /// acceleration.
+    /// Whether the curve takes nearly all of the path. The speed must then change inside the curve.
     fn is_tight(&self, distances: [f32; 2]) -> bool {
         let beside = self.room.iter().zip(distances).fold(f32::MAX, |least, (room, c)| min(least, room - c));
         beside < LITTLE * max(distances[0], distances[1])
     }
 
-    /// The part of these distances that leaves enough of the blocks, if the whole distances do not.
+    /// The share of these distances that leaves enough path for a change of speed. Returns `None` if the
+    /// whole distances leave enough.
     pub fn loosened(&self, distances: [f32; 2]) -> Option<f32> {
         let beside = LITTLE * max(distances[0], distances[1]);
         let sides = self.room.iter().zip(distances);
@@ -121,12 +124,13 @@ impl Approach {
     }
 }
 
-/// Part of a distance beside a curve from which on the speed need not change inside the curve.
+/// If the path next to a curve is at least this share of the corner distance, the speed need not change
+/// inside the curve.
 const LITTLE: f32 = 0.25;
-/// Otherwise the curve is passed at about this part of the highest speed: three of the steps of four fifths
-/// by which the speed is lowered.
+/// If the path is shorter, the speed in the curve is about this share of the highest speed: three steps of
+/// four fifths.
 const VARYING: f32 = 0.512;
-/// STEP: two of those steps, where the curve limits the speed at all.
+/// STEP: two steps of four fifths, if the curve limits the speed at all.
 const VARYING_STEPPED: f32 = 0.64;
 
 /// See [`Approach::known`].
@@ -135,7 +139,7 @@ const KNOWN: f32 = 1.0 + 1.0 / 256.0;
 /// Margin for rounding.
 const SURELY: f32 = 0.999;
 
-/// Below this part of the speed, a curve passed in the corner is not worth it.
+/// Below this share of the speed, a curve gains nothing over a stop.
 const SLOWEST: f32 = 0.25;
 
 /// A corner, and the data for the choice of its curve.
@@ -151,15 +155,15 @@ pub struct Choice<'a, const AXES: usize> {
     pub setting: &'a Setting<'a, AXES>,
     /// Largest distance from the corner, mm.
     pub most: f32,
-    /// The rest of the tolerances.
+    /// The tolerances that are left for the curve.
     pub tolerance: &'a Tolerance,
-    /// Time of the parts beside a curve.
+    /// Times of the parts of both blocks before and after a curve.
     pub approach: &'a Approach,
 }
 
 impl<const AXES: usize> Choice<'_, AXES> {
-    /// Whether the corner is rapid motion; `None` if it is not between two lines of one kind without left-out
-    /// blocks.
+    /// Whether the corner is rapid motion. Returns `None` unless the corner lies between two lines of one
+    /// kind, without left-out blocks.
     fn lines(&self) -> Option<bool> {
         let [held, next] = self.blocks;
         let [first, second] = [&held.block, &next.block];
@@ -177,7 +181,7 @@ pub struct Candidate {
     pub way: Overlap,
     /// Whether no other curve is possible.
     pub only: bool,
-    /// Whether the corner uses all of the acceleration, so that a stop is no less even.
+    /// Whether the corner uses all of the acceleration. A stop then uses no more acceleration than the curve.
     pub full: bool,
 }
 
@@ -202,10 +206,10 @@ impl Candidate {
         let (t1, t2) = (corner.before.tangent(), corner.behind.tangent());
         let mut change = plus(t2, -1.0, t1);
         if let (true, Some(x)) = (led, setting.measure.master().and_then(|k| change.get_mut(k))) {
-            // Except for rounding.
+            // Zero except for rounding.
             *x = 0.0;
         }
-        // Both motions at once: every axis changes its speed evenly.
+        // Both motions run at once: every axis changes its speed evenly.
         let of = match rule.method {
             ContourMethod::Ptp => PART_PTP,
             ContourMethod::Dev => PART_DEV,
@@ -231,7 +235,7 @@ impl Candidate {
 struct Sharing<'a, const AXES: usize> {
     dynamics: &'a Dynamics<AXES>,
     rapid: bool,
-    /// Parts of a_max and of the jerk budget that the curve takes.
+    /// Shares of a_max and of the jerk budget that the curve uses.
     of: [f32; 2],
     /// Highest speed, mm/tick, and largest distance from the corner, mm.
     v: f32,
@@ -240,8 +244,9 @@ struct Sharing<'a, const AXES: usize> {
 }
 
 impl<const AXES: usize> Sharing<'_, AXES> {
-    /// The quickest overlap whose middle is at most `off` from the corner along both lines, and which begins at most
-    /// `reach` from the corner. With acceleration and jerk of the change of direction, and along the lines.
+    /// The quickest overlap. In its middle, both motions are at most `off` from the corner. The overlap
+    /// begins at most `reach` from the corner. Acceleration and jerk are given for the change of direction
+    /// and for both lines.
     fn overlap(
         &self,
         approach: &Approach,
@@ -257,7 +262,7 @@ impl<const AXES: usize> Sharing<'_, AXES> {
         let half_way = whole.half_way();
         if half_way <= off && whole.distance() <= reach {
             let distance = whole.distance();
-            // At the feed: the least acceleration that the tolerance permits takes the same time.
+            // At the feed speed, the least acceleration that the tolerance permits takes the same time.
             let most = min(off / half_way, min(most, reach) / distance);
             let by = if most < 1.0 { 1.0 } else { most };
             Overlap::whole(whole.stretched(by))
@@ -273,14 +278,14 @@ impl<const AXES: usize> Sharing<'_, AXES> {
                 if by_off.time < by_reach.time { by_off } else { by_reach }
             };
             let way = overlap(brief);
-            // Beyond their ramps both motions share the limits of the axes: a smaller tolerance may be
-            // quicker.
+            // If more than the ramps overlap, both motions share the limits of the axes. A smaller tolerance
+            // may then be quicker.
             let way = if way.is_brief() {
                 way
             } else {
                 quickest(overlap([min(brief[0], a), min(brief[1], j)]), way.brief())
             };
-            // If the lines are too short for their feed, a lower speed may be quicker too: both motions
+            // If the lines are too short for their feed, a lower speed may also be quicker: then both motions
             // overlap completely.
             let slower = min(v, Rise::speed_of(off, a, j));
             if slower < SLOWEST * approach.reached() {
@@ -304,23 +309,24 @@ pub struct Edge<'a, const AXES: usize> {
 }
 
 impl<const AXES: usize> Edge<'_, AXES> {
-    /// Ticks with a kernel that begins `half` (mm) before the corner and is passed at the speed `v`
-    /// (mm/tick).
+    /// Ticks over both lines with a smoothing curve of Surface. The curve begins `half` (mm) before the
+    /// corner and has the speed `v` (mm/tick).
     fn kernel(&self, approach: &Approach, (v, half): (f32, f32)) -> f32 {
         let [first, second] = self.limits;
         let (v, c) = (min(v, min(first.v, second.v)), min(half, min(self.room[0], self.room[1])));
         approach.time(v, [c; 2], 2.0 * c / max(v, f32::MIN_POSITIVE))
     }
 
-    /// Whether a stop takes fewer ticks than such a kernel.
+    /// Whether a stop takes fewer ticks than a smoothing curve of Surface with this speed and distance.
     #[inline(never)]
     pub fn stands(&self, kernel: (f32, f32)) -> bool {
         let approach = Approach::new(self.limits, self.room);
         approach.stops_within(self.kernel(&approach, kernel))
     }
 
-    /// Whether contour mode takes fewer ticks than such a kernel: by a curve of DEV whose middle is `off` (mm) from the
-    /// corner along both lines, or by a stop.
+    /// Whether contour mode takes fewer ticks than a smoothing curve of Surface with this speed and distance.
+    /// Contour mode has a curve of DEV whose middle is `off` (mm) from the corner along both lines, or a
+    /// stop.
     #[inline(never)]
     pub fn is_quicker(&self, off: f32, kernel: (f32, f32)) -> bool {
         let &Self { dynamics, rapid, tangents, room, .. } = self;
@@ -339,14 +345,14 @@ impl<const AXES: usize> Edge<'_, AXES> {
     }
 }
 
-/// A kernel among many is passed more quickly than a single one: a change to contour mode and back costs this
-/// part of its time.
+/// A smoothing curve among many is quicker than a single one. A change to contour mode and back costs this
+/// factor of its time.
 const KERNEL: f32 = 1.33;
 
-/// The distance of the curve at a shallow corner between two lines, mm, equal on both sides: the curve of least jerk of
-/// [`super::kernel`]. DEV with HSC takes this curve if all of both blocks lies inside the tolerance. Acceleration
-/// passes the curve, so a row of short lines is driven as one curve. Longer lines are quicker with curves over time,
-/// and with their speed beside these curves.
+/// The corner distance of the curve at a shallow corner between two lines, mm, equal on both sides. This
+/// curve has the least jerk ([`super::kernel`]). DEV with HSC takes this curve if all of both blocks lies
+/// inside the tolerance. Acceleration passes the curve, so many short lines are driven as one curve. Longer
+/// lines are quicker with curves over time, because their speed changes before and after these curves.
 pub fn shallow_distance<const AXES: usize>(choice: &Choice<'_, AXES>) -> Option<f32> {
     let Choice { corner, rule, setting, most, tolerance, approach, .. } = *choice;
     let dev = rule.method == ContourMethod::Dev && !setting.const_vel;
@@ -363,12 +369,13 @@ pub fn shallow_distance<const AXES: usize>(choice: &Choice<'_, AXES>) -> Option<
     (size(&setting.measure.main, &change) <= SHALLOW && 6.0 * off >= most).then_some(most)
 }
 
-/// A line is short below this part of a³/j², six times the distance in which a ramp reaches the acceleration.
+/// A corner distance is short below a³/(5·j²); this is the 5. From a stop, a ramp reaches the acceleration a
+/// after a³/(6·j²).
 const BRIEF: f32 = 5.0;
 /// Largest change of direction of a shallow corner.
 const SHALLOW: f32 = 0.05;
 
-/// Distance at which a curve of DIST_SOFT begins, mm from the corner; at most `most`.
+/// Distance from the corner at which a curve of DIST_SOFT begins, mm; at most `most`.
 fn soft_distance<const AXES: usize>(
     rule: &Parameters,
     most: f32,
@@ -379,15 +386,15 @@ fn soft_distance<const AXES: usize>(
     if tracks(&measure.main, change) { min(distance, rule.track_distance()) } else { distance }
 }
 
-/// Permitted distance of both motions from the corner when they are equally far from it, mm, by the
-/// tolerances less a small margin.
+/// Largest distance of both motions from the corner, when both are equally far from the corner, mm. With this
+/// distance, the curve keeps the tolerances, less a small margin.
 fn off_corner<const AXES: usize>(main: &Main, change: &[f32; AXES], tolerance: &Tolerance) -> f32 {
     let off = tolerance.path.map_or(f32::MAX, |dev| dev * EXACT / size(main, change));
     let turn = aside(main, change);
     if tolerance.track > 0.0 && turn > 0.0 { min(off, tolerance.track * EXACT / turn) } else { off }
 }
 
-/// Largest magnitudes of the second and third derivative of a curve at some places.
+/// Largest magnitudes of the second and third derivative of a curve at the examined places.
 pub fn bends<const AXES: usize>(curve: &Quintic<AXES>) -> [[f32; AXES]; 2] {
     let mut most = [[0.0; AXES]; 2];
     for u in PLACES {
@@ -397,10 +404,10 @@ pub fn bends<const AXES: usize>(curve: &Quintic<AXES>) -> [[f32; AXES]; 2] {
     most
 }
 
-/// The examined places of a curve.
+/// Examined places of a curve, as shares of its parameter.
 const PLACES: [f32; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
 
-/// Approximate speed over its parameter of a curve with these second and third derivatives.
+/// Approximate speed along a curve with these second and third derivatives.
 pub fn passes<const AXES: usize>(
     [second, third]: &[[f32; AXES]; 2],
     rapid: bool,
@@ -421,32 +428,32 @@ fn tracks<const AXES: usize>(main: &Main, change: &[f32; AXES]) -> bool {
     change.iter().enumerate().any(|(k, x)| *x != 0.0 && !main.contains(k))
 }
 
-/// Jerk that counts as no limit, mm/tick³.
+/// Jerk that counts as unlimited, mm/tick³.
 const UNLIMITED: f32 = 1e6;
 
-/// Part of a tolerance that is used.
+/// Share of a tolerance that is used.
 const EXACT: f32 = 1.0 - 1.0 / 16_384.0;
 
-/// Parts of the axes' largest acceleration and of their jerk budget that a curve over time uses. The rest is
-/// for changes of path speed inside the curve, above all for a feed hold: the less is left, the longer a hold
-/// takes. PTP is for the shortest time.
+/// Shares of the axes' largest acceleration and of their jerk budget for a curve over time. The rest is for
+/// changes of path speed inside the curve, mainly for a feed hold. With a smaller rest, a feed hold takes
+/// longer. PTP has other shares for the shortest time.
 const PART: [f32; 2] = [0.93, 0.85];
-/// DEV competes with stops: at a small tolerance it must not lose more time than a stop saves. And a feed
-/// hold must not take longer than 1.3 s in the corners of `host-tests/tests/commands/hold.rs`.
+/// Shares for DEV, which competes with stops. At a small tolerance, a curve must not lose more time than a
+/// stop saves. A feed hold must take at most 1.3 s in the corners of `host-tests/tests/commands/hold.rs`.
 const PART_DEV: [f32; 2] = [0.95, 0.905];
-/// See [`PART`].
+/// Shares for PTP; see [`PART`].
 const PART_PTP: [f32; 2] = [0.975, 0.96];
 
-/// Parts of acceleration and jerk that a curve over arc length uses, slightly lower.
+/// Share of acceleration and jerk for a curve over arc length; slightly lower.
 const NORMAL: f32 = 0.932;
 const TWISTED: f32 = 0.866;
 
-/// Smallest part of the acceleration for DIST_SOFT.
+/// Smallest share of the acceleration for DIST_SOFT.
 const GENTLEST: f32 = 0.01;
 
-/// DIST_SOFT: the least acceleration, from ACC_MIN to ACC_MAX, with which the speed changes within
-/// `distance`; a lower speed if ACC_MAX is not enough. `ramp`: longest ramp time of the axes that change
-/// their speed, ticks. Also returns whether the rise uses all of the acceleration.
+/// DIST_SOFT: the rise with the least acceleration, between ACC_MIN and ACC_MAX, that changes the speed
+/// within `distance`. If ACC_MAX is not enough, the speed is lower. `ramp`: longest ramp time of the axes
+/// that change their speed, ticks. Also returns whether the rise uses all of the acceleration.
 fn soft_rise(rule: &Parameters, distance: f32, [v, a, j]: [f32; 3], ramp: f32) -> Option<(Rise, bool)> {
     let [least, most] = rule.acc;
     let ramp = max(rule.ramp_time, 1e-4) * ramp;
@@ -456,7 +463,7 @@ fn soft_rise(rule: &Parameters, distance: f32, [v, a, j]: [f32; 3], ramp: f32) -
     if v > part * a * ramp && hold > 0.0 {
         part = v * v / (2.0 * a * hold);
     }
-    // 0 % is the gentlest value, as 1 % is.
+    // 0 % counts as 1 %, the gentlest value.
     let part = min(max(part, least), max(most, GENTLEST));
     if part <= 0.0 || distance <= 0.0 {
         return None;

@@ -1,9 +1,9 @@
-//! Merges chords into one line. A curve cut into chords that are short beside the tolerance would be slow at
-//! each corner, because a curve there takes half a block. So the machine data may give a part of PATH_DEV to
-//! straight lines over several chords. The curves at the corners of these lines have the rest.
+//! Merges chords into one line. If chords are short compared with the tolerance, a curve takes half of each
+//! block, so each corner would be slow. The machine data may give a part of PATH_DEV to straight lines over
+//! several chords. The curves at the corners of these lines have the rest of PATH_DEV.
 //!
-//! The largest deviation is that of a point left out, because the contour between two points is straight too.
-//! [`POINTS`] points are stored one by one. Beyond that number, the deviations of the line add up.
+//! The largest deviation is at a dropped point, because the contour between two points is straight.
+//! [`POINTS`] points are stored one by one. Beyond that number, the deviations of merged lines are added.
 use super::curve::{aside, foot, plus, size};
 use super::held_block::{HeldBlock, LONGEST_TICKS, Stray, travel};
 use super::{Form, Parameters, ProgrammedBlock};
@@ -15,36 +15,37 @@ use crate::quantity::DISTANCE_LSB;
 /// Number of stored points.
 const POINTS: usize = 15;
 
-/// Longest line of several chords, in tolerances: a curve at the corner of a longer line is fast enough.
+/// Longest merged line, in tolerances. A curve at the corner of a longer line is fast enough.
 const LONGEST: f32 = 256.0;
 
-/// Largest sine between a chord and the line.
+/// Largest sine of the angle between a chord and the line.
 const GENTLE: f32 = 0.25;
 
-/// Rounding of the distance of a point in `f32`, as a part of the line's length.
+/// Rounding of the distance of a point in `f32`, as a share of the line's length.
 const ROUNDED: f32 = 1.0 / (1u32 << 21) as f32;
 
-/// Permitted deviation of other axes without TRACK_DEV, mm or degrees: the rounding of a straight line.
+/// Permitted deviation of other axes without TRACK_DEV, mm or degrees. The value covers the rounding of a
+/// straight line.
 const STRAIGHT: f32 = 1.0 / 65_536.0;
 
-/// The parts of a line that may still grow.
+/// The chords of a line that may still grow.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Chords<const AXES: usize> {
-    /// Points from the line's start, mm; the first ones are used.
+    /// Points from the start of the line, mm; only the first `count` points are valid.
     points: [[f32; AXES]; POINTS],
     count: u8,
-    /// Deviation of other axes from the line, up to the last point.
+    /// Deviation of the line over points that are no longer stored.
     before: Stray,
 }
 
 impl<const AXES: usize> Chords<AXES> {
-    /// No chord is merged yet; the line may deviate from its blocks by `before`.
+    /// A line without merged chords, which may deviate from its blocks by `before`.
     pub const fn beside(before: Stray) -> Self {
         Self { points: [[0.0; AXES]; POINTS], count: 0, before }
     }
 
-    /// Makes `held` the line over itself and the next block, which has this rule, if all points between are
-    /// inside their part of the tolerance. Returns whether it did.
+    /// Extends `held` to a line over itself and the next block. The call does so only if all points between
+    /// stay inside their share of the tolerance. Returns whether the line is extended.
     #[inline(never)]
     pub fn gather(
         &mut self,
@@ -78,8 +79,8 @@ impl<const AXES: usize> Chords<AXES> {
         true
     }
 
-    /// Deviation of the points left out from a line, including the `last` one. `None` if a chord has nearly
-    /// another direction.
+    /// Deviation of the dropped points, with the `last` one, from a line. Returns `None` if the direction of
+    /// a chord differs too much.
     fn stray(&self, over: &[f32; AXES], last: &[f32; AXES], length: f32, measure: &Measure) -> Option<Stray> {
         let main = &measure.main;
         let (mut stray, mut before) = (Stray::NONE, [0.0; AXES]);
@@ -100,7 +101,7 @@ impl<const AXES: usize> Chords<AXES> {
         Some(stray.and(self.before).and(rounded))
     }
 
-    /// Adds a point that is left out. `stray`: deviation of the line up to this point.
+    /// Adds a dropped point. `stray`: deviation of the line up to this point.
     fn push(&mut self, point: [f32; AXES], stray: Stray) {
         if usize::from(self.count) == POINTS {
             (self.count, self.before) = (0, stray);
@@ -113,8 +114,8 @@ impl<const AXES: usize> Chords<AXES> {
 }
 
 impl Parameters {
-    /// Permitted deviation of chords from their line. Without TRACK_DEV all axes except the main axes have to
-    /// move evenly.
+    /// Permitted deviation of chords from their line. Without TRACK_DEV, all axes except the main axes have
+    /// to move evenly.
     pub(super) fn chords(&self) -> Option<Stray> {
         let part = self.preset().chords;
         let counts = self.method == crate::nc::ContourMethod::Dev && part > 0.0;

@@ -1,9 +1,9 @@
-//! How far the curve of a corner reaches into its blocks.
+//! How far the curve of a corner reaches into the two blocks.
 //!
-//! The curve is a polynomial of the fifth degree that leaves one block and enters the other with their
-//! directions and curvatures. Its speed over the parameter makes it even: through a corner of 90° arc length
-//! is proportional to the parameter to 0.2 %. The deviation grows with the corner distances. A search finds
-//! the distances that use all of a tolerance, with a few trials per call.
+//! The curve is a polynomial of the fifth degree. It has direction and curvature of the blocks at both ends.
+//! Its length is nearly proportional to its parameter: to 0.2 % in a corner of 90°. The deviation grows with
+//! the corner distances. A search finds the distances that use all of a tolerance, with a few trials per
+//! call.
 use super::curve::{Deviation, Main, Quintic, Side, Site, aside, dot, even_speed, plus, size};
 use super::{Parameters, TANGENTIAL};
 use crate::math::float::{max, min};
@@ -11,17 +11,17 @@ use crate::math::root::sqrt_f32;
 use crate::nc::ContourMethod;
 use crate::path::Measure;
 
-/// Part of a tolerance that the search aims at, and its accuracy: the rest is for rounding.
+/// Share of a tolerance that the search aims at, and its accuracy. The rest is for rounding.
 pub const AIM: f32 = 1.0 - 2e-4;
 const NEAR: f32 = 1.2e-4;
 
-/// Trials for a corner distance.
+/// Largest number of trials for a corner distance.
 const TRIALS: usize = 16;
 
-/// Part of [`AIM`] that is left to elements beside the curve.
+/// Share of [`AIM`] that is left for the elements' distance from the curve.
 const SLACK: f32 = 6e-5;
 
-/// Trials per call between lines: each takes a hundredth of the work of a trial beside an arc.
+/// Trials per call between lines: a trial takes a hundredth of the work of a trial at an arc.
 const TRIALS_PER_CALL: usize = 4;
 
 /// The two blocks of a corner. Offsets count from the end of the first block.
@@ -52,7 +52,7 @@ pub struct Tolerance {
 }
 
 impl<const AXES: usize> Corner<'_, AXES> {
-    /// DIST_MASTER: whether the master axis keeps its direction, and is the path on both sides.
+    /// DIST_MASTER: whether the master axis keeps its direction, and its travel is the path on both sides.
     pub fn follows_master(&self, rule: &Parameters, measure: &Measure) -> bool {
         let Some(k) = measure.master().filter(|_| rule.method == ContourMethod::DistMaster) else {
             return false;
@@ -76,8 +76,7 @@ impl<const AXES: usize> Corner<'_, AXES> {
         ends.fold(0.0, |most, (a, b)| max(most, max(a - b, b - a))) >= TANGENTIAL
     }
 
-    /// Whether a main axis changes its curvature at the corner: an arc begins or ends, or continues with
-    /// another radius.
+    /// Whether a main axis changes its curvature at the corner: an arc begins or ends, or the radius changes.
     pub fn steps(&self) -> bool {
         let change = size(self.main, &plus(self.behind.curvature(), -1.0, self.before.curvature()));
         change > ALIKE * max(self.before.rate, self.behind.rate)
@@ -110,17 +109,18 @@ impl<const AXES: usize> Corner<'_, AXES> {
         ([begin, end], speed)
     }
 
-    /// Largest distance of a non-main axis from the contour on such a curve.
+    /// Largest distance of a non-main axis from the contour, on a curve with these corner distances.
     ///
-    /// Each place of the curve has a place of the contour: the one at the same path distance, s = −c1 … c2
-    /// about the corner. A quintic with the same ends gives s(u). An axis with the slopes g1 and g2 is (g2 −
-    /// g1)·y(u) off before the corner and (g1 − g2)·x(u) behind it. x and y are the quintics from −c1 to rest
-    /// at 0, and from there to c2. With equal distances both are largest at the corner, at u = 1/2. With
-    /// unequal distances the shorter motion begins by swinging to the other side where the speed is more than
-    /// 2.5 times its distance: there its third coefficient is negative.
+    /// Each place of the curve has its place on the contour: the one at the same path distance, s = −c1 … c2
+    /// from the corner. A quintic with the same ends gives s(u). An axis has the slopes g1 and g2. Its
+    /// deviation is (g2 − g1)·y(u) before the corner, and (g1 − g2)·x(u) after the corner. x is the quintic
+    /// from −c1 to a stop at 0; y is the quintic from 0 to c2. With equal distances, both deviations are
+    /// largest at the corner, at u = 1/2. With unequal distances, the shorter motion may first swing to the
+    /// other side. This happens if the speed is more than 2.5 times the distance: then the third coefficient
+    /// is negative.
     ///
-    /// If blocks are left out, their line is the contour between both, and the checked places are evenly
-    /// spaced too.
+    /// If blocks are left out, their line is the contour between both sides. The places along this line are
+    /// checked in equal steps too.
     fn track_deviation(&self, curve: &Quintic<AXES>, reach: [f32; 2]) -> f32 {
         let [c1, c2] = reach;
         if self.gap.is_none() && c1 == c2 {
@@ -164,14 +164,14 @@ impl<const AXES: usize> Corner<'_, AXES> {
         most
     }
 
-    /// Path length of such a curve.
+    /// Path length of a curve with these corner distances.
     pub fn path(&self, curve: &Quintic<AXES>) -> f32 {
         curve.length(self.main, 0.0, 1.0) / mean(self.spaces_per_path())
     }
 }
 
-/// The place where the quintic from rest at 0 to `distance`, with the speed 1 there, is furthest on the other
-/// side of 0; `None` if it does not go there.
+/// The place where the quintic from a stop at 0 to `distance`, with the speed 1 there, is furthest on the
+/// other side of 0. Returns `None` if it stays on one side.
 fn swing(distance: f32) -> Option<f32> {
     // u³·(a + b·u + c·u²) has its extremes at 3a + 4b·u + 5c·u² = 0.
     let (a, b, c) = (10.0 * distance - 4.0, 7.0 - 15.0 * distance, 6.0 * distance - 3.0);
@@ -179,7 +179,8 @@ fn swing(distance: f32) -> Option<f32> {
     (a < 0.0 && square >= 0.0).then(|| -3.0 * a / (2.0 * b + sqrt_f32(square)))
 }
 
-/// Halvings of the search for a place, and places on a whole curve.
+/// Number of times that the search for a place halves its range. The second value is the number of places
+/// on a whole curve.
 const HALVINGS: u32 = 20;
 const TRACK_PLACES: u32 = 16;
 
@@ -188,28 +189,29 @@ pub fn mean([before, behind]: [f32; 2]) -> f32 {
     0.5 * (before + behind)
 }
 
-/// Part of a tolerance that a curve uses (1 is all of it), and the permitted distance of its elements from
-/// it, mm. The elements pass the place nearest to the corner, where the deviation is usually largest.
+/// Share of a tolerance that a curve uses (1 is all), and the permitted distance of its elements from the
+/// curve, mm. The elements are exact at the place nearest to the corner, where the deviation is usually
+/// largest.
 type Use = (f32, f32);
 
-/// Searches the largest part, at most 1, of given distances with which the curve stays inside a tolerance:
-/// regula falsi with the Illinois rule.
+/// Searches the largest share, at most 1, of given distances with which the curve stays inside a tolerance.
+/// The method is regula falsi with the Illinois rule.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Search<const AXES: usize> {
     distances: [f32; 2],
-    /// Beside arcs and blocks left out, the deviation is searched along all of the curve, which takes a
+    /// Whether the deviation is searched along the whole curve: at arcs and left-out blocks. This takes a
     /// hundred times the work.
     along: bool,
-    /// The current curve, if it is made, and the progress of its deviation.
+    /// The curve of the current trial, if it is made, and the progress of the search for its deviation.
     curve: Quintic<AXES>,
     is_made: bool,
     deviation: Deviation,
-    /// Number of trials before, and the current part.
+    /// Number of trials so far, and the current share.
     trials: usize,
     part: f32,
-    /// The largest known part that keeps the tolerance, and the smallest that does not, with their excess
-    /// over [`AIM`]; the excess is halved if the part has stayed for long. Also the room for elements at the
-    /// lower part.
+    /// The largest known share inside the tolerance and the smallest known share outside, each with its
+    /// excess over [`AIM`]. An excess is halved if its share has not changed for two trials. `room`:
+    /// permitted distance of elements at the lower share.
     low: f32,
     high: f32,
     under: f32,
@@ -226,7 +228,7 @@ impl<const AXES: usize> Search<AXES> {
         Self { distances, along, curve, is_made, deviation, trials, part, low, high, under, over, room, side }
     }
 
-    /// The part of the tolerance that the current curve uses, when known.
+    /// The share of the tolerance that the current curve uses; `None` while its deviation is still searched.
     fn use_of(&mut self, corner: &Corner<'_, AXES>, tolerance: &Tolerance) -> Option<Use> {
         if !self.is_made {
             self.curve = corner.between(self.distances.map(|c| c * self.part));
@@ -251,7 +253,8 @@ impl<const AXES: usize> Search<AXES> {
         Some((most, slack))
     }
 
-    /// Does one trial. At the end returns the part and the room for elements, or that there is none.
+    /// Does one trial. When the search ends, returns the share and the permitted distance of elements, or
+    /// that there is no curve.
     fn go_on(&mut self, corner: &Corner<'_, AXES>, tolerance: &Tolerance) -> Option<Option<Use>> {
         let (used, slack) = self.use_of(corner, tolerance)?;
         let off = used - AIM;
@@ -267,7 +270,7 @@ impl<const AXES: usize> Search<AXES> {
             }
         }
         if self.trials >= TRIALS {
-            // Less accurate, but inside the tolerance.
+            // The result is less accurate, but inside the tolerance.
             return Some(if self.low > 0.0 { Some((self.low, self.room)) } else { None });
         }
         self.trials += 1;
@@ -300,12 +303,12 @@ impl<const AXES: usize> Search<AXES> {
 pub struct Reach<const AXES: usize> {
     tolerance: Tolerance,
     search: Search<AXES>,
-    /// The part that keeps the tolerance at the corner, which is usually the result.
+    /// The share that keeps the tolerance at the corner point, which is usually the result.
     first: f32,
 }
 
 impl<const AXES: usize> Reach<AXES> {
-    /// A search that has tried nothing.
+    /// A new search, without trials.
     pub fn new(tolerance: Tolerance, distances: [f32; 2]) -> Self {
         Self { tolerance, search: Search::new(distances, false), first: 1.0 }
     }
@@ -315,13 +318,13 @@ impl<const AXES: usize> Reach<AXES> {
         Self::new(self.tolerance, distances)
     }
 
-    /// The curve with the found part, if it was the last one tried.
+    /// The curve with the found share, if the last trial made this curve.
     pub fn curve(&self, part: f32) -> Option<&Quintic<AXES>> {
         (self.first * self.search.part == part).then_some(&self.search.curve)
     }
 
-    /// Continues the search. At the end returns the part and the largest deviation of the curve's elements, or that
-    /// there is no curve.
+    /// Continues the search. When the search ends, returns the share and the permitted deviation of the
+    /// curve's elements, or that there is no curve.
     #[inline(never)]
     pub fn go_on(&mut self, corner: &Corner<'_, AXES>) -> Option<Option<(f32, f32)>> {
         let trials = if self.search.along { 1 } else { TRIALS_PER_CALL };
@@ -354,7 +357,8 @@ pub struct Turn {
 /// Smallest distance in space per path distance.
 const SLOWEST: f32 = 1.0 / 1024.0;
 
-/// `None` if main axes do not move on both sides or, as feed axes, do not cover the path.
+/// The turn between two sides of a corner. Returns `None` in two cases: the main axes do not move on both
+/// sides, or the feed axes do not cover the path.
 pub fn turn<const AXES: usize>(measure: &Measure, before: &Side<AXES>, behind: &Side<AXES>) -> Option<Turn> {
     let main = &measure.main;
     let moves = |side: &Side<AXES>| {

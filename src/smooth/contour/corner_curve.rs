@@ -1,13 +1,13 @@
 //! The curve of a corner over its arc length, cut into elements.
 //!
-//! The curve is one polynomial of the fifth degree, or two that meet at a given interim point. It is cut into
-//! elements. Position, direction and curvature at a cut are computed once for both neighbours. Each element
-//! is again a polynomial, over its own arc length. There are as many elements as the accuracy of the path
-//! speed needs.
+//! The curve is one polynomial of the fifth degree, or two polynomials that meet at a given interim point.
+//! The curve is cut into elements. Position, direction and curvature at a cut are computed once for both
+//! neighbours. Each element is a polynomial over its own arc length. The number of elements depends on the
+//! required accuracy of the path speed.
 //!
-//! If the feed counts along other axes than the main ones, a path distance means different distances in space
-//! before and after the corner. Then the path is the polynomial's own parameter: its speed changes from the
-//! one to the other, and each half is one element.
+//! If the feed counts axes other than the main axes, a path distance means different distances in space
+//! before and after the corner. Then the path is the parameter of the polynomial. Its speed changes over the
+//! corner, and each half is one element.
 use super::corner::mean;
 use super::curve::{Main, Quintic, Site, even_speed, plus, size};
 use super::{LSB_32, ONE_32};
@@ -16,10 +16,10 @@ use crate::path::poly::{Draft, Knot};
 use crate::path::{Bounds, Element, End, Measure};
 use crate::quantity::{Distance, Position};
 
-/// Largest relative difference between path speed and speed along the curve. A third of it, up or down, if
-/// the speed is to be constant.
+/// Largest relative difference between path speed and speed along the curve. With a demand for constant
+/// speed, the limit is a third.
 pub const EVEN: f32 = 9e-4;
-/// See [`EVEN`].
+/// The limit for constant speed; see [`EVEN`].
 pub const CONSTANT: f32 = 3e-4;
 
 /// Largest sum of coefficients, mm: see [`mod@crate::path::poly`], which scales them by 2^5.
@@ -28,13 +28,13 @@ pub const HEAVIEST: f32 = 4096.0;
 /// Largest number of elements in half a curve.
 const MOST_PARTS: u32 = 16;
 
-/// Number of elements whose length and speed are stored: usually all of them.
+/// Number of elements with stored length and speed. A curve usually has fewer elements.
 const SEEN: usize = 16;
-/// For a curve through a given point, which is rare: a small build computes each element again.
+/// The same for a curve through a given point, which is rare. A small build computes each element again.
 const SEEN_GIVEN: usize = if cfg!(any(feature = "surface", feature = "splines")) { SEEN } else { 0 };
 
-/// Steps of half a curve through a given point, at which a cut is possible; and the largest number of its
-/// elements.
+/// Number of steps in half a curve through a given point; a cut is possible at each step. The second value is
+/// the largest number of elements.
 const STEPS: u16 = 256;
 const MOST_CUTS: usize = 96;
 
@@ -43,21 +43,21 @@ const ONE_40: f32 = (1u64 << 40) as f32;
 /// A curve that is emitted element by element.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CornerCurve<const AXES: usize> {
-    /// Distance in space per path distance before and behind the corner.
+    /// Distance in space per path distance before and after the corner.
     spaces_per_path: [f32; 2],
     origin: [Position; AXES],
     /// The whole curve, or the first half of a curve through a given point.
     curve: Quintic<AXES>,
     kept: Kept<AXES>,
-    /// If the path is the parameter: mm per u of both halves.
+    /// mm per u of both halves, if the path is the parameter.
     path: Option<[f32; 2]>,
     /// End of the last element, and its site.
     at: Knot<AXES>,
     last: Knot<AXES>,
-    /// Number of elements in each half; number of accepted elements, later of emitted elements.
+    /// Number of elements in each half, and number of accepted elements, later of emitted elements.
     parts: u32,
     done: u32,
-    /// Whether more elements would not help, so that they only have to fit the format.
+    /// Whether more elements would not improve the accuracy. The elements then only have to fit the format.
     any: bool,
     /// End of the last examined element.
     seam: Seam<AXES>,
@@ -66,18 +66,18 @@ pub struct CornerCurve<const AXES: usize> {
 /// Data of a curve in addition to its polynomial.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Kept<const AXES: usize> {
-    /// `joint`: where the halves meet. `seen`: path length of the first elements, and the excess of their speed over
-    /// it; 0 if unknown.
+    /// A curve that is one polynomial. `joint`: parameter where both halves meet. `seen`: path length of the
+    /// first elements, and excess of their speed; 0 if unknown.
     Whole { joint: f32, seen: [[f32; 2]; SEEN] },
-    /// A curve through a given point: its second half. Such a curve may bend sharply in places; its elements are
-    /// shorter there.
+    /// A curve through a given point; `second` is its second half. Such a curve may have sharp bends, where
+    /// its elements are shorter.
     Given { second: Quintic<AXES>, cuts: Cuts, seen: [[f32; 2]; SEEN_GIVEN] },
 }
 
 /// The end of an element, where another one of the same half begins.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Seam<const AXES: usize> {
-    /// Number of the element that begins there; an invalid number if unknown.
+    /// Number of the element that begins here; an invalid number if unknown.
     of: u32,
     /// Whether the element before belongs to the first half.
     is_first: bool,
@@ -108,9 +108,9 @@ struct Portion<'a, const AXES: usize> {
     curve: &'a Quintic<AXES>,
     /// Whether the half is the first one.
     is_first: bool,
-    /// The part of the curve that belongs to the half.
+    /// The range of the curve's parameter that belongs to the half.
     span: [f32; 2],
-    /// Start and size of the element, in steps of the half; and the number of steps.
+    /// Start and size of the element in steps of the half, and number of steps in the half.
     steps: [f32; 2],
     of: f32,
 }
@@ -126,9 +126,9 @@ impl<const AXES: usize> Portion<'_, AXES> {
 /// The cuts of a curve through a given point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Cuts {
-    /// Steps of each element, less one.
+    /// Number of steps of each element, minus one.
     steps: [u8; MOST_CUTS],
-    /// Number of elements, and steps of the one that is tried next.
+    /// Number of elements. `step`: number of steps of the element that is tried next.
     count: u8,
     step: u16,
 }
@@ -137,7 +137,7 @@ impl Cuts {
     /// Each half is first tried as one element.
     const NEW: Self = Self { steps: [0; MOST_CUTS], count: 0, step: STEPS };
 
-    /// Even cuts, as many as any other curve has.
+    /// Equal cuts, with the largest number that other curves have.
     const EVEN: Self = Self {
         steps: [(STEPS / MOST_PARTS as u16 - 1) as u8; MOST_CUTS],
         count: 2 * MOST_PARTS as u8,
@@ -156,8 +156,8 @@ impl Cuts {
         [from, from + steps]
     }
 
-    /// Accepts the tried element. The next one may be twice as long, as far as its half goes. Returns whether
-    /// there is no next one.
+    /// Accepts the tried element. The next element may be twice as long, but ends with its half. Returns
+    /// whether the curve is complete.
     fn accept(&mut self) -> bool {
         let [_, to] = self.ends(u32::from(self.count));
         if let Some(steps) = self.steps.get_mut(usize::from(self.count)) {
@@ -191,12 +191,13 @@ pub enum Fit {
     Failed,
 }
 
-/// First length of the halves of a curve through a given point, and number of improvements.
+/// Number of rounds that improve the path lengths of the two halves of a curve through a given point. In the
+/// first round, both lengths are straight distances.
 const LENGTHS: usize = 3;
 
 impl<const AXES: usize> CornerCurve<AXES> {
-    /// A curve between two knots; [`Self::lay`] makes its halves. `given`: through a given point. Inline in every
-    /// build: it is made in its final place.
+    /// A curve between two knots; [`Self::lay`] makes its halves. `given`: whether the curve passes a given
+    /// point. Inline in every build, so that the curve is made in its final place.
     #[inline(always)]
     pub fn new(
         spaces_per_path: [f32; 2],
@@ -223,13 +224,13 @@ impl<const AXES: usize> CornerCurve<AXES> {
         }
     }
 
-    /// Makes both halves, through `interim` if given. `lead`: the path between both ends, if a master axis is
-    /// the path. Returns whether the halves can be made. [`Self::fit`] has to follow.
+    /// Makes both halves, through `interim` if given. `lead`: the path between both ends if a master axis is
+    /// the path. Returns whether the halves can be made. Call [`Self::fit`] afterwards.
     #[inline(never)]
     pub fn lay(&mut self, measure: &Measure, interim: Option<&[f32; AXES]>, lead: Option<f32>) -> bool {
         let main = &measure.main;
         let a = site_of(&self.at, &self.origin);
-        // The unused element number stands for the end.
+        // At the end, the number of the element is invalid.
         self.seam.site = site_of(&self.last, &self.origin);
         let b = &self.seam.site;
         let space_per_path = mean(self.spaces_per_path);
@@ -250,8 +251,9 @@ impl<const AXES: usize> CornerCurve<AXES> {
                     return false;
                 }
                 *curve = Quintic::new(&a, b, speed);
-                // The halves meet where the curve is nearest to the corner, so the elements are exactly at the
-                // planned distance there. A master axis has reached the corner's coordinate.
+                // The halves meet where the curve is nearest to the corner, so the elements have exactly the
+                // planned distance there. With a master axis, the halves meet at the corner's coordinate of
+                // this axis.
                 let nearest = || min(max(curve.nearest(main, &[0.0; AXES], 0.5), 0.25), 0.75);
                 *joint = if lead.is_some() { 0.5 } else { nearest() };
                 [speed; 2]
@@ -267,8 +269,8 @@ impl<const AXES: usize> CornerCurve<AXES> {
         [&self.at, &self.last]
     }
 
-    /// Examines one more element, to cut the curve into as few as possible. Path speed is accurate to `even`
-    /// (relative), and elements deviate by at most `slack` (mm).
+    /// Examines one more element. The curve gets as few elements as possible. The path speed is accurate to
+    /// `even` (relative), and elements deviate by at most `slack` (mm).
     pub fn fit(&mut self, measure: &Measure, even: f32, slack: f32) -> Fit {
         if self.cuts().is_some() && !self.any {
             return self.fit_given(measure, even);
@@ -289,8 +291,8 @@ impl<const AXES: usize> CornerCurve<AXES> {
         Fit::Working
     }
 
-    /// Continues to cut a curve through a given point. If no number of elements makes it even, it is as even
-    /// as possible.
+    /// Continues to cut a curve through a given point. If no number of elements reaches the accuracy, the
+    /// result is as accurate as possible.
     fn fit_given(&mut self, measure: &Measure, even: f32) -> Fit {
         let next = self.cuts().filter(|cuts| !cuts.is_full()).map(|cuts| u32::from(cuts.count));
         let fits = next.is_some_and(|i| self.is_fine(measure, i, even, f32::MAX));
@@ -345,7 +347,7 @@ impl<const AXES: usize> CornerCurve<AXES> {
         }
     }
 
-    /// Path length of a portion.
+    /// Path length of a portion, mm.
     fn length(&self, measure: &Measure, portion: &Portion<'_, AXES>) -> f32 {
         let [u0, u1] = [0.0, 1.0].map(|t| portion.at(t));
         match self.path_of(portion) {
@@ -354,14 +356,14 @@ impl<const AXES: usize> CornerCurve<AXES> {
         }
     }
 
-    /// Both ends of element `i`, which covers this part.
+    /// Both ends of element `i`, which covers `portion`.
     fn sites(&self, measure: &Measure, i: u32, portion: &Portion<'_, AXES>) -> [Site<AXES>; 2] {
         let Seam { of, is_first, site } = &self.seam;
         let begins = *of == i && *is_first == portion.is_first;
         [if begins { *site } else { self.site(measure, portion, 0.0) }, self.site(measure, portion, 1.0)]
     }
 
-    /// The point at the fraction `t` of a part.
+    /// The point at the fraction `t` of a portion.
     fn site(&self, measure: &Measure, portion: &Portion<'_, AXES>, t: f32) -> Site<AXES> {
         let u = portion.at(t);
         match self.path_of(portion) {
@@ -370,12 +372,12 @@ impl<const AXES: usize> CornerCurve<AXES> {
         }
     }
 
-    /// If the path is the parameter: mm per u in a part.
+    /// mm per u in a portion, if the path is the parameter.
     fn path_of(&self, portion: &Portion<'_, AXES>) -> Option<f32> {
         self.path.map(|[first, second]| if portion.is_first { first } else { second })
     }
 
-    /// Largest relative excess of the speed along an element above and below its path speed.
+    /// Largest relative difference of the speed along an element from its path speed, above and below.
     fn unevenness(&self, measure: &Measure, element: &Quintic<AXES>, length: f32) -> [f32; 2] {
         if self.path.is_some() {
             let [before, behind] = self.spaces_per_path;
@@ -400,7 +402,7 @@ impl<const AXES: usize> CornerCurve<AXES> {
         if element.weight() < HEAVIEST {
             let [above, below] = self.unevenness(measure, &element, length);
             let is_even = max(above, below) <= even;
-            // Over its own parameter an element is a part of the curve.
+            // If the path is the parameter, the element is exactly a part of the curve.
             is_fine =
                 !counts || (is_even && (slack == f32::MAX || [0.25, 0.5, 0.75].into_iter().all(is_near)));
             seen = Some([length, above]);
@@ -412,7 +414,7 @@ impl<const AXES: usize> CornerCurve<AXES> {
         if let (Some(kept), Some(seen)) = (kept.get_mut(i as usize), seen) {
             *kept = seen;
         }
-        // A rejected element is tried again from the same place, or all of the half from its start.
+        // A rejected element is tried again from the same place, or its half begins anew.
         self.seam = Seam { of: if is_fine { i + 1 } else { i }, is_first, site: if is_fine { b } else { a } };
         is_fine
     }
@@ -429,7 +431,7 @@ impl<const AXES: usize> CornerCurve<AXES> {
         }
     }
 
-    /// The same for an element that is not stored.
+    /// As [`Self::known`], for an element that is not stored.
     #[cold]
     #[inline(never)]
     fn look_at(&self, measure: &Measure, i: u32) -> [f32; 2] {
@@ -448,7 +450,7 @@ impl<const AXES: usize> CornerCurve<AXES> {
         &self.at.position
     }
 
-    /// Ends the curve early: no further element is emitted. Returns the end of the curve.
+    /// Ends the curve early, so that no further element is emitted. Returns the end of the curve.
     pub fn finish(&mut self) -> &[Position; AXES] {
         self.done = self.count();
         self.at = self.last;
@@ -462,7 +464,7 @@ impl<const AXES: usize> CornerCurve<AXES> {
 }
 
 impl<const AXES: usize> CornerCurve<AXES> {
-    /// The number of the first element after both halves meet.
+    /// The number of the first element in the second half.
     pub fn behind_joint(&self) -> u32 {
         match self.cuts() {
             Some(_) => (0..self.count()).find(|i| !self.is_first(*i)).unwrap_or(0),
@@ -470,7 +472,7 @@ impl<const AXES: usize> CornerCurve<AXES> {
         }
     }
 
-    /// Element `i`, without the last bit of its ends. `None` after the last one.
+    /// Element `i`, before its ends are rounded to positions. Returns `None` after the last element.
     pub fn rehearse(&mut self, measure: &Measure, i: u32) -> Option<Rehearsal<AXES>> {
         if i >= self.count() {
             return None;
@@ -507,9 +509,9 @@ impl<const AXES: usize> CornerCurve<AXES> {
     }
 }
 
-/// Two polynomials that meet at a point with as many equal derivatives as possible: four. Their path lengths
-/// follow in a few rounds, beginning with straight lines. `space_per_path`: distance in space per path
-/// distance. Returns both lengths; `None` if the polynomials cannot be made.
+/// Makes two polynomials that meet at a point with as many equal derivatives as possible: four. Their path
+/// lengths follow in a few rounds; the first lengths are straight distances. `space_per_path`: distance in
+/// space per path distance. Returns both lengths, or `None` if the polynomials cannot be made.
 #[inline(never)]
 fn through<const AXES: usize>(
     main: &Main,
@@ -528,7 +530,8 @@ fn through<const AXES: usize>(
             return None;
         }
         let (r1, r2) = (1.0 / h1, 1.0 / h2);
-        // Third and fourth derivative at the point are equal: two equations for slope and second derivative.
+        // Equal third and fourth derivatives at the point give two equations, for slope and second
+        // derivative.
         let m11 = 36.0 * (r2 * r2 - r1 * r1);
         let m12 = 9.0 * (r1 + r2);
         let m21 = -192.0 * (r1 * r1 * r1 + r2 * r2 * r2);
@@ -554,7 +557,7 @@ fn through<const AXES: usize>(
         if round == LENGTHS {
             break;
         }
-        // At most twice the straight distance: a longer curve would swing out further.
+        // A length is at most twice the straight distance; a longer curve would swing out too far.
         lengths = [
             min(first.length(main, 0.0, 1.0) / space_per_path, 2.0 * chords[0]),
             min(second.length(main, 0.0, 1.0) / space_per_path, 2.0 * chords[1]),
@@ -563,7 +566,7 @@ fn through<const AXES: usize>(
     Some(lengths)
 }
 
-/// Largest speed along an element per path speed, from its values at some places.
+/// Largest ratio of the speed along an element to its path speed, from the ratio at some places.
 pub fn fastest(above: f32) -> f32 {
     1.0 + 1.25 * above + 1e-6
 }

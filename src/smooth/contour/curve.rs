@@ -1,6 +1,6 @@
-//! The geometry of a corner in `f32`, relative to its corner point. It decides the size of a curve and the
-//! places of its inner cuts. Rounding shifts a curve by 10^-7 of its size; cuts stay exact, because both
-//! neighbours of a cut get the same numbers.
+//! The geometry of a corner in `f32`, relative to its corner point. This geometry gives the size of a curve
+//! and the places of its inner cuts. Rounding shifts a curve by 10^-7 of its size. Cuts stay exact, because
+//! both neighbours of a cut get the same numbers.
 use crate::math::float::{magnitude, max, min, to_f32, to_i64};
 use crate::math::root::sqrt_f32;
 use crate::math::trig::sin_cos;
@@ -53,13 +53,14 @@ pub fn aside<const AXES: usize>(main: &Main, a: &[f32; AXES]) -> f32 {
     others.fold(0.0, |most, (_, x)| max(most, magnitude(*x)))
 }
 
-/// The fraction of the straight line to `end` at which it is nearest to a point; both count from its start.
+/// The place on the straight line to `end` that is nearest to `point`, as a fraction of the line. Both
+/// vectors count from the start of the line.
 pub fn foot<const AXES: usize>(main: &Main, end: &[f32; AXES], point: &[f32; AXES]) -> f32 {
     let square = dot(main, end, end);
     if square > 0.0 { min(max(dot(main, point, end) / square, 0.0), 1.0) } else { 0.0 }
 }
 
-/// Distance of a point from this line.
+/// Distance of a point from the straight line to `end`.
 fn segment_distance<const AXES: usize>(main: &Main, end: &[f32; AXES], point: &[f32; AXES]) -> f32 {
     size(main, &plus(point, -foot(main, end, point), end))
 }
@@ -76,11 +77,12 @@ pub struct Site<const AXES: usize> {
 }
 
 impl<const AXES: usize> Site<AXES> {
-    /// The corner itself, with no direction.
+    /// The corner itself, without direction.
     pub const NONE: Self = Self { offset: [0.0; AXES], tangent: [0.0; AXES], curvature: [0.0; AXES] };
 }
 
-/// A block at the corner, over the distance from the corner; after the corner this distance is negative.
+/// A block at the corner, as a function of the distance from the corner. After the corner, this distance is
+/// negative.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Side<const AXES: usize> {
     tangent: [f32; AXES],
@@ -136,7 +138,7 @@ impl<const AXES: usize> Side<AXES> {
         let mut site = Site { offset, tangent: self.tangent, curvature: self.curvature };
         if let Some(plane) = self.plane {
             let angle = self.rate * s;
-            // From half the angle: the difference of the cosine from 1 stays accurate for small angles.
+            // Half the angle is used, because 1 − cos is then accurate for small angles.
             let (half, other) = sine(0.5 * angle);
             let (sin, cos) = (2.0 * half * other, 1.0 - 2.0 * half * half);
             let along = sin / self.rate;
@@ -175,8 +177,8 @@ impl<const AXES: usize> Side<AXES> {
         point
     }
 
-    /// Distance of a point from the block on one side of the corner: `side` is −1 before the corner, 1 after
-    /// it. If the distance is surely at most `most`, any such value may be returned.
+    /// Distance of a point from the block on one side of the corner. `side` is −1 before the corner and 1
+    /// after it. If the distance is surely at most `most`, the result may be any such value.
     pub fn distance(&self, main: &Main, point: &[f32; AXES], (guess, side): (f32, f32), most: f32) -> f32 {
         let inside = |s: f32| side * max(side * s, 0.0);
         if self.rate == 0.0 {
@@ -198,7 +200,7 @@ impl<const AXES: usize> Side<AXES> {
             let (before, next) = (s, inside(s + step));
             s = next;
             if magnitude(next - before) * self.rate <= NEXT {
-                // Up to here the block is practically straight.
+                // Up to here, the block counts as straight.
                 away = plus(&away, before - next, &site.tangent);
                 break;
             }
@@ -207,7 +209,7 @@ impl<const AXES: usize> Side<AXES> {
     }
 }
 
-/// Angle of the last step towards the foot of a perpendicular: the point is 2^-25 of a radius beside the
+/// Angle of the last step towards the foot of a perpendicular. The arc is then 2^-25 of the radius off its
 /// tangent.
 const NEXT: f32 = 1.0 / 4096.0;
 
@@ -314,8 +316,8 @@ impl<const AXES: usize> Quintic<AXES> {
         }))
     }
 
-    /// Upper bounds of the derivatives over a path of this length (mm), linear in u. They come from control
-    /// points, plus the rounding of numbers that nearly cancel out.
+    /// Upper bounds of the derivatives over a path of `length` (mm), which is linear in u. The bounds come
+    /// from control points, plus the rounding of numbers that nearly cancel out.
     pub fn hull(&self, length: f32) -> [[f32; AXES]; 3] {
         let [_, p1, p2, p3, p4, p5] = &self.power;
         let mut hull = [[0.0; AXES]; 3];
@@ -337,12 +339,12 @@ impl<const AXES: usize> Quintic<AXES> {
         hull
     }
 
-    /// Squares of the speed over the main axes at the given places.
+    /// Squares of the speed over the main axes at these places.
     #[cfg_attr(feature = "fast", inline(always))]
     fn squares<const N: usize>(&self, main: &Main, places: &[f32; N]) -> [f32; N] {
         let [_, p1, p2, p3, p4, p5] = &self.power;
         let mut sums = [0.0; N];
-        // Axis by axis, so that common terms are computed once.
+        // The loop runs over the axes, so that common terms are computed once.
         for k in main.of::<AXES>() {
             let get = |p: &[f32; AXES]| p.get(k).copied().unwrap_or(0.0);
             let [c1, c2, c3, c4] = [get(p1), 2.0 * get(p2), 3.0 * get(p3), 4.0 * get(p4)];
@@ -383,15 +385,15 @@ impl<const AXES: usize> Quintic<AXES> {
         Site { offset, tangent, curvature }
     }
 
-    /// The point at `u`, with direction and curvature over a path with `path` mm per u.
+    /// The point at `u`, with direction and curvature over a path of `path` mm per u.
     pub fn site_over(&self, path: f32, u: f32) -> Site<AXES> {
         let [offset, first, second] = self.at(u);
         let per = 1.0 / path;
         Site { offset, tangent: first.map(|x| x * per), curvature: second.map(|x| x * (per * per)) }
     }
 
-    /// Largest relative excess of the feed axes over the speed of a path with `path` mm per u, at places between the
-    /// ends. Also of the main axes over `space_per_path` times that speed, if given.
+    /// Largest relative excess of speed over a path of `path` mm per u, at places between the ends. The feed
+    /// axes are compared with the path, and the main axes with `space_per_path` times the path, if given.
     pub fn haste(&self, measure: &Measure, path: f32, space_per_path: f32) -> f32 {
         let mut most = 0.0;
         for u in PLACES {
@@ -415,8 +417,8 @@ impl<const AXES: usize> Quintic<AXES> {
             .fold(0.0, |sum, (square, (_, weight))| sum + weight * sqrt_f32(*square))
     }
 
-    /// Largest relative deviation of the speed along the curve above and below `speed`, at places between the
-    /// ends.
+    /// Largest relative difference of the speed along the curve from `speed`, above and below, at places
+    /// between the ends.
     pub fn unevenness(&self, main: &Main, speed: f32) -> [f32; 2] {
         let [mut most, mut least] = [0.0, f32::MAX];
         for square in self.squares(main, &PLACES) {
@@ -426,16 +428,16 @@ impl<const AXES: usize> Quintic<AXES> {
         [max(sqrt_f32(most) / speed - 1.0, 0.0), max(1.0 - sqrt_f32(least) / speed, 0.0)]
     }
 
-    /// Whether the speed in the middle already shows that [`Self::unevenness`] exceeds `even`, a small value.
+    /// Whether the speed in the middle alone shows that [`Self::unevenness`] exceeds `even`, a small value.
     pub fn is_uneven(&self, main: &Main, speed: f32, even: f32) -> bool {
         let [square] = self.squares(main, &[0.5]);
         let off = square / (speed * speed) - 1.0;
-        // Squares deviate twice as much; the rest is for rounding.
+        // Squares differ by twice the relative difference; the rest is for rounding.
         magnitude(off) > 2.01 * even + 4e-6
     }
 
-    /// Seen from a point, over the main axes: square of the distance to the place `u`, half of its change over
-    /// u, and half of the change of that.
+    /// Squared distance of the place `u` from a point, over the main axes. Also half of its first and half of
+    /// its second derivative by u.
     #[cfg_attr(feature = "fast", inline(always))]
     fn seen(&self, main: &Main, point: &[f32; AXES], u: f32) -> [f32; 3] {
         let [p0, p1, p2, p3, p4, p5] = &self.power;
@@ -454,8 +456,8 @@ impl<const AXES: usize> Quintic<AXES> {
         [square, along, slope + bend]
     }
 
-    /// The parameter of the curve's point nearest to `point`; the search begins at `u`. `None` if a place is
-    /// found whose squared distance is at most `most`.
+    /// The parameter of the curve's point nearest to `point`; the search begins at `u`. Returns `None` as
+    /// soon as a place with a squared distance of at most `most` is found.
     fn search(&self, main: &Main, point: &[f32; AXES], mut u: f32, most: f32) -> Option<f32> {
         for _ in 0..NEAREST_STEPS {
             let [square, along, slope] = self.seen(main, point, u);
@@ -479,15 +481,15 @@ impl<const AXES: usize> Quintic<AXES> {
 
     /// Whether the distance of a point from the curve is at most `most`; the search begins at `u`.
     pub fn is_near(&self, main: &Main, point: &[f32; AXES], u: f32, most: f32) -> bool {
-        // The foot on the tangent is no farther away than the nearest point.
+        // The foot on the tangent is never farther away than the nearest point of the curve.
         let (away, along) = (plus(&self.point(u), -1.0, point), self.first(u));
         let foot = u - dot(main, &away, &along) / max(dot(main, &along, &along), f32::MIN_POSITIVE);
         let there = self.point(min(max(foot, 0.0), 1.0));
         size(main, &plus(&there, -1.0, point)) <= most || self.distance(main, point, u, most) <= most
     }
 
-    /// Distance of a point from the curve; the search begins at `u`. If the distance is surely at most `most`,
-    /// any such value may be returned.
+    /// Distance of a point from the curve; the search begins at `u`. If the distance is surely at most
+    /// `most`, the result may be any such value.
     pub fn distance(&self, main: &Main, point: &[f32; AXES], u: f32, most: f32) -> f32 {
         let nearest = self.search(main, point, u, SURELY * most * most);
         nearest.map_or(0.0, |u| size(main, &plus(&self.point(u), -1.0, point)))
@@ -497,22 +499,22 @@ impl<const AXES: usize> Quintic<AXES> {
 /// Margin for rounding.
 const SURELY: f32 = 0.999;
 
-/// Searches the largest distance between a curve and the contour that it replaces, measured from places along both. A
-/// call examines a few places.
+/// Searches the largest distance between a curve and the contour that the curve replaces. The distance is
+/// measured from places along both. Each call examines a few places.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Deviation {
     outward: Peak,
     inward: Peak,
-    /// Beside the blocks left out.
+    /// The search along the line over left-out blocks.
     across: Peak,
 }
 
 impl Deviation {
-    /// A search that has looked at nothing.
+    /// A new search.
     pub const NEW: Self = Self { outward: Peak::NEW, inward: Peak::NEW, across: Peak::NEW };
 
-    /// Continues the search; returns the deviation when it is found. `reach`: corner distances before and after; `gap`:
-    /// the vector over blocks left out.
+    /// Continues the search; returns the deviation at the end of the search. `reach`: corner distances before
+    /// and after the corner. `gap`: the vector over left-out blocks.
     pub fn go_on<const AXES: usize>(
         &mut self,
         main: &Main,
@@ -531,7 +533,7 @@ impl Deviation {
                 let (q, s) = (curve.point(0.5 + 0.5 * place), block(place).1);
                 let off_before = || before.distance(main, &q, (min(s, 0.0), -1.0), top);
                 let off_behind = || behind.distance(main, &past(&q), (max(s, 0.0), 1.0), top);
-                // If the curve is near to one of the blocks, the others do not matter.
+                // If the curve is near one of the blocks, the other blocks do not matter.
                 let mut off = if place < 0.0 { off_before() } else { off_behind() };
                 if off > top {
                     off = min(off, if place < 0.0 { off_behind() } else { off_before() });
@@ -551,7 +553,7 @@ impl Deviation {
         }
         let most = max(self.inward.top, self.outward.top);
         let Some(gap) = gap else { return Some(most) };
-        // Also the ends of the line: the curve may be furthest from them.
+        // The ends of the line count too: the curve may be furthest from them.
         let over = |part: f32| gap.map(|x| part * x);
         self.across.climb(INWARD, |place, top| curve.distance(main, &over(0.5 + 0.5 * place), 0.5, top));
         if !self.across.is_found() {
@@ -563,8 +565,8 @@ impl Deviation {
     }
 }
 
-/// Searches the largest value over -1…1: from the best of evenly spaced places outward and uphill, in ever shorter
-/// steps to both sides.
+/// Searches the largest value over −1…1. The search begins at the best of equally spaced places and goes
+/// uphill, in shorter and shorter steps to both sides.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Peak {
     /// Number of examined places.
@@ -583,8 +585,8 @@ impl Peak {
         self.seen >= EVEN_PLACES + 2 * REFINEMENTS
     }
 
-    /// Examines at most `places` more places. A value up to the largest one so far may be replaced by any
-    /// such value.
+    /// Examines at most `places` more places. If a value is not above the largest one so far, `value` may
+    /// return any number that is not above.
     fn climb(&mut self, places: u8, value: impl Fn(f32, f32) -> f32) {
         for _ in 0..places {
             if self.is_found() {
@@ -602,8 +604,8 @@ impl Peak {
         let seen = self.seen;
         self.seen += 1;
         if seen < EVEN_PLACES {
-            // Outward, because the value is usually largest beside the corner, and lower values need not be known.
-            // Not at the corner.
+            // The search goes outward: the value is usually largest near the corner, and lower values need
+            // not be known. The corner itself is left out.
             let away = f32::from(1 + seen / 2) * self.step;
             return if seen.is_multiple_of(2) { -away } else { away };
         }
@@ -616,7 +618,7 @@ impl Peak {
     }
 }
 
-/// Places per call: two blocks count for each place on the curve.
+/// Places per call. Each place on the curve is compared with two blocks.
 const OUTWARD: u8 = 4;
 const INWARD: u8 = 12;
 
@@ -625,16 +627,16 @@ const REFINEMENTS: u8 = 4;
 
 /// Newton's steps to the nearest point of a curve.
 const NEAREST_STEPS: usize = 4;
-/// The last step of that search: the next one would be about the square of this one, which is negligible.
+/// If the last Newton step is below this value, the next step is about its square, which is negligible.
 const NEAR: f32 = 1.0 / 2048.0;
 
-/// Steps on each side of the corner, and the places between them at which the distance from an arc is
-/// measured.
+/// Number of steps on each side of the corner, and of places between the steps at which the distance from an
+/// arc is measured.
 const SAMPLES: u8 = 8;
 const EVEN_PLACES: u8 = 2 * SAMPLES - 2;
 
-/// Rounding of derivatives, as a part of the path length: products of coefficients up to 60 with sums that
-/// have 24 bits.
+/// Rounding of derivatives, as a share of the path length: products of coefficients up to 60 with sums of 24
+/// bits.
 const HIDDEN: f32 = 1.0 / 1024.0;
 
 /// Places between the ends at which speed is examined.
@@ -652,9 +654,9 @@ const GAUSS: [(f32, f32); 8] = [
     (0.960_289_84, 0.101_228_54),
 ];
 
-/// The speed with which a [`Quintic`] between two sites moves evenly: its speed in the middle is the same,
-/// where Q' = 15/8·D − 7/16·v·(tA + tB) − v²·(kA − kB)/32. `space_per_path`: distance in space per path
-/// distance.
+/// The speed with which a [`Quintic`] between two sites moves evenly. The speed in the middle is then equal
+/// to the speed at the ends, with Q' = 15/8·D − 7/16·v·(tA + tB) − v²·(kA − kB)/32. `space_per_path`:
+/// distance in space per path distance.
 pub fn even_speed<const AXES: usize>(
     main: &Main,
     a: &Site<AXES>,
@@ -670,7 +672,7 @@ pub fn even_speed<const AXES: usize>(
     let a = space_per_path * space_per_path - (49.0 / 256.0) * dot(main, &both, &both);
     let mut speed = 0.0;
     for _ in 0..3 {
-        // The distance, reduced by a part of the bend.
+        // The distance, less a part of the curvature.
         let part = speed * speed * (1.0 / 60.0);
         let b = (105.0 / 128.0) * (along - part * across);
         let c = (225.0 / 64.0) * (square - part * (2.0 * mixed - part * bent));

@@ -1,5 +1,5 @@
-//! The parts of both blocks that the curve of a corner takes: how far it may reach, where it leaves one block and
-//! enters the other, and the rest of both.
+//! The parts of both blocks that the curve of a corner takes: the room for the curve, the ends of the curve,
+//! and the rest of both blocks.
 use super::curve::Side;
 use super::held_block::HeldBlock;
 use super::{ONE_44, Parameters};
@@ -9,25 +9,25 @@ use crate::path::poly::Knot;
 use crate::path::{Measure, Passage};
 use crate::quantity::{DISTANCE_LSB, Distance, Position};
 
-/// The part of a block that two corners leave goes to the second corner if it is below this power of two: far
-/// less than the margin of the tolerance.
+/// A rest of a block between two corners goes to the second corner if the rest is below this power of two.
+/// The value is far below the margin of the tolerance.
 const SLIVER: u32 = 14;
 
-/// Part of the distance that a curve over time leaves, as a power of two: its rounding needs this length.
+/// Share of the distance that a curve over time leaves, as a power of two; rounding needs this length.
 const SCRAP: u32 = 18;
 
-/// Smallest length that a corner leaves of a block that its neighbours divide, LSB 2^-44 mm: four steps of a
+/// Smallest length that a corner leaves of a block that DIST_WEIGHT divides, LSB 2^-44 mm: four steps of a
 /// position.
 const LEFT: i64 = 1 << 14;
 
-/// Largest change of a block's length by halving and making it again, LSB 2^-44 mm.
+/// Largest change of a block's length if the block is halved and made again, LSB 2^-44 mm.
 const HALVED: i64 = 64;
 
 /// Shortest corner distance worth a curve, mm.
 pub(super) const SHORTEST: f32 = 1e-5;
 
-/// The speed changes beside a curve, not inside it, if the blocks have this multiple of the corner distance
-/// left.
+/// If the blocks have this multiple of the corner distance left, the speed changes before and after the
+/// curve, and is constant inside it.
 const BESIDE: i64 = 4;
 
 /// π/2.
@@ -36,8 +36,8 @@ const QUARTER: f32 = core::f32::consts::FRAC_PI_2;
 /// How far a curve may reach into both blocks.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Room {
-    /// Largest corner distances, mm; and whether they come from the blocks' shares, not from a quarter of a
-    /// turn.
+    /// Largest corner distances, mm. `whole`: neither DIST_WEIGHT nor a quarter of a turn changes the
+    /// distance.
     pub most: [f32; 2],
     whole: [bool; 2],
     /// Demanded corner distances.
@@ -52,8 +52,8 @@ pub(super) struct Cut {
 }
 
 impl Room {
-    /// The room between blocks of these programmed lengths, LSB 2^-44 mm: their shares, less REMAIN_PART, at
-    /// most a quarter of a turn.
+    /// The room between blocks of these programmed lengths, LSB 2^-44 mm. The room is the blocks' shares,
+    /// less REMAIN_PART, and at most a quarter of a turn.
     pub(super) fn new<const AXES: usize>(
         lengths: [(i64, &Side<AXES>); 2],
         parts: [f32; 2],
@@ -78,8 +78,8 @@ impl Room {
         min(self.most[0], self.most[1])
     }
 
-    /// The lengths that a curve over arc length takes, from the results of the search: the part of the
-    /// distances, and the permitted distance of its elements.
+    /// The lengths that a curve over arc length takes. The arguments are results of the search: the share of
+    /// the distances, and the permitted distance of the elements.
     pub(super) fn cut<const AXES: usize>(
         &self,
         held: &HeldBlock<AXES>,
@@ -88,7 +88,7 @@ impl Room {
         (part, slack): (f32, f32),
     ) -> Option<(Cut, f32)> {
         let distances = self.distances.map(|c| c * part);
-        // POS without distances swings out from the corner itself.
+        // With POS and without distances, the curve swings out from the corner itself.
         let most = max(distances[0], distances[1]);
         if most < SHORTEST && (most > 0.0 || rule.method != ContourMethod::Pos) {
             return None;
@@ -112,8 +112,8 @@ impl Room {
     }
 }
 
-/// The largest length that a corner takes from a block that its neighbours divide: all of it would leave a
-/// line without motion.
+/// The largest length that a corner takes from a block that DIST_WEIGHT divides. Without this bound, the rest
+/// could be a line without motion.
 fn weighed(length: i64) -> i64 {
     (length - (length >> SCRAP).max(LEFT)).max(length / 2)
 }
@@ -134,25 +134,25 @@ impl Cut {
     ) -> (Self, i64) {
         let left = held.block.element.shape.length.to_bits();
         let half = if rule.weighs() { weighed(next.length) } else { next.length / 2 };
-        // The rest that rounding leaves between two curves would be too short for their speed.
+        // The rest between two curves, caused by rounding, would be too short for their speed.
         let slack = if rule.weighs() { 0 } else { half >> SCRAP };
         if rule.weighs() {
             reach = reach.min(half);
         }
-        // In `f32` the distance may have been rounded beyond the line.
+        // In `f32`, the rounded distance may be longer than the line.
         reach = reach.min(left);
         let all = if left <= half.saturating_add(slack.max(HALVED)) { left } else { half };
         let more = all - reach;
         if more > 0 && more <= all >> SCRAP {
             reach = all;
         }
-        // The rest of a halved line may be a few LSB more or less than its half.
+        // The rest of a halved line may differ from its half by a few LSB.
         let before = if left - reach <= HALVED { left } else { reach };
         (Self { before, behind: reach.min(half + slack) }, reach)
     }
 }
 
-/// The knots where a curve leaves one block and enters the other. `false` if there are none.
+/// The knots where a curve leaves one block and enters the other. Returns `false` if there are no such knots.
 #[inline(never)]
 pub(super) fn ends<const AXES: usize>(
     held: &HeldBlock<AXES>,
@@ -168,7 +168,7 @@ pub(super) fn ends<const AXES: usize>(
     true
 }
 
-/// The same; the second block becomes its rest behind the curve.
+/// As [`ends`], and the second block becomes its rest after the curve.
 #[inline(never)]
 pub(super) fn enter<const AXES: usize>(
     held: &HeldBlock<AXES>,
@@ -207,8 +207,8 @@ fn begin<const AXES: usize>(next: &HeldBlock<AXES>, cut: Cut) -> [Position; AXES
 }
 
 impl Cut {
-    /// Both blocks become their rests beside a curve between these knots. Returns the behaviour of the curve's
-    /// speed, which may have to stay `constant`; `None` if the second block has no rest.
+    /// Reduces both blocks to their rests outside a curve between these knots. `constant`: the curve has a
+    /// constant speed. Returns how the speed behaves in the curve, or `None` if the second block has no rest.
     pub(super) fn part<const AXES: usize>(
         self,
         held: &mut HeldBlock<AXES>,
@@ -220,7 +220,8 @@ impl Cut {
         Some(self.leave(held, next, from, constant))
     }
 
-    /// The first block becomes its rest before the curve's knot. Returns the behaviour of the curve's speed.
+    /// Reduces the first block to its rest before the curve's knot. Returns how the speed behaves in the
+    /// curve.
     pub(super) fn leave<const AXES: usize>(
         self,
         held: &mut HeldBlock<AXES>,

@@ -13,7 +13,7 @@ pub struct Halves<const AXES: usize> {
     pub to: Knot<AXES>,
     /// Path length of a half, mm.
     pub length: f32,
-    /// Largest speed along the curve per path speed.
+    /// Largest ratio of the speed along the curve to the path speed.
     pub fastest: f32,
     /// Magnitudes of the third derivative, if acceleration passes the curve.
     pub third: Option<[f32; AXES]>,
@@ -65,8 +65,8 @@ impl<const AXES: usize> Halves<AXES> {
         Some(if self.third.is_some() { made.cubic() } else { made })
     }
 
-    /// Sets the derivatives of an element that acceleration passes. These values are more accurate than those from the
-    /// points of a short piece.
+    /// Sets the derivatives of an element that acceleration passes. These values are more accurate than
+    /// values from the points of a short piece.
     pub fn settle(&self, element: &mut Element<AXES>) {
         if let (Some(bounds), Some(third)) = (&mut element.bounds, self.third) {
             bounds.passage = Passage::Through;

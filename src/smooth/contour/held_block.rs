@@ -1,4 +1,4 @@
-//! A block that waits for the next one, and the short blocks behind it that are left out.
+//! A block that waits for the next block, and the short blocks after it that are left out.
 use super::curve::{Main, aside, direction, foot, plus, size, space_per_path};
 use super::{Data, Form, LSB_32, Parameters, ProgrammedBlock, Smoothed};
 use crate::dynamics::{Dynamics, Known};
@@ -20,7 +20,8 @@ pub(super) struct HeldBlock<const AXES: usize> {
     pub stray: Stray,
     /// Length of the block before it, if the corner between them is rounded, LSB 2^-44 mm.
     pub previous: Option<NonZeroI64>,
-    /// Limits of the block, from the first look at a corner of it until it becomes another line or arc.
+    /// Limits of the block, kept from the first corner of the block until the block becomes another line or
+    /// arc.
     pub known: Option<Known>,
 }
 
@@ -31,10 +32,11 @@ pub(super) struct Skipped<const AXES: usize> {
     pub to: [Position; AXES],
     /// Data of the last block.
     pub data: Data,
-    /// Largest deviation of the blocks from the straight line over them, and from its start, mm.
+    /// Largest deviation of the blocks, mm: from the straight line over them, and from the start of the line.
     pub stray: Stray,
     pub radius: f32,
-    /// Whether no further blocks are left out, so that their line is the block after the corner.
+    /// Whether the sequence of left-out blocks is complete. The line over them is then the block after the
+    /// corner.
     pub over: bool,
 }
 
@@ -43,7 +45,7 @@ pub(super) struct Skipped<const AXES: usize> {
 pub(super) struct Stray {
     /// Deviation in space, mm.
     pub path: f32,
-    /// Deviation of each other axis, at the place of the line that is nearest in space.
+    /// Deviation of each other axis, at the nearest place of the line in space.
     pub track: f32,
 }
 
@@ -51,7 +53,7 @@ impl Stray {
     /// No deviation.
     pub const NONE: Self = Self { path: 0.0, track: 0.0 };
 
-    /// Deviation of a point from the line to `end`; both count from its start.
+    /// Deviation of a point from the line to `end`. Both vectors count from the start of the line.
     fn of<const AXES: usize>(main: &Main, end: &[f32; AXES], point: &[f32; AXES]) -> Self {
         let off = plus(point, -foot(main, end, point), end);
         Self { path: size(main, &off), track: aside(main, &off) }
@@ -62,7 +64,7 @@ impl Stray {
         Self { path: self.path + other.path, track: self.track + other.track }
     }
 
-    /// The larger of both deviations.
+    /// The larger value of each deviation.
     pub fn or(self, other: Self) -> Self {
         Self { path: max(self.path, other.path), track: max(self.track, other.track) }
     }
@@ -80,12 +82,12 @@ pub(super) struct Standing {
     pub stray: Stray,
 }
 
-/// A block below 16 µm behind blocks left out is replaced by a line from their start. Before a corner it is
-/// joined to the block behind.
+/// A line replaces left-out blocks and the next block, if the next block is shorter than 16 µm. A block
+/// shorter than 16 µm before a corner is joined to the block after it.
 const SYSTEM_LEAST: f32 = 0.016;
 
-/// Three limits for merging two blocks: distance of their corner from the line over both, LSB 2^-32 mm and
-/// mm; change of direction, LSB 2^-40; and the distance of many blocks from their line.
+/// Three limits for merging two blocks: the distance of their corner from the line over both, in LSB 2^-32 mm
+/// and in mm; the change of direction, LSB 2^-40; and the distance of many merged blocks from their line.
 const STRAIGHT: f64 = 4096.0;
 const STRAIGHT_MM: f32 = 4096.0 * LSB_32;
 const TURN: i64 = 1 << 20;
@@ -152,7 +154,8 @@ impl<const AXES: usize> HeldBlock<AXES> {
         self.known = None;
     }
 
-    /// Whether the distance between two points is irrelevant, along the main axes and along every other axis.
+    /// Whether the distance between two points is below RELEVANT_PATH for the main axes and below
+    /// RELEVANT_TRACK for all other axes.
     fn is_irrelevant(from: &[Position; AXES], to: &[Position; AXES], rule: &Parameters, main: &Main) -> bool {
         let travel = travel(from, to);
         let [path, track] = rule.relevant();
@@ -185,7 +188,7 @@ impl<const AXES: usize> HeldBlock<AXES> {
         {
             return None;
         }
-        // An arc is at most half its length away from its chord.
+        // The distance of an arc from its chord is at most half the arc's length.
         let bent = if arc { 0.5 * length } else { 0.0 };
         let turned = if arc { aside(main, &travel(&next.from, &next.to)) } else { 0.0 };
         let over = travel(&self.block.to, &next.to);
@@ -199,9 +202,9 @@ impl<const AXES: usize> HeldBlock<AXES> {
         stray.is_within(rule.stray()).then_some(skipped)
     }
 
-    /// Whether one line replaces held or left-out blocks together with the next one. Either this block is too
-    /// short to begin a curve, or the next block is too short to end it. A short block is short in space and
-    /// along every other axis.
+    /// Whether one line replaces the held block or the left-out blocks, together with the next block. Then
+    /// either this block is too short to begin a curve, or the next block is too short to end a curve. A
+    /// short block is short in space and along every other axis.
     pub fn stands(
         &self,
         skipped: Option<&Skipped<AXES>>,
@@ -215,7 +218,7 @@ impl<const AXES: usize> HeldBlock<AXES> {
             let ProgrammedBlock { element, from, to, .. } = &held.block;
             Self::in_space(element, held.length, measure) <= path && aside(main, &travel(from, to)) <= track
         };
-        // A curve that ends inside this block keeps its direction.
+        // If a curve ends inside this block, the block keeps its direction.
         let entered = self.block.element.shape.length.to_bits() < self.length;
         let lines = next.is_line() && self.is_line() && !entered;
         // With DEV alone RELEVANT_PATH applies to both neighbours of a corner.
@@ -238,8 +241,8 @@ impl<const AXES: usize> HeldBlock<AXES> {
         standing.stray.is_within(rule.stray()).then_some(standing)
     }
 
-    /// PTP: becomes the line over this block and the next one, if the next block continues straight with the
-    /// same feed. Returns whether it did.
+    /// PTP: extends the block to a line over itself and the next block, if the next block continues straight
+    /// with the same feed. Returns whether the line is extended.
     ///
     /// MERGE covers tangential transitions. With PTP only those between lines occur, because an arc switches
     /// PTP off.
@@ -262,7 +265,7 @@ impl<const AXES: usize> HeldBlock<AXES> {
         });
         let tangents = self.block.element.entry.tangent.iter().zip(line.tangent());
         let turns = tangents.fold(0, |most: i64, (a, b)| most.max((a - b).abs()));
-        // At most the duration of one block.
+        // The merged line takes at most the longest duration of one block.
         let in_time =
             to_f32(both) * DISTANCE_LSB < dynamics.line(line.tangent(), data.feed).0.v * LONGEST_TICKS;
         let stray = self.stray.or(next.stray).and(Stray { path: STRAIGHT_MM, track: STRAIGHT_MM });
@@ -282,7 +285,8 @@ impl<const AXES: usize> HeldBlock<AXES> {
         true
     }
 
-    /// Whether the block's share in the corner before it depends on the next block, or on a block that may join it.
+    /// Whether the block's share in the corner before it depends on the next block, or the next block may
+    /// join it.
     pub fn waits(&self) -> bool {
         self.rule.as_ref().is_some_and(|rule| rule.weighs() || self.is_line() && rule.chords().is_some())
     }
@@ -309,13 +313,13 @@ impl<const AXES: usize> HeldBlock<AXES> {
         Smoothed { element, end: None, data, curving: None, due: data.number, known: self.known.as_ref() }
     }
 
-    /// Makes the line over the left-out blocks the next block, when no further blocks are left out. The end is
-    /// as programmed. The result is written to `next`, which is blank. Returns whether there is a line.
+    /// Makes the line over the left-out blocks the next block, when their sequence is complete. The end is as
+    /// programmed. The call writes the result to the blank block `next`. Returns whether there is a line.
     pub fn behind(&mut self, skipped: &Skipped<AXES>, measure: &Measure, next: &mut Self) -> bool {
         let &Skipped { to, data, stray, .. } = skipped;
         let from = self.block.to;
         if line_to([&from, &to], measure, &mut next.block.element) != Ok(true) {
-            // The blocks led back to their start.
+            // The left-out blocks end at their start.
             self.rule = None;
             self.block.data.stop |= data.stop;
             return false;
@@ -336,7 +340,7 @@ impl<const AXES: usize> HeldBlock<AXES> {
         }
     }
 
-    /// Becomes the rest of the block from a point on it, `cut` (LSB 2^-44 mm) behind its start.
+    /// Reduces the block to its rest from a point on it, `cut` (LSB 2^-44 mm) after its start.
     pub fn renew(&mut self, from: &[Position; AXES], cut: i64, measure: &Measure) -> Result<(), PathError> {
         if *from == self.block.from {
             return Ok(());
@@ -361,8 +365,8 @@ impl<const AXES: usize> HeldBlock<AXES> {
     }
 }
 
-/// An arc of this form between two points, in place of an element. It keeps the limits of the original arc, so earlier
-/// comparisons stay valid.
+/// An arc of this form between two points, in place of an element. The arc keeps the limits of the original
+/// arc, so that earlier comparisons stay valid.
 #[inline(never)]
 fn rest_of_arc<const AXES: usize>(
     ends: [&[Position; AXES]; 2],

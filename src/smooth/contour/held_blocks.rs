@@ -1,5 +1,5 @@
-//! The held blocks in order. Blocks are not moved in memory: when the first one leaves, only the indices
-//! change. The free place then holds the elements behind it, one after the other.
+//! The held blocks in order. When the first block leaves, only the indices change, and no block is moved in
+//! memory. The free place then holds the elements after this block, one after the other.
 use super::Made;
 use super::held_block::HeldBlock;
 
@@ -10,7 +10,7 @@ pub(super) enum Slot<const AXES: usize> {
     Free,
     /// A block.
     Block(HeldBlock<AXES>),
-    /// An element to be emitted: only in the last place.
+    /// An element to be emitted; only the last place may hold an element.
     Made(Made<AXES>),
 }
 
@@ -38,7 +38,7 @@ pub(super) struct HeldBlocks<const AXES: usize> {
 
 impl<const AXES: usize> HeldBlocks<AXES> {
     /// No blocks.
-    // In its place, because a constant would be copied as a whole.
+    // Made in place; a constant would be copied as a whole.
     #[inline(always)]
     pub const fn none() -> Self {
         Self { slots: [Slot::Free, Slot::Free, Slot::Free], first: 0 }
@@ -50,8 +50,8 @@ impl<const AXES: usize> HeldBlocks<AXES> {
         self.slots.get(usize::from(self.first))?.block()
     }
 
-    /// The block held back, the one that waits after it, and the next one; or, after [`Self::leave`], the block that
-    /// leaves and then the elements after it.
+    /// The three slots in order: the held block, the block that waits, and the block after it. After
+    /// [`Self::leave`]: the block that leaves, then the elements after it.
     #[cfg_attr(feature = "fast", inline(always))]
     pub const fn all(&self) -> [&Slot<AXES>; 3] {
         let [a, b, c] = &self.slots;
@@ -73,7 +73,7 @@ impl<const AXES: usize> HeldBlocks<AXES> {
         }
     }
 
-    /// The held block, and the place of an element before it, if no block is leaving.
+    /// The held block, and the place of an element before it. Returns `None` while a block is leaving.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn made(&mut self) -> Option<(&HeldBlock<AXES>, &mut Made<AXES>)> {
         let [held, _, last] = self.all_mut();

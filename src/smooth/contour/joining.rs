@@ -1,5 +1,5 @@
-//! The work on a corner, in bounded steps: whether there is a curve and of which kind, how far it reaches
-//! into the blocks, and its elements.
+//! The work on a corner, in bounded steps. The steps decide the kind of curve, find how far it reaches into
+//! the blocks, and make its elements.
 use super::choice::{Approach, Candidate, Choice, bends, passes, shallow_distance};
 use super::corner::{AIM, Corner, Reach, Tolerance, turn};
 use super::corner_curve::{CONSTANT, CornerCurve, EVEN, Fit, Rehearsal};
@@ -19,15 +19,15 @@ use crate::path::{Measure, Passage};
 use crate::quantity::{DISTANCE_LSB, Distance, Position};
 use core::num::NonZeroI64;
 
-/// Part of a tolerance for the parts between the examined places, beside blocks left out.
+/// Share of a tolerance for the curve between examined places, if blocks are left out.
 const UNSEEN: f32 = 1.0 / 256.0;
 /// See [`UNSEEN`].
 const UNSEEN_TRACK: f32 = 1.0 / 32.0;
 
-/// How often a curve is made smaller.
+/// Largest number of reductions of a curve.
 const SMALLER: u8 = 8;
 
-/// Trials per call for the corner distances, and fitted elements per call: each call has its own cost.
+/// Trials per call for the corner distances, and fitted elements per call. Each call has a fixed cost.
 const TRIALS: usize = 4;
 const ELEMENTS: usize = 8;
 /// Elements per call whose speed is examined.
@@ -47,7 +47,7 @@ pub struct Setting<'a, const AXES: usize> {
     pub skipped: Option<&'a Skipped<AXES>>,
 }
 
-/// Alternatives to a curve over arc length: a curve over time, and with DEV a stop in the corner.
+/// Alternatives to a curve over arc length: a curve over time, and a stop in the corner with DEV.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Rivals {
     approach: Approach,
@@ -55,8 +55,8 @@ struct Rivals {
     may_stop: bool,
 }
 
-/// The search for the corner distances of a curve over arc length. At its end the quickest choice is taken: this
-/// curve, or an alternative.
+/// The search for the corner distances of a curve over arc length. At its end, the quickest one is taken:
+/// this curve or an alternative.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Search<const AXES: usize> {
     room: Room,
@@ -69,18 +69,18 @@ pub struct Search<const AXES: usize> {
 enum JoinStep {
     /// Search the corner distances: [`Course::Reaching`].
     Reaching,
-    /// Make a curve over arc length with these distances, whose elements may deviate by `slack`, mm.
+    /// Make a curve over arc length with this cut. Its elements may deviate by `slack`, mm.
     Cutting { cut: Cut, slack: f32, smaller: u8 },
     /// Fit its elements.
     Fitting { cut: Cut, slack: f32, smaller: u8 },
     /// CONST_VEL: find the speed that all elements permit. Speed and length of the elements so far are known.
     /// `None`: the element in the middle comes first. It turns most and usually permits the least.
     Timing { cut: Cut, element: Option<u32>, steady: Steady },
-    /// Elements are known: both blocks become their rests.
+    /// The elements are known: reduce both blocks to their rests.
     Joining { cut: Cut, steady: Option<Steady> },
     /// Make a curve over time.
     Overlapping(Overlap),
-    /// Make the curve of a shallow corner with this distance, mm.
+    /// Make the curve of a shallow corner with this corner distance, mm.
     Bending(f32),
     /// There is no curve.
     Sharp,
@@ -92,13 +92,13 @@ enum Quickest {
     Standing,
     /// A curve over time.
     Timed(Overlap),
-    /// A curve over arc length, with the part of the distances, and the permitted distance of its elements,
+    /// A curve over arc length, with the share of the distances, and the permitted distance of its elements,
     /// mm.
     Even((f32, f32)),
 }
 
 impl JoinStep {
-    /// Sets the step for the quickest choice. In place, because a whole step would be copied.
+    /// Sets the step for the quickest choice. Written in place, because a whole step would be copied.
     #[inline(always)]
     fn take<const AXES: usize>(
         &mut self,
@@ -144,8 +144,9 @@ impl Joining {
         Self { stage: JoinStep::Sharp }
     }
 
-    /// Whether a curve between both blocks is possible, and the warning about it. `behind`: length of the block after
-    /// both, LSB 2^-44 mm, if it is known and the corner before it is rounded.
+    /// Whether a curve between both blocks is possible, and the warning about the corner. `behind`: length of
+    /// the block after both, LSB 2^-44 mm; given if that length is known and the corner before that block is
+    /// rounded.
     pub fn go_into<const AXES: usize>(
         &mut self,
         [held, next]: [&mut HeldBlock<AXES>; 2],
@@ -176,7 +177,8 @@ impl Joining {
     ) -> Option<Room> {
         let (before, behind) = (&corner.before, &corner.behind);
         if corner.follows_master(rule, setting.measure) {
-            // The other methods need only a change of direction, not a corner in space.
+            // The other methods need only a change of direction; the corner may be in other axes than the
+            // main axes.
             if !corner.turns() {
                 return None;
             }
@@ -197,7 +199,7 @@ impl Joining {
         let parts =
             [rule.part(next.length, held.previous.map(NonZeroI64::get)), rule.part(held.length, following)];
         let mut room = Room::new([(held.length, before), (next.length, behind)], parts, rule);
-        // The corner before may have had another weight, or a little more than its half.
+        // The corner before may have used another weight, or slightly more than half of the block.
         let left = to_f32(held.block.element.shape.length.to_bits()) * DISTANCE_LSB;
         if left < room.most[0] {
             room.most[0] = left;
@@ -232,7 +234,7 @@ impl Joining {
             return;
         }
         let candidate = Candidate::new(&choice);
-        // Blocks left out have no corner to stop at, and a constant speed permits no stop.
+        // A corner with left-out blocks has no point to stop at, and a constant speed permits no stop.
         let may_stop = rule.may_stand() && setting.skipped.is_none() && !setting.const_vel;
         if let Some(Candidate { way, only: true, full }) = candidate {
             let stands = may_stop
@@ -244,7 +246,7 @@ impl Joining {
         let position = rule.method == ContourMethod::Pos;
         if position || (tolerance.path.is_none() && tolerance.track <= 0.0 && candidate.is_none()) {
             if may_stop {
-                // The distances have no bound: the search finds all of them, and compares.
+                // The method gives no bound for the distances: the search tries the whole room and compares.
                 *stage = JoinStep::Reaching;
                 Self::search(&room, tolerance, (&approach, &None, may_stop), into);
             } else {
@@ -273,12 +275,12 @@ impl Joining {
             stage.take([held, next], rule, &room, Self::compare(&room, rivals, found));
             return;
         }
-        // The same search, with a curve over time as alternative.
+        // The search is the same, with a curve over time as alternative.
         *stage = JoinStep::Reaching;
         Self::search(&room, tolerance, (&approach, &candidate, may_stop), into);
     }
 
-    /// Searches the corner distances. A separate function, because it has two callers.
+    /// Starts the search for the corner distances. A separate function, because it has two callers.
     #[inline(never)]
     fn search<const AXES: usize>(
         room: &Room,
@@ -298,7 +300,7 @@ impl Joining {
         rule: &Parameters,
     ) -> Tolerance {
         let mut tolerance = rule.tolerance();
-        // The part of the tolerance that lines over several blocks have already used.
+        // The share of the tolerance that lines over several blocks have already used.
         let stray = held.stray.or(next.stray).or(skipped.map_or(Stray::NONE, |skipped| skipped.stray));
         let [unseen, unseen_track] = if skipped.is_some() { [UNSEEN, UNSEEN_TRACK] } else { [0.0; 2] };
         if let Some(path) = &mut tolerance.path {
@@ -310,8 +312,8 @@ impl Joining {
         tolerance
     }
 
-    /// Whether a curve over arc length has alternatives. In a sharp corner of Surface with a curve over time there
-    /// is none, even if the curve is slower than a stop.
+    /// Whether a curve over arc length has alternatives. A sharp corner of Surface that has a curve over time
+    /// always takes this curve, even if a stop is quicker.
     fn compares<const AXES: usize>(
         rule: &Parameters,
         corner: &Corner<'_, AXES>,
@@ -321,9 +323,9 @@ impl Joining {
         if candidate.is_some() { !rule.edges || !corner.is_sharp() } else { may_stop }
     }
 
-    /// The quickest choice: a curve over arc length with the found part of the distances, a curve over time,
-    /// or a stop. `even`: path length of the first, and its speed over the parameter, if there is an
-    /// alternative.
+    /// Returns the quickest choice: a curve over arc length with the found share of the distances, a curve
+    /// over time, or a stop. `even`: path length of the curve over arc length, and its largest speed; `None`
+    /// if there is no alternative.
     #[inline(never)]
     fn compare(
         room: &Room,
@@ -336,7 +338,7 @@ impl Joining {
         let may_win = candidate.as_ref().filter(|candidate| candidate.way.duration() < even);
         let over_time = may_win.map(|candidate| approach.overlapping(&candidate.way));
         let quickest = min(even, over_time.unwrap_or(f32::MAX));
-        // Times are accurate to a tick, and to the speeds at which the parts of other corners begin.
+        // Times are accurate to a tick, and to the unknown speeds at neighbouring corners.
         if may_stop && approach.stops_within(quickest * approach.known() + 1.0) {
             return Quickest::Standing;
         }
@@ -346,8 +348,8 @@ impl Joining {
         }
     }
 
-    /// Continues. Returns whether the corner is done. Then the course holds the curve, if there is one, and
-    /// both blocks are their rests.
+    /// Continues. Returns whether the corner is done. Then `into` holds the curve, if there is one, and both
+    /// blocks are reduced to their rests.
     #[inline(never)]
     pub fn go_on<const AXES: usize>(
         &mut self,
@@ -413,7 +415,7 @@ impl Joining {
         let all = found.filter(|_| compares).map(|(part, _)| (part, even(part)));
         if let Some((part, made)) = all {
             let reached = room.distances.map(|c| c * part);
-            // A longer curve that leaves the blocks no room to change their speed gains nothing.
+            // A longer curve that leaves no room for a change of speed gains nothing.
             if let Some(less) = approach.loosened(reached).filter(|_| rule.method != ContourMethod::DistSoft)
             {
                 let loose = reached.map(|c| c * less);
@@ -464,7 +466,7 @@ impl Joining {
         false
     }
 
-    /// Whether the curve is known in closed form, with each half in one element.
+    /// Whether the curve is known in closed form, and each half is one element.
     #[inline(never)]
     fn is_symmetric<const AXES: usize>(
         [held, next]: [&HeldBlock<AXES>; 2],
@@ -527,7 +529,7 @@ impl Joining {
         }
     }
 
-    /// Takes some elements into account for their common speed, and one that may lower it.
+    /// Adds some elements to their common length, and lowers the common speed if an element demands it.
     #[inline(never)]
     fn time<const AXES: usize>(
         [held, next]: [&HeldBlock<AXES>; 2],
@@ -568,7 +570,7 @@ impl Joining {
         }
     }
 
-    /// Length of an element, and its permitted speed. `None` if it cannot be made.
+    /// Length of an element, and its permitted speed. Returns `None` if the element cannot be made.
     #[inline(never)]
     fn permitted<const AXES: usize>(
         course: &CornerCurve<AXES>,
@@ -640,7 +642,7 @@ impl Joining {
         *into = Course::Turning(Turning::new([held, next], Cornering::Timed(course), setting));
     }
 
-    /// Cuts both blocks beside a shallow corner, and makes its curve.
+    /// Cuts both blocks at a shallow corner, and makes the curve.
     #[inline(never)]
     fn bend<const AXES: usize>(
         [held, next]: [&mut HeldBlock<AXES>; 2],
@@ -666,7 +668,7 @@ impl Joining {
         cut.leave(held, next, &halves.from, setting.const_vel);
     }
 
-    /// Distance in space per path distance on both sides; and the path of a curve with these cuts, if a master
+    /// Distance in space per path distance on both sides, and the path of a curve with these cuts if a master
     /// axis is the path.
     #[inline(never)]
     fn lead<const AXES: usize>(
@@ -681,7 +683,8 @@ impl Joining {
         corner.follows_master(rule, setting.measure).then(path)
     }
 
-    /// Begins a curve over arc length at its two knots, without its halves. Returns whether there are such knots.
+    /// Begins a curve over arc length at its two knots, still without its halves. Returns whether there are
+    /// such knots.
     #[inline(never)]
     fn begin<const AXES: usize>(
         [held, next]: [&HeldBlock<AXES>; 2],
@@ -720,7 +723,7 @@ impl Joining {
     }
 }
 
-/// The curve over arc length, if it is one.
+/// The curve over arc length, if the course holds one.
 fn even<const AXES: usize>(course: &mut Course<AXES>) -> Option<&mut CornerCurve<AXES>> {
     match course {
         Course::Turning(Turning { course: Cornering::Even(curve), .. }) => Some(curve),
@@ -729,8 +732,8 @@ fn even<const AXES: usize>(course: &mut Course<AXES>) -> Option<&mut CornerCurve
 }
 
 impl Cut {
-    /// An arc may come back so near to the other block that no even curve joins them: the next try takes less
-    /// of both.
+    /// The next step with smaller cuts. An arc may come back so near to the other block that no even curve
+    /// joins them.
     fn smaller(self, slack: f32, smaller: u8) -> JoinStep {
         if smaller + 1 >= SMALLER {
             return JoinStep::Sharp;
@@ -749,7 +752,7 @@ impl<const AXES: usize> Course<AXES> {
 }
 
 impl<const AXES: usize> Turning<AXES> {
-    /// A curve between these blocks. The behaviour of its speed is set later, unless it is over time.
+    /// A curve between these blocks. The caller sets how the speed behaves, unless the curve is over time.
     #[inline(always)]
     fn new(
         [held, next]: [&HeldBlock<AXES>; 2],

@@ -5,11 +5,11 @@
 //! Q(s) = P(s) + d·(c − |s|)³ / (6·c²)     −c ≤ s ≤ c,   d = t2 − t1
 //! ```
 //!
-//! P is the contour over its own length s, counted from the corner. The direction changes from t1 to t2 over
-//! 2·c. The second derivative rises and falls linearly: up to d/c in the middle, zero at both ends. So the
-//! third derivative is ±d/c², the least of all curves of this length. The deviation is |d|·c/6 in the middle
-//! and less elsewhere. As |Q'| is at most 1, the length of the contour counts as path, and no speed exceeds
-//! the feed; in the middle the speed is lower by 1 − cos θ/2.
+//! P is the contour over its own length s, counted from the corner. Over the length 2·c, the direction
+//! changes from t1 to t2 by d. The second derivative rises and falls linearly: it is d/c in the middle and
+//! zero at both ends. So the third derivative is ±d/c², the least of all curves of this length. The deviation
+//! is |d|·c/6 in the middle and less elsewhere. |Q'| is at most 1, so with the contour's length as path, no
+//! speed exceeds the feed. In the middle, the speed is lower by 1 − cos θ/2.
 use crate::math::float::{magnitude, to_i64};
 use crate::quantity::Position;
 

@@ -3,36 +3,36 @@
 //! (POS). With DIST_SOFT, DIST_MASTER and PTP, and with DEV where it is quickest, axes change their speed as
 //! fast as their limits permit; `timed.rs` explains this.
 //!
-//! Only a block whose end is to be rounded is held back, until the next block is known. A corner only shortens
-//! the block's path length; the block's curve stays the same to the last bit. The shortened end is between two
-//! steps of a position. The corner's curve begins on the nearest step, at most half a step of each axis beside
-//! the end. The block behind the corner begins on the step nearest to the curve's end. An arc is made again
-//! from there; a line keeps its direction and has a shorter path.
+//! A block is held back until the next block is known, but only if its end is to be rounded. A corner only
+//! shortens the block's path length; the block's curve stays the same to the last bit. The shortened end is
+//! between two steps of a position. The corner's curve begins on the nearest step, so each axis is off by at
+//! most half a step. The block after the corner begins on the step nearest to the curve's end. An arc is then
+//! computed again from there; a line keeps its direction and has a shorter path.
 //!
-//! Blocks too short for a curve (RELEVANT_PATH, RELEVANT_TRACK) are left out: the curve leads from the last
-//! relevant block to the first one that ends beyond the limit. A short line at the start is joined to the
-//! next line: with DEV if it is shorter than RELEVANT_PATH, with the other methods below 16 µm. If there is
-//! no curve, a straight line replaces the blocks left out. Their deviation counts, which the sources do not
-//! do; so RELEVANT_PATH is limited by the tolerance, and its least value of 32 µm by a quarter of a given
-//! corner distance.
+//! Blocks too short for a curve (RELEVANT_PATH, RELEVANT_TRACK) are left out. The curve leads from the last
+//! relevant block to the first block that ends beyond the limit. With DEV, a line at the start that is
+//! shorter than RELEVANT_PATH is joined to the next line. With the other methods, the limit is 16 µm. If
+//! there is no curve, a straight line replaces the blocks left out. Their deviation counts against the
+//! tolerance; the sources do not describe this rule. So the tolerance limits RELEVANT_PATH, and a quarter of
+//! a given corner distance limits its least value of 32 µm.
 //!
 //! With DEV a line may replace nearly straight chords, if the machine data permit it: `chords.rs`.
 //!
-//! Parameters are read at these times. Whether, how and how far the end of a block is rounded: when that
-//! block comes. CHECK_JERK and CONST_VEL: when the next block comes. G260 and `#CONTOUR MODE OFF` between two
-//! blocks cancel the corner between them; inside the second block they do not. PRE_ACTION, INTER_ACTION and
-//! POST_ACTION have the values of the time when the block before the corner came. A keyword that the current
-//! method does not have counts as never given.
+//! The parameters of a corner are read at two times. When the block before the corner comes: whether, how and
+//! how far its end is rounded. When the block after the corner comes: CHECK_JERK and CONST_VEL. G260 and
+//! `#CONTOUR MODE OFF` between two blocks cancel the corner between them; inside the second block they do
+//! not. PRE_ACTION, INTER_ACTION and POST_ACTION have the values of the time when the block before the corner
+//! came. A keyword that the current method does not have counts as never given.
 //!
-//! A dwell, or another command that demands a stop between two blocks, belongs to the programmed corner: the
-//! motion cannot stop there on a curve that replaces the corner. So there is no curve, and a warning reports
-//! this for a dwell. (The sources print a program with a dwell behind G61 and do not say what happens to the
-//! corner.)
+//! A dwell between two blocks, or another command that demands a stop, belongs to the programmed corner. The
+//! motion cannot stop there on a curve that replaces the corner. So the corner stays sharp, and a warning
+//! reports this for a dwell. (The sources print a program with a dwell behind G61 and do not say what happens
+//! to the corner.)
 //!
 //! A run of blocks left out ends where contour mode is switched off or gets other parameters, at a stop, and
-//! at the program end. The corner before the run is rounded, with the line over the run as the block behind
-//! it; the end of this line is passed exactly. A command that changes nothing, for example a second G261,
-//! does not end the run.
+//! at the program end. The corner before the run is rounded. The block after this corner is the line over the
+//! run, and the motion passes the end of this line exactly. A command that changes nothing, for example a
+//! second G261, does not end the run.
 mod choice;
 mod chords;
 mod corner;
@@ -93,13 +93,13 @@ impl<const AXES: usize> Made<AXES> {
 #[derive(Clone, Copy, Debug)]
 struct Turning<const AXES: usize> {
     course: Cornering<AXES>,
-    /// Data of the first half. The second half has the data of the block behind the corner.
+    /// Data of the first half. The second half has the data of the block after the corner.
     before: Data,
     /// Functions due before each half.
     due: [u32; 2],
     curving: Curving,
-    /// The curve is passed at one speed if the blocks beside it have room to change theirs. A curve over time
-    /// has its own speeds.
+    /// The curve has a constant speed if the blocks next to it have room for a change of speed. A curve over
+    /// time has its own speeds.
     passage: Passage,
     /// The element that is being made.
     draft: Option<Draft<AXES>>,
@@ -132,7 +132,8 @@ impl<const AXES: usize> Turning<AXES> {
         self.draft.is_none() && self.course.is_done()
     }
 
-    /// A line from this point to the end of the curve, for a curve that cannot be made; `None` at its end.
+    /// A line from this point to the end of the curve, for a curve that cannot be made. Returns `None` at the
+    /// end of the curve.
     #[cold]
     #[inline(never)]
     fn go_straight(
@@ -181,13 +182,13 @@ impl Settings {
         }
     }
 
-    /// Main axes with an interim point of POS, if corners may have one.
+    /// For each main axis, whether POS has an interim point in force. Without corners, there is none.
     pub fn swings(&self) -> [bool; 3] {
         let pos = (self.on || self.once) && self.parameters.method == ContourMethod::Pos;
         self.parameters.point().map(|point| pos && point.is_some())
     }
 
-    /// Whether the end of the next block is rounded.
+    /// Whether contour mode rounds the end of the next block.
     pub const fn is_on(&self) -> bool {
         self.on || self.once
     }
@@ -207,14 +208,14 @@ impl Settings {
         self.parameters.preset().check_jerk
     }
 
-    /// Settings with DEV at every corner, and no block left out.
+    /// Settings for the edges of Surface: DEV at every corner, and no block left out.
     pub fn at_edges(check_jerk: u8) -> Self {
         let mut parameters = Parameters::new(Preset { check_jerk, chords: 0.0 });
         (parameters.max_angle, parameters.edges) = (1.0, true);
         Self { parameters, on: true, once: false }
     }
 
-    /// Settings at program start, changed by this command.
+    /// Settings at program start, changed by `contour`.
     pub fn on_with(&self, contour: &Contour) -> Self {
         let mut parameters = Parameters::new(self.parameters.preset());
         parameters.update(contour);
@@ -231,27 +232,27 @@ pub struct Contouring<const AXES: usize> {
     on: bool,
     /// Whether G61 is on, for the next motion block.
     once: bool,
-    /// Whether elements are being emitted, in this order: the block before a corner, its curve element by
-    /// element, or the line over blocks left out, and the block behind. The first one is then the last of
-    /// `blocks`.
+    /// Whether elements are being emitted. The order is: the block before a corner, its curve element by
+    /// element or the line over left-out blocks, and the block after. The first of them is then the last one
+    /// of `blocks`.
     is_leaving: bool,
-    /// Whether the current element is made: of the curve, or the line over blocks left out.
+    /// Whether the current element of the curve, or the line over left-out blocks, is made.
     is_made: bool,
-    /// The corner between the held block and the waiting one, while it is worked on. Meanwhile no element is
-    /// emitted.
+    /// The corner between the held block and the waiting block, while work on it goes on. Meanwhile no
+    /// element is emitted.
     joining: Option<Joining>,
     course: Course<AXES>,
-    /// The held blocks. First: the held block. Second, only behind a block whose end is rounded: a block
-    /// whose share in the corner depends on the next one (DIST_WEIGHT), or a line that may still grow. Third:
-    /// the block behind that, while the corner between the first two is worked on.
+    /// The held blocks. First: the held block. Second, only after a block whose end is rounded: a block whose
+    /// share in the corner depends on the next block (DIST_WEIGHT), or a line that may still grow. Third: the
+    /// block after the second, while work on the corner between the first two goes on.
     blocks: HeldBlocks<AXES>,
-    /// The blocks left out behind the held block, until the line over them is made.
+    /// The blocks left out after the held block, until the line over them is made.
     skipped: Option<Skipped<AXES>>,
-    /// Whether the next block is half a line whose one end has no turn.
+    /// Whether the next block is half a line, with a turn at one end only.
     half: bool,
     /// The warning about the curve that the last block led to.
     remark: Option<NcWarningKind>,
-    /// Whether a warning since the last command has said that the slope STEP does not optimise.
+    /// Whether a warning since the last command reported that the slope STEP does not optimise.
     told: bool,
 }
 
@@ -260,7 +261,7 @@ pub struct Contouring<const AXES: usize> {
 enum Course<const AXES: usize> {
     /// Nothing.
     None,
-    /// The parts of the last line, while it may grow.
+    /// The chords of the last line, while the line may grow.
     Gathering(Chords<AXES>),
     /// The search for the distances of a curve.
     Reaching(Search<AXES>),
@@ -269,7 +270,7 @@ enum Course<const AXES: usize> {
 }
 
 impl<const AXES: usize> Course<AXES> {
-    /// Lets the line grow, with this permitted deviation. A separate function, because it has two callers.
+    /// Permits the line to grow, with this deviation. A separate function, because it has two callers.
     #[inline(never)]
     fn gather(&mut self, stray: Stray) {
         *self = Self::Gathering(Chords::beside(stray));
@@ -350,14 +351,14 @@ const LSB_32: f32 = 1.0 / (1u64 << 32) as f32;
 const ONE_32: f32 = (1u64 << 32) as f32;
 const LSB_40: f32 = 1.0 / (1u64 << 40) as f32;
 
-/// Sine of half an angle below which a transition is tangential, and cosine of half an angle below which it
-/// is a reversal.
+/// First value: below this sine of half an angle a transition is tangential. Second value: below this cosine
+/// of half an angle it is a reversal.
 const TANGENTIAL: f32 = 1.0 / 65_536.0;
 const REVERSAL: f32 = 1.0 / 1024.0;
 
 impl<const AXES: usize> Contouring<AXES> {
     /// Contour mode off.
-    // In place, in every build: a returned value would be on the stack twice.
+    // Made in place in every build; a returned value would be on the stack twice.
     #[inline(always)]
     pub fn new(measure: Measure, preset: Preset) -> Self {
         let parameters = Parameters::new(preset);
@@ -379,14 +380,14 @@ impl<const AXES: usize> Contouring<AXES> {
     }
 
     /// Contour mode with earlier settings.
-    // In place, in every build: a returned value would be on the stack twice.
+    // Made in place in every build; a returned value would be on the stack twice.
     #[inline(always)]
     pub fn with(measure: Measure, settings: &Settings) -> Self {
         let Settings { parameters, on, once } = *settings;
         Self { parameters, on, once, ..Self::new(measure, parameters.preset()) }
     }
 
-    /// As [`Self::with`], in place. Call it only while no block is held back.
+    /// As [`Self::with`], in place. Call this function only while no block is held back.
     pub fn begin(&mut self, settings: &Settings) {
         self.clear();
         (self.half, self.remark) = (false, None);
@@ -399,8 +400,8 @@ impl<const AXES: usize> Contouring<AXES> {
         Settings { parameters, on, once }
     }
 
-    /// Sets the tolerances of the corner behind the next block. `half`: this block is half a line whose one
-    /// end has no turn.
+    /// Sets the tolerances of the corner after the next block. `half`: this block is half a line, with a turn
+    /// at one end only.
     pub(super) const fn tolerate(&mut self, [path_dev, track_dev]: [f32; 2], half: bool) {
         (self.parameters.path_dev, self.parameters.track_dev, self.half) = (path_dev, track_dev, half);
     }
@@ -411,7 +412,7 @@ impl<const AXES: usize> Contouring<AXES> {
         self.told = false;
         self.parameters.update(contour);
         if self.parameters != before && self.left_behind().is_some() && !in_motion {
-            // Blocks left out: contour mode lasts up to here.
+            // Contour mode ends with the blocks that are left out.
             self.cancel();
         }
         match contour.switch {
@@ -432,7 +433,7 @@ impl<const AXES: usize> Contouring<AXES> {
         self.blocks.first()
     }
 
-    /// The blocks left out behind it.
+    /// The blocks left out after the held block.
     fn left_behind(&self) -> Option<&Skipped<AXES>> {
         self.skipped.as_ref().filter(|_| !self.is_leaving)
     }
@@ -443,8 +444,8 @@ impl<const AXES: usize> Contouring<AXES> {
         waiting.block()
     }
 
-    /// The last block gets no curve at its end: the held block, or the blocks left out behind it. `stop`
-    /// demands a stop there.
+    /// Gives no curve to the end of the last block. The last block is the held block or the line over
+    /// left-out blocks. `stop` demands a stop there.
     #[inline(never)]
     fn end(&mut self, stop: bool) {
         let is_leaving = self.is_leaving;
@@ -462,8 +463,9 @@ impl<const AXES: usize> Contouring<AXES> {
         }
     }
 
-    /// The waiting block comes behind the held one: left out, joined to it, or behind a corner. `behind`:
-    /// length of the block after it, LSB 2^-44 mm, if it is known and the corner between them is rounded.
+    /// Brings the waiting block in after the held block. The waiting block is left out, joined to the held
+    /// block, or the block after a corner. `behind`: length of the block after it, LSB 2^-44 mm; given if
+    /// that length is known and the corner between them is rounded.
     fn enter(&mut self, behind: Option<i64>, parted: bool, dynamics: &Dynamics<AXES>) {
         if !self.left_out() && (parted || !self.merges(dynamics)) {
             self.join(behind, dynamics);
@@ -473,7 +475,8 @@ impl<const AXES: usize> Contouring<AXES> {
         }
     }
 
-    /// Whether the next block is left out. If it replaces one left out before, it becomes the line over both.
+    /// Leaves out the next block if it is too short. If the next block replaces an earlier left-out block, it
+    /// becomes the line over both. Returns whether the next block is left out.
     #[inline(never)]
     fn left_out(&mut self) -> bool {
         let Self { blocks, skipped, measure, .. } = self;
@@ -502,8 +505,8 @@ impl<const AXES: usize> Contouring<AXES> {
         false
     }
 
-    /// Whether the last line grows by the next block. A line behind a finished corner begins at the end of
-    /// its curve.
+    /// Whether the next block extends the last line. A line after a finished corner begins at the end of the
+    /// corner's curve.
     fn gathers(
         &mut self,
         block: &ProgrammedBlock<AXES>,
@@ -554,8 +557,8 @@ impl<const AXES: usize> Contouring<AXES> {
         }
     }
 
-    /// The corner is done: the block before it is emitted, and the line over blocks left out, if there is no
-    /// curve. The block behind it becomes the held block.
+    /// Ends the work on a corner. The block before it is emitted, and the line over left-out blocks if there
+    /// is no curve. The block after it becomes the held block.
     #[inline(never)]
     fn joined(&mut self) {
         self.joining = None;
@@ -570,7 +573,7 @@ impl<const AXES: usize> Contouring<AXES> {
         }
     }
 
-    /// The block before a corner is emitted.
+    /// Ends the emission of the block before a corner.
     fn left(&mut self) {
         self.is_leaving = false;
         if self.skipped.is_some() {
@@ -600,7 +603,7 @@ impl<const AXES: usize> Contouring<AXES> {
         if self.joining.is_some() { self.waiting() } else { self.held() }
     }
 
-    /// Replaces the rest of a curve that cannot be made by a line; at its end there is no rest.
+    /// If a curve cannot be made, a line replaces its rest. At the end of the curve, there is no rest.
     #[cold]
     #[inline(never)]
     fn go_straight(&mut self) {
@@ -620,9 +623,9 @@ impl<const AXES: usize> Contouring<AXES> {
         self.is_leaving || self.is_made || goes_out
     }
 
-    /// Takes the waiting block, when everything before is done and emitted, and it need not wait for another
-    /// block. Or takes the line over blocks left out, when no further blocks are left out. Returns whether it
-    /// did.
+    /// Takes the waiting block when everything before it is done and emitted, and no other block is needed
+    /// first. Otherwise takes the line over left-out blocks, when their sequence is complete. Returns whether
+    /// a block was taken.
     #[inline(never)]
     fn let_in(&mut self, dynamics: &Dynamics<AXES>) -> bool {
         if self.is_leaving || self.is_made {
@@ -646,7 +649,7 @@ impl<const AXES: usize> Contouring<AXES> {
         let Self { blocks, skipped, measure, .. } = self;
         let [held, waiting, third] = blocks.all_mut();
         let (Some(skipped), Slot::Block(held)) = (skipped.take(), held) else { return };
-        // The waiting block is the third one while the corner before it is worked on.
+        // The waiting block is the third block while work on the corner before it goes on.
         *third = *waiting;
         *waiting = Slot::Block(HeldBlock::BLANK);
         let Slot::Block(next) = waiting else { return };
@@ -672,7 +675,7 @@ impl<const AXES: usize> Contouring<AXES> {
         let Slot::Block(held) = place else { return };
         held.rule = rule;
         if half {
-            // Nearly all of the block is for its one corner.
+            // Nearly the whole block is for its only corner.
             held.length += held.length / 8 * 7;
         }
     }
@@ -831,8 +834,8 @@ impl<const AXES: usize> Smoother<AXES> for Contouring<AXES> {
     }
 
     fn gives_way(&mut self) -> bool {
-        // A corner that is held back waits for its second block: the path must not depend on the arrival time
-        // of text.
+        // A corner that is held back waits for its second block, so the path does not depend on the arrival
+        // time of text.
         false
     }
 }

@@ -14,7 +14,7 @@ const LSB_32: f32 = 1.0 / (1u64 << 32) as f32;
 pub struct Preset {
     /// P-CHAN-00110.
     pub check_jerk: u8,
-    /// `merge_chords`, as a part of the tolerance.
+    /// `merge_chords`, as a share of the tolerance.
     pub chords: f32,
 }
 
@@ -29,17 +29,17 @@ pub struct Parameters {
     pub track_dev: f32,
     /// RELEVANT_PATH.
     pub relevant_path: f32,
-    /// For corners of `#HSC \[SURFACE\]`: no block is left out, and a curve over time comes before one over
-    /// arc length.
+    /// Whether the corners are edges of `#HSC \[SURFACE\]`. Then no block is left out, and a curve over time
+    /// is preferred to a curve over arc length.
     pub edges: bool,
     /// RELEVANT_TRACK.
     pub relevant_track: f32,
-    /// Largest part of a block that one corner takes, from REMAIN_PART.
+    /// Largest share of a block that one corner takes, from REMAIN_PART.
     pub share: f32,
     /// CHECK_JERK, and the value for methods without this keyword.
     pub check_jerk: u8,
     check_jerk_preset: u8,
-    /// Part of the tolerance that chords may have.
+    /// Share of the tolerance for merged chords.
     chords: f32,
     /// Sine of half of MAX_ANGLE.
     pub max_angle: f32,
@@ -53,7 +53,7 @@ pub struct Parameters {
     pub track_dist: Option<f32>,
     /// SYM_DIST, of DIST_MASTER.
     pub sym_dist: f32,
-    /// ACC_MIN and ACC_MAX, parts of the axes' acceleration.
+    /// ACC_MIN and ACC_MAX, as shares of the axes' acceleration.
     pub acc: [f32; 2],
     /// RAMP_TIME, factor.
     pub ramp_time: f32,
@@ -61,7 +61,8 @@ pub struct Parameters {
     pub dist_weight: f32,
     /// MERGE.
     pub merge: bool,
-    /// PTP: which of PATH_DEV and PATH_DIST was given last; both if one command gave both (CF-33).
+    /// PTP: which of PATH_DEV and PATH_DIST was given last; both if one command gave both. Row CF-33 of the
+    /// inventory.
     pub given: [bool; 2],
     /// Interim point, if given; otherwise the corner's coordinate.
     point: [Position; 3],
@@ -80,11 +81,12 @@ pub fn half_sine(angle: Position) -> f32 {
 /// Smallest RELEVANT_PATH, mm.
 const LEAST_RELEVANT: f32 = 0.032;
 
-/// Largest part of a corner distance that is left out without RELEVANT_PATH. It adds to the deviation, which
-/// is otherwise 3/8 of the distance at 90°.
+/// Largest share of a corner distance that is left out without RELEVANT_PATH. This share adds to the
+/// deviation, which is otherwise 3/8 of the distance at 90°.
 const LEFT_OUT: f32 = 0.25;
 
-/// Part of a tolerance with which all blocks inside a sphere of nearly its size can be left out.
+/// Share of the tolerance by which left-out blocks may deviate from their line. With this share, all blocks
+/// inside a sphere nearly as large as the tolerance can be left out.
 const STRAY: f32 = 0.75;
 
 impl Parameters {
@@ -196,8 +198,8 @@ impl Parameters {
         Preset { check_jerk: self.check_jerk_preset, chords: self.chords }
     }
 
-    /// The parameters that count with a method. A keyword that the method does not have counts as never
-    /// given; its value stays for other methods.
+    /// The parameters in force for a method. A keyword that the method does not have counts as never given;
+    /// its value stays for other methods.
     pub(super) fn by(&self, method: ContourMethod) -> Self {
         let unset = Self::new(self.preset());
         let mut own = Self { method, ..*self };
@@ -224,9 +226,9 @@ impl Parameters {
         }
     }
 
-    /// Whether a transition is rounded. Not if the path continues straight or goes straight back. Between
-    /// lines not beyond the largest angle, which POS does not have. With Surface, where the curvature
-    /// `steps`, a straight continuation is rounded too.
+    /// Whether a transition is rounded. A transition is not rounded if the path continues straight or goes
+    /// straight back. Between lines, the turn must be at most the largest angle; POS has no such limit. With
+    /// Surface, a straight continuation is rounded if the curvature `steps`.
     pub(super) fn rounds(&self, turn: &Turn, with_arc: bool, steps: bool) -> bool {
         let tangential = turn.sine < TANGENTIAL && (turn.track < TANGENTIAL || self.track_dev == 0.0);
         let tolerated = match self.method {
@@ -238,7 +240,7 @@ impl Parameters {
         tolerated && (!tangential || self.edges && steps) && turn.cosine >= REVERSAL && !far
     }
 
-    /// Demanded corner distances, or permitted ones if a tolerance decides.
+    /// Demanded corner distances, or the largest permitted ones if a tolerance decides.
     pub(super) fn distances(&self, most: [f32; 2]) -> [f32; 2] {
         let least = min(most[0], most[1]);
         let [pre, post] = self.dist;
@@ -252,14 +254,14 @@ impl Parameters {
         }
     }
 
-    /// Whether the neighbours decide how a block is divided among its corners.
+    /// Whether the neighbours decide how a block is divided between its corners (DIST_WEIGHT).
     pub(super) fn weighs(&self) -> bool {
         self.dist_weight > 0.0 && matches!(self.method, ContourMethod::DistSoft | ContourMethod::DistMaster)
     }
 
-    /// The part of a block that a corner may take: half of it, or with DIST_WEIGHT the relation of the
-    /// neighbour in this corner (`own`) to both neighbours; between 0 and 100 % a mix. Lengths are as
-    /// programmed, LSB 2^-44 mm.
+    /// The share of a block that a corner may take: a half with DIST_WEIGHT 0. With 100 %, it is the ratio of
+    /// the neighbour at this corner (`own`) to both neighbours. Between 0 and 100 %, it is a mix of both.
+    /// Lengths are as programmed, LSB 2^-44 mm.
     pub(super) fn part(&self, own: i64, other: Option<i64>) -> f32 {
         let Some(other) = other.filter(|_| self.weighs()) else { return 0.5 };
         let (own, other) = (to_f32(own), to_f32(other));
@@ -282,7 +284,8 @@ impl Parameters {
         if counts { monitored(self.path_dist) } else { f32::MAX }
     }
 
-    /// The deviation to keep: for PTP if PATH_DEV is given, or neither is given.
+    /// The permitted deviation. With PTP, it acts only if PATH_DEV is given, or neither PATH_DEV nor
+    /// PATH_DIST is given.
     pub(super) fn deviation(&self) -> Option<f32> {
         let kept = match self.method {
             ContourMethod::Dev => true,
@@ -300,8 +303,8 @@ impl Parameters {
         }
     }
 
-    /// Paths of the main axes and of each other axis up to which blocks are left out. At least 32 µm of path,
-    /// but limited by a tolerance, and by a part of demanded corner distances.
+    /// Paths of the main axes and of each other axis up to which blocks are left out. The path of the main
+    /// axes is at least 32 µm, but a tolerance and a share of demanded corner distances limit this value.
     pub(super) fn relevant(&self) -> [f32; 2] {
         let Tolerance { path, track } = self.tolerance();
         let least = if self.edges { 0.0 } else { LEAST_RELEVANT };
@@ -315,7 +318,7 @@ impl Parameters {
         [most, if track > 0.0 { min(self.relevant_track, track) } else { self.relevant_track }]
     }
 
-    /// Permitted distance of blocks from a straight line that replaces them: a part of a tolerance.
+    /// Permitted distance of blocks from a straight line that replaces them: a share of the tolerance.
     pub(super) fn stray(&self) -> Stray {
         let Tolerance { path, track } = self.tolerance();
         let path = path.map_or(f32::MAX, |dev| STRAY * dev);
@@ -332,7 +335,7 @@ impl Parameters {
     }
 }
 
-/// A distance; a negative one means not monitored.
+/// A distance; a negative value means not monitored.
 fn monitored(dist: f32) -> f32 {
     if dist < 0.0 { f32::MAX } else { dist }
 }

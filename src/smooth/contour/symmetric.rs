@@ -7,9 +7,10 @@
 //! Q'(u) = p·(v + w·15/8·(1 − x²)²) + n·v·x·(3 − x²)/2      w = 2·c − v,   v = 30·C·c/(8 + 7·C)
 //! ```
 //!
-//! The speed is v at both ends and in the middle. The middle is at c − 5/16·v times n from the corner, with the
-//! direction p/C and the curvature 3·n/v. So the middle is known without a search, and both halves are equal.
-//! Their length and their evenness depend on C alone: 0.9 ‰ up to a turn of 100°.
+//! The speed is v at both ends and in the middle. The middle is at c − 5/16·v times n from the corner, with
+//! the direction p/C and the curvature 3·n/v. So the middle is known without a search, and both halves are
+//! equal. The length of a half and the change of its speed depend on C alone. The speed changes by 0.9 ‰ up
+//! to a turn of 100°.
 use super::ONE_32;
 use super::corner::{Corner, Tolerance};
 use super::corner_curve::EVEN;
@@ -24,7 +25,7 @@ pub struct Symmetric<const AXES: usize> {
     along: [f32; AXES],
     across: [f32; AXES],
     cosine: f32,
-    /// Its even speed, mm per u.
+    /// Speed of the curve at the ends and in the middle, mm per u.
     speed: f32,
 }
 
@@ -34,7 +35,7 @@ const LEAST_COSINE: f32 = 0.643;
 /// Length of a half as a polynomial in 1 − C, from the first power on: accurate to 3·10^-8 up to 104°.
 const LENGTH: [f32; 5] = [-0.514_288_7, -0.332_221_84, -0.080_998_49, -0.037_167_14, -0.028_881_88];
 
-/// Relative excess of the speed along a half, as a multiple of 1 − C; at most [`EVEN`].
+/// Relative excess of the speed along a half, as a multiple of 1 − C; the excess is at most [`EVEN`].
 const ABOVE: f32 = 0.0067;
 
 impl<const AXES: usize> Symmetric<AXES> {
@@ -49,7 +50,7 @@ impl<const AXES: usize> Symmetric<AXES> {
         Self { along, across, cosine, speed: 30.0 * cosine / (8.0 + 7.0 * cosine) }
     }
 
-    /// The part of its tolerances that a curve with the distance `c` uses.
+    /// The share of its tolerances that a curve with the corner distance `c` uses.
     pub fn used(&self, main: &Main, tolerance: &Tolerance, c: f32) -> f32 {
         let off = c * (1.0 - 0.3125 * self.speed);
         let path = tolerance.path.map_or(0.0, |path| size(main, &self.across) / path);
@@ -57,7 +58,7 @@ impl<const AXES: usize> Symmetric<AXES> {
         off * max(path, track)
     }
 
-    /// Length of a half with the distance 1.
+    /// Length of a half with the corner distance 1.
     fn half(&self) -> f32 {
         let y = 1.0 - self.cosine;
         1.0 + y * LENGTH.iter().rev().fold(0.0, |sum, x| sum * y + x)
@@ -68,7 +69,7 @@ impl<const AXES: usize> Symmetric<AXES> {
         2.0 * c * self.half()
     }
 
-    /// Largest magnitudes of second and third derivative at the ends, in the middle and between both.
+    /// Largest magnitudes of second and third derivative, from the ends, the middle and places between.
     pub fn bends(&self, c: f32) -> [[f32; AXES]; 2] {
         let (v, w) = (c * self.speed, c * (2.0 - self.speed));
         let mut bends = [[0.0; AXES]; 2];
@@ -86,7 +87,7 @@ impl<const AXES: usize> Symmetric<AXES> {
         self.cosine >= LEAST_COSINE
     }
 
-    /// Makes the curve between the knots of `halves` at the distance `c`.
+    /// Makes the curve between the knots of `halves` at the corner distance `c`.
     pub fn curve(&self, c: f32, halves: &mut Halves<AXES>) {
         let Halves { from, middle, to, .. } = halves;
         *middle = *from;

@@ -1,31 +1,31 @@
 //! A curve over time for a corner between two lines. The motion along the first line brakes to a stop. The
-//! motion along the second line speeds up, and begins before the first has ended. Both change their speed by
-//! a trapezoid of acceleration, with ramps of constant jerk.
+//! motion along the second line starts before the first has ended, and speeds up. Both motions change their
+//! speed by a trapezoid of acceleration, with ramps of constant jerk.
 //!
 //! ```text
 //! Q(t) = C − t1·p(T − t) + t2·p(t − S)      p: path from rest to the speed v in the time T,  S = T − overlap
 //! ```
 //!
-//! **Why this shape.** With a small tolerance only the last ramp of one motion and the first ramp of the
+//! **Why this shape.** With a small tolerance, only the last ramp of one motion and the first ramp of the
 //! other overlap. The curve is then the cubic with the corner as its double inner control point, Q = C −
-//! c·t1·(1 − u)³ + c·t2·u³. It is the fastest shape that keeps the jerk of every axis. A curve over arc
-//! length is slower: its jerk needs 3·κ·v·a, so with separate limits of speed, acceleration and jerk either
-//! speed is low or acceleration is zero. So time is taken as path: the elements run over σ = v·t, and each
-//! axis is a polynomial of the third degree between two changes of jerk. At the constant path speed v every
-//! axis moves exactly as planned, with the braking on the line before the corner and the gain of speed on the
-//! line behind. At a lower path speed r·v all accelerations are r² and all jerks r³ of these values. If both
-//! motions overlap completely, the path speed is the feed, and each axis changes its speed by one constant
-//! acceleration: the curve of DIST_SOFT.
+//! c·t1·(1 − u)³ + c·t2·u³. This shape is the fastest one that keeps the jerk of every axis. A curve over arc
+//! length is slower: its jerk has the term 3·κ·v·a. With separate limits of speed, acceleration and jerk,
+//! either the speed is low or the acceleration is zero. So time is taken as path: the elements are functions
+//! of σ = v·t. Each axis is a polynomial of the third degree between two changes of jerk. At the constant
+//! path speed v, every axis moves as planned: it brakes on the line before the corner and speeds up on the
+//! line after. At a lower path speed r·v, all accelerations have the factor r² and all jerks the factor r³.
+//! If both motions overlap completely, the path speed is the feed. Each axis then changes its speed with one
+//! constant acceleration: the curve of DIST_SOFT.
 //!
-//! DIST_MASTER is this curve with the master axis as path ([`mod@crate::path::measure`]). The master's
-//! tangent is 1 on both lines, so it is 1 along the whole curve, and the master keeps its speed.
+//! DIST_MASTER uses this curve with the master axis as path ([`mod@crate::path::measure`]). The master's
+//! tangent is 1 on both lines and along the whole curve, so the master keeps its speed.
 //!
-//! The speed along the curve is below the path speed, far below at the corner. So this curve is not for
-//! CONST_VEL.
+//! The speed along the curve is below the path speed, and far below at the corner. So CONST_VEL does not use
+//! this curve.
 //!
-//! **Deviation.** At the time when both motions are equally far from the corner, p(overlap/2) = e, the curve
-//! is e·|t2 − t1| from the corner. A point is at most e·sin θ from the line that it will reach or has left,
-//! which is less.
+//! **Deviation.** At the middle of the overlap, both motions are equally far from the corner: p(overlap/2) =
+//! e. The curve is then e·|t2 − t1| from the corner. Every other point is at most e·sin θ from the line ahead
+//! or behind, which is less.
 //!
 //! **Numbers.** The overlap is chosen in `f32`. The curve itself uses integers over its own path: p as a part
 //! of a motion's distance, the place as a part of a motion's path, both with 62 fraction bits.
@@ -57,18 +57,18 @@ impl Rise {
         Self { ramp, hold, v }
     }
 
-    /// The fastest rise that covers at most `distance`, up to the speed `v`.
+    /// The fastest rise that covers at most `distance`. The speed is at most `v`.
     pub fn within(distance: f32, v: f32, a: f32, j: f32) -> Self {
         let full = a * a / j;
         let mut fastest = cbrt_f32(distance * distance * j);
         if fastest > full {
             fastest = 2.0 * a * distance / (0.5 * full + sqrt_f32(0.25 * full * full + 2.0 * a * distance));
         }
-        // A little less: rounding must not lead beyond the middle of a block.
+        // The speed is slightly lower, so that rounding does not lead beyond the middle of a block.
         Self::new(min(v, fastest * SHORTER), a, j)
     }
 
-    /// The speed of the rise that has covered `off` at half its time, with the acceleration `a` and the jerk `j`.
+    /// The speed of the rise that has covered `off` after half its time, with acceleration `a` and jerk `j`.
     pub fn speed_of(off: f32, a: f32, j: f32) -> f32 {
         let full = a * a / j;
         let v = cbrt_f32(36.0 * off * off * j);
@@ -97,7 +97,7 @@ impl Rise {
         self.v / (self.ramp + self.hold)
     }
 
-    /// The time at which the rise has covered `path`, which is at most the distance at half the time.
+    /// The time at which the rise has covered `path`. `path` is at most the distance after half the time.
     fn reaches(&self, path: f32) -> f32 {
         let (ramp, a) = (self.ramp, self.acceleration());
         let first = a * ramp * ramp * (1.0 / 6.0);
@@ -119,8 +119,8 @@ impl Rise {
         }
         let mut time = self.reaches(path);
         if path > self.half_way() {
-            // Newton's steps from the end: the speed grows, so no step goes too far. Seen from the end, the
-            // same motion reduces the distance at full speed.
+            // Newton's steps begin at the end. The speed grows, so no step goes too far. Seen from the end,
+            // the motion covers less than at full speed, by the same amount as at its start.
             let missing = distance - path;
             let mut left = 0.0;
             for _ in 0..ARRIVAL_STEPS {
@@ -144,7 +144,7 @@ impl Rise {
         }
     }
 
-    /// Distance at half of its time.
+    /// Distance after half of its time.
     pub fn half_way(&self) -> f32 {
         self.begun(0.5 * self.time())[0]
     }
@@ -168,8 +168,7 @@ impl Overlap {
         Self { rise, time: rise.time() }
     }
 
-    /// The overlap in which each motion is `off` from the corner at the moment when both are equally far from
-    /// it.
+    /// Overlap in which each motion is `off` from the corner when both are equally far from the corner.
     pub fn off(rise: Rise, off: f32) -> Self {
         Self { rise, time: 2.0 * rise.reaches(off) }
     }
@@ -179,12 +178,12 @@ impl Overlap {
         Self { rise, time: rise.arrives(distance) }
     }
 
-    /// An overlap of the ramps only.
+    /// An overlap of only the ramps.
     pub fn brief(self) -> Self {
         Self { time: min(self.time, self.rise.ramp), ..self }
     }
 
-    /// Only ramps overlap.
+    /// Whether only ramps overlap.
     pub fn is_brief(&self) -> bool {
         self.time <= self.rise.ramp
     }
@@ -204,14 +203,14 @@ impl Overlap {
 const SHORTEST: f32 = 4.0;
 const LONGEST: f32 = 2048.0;
 
-/// Newton's steps: from half the time off to 10^-7 of it.
+/// Number of Newton's steps, which reduce the error from half the time to 10^-7 of the time.
 const ARRIVAL_STEPS: usize = 4;
 
-/// Shortest piece, ticks. Rounding of its third derivative does not show: third differences over ticks are
-/// means of it.
+/// Shortest piece, ticks. Rounding of its third derivative has no effect: third differences over ticks are
+/// means of the third derivative.
 const LEAST: f32 = 1.0 / 4096.0;
 
-/// Changes of jerk up to the middle, and the middle.
+/// Number of changes of jerk up to the middle, plus one for the middle.
 const PIECES: usize = 4;
 
 /// 1.0 with 62 fraction bits, and thirds of it.
@@ -224,16 +223,16 @@ fn times(a: i64, b: i64) -> i64 {
     mul_near(a, b) << 2
 }
 
-/// A number of which parts are computed.
+/// A number of which fractions are computed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Whole {
-    /// Leading zeros, and the reciprocal of the shifted number.
+    /// Number of leading zeros, and the reciprocal of the shifted number.
     up: u32,
     reciprocal: u64,
 }
 
 impl Whole {
-    /// For a number above 0.
+    /// For a number `all` above 0.
     fn new(all: i64) -> Self {
         let up = all.leading_zeros() & 63;
         Self { up, reciprocal: reciprocal_near(all.unsigned_abs() << up) }
@@ -245,13 +244,14 @@ impl Whole {
     }
 }
 
-/// a·b / 2^`SHIFT`. One of the motions is often at rest, or does not move an axis.
+/// a·b / 2^`SHIFT`, quick if a factor is zero: often one of the motions stands still, or does not move an
+/// axis.
 #[cfg_attr(feature = "fast", inline(always))]
 fn scaled<const SHIFT: u32>(a: i64, b: i64) -> i64 {
     if a == 0 || b == 0 { 0 } else { product::<SHIFT>(a, b) }
 }
 
-/// As [`scaled`], as a function call, because there are many callers.
+/// As [`scaled`], as a separate function, because there are many callers.
 #[inline(never)]
 fn product<const SHIFT: u32>(a: i64, b: i64) -> i64 {
     mul_shift(a, b, SHIFT)
@@ -261,14 +261,15 @@ fn product<const SHIFT: u32>(a: i64, b: i64) -> i64 {
 /// fraction bits.
 ///
 /// α is the fraction of the path that a ramp takes, and k = 1/(1 − α). At the fraction q of the first ramp,
-/// the distance is α²k/3·q³, the speed αk/2·q², the acceleration k·q. From there on, at the fraction τ of the
-/// whole, they are k·(α²/3 + τ·(τ − α)), k·(τ − α/2) and k. The last ramp is the first one seen from the end.
+/// the distance is α²k/3·q³, the speed αk/2·q² and the acceleration k·q. After the ramp, at the fraction τ of
+/// the whole path, they are k·(α²/3 + τ·(τ − α)), k·(τ − α/2) and k. The last ramp is the mirror image of the
+/// first.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Form {
-    /// Path of the whole rise, which is twice its distance, and path of a ramp.
+    /// Length of the path of the whole rise, which is twice the distance. `ramp`: path length of a ramp.
     path: i64,
     ramp: i64,
-    /// Data for fractions of both.
+    /// Data for fractions of `path` and `ramp`.
     whole: Whole,
     rising: Whole,
     /// α and k/4.
@@ -277,7 +278,7 @@ struct Form {
 }
 
 impl Form {
-    /// With the fraction of the time that a ramp takes.
+    /// `ramp`: fraction of the time that a ramp takes.
     fn new(path: i64, ramp: f32) -> Self {
         let ramp = share(path, ramp).min(path / 2).max(1);
         let (whole, rising) = (Whole::new(path), Whole::new(ramp));
@@ -287,8 +288,8 @@ impl Form {
         Self { path, ramp, whole, rising, alpha, k }
     }
 
-    /// Distance (LSB 2^-44 mm), speed and a fourth of the acceleration. Before its start the motion is at
-    /// rest, after its end at its speed.
+    /// Distance (LSB 2^-44 mm), speed and a fourth of the acceleration at `s`. Before its start, the motion
+    /// stands still; after its end, it has its full speed.
     fn at(&self, s: i64) -> [i64; 3] {
         let &Self { path, ramp, ref whole, ref rising, alpha, k } = self;
         let left = path - s;
@@ -300,7 +301,7 @@ impl Form {
         }
         let (first, last) = (s <= ramp, left <= ramp);
         let [gone, gained, a] = if first || last {
-            // From the nearer end.
+            // Computed from the nearer end.
             let q = rising.part(if first { s } else { left });
             let half = times(times(alpha, k), times(q, q));
             [times(times(alpha, q), times(half, THIRD)) << 2, half << 1, times(k, q)]
@@ -313,8 +314,9 @@ impl Form {
         if first || !last { [way, gained, a] } else { [path / 2 - left + way, ONE - gained, a] }
     }
 
-    /// Lengths of the pieces up to the middle of the curve, their number, and the place of the middle. Jerk changes
-    /// between pieces. `end`: approximate end of the second motion. Changes closer than `least` become one.
+    /// Lengths of the pieces up to the middle of the curve, their number, and the place of the middle. The
+    /// jerk changes between pieces. `end`: approximate end of the second motion. Changes closer than `least`
+    /// are merged into one.
     #[inline(never)]
     fn pieces(&self, end: i64, least: i64) -> ([f32; PIECES], u8, i64) {
         let Self { path, ramp, .. } = *self;
@@ -331,7 +333,7 @@ impl Form {
                 continue;
             }
             let Some(length) = next.next() else { break };
-            // Lengths are rounded first; places follow from them.
+            // Lengths are rounded first; the places are sums of rounded lengths.
             *length = to_f32(s - at) * DISTANCE_LSB;
             at += to_bits::<44>(*length);
             count += 1;
@@ -385,8 +387,8 @@ pub struct Timed<const AXES: usize> {
 }
 
 impl<const AXES: usize> Timed<AXES> {
-    /// The curve about the corner `origin` between two knots at the distance `reach` (LSB 2^-44 mm) from it,
-    /// the range of both motions. Inline: the curve is made in its final place.
+    /// The curve at the corner `origin` between two knots at the distance `reach` (LSB 2^-44 mm), which is
+    /// the length of both motions. Inline, so that the curve is made in its final place.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn new(
         origin: &[Position; AXES],
@@ -398,8 +400,8 @@ impl<const AXES: usize> Timed<AXES> {
         let form = Form::new(path, rise.ramp / whole);
         let common = if time < whole { share(path, time / whole).min(path) } else { path };
         let (lengths, count, middle) = form.pieces(2 * path - common, to_bits::<44>(rise.v * LEAST));
-        // The curve is as long as the sum of its pieces. The last piece may be short, and rounding of the others
-        // would be a jump in it.
+        // The curve is as long as the sum of its pieces. The last piece may be short, so rounding of the
+        // other pieces must not become a jump in the last one.
         let start = 2 * middle - path;
         let tangents = [from.end.tangent, to.end.tangent];
         Self {
@@ -432,7 +434,7 @@ impl<const AXES: usize> Timed<AXES> {
         let axes = position.iter_mut().zip(&mut end.tangent);
         for (((x, tangent), t1), t2) in axes.zip(before).zip(behind) {
             if *t1 | *t2 == 0 {
-                // The motion is at rest.
+                // The motion stands still.
                 continue;
             }
             // LSB 2^-42 mm.
@@ -447,14 +449,14 @@ impl<const AXES: usize> Timed<AXES> {
     fn third_at(&self, s: i64) -> [f32; AXES] {
         let Form { path, ramp, .. } = self.form;
         let per = 0.5 / (to_f32(ramp) * DISTANCE_LSB * (to_f32(path - ramp) * DISTANCE_LSB));
-        // The motion that runs backward has its jerk reversed twice: with time and with direction.
+        // The first motion runs backward: its jerk changes sign twice, by time and by direction.
         let [j1, j2] = [self.form.jerk(path - s), self.form.jerk(s - self.start)];
         let [sum, difference] = [j2 - j1, j2 + j1].map(|j| j * per);
         self.bent(sum, difference).map(magnitude)
     }
 
-    /// t2·(sum + difference) − t1·(sum − difference) for its tangents, without loss where terms nearly cancel
-    /// out.
+    /// t2·(sum + difference) − t1·(sum − difference) for both tangents, accurate even where terms nearly
+    /// cancel out.
     #[cfg_attr(feature = "fast", inline(always))]
     fn bent(&self, sum: f32, difference: f32) -> [f32; AXES] {
         let [changes, both] = &self.turns;
@@ -504,8 +506,8 @@ impl<const AXES: usize> Timed<AXES> {
         Some(made)
     }
 
-    /// Sets the derivatives: acceleration changes linearly, so they are more accurate than those from the
-    /// points of a short piece.
+    /// Sets the derivatives of an element. The acceleration changes linearly, so these values are more
+    /// accurate than values from the points of a short piece.
     pub fn settle(&self, element: &mut Element<AXES>) {
         if let Some(bounds) = &mut element.bounds {
             bounds.passage = Passage::Timed(self.v);
@@ -525,7 +527,7 @@ fn turns<const AXES: usize>([before, behind]: &[[i64; AXES]; 2]) -> [[f32; AXES]
     turns
 }
 
-/// Largest magnitude of both.
+/// The larger magnitude for each axis.
 pub fn larger<const AXES: usize>(a: &[f32; AXES], b: &[f32; AXES]) -> [f32; AXES] {
     let mut most = *a;
     for (most, b) in most.iter_mut().zip(b) {

@@ -1,28 +1,30 @@
-//! Akima's curve: it passes every point, with a slope that depends on the five points around.
+//! Akima's curve: it passes every point. Its slope at a point depends on five points: this one and two on
+//! each side.
 //!
-//! The parameter of the curve is the length of the chords. With the slopes m of the chords, two before a
-//! point and two behind it, the slope of the curve at the point is
+//! The parameter of the curve is the length of the chords. Let m be the slopes of the chords, two before a
+//! point and two after it. The slope of the curve at the point is
 //!
 //! ```text
 //! t = (w_behind·m₋₁ + w_before·m₊₁) / (w_behind + w_before)
 //! w_behind = |m₊₂ − m₊₁|, w_before = |m₋₁ − m₋₂|
 //! ```
 //!
-//! Lengths count along the axes of the path, so the curve does not depend on its direction in the machine.
-//! Other axes use the same weights. Missing chords at an end continue evenly: m₋₁ = 2·m₊₁ − m₊₂, and so on
-//! (automatic), or give the demanded slope (tangential, by the user).
+//! Lengths count along the axes of the path, so the shape of the curve does not depend on its direction in
+//! the machine. Other axes use the same weights. Missing chords at an end are extrapolated: m₋₁ = 2·m₊₁ −
+//! m₊₂, and so on (automatic). Or they are such that the curve has the demanded slope (tangential, or given
+//! by the user).
 //!
 //! Akima, A new method of interpolation and smooth curve fitting based on local procedures, J. ACM 17 (1970).
 use super::window::{Leg, Window};
 use crate::math::float::{magnitude, max};
 use crate::smooth::contour::curve::{plus, size};
 
-/// A slope below this part of a chord's slope is a reversal: the point is a corner.
+/// A slope of the curve below this part of the chord's slope means a reversal: the point is a corner.
 const LEAST_SLOPE: f32 = 0.25;
-/// Chords that differ by less count as straight.
+/// Chords with a smaller relative difference count as straight.
 const STRAIGHT: f32 = 1.0 / 4_194_304.0;
 
-/// Slopes that the program or a neighbour gives for both ends of the curve.
+/// Slopes at both ends of the curve, given by the program or by the neighbouring block.
 #[derive(Clone, Copy, Debug)]
 pub struct Given<const AXES: usize> {
     pub start: Option<[f32; AXES]>,
@@ -32,12 +34,12 @@ pub struct Given<const AXES: usize> {
 /// Slopes on both sides of a point; they differ at a corner.
 pub type Slopes<const AXES: usize> = [[f32; AXES]; 2];
 
-/// a, b ↦ 2a − b.
+/// The vector 2a − b.
 fn evenly<const AXES: usize>(a: &[f32; AXES], b: &[f32; AXES]) -> [f32; AXES] {
     plus(&plus(a, 1.0, a), -1.0, b)
 }
 
-/// Slopes of the curve in point `i` of the window; `None` without legs on both sides.
+/// Slopes of the curve at point `i` of the window. Returns `None` if there is no leg on one side.
 pub fn slopes<const AXES: usize>(
     window: &Window<AXES>,
     given: &Given<AXES>,
@@ -45,7 +47,7 @@ pub fn slopes<const AXES: usize>(
     is_corner: impl Fn(i32) -> bool,
 ) -> Option<Slopes<AXES>> {
     let axes = window.axes();
-    // The chord beside a point, and the next chord of the same part of the curve, without a corner between.
+    // The chord next to a point, and the next chord of the same part of the curve, without a corner between.
     let side = |i: i32, step: i32| {
         let chord = |leg: i32| window.leg(leg).map(|leg: Leg<AXES>| leg.slope);
         let next = if step > 0 { i } else { i - 1 };
@@ -94,8 +96,8 @@ fn far<'a, const AXES: usize>(
     slope.filter(|_| window.is_end(i + step))
 }
 
-/// The slope at an end: given, or from the two nearest chords, or from one chord and the slope at its other
-/// end.
+/// The slope at an end: the given slope, or the slope from the two nearest chords, or from one chord and the
+/// slope at its other end.
 fn end<const AXES: usize>(
     given: Option<&[f32; AXES]>,
     near: &[f32; AXES],
@@ -104,7 +106,7 @@ fn end<const AXES: usize>(
 ) -> [f32; AXES] {
     match (given, next, far) {
         (Some(slope), ..) => *slope,
-        // Both weights are equal: the mean of the chord and the missing one, 2·m₁ − m₂.
+        // Both weights are equal: the mean of the chord and the extrapolated one, 2·m₁ − m₂.
         (None, Some(next), _) => plus(near, 0.5, &plus(near, -1.0, next)),
         // With one chord, the curve is a parabola.
         (None, None, Some(far)) => evenly(near, far),
@@ -112,15 +114,15 @@ fn end<const AXES: usize>(
     }
 }
 
-/// Whether the point `i` is a corner: the curve would have nearly no slope there, or the path turns by more
-/// than `cosine`, or the lengths of the legs differ by more than `ratio`.
+/// Whether the point `i` is a corner. This is so if the curve would have nearly no slope there, the path
+/// turns by more than `cosine`, or the leg lengths differ by more than `ratio`.
 pub fn is_corner<const AXES: usize>(window: &Window<AXES>, i: i32, cosine: f32, ratio: f32) -> bool {
     let (Some(before), Some(behind)) = (window.leg(i - 1), window.leg(i)) else { return false };
     if window.is_end(i) {
         return false;
     }
     let axes = window.axes();
-    // The mean of both chords is the smallest slope at such a turn.
+    // At such a turn, the mean of both chords has the smallest slope.
     let mean = 0.5 * size(axes, &plus(&before.slope, 1.0, &behind.slope));
     if mean < LEAST_SLOPE {
         return true;

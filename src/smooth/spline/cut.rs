@@ -1,4 +1,5 @@
-//! Cuts a piece of a curve, a cubic over a parameter u = 0…1, into elements over their own arc length.
+//! Cuts a piece of a curve into elements over their own arc length. The piece is a cubic over a parameter u =
+//! 0…1.
 //!
 //! An element is a polynomial of the fifth degree with position, direction and curvature of the cubic at both
 //! ends. It is accepted if its path speed is accurate to [`EVEN`], and its distance from the cubic is below
@@ -10,32 +11,33 @@ use crate::quantity::Position;
 use crate::smooth::contour::corner_curve::{EVEN, HEAVIEST, fastest, knot_of, site_of};
 use crate::smooth::contour::curve::{Main, Quintic, Site, plus, size};
 
-/// Permitted distance of an element from its curve, mm; relative to its size if that is larger: the resolution
-/// of `f32`.
+/// Permitted distance of an element from its curve, mm. For a larger curve, the distance is relative to its
+/// size, because `f32` limits the resolution.
 const NEAR: f32 = 1e-4;
 const NEAR_PART: f32 = 1.0 / 1_048_576.0;
-/// Distance from a point within which the curvature of a curve is made continuous, mm.
+/// Largest distance by which the change to a continuous curvature at a point moves the curve, mm.
 pub const BENT: f32 = 1e-3;
 
-/// Steps of a piece at which a cut is possible.
+/// Number of places in a piece at which a cut is possible.
 const STEPS: u16 = 512;
 
 /// Shortest element, mm.
 const SHORTEST: f32 = 2.5e-4;
 
-/// A cubic whose speed at an end is below this part of its size has no direction there.
+/// A cubic has no direction at an end if its speed there is below this part of its size.
 const LEAST_SPEED: f32 = 1.0 / 1024.0;
 
 /// How the curve continues at an end of a piece.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Joint<const AXES: usize> {
-    /// With the direction and curvature of the piece before; at the end of the piece, with its own.
+    /// The curve has direction and curvature of the piece before. At the end of the piece, it has its own
+    /// direction and curvature.
     Smooth,
-    /// With this curvature, along this part of the piece.
+    /// The curve has this curvature, along this part of the piece.
     Bent([f32; AXES], f32),
-    /// With the direction of the piece before, and another curvature.
+    /// The curve has the direction of the piece before, and another curvature.
     Tangent,
-    /// In another direction.
+    /// The curve continues in another direction.
     Corner,
 }
 
@@ -49,10 +51,10 @@ pub struct Piece<const AXES: usize> {
     here: Knot<AXES>,
     /// End of the last element.
     end: Knot<AXES>,
-    /// Steps done, and steps of the current try.
+    /// Number of steps done, and number of steps in the current try.
     done: u16,
     step: u16,
-    /// Largest number of steps of the first and of the last element.
+    /// Largest number of steps in the first and in the last element.
     edges: [u16; 2],
     /// Permitted distance, mm.
     near: f32,
@@ -65,14 +67,13 @@ pub enum Cut<const AXES: usize> {
     Again,
     /// An element whose axes are not made yet, and whether it is the last one.
     Element(Element<AXES>, Draft<AXES>, bool),
-    /// A straight line to this point, for an element that the format cannot hold; and whether it is the last
-    /// one.
+    /// A straight line to this point, and whether it is the last element. The format cannot hold the element.
     Straight([Position; AXES], bool),
 }
 
 impl<const AXES: usize> Piece<AXES> {
-    /// The cubic of these Bézier points, relative to `origin`. It begins at `from` and ends at the position
-    /// `to`. `joints` says how direction and curvature of `from` count.
+    /// The cubic of these Bézier points, relative to `origin`, from the knot `from` to the position `to`.
+    /// `joints`: how direction and curvature continue at both ends.
     pub fn new(
         axes: &Main,
         bezier: &[[f32; AXES]; 4],
@@ -111,7 +112,7 @@ impl<const AXES: usize> Piece<AXES> {
     /// Tries the next element.
     pub fn cut(&mut self, axes: &Main) -> Cut<AXES> {
         let left = STEPS - self.done;
-        // The last element begins where its curvature has to agree.
+        // The last element begins where its curvature has to agree with that of the end.
         let before_edge = left.saturating_sub(self.edges[1]);
         if before_edge > 0 && self.step > before_edge {
             self.step = before_edge;

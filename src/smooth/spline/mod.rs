@@ -7,16 +7,17 @@
 //! | #HSC \[BSPLINE\] | controlled by the points, inside a tolerance | `polygon.rs` |
 //! | #HSC \[OPMODE=2\] | through all points, inside a tolerance in prismatic parts | both |
 //!
-//! The curve over a block depends on a few points before and behind it, so blocks are held back until these points are
-//! known. A command that demands a stop between two blocks ends the curve there, and the next block begins another one:
-//! a dwell, a wait, the end of the program. An exact stop (G60, G360) stops on the curve; on a B-spline this is the
-//! place next to the point. Three kinds of blocks become a straight line between two curves: blocks that move no axis
-//! of the path, blocks far longer than the travel of these axes, and blocks below half a micrometre. An arc is passed
-//! unchanged; an Akima spline enters and leaves it tangentially.
+//! The curve over a block depends on a few points before and after it, so blocks are held until these points
+//! are known. A command that demands a stop between two blocks (a dwell, a wait, the end of the program) ends
+//! the curve there, and the next block begins a new curve. An exact stop (G60, G360) stops on the curve; on a
+//! B-spline, the stop is at the place nearest to the point. Three kinds of blocks become a straight line
+//! between two curves: blocks that move no axis of the path, blocks far longer than the travel of these axes,
+//! and blocks shorter than half a micrometre. An arc is passed unchanged; an Akima spline is tangential at
+//! both of its ends.
 //!
-//! An Akima spline is continuous in direction; its curvature has steps at its points. Where machine data limit
-//! the jerk of such a step (P-CHAN-00009), both sides get the mean curvature near the point. The length of
-//! this change is such that the curve moves by at most `cut::BENT`.
+//! An Akima spline has a continuous direction; its curvature has steps at its points. If machine data limit
+//! the jerk of such a step (P-CHAN-00009), both sides get the mean curvature near the point. The curvature
+//! changes over a length for which the curve moves by at most `cut::BENT`.
 mod akima;
 mod cut;
 mod parameters;
@@ -41,22 +42,22 @@ use crate::smooth::{Data, Form, Parting, ProgrammedBlock, Smoothed, Smoother};
 
 const LSB_32: f32 = 1.0 / (1u64 << 32) as f32;
 
-/// Permitted ratio of a block's path length to the travel of the path axes.
+/// Largest ratio of a block's path length to the travel of the path axes.
 const LONGER: f32 = 1.0 + 1.0 / 1024.0;
-/// Shortest leg of the curve, mm: shorter legs are a few steps of a position, which would show in their
-/// direction.
+/// Shortest leg of the curve, mm. A shorter leg is only a few steps of a position long, so its direction
+/// would be inaccurate.
 const SHORTEST_LEG: f32 = 5e-4;
 /// Smallest length of a direction along the path axes, for a tangential end.
 const LEAST_TANGENT: f32 = 0.5;
-/// Cosine of the knee, and ratio of lengths, above which a part is prismatic: 20°, 4.
+/// Limits above which a part is prismatic: cosine of the change of direction (20°), and ratio of lengths (4).
 const PRISMATIC: [f32; 2] = [0.939_692_6, 4.0];
 /// Cosine of the largest angle of a rounded corner: 178°.
 const REVERSAL: f32 = -0.999_390_8;
-/// A step of curvature that moves an element of length 1 by 1.
+/// Curvature change over an element of length 1 that moves the element by 1.
 const SHIFT: f32 = 0.017_28;
 /// Smallest part of a leg in which curvature changes.
 const LEAST_PART: f32 = 1.0 / 256.0;
-/// Points left out together move the path by at most this part of PATH_DEV.
+/// Points that are left out move the path by at most this part of PATH_DEV, all together.
 const MERGED: f32 = 1.0 / 128.0;
 
 /// Kinds of curves.
@@ -96,22 +97,22 @@ struct Made<const AXES: usize> {
 #[derive(Clone, Copy, Debug)]
 struct Ends<const AXES: usize> {
     given: Given<AXES>,
-    /// Start point of a tangential start, with the curvature there.
+    /// Start of the curve after a block with a given end: point, direction and curvature.
     entry: Option<End<AXES>>,
-    /// End point of a tangential end.
+    /// End of the curve before a block with a given start: point, direction and curvature.
     exit: Option<End<AXES>>,
 }
 
-/// Where on the curve the next element begins.
+/// The place on the curve where the next element begins.
 #[derive(Clone, Copy, Debug)]
 struct Course<const AXES: usize> {
-    /// Part of the current leg.
+    /// Number of the part in the current leg.
     part: usize,
     /// End of the last element, and how the next piece continues.
     here: Knot<AXES>,
     joint: Joint<AXES>,
     piece: Option<Piece<AXES>>,
-    /// Data of the piece, and the number of motion blocks whose functions come before it.
+    /// Data of the piece. Also the number of motion blocks whose functions act before it.
     data: (Data, u32),
 }
 
@@ -123,17 +124,17 @@ pub struct Splining<const AXES: usize> {
     check_jerk: u8,
     mode: Mode,
     on: bool,
-    /// Whether the next block gives the direction of the end.
+    /// Whether the next block gives the direction at the end of the curve.
     waits: bool,
     window: Window<AXES>,
     ends: Ends<AXES>,
     /// Number of points since the spline was switched on.
     points: u32,
-    /// Distance from the path of all points left out together, mm.
+    /// Total distance of the left-out points from the path, mm.
     stray: f32,
     course: Course<AXES>,
     made: Option<Made<AXES>>,
-    /// The block behind the curve.
+    /// The block after the curve.
     behind: Option<ProgrammedBlock<AXES>>,
 }
 
@@ -169,7 +170,7 @@ impl<const AXES: usize> Splining<AXES> {
         self.points
     }
 
-    /// No point follows. `end`: the slope at the end; `waits`: the next block gives that slope.
+    /// Ends the points. `end`: the slope at the end of the curve; `waits`: the next block gives that slope.
     pub fn switch_off(&mut self, end: Option<[f32; AXES]>, waits: bool) {
         self.on = false;
         if waits && self.window.has_leg() && !self.window.is_closed() {
@@ -193,7 +194,7 @@ impl<const AXES: usize> Splining<AXES> {
         self.close();
     }
 
-    /// Drops the curve; the next one begins with this end, or freely.
+    /// Drops the curve; the next one begins with this end, or without a given direction.
     fn begin(&mut self, entry: Option<End<AXES>>) {
         self.window.clear();
         let slope = entry.as_ref().and_then(|entry| tangent(&self.window, entry));
@@ -203,8 +204,8 @@ impl<const AXES: usize> Splining<AXES> {
         (self.course.part, self.course.joint) = (0, Joint::Corner);
     }
 
-    /// MERGE: leaves the point before out. It is on the straight line between its neighbours, the feed does
-    /// not change, and no command belongs to it.
+    /// MERGE: leaves the previous point out, if three conditions hold. The point is on the straight line
+    /// between its neighbours, the feed does not change there, and no command acts there.
     #[inline(never)]
     fn merges(&mut self, block: &ProgrammedBlock<AXES>) -> bool {
         let Mode::Control(Rules { merge: true, path_dev, .. }) = self.mode else { return false };
@@ -237,11 +238,12 @@ impl<const AXES: usize> Splining<AXES> {
         }
     }
 
-    /// Whether a leg is straight except for its rounded ends.
+    /// Whether a leg is straight except near its rounded ends.
     fn is_straight(&self, leg: i32) -> bool {
         match self.mode {
             Mode::Akima => false,
-            // A stop has ended the curve with too few points: a polygon whose ends the curve passes.
+            // A stop has ended the curve with too few points. The result is a polygon, and the curve passes
+            // its ends.
             Mode::Direct => self.window.is_short(),
             Mode::Control(_) => true,
             Mode::Interpolating(_) => self.is_corner(leg) || self.is_corner(leg + 1),
@@ -264,7 +266,8 @@ impl<const AXES: usize> Splining<AXES> {
         slopes(&self.window, &self.ends.given, i, |i| self.is_corner(i))
     }
 
-    /// How a curve of Akima continues at a point behind the first: the common curvature of both sides.
+    /// How an Akima curve continues at a point after its first point: with the common curvature of both
+    /// sides.
     fn joint(&self, i: i32, dynamics: &Dynamics<AXES>) -> Joint<AXES> {
         let axes = self.window.axes();
         if self.is_corner(i) || (self.window.is_end(i) && self.ends.exit.is_none()) {
@@ -315,7 +318,7 @@ impl<const AXES: usize> Splining<AXES> {
         Some(())
     }
 
-    /// The piece of a direct B-spline over the current leg; the outer legs have none.
+    /// The piece of a direct B-spline over the current leg. Outer legs have no piece.
     fn direct_piece(&mut self) -> Option<()> {
         let Some(bezier) = direct(&self.window) else {
             self.window.advance();
@@ -351,7 +354,8 @@ impl<const AXES: usize> Splining<AXES> {
         }
     }
 
-    /// Permitted distance of control points from a point; `None` if the curve passes the point.
+    /// Permitted distance between a point and its control points. Returns `None` if the curve passes the
+    /// point.
     fn reach(&self, i: i32) -> Option<f32> {
         let window = &self.window;
         if window.is_end(i) || !self.is_straight(i - 1) || !self.is_straight(i) {
@@ -413,7 +417,7 @@ impl<const AXES: usize> Splining<AXES> {
         let data = Data { stop: to.data.stop && is_last, ..to.data };
         let rounded = (is_first && before.is_some()) || (is_last && behind.is_some());
         if !rounded {
-            // The piece is straight along the whole leg.
+            // The piece is straight over the whole leg.
             self.go_straight(&begins, &end, (data, data.number));
             (self.course.here, self.course.joint) = (cut::at(end), joint);
             if let Some(made) = &self.made {
@@ -426,7 +430,7 @@ impl<const AXES: usize> Splining<AXES> {
         Some(())
     }
 
-    /// Whether a curve of Akima meets a straight leg in a point.
+    /// Whether an Akima curve meets a straight leg at a point.
     fn goes_on(&self, i: i32) -> bool {
         !self.window.is_end(i) && self.is_straight(i - 1) != self.is_straight(i)
     }
@@ -456,7 +460,7 @@ impl<const AXES: usize> Splining<AXES> {
         self.made = Some(Made { element, data, curving: None, due, draft: None });
     }
 
-    /// Moves on to the next part of the leg, or to the next leg.
+    /// Goes on to the next part of the leg, or to the next leg.
     fn next_part(&mut self) {
         self.course.part += 1;
         let parts = if self.is_straight(0) { self.inside(0) } else { None };
@@ -465,7 +469,7 @@ impl<const AXES: usize> Splining<AXES> {
         }
     }
 
-    /// Moves on behind the last piece of a leg.
+    /// Goes on after the last piece of a leg.
     fn next_leg(&mut self) {
         self.window.advance();
         self.course.part = 0;
@@ -510,8 +514,7 @@ impl<const AXES: usize> Splining<AXES> {
         }
     }
 
-    /// The curve is complete: emits the block behind it, or begins a new curve. Returns whether there was
-    /// work.
+    /// Completes the curve: emits the block after it, or begins a new curve. Returns whether there was work.
     fn finish(&mut self) -> bool {
         if let Some(block) = self.behind.take() {
             let ProgrammedBlock { element, data, .. } = block;
@@ -532,7 +535,7 @@ fn piece_end<'a, const AXES: usize>(piece: &'a Option<Piece<AXES>>, other: &'a K
     piece.as_ref().map_or(other, Piece::end)
 }
 
-/// Whether a straight block is a leg of a curve: the travel of the path axes equals the path length.
+/// Whether a straight block is a leg of a curve: the travel of the path axes must equal the path length.
 pub fn is_leg<const AXES: usize>(measure: &Measure, block: &ProgrammedBlock<AXES>) -> bool {
     let travel = window::travel(&block.from, &block.to);
     let length = to_f32(block.element.shape.length.to_bits()) * DISTANCE_LSB;
@@ -540,13 +543,13 @@ pub fn is_leg<const AXES: usize>(measure: &Measure, block: &ProgrammedBlock<AXES
     block.form == Form::Line && along >= SHORTEST_LEG && length <= LONGER * along
 }
 
-/// The direction of an end as a slope, if it has one along the path axes.
+/// The direction of an end as a slope. Returns `None` if the direction has no component along the path axes.
 fn tangent<const AXES: usize>(window: &Window<AXES>, end: &End<AXES>) -> Option<[f32; AXES]> {
     let tangent = direction(end);
     (size(window.axes(), &tangent) > LEAST_TANGENT).then_some(tangent)
 }
 
-/// A position so far from another one.
+/// A position shifted by `by`.
 fn shifted<const AXES: usize>(from: &[Position; AXES], by: &[f32; AXES]) -> [Position; AXES] {
     let mut to = *from;
     for (x, by) in to.iter_mut().zip(by) {
@@ -555,7 +558,7 @@ fn shifted<const AXES: usize>(from: &[Position; AXES], by: &[f32; AXES]) -> [Pos
     to
 }
 
-/// Gives both sides of a point this curvature, as far as [`BENT`] permits.
+/// Gives both sides of a point this curvature, over a length that [`BENT`] permits.
 fn bent<const AXES: usize>(
     axes: &crate::smooth::contour::curve::Main,
     own: &[f32; AXES],
@@ -693,7 +696,7 @@ impl<const AXES: usize> Smoother<AXES> for Splining<AXES> {
     }
 
     fn gives_way(&mut self) -> bool {
-        // The path must not depend on the arrival time of text.
+        // No: the path must not depend on the arrival time of text.
         false
     }
 }

@@ -25,7 +25,7 @@ pub struct DirectParameters<const AXES: usize> {
     /// START and END.
     pub ends: [Tangent; 2],
     vectors: [[Option<Value>; AXES]; 2],
-    /// Motion blocks before the type was chosen, if it was.
+    /// Number of motion blocks before the type was chosen, if it was chosen.
     chosen: Option<u32>,
 }
 
@@ -35,7 +35,7 @@ impl<const AXES: usize> DirectParameters<AXES> {
         Self { kind: SplineType::Akima, ends: [Tangent::Auto; 2], vectors: [[None; AXES]; 2], chosen: None }
     }
 
-    /// Takes a command other than a switch; `taken` motion blocks are before it.
+    /// Takes a command that is not a switch. `taken`: number of motion blocks before it.
     pub fn update(&mut self, command: &Spline<AXES>, taken: u32) {
         match command {
             Spline::Type(kind) => (self.kind, self.chosen) = (*kind, Some(taken)),
@@ -49,7 +49,7 @@ impl<const AXES: usize> DirectParameters<AXES> {
         }
     }
 
-    /// Whether no motion block came since the type was chosen, so that no block gives a direction.
+    /// Whether no motion block has come since the type was chosen. Then no block gives a direction.
     pub fn is_fresh(&self, taken: u32) -> bool {
         self.chosen == Some(taken)
     }
@@ -80,7 +80,7 @@ impl<const AXES: usize> DirectParameters<AXES> {
     }
 }
 
-/// Parameters of `#HSC`, without those that only Surface has.
+/// Parameters of `#HSC`, except those that only Surface has.
 #[derive(Clone, Copy, Debug)]
 pub struct HscParameters {
     /// The method named last.
@@ -91,14 +91,14 @@ pub struct HscParameters {
     pub conterror: Position,
 }
 
-/// When the HSC B-spline leaves its polygon, and how far.
+/// Tolerances of the HSC B-spline, and the rules for points that the curve passes exactly.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rules {
     /// PATH_DEV, mm, and TRACK_DEV, degrees; 0: not monitored.
     pub path_dev: f32,
     pub track_dev: f32,
-    /// AUTO_OFF_PATH and AUTO_OFF_TRACK: beyond the tolerance the curve passes the point; without them the
-    /// block is split.
+    /// AUTO_OFF_PATH and AUTO_OFF_TRACK: where the curve would exceed the tolerance, it passes the point.
+    /// Without these keywords, the block is split.
     pub off_path: bool,
     pub off_track: bool,
     /// AUTO_OFF_G00 and AUTO_OFF_G60.
@@ -110,7 +110,7 @@ pub struct Rules {
     pub longest: f32,
     /// Cosine of MAX_ANGLE.
     pub cosine: f32,
-    /// P-CHAN-00239 = 1: contour mode rounds points at which the spline deselects itself.
+    /// P-CHAN-00239 = 1: contour mode rounds points that the spline would pass exactly.
     pub rounds: bool,
     /// P-CHAN-00239 = 1 or 2: contour mode rounds the ends of arcs.
     pub rounds_arcs: bool,
@@ -178,7 +178,7 @@ impl HscParameters {
 }
 
 impl Rules {
-    /// Whether the curve has a tolerance along its path, and keeps it without deselection.
+    /// Whether the curve has a path tolerance, and keeps it without points that it passes exactly.
     #[cfg(feature = "surface")]
     pub const fn is_bounded(&self) -> bool {
         self.path_dev > 0.0 && !self.off_path && !self.off_track
@@ -205,7 +205,8 @@ pub fn cosine(degrees: f32) -> f32 {
     to_f32(cosine) * (1.0 / (1u64 << 62) as f32)
 }
 
-/// A given direction as a slope with length 1 along the path axes; `None` if it has no such length.
+/// A given direction as a slope with length 1 along the path axes. Returns `None` if the direction has no
+/// component along them.
 pub fn slope<const AXES: usize>(measure: &Measure, vector: &[f32; AXES]) -> Option<[f32; AXES]> {
     let axes = along(measure, AXES);
     let length = size(&axes, vector);

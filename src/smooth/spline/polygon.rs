@@ -1,27 +1,28 @@
 //! B-splines: the points are corners of a polygon that controls the curve.
 //!
-//! The curve is a cubic B-spline with knots at even distances k = 1. Over the leg from C₁ to C₂, with C₀ before
-//! and C₃ behind, Bézier's points of its piece are
+//! The curve is a cubic B-spline with knots at equal distances k = 1. For the leg from C₁ to C₂, with C₀
+//! before it and C₃ after it, the Bézier points of the piece are
 //!
 //! ```text
 //! B₀ = C₁ + Δ₁/6,  B₁ = C₁ + D/3,  B₂ = C₁ + 2D/3,  B₃ = C₂ + Δ₂/6        D = C₂ − C₁,  Δᵢ = Cᵢ₋₁ − 2·Cᵢ + Cᵢ₊₁
 //! ```
 //!
-//! The piece is L(u) + (1−u)³·Δ₁/6 + u³·Δ₂/6 with the point L(u) of the leg, so its distance from the leg is known
-//! without a search. With directions t₁, t₂ of two legs and distances a, b of the control points beside a corner,
-//! Δ = b·t₂ − a·t₁. The part of Δ along a leg moves the curve along that leg alone; the rest is at most max(a,
-//! b)·|t₂ − t₁|/6. So a corner keeps its tolerance if no control point beside it is farther away than
+//! The piece is L(u) + (1−u)³·Δ₁/6 + u³·Δ₂/6, with the point L(u) of the leg. So its distance from the leg is
+//! known without a search. With the directions t₁, t₂ of two legs, and the distances a, b of the control
+//! points next to a corner, Δ = b·t₂ − a·t₁. The component of Δ along a leg moves the curve only along that
+//! leg. The rest is at most max(a, b)·|t₂ − t₁|/6. So a corner keeps its tolerance if no control point next
+//! to it is farther away than
 //!
 //! ```text
 //! d = 6·PATH_DEV / |t₂ − t₁|
 //! ```
 //!
-//! A longer leg gets another control point at that distance: the block is split. Such a point has Δ = 0, as if another
-//! one were on its other side at the same distance, so the curve between two such points is a line. A tracking axis has
-//! the same formula with the step of its slope dx/ds and TRACK_DEV. Where Δ is 0 the curve passes the point along both
-//! legs.
+//! A longer leg gets another control point at that distance, which splits the block. Such a point has Δ = 0,
+//! as if there were a point at the same distance on its other side. So the curve between two such points is a
+//! line. For a tracking axis, the same formula applies with the change of its slope dx/ds and TRACK_DEV.
+//! Where Δ is 0, the curve passes the control point.
 //!
-//! The direct spline begins and ends at its outer points with knots of distance 0 (clamped): see [`direct`].
+//! A direct spline begins and ends at its outer points, with knots at distance 0 (clamped): see [`direct`].
 use super::window::{Leg, Window};
 use crate::math::float::{magnitude, max, min};
 use crate::smooth::contour::curve::{plus, size};
@@ -35,13 +36,14 @@ pub struct Tolerance {
     pub track: f32,
 }
 
-/// Part of the tolerance that remains after rounding and the fit.
+/// Part of the tolerance that is left after rounding and the fit.
 const PART: f32 = 1.0 - 1.0 / 4096.0;
 
-/// Coordinates count from the start of a leg: rounding adds this part of the travel.
+/// Coordinates count from the start of a leg, so rounding is this part of the travel.
 const ROUNDED: f32 = 1.0 / 8_388_608.0;
 
-/// Largest distance of the control points next to point `i` from it, mm; `None` if a leg is missing on one side.
+/// Largest distance between point `i` and the control points next to it, mm. Returns `None` if there is no
+/// leg on one side.
 pub fn reach<const AXES: usize>(window: &Window<AXES>, i: i32, tolerance: &Tolerance) -> Option<f32> {
     let (before, behind) = (window.leg(i - 1)?, window.leg(i)?);
     let axes = window.axes();
@@ -49,7 +51,7 @@ pub fn reach<const AXES: usize>(window: &Window<AXES>, i: i32, tolerance: &Toler
     let mut reach = f32::MAX;
     let mut lower = |deviation: f32, step: f32, travel: f32| {
         let room = 6.0 * max(PART * deviation - ROUNDED * travel, 0.5 * deviation);
-        // Not if the quotient would be too large.
+        // The quotient is computed only if it is not too large.
         if room < step * 1e6 {
             reach = min(reach, room / step);
         }
@@ -67,7 +69,7 @@ pub fn reach<const AXES: usize>(window: &Window<AXES>, i: i32, tolerance: &Toler
 /// Control points inside a leg, and the reach of the points at both ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Inside {
-    /// Distances from the start of the leg, mm; unused ones hold the length of the leg.
+    /// Distances from the start of the leg, mm; an unused entry holds the length of the leg.
     pub at: [f32; 2],
     pub count: usize,
 }
@@ -122,7 +124,7 @@ pub fn part<const AXES: usize>(
     let at = |s: f32| if s < length { leg.slope.map(|x| x * s) } else { leg.travel };
     let (c1, c2) = (at(from), at(to));
     let d = plus(&c2, -1.0, &c1);
-    // Δ from both steps away from a control point.
+    // Δ from both vectors that lead away from a control point.
     let bend = |a: &[f32; AXES], b: &[f32; AXES]| plus(a, 1.0, b).map(|x| x * (1.0 / 6.0));
     let back = d.map(|x| -x);
     let none = [0.0; AXES];
@@ -131,11 +133,12 @@ pub fn part<const AXES: usize>(
     [plus(&c1, 1.0, &bend1), plus(&c1, 1.0 / 3.0, &d), plus(&c1, 2.0 / 3.0, &d), plus(&c2, 1.0, &bend2)]
 }
 
-/// Bézier's points of the direct spline over the leg at hand, from its start.
+/// Bézier points of the direct spline over the current leg, counted from its start.
 ///
-/// The knot interval k is 1 for a leg with a piece of the curve, and 0 for the first and the last leg. The piece over
-/// a leg lies between two others. The inner Bézier points divide the leg as k₋₁ : k : k₊₁. An end of the piece
-/// divides the distance between the inner points beside it as k₋₁ : k.
+/// The knot interval k is 1 for a leg with a piece of the curve, and 0 for the first and the last leg. The
+/// inner Bézier points divide a leg in the ratio k₋₁ : k : k₊₁; k₋₁ and k₊₁ are the intervals of the
+/// neighbouring legs. The joint of two pieces divides the distance between their neighbouring inner points in
+/// the ratio k₋₁ : k.
 pub fn direct<const AXES: usize>(window: &Window<AXES>) -> Option<[[f32; AXES]; 4]> {
     let (leg, before, behind) = (window.leg(0)?, window.leg(-1)?, window.leg(1)?);
     // All legs have a piece, except the first and the last one.

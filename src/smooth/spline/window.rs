@@ -9,9 +9,9 @@ use crate::smooth::contour::curve::{Main, size};
 
 /// Points of the window: two before the current leg, its two ends, three after it, and one new point.
 pub const POINTS: usize = 8;
-/// Kept points before the current leg.
+/// Number of points that are kept before the current leg.
 const BEFORE: usize = 2;
-/// Points behind the end of the current leg on which its curve depends.
+/// Number of points after the end of the current leg on which its curve depends.
 const BEHIND: usize = 3;
 
 /// A point, and the block that leads to it.
@@ -51,12 +51,12 @@ pub fn travel<const AXES: usize>(from: &[Position; AXES], to: &[Position; AXES])
     travel
 }
 
-/// The points known.
+/// The known points of the curve.
 #[derive(Clone, Copy, Debug)]
 pub struct Window<const AXES: usize> {
     points: [Vertex<AXES>; POINTS],
     count: usize,
-    /// The current leg begins at this point.
+    /// Index of the point where the current leg begins.
     at: usize,
     /// Whether the first known point is the first of the curve.
     whole: bool,
@@ -89,7 +89,7 @@ impl<const AXES: usize> Window<AXES> {
         self.count == 0
     }
 
-    /// Whether there is a leg to drive.
+    /// Whether there is a current leg.
     pub const fn has_leg(&self) -> bool {
         self.at + 1 < self.count
     }
@@ -99,12 +99,12 @@ impl<const AXES: usize> Window<AXES> {
         self.has_leg() && (self.closed || self.at + 1 + BEHIND < self.count)
     }
 
-    /// No point follows.
+    /// Marks that no point follows.
     pub const fn close(&mut self) {
         self.closed = true;
     }
 
-    /// Whether no point follows.
+    /// Whether the last point of the curve is known.
     pub const fn is_closed(&self) -> bool {
         self.closed
     }
@@ -114,7 +114,7 @@ impl<const AXES: usize> Window<AXES> {
         self.whole && self.closed && self.count < 4
     }
 
-    /// Adds the next point. There is room if no leg [`Self::is_ready`].
+    /// Adds the next point. There is room while [`Self::is_ready`] is false.
     pub fn push(&mut self, vertex: Vertex<AXES>) {
         if let Some(point) = self.points.get_mut(self.count) {
             *point = vertex;
@@ -134,7 +134,7 @@ impl<const AXES: usize> Window<AXES> {
         }
     }
 
-    /// Moves on to the next leg.
+    /// Goes on to the next leg.
     pub fn advance(&mut self) {
         self.at += 1;
         if self.at > BEFORE {

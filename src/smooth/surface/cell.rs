@@ -1,9 +1,9 @@
 //! A cell of the path: the quintic between two knots. A proof in integers shows that the cell, or a line,
 //! stays inside the tolerance.
 //!
-//! A polynomial lies inside the hull of its Bernstein coefficients. The part of a cell beside each chord of
-//! the program, minus the chord, is such a polynomial: if all its coefficients are inside the tolerance, so is
-//! the path. The same distance counts over a cell and its chords, in parts of both lengths, so the path also
+//! A polynomial lies inside the hull of its Bernstein coefficients. The part of a cell next to a programmed
+//! chord, minus the chord, is such a polynomial. If all its coefficients are inside the tolerance, the path
+//! is inside the tolerance. Path and chords are compared at equal shares of both lengths, so the path also
 //! keeps the order of the contour.
 use super::parameters::Tolerance;
 use crate::math::float::{max, to_f32};
@@ -22,7 +22,7 @@ const ONE_26: f32 = (1u32 << 26) as f32;
 /// From the LSB of a position.
 const COARSER: u32 = 6;
 
-/// Margin of a tolerance for rounding: 2^-17 mm.
+/// Margin of a tolerance for rounding: 2^-17 mm, in LSB of a hull.
 const ROUNDING: i64 = 1 << 9;
 
 /// An offset in the LSB of a hull, limited to its range.
@@ -54,13 +54,13 @@ fn part_of(x: f32) -> i32 {
     }
 }
 
-/// A tolerance less rounding, LSB 2^-26 mm.
+/// A tolerance less the margin for rounding, LSB 2^-26 mm.
 fn most(tolerance: f32) -> i64 {
     ((tolerance * ONE_26) as i64 - ROUNDING).max(0)
 }
 
-/// A chord, or its part next to a cell: its ends, its tolerance, and the path length of the cell to the chord's end as
-/// a part of the cell's rest.
+/// A chord next to a cell, or a part of a chord: both ends, the tolerance, and the share of the cell's rest
+/// up to the chord's end.
 pub struct Beside<'a, const AXES: usize> {
     pub ends: [&'a [Position; AXES]; 2],
     pub tolerance: Tolerance,
@@ -68,7 +68,7 @@ pub struct Beside<'a, const AXES: usize> {
 }
 
 impl<const AXES: usize> Hull<AXES> {
-    /// The cell of this length between two knots; `None` if it is too large.
+    /// The cell of `length` (mm) between two knots. Returns `None` if the cell is too large.
     pub fn new(from: &Knot<AXES>, to: &Knot<AXES>, length: f32) -> Option<Self> {
         let mut points = [[0; AXES]; 6];
         let fine = ONE_26 * length;
@@ -91,7 +91,7 @@ impl<const AXES: usize> Hull<AXES> {
         Some(Self { points })
     }
 
-    /// An upper bound of the speed over the cell's length.
+    /// An upper bound of the path speed in the cell, relative to the planned speed.
     pub fn fastest(&self, length: f32, space: impl Fn(&[f32; AXES]) -> f32) -> f32 {
         let mut most = 0.0;
         for pair in self.points.windows(2) {
@@ -105,7 +105,7 @@ impl<const AXES: usize> Hull<AXES> {
         most * 5.0 / (ONE_26 * length) * (1.0 + 1.0 / 1_048_576.0)
     }
 
-    /// Cuts the cell: keeps the part behind the cut, and returns the part before.
+    /// Cuts the cell at `part`: keeps the second part, and returns the first part.
     fn cut(&mut self, part: i32) -> Self {
         let mut before = *self;
         for k in 0..AXES {
@@ -131,8 +131,8 @@ impl<const AXES: usize> Hull<AXES> {
         before
     }
 
-    /// Whether the part of the cell next to a chord is inside the tolerance. The rest behind that part
-    /// remains.
+    /// Whether the part of the cell next to a chord is inside the tolerance. The call removes this part from
+    /// the cell.
     pub fn keeps(&mut self, origin: &[Position; AXES], chord: &Beside<'_, AXES>, main: u32) -> bool {
         let part = part_of(chord.part);
         let own = if part == i32::MAX { *self } else { self.cut(part) };
@@ -176,8 +176,8 @@ impl<'a, const AXES: usize> Straight<'a, AXES> {
         Self { at: *from, to }
     }
 
-    /// Whether the part next to a chord is inside the tolerance; the rest remains. The distance of a line from a chord
-    /// is largest at an end.
+    /// Whether the part of the line next to a chord is inside the tolerance. The call removes this part. The
+    /// distance of a line from a chord is largest at an end.
     pub fn keeps(&mut self, chord: &Beside<'_, AXES>, main: u32) -> bool {
         let part = i64::from(part_of(chord.part));
         let mut end = self.at;

@@ -1,5 +1,5 @@
-//! Blocks as chords: a line is one, an arc many. On chords that are long beside the kernels more vertices come
-//! in between, on the smooth curve that the chords stand for.
+//! Blocks as chords: a line gives one chord, an arc many. Between the ends of a long chord, additional
+//! vertices lie on the smooth curve that the chords approximate.
 use super::parameters::{Parameters, Tolerance, Used};
 use super::window::{Programmed, Space, Vertex, Window, smoothness};
 use crate::math::float::{max, min, to_f32, to_i64};
@@ -14,16 +14,16 @@ const ONE_30: f32 = (1u32 << 30) as f32;
 pub struct Chord<const AXES: usize> {
     pub from: [Position; AXES],
     pub to: [Position; AXES],
-    /// Per mm of path in space.
+    /// Change of position per mm of path in space.
     pub direction: [f32; AXES],
-    /// mm.
+    /// Length, mm.
     pub length: f32,
     pub programmed: Programmed,
-    /// A part of an arc.
+    /// Whether the chord is a part of an arc.
     pub arc: bool,
     /// Whether this is half a line, which continues at the start or end of the run.
     pub half: bool,
-    /// The motion stands where it ends, and the curve goes on.
+    /// Whether the motion stops at the end of the chord; the curve continues afterwards.
     pub stop: bool,
     /// Deviation of the lines that this chord replaces.
     pub stray: Tolerance,
@@ -33,49 +33,51 @@ pub struct Chord<const AXES: usize> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Source<const AXES: usize> {
     pub block: ProgrammedBlock<AXES>,
-    /// Where the next chord of an arc begins, and how long each is; 0: all of it.
+    /// Start and length of the next chord of an arc. A length of 0 takes the whole block.
     next: Distance,
     step: Distance,
     from: [Position; AXES],
     /// Whether the chord is passed exactly.
     pub exact: bool,
-    /// Functions stand before it.
+    /// Whether a function stands before the block.
     pub parted: bool,
     /// Whether this is half a line: the run begins in its middle.
     pub half: bool,
-    /// Whether all of it has left.
+    /// Whether all chords of the block have been taken.
     pub is_over: bool,
 }
 
-/// Vertices between two others, at most.
+/// Most additional vertices of a chord.
 pub const BETWEEN: usize = 11;
-/// Lines that turn more do not become one.
+/// Lines with a larger change of direction are not merged.
 const GENTLE: f32 = 0.2;
-/// Of the kernels' width, between two vertices.
+/// Distance between two additional vertices, as a share of the smoothing width.
 const STEP: f32 = 0.25;
-/// Vertices at each end of a long chord, so far from each other: as far as points lead, and one more.
+/// Additional vertices at each end of a long chord: they cover the smoothing width, plus one.
 const ENDS: usize = 5;
-/// A chord of so many widths is straight but for its ends.
+/// A chord longer than this many smoothing widths is straight except near its ends.
 const LONG: f32 = 3.0;
-/// A turn (twice the sine of half the angle) of less is none.
+/// A turn (twice the sine of half the angle) below this value counts as none.
 const SLIGHT: f32 = 0.001;
-/// Of a tolerance, that a curve may lie beside its chord. What is missing of the curve between all points makes
-/// the curvature go to and fro.
+/// Share of a tolerance that the curve may lie away from its chord. If the curve gets less room, its
+/// curvature oscillates.
 const BULGE: f32 = 0.96;
-/// One that wants more than so much of it gets less: what is left is for the kernels.
+/// A curve that exceeds this multiple of the tolerance gets only [`LESS`]; the rest is for the smoothing
+/// curves.
 const FAR: f32 = 1.05;
-/// Where a curve is farthest from its chord: between turns to one side, and to both.
+/// Places in a chord where the curve is farthest from the chord, as shares of the chord. The first place is
+/// for a curve that bends to one side. The other two are for a curve that crosses its chord.
 const FARTHEST: [f32; 3] = [0.5, 0.211_325, 0.788_675];
 const LESS: f32 = 0.6;
 
 impl<const AXES: usize> Source<AXES> {
-    /// `chord`: length (mm) of the chords of an arc.
+    /// `chord`: length (mm) of the chords of an arc; `None` for a single chord.
     pub fn new(block: &ProgrammedBlock<AXES>, chord: Option<f32>, exact: bool, parted: bool) -> Self {
         let length = block.element.shape.length.to_bits();
         let mut step = length;
         if let Some(chord) = chord {
             let most = max(to_f32(length) / max(chord * (1u64 << 44) as f32, 1.0), 0.0);
-            // Two at least, so that a circle is one.
+            // An arc has at least two chords, so that a full circle has a chord with a direction.
             step = length / (2 + i64::from(min(most, 1e6) as u32)) + 1;
         }
         let next = Distance::ZERO;
@@ -83,7 +85,7 @@ impl<const AXES: usize> Source<AXES> {
         Self { block, next, step, from, exact, parted, half: false, is_over: false }
     }
 
-    /// The next chord; without going on.
+    /// The next chord. The call does not step: [`Self::go_on`] does.
     pub fn chord(&self, window: &Window<AXES>) -> Option<Chord<AXES>> {
         let Data { feed, n, number, .. } = self.block.data;
         let programmed = Programmed { feed, n, number };
@@ -97,7 +99,7 @@ impl<const AXES: usize> Source<AXES> {
         Some(chord)
     }
 
-    /// The chord has been taken.
+    /// Steps to the next chord, which begins at `to`.
     pub fn go_on(&mut self, to: &[Position; AXES]) {
         let end = self.next.to_bits().saturating_add(self.step.to_bits());
         self.next = Distance::from_bits(end);
@@ -107,7 +109,7 @@ impl<const AXES: usize> Source<AXES> {
 }
 
 impl<const AXES: usize> Chord<AXES> {
-    /// `None` where no main axis moves.
+    /// Returns `None` if no main axis moves.
     pub fn new(
         from: &[Position; AXES],
         to: &[Position; AXES],
@@ -144,7 +146,8 @@ impl<const AXES: usize> Chord<AXES> {
         Self::new(&block.from, &block.to, none, window.space).map(|chord| chord.length)
     }
 
-    /// One chord in place of this line and the next one, if the points between stay inside `most`.
+    /// Replaces this line and the next one by one chord, if the points between stay inside the tolerance
+    /// `most`.
     pub fn merged(&self, next: &Self, most: &Tolerance, window: &Window<AXES>) -> Option<Self> {
         if self.stop
             || self.arc
@@ -168,7 +171,7 @@ impl<const AXES: usize> Chord<AXES> {
         (both.stray.track <= most.track && both.stray.path <= most.path).then_some(both)
     }
 
-    /// The step of direction to the next chord.
+    /// The change of direction to the next chord.
     pub fn turn(&self, next: &Self) -> [f32; AXES] {
         let mut turn = next.direction;
         for (turn, before) in turn.iter_mut().zip(&self.direction) {
@@ -183,11 +186,11 @@ pub struct Between<'a, const AXES: usize> {
     pub chord: &'a Chord<AXES>,
     pub before: Option<&'a Chord<AXES>>,
     pub behind: Option<&'a Chord<AXES>>,
-    /// Marks of the vertex at its end.
+    /// Marks of the vertex at the end of the chord.
     pub marks: u8,
 }
 
-/// How a curve leaves its chord at both ends: per length of the chord.
+/// Slopes of a curve against its chord at both ends, per length of the chord.
 struct Bulge<const AXES: usize> {
     slopes: [[f32; AXES]; 2],
 }
@@ -195,7 +198,7 @@ struct Bulge<const AXES: usize> {
 impl<const AXES: usize> Bulge<AXES> {
     const NONE: Self = Self { slopes: [[0.0; AXES]; 2] };
 
-    /// At a part of the chord, of that length.
+    /// Offset of the curve from its chord at the share `w` of a chord of `length`.
     fn at(&self, w: f32, length: f32) -> [f32; AXES] {
         let rest = 1.0 - w;
         let [first, last] = &self.slopes;
@@ -208,33 +211,33 @@ impl<const AXES: usize> Bulge<AXES> {
     }
 }
 
-/// The part of a bulge that a tolerance leaves.
+/// The share of a bulge that a tolerance permits.
 fn kept(bulge: f32, tolerance: f32) -> f32 {
     let most = if bulge > FAR * tolerance { LESS } else { BULGE };
     min(1.0, most * tolerance / max(bulge, f32::MIN_POSITIVE))
 }
 
 impl<const AXES: usize> Window<AXES> {
-    /// How smooth the turn from one chord to the next is, and its part that the curve at the vertex turns
-    /// from the chord of that length.
+    /// The turn from one chord to the next, and its smoothness. The smoothness is the share of the turn that
+    /// the curve has at the vertex.
     fn leaves(&self, one: &Chord<AXES>, next: &Chord<AXES>) -> ([f32; AXES], f32) {
         let turn = one.turn(next);
         (turn, smoothness(self.length(&turn)))
     }
 
-    /// Whether a long line meets a curve of chords smoothly: from one to the next, curvature is zero or that of
-    /// the curve.
+    /// Returns `true` if a long line smoothly meets a curve of chords. There the curvature steps between zero
+    /// and that of the curve.
     fn curvature_steps(&self, one: &Chord<AXES>, next: &Chord<AXES>) -> bool {
         let long = LONG * self.reach;
         let (turn, smooth) = self.leaves(one, next);
         (one.length > long) != (next.length > long) && smooth > 0.0 && self.length(&turn) > SLIGHT
     }
 
-    /// The curve that a chord stands for.
+    /// The curve that the chord approximates.
     fn bulge(&self, between: &Between<'_, AXES>, tolerance: &Tolerance) -> Bulge<AXES> {
         let Between { chord, before, behind, .. } = between;
         let mut bulge = Bulge::NONE;
-        // A long chord is straight: the curve beside it leaves in its direction.
+        // A long chord is straight: the curve next to it starts in its direction.
         let long = LONG * self.reach;
         let mut of = |slot: usize, one: &Chord<AXES>, next: &Chord<AXES>, sign: f32| {
             let (turn, smooth) = self.leaves(one, next);
@@ -265,8 +268,8 @@ impl<const AXES: usize> Window<AXES> {
         bulge
     }
 
-    /// Takes a chord. There is room for [`BETWEEN`] + 1 vertices. `heading`: direction of the polygon before, and then
-    /// after the call.
+    /// Takes a chord. The window needs room for [`BETWEEN`] + 1 vertices. `heading`: direction of the polygon
+    /// before this chord; the call replaces it by the direction at the chord's end.
     pub fn take(
         &mut self,
         between: &Between<'_, AXES>,
@@ -326,7 +329,7 @@ impl<const AXES: usize> Window<AXES> {
         self.append(&mut from, (&chord.to, &[0.0; AXES]), edge, heading, (chord, marks, used));
     }
 
-    /// Appends a vertex, with the turn at the one before.
+    /// Appends a vertex, with the turn at the vertex before.
     fn append(
         &mut self,
         from: &mut ([Position; AXES], [f32; AXES]),

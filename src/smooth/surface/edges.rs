@@ -1,6 +1,7 @@
-//! Edges: corners between two lines that contour mode rounds. Kernels take no turn of more than 102 degrees:
-//! the path would be much shorter than its polygon. And where a line on both sides is long beside what the
-//! tolerance leaves of a kernel, or a kernel is slow, the curve of a corner is faster: speed changes inside it.
+//! Edges: corners between two lines that contour mode rounds in place of Surface. Smoothing curves of Surface
+//! take no turn above 102 degrees, because the path would be much shorter than its polygon. Contour mode is
+//! also faster if both lines are long compared with the smoothing curve, or if the smoothing curve is slow.
+//! The speed then changes inside the corner curve.
 use super::chords::Chord;
 use super::parameters::{Parameters, Tolerance, Used};
 use super::window::{Programmed, Space};
@@ -11,24 +12,27 @@ use crate::path::Measure;
 use crate::smooth::contour::Edge;
 use crate::smooth::{Data, Form, ProgrammedBlock};
 
-/// Step of direction (twice the sine of half the angle) of the sharpest turn that kernels take: 102 degrees.
+/// Change of direction (twice the sine of half the angle) of the sharpest turn of a smoothing curve: 102
+/// degrees.
 pub const SHARPEST: f32 = 1.554_29;
 
-/// Beyond it a line goes straight back: 179.6 degrees.
+/// Above this change of direction, the line turns straight back: 179.6 degrees.
 const BACK: f32 = 1.999_99;
 
-/// A turn of less belongs to a smooth contour, one of more is sharp: 18 and 74 degrees.
+/// A turn below 18 degrees belongs to a smooth contour; a turn above 74 degrees is sharp.
 const EDGE: f32 = 0.313;
 const SHARP: f32 = 1.2;
 
-/// Widths of the kernel that its turn has alone, from which on a line can be an edge: in a smooth contour or a sharp turn,
-/// and between both. Kernels of shorter lines are one smooth curve.
+/// A line longer than this many widths can make an edge. The width is that of the smoothing curve of its turn
+/// alone. The first value is for smooth contours, the second for all other turns. Smoothing curves of shorter
+/// lines join to one smooth curve.
 const APART: f32 = 2.5;
 const ONE_CURVE: f32 = 0.34;
-/// The same with STEP for every turn: only far shorter lines gain by kernels. Acceleration has no ramps there, so a curve
-/// alone costs little.
+/// With STEP: number of widths above which a line can make an edge, for every turn. Acceleration has no ramps
+/// with STEP, so a curve alone costs little time. Only far shorter lines gain by smoothing curves.
 const STEPPED_APART: f32 = 0.05;
-/// Sharp turns of shorter lines belong to a row that turns back: there a kernel is compared with a standstill alone.
+/// Sharp turns between shorter lines belong to a run that turns back. There the smoothing curve is compared
+/// with a stop only.
 const ALONE: f32 = 4.0;
 
 /// Conditions under which a corner is an edge.
@@ -43,7 +47,7 @@ impl<'a> Edges<'a> {
         Self { parameters, space: Space::new(measure) }
     }
 
-    /// Whether a block makes an edge with a chord before it.
+    /// Returns `true` if `block` makes an edge with the chord before it.
     pub fn parts<const AXES: usize>(
         &self,
         before: &Chord<AXES>,
@@ -61,7 +65,7 @@ impl<'a> Edges<'a> {
         }
         let rapid = before.programmed.feed.is_none() && next.programmed.feed.is_none();
         let Tolerance { path, track } = self.tolerance(rapid, self.parameters.used(&before.stray));
-        // A kernel alone deviates by a sixth of its width times the turn.
+        // The smoothing curve of a single turn deviates by a sixth of its width times the turn.
         let mut width = path / turn;
         for (_, x) in change.iter().enumerate().filter(|(k, _)| !self.space.is_main(*k)) {
             width = min(width, track / max(max(*x, -*x), f32::MIN_POSITIVE));
@@ -98,15 +102,15 @@ impl<'a> Edges<'a> {
         }
     }
 
-    /// Whether a block is an arc that stays exact, so that contour mode rounds its transitions.
+    /// Returns `true` if the block is an arc that stays exact, so that contour mode rounds its transitions.
     pub fn keeps<const AXES: usize>(&self, block: &ProgrammedBlock<AXES>) -> bool {
         let rapid = block.data.feed.is_none() && self.parameters.leaves_rapid();
         let arc = block.form != Form::Line && self.parameters.rounds_arcs() && !rapid;
         arc && self.parameters.chord_of(&block.element).is_none()
     }
 
-    /// Whether two blocks make an edge, where the first one is for contour mode. Beside arcs they always do, as far
-    /// as both are smoothed.
+    /// Returns `true` if two blocks make an edge. The first block is for contour mode. A transition between
+    /// an arc and a smoothed block is always an edge.
     pub fn between<const AXES: usize>(
         &self,
         before: &ProgrammedBlock<AXES>,
@@ -117,7 +121,7 @@ impl<'a> Edges<'a> {
             return false;
         }
         if before.form != Form::Line {
-            // A small one, too: it has come in behind one that stays.
+            // A small arc also makes an edge after a block that stays.
             return block.form != Form::Line || self.chord(block).is_some();
         }
         if self.keeps(block) {
@@ -126,12 +130,13 @@ impl<'a> Edges<'a> {
         self.chord(before).is_some_and(|before| self.parts(&before, block, dynamics))
     }
 
-    /// Tolerance of a curve in a corner. `rapid`: G00 on both sides; `used`: by merged lines before it.
+    /// Tolerance of a corner curve. `rapid`: G00 on both sides. `used`: the part that merged lines before the
+    /// corner have used.
     pub fn tolerance(&self, rapid: bool, used: Used) -> Tolerance {
         self.parameters.left(self.parameters.tolerance(rapid), false, used)
     }
 
-    /// A line that is not passed as it is.
+    /// The chord of a line that Surface may change.
     fn chord<const AXES: usize>(&self, block: &ProgrammedBlock<AXES>) -> Option<Chord<AXES>> {
         let Data { feed, n, number, .. } = block.data;
         if block.form != Form::Line || feed.is_none() && self.parameters.leaves_rapid() {

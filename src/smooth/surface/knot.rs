@@ -1,5 +1,4 @@
-//! Points of the smoothed path: the control polygon P with a smoothing polynomial, the kernel, at each
-//! vertex.
+//! Points of the smoothed path: the control polygon P, with a smoothing polynomial (kernel) at each vertex.
 //!
 //! Over the length s of the polygon, with d_i the step of its direction at vertex i, c_i the half width of its
 //! kernel and u = 1 − |s − s_i|/c_i,
@@ -8,9 +7,9 @@
 //! Q = P + Σ d_i·c_i·u³/6      Q' = P' ± Σ d_i·u²/2      Q'' = Σ d_i·u/c_i
 //! ```
 //!
-//! over all vertices nearer than c_i. Q is twice continuously differentiable for any widths. The path distance
-//! of an element is s. |Q'| is at most 1, because the path is shorter than the polygon. So the feed is not
-//! exceeded, and a sharp turn is as gentle as its kernel.
+//! The sum is over all vertices nearer than c_i. Q is twice continuously differentiable for any widths. The
+//! path distance of an element is s. |Q'| is at most 1, because the path is shorter than the polygon. So the
+//! speed does not exceed the feed, and the curvature of a sharp turn depends on the width of its kernel.
 use super::window::{SLOWEST, Vertex, Window, step};
 use crate::math::float::{max, min, to_i64};
 use crate::math::wide::mul_shift;
@@ -27,10 +26,10 @@ pub struct Spot {
 
 /// Part of a kernel's width that an element covers.
 const CELL: f32 = 0.9;
-/// For the end of a kernel, no element gets shorter than this part of its length.
+/// An element that ends where a kernel ends has at least this part of its normal length.
 const SLIVER: f32 = 0.1;
-/// Part of the widest kernel by which more of the path has been checked. Narrower kernels there move points
-/// here, and an element between old and new points would turn sharply.
+/// Part of the widest kernel by which the checked path must be longer. A narrower kernel would move points
+/// here. The element between old and new points would then turn sharply.
 const SETTLED: f32 = 0.5;
 /// Longest element, mm.
 const LONGEST: f32 = 8.0;
@@ -39,7 +38,8 @@ const LINE: f32 = 1.0;
 /// Shorter distances count as none, mm.
 const NOTHING: f32 = 1e-6;
 
-/// Part of the kernel's width at a step of curvature: elements nearer than that have one speed.
+/// An element has a constant speed if its distance to a step of curvature is below this part of the kernel's
+/// width.
 const NEAR_STEP: f32 = 0.4652;
 
 const ONE_40: f32 = (1u64 << 40) as f32;
@@ -50,7 +50,7 @@ const ONE_32: f32 = (1u64 << 32) as f32;
 pub struct Aim {
     /// Distance from the last knot, mm.
     pub way: f32,
-    /// Whether the path is straight up to there.
+    /// Whether the path is straight up to this distance.
     pub is_straight: bool,
 }
 
@@ -58,9 +58,9 @@ pub struct Aim {
 struct Ahead {
     /// Whether a kernel acts at the place.
     active: bool,
-    /// Distance to the first kernel ahead.
+    /// Distance to the start of the first kernel ahead.
     start: f32,
-    /// Distance to the first place at which an element has to end, because of a strong turn or of the
+    /// Distance to the first place where an element has to end, because of a strong turn or a change in the
     /// program.
     strong: f32,
     forced: f32,
@@ -94,7 +94,7 @@ impl<const AXES: usize> Window<AXES> {
         if from.vertex == to.vertex { to.x - from.x } else { self.to_vertex(from, to.vertex) + to.x }
     }
 
-    /// The place at a distance behind another one.
+    /// The place at the distance `way` (mm) after a place.
     pub fn advance(&self, spot: &Spot, way: f32) -> Spot {
         let Spot { mut vertex, mut x } = *spot;
         x += way;
@@ -111,7 +111,7 @@ impl<const AXES: usize> Window<AXES> {
         Spot { vertex, x }
     }
 
-    /// The path ahead; a place nearer than `least` is no place for an end.
+    /// The path ahead of a place. No element ends nearer than `least` (mm).
     fn look_ahead(&self, spot: &Spot, least: f32) -> Ahead {
         let mut ahead = Ahead { active: false, start: f32::MAX, strong: f32::MAX, forced: f32::MAX };
         let note = |place: &mut f32, at: f32| {
@@ -154,8 +154,8 @@ impl<const AXES: usize> Window<AXES> {
         ahead
     }
 
-    /// The sharp turn at a place, or the next one whose kernel ends before the neighbours of its vertex; and the
-    /// distance to its start.
+    /// The sharp turn at a place, or the next sharp turn whose kernel ends before the neighbours of its
+    /// vertex. Also returns the distance to the start of the turn.
     pub fn sharp(&self, spot: &Spot) -> Option<(&Vertex<AXES>, f32)> {
         let mut away = -spot.x;
         let mut vertices = self.from(spot.vertex).take(self.moved.saturating_sub(spot.vertex)).peekable();
@@ -169,8 +169,8 @@ impl<const AXES: usize> Window<AXES> {
         None
     }
 
-    /// Whether an element of this length comes near a step of curvature. The curve uses most of the jerk there, and
-    /// little is left to change the speed.
+    /// Whether an element of `length` (mm) comes near a step of curvature. There the curvature uses most of
+    /// the jerk, and little is left to change the speed.
     pub fn is_near_step(&self, spot: &Spot, length: f32) -> bool {
         let near = |vertex: &Vertex<AXES>, away: f32| {
             vertex.is(Vertex::<AXES>::STEPS) && away < NEAR_STEP * vertex.width - NOTHING
@@ -202,7 +202,7 @@ impl<const AXES: usize> Window<AXES> {
     pub fn aim(&self, spot: &Spot) -> Option<Aim> {
         let all = self.ended && self.checked == self.len();
         let last = self.checked.checked_sub(1)?;
-        // Behind the checked vertices, kernels are known as far as they reach.
+        // After the checked vertices, the kernels are known up to their reach.
         let known = if all { f32::MAX } else { self.to_vertex(spot, last) + self.reach };
         if known < 0.0 || last < spot.vertex && !all {
             return None;
@@ -234,7 +234,7 @@ impl<const AXES: usize> Window<AXES> {
             return None;
         }
         if near < 4.0 * way {
-            // In equal parts.
+            // The element is divided into equal parts.
             let parts = 1.0 + (near / (1.1 * way)) as i32 as f32;
             way = if near <= 1.1 * way { near } else { near / parts };
         }
@@ -283,7 +283,7 @@ impl<const AXES: usize> Window<AXES> {
         away = rest;
         let first = spot.vertex + 1;
         let mut ahead = self.from(first).take(self.moved.saturating_sub(first)).peekable();
-        // The last moved vertex does not turn yet.
+        // The last moved vertex has no turn yet.
         while let (Some(vertex), Some(next)) = (ahead.next(), ahead.peek()) {
             if away >= self.widest {
                 break;
@@ -294,7 +294,7 @@ impl<const AXES: usize> Window<AXES> {
         if count == 0 && from.is_on_contour() && to.is_on_contour() {
             return on_chord((from, to), (spot.x, rest), measure);
         }
-        // From the nearer vertex.
+        // Counted from the nearer vertex.
         let (near, way) = if spot.x <= rest { (from, spot.x) } else { (to, -rest) };
         let mut position = near.at;
         for (((x, offset), heading), off) in position.iter_mut().zip(&near.offset).zip(&heading).zip(&off) {
@@ -304,7 +304,7 @@ impl<const AXES: usize> Window<AXES> {
         self.knot_of(position, &direction, &bend)
     }
 
-    /// The point, with derivatives over the polygon's length. The path is at most as long as the polygon.
+    /// The point with its derivatives over the polygon's length. The path is never longer than the polygon.
     fn knot_of(
         &self,
         position: [Position; AXES],
@@ -318,7 +318,7 @@ impl<const AXES: usize> Window<AXES> {
         Some(Knot { position, end: End { tangent, curvature: *bend } })
     }
 
-    /// The last vertex.
+    /// The point of the last vertex.
     fn end(&self, k: usize, measure: &Measure) -> Option<Knot<AXES>> {
         let (from, to) = (self.get(k.checked_sub(1)?)?, self.get(k)?);
         if from.is_on_contour() {

@@ -1,64 +1,68 @@
-//! The path before a curve: where a straight run changes into an even turn, points of the control polygon
-//! lead.
+//! The path before a curve: near a transition from a straight run to an arc, the points of the control
+//! polygon move away from the contour. This shift is called lead.
 //!
-//! Kernels distribute the ramp of curvature evenly on both sides of such a transition: inside the curve, and
-//! outside of the straight run before. Beside a curve there is little room, because its chords have used the
-//! tolerance. Beside the straight run all of the tolerance is free. So points of the run move inwards some distance
-//! before the transition, points near the transition move outwards, and most of the ramp lies on the run.
+//! Kernels distribute the ramp of curvature evenly to both sides of such a transition: inside the curve, and
+//! outside of the straight run before. The curve has little room, because its chords have used the tolerance.
+//! The straight run has all of its tolerance free. So points of the run move inwards some distance before the
+//! transition, and points near the transition move outwards. Most of the ramp then lies on the run.
 //!
-//! The shift of a point is a sum over the turns ahead, within 1.25 kernels. A step of curvature k at a distance of t
-//! kernels moves the point by k·c²/24·L(t): inwards where L is positive. The shift counts as far as the contour on
-//! the other side is straight, compared with the part ahead and with its tolerance. The same holds in reverse, so a
-//! path has the same points in both directions. In an even curvature no point moves; on a free-form surface, which is
-//! bent on both sides, nearly none.
+//! The shift of a point is a sum over the turns ahead, within 1.25 kernel widths. A step of curvature k at a
+//! distance of t widths c moves the point by k·c²/24·L(t); a positive L moves it inwards. The shift acts as
+//! far as the contour before the point is straight, compared with the part ahead and its tolerance. The same
+//! holds in reverse direction, so a path has the same points in both directions. On a constant curvature no
+//! point moves. On a free-form surface, which is bent on both sides, points hardly move.
 //!
-//! The shift fades out where it gains nothing: before a curve with narrow kernels, because then the tolerance leaves no
-//! room beside the run either; and before one with chords so short that the window has no room for kernels as wide as
-//! on the run. Before a gentle curve the shift is smaller.
+//! The shift falls to zero in two cases. Before a curve with narrow kernels, the tolerance leaves no room on
+//! the run either. Before a curve with very short chords, the window has no room for kernels as wide as on
+//! the run. Before a gentle curve the shift is smaller.
 use super::parameters::{Parameters, Tolerance};
 use super::window::{VERTICES, Vertex, Window};
 use crate::math::float::{max, min};
 use crate::math::root::sqrt_f32;
 
-/// L at every quarter of a kernel from the transition on. L ends with 0 and slope 0. Found by trials with circles of
-/// 64 chords, for the least time with a path inside 10 µm.
+/// L at every quarter of a kernel width from the transition on. L ends with the value 0 and the slope 0. The
+/// values come from trials with circles of 64 chords. They give the least time with a path inside 10 µm.
 const LEAD: [f32; 6] = [-1.4578, -1.3704, 1.2, 2.6956, 1.2566, 0.0];
 const PER_KERNEL: f32 = 4.0;
 
-/// Range of the part ahead that counts, with its turns and its curvature, in kernels.
+/// Range of the part ahead with turns and curvature that count, in kernel widths.
 const REACH: f32 = 1.25;
-/// Range behind a vertex in which the contour is compared with the part ahead, in kernels.
+/// Range after a vertex in which the contour is compared with the part ahead, in kernel widths.
 const BEHIND: f32 = 1.1511;
-/// A contour with at least this part of the curvature ahead counts as equally even.
+/// A contour with at least this part of the curvature ahead counts as constant curvature.
 const EVEN: f32 = 0.6518;
-/// A contour this many tolerances beside its tangent (k·c²/24, with the widest kernel) is not straight.
+/// A contour that leaves its tangent by more than this number of tolerances is not straight. The distance is
+/// k·c²/24, with the widest kernel.
 const BENT: f32 = 0.7729;
 
-/// Largest lead of a point, in tolerances: the path before the transition has to stay inside them.
+/// Largest lead of a point, in tolerances. The path before the transition has to stay inside the tolerance.
 const MOST: f32 = 2.3;
-/// Parts of the widest kernel: from the first on points lead, from the second on by the full amount.
+/// Kernel widths as parts of the widest kernel: points have a lead from the first on, and the full lead from
+/// the second on.
 const WIDE: f32 = 0.5;
 const FULL: f32 = 0.8;
 
-/// Range over which curvature and chords of a curve ahead are measured, in kernels. Points that lead, up to [`REACH`]
-/// before the curve, have more than one chord of it there. This part is known: a vertex moves when kernels are known
-/// 1.25 kernels behind it, and kernels are known when the contour is known one kernel further.
+/// Range over which curvature and chords of a curve ahead are measured, in kernel widths. A point with a lead
+/// is at most [`REACH`] before the curve, so the range contains more than one chord of the curve. This range
+/// is known. A vertex moves when the kernels up to 1.25 widths ahead are known. Kernels are known when the
+/// contour is known one width further.
 const SEEN: f32 = 2.0;
-/// Numbers of tolerances (k·c²/24, with the widest kernel) of a curve: from the first on points lead less, from the
-/// second on not at all, because its kernels are much narrower than those on the run.
+/// Bulge k·c²/24 of a curve in tolerances, with the widest kernel. From the first value on, the lead is
+/// reduced, and from the second value on it is zero. The kernels of such a curve are much narrower than those
+/// on the run.
 const NARROW: f32 = 1.15;
 const NARROWEST: f32 = 1.45;
-/// The window's room for chords of a curve, in widest kernels: with the first number no point leads, with the second
-/// all do. Where points lead, the path bends earlier, and more has to be known: with less room kernels would get
-/// narrower.
+/// Room of the window for chords of a curve, in widest kernels. With the first value there is no lead, with
+/// the second the full lead. With a lead, the path bends earlier, and more of the contour has to be known. In
+/// a smaller window, kernels would become narrower.
 const CRAMPED: f32 = 7.0;
 const ROOMY: f32 = 8.5;
-/// Number of tolerances of a curve below which points lead less, because they are further away than needed; and the
-/// least part of the lead.
+/// Bulge of a curve, in tolerances, below which the lead is reduced, and the least part of the lead. Such
+/// points would be farther away than needed.
 const GENTLE: f32 = 0.95;
 const LEAST: f32 = 0.8;
 
-/// −L' at a distance, in kernels.
+/// −L' at a distance in kernel widths.
 fn weight(away: f32) -> f32 {
     let at = away * PER_KERNEL;
     let k = at as usize;
@@ -77,12 +81,12 @@ fn weight(away: f32) -> f32 {
     -PER_KERNEL * (rest * (value(k + 1) - value(k)) + first * slope(k) + last * slope(k + 1))
 }
 
-/// 0 at one value, 1 at another one, linear between, constant beyond.
+/// 0 at `none`, 1 at `all`, linear between, constant outside.
 fn ramp(x: f32, none: f32, all: f32) -> f32 {
     min(max((x - none) / (all - none), 0.0), 1.0)
 }
 
-/// The weight of a curvature in a mean over `over` mm, falling with the distance.
+/// The weight of a curvature in a mean over `over` mm; the weight falls with the distance.
 fn mean(away: f32, over: f32) -> f32 {
     2.0 / over * max(0.0, 1.0 - away / over)
 }
@@ -101,18 +105,19 @@ struct Beside {
 #[derive(Clone, Copy)]
 struct Side<const AXES: usize> {
     lead: [f32; AXES],
-    /// Mean curvatures, per mm: for the part ahead, and for the comparison.
+    /// Mean curvatures, 1/mm: of the part ahead, and for the comparison with the other side.
     ahead: [f32; AXES],
     behind: [f32; AXES],
-    /// Sums of squares of the turns over [`SEEN`], falling with the distance: unweighted, weighted by the squares of
-    /// the mean distances from the neighbours, and by the squares of the turns.
+    /// Three sums of squares of the turns over [`SEEN`], with weights that fall with the distance. The first
+    /// has no other weight, the second the squares of the mean distances from the neighbours, and the third
+    /// the squares of the turns.
     squares: f32,
     lengths: f32,
     fourths: f32,
 }
 
 impl<const AXES: usize> Window<AXES> {
-    /// The vertices on one side of a vertex, up to `over` mm, each with its relative position.
+    /// Passes each vertex on one side, up to `over` mm away, to `add`, with its relative position.
     #[inline]
     fn beside_of(&self, k: usize, ahead: bool, over: f32, mut add: impl FnMut(&Vertex<AXES>, &Beside)) {
         let mut at = Beside { away: 0.0, part: 0.5, length: 0.0 };
@@ -140,7 +145,7 @@ impl<const AXES: usize> Window<AXES> {
         }
     }
 
-    /// How straight the contour is on one side of a vertex, over the widest kernel: 1 to 0.
+    /// How straight the contour is on one side of a vertex, over the widest kernel: 1 is straight, 0 is not.
     fn straightness(&self, k: usize, ahead: bool, tolerance: f32) -> f32 {
         let over = REACH * self.widest;
         let mut sum = [0.0; AXES];
@@ -155,7 +160,7 @@ impl<const AXES: usize> Window<AXES> {
         rest * rest
     }
 
-    /// The lead that the turns on one side of a vertex demand.
+    /// The lead that results from the turns on one side of a vertex.
     fn side(&self, k: usize, ahead: bool, width: f32) -> Side<AXES> {
         let none = [0.0; AXES];
         let mut side =
@@ -179,9 +184,9 @@ impl<const AXES: usize> Window<AXES> {
         side
     }
 
-    /// The part of the lead before a curve.
+    /// The share of the lead that a curve permits.
     fn share(&self, side: &Side<AXES>, path: f32) -> f32 {
-        // A circle of any chords turns at each point by its curvature times the mean length beside the point.
+        // On a circle, a point turns by the curvature times the mean length of its two chords.
         let curvature = sqrt_f32(side.fourths / max(side.lengths, f32::MIN_POSITIVE));
         let chord = sqrt_f32(side.lengths / max(side.squares, f32::MIN_POSITIVE));
         let deviation = curvature * self.widest * self.widest * (1.0 / 24.0) / max(path, f32::MIN_POSITIVE);
@@ -191,7 +196,7 @@ impl<const AXES: usize> Window<AXES> {
         gentle * most * ramp(deviation, NARROWEST, NARROW) * ramp(kernels, CRAMPED, ROOMY)
     }
 
-    /// The lead of a vertex's point, mm, towards the inside of the following curve.
+    /// The lead of a vertex's point, mm, towards the inside of the curve that follows.
     #[inline(never)]
     pub fn lead(&self, k: usize, parameters: &Parameters) -> [f32; AXES] {
         let mut lead = [0.0; AXES];

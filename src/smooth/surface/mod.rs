@@ -1,20 +1,22 @@
-//! `#HSC \[SURFACE\]`: short blocks become one curve with continuous direction and curvature, inside a tolerance. The curve hardly depends on which points of the surface the blocks pass.
-//! tolerance, and much the same whatever points of the surface the blocks go through.
+//! `#HSC \[SURFACE\]`: short blocks become one curve with continuous direction and curvature, inside a
+//! tolerance. The curve hardly depends on which points of the surface the blocks pass.
 //!
-//! The contour is a row of vertices. Each vertex has a smoothing polynomial, its kernel, which rounds the polygon
-//! over a part of the path (`knot.rs`) and is as wide as the tolerance permits. The vertices move out by the amount
-//! that the kernels cut, so the curve behind the chords is restored (`window.rs`); they move more where a straight
-//! run changes into a curve (`lead.rs`). The output are quintics through position, direction and curvature at knots
-//! about half a kernel apart (`cell.rs`): far fewer than blocks. The search uses `f32`, but an element leaves only
-//! after a proof in integers that it is inside the tolerance. If the proof fails, the kernels get narrower; in the
-//! end the motion leads straight to the next vertex and stops there.
+//! The contour is a sequence of vertices. Each vertex has a smoothing polynomial, its kernel, which rounds
+//! the polygon over a part of the path (`knot.rs`). A kernel is as wide as the tolerance permits. The
+//! vertices move out by the amount that the kernels cut, so the result follows the curve that the chords
+//! approximate (`window.rs`). The vertices move further where a straight run changes into a curve
+//! (`lead.rs`). The output is a sequence of quintics through position, direction and curvature at knots about
+//! half a kernel apart (`cell.rs`). There are far fewer quintics than blocks. The search uses `f32`, but
+//! integers prove each element to be inside the tolerance before it is emitted. If the proof fails, the
+//! kernels are reduced. In the end, the motion goes straight to the next vertex and stops there.
 //!
-//! A run ends in the middle of a line before an edge, which belongs to contour mode (`edges.rs`, `smooth/edged.rs`).
-//! It ends exactly in a vertex in these cases: an exact stop, a dwell, a function with acknowledgement, a turn
-//! beyond MAX_ANGLE, an arc that stays exact, a block without main axes, and with AUTO_OFF_G00 a rapid block.
-//! Another feed, and a function without acknowledgement, begin with an element and end no run.
+//! A run ends in the middle of a line before an edge, which belongs to contour mode (`edges.rs`,
+//! `smooth/edged.rs`). A run ends exactly in a vertex at an exact stop, a dwell, a function with
+//! acknowledgement, or a turn beyond MAX_ANGLE. It also ends in a vertex at an arc that stays exact, at a
+//! block without main axes, and with AUTO_OFF_G00 at a rapid block. A change of feed, or a function without
+//! acknowledgement, begins a new element but does not end the run.
 //!
-//! Late text also ends a run, if the motion would stop because of it. Only then the path depends on the
+//! Late text also ends a run, if the motion would otherwise stop. Only in this case, the path depends on the
 //! arrival time of text.
 mod cell;
 mod chords;
@@ -41,7 +43,7 @@ use crate::path::{Element, Measure, Passage, line_to};
 use crate::quantity::Position;
 use crate::smooth::{Data, Form, Parting, ProgrammedBlock, Smoothed, Smoother, middle};
 
-/// Puts a line into place as a separate block. Returns whether there is one.
+/// Emits a line as a separate block. Returns whether there is a line.
 #[inline(never)]
 fn lay<const AXES: usize>(
     place: &mut Option<(ProgrammedBlock<AXES>, Parting)>,
@@ -64,20 +66,20 @@ struct Made<const AXES: usize> {
     element: Element<AXES>,
     data: Data,
     due: u32,
-    /// For a curve: the sharp turn beside it.
+    /// For a curve: the sharp turn nearby.
     curve: Option<Near>,
     /// Axes that are not made yet.
     draft: Option<Draft<AXES>>,
 }
 
-/// End of the elements made so far.
+/// End of the elements that have been made.
 #[derive(Clone, Copy, Debug)]
 struct Front<const AXES: usize> {
     spot: Spot,
     knot: Knot<AXES>,
 }
 
-/// The tries for the next element.
+/// Failed attempts for the next element.
 #[derive(Clone, Copy, Debug)]
 struct Tried {
     halved: u8,
@@ -89,7 +91,7 @@ impl Tried {
 }
 
 /// State when the window did not suffice for the next element: checked vertices, the widest kernel, and
-/// whether the run has its end.
+/// whether the end of the run is known.
 type Waits = Option<(usize, f32, bool)>;
 
 /// The smoothing stage.
@@ -98,37 +100,38 @@ pub struct Surface<const AXES: usize> {
     measure: Measure,
     parameters: Parameters,
     window: Window<AXES>,
-    /// The current block, as far as it is not in the window.
+    /// The current block, if parts of it are not in the window yet.
     source: Option<Source<AXES>>,
-    /// The last chord, which waits for the next one, and the chord before.
+    /// The last chord, which waits for the next chord, and the chord before it.
     pending: Option<Chord<AXES>>,
     passed: Option<Chord<AXES>>,
     /// Direction of the polygon at the end of the last chord.
     heading: Option<[f32; AXES]>,
-    /// Whether the run ends behind the current chords; the value demands a stop there.
+    /// Whether the run ends after the current chords; the value `true` demands a stop there.
     ending: Option<bool>,
     front: Option<Front<AXES>>,
     tried: Tried,
     waits: Waits,
     made: Option<Made<AXES>>,
     place: Place,
-    /// The last sharp turn, and the distance of the front behind it.
+    /// The last sharp turn, with the distance of the front after this turn.
     behind: Near,
-    /// The warning about corners that stay.
+    /// The warning about corners that are not rounded.
     remark: Option<NcWarningKind>,
 }
 
-/// How often an element is halved, and how often the kernels get narrower.
+/// How often an element is halved, and how often the kernels are reduced.
 const HALVED: u8 = 2;
 const NARROWED: u8 = 14;
 const NARROWER: f32 = 0.7;
 
-/// A turn (twice the sine of half the angle) for which the motion slows down to one speed: 41 degrees.
+/// From this turn on (twice the sine of half the angle: 41 degrees), the motion passes the turn at a constant
+/// lower speed.
 const SHARP: f32 = 0.7;
-/// Factor by which its speed may exceed that of corner curves.
+/// Factor by which this speed may exceed the speed of corner curves.
 const QUICK: f32 = 1.1;
 
-/// Largest speed along a cell per path speed.
+/// Largest ratio of the speed along a cell to the path speed.
 const FASTEST: f32 = 1.5;
 
 const ONE_30: f32 = (1u32 << 30) as f32;
@@ -156,7 +159,7 @@ impl<const AXES: usize> Surface<AXES> {
         }
     }
 
-    /// Ends the run.
+    /// Ends the run after the current chords.
     fn end_row(&mut self) {
         self.window.vertices.clear();
         (self.window.wide, self.window.moved, self.window.checked) = (0, 0, 0);
@@ -175,7 +178,7 @@ impl<const AXES: usize> Surface<AXES> {
             self.window.hurry();
             return true;
         }
-        // By reference, because a source is large.
+        // A reference, because a source is large.
         let Some(source) = self.source.as_ref().filter(|source| !source.exact && self.ending.is_none())
         else {
             if self.ending.is_none() && self.source.is_some() && self.pending.is_some() {
@@ -196,7 +199,7 @@ impl<const AXES: usize> Surface<AXES> {
             return false;
         };
         let Some(mut next) = source.chord(&self.window) else {
-            // No main axis moves: the rest of an arc's rounding.
+            // No main axis moves: the chord is the rounding of an arc's end.
             if let Some(source) = &mut self.source {
                 source.go_on(&source.block.to.clone());
             }
@@ -242,8 +245,7 @@ impl<const AXES: usize> Surface<AXES> {
         self.finish_source()
     }
 
-    /// Whether a block turns from the block before by more than kernels permit, although MAX_ANGLE permits
-    /// it.
+    /// Whether a block turns by more than kernels permit, although MAX_ANGLE permits the turn.
     fn is_sharp(&self, source: &Source<AXES>) -> bool {
         let Some(pending) = self.pending.as_ref().filter(|_| !source.exact && self.ending.is_none()) else {
             return false;
@@ -253,9 +255,10 @@ impl<const AXES: usize> Surface<AXES> {
         turn > SHARPEST && (is_arc || !self.parameters.is_beyond(turn))
     }
 
-    /// The `rest` of the last line, in whose middle the run ends, if the next block makes an edge with it, or is an
-    /// arc that stays exact: half of the line, or all of it if the run has no other line. Returns whether it is
-    /// half, and the part of the tolerance that the lines under it use. Only if a block may be taken.
+    /// The `rest` of the last line, in whose middle the run ends. The run ends there if the next block makes
+    /// an edge with the line, or is an arc that stays exact. The rest is half of the line, or the whole line
+    /// if the run has no other line. Returns whether the rest is half, and the shares of the tolerance that
+    /// the merged lines use. Call this function only if a block may be taken.
     pub(super) fn leave(
         &mut self,
         block: &ProgrammedBlock<AXES>,
@@ -297,7 +300,7 @@ impl<const AXES: usize> Surface<AXES> {
         self.made.is_some()
     }
 
-    /// The current block may have left completely.
+    /// Removes the current block if all its chords have been taken. Returns `true`: there was work.
     fn finish_source(&mut self) -> bool {
         if let Some(source) = self.source.as_ref().filter(|source| source.is_over) {
             if source.block.data.stop && !self.parameters.stands() {
@@ -308,7 +311,7 @@ impl<const AXES: usize> Surface<AXES> {
         true
     }
 
-    /// The waiting chord enters the window.
+    /// Puts the waiting chord into the window.
     fn push(&mut self, behind: Option<&Chord<AXES>>, marks: u8) {
         let Some(chord) = self.pending.take() else { return };
         if self.window.len() == 0 {
@@ -321,7 +324,7 @@ impl<const AXES: usize> Surface<AXES> {
         self.passed = Some(chord);
     }
 
-    /// Makes the next element, or a part of it. Returns `false` if more has to be known.
+    /// Makes the next element, or a part of it. Returns `false` if more of the contour has to be known.
     fn advance(&mut self, dynamics: &Dynamics<AXES>) -> bool {
         let Some(front) = &self.front else {
             if self.window.checked < 2 {
@@ -340,7 +343,8 @@ impl<const AXES: usize> Surface<AXES> {
             self.end_row();
             return true;
         }
-        // Tried again only when more is known, not with each vertex that enters, gets its width or moves.
+        // The code tries again only when more is known. A vertex that enters, gets its width or moves is no
+        // reason.
         let known =
             Some((self.window.checked, self.window.reach, self.window.ended || self.window.is_full()));
         if self.waits == known {
@@ -372,8 +376,8 @@ impl<const AXES: usize> Surface<AXES> {
         (Data { feed, n, place: self.place, number, stop }, first.number)
     }
 
-    /// A line where the polygon does not turn. Returns `false` if the polygon leaves the tolerance; its
-    /// kernels then get narrower.
+    /// Makes a line where the polygon does not turn. If the line leaves the tolerance, the kernels are
+    /// reduced and the result is `false`.
     #[inline(never)]
     fn go_straight(&mut self, aim: &Aim) -> bool {
         let Some(front) = &self.front else { return false };
@@ -393,14 +397,14 @@ impl<const AXES: usize> Surface<AXES> {
             self.made = None;
             return false;
         }
-        // Except for rounding it has the direction of the polygon.
+        // The line has the direction of the polygon, except for rounding.
         knot.end = made.element.exit;
         self.behind.way += aim.way;
         self.reach(spot, &knot);
         true
     }
 
-    /// A cell. Returns `false` if there is none.
+    /// Makes a cell. Returns `false` if no cell is possible.
     #[inline(never)]
     fn bend(&mut self, aim: &Aim, dynamics: &Dynamics<AXES>) -> bool {
         let Some(front) = &self.front else { return false };
@@ -428,8 +432,8 @@ impl<const AXES: usize> Surface<AXES> {
         true
     }
 
-    /// Begins an element from the front to a knot, with this length and at most this speed relative to the path.
-    /// Returns whether it can be made.
+    /// Begins an element from the front to a knot, with `length` (mm). `fastest`: bound of its speed relative
+    /// to the path speed. Returns whether the element can be made.
     #[inline(never)]
     fn begin(&mut self, spot: &Spot, knot: &Knot<AXES>, [length, fastest]: [f32; 2]) -> bool {
         let Some(from) = self.front.as_ref().map(|front| front.spot) else { return false };
@@ -447,7 +451,7 @@ impl<const AXES: usize> Surface<AXES> {
         self.made.is_some()
     }
 
-    /// The sharp turn in an element of this length, or the nearer one of those beside it.
+    /// The sharp turn in an element of `length` (mm), or the nearer one of its neighbours.
     #[inline(never)]
     fn near(&mut self, from: &Spot, length: f32, rapid: bool, dynamics: &Dynamics<AXES>) -> Near {
         self.behind.way += length;
@@ -467,8 +471,8 @@ impl<const AXES: usize> Surface<AXES> {
         self.behind
     }
 
-    /// The cell from the front to a place, if it is inside the tolerance: its `knot` there, its length, and its
-    /// largest speed relative to the path.
+    /// Computes the cell from the front to a place, with its `knot` there. Returns its length and its largest
+    /// speed relative to the path, or `None` if the cell leaves the tolerance.
     #[inline(never)]
     fn cell(&self, front: &Front<AXES>, spot: &Spot, knot: &mut Knot<AXES>) -> Option<[f32; 2]> {
         *knot = self.window.knot(spot, &self.measure)?;
@@ -484,7 +488,7 @@ impl<const AXES: usize> Surface<AXES> {
         inside.then_some([length, fastest])
     }
 
-    /// Whether all of an element is inside the tolerance: `keeps` checks the chords beside it one by one.
+    /// Whether all of an element is inside the tolerance. `keeps` checks one chord after the other.
     fn is_inside(&self, from: &Spot, to: &Spot, mut keeps: impl FnMut(&Beside<'_, AXES>) -> bool) -> bool {
         let mut left = self.window.way(from, to);
         let mut x = from.x;
@@ -508,7 +512,7 @@ impl<const AXES: usize> Surface<AXES> {
         true
     }
 
-    /// The rest of the tolerance beside the chord to a vertex.
+    /// The tolerance that is left for the curve at the chord before vertex `k`.
     fn tolerance(&self, k: usize) -> parameters::Tolerance {
         let vertex = self.window.get(k);
         let arc = vertex.is_some_and(|vertex| vertex.is(Vertex::<AXES>::ARC));
@@ -516,7 +520,7 @@ impl<const AXES: usize> Surface<AXES> {
         self.parameters.left(self.programmed(k), arc, used)
     }
 
-    /// The programmed tolerance beside the chord to a vertex.
+    /// The programmed tolerance at the chord before vertex `k`.
     fn programmed(&self, k: usize) -> parameters::Tolerance {
         let rapid = |k: usize| self.window.get(k).is_none_or(|vertex| vertex.programmed.feed.is_none());
         if !rapid(k) {
@@ -544,7 +548,7 @@ impl<const AXES: usize> Surface<AXES> {
         at
     }
 
-    /// Moves the front; vertices far behind are dropped.
+    /// Moves the front to a place and drops vertices far before this place.
     #[inline(never)]
     fn reach(&mut self, mut spot: Spot, knot: &Knot<AXES>) {
         (self.tried, self.waits) = (Tried::NOTHING, None);
@@ -565,7 +569,7 @@ impl<const AXES: usize> Surface<AXES> {
         self.front = Some(Front { spot, knot: *knot });
     }
 
-    /// Kernels that reach the next element get narrower.
+    /// Reduces the kernels that reach the next element.
     #[cold]
     #[inline(never)]
     fn narrow(&mut self, from: &Spot, way: f32) {
@@ -586,7 +590,7 @@ impl<const AXES: usize> Surface<AXES> {
         self.window.narrow(first.unwrap_or(from.vertex), last, NARROWER, &self.parameters);
     }
 
-    /// Leads straight to the next vertex of the program, where the motion stops.
+    /// Makes a straight line to the next programmed vertex, where the motion stops.
     #[cold]
     #[inline(never)]
     fn give_up(&mut self) {
@@ -617,8 +621,8 @@ impl<const AXES: usize> Surface<AXES> {
         }
     }
 
-    /// Replaces a cell that cannot be made by a line. This does not occur: a cell in the range of a hull can
-    /// be made.
+    /// Replaces a cell that cannot be made by a line. This case does not occur, because a cell in the range
+    /// of a hull can be made.
     #[cold]
     #[inline(never)]
     fn replace(&mut self, from: &[Position; AXES]) {

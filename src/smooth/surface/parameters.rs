@@ -36,35 +36,36 @@ pub struct Parameters {
     cir_min_radius: f32,
     /// MERGE.
     merge: bool,
-    /// LENGTH_LONG_CIR.
+    /// LENGTH_LONG_CIR, mm.
     length_long_cir: f32,
     /// MAX_PATH_LENGTH of the B-spline, mm: a longer line stays unchanged.
     longest: f32,
-    /// AUTO_OFF_G60 of the B-spline is 0: an exact stop is on the curve.
+    /// Whether an exact stop is on the curve: AUTO_OFF_G60 of the B-spline is 0.
     stands: bool,
     /// Whether points control the curve, as in a B-spline, so that the curve need not pass them.
     controlled: bool,
 }
 
-/// The largest width of a kernel is this factor times the square root of the tolerance (mm): 6.5 mm at 0.02 mm,
-/// which is four or five segments of usual free-form programs. With shorter segments the window has less room.
+/// The largest width of a kernel (mm) is this factor times the square root of the tolerance (mm). A tolerance
+/// of 0.02 mm gives 6.5 mm, which is four or five segments of usual free-form programs. With shorter segments
+/// the window limits the width.
 const WIDTH: f32 = 46.0;
 /// Largest width of a kernel, mm.
 const WIDEST: f32 = 16.0;
 
-/// Part of the cut of the kernels by which points of a B-spline move out. Points of a B-spline control the curve;
-/// the curve need not pass them.
+/// Part of the cut of the kernels by which points of a B-spline move out. These points control the curve; the
+/// curve need not pass them.
 const CONTROLLED: f32 = 0.5;
 
 /// Tolerance of tracking axes that are not monitored, degrees.
 #[cfg(feature = "splines")]
 const NOT_MONITORED: f32 = 1e6;
 
-/// Sagitta of a chord of an arc, as a part of the tolerance.
+/// Sagitta of the chord of an arc, as a part of the tolerance.
 const SAGITTA: f32 = 1.0 / 20.0;
 
-/// Permitted deviation of merged lines, as a part of the tolerance; the curve has the rest. With a 16th, rows of
-/// short segments take up to 0.8 % longer than without MERGE; with a half, 14 %.
+/// Permitted deviation of merged lines, as a part of the tolerance; the curve has the rest. With 1/16, runs
+/// of short segments take up to 0.8 % longer than without MERGE; with 1/2, up to 14 %.
 const MERGED: f32 = 1.0 / 32.0;
 
 /// Resolution of the part that merged lines use.
@@ -77,24 +78,24 @@ const LEAST_TRACK: f32 = 0.001;
 /// Margin, so that a turn of exactly the largest angle is not beyond it.
 const ROUNDED: f32 = 1.0 + 1.0 / 65_536.0;
 
-/// An arc with a radius of at most so many tolerances is as small as the tolerance.
+/// An arc with a radius of at most this number of tolerances counts as small.
 const SMALL_RADIUS: f32 = 4.0;
 
 /// A tolerance of the main axes together, in space, and of each other axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tolerance {
-    /// mm.
+    /// Tolerance of the main axes together, mm.
     pub path: f32,
-    /// Degrees.
+    /// Tolerance of each other axis, degrees.
     pub track: f32,
 }
 
-/// Shares of the tolerance that merged lines use: of PATH_DEV and of TRACK_DEV.
+/// Shares of the tolerance that merged lines have used: of PATH_DEV and of TRACK_DEV.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Used(u8, u8);
 
 impl Used {
-    /// No share: the chord is one line.
+    /// No share is used: the chord is a single line.
     pub const NOTHING: Self = Self(0, 0);
 
     /// The parts at a vertex between two chords: the larger ones.
@@ -102,7 +103,7 @@ impl Used {
         Self(self.0.max(other.0), self.1.max(other.1))
     }
 
-    /// Parts of a deviation, rounded up.
+    /// A deviation as a share of `most`, rounded up.
     fn parts(stray: f32, most: f32) -> u8 {
         if stray <= 0.0 {
             return 0;
@@ -136,7 +137,7 @@ impl Parameters {
         }
     }
 
-    /// Parameters of the HSC B-spline: its tolerance and its rules of deselection.
+    /// Parameters of the HSC B-spline: its tolerance, and its rules for unchanged blocks.
     #[cfg(feature = "splines")]
     pub fn of_spline(rules: &Rules, check_jerk: u8) -> Self {
         let track = if rules.track_dev > 0.0 { rules.track_dev } else { NOT_MONITORED };
@@ -159,7 +160,7 @@ impl Parameters {
         length > self.longest
     }
 
-    /// Largest part of the kernels' cut by which vertices move out.
+    /// Largest gain of a vertex: see the `gain` of the vertices in the window.
     pub const fn gain(&self) -> f32 {
         if self.controlled { CONTROLLED } else { 1.0 }
     }
@@ -216,7 +217,7 @@ impl Parameters {
         Tolerance { path: MERGED * min(feed.path, rapid.path), track: MERGED * min(feed.track, rapid.track) }
     }
 
-    /// The parts of the tolerance that merged lines use.
+    /// The shares of the tolerance that merged lines use.
     pub fn used(&self, stray: &Tolerance) -> Used {
         let most = self.most_merged();
         Used(Used::parts(stray.path, most.path), Used::parts(stray.track, most.track))
@@ -238,8 +239,8 @@ impl Parameters {
         }
     }
 
-    /// Whether a turn between two lines is too large: `chord` is the length of the step of direction, twice
-    /// the sine of half the angle.
+    /// Whether a turn between two lines exceeds MAX_ANGLE. `chord`: change of direction, twice the sine of
+    /// half the angle.
     pub fn is_beyond(&self, chord: f32) -> bool {
         chord > 2.0 * ROUNDED * self.max_angle
     }

@@ -1,8 +1,9 @@
-//! The vertices on which a point of the path depends.
+//! The vertices from which a point of the path is computed.
 //!
-//! A vertex is a point of the programmed contour, or an additional point on a chord. Beside it lies its point
-//! of the *control polygon*, which the kernels smooth. Three passes run over the vertices, each as far behind
-//! the last one as it has to look ahead: widths, then points of the control polygon, then knots of the path.
+//! A vertex is a point of the programmed contour, or an additional point on a chord. Each vertex has its
+//! point of the *control polygon*, which the kernels smooth. Three passes run over the vertices: widths, then
+//! points of the control polygon, then knots of the path. Each pass follows the pass before at the distance
+//! that it has to look ahead.
 use super::knot::Spot;
 use super::parameters::{Parameters, Tolerance, Used};
 use crate::math::float::{magnitude, max, min, to_f32};
@@ -32,16 +33,16 @@ pub struct Programmed {
 pub struct Vertex<const AXES: usize> {
     /// The vertex on the programmed contour.
     pub at: [Position; AXES],
-    /// Offset from the vertex to its point of the control polygon, mm.
+    /// Offset from the vertex to the point of the control polygon, mm.
     pub offset: [f32; AXES],
-    /// Step of the polygon's direction before its points moved.
+    /// Change of the polygon's direction before the points moved.
     pub turn: [f32; AXES],
-    /// Step of the direction of the control polygon.
+    /// Change of direction of the control polygon.
     pub moved_turn: [f32; AXES],
-    /// Length of the polygon from the vertex before, mm: before points moved, and after.
+    /// Length of the polygon from the vertex before, mm: first before points moved, then after.
     pub length: f32,
     pub moved_length: f32,
-    /// Distance from the start of the run, LSB 2^-20 mm, for differences.
+    /// Distance from the start of the run, LSB 2^-20 mm; only differences are used.
     pub distance: u32,
     /// Half width of the vertex's kernel, mm.
     pub width: f32,
@@ -49,7 +50,7 @@ pub struct Vertex<const AXES: usize> {
     pub gain: f32,
     pub programmed: Programmed,
     pub marks: u8,
-    /// Parts of the tolerance that the lines of the chord before use.
+    /// Shares of the tolerance that the lines of the chord before the vertex use.
     pub used: Used,
 }
 
@@ -58,28 +59,28 @@ impl<const AXES: usize> Vertex<AXES> {
     pub const PROGRAMMED: u8 = 1;
     /// An element ends here: a feed or a function begins.
     pub const FORCED: u8 = 2;
-    /// The chord up to it is a part of an arc.
+    /// The chord before the vertex is a part of an arc.
     pub const ARC: u8 = 4;
-    /// The control polygon turns here, by more than rounding; sharply.
+    /// The control polygon turns here by more than rounding. The second mark is for a sharp turn.
     pub const TURNS: u8 = 8;
     pub const STRONG: u8 = 16;
     /// A long line meets a curve here: its curvature steps.
     pub const STEPS: u8 = 32;
     /// The point of the control polygon does not move: the run begins or ends along the line.
     pub const FIXED: u8 = 64;
-    /// The motion stops there, on the curve.
+    /// The motion stops at this vertex, on the curve.
     pub const STANDS: u8 = 128;
 
     pub const fn is(&self, mark: u8) -> bool {
         self.marks & mark != 0
     }
 
-    /// Whether the control polygon goes through the contour here.
+    /// Whether the control polygon passes the contour point here.
     pub fn is_on_contour(&self) -> bool {
         self.offset.iter().all(|x| *x == 0.0)
     }
 
-    /// Changes the step of the control polygon's direction, whose length is given.
+    /// Sets the change of direction of the control polygon at this vertex. `length`: magnitude of `turn`.
     fn turn_by(&mut self, turn: [f32; AXES], length: f32) {
         self.moved_turn = turn;
         self.marks &= !(Self::TURNS | Self::STRONG);
@@ -92,10 +93,10 @@ impl<const AXES: usize> Vertex<AXES> {
     }
 }
 
-/// A turn that ends an element at its vertex and where its kernel ends.
+/// A larger turn ends an element at its vertex and where its kernel ends.
 const STRONG: f32 = 0.2;
 
-/// Rounding of a direction.
+/// A smaller change of direction is rounding.
 const STRAIGHT: f32 = 1.0 / 1_048_576.0;
 
 /// The main axes, bit k for axis k.
@@ -131,22 +132,23 @@ impl Space {
 pub struct Window<const AXES: usize> {
     pub vertices: Deque<Vertex<AXES>, VERTICES>,
     pub space: Space,
-    /// Number of vertices with a width, and with a point of the control polygon.
+    /// Number of vertices that have a width, and number of vertices that have a point of the control polygon.
     pub wide: usize,
     pub moved: usize,
-    /// Vertices up to which the path is checked, and number of changes for the next one.
+    /// Number of checked vertices, and number of reductions for the next vertex.
     pub checked: usize,
     pub again: u8,
-    /// Vertices up to which the path was checked before the change.
+    /// Number of vertices that were checked before the last reduction.
     pub furthest: usize,
-    /// Widest kernel of the run, mm; and the current one, which is narrower if the window is full.
+    /// Widest kernel of the run, mm. The second value is the current one, which is narrower if the window is
+    /// full.
     pub widest: f32,
     pub reach: f32,
     /// The largest gain of a vertex.
     pub most: f32,
     /// Whether the last vertex is the end of the run.
     pub ended: bool,
-    /// Distance of the run's start, if it is near.
+    /// Distance of the run's start, LSB 2^-20 mm, if the start is near.
     pub begun: Option<u32>,
 }
 
@@ -155,49 +157,50 @@ pub struct Window<const AXES: usize> {
 const SMOOTH: f32 = 0.14;
 const EDGE: f32 = 0.35;
 
-/// Additional deviation of a kernel, relative to the tolerance, if its vertex moves out.
+/// Additional deviation of a kernel, as a part of the tolerance, if its vertex moves out.
 const MORE: f32 = 0.6;
 
 /// Steps of the search for a width, and the relative change that ends the search.
 const STEPS: usize = 9;
 const ALIKE: f32 = 1.0 / 64.0;
 
-/// Part of a tolerance inside which the checked path must be, in space and of other axes; reduction of the
-/// kernels if it is not; and how often they are reduced. Other axes have kinks where the path has none: their
-/// points move out there too.
+/// Share of a tolerance that the checked path may use, for space and for other axes. If the path exceeds this
+/// share, kernels are reduced by the next factor, at most as often as the last number. Other axes may have
+/// kinks where the path in space has none, and their points also move out there.
 const WELL: f32 = 0.98;
 const WELL_BESIDE: f32 = 0.93;
 const LITTLE: f32 = 0.85;
 const AGAIN: u8 = 8;
 
-/// Places at which the path is checked, in halves of a chord; and additional places if the half exceeds this
-/// part of a kernel.
+/// Checked places, in halves of a chord. Additional places are checked if the half exceeds this part of a
+/// kernel.
 const PLACES: [f32; 2] = [0.0, 1.0];
 const BETWEEN_PLACES: [f32; 2] = [0.5, 1.5];
 const SPARSE: f32 = 0.2;
 
-/// Factor for a bulge where kernels get narrower.
+/// Factor for a bulge in a place where kernels are reduced.
 const NARROWED_BULGE: f32 = 0.97;
 
-/// Change of width over distance.
+/// Largest change of the kernel width per distance.
 pub const SLOPE: f32 = 0.5;
 
-/// A vertex moves when so many times the widest kernel is known behind it. A later kernel may make others
-/// narrower over twice the widest; the effect is known to within a slope of 0.8, where 1 would suffice.
+/// A vertex moves when the contour is known this number of widest kernels ahead. A later kernel may reduce
+/// others within twice the widest width. So the width is known to within a slope of 0.8; a slope of 1 would
+/// suffice.
 const KNOWN: f32 = 1.25;
 
-/// Factor for the widest kernel while the window is full. A smaller factor would keep kernels narrower than
+/// Factor for the widest kernel while the window is full. A smaller factor would leave kernels narrower than
 /// the window demands for long.
 const HURRIED: f32 = 0.92;
 
-/// Smallest speed of the point over the distance along the polygon.
+/// Least speed of a point over the distance along the polygon, as a ratio.
 pub const SLOWEST: f32 = 0.6;
 
 /// From 2^-20 mm.
 const LSB_20: f32 = 1.0 / (1u32 << 20) as f32;
 
 impl<const AXES: usize> Window<AXES> {
-    // In place, in every build.
+    // Made in place in every build.
     #[inline(always)]
     pub fn new(measure: &Measure) -> Self {
         Self {
@@ -235,7 +238,7 @@ impl<const AXES: usize> Window<AXES> {
         tracks && self.length(d) <= tolerance.path * part
     }
 
-    /// Empties the window for a run.
+    /// Empties the window and begins a run.
     pub fn begin(&mut self, from: &[Position; AXES], parameters: &Parameters) {
         let widest = parameters.widest();
         self.most = parameters.gain();
@@ -277,7 +280,7 @@ impl<const AXES: usize> Window<AXES> {
         self.vertices.get(k)
     }
 
-    /// The vertices from one on.
+    /// Returns the vertices from number `k` on.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn from(&self, k: usize) -> impl Iterator<Item = &Vertex<AXES>> {
         let (front, back) = self.vertices.as_slices();
@@ -285,7 +288,7 @@ impl<const AXES: usize> Window<AXES> {
         front.get(k..).unwrap_or(&[]).iter().chain(rest)
     }
 
-    /// The vertices before one, the nearest first.
+    /// Returns the vertices before number `k`, the nearest first.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn before(&self, k: usize) -> impl Iterator<Item = &Vertex<AXES>> {
         let (front, back) = self.vertices.as_slices();
@@ -301,7 +304,7 @@ impl<const AXES: usize> Window<AXES> {
         Some((d, self.length(&d)))
     }
 
-    /// Appends a vertex; `turn`: step of the direction at the vertex before. There is room.
+    /// Appends a vertex. `turn`: change of direction at the vertex before. The window must have room.
     pub fn push(
         &mut self,
         (at, offset): (&[Position; AXES], &[f32; AXES]),
@@ -338,7 +341,7 @@ impl<const AXES: usize> Window<AXES> {
         if self.begun.is_some_and(|begun| distance.wrapping_sub(begun) > 100 << 20) {
             self.begun = None;
         }
-        // Towards an edge the gain fades.
+        // Towards an edge, the gain falls to zero.
         let mut k = self.len().saturating_sub(2);
         while k > self.moved {
             let Some(behind) = self.vertices.get(k) else { return };
@@ -368,7 +371,7 @@ impl<const AXES: usize> Window<AXES> {
         parameters.left(parameters.tolerance(rapid(k) && rapid(k + 1)), false, used)
     }
 
-    /// Gives the next vertex its width. Returns `false` if it has to wait.
+    /// Gives the next vertex its width. Returns `false` if the vertex has to wait for more vertices.
     pub fn widen(&mut self, parameters: &Parameters) -> bool {
         let (k, last) = (self.wide, self.len().saturating_sub(1));
         if k > last || !(self.ended || self.between(k, last) >= self.reach) || !self.ended && k == last {
@@ -396,7 +399,7 @@ impl<const AXES: usize> Window<AXES> {
         true
     }
 
-    /// Vertices before it that have not moved yet get widths that are not much larger.
+    /// Limits the widths of earlier vertices that have not moved yet, so that the width changes slowly.
     fn slope_down(&mut self, from: usize) {
         let mut k = from;
         while k > self.moved {
@@ -457,7 +460,7 @@ impl<const AXES: usize> Window<AXES> {
                 *direction += turn * t;
             }
         };
-        // The direction before the vertex: vertices there count as ahead.
+        // The direction before the vertex: earlier vertices count as ahead.
         let mut away = 0.0;
         let mut ahead = self.from(k).peekable();
         while let Some(vertex) = ahead.next()
@@ -477,7 +480,8 @@ impl<const AXES: usize> Window<AXES> {
         self.is_inside(&off, tolerance, more) && self.length(&direction) >= SLOWEST
     }
 
-    /// Gives the next vertex its point of the control polygon. Returns `false` if it has to wait.
+    /// Gives the next vertex its point of the control polygon. Returns `false` if the vertex has to wait for
+    /// more vertices.
     pub fn move_out(&mut self, parameters: &Parameters) -> bool {
         let k = self.moved;
         let known = self.wide.checked_sub(1);
@@ -564,7 +568,7 @@ impl<const AXES: usize> Window<AXES> {
         }
     }
 
-    /// The window is full and no element is possible: kernels get narrower.
+    /// Reduces the kernels: the window is full and no element is possible.
     pub fn hurry(&mut self) {
         self.reach *= HURRIED;
         for k in self.moved..self.wide {
@@ -574,8 +578,9 @@ impl<const AXES: usize> Window<AXES> {
         }
     }
 
-    /// Compares the path with the tolerance at the next vertex and in the middle of the chord behind it. If the path
-    /// is not well inside, kernels nearby get narrower. Returns `false` if more must be known first.
+    /// Compares the path with the tolerance at the next vertex and in the middle of the chord after this
+    /// vertex. If the path exceeds its share of the tolerance, kernels nearby are reduced. Returns `false` if
+    /// more of the contour must be known first.
     pub fn check(&mut self, parameters: &Parameters) -> bool {
         let k = self.checked;
         let last = self.moved.saturating_sub(2);
@@ -607,7 +612,7 @@ impl<const AXES: usize> Window<AXES> {
         let first = (0..k).find(|j| near(*j)).unwrap_or(k);
         let last = (k..self.moved).rev().find(|j| near(*j)).unwrap_or(k);
         self.narrow(first, last, LITTLE, parameters);
-        // Kernels that turn to the other side have less beside them now.
+        // Kernels that turn to the other side have narrower neighbours now.
         self.checked = first.max(1);
         true
     }
@@ -679,7 +684,7 @@ impl<const AXES: usize> Window<AXES> {
         }
     }
 
-    /// A vertex becomes the start of a run, and earlier vertices are dropped.
+    /// Vertex `k` becomes the start of a run; earlier vertices are dropped.
     pub fn restart(&mut self, k: usize) {
         for _ in 0..k {
             self.pop();
