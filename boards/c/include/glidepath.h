@@ -30,22 +30,25 @@ typedef struct gp_interpolator gp_interpolator;
 typedef struct gp_operator gp_operator;
 typedef struct gp_feeder gp_feeder;
 
-// Number of axes. To change it, or one of the next two: edit it here, then run `cargo xtask header`.
+// Number of axes. To change this constant, or one of the next two, edit the constant here, then run
+// `cargo xtask header`.
 #define GP_AXES 3
 
-// Blocks of look-ahead that memory is spent on: 10 at least.
+// Number of blocks in the look-ahead, at least 10.
 #define GP_BLOCKS 120
 
-// Bytes of the text window: a power of two, 64 at least. A line of the program has at most half of them.
+// Bytes of the text window: a power of two, at least 64. A line of the program has at most half of
+// this length.
 #define GP_WINDOW 1024
 
-// Order of the largest filter, and 1: an even number (P-AXIS-00587).
+// Order of the largest filter plus 1: an even number (P-AXIS-00587).
 #define GP_TAPS 48
 
-// Axes that may move beside the path at the same time: `gp_move_axis`, and those of the program.
+// Number of axes that may move independently of the path at the same time, by `gp_move_axis` and by
+// the program.
 #define GP_OVERLAYS 2
 
-// Functions that a table of synchronisations holds.
+// Highest number of functions in a table of synchronisations.
 #define GP_SYNCHRONISED 32
 
 // Zero offsets G54…G59.
@@ -57,7 +60,7 @@ typedef struct gp_feeder gp_feeder;
 // A rotary axis: degrees.
 #define GP_ROTARY 1
 
-// A spindle: takes no part in the path.
+// A spindle, which does not move along the path.
 #define GP_SPINDLE 2
 
 // An M function.
@@ -72,7 +75,7 @@ typedef struct gp_feeder gp_feeder;
 // T: tool number.
 #define GP_TOOL 3
 
-// Size of the storage, in words of eight bytes: enough with pointers of 64 bits too.
+// Size of the storage, in words of eight bytes; the size is also enough with pointers of 64 bits.
 #define GP_STORAGE_WORDS 10880
 
 // Size of the storage in bytes.
@@ -81,7 +84,8 @@ typedef struct gp_feeder gp_feeder;
 // Alignment of the storage in bytes.
 #define GP_STORAGE_ALIGNMENT 8
 
-// What a call answers. Everything but `GP_RESULT_OK` and `GP_RESULT_NOTHING` means that nothing was done.
+// The result of a call. After every result except `GP_RESULT_OK` and `GP_RESULT_NOTHING`, the call had
+// no effect.
 enum gp_result
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
   : uint32_t
@@ -89,37 +93,37 @@ enum gp_result
  {
     // Done.
     GP_RESULT_OK = 0,
-    // There is nothing to hand over.
+    // There is nothing to return.
     GP_RESULT_NOTHING = 1,
     // A pointer is NULL.
     GP_RESULT_NULL = 2,
-    // The size of the storage is not `GP_STORAGE_BYTES`: header and library do not belong together.
+    // The size of the storage is not `GP_STORAGE_BYTES`: header and library have different versions.
     GP_RESULT_SIZE = 3,
     // The storage is not aligned to `GP_STORAGE_ALIGNMENT`.
     GP_RESULT_ALIGNMENT = 4,
-    // The storage is open already: `gp_close` comes first.
+    // The storage is already open: call `gp_close` first.
     GP_RESULT_TWICE = 5,
-    // The storage is not open, or not open any more, or the pointer is that of another handle.
+    // The storage is not open, or closed again, or the pointer is that of another handle.
     GP_RESULT_CLOSED = 6,
     // Another context is inside a call with the same handle.
     GP_RESULT_IN_USE = 7,
-    // A parameter of the machine data is out of its range: `gp_check` says which.
+    // A parameter of the machine data is out of its range: `gp_check` names the parameter.
     GP_RESULT_MACHINE_DATA = 8,
-    // A line of the program is refused: `gp_message` says why.
+    // A line of the program is refused: `gp_message` returns the reason.
     GP_RESULT_REFUSED = 9,
-    // That is taken at rest alone, when all blocks read are executed.
+    // The call is possible only at standstill, when all blocks read so far are executed.
     GP_RESULT_NOT_AT_REST = 10,
-    // No line was refused, so there is none to go on behind.
+    // No line was refused, so the call has no line to continue after.
     GP_RESULT_NOTHING_REFUSED = 11,
     // An argument is out of its range: an axis, a position, a length, the kind of a function.
     GP_RESULT_RANGE = 12,
     // No function waits for this acknowledgement.
     GP_RESULT_UNEXPECTED = 13,
-    // The planner reads the window already: `gp_load_next` takes the program behind.
+    // The planner already reads the window: `gp_load_next` takes the following program.
     GP_RESULT_WINDOW_IS_LOADED = 14,
-    // The axis would come beyond its software limit, or its motion takes too long.
+    // The axis would exceed its software limit, or its motion takes too long.
     GP_RESULT_LIMIT = 15,
-    // All overlays are at work, or the build has none: GP_OVERLAYS.
+    // All overlays are in use, or the build has none: GP_OVERLAYS.
     GP_RESULT_FULL = 16,
 };
 #ifndef __cplusplus
@@ -130,17 +134,18 @@ typedef uint32_t gp_result;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
-// What a tick did.
+// The state after a tick.
 enum gp_state
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
   : uint32_t
 #endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
  {
-    // The axes rest: nothing is planned, or the motion stands in a feed hold or waits for an acknowledgement.
+    // The axes stand still: nothing is planned, or the motion is in a feed hold or waits for an
+    // acknowledgement.
     GP_STATE_IDLE = 0,
-    // The path rests and axes may still move.
+    // The motion along the path has ended, and filters or single axes may still move the axes.
     GP_STATE_SETTLING = 1,
-    // A set point of the planned motion; dwell time counts.
+    // The set point belongs to the planned motion; dwell time counts.
     GP_STATE_ACTIVE = 2,
 };
 #ifndef __cplusplus
@@ -157,23 +162,24 @@ enum gp_progress
   : uint32_t
 #endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
  {
-    // A bounded piece of work is done and there is more: call again.
+    // A bounded part of the work is done, and there is more work: call again.
     GP_PROGRESS_WORKING = 0,
-    // The queue is full, the text has nothing yet, or the motion stands in a hold: call again after some ticks.
+    // The queue is full, program text is missing, or the motion is in a hold: call again after some ticks.
     GP_PROGRESS_WAITING = 1,
-    // A motion block was planned for good.
+    // The planner has released a motion block: its speed profile is planned.
     GP_PROGRESS_PLANNED = 2,
-    // The same block has another law: an acknowledgement lets it end faster.
+    // A block has a new speed profile, because an acknowledgement permits a higher end speed.
     GP_PROGRESS_REPLANNED = 3,
-    // The program holds something doubtful; it goes on. `gp_message` says what.
+    // The program has a questionable word, and planning continues. `gp_message` returns the warning.
     GP_PROGRESS_WARNING = 4,
-    // Program text comes late: the motion comes to a standstill at the end of what there is.
+    // Program text comes late: the axes stop at the end of the known path.
     GP_PROGRESS_STARVED = 5,
-    // The planner got no time for so long that the motion came to a standstill.
+    // The planner got no processor time for so long that the axes stopped.
     GP_PROGRESS_LATE = 6,
-    // The motion is slower than programmed, so that a standstill has room.
+    // The motion is slower than programmed, so that the stop fits into the queue.
     GP_PROGRESS_SLOWER = 7,
-    // The program has ended and everything is handed to the interpolator. Go on calling as long as it moves.
+    // The program has ended, and all motion is in the queue. Continue to call `gp_poll` while the axes
+    // move.
     GP_PROGRESS_DONE = 8,
 };
 #ifndef __cplusplus
@@ -184,42 +190,44 @@ typedef uint32_t gp_progress;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
-// The filter of the set points of an axis; `#FILTER` of a program overrides all of it but the type.
+// The filter of the set points of an axis. `#FILTER` in a program overrides all fields except the
+// type.
 typedef struct {
-    // P-AXIS-00573: 1, the filter is on at program start.
+    // P-AXIS-00573: 1 if the filter is on at program start.
     uint32_t enable;
     // P-AXIS-00586: 0 none, 1 moving average, 2 Gauss, 3 windowed sinc, 4 time delay.
     uint32_t kind;
-    // P-AXIS-00587: 0…200, below GP_TAPS; 0: by order_time_us.
+    // P-AXIS-00587: order of the filter, 0…200, below GP_TAPS; 0: the order follows from order_time_us.
     uint32_t order;
     // P-AXIS-00590: effectiveness, percent.
     uint32_t share;
     // P-AXIS-00593: width of a Gauss kernel, in thousandths, 1…1000.
     uint32_t quality_milli;
-    // P-AXIS-00591: the order as a time, µs; below a cycle: not filtered.
+    // P-AXIS-00591: the order as a time, µs; below a cycle: no filter.
     uint32_t order_time_us;
     // P-AXIS-00585: cut-off frequency of a windowed sinc, in thousandths of Hz.
     uint32_t fcut_milli;
 } gp_filter;
 
-// One axis. Speeds in µm/s (rotary: 0.001°/s), accelerations in mm/s² (°/s²), ramp times in µs. Start with
-// `gp_machine_defaults`, which sets the ISG defaults.
+// One axis. Speeds in µm/s (rotary: 0.001°/s), accelerations in mm/s² (°/s²), ramp times in µs. Call
+// `gp_machine_defaults` first, which sets the ISG defaults.
 typedef struct {
-    // Name in programs: one to four letters or digits, the first a letter; behind them zeros.
+    // Name in programs: one to four letters or digits, the first a letter, followed by zeros.
     char name[4];
     // GP_LINEAR, GP_ROTARY or GP_SPINDLE.
     uint32_t kind;
     // P-AXIS-00209: rapid speed.
     uint32_t vb_eilgang;
-    // P-AXIS-00212: largest speed.
+    // P-AXIS-00212: highest speed.
     uint32_t vb_max;
-    // P-AXIS-00008: largest acceleration, tangential and normal together.
+    // P-AXIS-00008: highest acceleration, tangential and normal together.
     uint32_t a_max;
-    // P-AXIS-00199: geometric ramp time, limits the jerk caused by the contour; 0: tr_min.
+    // P-AXIS-00199: geometric ramp time, which limits the jerk from the curvature of the path; 0: tr_min.
     uint32_t tr_geom;
-    // P-AXIS-00201: smallest ramp time.
+    // P-AXIS-00201: lowest ramp time.
     uint32_t tr_min;
-    // P-AXIS-00013: acceleration permitted at a knee, 0.1 %; 0: limits of jerk hold there too.
+    // P-AXIS-00013: permitted acceleration at a corner without a curve, 0.1 %; 0: the limits of jerk apply
+    // there too.
     uint32_t a_trans_weight;
     // P-AXIS-00001: acceleration at feed.
     uint32_t a_beschl;
@@ -237,27 +245,27 @@ typedef struct {
     uint32_t tr_brems_zu;
     // P-AXIS-00200: ramp time of rapid motion.
     uint32_t tr_grenz;
-    // P-AXIS-00154: part of the permitted jerk that a tangential transition may cause, 0.1 %; 0: all of it.
+    // P-AXIS-00154: permitted part of the jerk at a tangential transition, 0.1 %; 0: the whole jerk.
     uint32_t r_trans_weight;
-    // P-AXIS-00293: smallest ramp time at feed that a weight (G132, G133) may lead to; 0: tr_min.
+    // P-AXIS-00293: lowest ramp time at feed that a weight (G132, G133) may cause; 0: tr_min.
     uint32_t tr_w_min;
-    // P-AXIS-00214: largest speed while the reduced speed is asked for; 0: none.
+    // P-AXIS-00214: highest speed while reduced speed is on; 0: no limit.
     uint32_t vb_max_red;
     // P-AXIS-00011 and 00012: accelerations of the slope STEP at feed.
     uint32_t a_stufe[2];
-    // P-AXIS-00282 and 00283: its decelerations; 0: as a_stufe.
+    // P-AXIS-00282 and 00283: decelerations of the slope STEP at feed; 0: as a_stufe.
     uint32_t d_stufe[2];
-    // P-AXIS-00221: speed at which it changes from stage 1 to stage 2.
+    // P-AXIS-00221: speed at which the slope STEP changes from stage 1 to stage 2 at feed.
     uint32_t vb_stufe_1_2;
     // P-AXIS-00005 and 00006: accelerations of the slope STEP in rapid motion.
     uint32_t a_grenz_stufe[2];
-    // P-AXIS-00280 and 00281: its decelerations; 0: as a_grenz_stufe.
+    // P-AXIS-00280 and 00281: decelerations of the slope STEP in rapid motion; 0: as a_grenz_stufe.
     uint32_t d_grenz_stufe[2];
-    // P-AXIS-00211: speed at which it changes from stage 1 to stage 2.
+    // P-AXIS-00211: speed at which the slope STEP changes from stage 1 to stage 2 in rapid motion.
     uint32_t vb_grenz_stufe_1_2;
-    // P-AXIS-00015: 1, and 0x10000000 for the master axis of DIST_MASTER.
+    // P-AXIS-00015: axis mode: 1, plus 0x10000000 for the master axis of DIST_MASTER.
     uint32_t achs_mode;
-    // P-CHAN-00011: 1, the feed counts along this axis. Where no axis has it, along the main axes.
+    // P-CHAN-00011: 1 if the feed refers to this axis. If no axis has 1, the feed refers to the main axes.
     uint32_t default_feed_axis;
     // P-ZERO-00003: zero offsets of G54…G59, 0.1 µm (rotary: 0.0001°).
     int32_t versch[GP_ZERO_OFFSETS];
@@ -265,7 +273,7 @@ typedef struct {
     int32_t swe_neg;
     // P-AXIS-00178: positive software limit; 1000000000: none.
     int32_t swe_pos;
-    // The filter of its set points.
+    // The filter of the axis's set points.
     gp_filter filter;
 } gp_axis;
 
@@ -277,9 +285,9 @@ typedef struct {
     uint32_t kind;
 } gp_synchronisation;
 
-// A table of them.
+// A table of synchronisations.
 typedef struct {
-    // How many are in it.
+    // Number of used entries.
     uint32_t count;
     // The functions.
     gp_synchronisation functions[GP_SYNCHRONISED];
@@ -299,29 +307,33 @@ typedef struct {
     uint32_t acceleration_weight;
     // P-CHAN-00073: G132 and G133 weight 0 all ramps, 1 P-AXIS-00196, 2 00195, 3 00198, 4 00197.
     uint32_t ramp_weight;
-    // P-CHAN-00009: 1, the jerk of tangential transitions between lines and arcs is limited.
+    // P-CHAN-00009: 1 if the jerk of tangential transitions between lines and arcs is limited.
     uint32_t corr_v_trans_jerk;
-    // P-CHAN-00066: 0 the override acts on what the axes permit, 1 on the programmed feed, 2 as 1 while the speed is reduced.
+    // P-CHAN-00066: 0 if the override acts on the limits of the axes, 1 if it acts on the programmed feed,
+    // 2 as 1 while the speed is reduced.
     uint32_t override_weight_prog_feed;
-    // P-CHAN-00351: unit of the next two: 0 mm/min², 1 mm/s².
+    // P-CHAN-00351: unit of the next two fields: 0 mm/min², 1 mm/s².
     uint32_t vector_unit;
-    // P-CHAN-00350: 1, the limit of path acceleration acts on arcs too.
+    // P-CHAN-00350: 1 if the limit of path acceleration acts on arcs too.
     uint32_t cir_radial_acc_limit;
-    // P-CHAN-00002: largest path acceleration, in thousandths.
+    // P-CHAN-00002: highest path acceleration, in thousandths.
     uint64_t vector_acceleration_milli;
-    // P-CHAN-00208: largest path deceleration, in thousandths.
+    // P-CHAN-00208: highest path deceleration, in thousandths.
     uint64_t vector_deceleration_milli;
-    // P-CHAN-00090: largest path speed, in thousandths of mm/min.
+    // P-CHAN-00090: highest path speed, in thousandths of mm/min.
     uint64_t vector_velocity_milli;
-    // P-CHAN-00110: jerk that curves in corners may cause: 0 any, 1 by the geometric ramp time, 2 by the ramp times.
+    // P-CHAN-00110: jerk in the curves of corners: 0 not limited, 1 limited by the geometric ramp time, 2
+    // by the ramp times.
     uint32_t check_jerk_on_poly_path;
-    // merge_chords: percent of PATH_DEV that a line may be from the chords it stands for, 0…75.
+    // merge_chords: highest distance between chords and the line that replaces them, in percent of
+    // PATH_DEV, 0…75.
     uint32_t merge_chords;
-    // P-CHAN-00239: where the HSC B-spline deselects itself: 0 corner, 1 rounded, 2 rounded beside arcs.
+    // P-CHAN-00239: corners at which the HSC B-spline is off: 0 they stay sharp, 1 they are rounded, 2
+    // they are rounded next to arcs.
     uint32_t auto_contour_mode;
-    // P-CHAN-00600: 1, FCT_PTP is in force.
+    // P-CHAN-00600: 1 if FCT_PTP is active.
     uint32_t ptp;
-    // P-CHAN-00600: 1, FCT_SURFACE is in force.
+    // P-CHAN-00600: 1 if FCT_SURFACE is active.
     uint32_t surface;
     // P-ZERO-00002: zero offset at program start: 0 none, 1…6 G54…G59.
     uint32_t default_index;
@@ -331,7 +343,8 @@ typedef struct {
     gp_synchronisations h_synch;
 } gp_channel;
 
-// A machine. The first three linear axes are the main axes. The storage keeps a copy of it.
+// The machine data. The first three linear axes are the main axes. The storage keeps a copy of the
+// machine data.
 typedef struct {
     // The axes.
     gp_axis axes[GP_AXES];
@@ -341,15 +354,15 @@ typedef struct {
 
 // The word of the program that a message is about.
 typedef struct {
-    // Line, counted from 1; 0 where there is none.
+    // Line, counted from 1; 0 if there is none.
     uint32_t line;
     // Column in bytes, counted from 1.
     uint32_t column;
     // Offset of the word in the text, bytes.
     uint32_t offset;
-    // Bytes of the word.
+    // Length of the word, bytes.
     uint32_t length;
-    // ISG's number of the message; 0 where none is known.
+    // ISG's number of the message; 0 if ISG has none.
     uint32_t id;
 } gp_place;
 
@@ -365,17 +378,17 @@ typedef struct {
 
 // A function whose point the motion has reached.
 typedef struct {
-    // What to do.
+    // The function.
     gp_function function;
-    // Number of the tick that reached the point: ticks since `gp_open`, from 0, modulo 2^31.
+    // Number of the tick that reached the function's point: ticks since `gp_open`, from 0, modulo 2^31.
     uint32_t tick;
     // Programmed N number.
     uint32_t n;
-    // 1: the motion goes on, at its synchronisation point, only after `gp_acknowledge`.
+    // 1 if the motion waits at the synchronisation point for `gp_acknowledge`.
     uint32_t waits;
 } gp_due;
 
-// What the last tick did. All of it belongs to one tick.
+// The state after the last tick. All fields belong to the same tick.
 typedef struct {
     // The set point of every axis, LSB 2^-32 mm or degrees.
     int64_t set_points[GP_AXES];
@@ -383,31 +396,32 @@ typedef struct {
     int64_t speed;
     // Programmed N number.
     uint32_t n;
-    // Motion blocks since `gp_open`, from 0.
+    // Number of motion blocks since `gp_open`, from 0.
     uint32_t block;
-    // Ticks since `gp_open`, modulo 2^31.
+    // Number of ticks since `gp_open`, modulo 2^31.
     uint32_t ticks;
-    // Pieces of time in the queue, 0…256: those the planner is ahead by.
+    // Number of pieces in the queue between planner and interrupt, 0…256.
     uint32_t queued;
-    // What the tick did.
+    // The state after the tick.
     gp_state state;
 } gp_status_data;
 
-// All memory: `static gp_storage storage;`, zero at the start as static memory is. It must not move while it is open.
+// All memory: `static gp_storage storage;`, zero at the start as all static memory. The storage must
+// not move while it is open.
 typedef struct {
-    // Nothing to look at.
+    // Private memory.
     uint64_t words[GP_STORAGE_WORDS];
 } gp_storage;
 
-// The handles. Each belongs to one context.
+// The handles. Each handle belongs to one context.
 typedef struct {
     // For a task of low priority, or the main loop.
     gp_planner *planner;
     // For the timer interrupt, whose priority is above that of the planner's task.
     gp_interpolator *interpolator;
-    // For whoever gives commands and carries functions out: one context at a time.
+    // For the context that gives commands and carries out functions: one context at a time.
     gp_operator *op;
-    // For whoever receives program text: one context at a time.
+    // For the context that receives program text: one context at a time.
     gp_feeder *feeder;
 } gp_handles;
 
@@ -415,20 +429,21 @@ typedef struct {
 extern "C" {
 #endif // __cplusplus
 
-// The name of an outcome, for messages: a text of the library that ends with a NUL.
+// The name of a result, for messages: a text in the library that ends with a NUL.
 //
 // Context: any.
 const char *gp_result_name(uint32_t result);
 
 // Sets all machine data to the ISG defaults: linear axes X, Y, Z, A, B, C, …, a cycle of 1 ms.
 //
-// Context: any. Answers GP_RESULT_NULL.
+// Context: any. Returns GP_RESULT_NULL.
 gp_result gp_machine_defaults(gp_machine *machine);
 
-// Checks machine data. `axis` becomes the index of the axis that is wrong, -1 where it is not an axis; `message` of `size`
-// bytes says which parameter, its value and its range. Both may be NULL.
+// Checks machine data. `axis` returns the index of the faulty axis, or -1 if the fault belongs to no
+// axis. `message`, with room for `size` bytes, returns the parameter, its value and its range. Both
+// may be NULL.
 //
-// Context: any task; about 1 KB of stack. Answers GP_RESULT_NULL, GP_RESULT_MACHINE_DATA.
+// Context: any task; about 1 KB of stack. Returns GP_RESULT_NULL, GP_RESULT_MACHINE_DATA.
 gp_result gp_check(const gp_machine *machine,
                    int32_t *axis,
                    char *message,
@@ -436,192 +451,208 @@ gp_result gp_check(const gp_machine *machine,
 
 // Copies the set points of the last tick, GP_AXES of them, LSB 2^-32 mm or degrees.
 //
-// Context: the timer interrupt. Write them to the drives first, then call `gp_tick`: the moment of output does not depend on how
-// long the computation takes. Answers GP_RESULT_NULL, CLOSED, IN_USE.
+// Context: the timer interrupt. Write the set points to the drives first, then call `gp_tick`; then
+// the moment of output does not depend on the duration of the computation. Returns GP_RESULT_NULL,
+// CLOSED, IN_USE.
 gp_result gp_set_points(gp_interpolator *interpolator,
                         int64_t *set_points);
 
-// Computes the next set points. `state` says what the tick did; it may be NULL.
+// Computes the next set points. `state` returns the state after the tick; `state` may be NULL.
 //
-// Context: the timer interrupt, once per cycle. Its priority is above that of the planner's task, or it is on another core.
-// Bounded time. Answers GP_RESULT_NULL, CLOSED, IN_USE: then the set points stay as they are.
+// Context: the timer interrupt, once per cycle. Its priority must be above that of the planner's task,
+// or it runs on another core. Bounded time. Returns GP_RESULT_NULL, CLOSED, IN_USE; then the set
+// points do not change.
 gp_result gp_tick(gp_interpolator *interpolator,
                   gp_state *state);
 
-// Loads a program of `length` bytes. It begins where the axes stand, with everything as at program start. The text has to stay
-// where it is until another one is loaded.
+// Loads a program of `length` bytes. The program begins at the position of the axes, with the modal
+// state of program start. The text must stay in memory until another text is loaded.
 //
-// Context: the planner's task. Answers GP_RESULT_NULL, CLOSED, IN_USE, RANGE (more than 2^31 bytes), NOT_AT_REST.
+// Context: the planner's task. Returns GP_RESULT_NULL, CLOSED, IN_USE, RANGE (more than 2^31 bytes),
+// NOT_AT_REST.
 gp_result gp_load(gp_planner *planner,
                   const char *program,
                   size_t length);
 
-// Takes single lines (MDI): as `gp_load`, but everything in force stays as the last text left it. After an abort it begins as
-// `gp_load` does.
+// Takes single lines (MDI): as `gp_load`, but the modal state of the last text stays active. After an
+// abort the modal state is that of program start.
 //
-// Context: the planner's task. Answers as `gp_load`.
+// Context: the planner's task. Returns the same as `gp_load`.
 gp_result gp_continue_with(gp_planner *planner,
                            const char *lines,
                            size_t length);
 
-// Loads the program that arrives by `gp_feed`. It begins where `gp_feed_restart` was called last.
+// Loads the program that arrives by `gp_feed`. The program begins at the last call of
+// `gp_feed_restart`.
 //
-// Context: the planner's task. Answers GP_RESULT_NULL, CLOSED, IN_USE, NOT_AT_REST, WINDOW_IS_LOADED.
+// Context: the planner's task. Returns GP_RESULT_NULL, CLOSED, IN_USE, NOT_AT_REST, WINDOW_IS_LOADED.
 gp_result gp_load_window(gp_planner *planner);
 
-// Takes the next program of the same text, behind the one that has ended, or that a refused line or an abort has ended.
+// Takes the next program of the same text, after a program end, a refused line or an abort.
 //
-// Context: the planner's task. Answers GP_RESULT_NULL, CLOSED, IN_USE, NOT_AT_REST.
+// Context: the planner's task. Returns GP_RESULT_NULL, CLOSED, IN_USE, NOT_AT_REST.
 gp_result gp_load_next(gp_planner *planner);
 
-// Goes on behind a refused line, from where the axes stand.
+// Continues after a refused line, from the position of the axes.
 //
-// Context: the planner's task. Answers GP_RESULT_NULL, CLOSED, IN_USE, NOT_AT_REST, NOTHING_REFUSED.
+// Context: the planner's task. Returns GP_RESULT_NULL, CLOSED, IN_USE, NOT_AT_REST, NOTHING_REFUSED.
 gp_result gp_go_on(gp_planner *planner);
 
-// Does a bounded piece of work and says in `progress` what. Call it in a loop until it says GP_PROGRESS_WAITING or
-// GP_PROGRESS_DONE, then again after a tick.
+// Does a bounded part of the work, and returns the result in `progress`. Call it in a loop until it
+// returns GP_PROGRESS_WAITING or GP_PROGRESS_DONE, then again after a tick.
 //
-// Context: the planner's task, which the tick interrupts, never the other way round. Answers GP_RESULT_NULL, CLOSED, IN_USE,
-// REFUSED: a line is left out, `gp_message` says why. Go on calling: what was planned before comes to a standstill.
+// Context: the planner's task; the tick must be able to interrupt this task, never the other way
+// round. Returns GP_RESULT_NULL, CLOSED, IN_USE, REFUSED: a line is left out, and `gp_message` returns
+// the reason. Continue to call: the earlier motion ends in a stop.
 gp_result gp_poll(gp_planner *planner,
                   gp_progress *progress);
 
-// Tells the last refusal or warning of `gp_poll`: the word it is about, and a text of at most `size` bytes with its NUL. Both
-// pointers may be NULL.
+// Returns the last refusal or warning of `gp_poll`: its word, and a text of at most `size` bytes with
+// its NUL. Both pointers may be NULL.
 //
-// Context: the planner's task; about 1 KB of stack. Answers GP_RESULT_NOTHING, NULL, CLOSED, IN_USE.
+// Context: the planner's task; about 1 KB of stack. Returns GP_RESULT_NOTHING, NULL, CLOSED, IN_USE.
 gp_result gp_message(gp_planner *planner,
                      gp_place *place,
                      char *message,
                      size_t size);
 
-// Whether the axes stand with everything executed that was read: 1, else 0. Then programs, positions and offsets are taken.
+// Whether the axes stand still and all lines read so far are executed: 1, else 0. Only then the
+// planner accepts programs, positions and offsets.
 //
-// Context: the planner's task. Answers GP_RESULT_NULL, CLOSED, IN_USE.
+// Context: the planner's task. Returns GP_RESULT_NULL, CLOSED, IN_USE.
 gp_result gp_is_at_rest(gp_planner *planner,
                         uint32_t *is_at_rest);
 
-// Says that an axis stands at `position`, LSB 2^-32 mm or degrees, machine coordinates: nothing moves. The set point jumps to it
-// with the next tick.
+// Sets the machine coordinate of an axis to `position`, LSB 2^-32 mm or degrees, without motion. The
+// set point changes to this value with the next tick.
 //
-// Context: the planner's task. Answers GP_RESULT_NULL, CLOSED, IN_USE, NOT_AT_REST, RANGE.
+// Context: the planner's task. Returns GP_RESULT_NULL, CLOSED, IN_USE, NOT_AT_REST, RANGE.
 gp_result gp_set_position(gp_planner *planner,
                           uint32_t axis,
                           int64_t position);
 
-// Sets the offset of an axis in zero offset `set`, 0…5 for G54…G59, LSB 2^-32 mm or degrees. It counts from the next line on.
+// Sets the offset of an axis in zero offset `set`, 0…5 for G54…G59, LSB 2^-32 mm or degrees. The
+// offset acts from the next line on.
 //
-// Context: the planner's task. Answers GP_RESULT_NULL, CLOSED, IN_USE, NOT_AT_REST, RANGE.
+// Context: the planner's task. Returns GP_RESULT_NULL, CLOSED, IN_USE, NOT_AT_REST, RANGE.
 gp_result gp_set_zero_offset(gp_planner *planner,
                              uint32_t set,
                              uint32_t axis,
                              int64_t offset);
 
-// Moves an axis alone, at rest of the path: jog, homing. `target` is a machine coordinate, LSB 2^-32 mm or degrees; `feed` has
-// LSB 2^-32 mm/min or degrees/min, 0: as rapid motion. The program has to have ended: GP_PROGRESS_DONE. `gp_poll` carries
-// the motion out, and says GP_PROGRESS_WAITING until the axis stands; hold, override and abort act on it.
+// Moves a single axis for a jog or for homing, at standstill of the path. `target` is a machine
+// coordinate, LSB 2^-32 mm or degrees. `feed` has LSB 2^-32 mm/min or degrees/min; 0: speed of rapid
+// motion. The program must have ended: GP_PROGRESS_DONE. `gp_poll` carries out the motion, and returns
+// GP_PROGRESS_WAITING until the axis stands still. Hold, override and abort act on the motion.
 //
-// Context: the planner's task. Answers GP_RESULT_NULL, CLOSED, IN_USE, NOT_AT_REST (also: this axis moves), RANGE, LIMIT, FULL.
+// Context: the planner's task. Returns GP_RESULT_NULL, CLOSED, IN_USE, NOT_AT_REST (also: this axis
+// moves), RANGE, LIMIT, FULL.
 gp_result gp_move_axis(gp_planner *planner,
                        uint32_t axis,
                        int64_t target,
                        int64_t feed);
 
-// The axis that `gp_move_axis` moves brakes, and stays where it comes to a standstill. Nothing happens if it does not move.
+// Stops the axis that `gp_move_axis` moves. The axis stays at the position of its standstill. The call
+// has no effect if the axis does not move.
 //
-// Context: the planner's task. Answers GP_RESULT_NULL, CLOSED, IN_USE, RANGE.
+// Context: the planner's task. Returns GP_RESULT_NULL, CLOSED, IN_USE, RANGE.
 gp_result gp_stop_axis(gp_planner *planner,
                        uint32_t axis);
 
-// After how many ticks `gp_poll` should be called again once it has said GP_PROGRESS_WAITING, for a task that sleeps in
-// between; 0: the motion stands, and goes on only with a command, an acknowledgement or text. Whoever gives one of these
-// wakes the task.
+// Returns the number of ticks after which `gp_poll` should be called again, after GP_PROGRESS_WAITING.
+// A task may sleep for this time. 0: the axes stand still, and only a command, an acknowledgement or
+// text continues the motion. The sender of these must wake the task.
 //
-// Context: the planner's task. Answers GP_RESULT_NULL, CLOSED, IN_USE.
+// Context: the planner's task. Returns GP_RESULT_NULL, CLOSED, IN_USE.
 gp_result gp_wakes_after(gp_planner *planner,
                          uint32_t *ticks);
 
-// Feed override, LSB 0.1 %, 0…2000; more counts as 2000. 0 makes the motion stand on the path.
+// Sets the feed override, LSB 0.1 %, 0…2000; a higher value counts as 2000. With 0 the axes stop on
+// the path.
 //
-// Context: any, one at a time; never waits. Answers GP_RESULT_NULL, CLOSED, IN_USE.
+// Context: any, one call at a time; never waits. Returns GP_RESULT_NULL, CLOSED, IN_USE.
 gp_result gp_set_override(gp_operator *op, uint16_t feed);
 
-// Reduced speed (P-AXIS-00214): 0 off, everything else on.
+// Sets the reduced speed (P-AXIS-00214): 0 off, any other value on.
 //
-// Context: any, one at a time; never waits. Answers GP_RESULT_NULL, CLOSED, IN_USE.
+// Context: any, one call at a time; never waits. Returns GP_RESULT_NULL, CLOSED, IN_USE.
 gp_result gp_set_reduced(gp_operator *op, uint32_t reduced);
 
-// Feed hold: stand still on the path as soon as the limits allow.
+// Feed hold: the axes stop on the path as soon as the limits permit.
 //
-// Context: any, one at a time; never waits. Answers GP_RESULT_NULL, CLOSED, IN_USE.
+// Context: any, one call at a time; never waits. Returns GP_RESULT_NULL, CLOSED, IN_USE.
 gp_result gp_feed_hold(gp_operator *op);
 
-// End of the feed hold.
+// Ends the feed hold.
 //
-// Context: any, one at a time; never waits. Answers GP_RESULT_NULL, CLOSED, IN_USE.
+// Context: any, one call at a time; never waits. Returns GP_RESULT_NULL, CLOSED, IN_USE.
 gp_result gp_resume(gp_operator *op);
 
-// Stand still and forget the rest of the program.
+// Stops the axes and drops the rest of the program.
 //
-// Context: any, one at a time; never waits. Answers GP_RESULT_NULL, CLOSED, IN_USE.
+// Context: any, one call at a time; never waits. Returns GP_RESULT_NULL, CLOSED, IN_USE.
 gp_result gp_abort(gp_operator *op);
 
-// The next function whose point of the motion a tick has reached. Call it until it answers GP_RESULT_NOTHING: without room
-// for more functions the motion comes to a standstill.
+// Returns the next function whose point of the path a tick has reached. Call it until it returns
+// GP_RESULT_NOTHING: without room for more functions the axes stop.
 //
-// Context: any, one at a time; never waits. Answers GP_RESULT_NOTHING, NULL, CLOSED, IN_USE.
+// Context: any, one call at a time; never waits. Returns GP_RESULT_NOTHING, NULL, CLOSED, IN_USE.
 gp_result gp_output(gp_operator *op,
                     gp_due *output);
 
-// Acknowledges a function that `gp_output` gave with `waits`. If it was put out more than once, that put out first.
+// Acknowledges a function that `gp_output` returned with `waits`. If the function was output more than
+// once, the first output is acknowledged.
 //
-// Context: any, one at a time; never waits. Answers GP_RESULT_NULL, CLOSED, IN_USE, RANGE (no such kind, or number of an M or H
-// function above 65535), UNEXPECTED (nothing waits for it: it is ignored).
+// Context: any, one call at a time; never waits. Returns GP_RESULT_NULL, CLOSED, IN_USE, RANGE (no
+// such kind, or number of an M or H function above 65535), UNEXPECTED (no such function waits; the
+// call has no effect).
 gp_result gp_acknowledge(gp_operator *op,
                          const gp_function *function);
 
-// What the last tick did.
+// Returns the state after the last tick.
 //
-// Context: any, one at a time; reads again if a tick comes in between. Answers GP_RESULT_NULL, CLOSED, IN_USE.
+// Context: any, one call at a time; if a tick comes in between, the function reads again. Returns
+// GP_RESULT_NULL, CLOSED, IN_USE.
 gp_result gp_status(gp_operator *op, gp_status_data *status);
 
-// Puts `length` bytes of program text into the window, as many as there is room for. `taken` says how many: the others are to
-// be given again.
+// Puts up to `length` bytes of program text into the window. `taken` returns the number of accepted
+// bytes. Give the other bytes again later.
 //
-// Context: any, one at a time: a task, or the interrupt of a serial line. Time in proportion to `length`. Answers
-// GP_RESULT_NULL, CLOSED, IN_USE, RANGE (more than 2^31 bytes).
+// Context: any, one call at a time: a task, or the interrupt of a serial line. Time in proportion to
+// `length`. Returns GP_RESULT_NULL, CLOSED, IN_USE, RANGE (more than 2^31 bytes).
 gp_result gp_feed(gp_feeder *feeder,
                   const uint8_t *bytes,
                   size_t length,
                   size_t *taken);
 
-// The text is complete: behind the last byte the program ends.
+// Marks the text as complete: the program ends after the last byte.
 //
-// Context: as `gp_feed`. Answers GP_RESULT_NULL, CLOSED, IN_USE.
+// Context: as `gp_feed`. Returns GP_RESULT_NULL, CLOSED, IN_USE.
 gp_result gp_feed_end(gp_feeder *feeder);
 
-// Another program follows: text that was put in and is not read yet is dropped. It counts from `gp_load_next` or
-// `gp_load_window` on.
+// Begins another program: text that is in the window and not read yet is dropped. The new text is read
+// from the next call of `gp_load_next` or `gp_load_window` on.
 //
-// Context: as `gp_feed`. Answers GP_RESULT_NULL, CLOSED, IN_USE.
+// Context: as `gp_feed`. Returns GP_RESULT_NULL, CLOSED, IN_USE.
 gp_result gp_feed_restart(gp_feeder *feeder);
 
-// Opens the storage: checks and copies the machine data, says where the axes stand and gives the handles. `size` is
-// `sizeof storage`; `start` has GP_AXES positions, LSB 2^-32 mm or degrees. No program is loaded yet.
+// Opens the storage: checks and copies the machine data, sets the positions of the axes, and returns
+// the handles. `size` is `sizeof storage`; `start` has GP_AXES positions, LSB 2^-32 mm or degrees. No
+// program is loaded yet.
 //
-// Context: any task, before the timer interrupt is on. Answers GP_RESULT_NULL, SIZE, ALIGNMENT, TWICE, MACHINE_DATA (`gp_check`
-// says which), RANGE (a position beyond ±100 000 mm or degrees).
+// Context: any task, before the timer interrupt is on. Returns GP_RESULT_NULL, SIZE, ALIGNMENT, TWICE,
+// MACHINE_DATA (`gp_check` names the parameter), RANGE (a position beyond ±100 000 mm or degrees).
 gp_result gp_open(gp_storage *storage,
                   size_t size,
                   const gp_machine *machine,
                   const int64_t *start,
                   gp_handles *handles);
 
-// Closes the storage: its handles are refused from now on. It may be opened again, for another machine.
+// Closes the storage: later calls with its handles are refused. The storage may be opened again, for
+// another machine.
 //
-// Context: any task, when no other context uses a handle any more: first switch the timer interrupt off. Answers
-// GP_RESULT_NULL, SIZE, ALIGNMENT, CLOSED, IN_USE (this context interrupts a call).
+// Context: any task, when no other context uses a handle any more: first switch the timer interrupt
+// off. Returns GP_RESULT_NULL, SIZE, ALIGNMENT, CLOSED, IN_USE (this context interrupts a call).
 gp_result gp_close(gp_storage *storage, size_t size);
 
 #ifdef __cplusplus

@@ -15,7 +15,7 @@ use glidepath::machine::MachineData;
 use glidepath::nc::Window;
 use glidepath::quantity::Position;
 
-/// Size of the storage, in words of eight bytes: enough with pointers of 64 bits too.
+/// Size of the storage, in words of eight bytes; the size is also enough with pointers of 64 bits.
 pub const STORAGE_WORDS: usize = 10_880;
 
 /// Size of the storage in bytes.
@@ -24,23 +24,24 @@ pub const STORAGE_BYTES: usize = STORAGE_WORDS * 8;
 /// Alignment of the storage in bytes.
 pub const STORAGE_ALIGNMENT: usize = 8;
 
-/// All memory: `static gp_storage storage;`, zero at the start as static memory is. It must not move while it is open.
+/// All memory: `static gp_storage storage;`, zero at the start as all static memory. The storage must
+/// not move while it is open.
 #[repr(C)]
 pub struct Storage {
-    /// Nothing to look at.
+    /// Private memory.
     pub words: [u64; STORAGE_WORDS],
 }
 
-/// The handles. Each belongs to one context.
+/// The handles. Each handle belongs to one context.
 #[repr(C)]
 pub struct HandleSet {
     /// For a task of low priority, or the main loop.
     pub planner: *mut PlannerHandle,
     /// For the timer interrupt, whose priority is above that of the planner's task.
     pub interpolator: *mut InterpolatorHandle,
-    /// For whoever gives commands and carries functions out: one context at a time.
+    /// For the context that gives commands and carries out functions: one context at a time.
     pub op: *mut OperatorHandle,
-    /// For whoever receives program text: one context at a time.
+    /// For the context that receives program text: one context at a time.
     pub feeder: *mut FeederHandle,
 }
 
@@ -83,11 +84,12 @@ unsafe fn memory(storage: *mut Storage, size: usize) -> Result<*mut Memory, Outc
     Ok(storage.cast())
 }
 
-/// Opens the storage: checks and copies the machine data, says where the axes stand and gives the handles. `size` is
-/// `sizeof storage`; `start` has GP_AXES positions, LSB 2^-32 mm or degrees. No program is loaded yet.
+/// Opens the storage: checks and copies the machine data, sets the positions of the axes, and returns
+/// the handles. `size` is `sizeof storage`; `start` has GP_AXES positions, LSB 2^-32 mm or degrees. No
+/// program is loaded yet.
 ///
-/// Context: any task, before the timer interrupt is on. Answers GP_RESULT_NULL, SIZE, ALIGNMENT, TWICE, MACHINE_DATA (`gp_check`
-/// says which), RANGE (a position beyond ±100 000 mm or degrees).
+/// Context: any task, before the timer interrupt is on. Returns GP_RESULT_NULL, SIZE, ALIGNMENT, TWICE,
+/// MACHINE_DATA (`gp_check` names the parameter), RANGE (a position beyond ±100 000 mm or degrees).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn gp_open(
     storage: *mut Storage,
@@ -150,10 +152,11 @@ unsafe fn open(
 /// The end of all coordinates.
 const FARTHEST: Position = Position::const_from_int(100_000);
 
-/// Closes the storage: its handles are refused from now on. It may be opened again, for another machine.
+/// Closes the storage: later calls with its handles are refused. The storage may be opened again, for
+/// another machine.
 ///
-/// Context: any task, when no other context uses a handle any more: first switch the timer interrupt off. Answers
-/// GP_RESULT_NULL, SIZE, ALIGNMENT, CLOSED, IN_USE (this context interrupts a call).
+/// Context: any task, when no other context uses a handle any more: first switch the timer interrupt
+/// off. Returns GP_RESULT_NULL, SIZE, ALIGNMENT, CLOSED, IN_USE (this context interrupts a call).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn gp_close(storage: *mut Storage, size: usize) -> Outcome {
     // SAFETY: the pointer is null or points to a storage.

@@ -1,4 +1,4 @@
-//! Flash memory in a file, for a controller on the desktop.
+//! Flash memory in a file, for a controller on the PC.
 extern crate std;
 
 use embedded_storage::nor_flash::{ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash};
@@ -7,18 +7,19 @@ use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::path::Path;
 use std::vec::Vec;
 
-/// Bytes of an erase block, and of the file.
+/// Bytes of an erase block, and of the whole file.
 const BLOCK: usize = 4096;
 const BYTES: usize = 2 * BLOCK;
 
-/// A file of 8,192 bytes that holds the store. Each call waits until the system has written it.
+/// A file of 8,192 bytes that contains the store. Each call waits until the operating system has written the
+/// data.
 #[derive(Debug)]
 pub struct FileFlash {
     file: File,
 }
 
 impl FileFlash {
-    /// Opens the file, or makes one without records. A file that is shorter counts as erased behind its end.
+    /// Opens the file, or makes a file without records. The missing part of a shorter file counts as erased.
     ///
     /// # Errors
     /// The file cannot be opened, or has more bytes than a store.
