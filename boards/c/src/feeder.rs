@@ -1,4 +1,4 @@
-//! The handle of whoever receives program text.
+//! The handle of the context that receives program text.
 use crate::WINDOW;
 use crate::part::{Part, answer};
 use crate::result::Outcome;

@@ -1,4 +1,4 @@
-//! The handle of whoever gives commands and carries functions out.
+//! The handle of the context that gives commands and carries out functions.
 use crate::AXES;
 use crate::interpolator::State;
 use crate::part::{Part, answer};

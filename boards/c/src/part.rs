@@ -1,4 +1,4 @@
-//! A handle in the storage: its value, whether it is open, and whether somebody is inside a call.
+//! A handle in the storage: its value, whether it is open, and whether a call is in progress.
 use crate::result::Outcome;
 use core::cell::UnsafeCell;
 use core::mem::MaybeUninit;
@@ -14,7 +14,7 @@ pub struct Part<T, const MARK: u32> {
 }
 
 impl<T, const MARK: u32> Part<T, MARK> {
-    /// Opens it.
+    /// Opens the handle.
     ///
     /// # Safety
     /// `part` is memory for one, which nobody uses.
@@ -28,7 +28,7 @@ impl<T, const MARK: u32> Part<T, MARK> {
         unsafe { (*part).mark.store(MARK, Ordering::Release) };
     }
 
-    /// Closes it: calls with it are refused from now on.
+    /// Closes the handle: later calls are refused.
     ///
     /// # Safety
     /// `part` was opened.
@@ -37,12 +37,12 @@ impl<T, const MARK: u32> Part<T, MARK> {
         unsafe { (*part).mark.store(0, Ordering::Release) };
     }
 
-    /// Whether somebody is inside a call.
+    /// Whether a call is in progress.
     pub fn is_in_use(&self) -> bool {
         self.is_in_use.load(Ordering::Acquire) != 0
     }
 
-    /// Does something with the value.
+    /// Calls a function with the value.
     ///
     /// A context that interrupts another one inside such a call is refused. Two cores that come at the same time may not be
     /// seen: a handle belongs to one of them.
@@ -92,7 +92,7 @@ impl<T, const MARK: u32> Part<T, MARK> {
     }
 }
 
-/// Writes an answer.
+/// Writes a result to the caller's memory.
 ///
 /// # Errors
 /// A null pointer.

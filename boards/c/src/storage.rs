@@ -1,4 +1,4 @@
-//! The memory of everything, and how it is opened and closed.
+//! The memory of the library, and its opening and closing.
 use crate::built::{self, Channel, FilterMemory};
 use crate::feeder::FeederHandle;
 use crate::interpolator::InterpolatorHandle;
@@ -45,7 +45,7 @@ pub struct HandleSet {
     pub feeder: *mut FeederHandle,
 }
 
-/// What lies in the storage.
+/// The content of the storage.
 struct Memory {
     state: AtomicU32,
     machine: MachineData<AXES>,
@@ -62,7 +62,7 @@ const OPEN: u32 = 0x6769_6c64;
 
 // If one of them fails: the storage has another size now. Change STORAGE_WORDS and run `cargo xtask header`.
 const _: () = assert!(size_of::<Memory>() <= STORAGE_BYTES, "the storage is too small: raise STORAGE_WORDS");
-// A build that leaves functions out may have less.
+// A build with fewer functions may need less.
 const _: () = assert!(
     STORAGE_BYTES <= size_of::<Memory>() + 4096 || !cfg!(feature = "full"),
     "the storage is larger than needed"
@@ -70,7 +70,7 @@ const _: () = assert!(
 const _: () =
     assert!(align_of::<Memory>() <= STORAGE_ALIGNMENT && align_of::<Storage>() <= STORAGE_ALIGNMENT);
 
-/// Checks the storage that a C program gives.
+/// Checks the storage that a C program passes.
 unsafe fn memory(storage: *mut Storage, size: usize) -> Result<*mut Memory, Outcome> {
     if storage.is_null() {
         return Err(Outcome::Null);
@@ -149,7 +149,7 @@ unsafe fn open(
     }
 }
 
-/// The end of all coordinates.
+/// The limit of all coordinates.
 const FARTHEST: Position = Position::const_from_int(100_000);
 
 /// Closes the storage: later calls with its handles are refused. The storage may be opened again, for

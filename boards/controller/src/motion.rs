@@ -72,7 +72,7 @@ pub struct Status<const AXES: usize> {
     pub free_blocks: u8,
     /// Number of the current line; 0: none.
     pub line: u32,
-    /// Path speed, per tick.
+    /// Current path speed.
     pub feed: Feed,
     /// The spindle's programmed direction.
     pub spindle: Spindle,

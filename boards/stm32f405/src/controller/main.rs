@@ -6,8 +6,9 @@
 //!  pins ──inputs→ latch (the tick, and an interrupt at each edge) ──→ machine, controller
 //! ```
 //!
-//! The main loop talks and plans. What it calls is in `boards/controller`, and what the interrupt calls is in
-//! `boards/steps` and the library; both are tested on the desktop. Here are registers, and the wiring of these parts.
+//! The main loop runs the controller and the planner. The code of the main loop is in `boards/controller`;
+//! the code of the interrupt is in `boards/steps` and the library. Both are tested on the PC. This file
+//! contains register accesses, and connects these parts.
 #![no_std]
 #![no_main]
 
@@ -53,7 +54,7 @@ use defmt_rtt as _;
 #[cfg(feature = "qemu")]
 use defmt_semihosting as _;
 
-/// Where the store keeps its records.
+/// The memory of the parameter store.
 #[cfg(feature = "hardware")]
 type Flash = flash::Sectors;
 #[cfg(not(feature = "hardware"))]
@@ -63,19 +64,20 @@ type Flash = &'static mut glidepath_controller::store::MemoryFlash<8192>;
 static FLASH: ConstStaticCell<glidepath_controller::store::MemoryFlash<8192>> =
     ConstStaticCell::new(glidepath_controller::store::MemoryFlash([0; 8192]));
 
-/// What a machine works in beside its channel. It is made anew when settings change machine data.
+/// Memory of a machine in addition to its channel. The memory is initialised again when settings change
+/// machine data.
 struct Memory {
     machine: MachineMemory<AXES>,
     data: MachineData<AXES>,
 }
 
-/// With programs of other dialects 17 of its bytes are not zero, so flash holds what it begins with.
+/// With programs of other dialects 17 bytes are not zero, so flash contains the start values.
 static CHANNEL: ConstStaticCell<Channel<AXES, BLOCKS, AXES>> = ConstStaticCell::new(Channel::new());
 static MEMORY: ConstStaticCell<Memory> =
     ConstStaticCell::new(Memory { machine: MachineMemory::new(), data: machine::BLANK });
 static SERIAL: ConstStaticCell<Serial<BUFFER>> = ConstStaticCell::new(Serial::new());
 
-/// What outlives a change of the settings.
+/// Data that stay when settings change.
 struct Desk {
     controller: Controller<'static, AXES, BUFFER>,
     line: Line,
@@ -83,11 +85,11 @@ struct Desk {
     controls: inputs::Controls,
     outputs: outputs::OutputPins,
     watchdog: safety::Watchdog,
-    /// Inputs that are on beside limits and probe, as of the last tick.
+    /// Inputs other than limits and probe that are on, as of the last tick.
     signals: Signals,
     counts: tick::Counts,
     faults: u32,
-    /// The step output was made for these.
+    /// The settings of the current step output.
     made: Settings<AXES>,
 }
 
@@ -104,8 +106,8 @@ fn main() -> ! {
     }
 }
 
-/// Starts everything but the machine. The frame of this call is gone when the machine works, as are those of the other
-/// calls here that are not inlined.
+/// Starts everything except the machine. The stack frames of this call and of the other calls that are not
+/// inlined are free again when the machine works.
 #[inline(never)]
 fn start(board: Peripherals, serial: &'static mut Serial<BUFFER>) -> Option<(Desk, Carried<AXES>)> {
     #[cfg(feature = "hardware")]
@@ -146,7 +148,7 @@ fn start(board: Peripherals, serial: &'static mut Serial<BUFFER>) -> Option<(Des
     Some((desk, carried))
 }
 
-/// Starts the step output with the pins at rest.
+/// Starts the step output with the pins at their idle level.
 #[inline(never)]
 fn start_words(board: &Peripherals) {
     let settings = machine::DEFAULTS;
@@ -156,7 +158,7 @@ fn start_words(board: &Peripherals) {
     }
 }
 
-/// One machine after the other, for ever; in the emulator until `$SLP`.
+/// Runs one machine after the other, for ever; in the emulator until `$SLP`.
 fn serve(
     desk: &mut Desk,
     channel: &'static mut Channel<AXES, BLOCKS, AXES>,
@@ -165,7 +167,8 @@ fn serve(
 ) {
     let (channel, memory): (*mut _, *mut Memory) = (channel, memory);
     loop {
-        // SAFETY: `machine` of the round before is gone, and so is the interrupt's side. Nothing else refers to them.
+        // SAFETY: the machine of the previous round and the interrupt's data do not exist any more. No other
+        // reference exists.
         let (channel, memory): (&'static mut Channel<AXES, BLOCKS, AXES>, &'static mut Memory) =
             unsafe { (&mut *channel, &mut *memory) };
         clear(channel, memory, carried);
@@ -177,15 +180,16 @@ fn serve(
     }
 }
 
-/// As at power-up, with the machine data of the settings.
+/// The state at power-up, with the machine data of the settings.
 #[inline(never)]
 fn clear(channel: &mut Channel<AXES, BLOCKS, AXES>, memory: &mut Memory, carried: &Carried<AXES>) {
     memory.data = machine::data(&carried.settings);
-    // A constant is copied to its place at once. What a call returns is on the stack first, and has no room there.
+    // A constant is copied directly to its place. The result of a call would first need room on the stack,
+    // which is too small.
     *channel = const { Channel::new() };
 }
 
-/// A machine that stands where the one before has ended, and the interrupt's side.
+/// A machine at the position of the previous machine, and the data of the interrupt.
 #[inline(never)]
 fn make(
     channel: &'static mut Channel<AXES, BLOCKS, AXES>,
@@ -200,7 +204,7 @@ fn make(
     }
 }
 
-/// A machine of the handles of its channel.
+/// Makes a machine from the handles of its channel.
 #[inline(never)]
 fn joined(
     handles: Handles<'static, &'static Spool, AXES, BLOCKS, Unfiltered, Unfiltered, AXES>,
@@ -212,7 +216,8 @@ fn joined(
 }
 
 impl Desk {
-    /// Runs until settings ask for another machine. `false`: the machine data cannot be, or the emulator is to end.
+    /// Runs until settings need another machine. `false`: the machine data are not possible, or the emulator
+    /// ends.
     #[inline(never)]
     fn round(
         &mut self,
@@ -242,7 +247,7 @@ impl Desk {
         }
     }
 
-    /// Hands the interrupt its side.
+    /// Passes the interrupt its data.
     #[inline(never)]
     fn start_tick(
         &mut self,
@@ -258,7 +263,7 @@ impl Desk {
         Some(())
     }
 
-    /// One look at everything.
+    /// Runs the main loop once.
     #[inline(never)]
     fn turn(&mut self, machine: &mut Machine<'static, AXES, BLOCKS, AXES>) {
         let Some((latch, faults, counts)) = tick::with(|tick| tick.seen()) else { return };
@@ -286,7 +291,7 @@ impl Desk {
         }
     }
 
-    /// Settings of the step output alone act at rest, without another machine.
+    /// If settings change only the step output, they act at standstill, without another machine.
     #[inline(never)]
     fn change_steps(&mut self, machine: &Machine<'static, AXES, BLOCKS, AXES>, data: &MachineData<AXES>) {
         let (status, settings) = (machine.status(), self.controller.settings());
@@ -294,7 +299,7 @@ impl Desk {
             return;
         }
         self.made = *settings;
-        // They were checked before they were stored.
+        // The settings were checked before they were stored.
         if let Ok(steps) = machine::steps(settings, data, &status.position) {
             let drive = Drive::new(steps, data, status.position);
             self.faults = 0;
@@ -303,13 +308,13 @@ impl Desk {
     }
 }
 
-/// Whether settings ask for another machine; what goes on from this one is then in `carried`.
+/// Whether settings need another machine; `carried` then has the state for this machine.
 #[inline(never)]
 fn goes_on(machine: &mut Machine<'static, AXES, BLOCKS, AXES>, carried: &mut Carried<AXES>) -> bool {
     machine.successor().map(|next| *carried = next).is_some()
 }
 
-/// What the interrupt has to know of the settings.
+/// Active levels and reactions for the interrupt, from the settings.
 fn polarity(settings: &Settings<AXES>, is_homing: bool) -> Polarity {
     Polarity {
         limits_high: settings.limits_inverted,
@@ -318,7 +323,7 @@ fn polarity(settings: &Settings<AXES>, is_homing: bool) -> Polarity {
     }
 }
 
-/// The counter of cycles that the longest interrupt is measured with.
+/// The cycle counter, which measures the longest interrupt.
 #[cfg(feature = "hardware")]
 fn count_cycles() {
     if let Some(mut core) = cortex_m::Peripherals::take() {
@@ -327,7 +332,7 @@ fn count_cycles() {
     }
 }
 
-/// Ends the emulator with a line of figures.
+/// Ends the emulator after a line of figures.
 #[cfg(feature = "qemu")]
 fn report() {
     use cortex_m_semihosting::{debug, heprintln};
