@@ -1,5 +1,5 @@
-//! Acceleration and jerk of all axes that move, beside the limit that they have in all: of slope and contour
-//! together. Axes with one limit have its unit; axes that differ are shown in percent of their own.
+//! Acceleration and jerk of all moving axes, with their limit of slope and contour together. Axes with equal
+//! limits have the unit of the limit; axes with different limits are shown in percent of their limits.
 use super::trace::{envelope, legend};
 use super::{Canvas, LIMIT, Line, Name, Rect, Row, Scale, Scene, label};
 use crate::plot::canvas::axis_colour;
@@ -10,11 +10,11 @@ const WIDTH: f64 = 1.0;
 
 /// An axis that is shown.
 struct Shown {
-    /// Of the machine.
+    /// Index in the machine.
     axis: usize,
-    /// Of the record.
+    /// Index in the record.
     series: usize,
-    /// What a value is multiplied with.
+    /// Factor of a value.
     factor: f64,
     limit: f64,
 }
@@ -25,9 +25,9 @@ struct Rates<'a> {
     title: &'static str,
     unit: String,
     axes: Vec<Shown>,
-    /// Where the limit is on the scale.
+    /// Position of the limit on the scale.
     limit: f64,
-    /// Of all axes, in their unit; none where they differ.
+    /// Limit of all axes, in their unit; none if the limits differ.
     same: Option<f64>,
 }
 
