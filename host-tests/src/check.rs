@@ -1,5 +1,5 @@
-//! The judge: is a trace a permitted motion on the programmed contour? It knows set points, limits and the
-//! contour, and nothing of how the motion was planned.
+//! The checker: is a trace a permitted motion on the programmed contour? The checker uses only set points,
+//! limits and the contour, not the plan.
 //!
 //! # Why finite differences need no safety factor
 //! Let x(t) be an axis' motion and x_k = x(kT). The n-th difference is a weighted mean of the n-th

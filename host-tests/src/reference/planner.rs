@@ -1,13 +1,13 @@
-//! The plan block by block: limits, speeds at joints, time laws. Acceleration is zero at every joint, unless
-//! both sides are alike: then the blocks have one law.
+//! The plan, block by block: limits, speeds at transitions, speed profiles. Acceleration is zero at every
+//! transition, unless both blocks have equal limits: then they have one speed profile.
 //!
 //! A block between a knee and a standstill may be *hasty*: so short beside its jerk that it takes less than two ticks.
 //! Then the block on its other side leaves the knee a part too. A hasty block that has left no knee a part at its
 //! start has none at its end: the motion stands still there.
 //!
-//! The ring of `depth` blocks is filled, planned down to a standstill at its end, and a quarter of it is
-//! handed on; then it is filled again; long lines fill it sooner. At the end of the program all that is left
-//! is handed on.
+//! The ring of `depth` blocks is filled, planned with a stop at its end, and a quarter of it is released;
+//! then the ring is filled again. Long lines fill the ring sooner. At the end of the program all remaining
+//! blocks are released.
 use super::brief::Row;
 use super::geometry::{Contour, Element, Shape};
 use super::knees::{Between, Knees};
@@ -17,7 +17,7 @@ use super::worth::{Worth, worth};
 use glidepath::channel::PlannedBlock;
 use glidepath::quantity::Speed;
 
-/// What the plan needs of one block.
+/// The data of one block for the plan.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Block {
     /// Length.
@@ -38,14 +38,14 @@ pub struct Block {
 const HASTY: f64 = 0.4;
 
 impl Block {
-    /// Whether it may take so little that what its neighbours do shows together with a knee at one end of it.
+    /// Whether a block is so short that the changes of its neighbours fall together with a corner at its end.
     fn is_hasty(&self) -> bool {
         let steepest = self.limits.j.into_iter().fold(0.0, f64::max);
         self.limits.slope != 0 && self.length < HASTY * steepest
     }
 }
 
-/// Blocks of a contour with their limits, joints included.
+/// Blocks of a contour with their limits, transitions included.
 pub fn blocks(contour: &Contour, machine: &Machine) -> Vec<Block> {
     decided(contour, machine, |_, _, standing| standing)
 }
@@ -123,7 +123,7 @@ pub fn decided(
                 v_start = v_start.min(knees.take(between, [before, element], highest, machine));
             }
             let fastest = [limits, last.limits].iter().fold(0.0, |a: f64, l| a.max(l.a_up).max(l.a_down));
-            // A law that begins or ends with acceleration in an arc.
+            // A speed profile that begins or ends with acceleration in an arc.
             let passes =
                 arc == f64::INFINITY || !shared || limits.passing.min(last.limits.passing) >= fastest;
             through = limits.slope != 0
@@ -201,7 +201,7 @@ pub fn ways(limits: &BlockLimits) -> f64 {
 /// So many long lines are a full ring.
 const LONG_BLOCKS: usize = 2;
 
-/// Several blocks with one law.
+/// Several blocks with one speed profile.
 #[derive(Clone, Copy, Debug)]
 struct Span {
     /// Numbers of its first block and of the one behind it.
@@ -226,7 +226,7 @@ fn spans(blocks: &[Block], start: usize, anchors: &[bool]) -> Vec<Span> {
     spans
 }
 
-/// Time laws of all spans from standstill to standstill.
+/// Speed profiles of all spans, from stop to stop.
 ///
 /// # Panics
 /// If a block cannot be travelled between the speeds that the passes found: then the passes are wrong.
@@ -334,7 +334,7 @@ fn leave(block: &Block, v_in: f64, next: f64) -> f64 {
     largest(0.0, highest, |v_out| brake(v_out) <= block.length)
 }
 
-/// The time laws that go with the speeds and durations of a plan: ramps from the limits, and the rest of the
+/// The speed profiles for the speeds and durations of a plan: ramps from the limits, and the rest of the
 /// duration at the highest speed.
 pub fn laws(blocks: &[Block], contour: &Contour, planned: &[PlannedBlock]) -> Vec<Profile> {
     let mut next = 0;

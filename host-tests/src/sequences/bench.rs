@@ -1,4 +1,4 @@
-//! One channel at work, tick by tick: what comes of it, and what must hold of every tick.
+//! A channel at work, tick by tick: its results, and properties of every tick.
 use super::WINDOW;
 use super::model::{Effect, Element};
 use crate::beside::{BLOCKS, OVERLAYS, Run};
@@ -59,17 +59,17 @@ impl Text for Source<'_> {
     }
 }
 
-/// Most ticks of a step, and of rest in it behind the last act.
+/// Highest number of ticks of a step, and of a standstill after its last command.
 const LONGEST: usize = 300_000;
 const RESTS: usize = 20_000;
 /// Ticks without anything to do behind which a stream has nothing for now: more than filters take to begin
 /// anew.
 const QUIET: usize = 120;
 
-/// Why a step is given up that may be a good one.
+/// Reason to give up a step that may be without a fault.
 pub const TOO_LONG: &str = "too long";
 
-/// What came of a step.
+/// Results of a step.
 #[derive(Debug, Default)]
 pub struct Seen {
     /// Lines that were refused.
@@ -292,7 +292,7 @@ pub trait Watch {
     fn see(&mut self, tick: usize, row: &[i64; 3]) -> Result<(), String>;
 }
 
-/// Nothing moves that was not told to, and it moves on the path.
+/// Checks that axes move only if commanded, and only on the path.
 pub struct Watched<'e> {
     effect: &'e Effect,
     /// Element of the path at hand.

@@ -1,4 +1,4 @@
-//! What is in force, and where the axes stand, as the lines have it.
+//! The modal state, and the positions of the axes, according to the lines.
 use crate::cases::random::Random;
 
 /// Positions are in eighths of a millimetre: exact as decimals and as set points.
@@ -42,7 +42,7 @@ impl Modal {
         Self { relative: false, zero: None, shift: [0; 3], feed: false, mode: 1, smooth: false };
 }
 
-/// A piece of the programmed path: a line, or an arc around a centre in X and Y.
+/// A part of the programmed path: a line, or an arc around a centre in X and Y.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Element {
     /// Where it begins and ends.
@@ -80,7 +80,7 @@ pub struct Model {
     pub modal: Modal,
 }
 
-/// What lines lead to.
+/// The expected effect of lines.
 #[derive(Clone, Debug, Default)]
 pub struct Effect {
     /// The path, without smoothing.
