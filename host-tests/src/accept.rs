@@ -39,7 +39,7 @@ pub fn reason() -> Option<String> {
 /// Whether a reason is long enough.
 ///
 /// # Errors
-/// What is missing.
+/// The missing part.
 fn is_reason(reason: &str, head: Head) -> Result<(), String> {
     let letters = reason.chars().filter(|c| c.is_alphabetic()).count();
     if letters < LETTERS || reason.split_whitespace().count() < WORDS {

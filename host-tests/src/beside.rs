@@ -53,7 +53,7 @@ pub const LONGEST: usize = 1_000_000;
 /// at the end.
 ///
 /// # Errors
-/// What the library refused, or a motion that does not end.
+/// The library's refusal, or a motion that does not end.
 pub fn run<const AXES: usize>(
     text: &str,
     machine: &MachineData<AXES>,
@@ -89,7 +89,7 @@ pub fn run_transformed<const AXES: usize>(
     run_with(handles, acts, polls)
 }
 
-/// Those of any channel.
+/// The same for any channel.
 type Any<'a, P, I, const AXES: usize> = Handles<'a, &'a [u8], AXES, BLOCKS, P, I, OVERLAYS>;
 
 fn run_with<P: FilterPlan<AXES>, I: FilterTick<AXES>, const AXES: usize>(
@@ -146,7 +146,7 @@ fn run_with<P: FilterPlan<AXES>, I: FilterTick<AXES>, const AXES: usize>(
         }
     }
     if ended {
-        // It would be told something later still.
+        // The operator has a later command.
         run.position = planner.position().iter().map(|axis| axis.to_bits()).collect();
         return Ok(run);
     }

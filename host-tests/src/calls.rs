@@ -7,7 +7,7 @@ use glidepath::nc::Text;
 /// between. Returns whether the program is done.
 ///
 /// # Errors
-/// What the library refused.
+/// The library's refusal.
 pub fn call<T: Text, F: FilterPlan<AXES>, const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize>(
     planner: &mut Planner<'_, T, AXES, BLOCKS, F, OVERLAYS>,
     most: usize,

@@ -5,7 +5,7 @@
 //! sharp.
 use std::fmt::Write;
 
-/// Radius of [`circle`], and length of the lines before it and behind it, mm.
+/// Radius of [`circle`], and length of the lines before and after it, mm.
 pub const RADIUS: f64 = 80.0;
 /// Chords of [`circle`].
 pub const CHORDS: u32 = 64;
@@ -22,7 +22,8 @@ pub const STEP: f64 = 0.3;
 /// Shortest and longest segment of a row, mm.
 pub const SEGMENT: [f64; 2] = [0.05, 0.5];
 
-/// A circle of 64 chords with a tangential line of 80 mm before it and behind it. Begins at X0 Y0.
+/// A circle of 64 chords with a tangential line of 80 mm before and after the circle. The program begins at
+/// X0 Y0.
 pub fn circle(head: &str) -> String {
     let mut program = Lines::begin("circle", head, CIRCLE_FEED);
     program.line(&format!("X{RADIUS} Y0"));

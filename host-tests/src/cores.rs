@@ -40,7 +40,7 @@ struct Board {
 /// the time.
 ///
 /// The library's refusal, or a motion that does not end.
-/// What the library refused, or a motion that does not end.
+/// The library's refusal, or a motion that does not end.
 pub fn operate_on_cores<const BLOCKS: usize>(
     text: &str,
     start: [Position; 3],

@@ -141,7 +141,7 @@ pub struct Out<const AXES: usize> {
 /// An element of the result, with its points.
 #[derive(Clone, Debug)]
 pub struct Piece<const AXES: usize> {
-    /// As it goes on.
+    /// The element in the form that the next stage gets.
     pub out: Out<AXES>,
     /// Where it begins.
     pub base: [Position; AXES],
@@ -306,7 +306,7 @@ fn from_block(block: &Programmed, point: &[f64], near: f64) -> f64 {
 /// Checks one corner.
 ///
 /// # Errors
-/// What is wrong with it.
+/// The fault.
 pub fn judge(case: &Case, machine: &MachineData<3>) -> Result<Seen, String> {
     judge_with(case, machine, |dev| dev)
 }
@@ -314,7 +314,7 @@ pub fn judge(case: &Case, machine: &MachineData<3>) -> Result<Seen, String> {
 /// Checks one corner that is rounded with DEV, changed by `rule`.
 ///
 /// # Errors
-/// What is wrong with it.
+/// The fault.
 pub fn judge_with(
     case: &Case,
     machine: &MachineData<3>,
@@ -415,7 +415,8 @@ pub fn judge_with(
             .map(|(i, q)| (i, distance(q, point)))
             .min_by(|a, b| a.1.total_cmp(&b.1))
             .expect("samples");
-        // Between the samples beside it the distance has one minimum; they may belong to two elements.
+        // Between the neighbouring samples the distance has one minimum; the samples may belong to two
+        // elements.
         let per = POINTS as usize + 1;
         let in_piece = |i: usize| {
             let (piece, step) = (curve[i / per], 1.0 / f64::from(POINTS));

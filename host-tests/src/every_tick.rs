@@ -135,7 +135,7 @@ impl Case {
         if self.path == Path::Rotary { 4 } else { 3 }
     }
 
-    /// Its program with a slope, of so many blocks.
+    /// Its program with a slope and this number of blocks.
     pub fn text(&self, slope: Slope, blocks: usize) -> String {
         let mut text = format!("%{}\n#SLOPE [TYPE={}]\nG90\n", self.name, slope.word);
         let hsc = self.contour.starts_with("SURFACE");
@@ -218,7 +218,7 @@ impl Path {
                     let word = ["G02", "G03"][k % 2];
                     x += 4.0;
                     let _ = writeln!(text, "N{} G01 X{x} F{feed}", n + 10);
-                    // Two turns and three, and of those behind them a half.
+                    // Two and three turns, each followed by a half turn.
                     for turn in 0..2 + k % 2 {
                         let _ = writeln!(text, "N{} {word} X{x} I{radius} F{feed}", n + 20 + 10 * turn);
                     }
@@ -314,7 +314,7 @@ pub struct Run {
 /// Runs a text with a disturbance before tick `at`. The planner is called until it has nothing to do.
 ///
 /// # Errors
-/// What the library refused, or a motion that does not end.
+/// The library's refusal, or a motion that does not end.
 pub fn run<const AXES: usize>(
     text: &str,
     machine: &MachineData<AXES>,
@@ -439,7 +439,7 @@ impl<const AXES: usize> Track<AXES> {
     /// Runs and checks a program with this number of blocks, once normally and once slowly.
     ///
     /// # Errors
-    /// What is wrong with it.
+    /// The fault.
     pub fn new(case: Case, slope: Slope, blocks: usize) -> Result<Self, String> {
         let name = format!("{} with {}", case.name, slope.word);
         let (text, machine) = (case.text(slope, blocks), machine::<AXES>(case, slope));
@@ -596,7 +596,7 @@ impl<const AXES: usize> Track<AXES> {
         stop
     }
 
-    /// What a hold before tick `at` needed, if it stopped anything.
+    /// Duration and distance of a hold before tick `at`, if the hold stopped a motion.
     pub fn held(&self, run: &Run, at: usize) -> Option<Held> {
         let (at, stood) = (at.max(1), run.stood?);
         // Between the rows: the command comes at a tick, and acts a few ticks later.

@@ -17,7 +17,7 @@ pub const TAPS: usize = 202;
 pub struct Filtered {
     /// Set points of the path, and those for the drives.
     pub path: Trace,
-    /// Those for the drives.
+    /// Set points for the drives.
     pub drives: Trace,
     /// State after each tick.
     pub states: Vec<State>,
@@ -61,7 +61,8 @@ pub fn permit_filters(axis: &mut AxisData, cycle_us: u32) {
 pub fn jerk_rounding<const AXES: usize>(machine: &MachineData<AXES>, axis: usize) -> f64 {
     let filter = &machine.axes[axis].filter;
     let averages = !matches!(filter.kind, FilterType::None | FilterType::Delay);
-    // The plan is this much lower; but a delay of half a cycle is the rounded mean of two set points.
+    // The plan has a jerk lower by this amount. In addition, a delay of half a cycle gives the rounded mean
+    // of two set points.
     if averages && filter.order > 0 && filter.share > 0 { 1.0 } else { 1.5 }
 }
 
@@ -70,7 +71,7 @@ const LONGEST: usize = 3_000_000;
 /// Runs a text from the origin; `acts` are commands with the tick before which they are given.
 ///
 /// # Errors
-/// What the library refused, or a motion that does not end.
+/// The library's refusal, or a motion that does not end.
 pub fn run<const AXES: usize>(
     text: &str,
     machine: &MachineData<AXES>,

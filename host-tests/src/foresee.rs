@@ -51,7 +51,7 @@ impl Tally {
     }
 }
 
-/// Of all kinds of questions.
+/// Comparison for all kinds of questions.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Told {
     /// FCT_CALC_STATE_AT_T.

@@ -129,7 +129,7 @@ pub const POLLS: [usize; 3] = [12, 40, 1000];
 /// most `polls` times between two ticks.
 ///
 /// # Errors
-/// What the library refused, or a motion that does not end.
+/// The library's refusal, or a motion that does not end.
 pub fn operate<const AXES: usize, const BLOCKS: usize>(
     program: &Program,
     machine: &MachineData<AXES>,
@@ -155,7 +155,7 @@ pub fn operate_text<const AXES: usize, const BLOCKS: usize>(
     operate_within::<AXES, BLOCKS>(text, start, machine, (acts, polls), LONGEST)
 }
 
-/// The same for so many ticks at most.
+/// The same with a highest number of ticks.
 ///
 /// # Errors
 /// The same.
@@ -321,8 +321,8 @@ pub fn crawls_along<const AXES: usize>(
     reduced && slowest.is_some_and(|v| f64::from(v) * part * 2f64.powi(26) < length)
 }
 
-/// Overrides and reduced speed at random ticks of a motion of so many, mixed with `others`, which come in
-/// order; at last 100 %.
+/// Overrides and reduced speed at random ticks of a motion with `ticks` ticks, mixed with `others`, in the
+/// order of time; at the end 100 %.
 pub fn with_overrides(random: &mut Random, ticks: usize, others: Vec<(usize, Act)>) -> Vec<(usize, Act)> {
     let mut acts = others;
     for _ in 0..1 + random.bits() % 8 {
@@ -392,7 +392,7 @@ pub fn may_end<const AXES: usize>(
 pub enum Crawled {
     /// All is well.
     Good,
-    /// It takes so long without an operator that it was not tried.
+    /// Without an operator the program takes so long that it was not tried.
     Long,
     /// The first fault.
     Fault(String),
@@ -454,7 +454,7 @@ pub fn crawl(seed: u64) -> Crawled {
     Crawled::Good
 }
 
-/// Text that comes late at random ticks of a motion of so many, mixed with `others`, which come in order.
+/// Late text at random ticks of a motion with `ticks` ticks, mixed with `others`, in the order of time.
 pub fn with_starvation(random: &mut Random, ticks: usize, others: Vec<(usize, Act)>) -> Vec<(usize, Act)> {
     let mut acts = others;
     for _ in 0..1 + random.bits() % 4 {
@@ -479,8 +479,8 @@ pub fn is_stalled(seed: u64) -> bool {
 /// planned anew yet.
 const QUIET: usize = 16;
 
-/// Times without any call of the planner at random ticks of a motion of so many, mixed with `others`, which
-/// come in order.
+/// Times without planner calls at random ticks of a motion with `ticks` ticks, mixed with `others`, in the
+/// order of time.
 pub fn with_stalls(random: &mut Random, ticks: usize, others: Vec<(usize, Act)>) -> Vec<(usize, Act)> {
     let mut stalls: Vec<[usize; 2]> = (0..1 + random.bits() % 4)
         .map(|_| [random.unit() * ticks as f64, random.magnitude(1.0, 2000.0)].map(|x| x as usize))
@@ -491,7 +491,7 @@ pub fn with_stalls(random: &mut Random, ticks: usize, others: Vec<(usize, Act)>)
     for [mut start, ticks] in stalls {
         start = start.max(last.end);
         for (tick, _) in others.iter().filter(|(_, act)| act.is_command()) {
-            // What was given while the planner was not called is seen behind that.
+            // Commands during a time without planner calls act after this time.
             let seen = if last.contains(tick) { last.end } else { *tick };
             if (seen..seen + QUIET).contains(&start) {
                 start = seen + QUIET;
@@ -504,7 +504,7 @@ pub fn with_stalls(random: &mut Random, ticks: usize, others: Vec<(usize, Act)>)
     acts
 }
 
-/// Holds, each with its end, at random ticks of a motion of so many; now and then an abort.
+/// Holds with their ends at random ticks of a motion with `ticks` ticks; sometimes an abort.
 pub fn random_acts(random: &mut Random, ticks: usize) -> Vec<(usize, Act)> {
     let mut acts = Vec::new();
     let mut tick = 0;

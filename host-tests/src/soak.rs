@@ -26,7 +26,7 @@ use std::fmt::Write;
 pub enum Outcome {
     /// No fault, with the number of ticks.
     Good(usize),
-    /// It takes longer than a run may.
+    /// The run takes longer than permitted.
     TooLong,
     /// The library refused the program, with the reason that the rules of the language give.
     Refused(String),

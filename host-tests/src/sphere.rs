@@ -20,7 +20,7 @@ pub struct Job {
     pub lines: usize,
     /// Angle from the pole where the spiral begins, and where it ends, degree.
     pub tilt: [f64; 2],
-    /// Digits behind the decimal point.
+    /// Number of decimals.
     pub digits: usize,
     /// Feed, mm/min.
     pub feed: f64,

@@ -87,7 +87,7 @@ pub struct Run {
 /// Runs `program`: the planner until the queue is full, then `burst` ticks, and so on.
 ///
 /// # Errors
-/// What the library refused.
+/// The library's refusal.
 pub fn run_in_bursts<const AXES: usize, const BLOCKS: usize>(
     program: &Program,
     machine: &MachineData<AXES>,
@@ -101,7 +101,7 @@ pub fn run_in_bursts<const AXES: usize, const BLOCKS: usize>(
 /// The same for any NC text, from `start` on.
 ///
 /// # Errors
-/// What the library refused.
+/// The library's refusal.
 pub fn run_text<const AXES: usize, const BLOCKS: usize>(
     text: &str,
     start: [Position; AXES],
@@ -161,7 +161,7 @@ pub fn run_text<const AXES: usize, const BLOCKS: usize>(
 /// [`run_in_bursts`] with a queue that is always as full as possible.
 ///
 /// # Errors
-/// What the library refused.
+/// The library's refusal.
 pub fn run<const AXES: usize, const BLOCKS: usize>(
     program: &Program,
     machine: &MachineData<AXES>,

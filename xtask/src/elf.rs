@@ -31,7 +31,7 @@ struct Symbol {
 pub struct Function {
     /// Mangled.
     pub name: String,
-    /// Of its first instruction.
+    /// Address of its first instruction.
     pub address: u32,
     /// Its bytes.
     pub code: Vec<u8>,

@@ -2,7 +2,7 @@
 //!
 //! A C program has one [`storage::Storage`] in static memory. [`storage::gp_open`] makes four handles in it, one for each
 //! context: planner, interpolator, operator and feeder. Every call checks its handle and returns a [`result::Outcome`].
-//! Nothing in it allocates, waits or unwinds.
+//! No function of this crate allocates, waits or unwinds.
 #![cfg_attr(target_os = "none", no_std)]
 // The contract of all pointers stands once, at the top of the header.
 #![allow(clippy::missing_safety_doc)]

@@ -22,7 +22,7 @@ impl Write for Message {
                 return Ok(());
             }
             for byte in bytes {
-                // SAFETY: inside the memory of the caller, says the comparison above.
+                // SAFETY: the comparison above keeps the index inside the caller's memory.
                 unsafe { self.to.add(self.used).write(*byte as c_char) };
                 self.used += 1;
             }

@@ -4,8 +4,8 @@ use core::cell::UnsafeCell;
 use core::mem::MaybeUninit;
 use core::sync::atomic::{AtomicU32, Ordering};
 
-/// What a C program has as a handle. `MARK` tells the kinds apart. It comes first in each kind: one in place of another is read
-/// no further than that.
+/// A handle of the C interface. `MARK` is the first field of every kind of handle and tells the kinds apart,
+/// so a call with a handle of another kind reads only this field.
 #[repr(C)]
 pub struct Part<T, const MARK: u32> {
     mark: AtomicU32,
@@ -64,7 +64,8 @@ impl<T, const MARK: u32> Part<T, MARK> {
         if this.mark.load(Ordering::Acquire) != MARK {
             return Err(Outcome::Closed);
         }
-        // No compare-and-swap, which small cores do not have. Who interrupts between these two lines is done before they go on.
+        // No compare-and-swap, because small cores do not have it. A context that interrupts between these
+        // two lines ends its call before they continue.
         if this.is_in_use.load(Ordering::Acquire) != 0 {
             return Err(Outcome::InUse);
         }
@@ -76,7 +77,7 @@ impl<T, const MARK: u32> Part<T, MARK> {
         result
     }
 
-    /// The same with something that always goes.
+    /// The same for a function that cannot fail.
     ///
     /// # Safety
     /// As [`Self::with`].

@@ -14,7 +14,7 @@ use glidepath::quantity::{Feed, Position};
 /// The handle of the task that plans.
 pub type PlannerHandle = Part<Work, 0x706c_616e>;
 
-/// What the planner's task has.
+/// The memory of the planner's task.
 pub struct Work {
     planner: Planner,
     /// The window, while the planner does not read it.
@@ -22,7 +22,7 @@ pub struct Work {
     remark: Remark,
 }
 
-/// What `gp_message` tells.
+/// The message that `gp_message` returns.
 enum Remark {
     None,
     Error(Error),

@@ -125,8 +125,9 @@ unsafe fn open(
     }
     let data = machine.read().map_err(|_| Outcome::MachineData)?;
     built::check(&data).map_err(|_| Outcome::MachineData)?;
-    // SAFETY: nobody uses the memory, for it is not open; a channel and a window that are new are zero; the memory is said to
-    // stay where it is, so that references into it live until it is closed, and no handle works behind that.
+    // SAFETY: the storage is not open, so no other code uses its memory. A new channel and a new window are
+    // zero. The memory must not move, so references into it are valid until the storage is closed, and no
+    // handle works afterwards.
     unsafe {
         memory.write_bytes(0, 1);
         (&raw mut (*memory).machine).write(data);

@@ -20,7 +20,7 @@ pub struct Told {
 }
 
 impl Told {
-    /// Of a command.
+    /// Reads the motion from a command.
     pub fn of<const AXES: usize>(command: &Command<AXES>) -> Option<Self> {
         match command {
             Command::Oscillation(_, oscillation) => {

@@ -367,7 +367,7 @@ mod tests {
         Monitor::new(machine, &Program::empty(machine))
     }
 
-    /// A difference of so many mm or mm/s² …, in LSB.
+    /// A difference of a value in mm, mm/s² or mm/s³, in LSB.
     fn lsb(mm: f64) -> i128 {
         (mm * LSB_PER_MM) as i128
     }
@@ -488,7 +488,8 @@ mod tests {
 
     const NOTHING: [usize; 0] = [];
 
-    /// What the monitor says of a second difference (mm/s²) and of a third one (mm/s³) at the end of rows in blocks.
+    /// The monitor's result for a second difference (mm/s²) and a third difference (mm/s³) at the end of rows
+    /// in blocks.
     fn said(rows: [(u32, bool); 4], accel: f64, jerk: f64) -> Vec<usize> {
         let (machine, program) = weighted();
         let mut monitor = Monitor::new(&machine, &program);
@@ -524,7 +525,7 @@ mod tests {
         assert_eq!(said(joint, 1010.0, 201_000.0), [1, 2]);
         let joint = [(0, false), (0, false), (1, false), (1, false)];
         assert_eq!(said(joint, 5990.0, 199_000.0), NOTHING);
-        // What two blocks away was permitted does not count.
+        // The limits of blocks that are two blocks away do not count.
         let later = [(1, false), (1, false), (1, false), (2, false)];
         assert_eq!(said(later, 5990.0, 201_000.0), [2]);
         assert_eq!(said(later, 5990.0, 199_000.0), NOTHING);
@@ -548,7 +549,7 @@ mod tests {
             monitor.look(0, tick, 10, &[0, 0, lsb(mm)]);
             std::mem::take(&mut monitor.excess).len()
         };
-        // 200 000 mm/s³ at 1 ms, and beside the path twice as much.
+        // 200 000 mm/s³ at 1 ms, and twice as much in the independent motion.
         assert_eq!((seen(1, 0, 3e-4), seen(2, 1, 3e-4), seen(6, 1, 3e-4), seen(7, 1, 5e-4)), (1, 0, 0, 1));
         // A difference covers rows from before.
         assert_eq!((seen(8, 0, 3e-4), seen(10, 0, 3e-4), seen(11, 0, 3e-4)), (0, 0, 1));

@@ -1,6 +1,6 @@
 //! Effect of the path's resolution on the differences of an axis, in addition to the rounding of set points.
 //!
-//! The same allowances as those of the library's own tests (`host-tests/src/tolerance.rs`), in LSB of a
+//! The allowances are the same as those of the library's tests (`host-tests/src/tolerance.rs`), in LSB of a
 //! position, 2^-32 mm or degrees:
 //!
 //! | source | size | in a difference of order n | applies |

@@ -235,7 +235,7 @@ struct Rules<'a> {
     patience: u64,
     /// The program text is late.
     late: &'a Cell<bool>,
-    /// The decoded program, for the changes of the transformation.
+    /// The decoded program, which tells where the transformation changes.
     program: &'a Program,
     writer: plc::Writer<'a>,
     plc: Option<Plc<'a>>,

@@ -540,14 +540,15 @@ mod tests {
     #[test]
     fn a_joint_is_stood_at_where_a_row_stands() {
         let mut statistics = Statistics::new(&[Position::ZERO], 0);
-        // A tick passes two joints and ends in a standstill at a third one; from there a tick passes a whole block.
+        // A tick passes two transitions and ends in a standstill at a third one; the next tick passes a whole
+        // block.
         let rows = [(0, 0), (0, 5), (3, 0), (3, 0), (4, 2), (4, 6), (5, 4), (5, 0), (5, 3), (6, 3)];
         for (mm, (block, speed)) in (0..).zip(rows) {
             statistics.add(&row(mm, block, speed), &[Position::ZERO], false, Pause::None);
         }
         let passed = |bits| Some(Speed::from_bits(bits));
         assert_eq!(statistics.transitions, [passed(5), None, passed(0), passed(2), passed(4), passed(3)]);
-        // Blocks 7 to 9 became one line: the laws tell that it stands in front of them.
+        // Blocks 7 to 9 are merged to one line. The speed profiles show that the axes stand before this line.
         let law = PlannedBlock { block: 6, blocks: 1, ..PlannedBlock::default() };
         statistics.spans = vec![law, PlannedBlock { block: 7, blocks: 3, ..law }];
         statistics.add(&row(10, 9, 0), &[Position::ZERO], false, Pause::None);

@@ -18,7 +18,7 @@ pub fn turning(slope: u8) -> MachineData<4> {
     machine
 }
 
-/// Blocks of so many millimetres of X and degrees of A.
+/// Blocks with these lengths in millimetres of X and degrees of A.
 pub fn beside(blocks: &[[f64; 2]]) -> Program {
     let mut at = [0.0; 4];
     let mut program = Program::new("beside", 4);

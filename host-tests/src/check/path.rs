@@ -168,8 +168,8 @@ struct Deviation {
 }
 
 impl Deviation {
-    /// At the point nearest in all axes, or in the main axes alone: where an axis travels far beside a short
-    /// path, the former is that of this axis.
+    /// At the point nearest in all axes, or in the main axes only. If an axis moves far while the path is
+    /// short, the first point is that of this axis.
     fn of(element: &Element, q: &[f64], near: f64, tolerance: f64) -> Self {
         let off = Self::at(element, q, element.project(q, near), tolerance);
         if off.inside || element.shape != Shape::Line || element.main_length() == 0.0 {

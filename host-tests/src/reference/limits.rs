@@ -24,13 +24,14 @@ use std::f64::consts::{FRAC_PI_4, PI, TAU};
 
 /// Part of B for a transition that is not smooth; the slope next to the transition gets the same part.
 const JOINT: f64 = 0.4;
-/// Part of B for an acceleration along the path that turns at a joint.
+/// Part of B for an acceleration along the path whose direction changes at a transition.
 const TURN: f64 = 0.05;
 /// Next to a transition an arc has these parts of B: for the slope, for v³κ².
 const ARC_SLOPE: f64 = 0.25;
 const ARC_TURN: f64 = 0.5;
-/// Parts of the speed V at which v³κ² takes all of B, with the jerks against and along the motion, in parts of B, that
-/// an arc at up to that speed leaves to a law that begins and ends without acceleration.
+/// Each row: a part of the speed V at which v³κ² takes all of B, then two jerks, against and along the
+/// motion, in parts of B. An arc at up to this speed leaves these jerks to a speed profile that begins and
+/// ends without acceleration.
 const ARC_LEVELS: [[f64; 3]; 11] = [
     [0.986, 0.0404, 0.80],
     [0.957, 0.1223, 0.95],
@@ -200,7 +201,7 @@ pub struct AxisLimits {
 }
 
 impl AxisLimits {
-    /// Of a machine's axis, for a cycle in µs and a slope of P-CHAN-00071.
+    /// Limits of a machine's axis, for a cycle in µs and a slope of P-CHAN-00071.
     pub fn new(axis: &AxisData, channel: &ChannelData, rapid: bool) -> Self {
         let (cycle_us, slope) = (channel.cycle_us, channel.slope_profile);
         let cycle = f64::from(cycle_us) * 1e-6;
@@ -458,8 +459,8 @@ impl Machine {
         speeds.fold(f64::INFINITY, f64::min) * (1.0 - tolerance::SPEED_MARGIN)
     }
 
-    /// Highest speed at which the step of acceleration from the end of a block to the start of another one,
-    /// with less than a tick between them, has no more jerk than a joint may.
+    /// Highest speed at which the step of acceleration from the end of a block to the start of another one
+    /// keeps the jerk of a transition, if less than a tick lies between them.
     pub fn bending(&self, before: &Element, after: &Element) -> f64 {
         let axes = self.axes(before.feed.is_none() && after.feed.is_none());
         let (end, begin) = (direction(before, 1.0).curvature, direction(after, 0.0).curvature);
@@ -483,8 +484,8 @@ impl Machine {
         SMOOTH * self.axes(rapid).iter().map(|axis| axis.jerk).fold(f64::INFINITY, f64::min)
     }
 
-    /// Highest speed of a joint that neither neighbour passes faster than `fastest`, with accelerations up to
-    /// `most`; `None` if it is smooth.
+    /// Highest speed of a transition, if neither neighbouring block is faster than `fastest`, with
+    /// accelerations up to `most`; `None` if the transition is smooth.
     pub fn joint(&self, before: &Element, after: &Element, fastest: f64, most: f64) -> Option<f64> {
         let axes = self.axes(before.feed.is_none() && after.feed.is_none());
         let shorter = path_length(before).min(path_length(after));
@@ -493,7 +494,7 @@ impl Machine {
         for (k, axis) in axes.iter().enumerate() {
             let knee = (begin.tangent[k] - end.tangent[k]).abs();
             let bend = (begin.curvature[k] - end.curvature[k]).abs();
-            // Steps too small to be seen, at any speed the joint can be passed.
+            // Steps too small to be noticed, at any speed of the transition.
             let smooth = if self.slope == 0 { STEP_SMOOTH } else { SMOOTH };
             let unseen = |step: f64| step <= smooth * axis.jerk;
             let knee = if unseen(fastest * knee) { 0.0 } else { knee };
@@ -505,11 +506,11 @@ impl Machine {
                 false => JOINT * axis.jerk,
             };
             if knee > 0.0 {
-                // Alone, if no other joint follows within three ticks; else up to 2 + 2/h of them, h ticks
-                // apart.
+                // Alone, if no other transition follows within three ticks; else up to 2 + 2/h of them, h
+                // ticks apart.
                 let alone = part.min(axis.knee) / knee;
-                // With STEP speed is gained from the joint on: 3 v + 4.5 a in three ticks (of L at most, in
-                // two steps), to √(v² + aL) in the middle of a block.
+                // With STEP speed is gained from the transition on: 3 v + 4.5 a in three ticks (of L at most,
+                // in two steps), to √(v² + aL) in the middle of a block.
                 let a = if self.slope == 0 { most } else { 0.0 };
                 let slow = shorter
                     * match shorter / a {
@@ -570,10 +571,9 @@ fn direction(element: &Element, u: f64) -> Direction {
     Direction { tangent, curvature }
 }
 
-/// Length along which a block's speeds count: that of the feed axes, where none of them moves of the main
-/// axes, then of all others; where an axis moves more than 1024 times as far, a 1024th of its travel, beside
-/// other feed axes than the main ones a 64th. An arc whose radius changes counts as if it had the larger one
-/// throughout.
+/// Length to which a block's speeds refer: that of the feed axes; if no feed axis moves, that of the main
+/// axes, then of all others. If an axis moves more than 1024 times as far, a 1024th of its travel; if the
+/// feed axes are not the main axes, a 64th. An arc whose radius changes counts with its larger radius.
 pub fn path_length(element: &Element) -> f64 {
     let along = |axes: &[usize]| match &element.shape {
         Shape::Line => axes.iter().map(|&k| element.travel(k).powi(2)).sum::<f64>().sqrt(),

@@ -1,7 +1,8 @@
 //! The plan, block by block: limits, speeds at transitions, speed profiles. Acceleration is zero at every
 //! transition, unless both blocks have equal limits: then they have one speed profile.
 //!
-//! A block between a knee and a standstill may be *hasty*: so short beside its jerk that it takes less than two ticks.
+//! A block between a corner and a stop may be *hasty*: so short relative to its jerk that it takes less than
+//! two ticks.
 //! Then the block on its other side leaves the knee a part too. A hasty block that has left no knee a part at its
 //! start has none at its end: the motion stands still there.
 //!
@@ -26,15 +27,16 @@ pub struct Block {
     pub limits: BlockLimits,
     /// Highest speed at its start; zero after a stop.
     pub v_start: f64,
-    /// It stands for several, and is long enough.
+    /// Whether the block replaces several blocks and is long enough.
     pub long: bool,
-    /// It is a line: it goes into the ring when the next block is known.
+    /// Whether the block is a line: a line goes into the ring when the next block is known.
     pub waits: bool,
     /// Acceleration may pass its start.
     pub through: bool,
 }
 
-/// A block of so many times the jerk of its steepest ramp may take less than two ticks between a knee and a standstill.
+/// A block of this number of times the jerk of its steepest ramp may take less than two ticks between a
+/// corner and a stop.
 const HASTY: f64 = 0.4;
 
 impl Block {
@@ -50,8 +52,9 @@ pub fn blocks(contour: &Contour, machine: &Machine) -> Vec<Block> {
     decided(contour, machine, |_, _, standing| standing)
 }
 
-/// The same; of a corner with a tie, by the number of the block behind it and the speed of standing still,
-/// `stands` tells whether the motion stands still. It is told what this plan would do.
+/// The same, with decisions from outside. At a corner where passing and stopping take equal time, `stands`
+/// decides whether the motion stops. Its arguments are the number of the block after the corner, the speed of
+/// stopping, and the decision of this plan.
 pub fn decided(
     contour: &Contour,
     machine: &Machine,
@@ -63,7 +66,7 @@ pub fn decided(
     let mut knees = Knees::default();
     // The last one that takes more than next to nothing.
     let mut behind: Option<&Element> = None;
-    // The last one has left the joint at its start a part.
+    // The last block has left a part to the transition at its start.
     let mut left = false;
     // Radians from where the circle begins.
     let mut turn = 0.0;
@@ -102,7 +105,7 @@ pub fn decided(
                 },
                 _ => false,
             };
-            // With STEP, blocks that may pass within a tick count as joints.
+            // With STEP, blocks that may be passed within a tick count as transitions.
             let within = last.length < last.limits.v || length < limits.v;
             if standing {
                 v_start = unseen;
@@ -155,7 +158,7 @@ pub fn decided(
 /// Centres closer than that in both axes are one, mm.
 const ONE_CENTRE: f64 = 1.0 / 512.0;
 
-/// Radians from where the circle of an arc begins to its end: arcs about one centre, one behind the other, are one.
+/// Radians from the start of an arc's circle to its end: consecutive arcs about one centre count as one.
 fn turned(before: Option<&Element>, element: &Element, turn: f64) -> f64 {
     let Shape::Arc { axes, centre, sweep, .. } = &element.shape else { return 0.0 };
     let goes_on = match before.map(|before| &before.shape) {
@@ -168,8 +171,8 @@ fn turned(before: Option<&Element>, element: &Element, turn: f64) -> f64 {
     if goes_on { turn + sweep.abs() } else { sweep.abs() }
 }
 
-/// The blocks as a library decided where both ways take as long: whether its plan enters the block behind
-/// such a corner no faster than where it stands still.
+/// The blocks with the library's decisions at corners where passing and stopping take equal time. The library
+/// has stopped if its plan enters the block after the corner no faster than after a stop.
 pub fn blocks_of(contour: &Contour, machine: &Machine, planned: &[PlannedBlock]) -> Vec<Block> {
     let mut entries = vec![None; contour.elements.len()];
     let mut first = 0;
@@ -204,7 +207,7 @@ const LONG_BLOCKS: usize = 2;
 /// Several blocks with one speed profile.
 #[derive(Clone, Copy, Debug)]
 struct Span {
-    /// Numbers of its first block and of the one behind it.
+    /// Numbers of its first block and of the block after its last one.
     first: usize,
     behind: usize,
     whole: Block,
@@ -248,7 +251,7 @@ pub fn plan(blocks: &[Block], depth: usize) -> Vec<Profile> {
         let ends = known == blocks.len() && blocks[known - 1].waits;
         let full = (known == start + depth || long == LONG_BLOCKS) && !ends;
         if let (true, Some(last)) = (full, ring.last_mut()) {
-            // Whatever comes next may need its part of the jerk.
+            // The next block may need its part of the jerk.
             last.limits.share();
         }
         let batch = if full { start + (ring.len() / 4).max(1) } else { known };
@@ -277,8 +280,8 @@ pub fn plan(blocks: &[Block], depth: usize) -> Vec<Profile> {
     profiles
 }
 
-/// Where a span that would leave is to be cut, if its end may yet be passed faster: where its slowing down
-/// begins, or behind those blocks that leave in any case.
+/// Place at which a released span must be cut, if its end may still get a higher speed: where its braking
+/// begins, or after the blocks that are released in any case.
 fn cut(parts: &[Span], ring: &[Block], entries: &[f64], batch: usize) -> Option<usize> {
     let start = parts[0].first;
     let mut v_in = entries[start];
@@ -309,13 +312,13 @@ fn cut(parts: &[Span], ring: &[Block], entries: &[f64], batch: usize) -> Option<
     None
 }
 
-/// Raises the speeds at the starts of spans as far as the motion can still come to a standstill at the end of
-/// the last. The first one is decided.
+/// Raises the speeds at the starts of spans as far as a stop at the end of the last span stays possible. The
+/// speed of the first span is decided.
 ///
-/// With the acceleration zero at both ends, slowing down by less may take longer: from v to w the distance is
-/// proportional to (v + w)·√(v - w) where the largest acceleration is not reached, which grows with w up to
-/// v/3. So a speed that was possible with a lower one behind it may not follow from the higher one. It stays
-/// possible.
+/// With zero acceleration at both ends, braking by less may take longer. From v to w the distance is
+/// proportional to (v + w)·√(v - w) if the highest acceleration is not reached, which grows with w up to v/3.
+/// So a start speed that was possible with a lower end speed may not be found from the higher end speed,
+/// although it stays possible.
 fn raise(entries: &mut [f64], parts: &[Span]) {
     for Span { first, behind, whole } in parts.iter().skip(1).rev() {
         let highest = reach(whole.length, entries[*behind], whole.v_start, whole.limits.brake().reversed());

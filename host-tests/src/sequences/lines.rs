@@ -105,7 +105,7 @@ impl Line {
         }
     }
 
-    /// Carries it out; `false` where the program does not go on behind it.
+    /// Carries the line out; `false` if the program does not continue after it.
     pub fn apply(&self, model: &mut Model, effect: &mut Effect) -> bool {
         match self {
             Self::Move { mode, relative, zero, feed, to, .. } => {

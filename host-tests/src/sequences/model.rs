@@ -28,7 +28,7 @@ pub struct Modal {
     pub zero: Option<usize>,
     /// G92, eighths.
     pub shift: [i64; 3],
-    /// There is a feed.
+    /// Whether a feed is set.
     pub feed: bool,
     /// G00, G01, G02, G03.
     pub mode: u8,
@@ -67,7 +67,7 @@ impl Element {
     }
 }
 
-/// All of it.
+/// The state of the machine.
 #[derive(Clone, Debug)]
 pub struct Model {
     /// Set points.
@@ -76,7 +76,7 @@ pub struct Model {
     pub known: [bool; 3],
     /// Zero offsets, eighths.
     pub zeros: [[i64; 3]; 6],
-    /// What is in force.
+    /// Modal state.
     pub modal: Modal,
 }
 
@@ -89,7 +89,7 @@ pub struct Effect {
     pub reach: [[i64; 2]; 3],
     /// Numbers of M functions, and those of H functions + 1000.
     pub outputs: Vec<u16>,
-    /// Axes move beside the path.
+    /// Whether axes move independently of the path.
     pub beside: bool,
     /// Corners may be rounded.
     pub smooth: bool,

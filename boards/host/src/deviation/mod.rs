@@ -541,7 +541,7 @@ impl Deviation {
         self.done = self.done.max(to);
     }
 
-    /// Finishes after the last curve.
+    /// Completes the comparison after the last curve.
     pub fn finish(&mut self) {
         // After an abort no further end is reached.
         self.settle(self.before.min(self.blocks.len().saturating_sub(1)));

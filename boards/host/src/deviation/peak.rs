@@ -7,7 +7,7 @@ use super::{CHORDS, Deviation, Measured, NOTHING};
 
 /// A position on a curve, as part of its length.
 const WHOLE: u32 = 1 << 16;
-/// Those between two points.
+/// Number of parts between two points.
 const STEP: u32 = WHOLE / CHORDS;
 /// Number of places between two points for the first search.
 const FINER: u32 = 8;
@@ -61,8 +61,8 @@ impl Deviation {
     ) -> Vec<Measured> {
         let axes = measured.first().map_or(0, |first| first.track.len());
         let mut peaks = self.peaks_of(block, measured, exact, &|one, _| one.seen.distance);
-        // If two places of the path are equally near, another axis may have several values. So a value
-        // between two points counts only next to the block of these points.
+        // If two places of the path are equally near, another axis may have two values. Then only the value next
+        // to the block of the measured points counts.
         for peak in &mut peaks {
             peak.track.clear();
         }
@@ -80,7 +80,7 @@ impl Deviation {
         peaks
     }
 
-    /// The same of one of them.
+    /// Finds the largest deviation of one of them.
     fn peaks_of(
         &self,
         block: usize,

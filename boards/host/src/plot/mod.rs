@@ -82,7 +82,7 @@ pub struct Scene<'a> {
     pub program: &'a Program,
     /// The plan.
     pub statistics: &'a Statistics,
-    /// What was recorded.
+    /// The recorded data.
     pub picture: &'a Picture,
     /// The events from outside.
     pub events: &'a [Event],

@@ -34,7 +34,7 @@ const PLOT_STYLE: &str = include_str!("vendor/uPlot.min.css");
 const PLOT_SCRIPT: &str = include_str!("vendor/uPlot.iife.min.js");
 const PLOT_LICENCE: &str = include_str!("vendor/LICENSE-uPlot");
 
-/// What the page shows.
+/// The data of the page.
 pub struct Scene<'a> {
     pub files: &'a Files,
     pub machine: &'a Machine,

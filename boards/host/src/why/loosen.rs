@@ -27,7 +27,7 @@ pub enum Limit {
     Tangential,
     /// Another slope.
     Hsc,
-    /// Chords that are merged to one line: some of the tolerance, or none.
+    /// Merging of chords to one line: with a part of the tolerance, or off.
     Chords,
 }
 

@@ -326,7 +326,7 @@ mod tests {
         }
     }
 
-    /// What this version does not have is refused by name. Rows: C40-063, C40-069, C40-071.
+    /// Functions that this version does not have are refused by name. Rows: C40-063, C40-069, C40-071.
     #[test]
     fn absent_functions_are_refused_by_name() {
         for name in [
@@ -356,7 +356,7 @@ mod tests {
             ("[5000, 0, 7]", 5000, 1),
         ] {
             let machine = good(&format!("[startup]\nfb_storage_size = {size}"));
-            // The file has no slope, which is told, too.
+            // The file has no slope, so a warning about the slope comes too.
             let told = machine.warnings.iter().filter(|told| told.render().contains("P-STUP-00033"));
             let got = (machine.channel.interpolator.fb_storage_size, told.count());
             assert_eq!(got, (bytes, warnings), "{size}");

@@ -155,7 +155,7 @@ fn heading(canvas: &mut dyn Canvas, frame: &Rect, above: f64, row: &dyn Row) {
     }
 }
 
-/// Where blocks begin.
+/// Draws the borders of blocks.
 fn borders(canvas: &mut dyn Canvas, frame: &Rect, scene: &Scene<'_>, x: &Scale) {
     let cycle = scene.machine.cycle_s();
     let entries = &scene.picture.entries;

@@ -23,7 +23,7 @@ pub struct PathSpeed<'a> {
 }
 
 impl<'a> PathSpeed<'a> {
-    /// Of a run.
+    /// Makes the row of a run.
     pub fn new(scene: &'a Scene<'a>) -> Self {
         let end = ((scene.picture.ticks().max(2) - 1) as f64) * scene.machine.cycle_s();
         let [programmed, limit] = steps(scene, end);
