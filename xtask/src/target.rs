@@ -35,7 +35,7 @@ pub struct TargetRun {
     pub decode: Cost,
     /// Ticks with motion or dwell.
     pub ticks: u64,
-    /// Ticks between them without planned motion.
+    /// Ticks without planned motion, between the first and the last tick with motion.
     pub starved: u64,
     /// Motion blocks planned.
     pub blocks: u64,

@@ -104,7 +104,7 @@ struct Happening {
     reaction: Option<Reaction>,
 }
 
-/// Effect from this tick on.
+/// The effect of the event begins at this tick.
 #[derive(Serialize)]
 struct Reaction {
     what: &'static str,

@@ -19,7 +19,7 @@ fn ramp(controller: &str) -> Taken {
     Taken::new(RAMP_MS, format!("chosen: {controller} has no ramps. Slope STEP (profile = 0) moves like it"))
 }
 
-/// Reads the settings of a controller: the machine file.
+/// Reads the settings of a controller. Returns the text of a machine file.
 ///
 /// # Errors
 /// The text is no list of settings, or a value is missing or out of range.
