@@ -8,7 +8,7 @@
 //! - speed, acceleration and jerk of every axis at every tick, so that no set point jumps;
 //! - the path distance never goes back, and each set point lies on the path of the slow run;
 //! - the motion ends exactly at the end, with the same path distance, and the planner reports at most once
-//! that it was late;
+//!   that it was late;
 //! - a stall and a hold both lead to a standstill.
 //!
 //! The duration of a feed hold is compared with the closed form, [`Stop`].

@@ -2,7 +2,7 @@
 //!
 //! 1. The host toolchain has the target's library: plain `--target`.
 //! 2. A compiler has the library's source (from a distribution, or the component rust-src): the library is
-//! built too, with `-Zbuild-std=core`.
+//!    built too, with `-Zbuild-std=core`.
 //! 3. Debian and root: the distribution's compiler and source are installed, then 2.
 //! 4. Otherwise the user gets both instructions. This program never calls rustup.
 use crate::shell;

@@ -4,14 +4,14 @@
 //!
 //! - every limit of a straight block is that of the axis that reaches its limit first;
 //! - an axis has at most the jerk B = a / min(ramp time, geometric ramp time); an arc or a corner uses a part
-//! of B;
+//!   of B;
 //! - a ramp of SIN2 has π/2 times the jerk of a linear one;
 //! - a corner with P-AXIS-00013, and without P-CHAN-00009 a step of acceleration, may have unlimited jerk.
-//! With P-CHAN-00009 the step has the part of the transition's jerk that P-AXIS-00154 gives. Corner,
-//! curvature and slope together keep the highest acceleration;
+//!   With P-CHAN-00009 the step has the part of the transition's jerk that P-AXIS-00154 gives. Corner,
+//!   curvature and slope together keep the highest acceleration;
 //! - STEP has no jerk limit: a corner is a step of speed. The step is at most the change of speed in a tick,
-//! at a quarter of the highest acceleration. Neighbouring lines and all arcs leave this quarter to the
-//! corner;
+//!   at a quarter of the highest acceleration. Neighbouring lines and all arcs leave this quarter to the
+//!   corner;
 //! - speeds and accelerations keep [`tolerance::SPEED_MARGIN`], jerks [`tolerance::JERK_MARGIN`];
 //! - a path distance is good to [`tolerance::DISTANCE`] δ, and each of the four that count in a second difference may be
 //!   off by it (1, 2 and 1 times): along the path 4·δ of acceleration are left to that. Of an axis that moves n times as
