@@ -14,8 +14,7 @@ const TESTS: &str = "hil-tests";
 const BOARD: &str = "boards/stm32f405";
 const BOARD_BINARY: &str = "glidepath-stm32f405";
 
-/// One binary for each configuration, in the order of [`host::run_all`]: together they do not fit into the
-/// memory.
+/// One for each configuration, in the order of [`host::run_all`]: together they have no room in the memory.
 pub const SAME: [&str; 6] = ["same", "same_four", "same_six", "short_three", "deep_three", "short_six"];
 
 /// The binary that counts instructions and bytes.
@@ -198,7 +197,7 @@ pub fn only_plc() -> Result<(), String> {
     Ok(())
 }
 
-/// Runs the programs of all configurations, and returns their memory.
+/// The programs of all configurations, and what memory they took.
 fn measure(firmware: &Firmware, host: &[HostRun]) -> Result<(Vec<TargetRun>, MemoryFigures), String> {
     let (mut runs, mut said, mut success) = (Vec::new(), String::new(), true);
     let mut memory = MemoryFigures::default();

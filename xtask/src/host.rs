@@ -99,7 +99,7 @@ fn run_session(name: &'static str) -> Result<HostRun, String> {
     Ok(HostRun { name, axes: 3, blocks: BLOCKS, set_points, outcome })
 }
 
-/// Results of the programs of [`crate::rtos`].
+/// What the programs of [`crate::rtos`] do.
 pub fn tasks() -> Result<HostRun, String> {
     let mut set_points = Vec::new();
     let mut channel = Box::new(Channel::<3, BLOCKS>::new());

@@ -27,8 +27,8 @@ const JOBS: &str = "10";
 /// Lines of a job in the short form.
 const SHORT: &str = "300";
 
-/// Runs all four senders with `serve`, and the two quick ones with the firmware. A sender that cannot be
-/// installed is an error. The jobs have up to `lines` lines.
+/// All four to `serve`, and the two quick ones to the firmware; what cannot be installed is an error. The jobs have up to
+/// so many lines.
 pub fn all(lines: &str) -> Result<(), String> {
     step("senders");
     let python = python(&[PYTHON.as_slice(), &BCNC].concat())?;

@@ -77,7 +77,7 @@ impl Checked {
 /// Checks the whole program.
 ///
 /// # Errors
-/// All mistakes in the order of the text, within the bounds.
+/// All its mistakes in the order of the text, as far as the bounds allow.
 pub fn check(files: &Files, machine: &Machine, bounds: Bounds) -> Result<Checked, Vec<Diagnostic>> {
     with_axes!(machine, check_axes(files, machine, bounds))
 }

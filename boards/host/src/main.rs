@@ -604,7 +604,7 @@ fn decode(
     }
 }
 
-/// All refusals of a check; if the check refuses nothing, `refused`.
+/// All that a check refuses; where it refuses nothing, `refused`.
 fn all_mistakes(files: &Files, machine: &Machine, input: &Input, refused: Refusal) -> Refusal {
     check::check(files, machine, input.bounds()).err().unwrap_or(refused)
 }

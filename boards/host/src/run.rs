@@ -410,7 +410,7 @@ fn tip_of<const AXES: usize>(
 struct Recorder {
     /// Under a transformation: tip and angles for the positions of the axes.
     tool: Option<Vec<Position>>,
-    /// Position of the tool, in every row of the trace.
+    /// Where the tool is, in every row of the trace.
     chain: Option<Chain>,
     statistics: Statistics,
     driven: Driven,

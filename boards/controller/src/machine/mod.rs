@@ -35,7 +35,7 @@ use homing::Homing;
 use offered::{End, Offered};
 use probe::ProbeCycle;
 
-/// Number of planner calls in one call of `service`.
+/// Calls of the planner in a row.
 const CALLS: usize = 64;
 
 /// State that the words of lines leave, in addition to the state of the decoder.

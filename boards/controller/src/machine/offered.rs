@@ -31,7 +31,7 @@ pub struct Offered {
 }
 
 impl Offered {
-    /// There is no current line.
+    /// None is at hand.
     pub const NONE: Self = Self { offered: false, waits: false, pauses: false, end: None, error: None };
 }
 
@@ -65,7 +65,7 @@ impl<const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Machine<'_, 
         Taken::NotYet
     }
 
-    /// The answer of a line that is answered at standstill.
+    /// The answer of a line that is answered at rest.
     pub(super) fn answer_at_rest(&mut self) -> Taken {
         if self.line.waits {
             self.work();

@@ -11,15 +11,14 @@ use std::vec::Vec;
 const BLOCK: usize = 4096;
 const BYTES: usize = 2 * BLOCK;
 
-/// A file of 8,192 bytes that contains the store. Each call waits until the operating system has written the
-/// data.
+/// A file of 8,192 bytes that holds the store. Each call waits until the system has written it.
 #[derive(Debug)]
 pub struct FileFlash {
     file: File,
 }
 
 impl FileFlash {
-    /// Opens the file, or makes a file without records. The missing part of a shorter file counts as erased.
+    /// Opens the file, or makes one without records. A file that is shorter counts as erased behind its end.
     ///
     /// # Errors
     /// The file cannot be opened, or has more bytes than a store.

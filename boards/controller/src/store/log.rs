@@ -140,7 +140,7 @@ impl<F: NorFlash> Log<F> {
         Ok(Some(active))
     }
 
-    /// Returns the record of a kind, 1…3: version and content.
+    /// The record of a kind, 1…3: its version and its content.
     pub fn get(&mut self, kind: u8) -> Option<(u8, &[u8])> {
         let Active { half, generation, slots, .. } = self.active?;
         let slot = (*slots.get(usize::from(kind).wrapping_sub(1))?)?;

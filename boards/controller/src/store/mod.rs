@@ -36,7 +36,7 @@ pub trait Store<const AXES: usize> {
     fn texts(&mut self, startup: [&[u8]; 2], info: &[u8]) -> bool;
 }
 
-/// No store: all data are lost at power-off.
+/// No store: everything is forgotten when power goes.
 impl<const AXES: usize> Store<AXES> for () {
     fn settings(&mut self, _: &Settings<AXES>) -> bool {
         true

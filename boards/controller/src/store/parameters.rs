@@ -72,7 +72,7 @@ impl<F: NorFlash, const AXES: usize> Parameters<F, AXES> {
         offsets
     }
 
-    /// Returns the memory.
+    /// The memory.
     pub fn into_flash(self) -> F {
         self.log.into_flash()
     }

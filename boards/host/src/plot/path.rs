@@ -24,7 +24,7 @@ const WIDTHS: [f64; 2] = [0.5, 2.2];
 /// Rapid motion.
 const RAPID: Stroke = Stroke { opacity: 0.9, dash: Some((4.0, 3.0)), ..Stroke::new(SOFT, 0.9) };
 
-/// Projection of three coordinates to two.
+/// How three coordinates become two.
 #[derive(Clone, Copy, PartialEq)]
 enum View {
     /// One coordinate to the right, one up.
@@ -184,7 +184,7 @@ fn one(canvas: &mut dyn Canvas, frame: &Rect, view: View, shown: &Shown<'_>) {
     canvas.clip(None);
 }
 
-/// The size of the path in the picture, in square pixels.
+/// The path on a picture that is so large, in square pixels.
 fn lines(canvas: &mut dyn Canvas, shown: &Shown<'_>, area: f64, place: &dyn Fn([f64; 3]) -> Point) {
     // Rapid motion is drawn along the driven path.
     for stretch in shown.programmed.iter().filter(|stretch| !stretch.rapid) {

@@ -36,8 +36,8 @@ pub struct Picture {
     low: [f64; 3],
     high: [f64; 3],
     pending: Option<Place>,
-    /// Speed of the path; acceleration and jerk of each moving axis; effect of each filter in percent of
-    /// AX_DEV; positions of axes in independent motions.
+    /// Speed of the path, then acceleration and jerk of each axis that moves, then of each axis what its filter
+    /// makes of it in percent of AX_DEV, then positions of axes that move beside the path.
     pub envelope: Envelope,
     /// Number of axes with filters (all or none), and of axes in independent motions.
     filtered: usize,
@@ -50,8 +50,8 @@ pub struct Picture {
 }
 
 impl Picture {
-    /// Empty record. Parameters: axes that are shown, that move on the path, that move independently; and
-    /// which blocks are rapid motion.
+    /// Nothing recorded yet. Axes that are shown, that move on the path, that move beside it; which blocks are rapid
+    /// motion.
     pub fn new(
         machine: &Machine,
         axes: Vec<usize>,

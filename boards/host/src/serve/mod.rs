@@ -78,7 +78,7 @@ struct Desk<'a> {
     ticks: u64,
 }
 
-/// Runs until the user ends the command, or the sender has left.
+/// Runs until it is ended, or the sender has gone.
 ///
 /// # Errors
 /// Machine data refused; the connection fails.
@@ -95,7 +95,7 @@ pub fn run(machine: &MachineData<AXES>, lines: &mut Lines, options: &Options) ->
     let (begun, out) = (Instant::now(), Vec::new());
     let (inputs, latch) = (Inputs::new(&data, options.plate), Latch::new(1));
     let mut desk = Desk { options, lines, inputs, latch, receiver, controller, out, begun, ticks: 0 };
-    // The memory is large for a stack.
+    // Large for a stack.
     let mut memory = Box::new(MachineMemory::new());
     let mut channel = Box::new(Channel::<AXES, BLOCKS, AXES>::new());
     loop {
@@ -147,7 +147,7 @@ impl Desk<'_> {
                 }
             }
             if now_us / cycle_us > self.ticks + 10 * TICKS_PER_TURN {
-                // The computer is too slow or was asleep: lost time is not made up for.
+                // Too slow for that speed, or asleep: what is late is not made up for.
                 self.ticks = now_us / cycle_us;
             }
             self.show(&machine);

@@ -64,14 +64,13 @@ type Flash = &'static mut glidepath_controller::store::MemoryFlash<8192>;
 static FLASH: ConstStaticCell<glidepath_controller::store::MemoryFlash<8192>> =
     ConstStaticCell::new(glidepath_controller::store::MemoryFlash([0; 8192]));
 
-/// Memory of a machine in addition to its channel. The memory is initialised again when settings change
-/// machine data.
+/// What a machine works in beside its channel. It is made anew when settings change machine data.
 struct Memory {
     machine: MachineMemory<AXES>,
     data: MachineData<AXES>,
 }
 
-/// With programs of other dialects 17 bytes are not zero, so flash contains the start values.
+/// With programs of other dialects 17 of its bytes are not zero, so flash holds what it begins with.
 static CHANNEL: ConstStaticCell<Channel<AXES, BLOCKS, AXES>> = ConstStaticCell::new(Channel::new());
 static MEMORY: ConstStaticCell<Memory> =
     ConstStaticCell::new(Memory { machine: MachineMemory::new(), data: machine::BLANK });
@@ -167,8 +166,7 @@ fn serve(
 ) {
     let (channel, memory): (*mut _, *mut Memory) = (channel, memory);
     loop {
-        // SAFETY: the machine of the previous round and the interrupt's data do not exist any more. No other
-        // reference exists.
+        // SAFETY: `machine` of the round before is gone, and so is the interrupt's side. Nothing else refers to them.
         let (channel, memory): (&'static mut Channel<AXES, BLOCKS, AXES>, &'static mut Memory) =
             unsafe { (&mut *channel, &mut *memory) };
         clear(channel, memory, carried);
@@ -184,8 +182,7 @@ fn serve(
 #[inline(never)]
 fn clear(channel: &mut Channel<AXES, BLOCKS, AXES>, memory: &mut Memory, carried: &Carried<AXES>) {
     memory.data = machine::data(&carried.settings);
-    // A constant is copied directly to its place. The result of a call would first need room on the stack,
-    // which is too small.
+    // A constant is copied to its place at once. What a call returns is on the stack first, and has no room there.
     *channel = const { Channel::new() };
 }
 

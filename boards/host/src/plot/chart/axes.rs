@@ -1,5 +1,5 @@
-//! Acceleration and jerk of all moving axes, with their limit of slope and contour together. Axes with equal
-//! limits have the unit of the limit; axes with different limits are shown in percent of their limits.
+//! Acceleration and jerk of all axes that move, beside the limit that they have in all: of slope and contour
+//! together. Axes with one limit have its unit; axes that differ are shown in percent of their own.
 use super::trace::{envelope, legend};
 use super::{Canvas, LIMIT, Line, Name, Rect, Row, Scale, Scene, label};
 use crate::plot::canvas::axis_colour;
