@@ -44,8 +44,8 @@ impl<T, const MARK: u32> Part<T, MARK> {
 
     /// Calls a function with the value.
     ///
-    /// A context that interrupts another one inside such a call is refused. Two cores that come at the same time may not be
-    /// seen: a handle belongs to one of them.
+    /// A context that interrupts another one inside such a call is refused. If two cores call at the
+    /// same time, the check may fail, so a handle must belong to one core.
     ///
     /// # Errors
     /// A null pointer, a handle that is not open, one that is in use, or what `act` says.

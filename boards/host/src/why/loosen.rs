@@ -165,7 +165,7 @@ mod tests {
     use super::*;
     use crate::machine::limits;
 
-    /// Speed, acceleration of the slope, of all, jerk of the slope, of all.
+    /// Speed; acceleration of the slope, and of slope and contour together; the same for jerk.
     fn quantities(machine: &Machine) -> [f64; 5] {
         let axis = limits(&machine.axes[1], machine.slope());
         [axis.speed, axis.accel_feed, axis.accel, axis.ramp_feed, axis.jerk]

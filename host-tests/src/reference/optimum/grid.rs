@@ -1,7 +1,8 @@
 //! Cells of the path: how they begin and which cells are divided.
 //!
-//! The jerk of the optimum is at its limit or zero but for a few switches. Only a cell with a switch inside
-//! costs time, in proportion to the square of its duration, so these are cut again and the others left alone.
+//! The jerk of the optimum is at its limit or zero, and switches between these values a few times. Only a
+//! cell that contains a switch costs time, in proportion to the square of its duration. So only these cells
+//! are divided again.
 use super::interior::{Grid, Point};
 use super::{Block, Limits, Unit, anchors::Course};
 use crate::reference::profile::Profile;
