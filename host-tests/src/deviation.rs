@@ -76,8 +76,6 @@ pub fn deviation<const AXES: usize>(corners: &[Point], pieces: &[Piece<AXES>]) -
 /// convex.
 type Free = Option<[f64; 2]>;
 
-/// Whether a path follows a contour in order, within `path` in the first three axes and within `track` in
-/// every other axis. The test moves forward on both and compares (Fréchet distance, with the free space of
 /// Alt and Godau). Both are polygons.
 pub fn follows(path: &[Vec<f64>], contour: &[Vec<f64>], [near, track]: [f64; 2]) -> bool {
     // Interval of the line from `a` to `b` within the distance of point `q`.

@@ -295,7 +295,6 @@ pub fn random_setup(seed: u64) -> (Program, MachineData<3>, Random) {
     (program, machine, random)
 }
 
-/// Whether a block may take more than its highest number of 2^26 ticks. Reduced speed is a limit of any size,
 /// and an override reduces the speed further. Such a run may end with an error.
 pub fn crawls<const AXES: usize>(machine: &MachineData<AXES>, acts: &[(usize, Act)]) -> bool {
     crawls_along(machine, acts, LENGTH)
