@@ -76,7 +76,9 @@ pub fn deviation<const AXES: usize>(corners: &[Point], pieces: &[Piece<AXES>]) -
 /// convex.
 type Free = Option<[f64; 2]>;
 
-/// Alt and Godau). Both are polygons.
+/// Whether a path follows a contour in order, within `path` in the first three axes and within `track` in
+/// every other axis. Both are followed forward at the same time (Fréchet distance, with the free space of Alt
+/// and Godau). Both are polygons.
 pub fn follows(path: &[Vec<f64>], contour: &[Vec<f64>], [near, track]: [f64; 2]) -> bool {
     // Interval of the line from `a` to `b` within the distance of point `q`.
     let free = |q: &[f64], a: &[f64], b: &[f64]| -> Free {

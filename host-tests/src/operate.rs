@@ -295,7 +295,8 @@ pub fn random_setup(seed: u64) -> (Program, MachineData<3>, Random) {
     (program, machine, random)
 }
 
-/// and an override reduces the speed further. Such a run may end with an error.
+/// Whether a block may take more than its highest number of 2^26 ticks. Reduced speed may be any low limit,
+/// and an override lowers the speed further. Such a run may end with an error.
 pub fn crawls<const AXES: usize>(machine: &MachineData<AXES>, acts: &[(usize, Act)]) -> bool {
     crawls_along(machine, acts, LENGTH)
 }
