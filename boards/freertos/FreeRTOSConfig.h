@@ -19,12 +19,13 @@
 #define configUSE_TASK_NOTIFICATIONS 1
 #define configCHECK_FOR_STACK_OVERFLOW 0
 
-// The interrupt of the tick wakes tasks, so it may not be above this priority. The STM32F405 has four bits of priority.
+// The interrupt of the tick wakes tasks, so its priority may not be higher than this one. The STM32F405 has
+// four bits of priority.
 #define configPRIO_BITS 4
 #define configKERNEL_INTERRUPT_PRIORITY (15 << (8 - configPRIO_BITS))
 #define configMAX_SYSCALL_INTERRUPT_PRIORITY (5 << (8 - configPRIO_BITS))
 
-// The names of the vectors in start.c.
+// The vector names in start.c.
 #define configCHECK_HANDLER_INSTALLATION 0
 #define vPortSVCHandler SVC_Handler
 #define xPortPendSVHandler PendSV_Handler

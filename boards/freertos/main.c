@@ -1,11 +1,11 @@
 // Glidepath in a FreeRTOS application, on an STM32F405 and in QEMU's netduinoplus2.
 //
-// | who       | priority                | what it has               |
+// | who       | priority                | owns                      |
 // |-----------|-------------------------|---------------------------|
 // | TIM2      | interrupt, above tasks  | the interpolator          |
 // | USART1    | interrupt               | the feeder                |
-// | functions | 3                       | the operator, by a mutex  |
-// | panel     | 2                       | the operator, by a mutex  |
+// | functions | 3                       | the operator, with mutex  |
+// | panel     | 2                       | the operator, with mutex  |
 // | plan      | 1                       | the planner               |
 #include "work.h"
 
@@ -13,7 +13,7 @@
 #include "semphr.h"
 #include "task.h"
 
-// Clock of TIM2: QEMU's has 1 GHz. A board has 16 MHz after reset.
+// Clock of TIM2: QEMU's TIM2 has 1 GHz. A board has 16 MHz after reset.
 #define TIMER_PER_CYCLE 1000000
 
 // The planner needs the largest stack: about 4 KB, and 1 KB for a message.
@@ -39,7 +39,7 @@ void TIM2_Handler(void) {
     portYIELD_FROM_ISR(is_higher);
 }
 
-// Waits for the next cycle, or for none if one has passed meanwhile.
+// Waits for the next cycle; returns at once if a cycle has begun since the last call.
 static void cycle(void) {
     ulTaskNotifyTake(pdTRUE, portMAX_DELAY);
 }

@@ -1,4 +1,4 @@
-//! Puts the memory map where the linker script of cortex-m-rt looks for it.
+//! Copies the memory map to the folder in which the linker script of cortex-m-rt searches for it.
 use std::{env, fs, path::Path};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {

@@ -1,4 +1,4 @@
-//! Memory map, linker scripts and the program to put into flash.
+//! Writes the memory map, passes linker scripts to the linker, and selects the program in flash.
 use std::{env, fs, path::Path};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -10,7 +10,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         println!("cargo:rerun-if-changed={}", from.display());
     }
     if env::var_os("CARGO_FEATURE_CONTROLLER").is_some() {
-        // Vectors in sector 0, the store in sectors 2 and 3, the program from sector 4 on.
+        // Vectors in sector 0, the store in sectors 2 and 3, the firmware from sector 4 on.
         let map = Path::new(&out).join("memory.x");
         let text = fs::read_to_string(&map)?;
         fs::write(&map, text + "\n_stext = ORIGIN(FLASH) + 64K;\n")?;

@@ -4,7 +4,7 @@ use glidepath::machine::{AxisData, AxisKind, AxisName, ChannelData, MachineData,
 /// Number of axes.
 pub const AXES: usize = 3;
 
-/// Blocks of look-ahead that RAM is spent on.
+/// Number of blocks in the look-ahead.
 pub const BLOCKS: usize = 120;
 
 const fn linear(letter: &str) -> AxisData {

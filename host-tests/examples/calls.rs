@@ -1,17 +1,19 @@
-//! The costliest call of the planner while an operator gives commands at any tick, and the costliest of those that wait:
-//! programs of the target's tests and random ones, with random commands each 1 to 50 ticks.
+//! The most expensive planner call while an operator gives commands at any tick, and the most expensive one
+//! that waits. The programs are those of the target's tests and random ones, with random commands every 1 to
+//! 50 ticks.
 //! `cargo run --release -p host-tests --example calls -- FIRST_SEED LAST_SEED [random|steady|alone]`; `steady` has the
 //! commands of the target's own case, `alone` has none.
 //!
-//! A cost is a number of basic blocks of the host's code: the same in each run. They are counted where the build is
-//! told so, in a folder of its own. Elsewhere the cost is the time in nanoseconds, the least of five runs.
+//! The cost is the number of executed basic blocks of the PC's code, which is the same in each run. The
+//! special build below counts the blocks, in a separate folder. In other builds the cost is the time in
+//! nanoseconds, the lowest of five runs.
 //!
 //! ```text
 //! CARGO_INCREMENTAL=0 CARGO_TARGET_DIR=target/counted RUSTFLAGS="-Cpasses=sancov-module -Ccodegen-units=8
 //!   -Cllvm-args=-sanitizer-coverage-level=3 -Cllvm-args=-sanitizer-coverage-trace-pc"
 //! ```
 //!
-//! In the search of a way to a standstill one of them is 9 to 12 instructions of a Cortex-M4.
+//! In the search for a stop, one basic block is 9 to 12 instructions of a Cortex-M4.
 use glidepath::channel::{Channel, Handles, Progress};
 use glidepath::machine::MachineData;
 use glidepath::operator::Operator;

@@ -1,5 +1,5 @@
 //! Writes a program of short blocks: `cargo run --release -p host-tests --example cam -- circle|rows HEAD > FILE`.
-//! HEAD is the text that switches smoothing on; `\n` in it begins a line. It may be left out.
+//! HEAD is optional text that switches smoothing on; ` ` in HEAD begins a line.
 use host_tests::cam;
 use std::process::ExitCode;
 

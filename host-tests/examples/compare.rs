@@ -1,5 +1,5 @@
-//! The planner beside the optimum on the paths with changing feeds: `cargo run --release -p host-tests
-//! --example compare`.
+//! Compares the planner with the optimum on the paths with changing feeds:
+//! `cargo run --release -p host-tests --example compare`.
 use host_tests::cases::feeds::{ACCELERATION, Feeds, PATHS, accepted};
 use host_tests::cases::machines;
 use host_tests::trace::run;

@@ -1,4 +1,4 @@
-//! Programs with planner, interrupt and operator on a thread each, as many as wanted:
+//! Programs with planner, interrupt and operator on separate threads, any number of seeds:
 //! `cargo run --release -p host-tests --example cores -- FIRST_SEED LAST_SEED`.
 use host_tests::cores::{random_case, text_case};
 

@@ -1,4 +1,4 @@
-//! Random corners in contour mode before the judge, as many as wanted:
+//! Checks random corners in contour mode, any number of seeds:
 //! `cargo run --release -p host-tests --example corners -- FIRST_SEED LAST_SEED` (50,000 take some minutes).
 use glidepath::nc::Contour;
 use host_tests::cases::machines;

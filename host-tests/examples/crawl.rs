@@ -1,6 +1,7 @@
-//! Random programs while an operator turns the override nearly to zero, asks for the reduced speed or holds, and takes
-//! that back a little later, as many as wanted: `cargo run --release -p host-tests --example crawl -- FIRST_SEED
-//! LAST_SEED`. The judge sees every tick, and the motion has to be as fast as ever again behind each of them.
+//! Random programs with an operator who sets the override nearly to zero, switches reduced speed on, or
+//! holds, and ends this a little later:
+//! `cargo run --release -p host-tests --example crawl -- FIRST_SEED LAST_SEED`. The checker checks every
+//! tick, and afterwards the motion must be as fast as before.
 use host_tests::operate::{Crawled, crawl};
 
 fn main() {

@@ -1,10 +1,10 @@
-//! One disturbance before each tick of a program, judged at every tick: `cargo run --release -p host-tests
-//! --example every_tick -- PROGRAM SLOPE STEP stall|hold|STALL_TICKS [FIRST [LAST]]`.
+//! One disturbance before each tick of a program, with a check of every tick:
+//! `cargo run --release -p host-tests --example every_tick -- PROGRAM SLOPE STEP stall|hold|STALL_TICKS [FIRST [LAST]]`.
 //!
-//! PROGRAM and SLOPE are names, several with commas between them, or `all`. STEP is 1 for every tick.
-//! `stall`: the planner gets no time until the motion stands; a number: for so many ticks. `hold`: a feed
-//! hold, with what it needed over the closed form. FIRST and LAST are ticks. Without arguments it lists the
-//! names.
+//! PROGRAM and SLOPE are names, several separated by commas, or `all`. STEP is 1 for every tick. `stall`: the
+//! planner gets no processor time until the motion stands still; a number: for this number of ticks. `hold`:
+//! a feed hold, compared with the closed form. FIRST and LAST are ticks. Without arguments the command lists
+//! the names.
 use host_tests::every_tick::{CASES, Case, Disturbance, Report, SLOPES, Slope, Track, disturb_all};
 use std::time::Instant;
 

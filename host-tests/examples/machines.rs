@@ -1,9 +1,10 @@
-//! Random programs on random machine data over their permitted ranges, with an operator, before the judge, as
-//! many as wanted: `cargo run --release -p host-tests --example machines -- FIRST_SEED LAST_SEED
-//! [stalls|chains] [long]`; with `stalls` the planner gets no time now and then; `chains`: chains of short blocks with
-//! knees, each undisturbed and with stalls; `long`: runs of up to twenty million ticks, not of one million (some
-//! gigabytes). `machines -- SEED` shows one seed, what comes of it without an operator and without contour mode, and
-//! the time of a standstill at the end of each block by the f64 reference. Two threads.
+//! Random programs on random machine data over their permitted ranges, with an operator and a check of every
+//! tick:
+//! `cargo run --release -p host-tests --example machines -- FIRST_SEED LAST_SEED [stalls|chains] [long]`.
+//! With `stalls` the planner sometimes gets no processor time. `chains`: chains of short blocks with corners,
+//! each without disturbance and with stalls. `long`: runs of up to twenty million ticks instead of one
+//! million (some gigabytes). `machines -- SEED` shows one seed, the result without an operator and without
+//! contour mode, and the time with a stop at the end of each block by the f64 reference. Two threads.
 use host_tests::chains;
 use host_tests::operate::{LONGEST, longest};
 use host_tests::soak::{Outcome, plain, setup, soak_within};

@@ -1,5 +1,6 @@
-//! Mutated lines of all dialects before the decoder: `cargo run --release -p host-tests --example mutate -- COUNT FIRST`.
-//! COUNT lines of each dialect, 25,000,000 unless given: 10^8 in all.
+//! The decoder with changed lines of all dialects:
+//! `cargo run --release -p host-tests --example mutate -- COUNT FIRST`.
+//! COUNT is the number of lines of each dialect, default 25,000,000: 10^8 in all.
 use glidepath::machine::Dialect;
 use host_tests::mutate::search;
 

@@ -1,7 +1,9 @@
-//! Random programs with every slope and method, against standstills, less tolerance, half the feed and DEV, as a table:
+//! Random programs with every slope and method, compared with stops, less tolerance, half the feed and DEV,
+//! as a table:
 //! `cargo run --release -p host-tests --example never_slower -- FIRST LAST [METHOD …]`. 2,000 programs: 0 2000.
-//! Behind each worst quotient stand its seed and the part of all comparisons that exceed 1.01 (1.02 with DEV).
-//! With the word `show`, the program FIRST with the slope of number LAST and one method, and its times.
+//! After each worst quotient follow its seed and the part of all comparisons that exceed 1.01 (1.02 with
+//! DEV).
+//! With the word `show`: the program FIRST with slope number LAST and one method, and its times.
 use host_tests::never_slower::{Case, METHODS, SLOPES, Worst};
 
 fn main() {

@@ -1,8 +1,8 @@
-//! Random programs on random machines while an operator holds, goes on, aborts and turns the override, the
-//! program text comes late and the planner gets no time, all at random ticks, before the judge, as many as
-//! wanted: `cargo run --release -p host-tests --example operate -- FIRST_SEED LAST_SEED`; with one slope
-//! alone: `... LAST_SEED SLOPE`, SLOPE as in P-CHAN-00071. The planner gets no time at some ticks of every
-//! second two dozen seeds ([`is_stalled`]); the others are without.
+//! Random programs on random machines with an operator who holds, resumes, aborts and changes the override;
+//! program text comes late, and the planner gets no time, all at random ticks, with a check of every tick:
+//! `cargo run --release -p host-tests --example operate -- FIRST_SEED LAST_SEED`. With one slope only:
+//! `... LAST_SEED SLOPE`, SLOPE as in P-CHAN-00071. In every second group of two dozen seeds the planner gets
+//! no time at some ticks ([`is_stalled`]).
 use host_tests::operate::{
     POLLS, is_stalled, judge, may_end, operate, random_acts, random_setup, with_overrides, with_stalls,
     with_starvation,

@@ -1,5 +1,5 @@
-//! The optima of the paths with changing feeds, with progress, half a minute:
-//! `cargo run --release -p host-tests --example optimum` prints them beside the accepted ones,
+//! The optimal times of the paths with changing feeds, with progress, half a minute:
+//! `cargo run --release -p host-tests --example optimum` prints them next to the accepted ones,
 //! `… --example optimum -- accept` writes `host-tests/tables/optimum.csv`.
 //! Two numbers instead of `accept` are the first path and the one after the last.
 use host_tests::cases::feeds::{Accepted, Feeds, PATHS, accepted, table, write};

@@ -1,6 +1,7 @@
-//! What a PLC is told, against what then happens.
+//! Answers to a PLC, compared with the later motion.
 //!
-//! `plc forecast SEEDS`: questions about what comes, at random moments of so many random programs with each slope.
+//! `plc forecast SEEDS`: questions about the coming motion, at random moments of this number of random
+//! programs with each slope.
 //! `plc requests COUNT`: requests from another thread while programs run.
 use host_tests::foresee::{Asks, Told, run};
 use host_tests::requests;

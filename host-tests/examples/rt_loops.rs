@@ -1,5 +1,5 @@
-//! A real-time loop of many passes with each slope: `rt_loops PASSES`. Between holds and overrides it looks for drift and
-//! stops; each line also has the digest of all set points.
+//! A real-time loop of many passes with each slope: `rt_loops PASSES`. With holds and overrides, the command
+//! checks for drift and stops; each line also has the digest of all set points.
 use host_tests::cases::machines;
 use host_tests::loops::run;
 

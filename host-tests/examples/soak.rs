@@ -1,5 +1,6 @@
-//! Arbitrary programs on arbitrary machines before the judge, as many as wanted: `cargo run --release -p
-//! host-tests --example soak -- FIRST_SEED LAST_SEED SLOPE`, SLOPE as in P-CHAN-00071.
+//! Random programs on random machines with a check of every tick, any number of seeds:
+//! `cargo run --release -p host-tests --example soak -- FIRST_SEED LAST_SEED SLOPE`, SLOPE as in
+//! P-CHAN-00071.
 use host_tests::cases::machines;
 use host_tests::cases::random::{Mix, program};
 use host_tests::check::allowance;

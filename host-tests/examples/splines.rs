@@ -1,4 +1,5 @@
-//! Random runs with splines before the judge: `cargo run --release -p host-tests --example splines -- FIRST LAST`.
+//! Random runs with splines and a check of every tick:
+//! `cargo run --release -p host-tests --example splines -- FIRST LAST`.
 use host_tests::soak::Outcome;
 use host_tests::splines::soak;
 

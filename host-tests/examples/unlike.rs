@@ -1,4 +1,5 @@
-//! Curves over time on machines whose axes are nothing alike, at cycles of 0.1 and 0.25 ms: every limit at every tick.
+//! Curves over time on machines whose axes differ widely, at cycles of 0.1 and 0.25 ms: every limit at every
+//! tick.
 //! `cargo run --release -p host-tests --example unlike -- FIRST LAST`.
 use host_tests::unlike::Unlike;
 

@@ -1,4 +1,4 @@
-//! Zigzags of every turn and length with Surface, with DEV and with standstills, at one feed after the other:
+//! Zigzags of every angle and length with Surface, with DEV and with stops, at different feeds:
 //! `cargo run --release -p host-tests --example zigzags -- [SLOPE …]` writes a line of ticks for each.
 use glidepath::machine::MachineData;
 use glidepath::quantity::Position;

@@ -1,7 +1,8 @@
-//! Accepted tables: what a test makes today against what was accepted, with the reason in the table's head.
+//! Accepted tables: compares the result of a test with the accepted table. The first line of a table has the
+//! reason of its last change.
 //!
-//! `ACCEPT_TABLES="why the figures moved"` writes a table that differs. The run that does so fails: a table
-//! is accepted by one run and compared by the next one, which has nothing to say any more.
+//! `ACCEPT_TABLES="why the figures moved"` writes a table that differs. The run that writes a table fails;
+//! the next run compares the table.
 use std::path::Path;
 
 /// The environment variable that holds the reason.
@@ -11,7 +12,7 @@ pub const VARIABLE: &str = "ACCEPT_TABLES";
 const LETTERS: usize = 12;
 const WORDS: usize = 3;
 
-/// What stands around the reason in the first line of a table.
+/// Text around the reason in the first line of a table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Head(pub &'static str, pub &'static str);
 
@@ -21,7 +22,7 @@ impl Head {
     /// In Markdown.
     pub const MARKDOWN: Self = Self("<!-- accepted: ", " -->");
 
-    /// A table without the line that holds its reason.
+    /// A table without the line with its reason.
     pub fn strip(self, table: &str) -> &str {
         match table.split_once('\n') {
             Some((first, rest)) if first.starts_with(self.0) => rest,
@@ -30,15 +31,15 @@ impl Head {
     }
 }
 
-/// The reason given, if one is.
+/// The reason, if there is one.
 pub fn reason() -> Option<String> {
     std::env::var(VARIABLE).ok()
 }
 
-/// Whether a reason says something.
+/// Whether a reason is long enough.
 ///
 /// # Errors
-/// What is missing.
+/// The missing part.
 fn is_reason(reason: &str, head: Head) -> Result<(), String> {
     let letters = reason.chars().filter(|c| c.is_alphabetic()).count();
     if letters < LETTERS || reason.split_whitespace().count() < WORDS {
@@ -50,11 +51,11 @@ fn is_reason(reason: &str, head: Head) -> Result<(), String> {
     Ok(())
 }
 
-/// Compares a table with the accepted one; with a reason `write` puts the new one, with its head, in the old
-/// one's place.
+/// Compares a table with the accepted one. With a reason, `write` replaces the old table by the new one, with
+/// its head.
 ///
 /// # Errors
-/// The first line that differs, a reason that is none, and that a table was accepted.
+/// The first line that differs, an invalid reason, or the message that a table was accepted.
 pub fn compare(
     name: &str,
     now: &str,

@@ -1,5 +1,5 @@
-//! Runs a program with axes that move beside the path, and judges what the axes do: nothing here knows how the
-//! library plans it.
+//! Runs a program with independent axes, and checks the motion of the axes without knowledge of the library's
+//! plan.
 use crate::calls::call;
 use crate::filtered::jerk_rounding;
 use crate::operate::{Act, TOO_LONG};
@@ -13,7 +13,7 @@ use glidepath::quantity::Position;
 use glidepath::technology::Output;
 use glidepath::tick::State;
 
-/// Axes that may move at once.
+/// Highest number of independent axes at once.
 pub const OVERLAYS: usize = 3;
 
 /// Blocks of look-ahead.
@@ -28,19 +28,19 @@ pub const ONE: i64 = 1 << 32;
 /// A run.
 #[derive(Clone, Debug, Default)]
 pub struct Run {
-    /// Set points of every axis, tick by tick; the first are those before the first tick.
+    /// Set points of every axis, tick by tick; the first row is before the first tick.
     pub axes: Vec<Vec<i64>>,
-    /// The same before filters.
+    /// Set points before the filters.
     pub path: Vec<Vec<i64>>,
-    /// Axes that were said to be beyond AX_DEV.
+    /// Axes that were reported to exceed AX_DEV.
     pub deviated: Vec<usize>,
-    /// What every tick said.
+    /// State after every tick.
     pub states: Vec<State>,
-    /// What was said.
+    /// Messages.
     pub warnings: Vec<NcWarning>,
-    /// Functions that came out.
+    /// Functions that were output.
     pub outputs: Vec<Output>,
-    /// Where the planner has the axes at the end.
+    /// Positions of the planner at the end.
     pub position: Vec<i64>,
     /// N number at every tick.
     pub n: Vec<u32>,
@@ -49,11 +49,11 @@ pub struct Run {
 /// Most ticks of a run.
 pub const LONGEST: usize = 1_000_000;
 
-/// Runs `text` from position 0, with `polls` calls of the planner between two ticks; a tick of rest more at
-/// the end.
+/// Runs `text` from position 0, with `polls` planner calls between two ticks, and one more tick at standstill
+/// at the end.
 ///
 /// # Errors
-/// What the library refused, or a motion that does not end.
+/// The library's refusal, or a motion that does not end.
 pub fn run<const AXES: usize>(
     text: &str,
     machine: &MachineData<AXES>,
@@ -89,7 +89,7 @@ pub fn run_transformed<const AXES: usize>(
     run_with(handles, acts, polls)
 }
 
-/// Those of any channel.
+/// The same for any channel.
 type Any<'a, P, I, const AXES: usize> = Handles<'a, &'a [u8], AXES, BLOCKS, P, I, OVERLAYS>;
 
 fn run_with<P: FilterPlan<AXES>, I: FilterTick<AXES>, const AXES: usize>(
@@ -146,7 +146,7 @@ fn run_with<P: FilterPlan<AXES>, I: FilterTick<AXES>, const AXES: usize>(
         }
     }
     if ended {
-        // It would be told something later still.
+        // The operator has a later command.
         run.position = planner.position().iter().map(|axis| axis.to_bits()).collect();
         return Ok(run);
     }
@@ -158,7 +158,7 @@ fn run_with<P: FilterPlan<AXES>, I: FilterTick<AXES>, const AXES: usize>(
 }
 
 impl Run {
-    /// Ticks at which the axis turns, or begins or ends a rest: where a direction ends.
+    /// Ticks at which the axis reverses, or begins or ends a standstill.
     pub fn reversals(&self, axis: usize) -> Vec<(usize, i64)> {
         let x = &self.axes[axis];
         let mut found = Vec::new();
@@ -173,19 +173,19 @@ impl Run {
         found
     }
 
-    /// Ticks at which the axis comes to `position`, from elsewhere.
+    /// Ticks at which the axis reaches `position` from another position.
     pub fn arrivals(&self, axis: usize, position: i64) -> Vec<usize> {
         let x = &self.axes[axis];
         (1..x.len()).filter(|&tick| x[tick] == position && x[tick - 1] != position).collect()
     }
 
-    /// The end of all axes, mm or degrees.
+    /// End positions of all axes, mm or degrees.
     pub fn ends(&self) -> Vec<f64> {
         self.axes.iter().map(|x| *x.last().expect("a tick") as f64 / ONE as f64).collect()
     }
 
-    /// Speed, acceleration and jerk of every axis at every tick: of axes alone, within those of the feed and of
-    /// the rapid motion; `curved` where the path takes corners too.
+    /// Checks speed, acceleration and jerk of every axis at every tick: of single axes within the limits of
+    /// feed and rapid motion; `curved` if the path has corners too.
     ///
     /// # Errors
     /// The first fault.

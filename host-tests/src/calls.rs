@@ -1,13 +1,13 @@
-//! What every run does between two ticks: the planner is called until it has nothing to do.
+//! Calls the planner between two ticks until it has no work.
 use glidepath::channel::{Error, Planner, Progress};
 use glidepath::fir::FilterPlan;
 use glidepath::nc::Text;
 
-/// Calls the planner until it waits or the program is done, `most` times at most; `each` gets what it says in
-/// between. Whether the program is done.
+/// Calls the planner until it waits or the program is done, at most `most` times. `each` gets the results in
+/// between. Returns whether the program is done.
 ///
 /// # Errors
-/// What the library refused.
+/// The library's refusal.
 pub fn call<T: Text, F: FilterPlan<AXES>, const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize>(
     planner: &mut Planner<'_, T, AXES, BLOCKS, F, OVERLAYS>,
     most: usize,

@@ -1,11 +1,11 @@
-//! The two programs of a CAM system that short blocks are measured with, as text for a head of one's own.
+//! The two programs of a CAM system that measure short blocks, as text with a selectable head.
 //!
-//! A head is what switches smoothing on, for example `#CONTOUR MODE [DEV PATH_DEV=0.02]` and `G261`, each on
-//! a line. It stands behind the first lines and before the first motion. Without a head every corner is as it
-//! is.
+//! A head switches smoothing on, for example `#CONTOUR MODE [DEV PATH_DEV=0.02]` and `G261`, each on one
+//! line. The head stands after the first lines and before the first motion. Without a head every corner stays
+//! sharp.
 use std::fmt::Write;
 
-/// Radius of [`circle`], and length of the lines before it and behind it, mm.
+/// Radius of [`circle`], and length of the lines before and after it, mm.
 pub const RADIUS: f64 = 80.0;
 /// Chords of [`circle`].
 pub const CHORDS: u32 = 64;
@@ -17,12 +17,13 @@ pub const SEGMENTS: usize = 5000;
 pub const ROWS_FEED: f64 = 6000.0;
 /// Length of a row, mm.
 pub const ROW: f64 = 60.0;
-/// From row to row, mm.
+/// Distance between rows, mm.
 pub const STEP: f64 = 0.3;
 /// Shortest and longest segment of a row, mm.
 pub const SEGMENT: [f64; 2] = [0.05, 0.5];
 
-/// A circle of 64 chords with a tangential line of 80 mm before it and behind it. Begins at X0 Y0.
+/// A circle of 64 chords with a tangential line of 80 mm before and after the circle. The program begins at
+/// X0 Y0.
 pub fn circle(head: &str) -> String {
     let mut program = Lines::begin("circle", head, CIRCLE_FEED);
     program.line(&format!("X{RADIUS} Y0"));
@@ -54,7 +55,7 @@ pub fn rows_of(segments: usize, head: &str) -> String {
             let stretch = f64::hypot(1.0, 0.5 * f64::cos(x / 10.0) * f64::cos(y / 10.0));
             let [shortest, longest] = SEGMENT;
             let length = shortest + (longest - shortest) * draw(&mut seed);
-            // The last segment of a row is neither shorter nor longer than the others.
+            // The last segment of a row has a length within the same range.
             let left = (end - x).abs() * stretch;
             x = if left > length + shortest {
                 x + length / stretch * f64::signum(end - x)

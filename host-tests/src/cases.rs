@@ -1,8 +1,8 @@
 //! Programs and machines to run: named ones, edges, and seeded random ones.
 //!
-//! A [`Program`] is data. It writes itself as NC text for the library, gives the exact contour for the judge
-//! and can be mirrored, turned or reversed. Coordinates are integers in nanometres (10^-6 degrees), so that
-//! the decimals in the text and the numbers of the judge are the same.
+//! A [`Program`] is data. It can be written as NC text for the library, gives the exact contour for the
+//! checker, and can be mirrored, turned or reversed. Coordinates are integers in nanometres (10^-6 degrees),
+//! so the decimals in the text equal the numbers of the checker.
 
 pub mod knees;
 pub mod machines;
@@ -87,7 +87,7 @@ pub struct Move {
 /// A program for the machine it was made for.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Program {
-    /// For messages and tables.
+    /// Name for messages and tables.
     pub name: String,
     /// Start point of every axis, nm.
     pub start: Vec<i64>,
@@ -202,8 +202,8 @@ impl Program {
         self.contour_of(machine, |nm| nm as f64 / NM as f64)
     }
 
-    /// The contour as it leaves the decoder: coordinates rounded to 2^-32 mm. For comparisons where that
-    /// rounding is not the question (the direction of a line of 1 µm turns by 10^-7 with it).
+    /// The contour after the decoder: coordinates rounded to 2^-32 mm. For comparisons that ignore this
+    /// rounding (which turns a line of 1 µm by 10^-7).
     pub fn contour_as_decoded<const AXES: usize>(&self, machine: &MachineData<AXES>) -> Contour {
         self.contour_of(machine, |nm| set_point(nm) as f64 / (1u64 << 32) as f64)
     }
@@ -272,7 +272,7 @@ impl Program {
         points
     }
 
-    /// Mirrored: `axis` counts backward. Arcs in a plane with that axis turn the other way.
+    /// The mirrored program: `axis` has the opposite sign. Arcs in a plane with this axis turn the other way.
     pub fn mirrored(&self, axis: usize) -> Self {
         self.mapped(
             "mirrored",

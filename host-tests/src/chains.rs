@@ -1,8 +1,8 @@
-//! Chains of short blocks with a knee between any two of them, without contour mode: a standstill from their
-//! speed takes many blocks, and many pieces of time where acceleration is zero at each end.
+//! Chains of short blocks with a corner between any two blocks, without contour mode. A stop then takes many
+//! blocks, and many pieces if acceleration is zero at each block end.
 //!
-//! One number gives machine, program and disturbances. Each run is made twice: undisturbed, and with a planner
-//! that gets no time at many ticks, until the motion stands.
+//! One number gives machine, program and disturbances. Each run is made twice: without disturbance, and with
+//! a planner that gets no processor time at many ticks, until the motion stands still.
 use crate::cases::random::Random;
 use crate::cases::{Program, machines};
 use crate::operate::{Act, Operated, POLLS, TOO_LONG, judge, operate, random_acts, with_overrides};
@@ -23,20 +23,20 @@ pub struct Chain {
     random: Random,
 }
 
-/// What a chain is made of.
+/// Parameters of a chain.
 #[derive(Clone, Copy, Debug)]
 pub struct Links {
     /// Blocks.
     pub count: usize,
     /// Length of a block, mm.
     pub length: f64,
-    /// Angle of a knee, degrees; `to_and_fro`: to both sides in turn.
+    /// Angle of a corner, degrees; `to_and_fro`: to alternating sides.
     pub turn: f64,
-    /// Whether knees are to both sides.
+    /// Whether corners turn to alternating sides.
     pub to_and_fro: bool,
 }
 
-/// A machine of a 2000 mm/s² whose ramps take so many µs.
+/// A machine with 2000 mm/s² and ramps of this number of µs.
 pub fn machine(cycle_us: u32, ramp_us: u32, look_ahead: u32, slope: u8) -> MachineData<3> {
     let mut machine = machines::machine::<3>(cycle_us, |_, axis| {
         (axis.vb_max, axis.vb_eilgang) = (1_000_000, 1_000_000);
@@ -44,7 +44,7 @@ pub fn machine(cycle_us: u32, ramp_us: u32, look_ahead: u32, slope: u8) -> Machi
         (axis.tr_beschl_zu, axis.tr_beschl_ab) = (ramp_us, ramp_us);
         (axis.tr_brems_zu, axis.tr_brems_ab, axis.tr_grenz) = (ramp_us, ramp_us, ramp_us);
         (axis.tr_geom, axis.tr_min) = (ramp_us.min(10_000), ramp_us.min(10_000));
-        // Knees take acceleration, and any jerk: they are passed fast.
+        // Corners take acceleration and unlimited jerk, so they are passed fast.
         axis.a_trans_weight = 1000;
         axis.vb_max_red = 20_000;
         (axis.a_stufe, axis.a_grenz_stufe) = ([2000; 2], [2000; 2]);
@@ -53,7 +53,7 @@ pub fn machine(cycle_us: u32, ramp_us: u32, look_ahead: u32, slope: u8) -> Machi
     machine
 }
 
-/// Goes on by a straight line of so many mm, then by a chain.
+/// Continues with a straight line of this length in mm, then with a chain.
 pub fn go_on(mut program: Program, line: f64, links: Links, feed: f64) -> Program {
     let last = program.end().to_vec();
     let mut at = [last[0], last[1]].map(|nm| nm as f64 * 1e-6);
@@ -74,7 +74,7 @@ pub fn go_on(mut program: Program, line: f64, links: Links, feed: f64) -> Progra
     program
 }
 
-/// That of a seed.
+/// The case of a seed.
 pub fn chain(seed: u64) -> Chain {
     let mut random = Random::new(seed ^ 0x6368_6169_6e73);
     let r = &mut random;
@@ -113,7 +113,7 @@ pub fn chain(seed: u64) -> Chain {
 }
 
 impl Chain {
-    /// Runs it, with these disturbances too, before the judge.
+    /// Runs and checks the case, with these disturbances.
     ///
     /// # Errors
     /// The first fault.
@@ -125,9 +125,9 @@ impl Chain {
         Ok(run)
     }
 
-    /// Stalls at random ticks of a motion of so many, each until it stands.
+    /// Stalls at random ticks of a motion, each until the motion stands still.
     pub fn stalls(&mut self, ticks: usize, count: usize) -> Vec<(usize, Act)> {
-        // Less than the judge waits for a motion.
+        // Less than the checker waits for a motion.
         let stand = (8_000_000 / self.machine.channel.cycle_us as usize).min(18_000);
         let mut at = 0;
         let mut stalls = Vec::new();
@@ -140,7 +140,7 @@ impl Chain {
     }
 }
 
-/// Runs a seed before the judge, undisturbed and with stalls.
+/// Runs and checks a seed, without disturbance and with stalls.
 pub fn soak(seed: u64) -> Outcome {
     let mut chain = chain(seed);
     let run = chain.run(&[]).and_then(|plain| {
@@ -156,7 +156,7 @@ pub fn soak(seed: u64) -> Outcome {
     }
 }
 
-/// Ticks at which the path stands between the first and the last one at which it moves.
+/// Ticks at standstill between the first and the last tick with motion.
 pub fn stands(run: &Operated) -> usize {
     let moves = |pair: &[i64]| pair[1] != pair[0];
     let pairs: Vec<bool> = run.distances.windows(2).map(moves).collect();

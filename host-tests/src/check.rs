@@ -1,5 +1,5 @@
-//! The judge: is a trace a permitted motion on the programmed contour? It knows set points, limits and the
-//! contour, and nothing of how the motion was planned.
+//! The checker: is a trace a permitted motion on the programmed contour? The checker uses only set points,
+//! limits and the contour, not the plan.
 //!
 //! # Why finite differences need no safety factor
 //! Let x(t) be an axis' motion and x_k = x(kT). The n-th difference is a weighted mean of the n-th
@@ -24,7 +24,7 @@ use crate::trace::Trace;
 /// Half the LSB of a set point, mm.
 pub const ROUNDING: f64 = 0.5 / (1u64 << 32) as f64;
 
-/// What an axis may do; infinite where it is not limited.
+/// Limits of an axis; infinite if not limited.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limits {
     /// mm/s
@@ -69,7 +69,7 @@ pub fn peaks(column: &[i64], cycle: f64) -> Peaks {
     peaks
 }
 
-/// What rounded set points may add to the difference of an order (1: speed, 2: acceleration, 3: jerk).
+/// Effect of rounded set points on the difference of an order (1: speed, 2: acceleration, 3: jerk).
 pub fn allowance(order: i32, cycle: f64) -> f64 {
     2f64.powi(order) * ROUNDING / cycle.powi(order)
 }

@@ -1,7 +1,7 @@
-//! Runs a program with planner, interrupt and operator on a thread each, as on a chip with more than one core.
+//! Runs a program with planner, interrupt and operator on separate threads, as on a chip with several cores.
 //!
-//! What comes first differs from run to run: the planner is early, late, or in the middle of a change when the
-//! interrupt wants its next piece. What has to hold does not.
+//! The order of events differs between runs: the planner is early, late, or in the middle of a change when
+//! the interrupt needs its next piece. The checked properties hold in every order.
 use crate::cases::random::Random;
 use crate::cases::{machines, set_point};
 use crate::check;
@@ -18,16 +18,16 @@ use glidepath::technology::Output;
 use glidepath::tick::{Interpolator, State};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
-/// Ticks of rest in a row after which a run is given up: the operator has nothing left to say, and neither
-/// planner nor interrupt are waiting for a core.
+/// Number of consecutive ticks at standstill after which a run is given up. The operator then has no further
+/// command, and no thread waits for a core.
 const RESTS: usize = 3_000_000;
 
-/// What the threads tell each other beside the channel.
+/// Data that the threads share in addition to the channel.
 #[derive(Default)]
 struct Board {
-    /// The planner has nothing left to do, and the operator nothing left to say.
+    /// The planner has no further work, and the operator has no further command.
     planned: AtomicBool,
-    /// The interrupt has shown all of it, or somebody has given up.
+    /// The interrupt has output all motion, or a thread has given up.
     over: AtomicBool,
     /// All commands were given.
     silent: AtomicBool,
@@ -35,12 +35,12 @@ struct Board {
     ticks: AtomicUsize,
 }
 
-/// Runs `text` from `start` on; `acts` are commands with the tick behind which they are given, or later. The
-/// interrupt leaves its core to others behind up to `pace` ticks: with many of them the planner is late all
+/// Runs `text` from `start` on. `acts` are commands, each with the tick after which it is given. The
+/// interrupt yields its core after up to `pace` ticks; with many ticks the planner is always late.
 /// the time.
 ///
-/// # Errors
-/// What the library refused, or a motion that does not end.
+/// The library's refusal, or a motion that does not end.
+/// The library's refusal, or a motion that does not end.
 pub fn operate_on_cores<const BLOCKS: usize>(
     text: &str,
     start: [Position; 3],
@@ -72,11 +72,12 @@ pub fn operate_on_cores<const BLOCKS: usize>(
     Ok(run)
 }
 
-/// The operator: commands at their ticks, and what is due. Functions that wait are acknowledged at once.
+/// The operator: gives commands at their ticks and takes due functions. Functions that wait are acknowledged
+/// at once.
 fn command(operator: Operator<'_, 3>, acts: &[(usize, Act)], board: &Board) -> Vec<(usize, Output)> {
     let (mut acts, mut outputs) = (acts.iter().peekable(), Vec::new());
     loop {
-        // Asked for first: what came out until then is taken below.
+        // This is read first, so that earlier output is taken below.
         let over = board.over.load(Ordering::Acquire);
         let tick = operator.status().ticks as usize;
         while let Some((_, act)) = acts.next_if(|(at, _)| *at <= tick) {
@@ -86,7 +87,7 @@ fn command(operator: Operator<'_, 3>, acts: &[(usize, Act)], board: &Board) -> V
         while let Some(output) = operator.output() {
             outputs.push((tick, output));
             if output.waits {
-                // Behind an abort nothing waits for it.
+                // After an abort no function waits.
                 let _ = operator.acknowledge(output.function);
             }
         }
@@ -97,7 +98,7 @@ fn command(operator: Operator<'_, 3>, acts: &[(usize, Act)], board: &Board) -> V
     }
 }
 
-/// The planner: called again and again. Ticks at which it was late.
+/// The planner, called again and again. Returns the number of ticks at which it was late.
 fn plan<const BLOCKS: usize>(
     mut planner: Planner<'_, &[u8], 3, BLOCKS>,
     board: &Board,
@@ -106,7 +107,7 @@ fn plan<const BLOCKS: usize>(
     while !board.over.load(Ordering::Relaxed) {
         let silent = board.silent.load(Ordering::Acquire);
         match planner.poll() {
-            // With all commands given it stays so.
+            // After the last command this does not change.
             Ok(Progress::Done) => board.planned.store(silent, Ordering::Release),
             Ok(Progress::Waiting) => std::thread::yield_now(),
             Ok(Progress::Late) => late.push(board.ticks.load(Ordering::Relaxed)),
@@ -120,7 +121,7 @@ fn plan<const BLOCKS: usize>(
     (late, Ok(()))
 }
 
-/// The interrupt: ticks until all of it is shown.
+/// The interrupt. Returns the number of ticks until all motion is output.
 fn show(
     mut interpolator: Interpolator<'_, 3>,
     run: &mut Operated,
@@ -132,7 +133,7 @@ fn show(
         let planned = board.planned.load(Ordering::Acquire);
         let state = interpolator.tick();
         board.ticks.fetch_add(1, Ordering::Relaxed);
-        // Differences of three set points know a rest by four of them.
+        // Three differences of set points need four equal rows.
         if rests < 4 {
             run.trace.push(interpolator.set_points().iter().map(|p| p.to_bits()));
             run.distances.push(interpolator.telemetry().distance.to_bits());
@@ -154,11 +155,11 @@ fn show(
     Ok(())
 }
 
-/// Ticks of the interrupt at a time: the planner is hardly ever late, now and then, all the time.
+/// Consecutive ticks of the interrupt: the planner is hardly ever late, sometimes late, always late.
 const PACES: [u64; 3] = [5, 40, 300];
 
-/// A program and an operator of [`random_setup`] before the judge: how often the planner was late, or `None` if it
-/// takes longer than a run may.
+/// Runs and checks a program and an operator of [`random_setup`]. Returns how often the planner was late, or
+/// `None` if the program takes longer than a run may.
 ///
 /// # Errors
 /// The first fault.
@@ -201,8 +202,8 @@ fn text(random: &mut Random, slope: &str, mode: &str) -> String {
     text + "#SPLINE OFF\nM30\n"
 }
 
-/// Such a text with one of the slopes and methods: the same functions in the same order as with one thread, the
-/// same end, inside the limits of all axes. How often the planner was late.
+/// Runs such a text with one of the slopes and methods. Checks for the same functions in the same order as
+/// with one thread, the same end, and the limits of all axes. Returns how often the planner was late.
 ///
 /// # Errors
 /// The first fault.
@@ -243,7 +244,7 @@ pub fn text_case(seed: u64) -> Result<usize, String> {
     if seen != expected || seen.len() < 10 {
         return Err(format!("{case}: functions {seen:?} instead of {expected:?}"));
     }
-    // A curve over time is another one with another override.
+    // With another override, a curve over time is another curve.
     let end = |run: &Operated| {
         let distance = if acts.is_empty() { run.distances.last().copied() } else { None };
         (distance, run.trace.row(run.trace.len() - 1).collect::<Vec<_>>())

@@ -1,9 +1,8 @@
-//! Single corners for contour mode: seeded ones of any kind, and the judgement of what the library makes of
-//! them.
+//! Single corners for contour mode: random corners of every kind, and the check of the library's curve.
 //!
-//! The programmed contour is the f64 reference; the curve is only known by its points. A polynomial of the
-//! fifth degree is known by six of them: differences of six points give its derivatives at the ends without
-//! an error of their own, only the rounding of the points to 2^-32 mm shows.
+//! The programmed contour is the f64 reference; the check knows the curve only by its points. Six points
+//! determine a polynomial of the fifth degree: differences of six points give its derivatives at the ends
+//! without an error of their own. Only the rounding of the points to 2^-32 mm remains.
 use crate::cases::random::Random;
 use crate::cases::{By, Kind, Move, NM, Plane, Program, set_point};
 use crate::reference::geometry::Element as Programmed;
@@ -139,10 +138,10 @@ pub struct Out<const AXES: usize> {
     pub curving: Option<Curving>,
 }
 
-/// An element that came out, with its points.
+/// An element of the result, with its points.
 #[derive(Clone, Debug)]
 pub struct Piece<const AXES: usize> {
-    /// As it goes on.
+    /// The element in the form that the next stage gets.
     pub out: Out<AXES>,
     /// Where it begins.
     pub base: [Position; AXES],
@@ -183,7 +182,7 @@ impl<const AXES: usize> Piece<AXES> {
     }
 }
 
-/// The blocks of a program as the contour stage gets them.
+/// The blocks of a program as input of the contour stage.
 pub fn blocks<const AXES: usize>(
     program: &Program,
     machine: &MachineData<AXES>,
@@ -269,7 +268,7 @@ pub fn smooth<const AXES: usize>(
     out
 }
 
-/// DEV with a tolerance in nm and nothing else in the way.
+/// DEV with a tolerance in nm, without other restrictions.
 pub fn dev(path_dev: i64) -> Contour {
     Contour {
         method: Some(ContourMethod::Dev),
@@ -279,22 +278,22 @@ pub fn dev(path_dev: i64) -> Contour {
     }
 }
 
-/// What is to be seen on a corner.
+/// Measured values of a corner.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Seen {
     /// Deviation over tolerance.
     pub used: f64,
-    /// Something else than the tolerance limits the corner distance: half a block, a quarter of a turn, or
-    /// blocks that come so near to each other behind the corner that only a smaller curve is even.
+    /// Another limit than the tolerance determines the corner distance: half a block, a quarter of a turn, or
+    /// blocks that come so near after the corner that only a smaller curve is smooth.
     pub limited: bool,
-    /// Largest difference between path speed and speed along the curve, relative; where path is time, by
-    /// which the curve is faster.
+    /// Largest relative difference between path speed and speed along the curve; for a curve over time, by
+    /// how much the curve is faster.
     pub uneven: f64,
     /// Elements of the curve.
     pub elements: usize,
     /// No curve was made.
     pub sharp: bool,
-    /// Its path is time.
+    /// The curve is planned over time.
     pub timed: bool,
 }
 
@@ -304,18 +303,18 @@ fn from_block(block: &Programmed, point: &[f64], near: f64) -> f64 {
     distance(&block.at(u), point).min(distance(&block.at(near), point))
 }
 
-/// Judges one corner.
+/// Checks one corner.
 ///
 /// # Errors
-/// What is wrong with it.
+/// The fault.
 pub fn judge(case: &Case, machine: &MachineData<3>) -> Result<Seen, String> {
     judge_with(case, machine, |dev| dev)
 }
 
-/// Judges one corner, rounded with DEV and what `rule` makes of it.
+/// Checks one corner that is rounded with DEV, changed by `rule`.
 ///
 /// # Errors
-/// What is wrong with it.
+/// The fault.
 pub fn judge_with(
     case: &Case,
     machine: &MachineData<3>,
@@ -335,7 +334,7 @@ pub fn judge_with(
 
     seen.timed = curve.iter().any(|p| p.out.element.bounds.is_some_and(|b| b.is_timed()));
 
-    // Joints: position to the bit, direction and curvature to the resolution.
+    // Transitions: position equal in every bit, direction and curvature within the resolution.
     let mut at = blocks[0].from;
     for piece in &pieces {
         if piece.out.element.shape.base(&at) != piece.base {
@@ -347,7 +346,7 @@ pub fn judge_with(
         return Err(format!("ends at {at:?}"));
     }
     let neighbour = |block: &Programmed, s: f64| {
-        // Direction and curvature of a programmed block over its length, for a share of it.
+        // Direction and curvature of a programmed block over its length, at a part of it.
         let length = block.main_length();
         let unit = |s: f64| {
             let d = block.derivative(s);
@@ -416,7 +415,8 @@ pub fn judge_with(
             .map(|(i, q)| (i, distance(q, point)))
             .min_by(|a, b| a.1.total_cmp(&b.1))
             .expect("samples");
-        // Between the samples beside it the distance has one minimum; they may belong to two elements.
+        // Between the neighbouring samples the distance has one minimum; the samples may belong to two
+        // elements.
         let per = POINTS as usize + 1;
         let in_piece = |i: usize| {
             let (piece, step) = (curve[i / per], 1.0 / f64::from(POINTS));

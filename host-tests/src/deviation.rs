@@ -1,11 +1,11 @@
-//! How far a moved contour is from the programmed one, block by block, either way. Nothing but points is
-//! taken from the library.
+//! Deviation between a driven contour and the programmed contour, block by block, in both directions. Only
+//! points come from the library.
 use crate::corner::Piece;
 
-/// Points of each piece of the moved contour.
+/// Number of points on each piece of the driven contour.
 const POINTS: u32 = 32;
 
-/// Points of each programmed block.
+/// Number of points on each programmed block.
 const PLACES: u32 = 16;
 
 type Point = [f64; 3];
@@ -26,8 +26,8 @@ fn from_line(q: &Point, [a, b]: [&Point; 2]) -> f64 {
     apart(q, &between(a, b, u))
 }
 
-/// The largest distance between a polygon and what is moved in its place, and the block where it is. What a
-/// piece stands for are the blocks from that of the one before to that of the one behind: far parts that come
+/// The largest distance between a polygon and the driven contour that replaces it, and the block with this
+/// distance. A piece is compared with the blocks between those of its neighbours, so distant parts that come
 /// near do not count.
 pub fn deviation<const AXES: usize>(corners: &[Point], pieces: &[Piece<AXES>]) -> (f64, usize) {
     let blocks = corners.len() - 1;
@@ -72,14 +72,15 @@ pub fn deviation<const AXES: usize>(corners: &[Point], pieces: &[Piece<AXES>]) -
     worst
 }
 
-/// The places between two points, as shares, where a linear and a quadratic condition hold: both convex.
+/// The places between two points, as parts, at which a linear and a quadratic condition hold; both sets are
+/// convex.
 type Free = Option<[f64; 2]>;
 
-/// Whether a path goes along a contour in order, nowhere further from it than `path` in the first three axes
-/// and than `track` in every other one: the two can be gone through together, each forward only, and stay as
-/// near (Fréchet distance, by the free space of Alt and Godau). Both are polygons.
+/// Whether a path follows a contour in order, within `path` in the first three axes and within `track` in
+/// every other axis. Both are followed forward at the same time (Fréchet distance, with the free space of Alt
+/// and Godau). Both are polygons.
 pub fn follows(path: &[Vec<f64>], contour: &[Vec<f64>], [near, track]: [f64; 2]) -> bool {
-    // Where on the line from `a` to `b` the point `q` is as near.
+    // Interval of the line from `a` to `b` within the distance of point `q`.
     let free = |q: &[f64], a: &[f64], b: &[f64]| -> Free {
         let (mut low, mut high) = (0.0_f64, 1.0_f64);
         for k in 3..q.len() {
@@ -112,7 +113,7 @@ pub fn follows(path: &[Vec<f64>], contour: &[Vec<f64>], [near, track]: [f64; 2])
         (low <= high).then_some([low, high])
     };
     let (columns, rows) = (path.len() - 1, contour.len() - 1);
-    // What can be reached of the left sides of the cells of a column.
+    // Reachable part of the left sides of the cells in a column.
     let mut left: Vec<Free> = vec![None; rows];
     let mut open = true;
     for (j, left) in left.iter_mut().enumerate() {

@@ -1,17 +1,17 @@
-//! One disturbance before each tick of a program: a planner that gets no time, or a feed hold. The judge sees
-//! every tick of each run.
+//! One disturbance before each tick of a program: a planner without processor time, or a feed hold. The
+//! checker checks every tick of each run.
 //!
-//! A [`Case`] is a path in one form of contour mode, a [`Slope`] its time law. [`Track::new`] runs it
-//! undisturbed and, at a low override, so slowly that its set points show the path. [`Track::disturb`] runs
-//! it again with one disturbance and checks:
+//! A [`Case`] is a path in one form of contour mode, and a [`Slope`] is its speed profile. [`Track::new`]
+//! runs the path without a disturbance, and also at a low override, so slowly that the set points show the
+//! path. [`Track::disturb`] runs the path again with one disturbance and checks:
 //!
 //! - speed, acceleration and jerk of every axis at every tick, so that no set point jumps;
 //! - the path distance never goes back, and each set point lies on the path of the slow run;
-//! - the motion ends at the end to the bit, with the same path distance, and says once at most that its
-//!   planner was late;
-//! - a stall leads to a standstill, and so does a hold.
+//! - the motion ends exactly at the end, with the same path distance, and the planner reports at most once
+//!   that it was late;
+//! - a stall and a hold both lead to a standstill.
 //!
-//! What a feed hold needs is compared with the closed form, [`Stop`].
+//! The duration of a feed hold is compared with the closed form, [`Stop`].
 use crate::calls::call;
 use crate::check::{self, Limits};
 use crate::reference::profile::Ramps;
@@ -38,23 +38,23 @@ const CHANGE_OVER: f64 = 250.0;
 /// Seconds per tick.
 const CYCLE: f64 = 0.001;
 
-/// Degrees that the rotary axis moves at most over a millimetre of path.
+/// Highest travel of the rotary axis per millimetre of path, degrees.
 const STEEPEST: f64 = 16.0;
 
-/// Ticks of rest behind which it counts as a standstill that the planner has to end.
+/// Number of ticks at standstill after which only the planner can continue the motion.
 const STANDS: usize = 3;
 
-/// Ticks from a command to the first one that differs: it is seen with the next call, and acts four ticks
-/// behind that.
+/// Ticks from a command to the first tick that differs: the next call reads the command, and it acts four
+/// ticks later.
 pub const REACTION: usize = 5;
 
-/// Ticks of another override.
+/// Number of ticks of a changed override.
 const SLOWER: usize = 150;
 
-/// Most ticks of a run.
+/// Highest number of ticks of a run.
 const LONGEST: usize = 200_000;
 
-/// A time law.
+/// A slope.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Slope {
     /// As `#SLOPE` names it.
@@ -63,7 +63,7 @@ pub struct Slope {
     pub number: u8,
 }
 
-/// The slopes. NO_OPT=0 has its own name here: HSC0.
+/// The slopes. HSC with NO_OPT=0 has the name HSC0.
 pub const SLOPES: [(&str, Slope); 5] = [
     ("TRAPEZ", Slope { word: "TRAPEZ", number: 1 }),
     ("SIN2", Slope { word: "SIN2", number: 2 }),
@@ -79,7 +79,7 @@ pub enum Path {
     Chords(u32),
     /// Corners of many angles.
     Corners,
-    /// Arcs and lines with tangential and other joints.
+    /// Arcs and lines with tangential and other transitions.
     Arcs,
     /// Lines with a rotary axis, which also moves alone.
     Rotary,
@@ -90,11 +90,11 @@ pub enum Path {
 /// A path in one form of contour mode.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Case {
-    /// For the command line and messages.
+    /// Name for the command line and messages.
     pub name: &'static str,
     /// The path.
     pub path: Path,
-    /// What `#CONTOUR MODE` is given, or `#HSC`; empty: it is off.
+    /// Parameters of `#CONTOUR MODE` or `#HSC`; empty: off.
     pub contour: &'static str,
 }
 
@@ -135,7 +135,7 @@ impl Case {
         if self.path == Path::Rotary { 4 } else { 3 }
     }
 
-    /// Its program with a slope, of so many blocks.
+    /// Its program with a slope and this number of blocks.
     pub fn text(&self, slope: Slope, blocks: usize) -> String {
         let mut text = format!("%{}\n#SLOPE [TYPE={}]\nG90\n", self.name, slope.word);
         let hsc = self.contour.starts_with("SURFACE");
@@ -155,7 +155,7 @@ impl Case {
 }
 
 impl Path {
-    /// Blocks of a program that is longer than the queue and the look-ahead of its machine.
+    /// Number of blocks of a program that is longer than queue and look-ahead.
     pub fn blocks(self) -> usize {
         match self {
             Self::Chords(_) => 300,
@@ -175,7 +175,7 @@ impl Path {
         match self {
             Self::Chords(um) => {
                 text.push_str("G01 F6000\n");
-                // Evenly along a curve that bends to both sides, with radii down to 2 m, 100 mm once.
+                // Equally along a curve that bends to both sides, with radii of at least 2 m, once 100 mm.
                 let (mut x, mut y, mut turn) = (0.0_f64, 0.0_f64, 0.0_f64);
                 let chord = f64::from(um) * 1e-3;
                 for k in 0..blocks {
@@ -202,8 +202,8 @@ impl Path {
                     let radius = [2.0, 3.5, 1.25][k % 3];
                     let feed = [9000, 6000][k % 2];
                     let word = ["G02", "G03"][k % 2];
-                    // A line, a half circle that leaves it at a right angle or goes on from it, and a line
-                    // on.
+                    // A line, a half circle that begins at a right angle or continues tangentially, and
+                    // another line.
                     let _ = writeln!(text, "N{} G01 X{:.3} Y{} F{feed}", 30 * k + 10, x + 4.0, k % 2);
                     let _ =
                         writeln!(text, "N{} {word} X{:.3} I{radius}", 30 * k + 20, x + 4.0 + 2.0 * radius);
@@ -218,7 +218,7 @@ impl Path {
                     let word = ["G02", "G03"][k % 2];
                     x += 4.0;
                     let _ = writeln!(text, "N{} G01 X{x} F{feed}", n + 10);
-                    // Two turns and three, and of those behind them a half.
+                    // Two and three turns, each followed by a half turn.
                     for turn in 0..2 + k % 2 {
                         let _ = writeln!(text, "N{} {word} X{x} I{radius} F{feed}", n + 20 + 10 * turn);
                     }
@@ -266,7 +266,7 @@ pub fn machine<const AXES: usize>(case: Case, slope: Slope) -> MachineData<AXES>
         cycle_us: (CYCLE * 1e6) as u32,
         slope_profile: slope.number,
         look_ahead: case.path.look_ahead(),
-        // A step of acceleration at a joint is not permitted: the jerk is limited everywhere.
+        // A step of acceleration at a transition is not permitted, so the jerk is limited everywhere.
         corr_v_trans_jerk: true,
         ptp: true,
         surface: true,
@@ -275,24 +275,24 @@ pub fn machine<const AXES: usize>(case: Case, slope: Slope) -> MachineData<AXES>
     MachineData { axes, channel }
 }
 
-/// What every axis may show. The ramps of the slope are longer than the geometric one, by more than π/2.
+/// Limits of every axis. The ramps of the slope are longer than the geometric one, by more than π/2.
 fn limits(slope: Slope, axes: usize) -> Vec<Limits> {
     let jerk = if slope.number == 0 { f64::INFINITY } else { A / RAMP_GEOMETRIC };
     vec![Limits { v: V, a: A, jerk }; axes]
 }
 
-/// What happens before a tick.
+/// The disturbance before a tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Disturbance {
     /// Nothing.
     None,
-    /// The planner gets no time until the motion stands.
+    /// The planner gets no processor time until the motion stands still.
     Stall,
-    /// It gets no time for so many ticks.
+    /// The planner gets no processor time for this number of ticks.
     ShortStall(usize),
-    /// A feed hold, until the motion stands.
+    /// A feed hold, until the motion stands still.
     Hold,
-    /// An override for all of the run, 0.1 %.
+    /// An override for the whole run, 0.1 %.
     Override(u16),
     /// Another override for 150 ticks, 0.1 %; then 100 % again.
     Slower(u16),
@@ -301,20 +301,20 @@ pub enum Disturbance {
 /// A run.
 #[derive(Clone, Debug, Default)]
 pub struct Run {
-    /// Set points of all ticks, those of rest included.
+    /// Set points of all ticks, including standstill.
     pub trace: Trace,
     /// Path distance after each of them, LSB 2^-44 mm.
     pub distances: Vec<i64>,
-    /// Tick behind which it stood, for a stall or hold.
+    /// Tick after which the motion stood still, for a stall or hold.
     pub stood: Option<usize>,
-    /// How often the planner said that it came late.
+    /// How often the planner reported that it was late.
     pub late: usize,
 }
 
 /// Runs a text with a disturbance before tick `at`. The planner is called until it has nothing to do.
 ///
 /// # Errors
-/// What the library refused, or a motion that does not end.
+/// The library's refusal, or a motion that does not end.
 pub fn run<const AXES: usize>(
     text: &str,
     machine: &MachineData<AXES>,
@@ -370,15 +370,15 @@ pub struct Track<const AXES: usize> {
     machine: MachineData<AXES>,
     limits: Vec<Limits>,
     slope: Slope,
-    /// What an undisturbed planner makes of it.
+    /// The run without a disturbance.
     pub plain: Run,
-    /// So slow that its set points show the path.
+    /// A run that is so slow that its set points show the path.
     scan: Run,
     /// The path, from that.
     places: Vec<Place<AXES>>,
 }
 
-/// A place of the path: how far every axis goes per millimetre of it, and how that changes.
+/// A place of the path: travel of every axis per millimetre of path, and the change of this travel.
 struct Place<const AXES: usize> {
     /// Path distance, mm.
     s: f64,
@@ -386,7 +386,7 @@ struct Place<const AXES: usize> {
     change: [f64; AXES],
 }
 
-/// Millimetres of path from one place to the next, at least: rounding of set points is far less.
+/// Smallest path distance between two places, mm: rounding of set points is far less.
 const APART: f64 = 0.002;
 
 /// The places of a run.
@@ -413,22 +413,22 @@ fn places<const AXES: usize>(run: &Run) -> Vec<Place<AXES>> {
     places
 }
 
-/// What a feed hold needed, and the closed form: as planned for [`REACTION`] ticks, and from the motion at
-/// hand there the shortest stop.
+/// Duration and distance of a feed hold, and the closed form: the planned motion for [`REACTION`] ticks, then
+/// the shortest stop.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Held {
     /// The tick of the command.
     pub tick: usize,
-    /// Speed, mm/s, and acceleration, mm/s², where it acts.
+    /// Speed, mm/s, and acceleration, mm/s², when the command acts.
     pub motion: [f64; 2],
-    /// As it was: s and mm.
+    /// Measured time and distance: s and mm.
     pub seen: Stop,
     /// The closed form.
     pub wanted: Stop,
 }
 
 impl Held {
-    /// Times over the closed form. A tick and 10 µm are not counted.
+    /// Measured value divided by the closed form. One tick and 10 µm are not counted.
     pub fn ratios(&self) -> [f64; 2] {
         let ratio = |seen: f64, wanted: f64, free: f64| (seen - free).max(0.0) / wanted.max(free);
         [ratio(self.seen.time, self.wanted.time, CYCLE), ratio(self.seen.way, self.wanted.way, 0.01)]
@@ -436,10 +436,10 @@ impl Held {
 }
 
 impl<const AXES: usize> Track<AXES> {
-    /// Runs a program of so many blocks undisturbed and slowly, and judges it.
+    /// Runs and checks a program with this number of blocks, once normally and once slowly.
     ///
     /// # Errors
-    /// What is wrong with it.
+    /// The fault.
     pub fn new(case: Case, slope: Slope, blocks: usize) -> Result<Self, String> {
         let name = format!("{} with {}", case.name, slope.word);
         let (text, machine) = (case.text(slope, blocks), machine::<AXES>(case, slope));
@@ -466,7 +466,7 @@ impl<const AXES: usize> Track<AXES> {
         let run = run(&self.text, &self.machine, at, disturbance)?;
         self.judge(&run)?;
         if run.stood.is_none() && matches!(disturbance, Disturbance::Stall | Disturbance::Hold) {
-            // A hold behind the last motion stops nothing.
+            // A hold after the last motion stops no axis.
             if at + STANDS + REACTION < self.ticks() {
                 return Err("does not stand".to_owned());
             }
@@ -493,7 +493,7 @@ impl<const AXES: usize> Track<AXES> {
         if seen != wanted {
             return Err(format!("ends at {seen:?}, not at {wanted:?}"));
         }
-        // Both go forward, so the place on the path is found by going along.
+        // Both runs move forward, so the place on the path is found by following it.
         let (scan, mut next) = (&self.scan, 0);
         for tick in 0..run.distances.len() {
             let at = run.distances[tick];
@@ -525,14 +525,14 @@ impl<const AXES: usize> Track<AXES> {
         Ok(())
     }
 
-    /// Path distance of the tick behind a row, mm. In a curve over time the axes slow down and turn while the
-    /// path goes on evenly: what a stop there has to slow down is the path.
+    /// Path distance in the tick after a row, mm. In a curve over time the axes slow down and turn while the
+    /// path continues evenly; a stop must brake the path.
     fn step(&self, run: &Run, row: usize) -> f64 {
         let next = (row + 1).min(run.distances.len() - 1);
         (run.distances[next] - run.distances[row]) as f64 / 2.0_f64.powi(44)
     }
 
-    /// Way of the main axes in the tick behind a row, mm; of the others where those rest.
+    /// Distance of the main axes in the tick after a row, mm; of the other axes if the main axes stand still.
     fn length(&self, row: usize) -> f64 {
         let length = |axes: std::ops::Range<usize>| -> f64 {
             let columns = &self.plain.trace.columns[axes];
@@ -543,8 +543,8 @@ impl<const AXES: usize> Track<AXES> {
         if main > 0.0 { main } else { length(3..AXES.max(3)) }
     }
 
-    /// With STEP, the shortest stop from a path distance and a speed: at each place and speed with all of the
-    /// deceleration that the curve leaves to every axis there, a ≥ |x′·a + x″·v²|.
+    /// With STEP, the shortest stop from a path distance and a speed. Each place and speed uses the full
+    /// deceleration that the curve leaves to every axis, a ≥ |x′·a + x″·v²|.
     fn shortest_with_steps(&self, from: i64, v: f64) -> Stop {
         let from = (from - self.scan.distances[0]) as f64 / 2.0_f64.powi(44);
         let first = self.places.partition_point(|place| place.s <= from).saturating_sub(1);
@@ -567,8 +567,8 @@ impl<const AXES: usize> Track<AXES> {
         stop
     }
 
-    /// The shortest stop from the motion at a row, with the limits of the path as far as that stop: those of
-    /// the axis with the largest part of it.
+    /// The shortest stop from the motion at a row. The limits of the path are those of the axis with the
+    /// largest share, up to the end of the stop.
     fn shortest(&self, row: usize, v: f64, a: f64) -> Stop {
         if self.slope.number == 0 {
             return self.shortest_with_steps(self.plain.distances[row], v);
@@ -596,10 +596,10 @@ impl<const AXES: usize> Track<AXES> {
         stop
     }
 
-    /// What a hold before tick `at` needed, if it stopped anything.
+    /// Duration and distance of a hold before tick `at`, if the hold stopped a motion.
     pub fn held(&self, run: &Run, at: usize) -> Option<Held> {
         let (at, stood) = (at.max(1), run.stood?);
-        // Between the rows: the command comes at a tick, and acts on the motion some ticks ahead.
+        // Between the rows: the command comes at a tick, and acts a few ticks later.
         let before = at - 1;
         let acts = (before + REACTION).min(self.ticks() - 2);
         let [v, next] = [acts, acts + 1].map(|row| self.step(&self.plain, row) / CYCLE);
@@ -618,16 +618,16 @@ impl<const AXES: usize> Track<AXES> {
     }
 }
 
-/// What came of a track disturbed before many ticks.
+/// Results of a track with disturbances before many ticks.
 #[derive(Clone, Debug, Default)]
 pub struct Report {
     /// Ticks tried.
     pub tried: usize,
     /// Faults, with their ticks.
     pub faults: Vec<(usize, String)>,
-    /// Times and ways of all holds.
+    /// Durations and distances of all holds.
     pub holds: Vec<Held>,
-    /// Largest part of speed, acceleration and jerk that an axis showed.
+    /// Highest part of its limits of speed, acceleration and jerk that an axis used.
     pub used: [f64; 3],
 }
 
@@ -637,7 +637,7 @@ impl Report {
         self.holds.iter().max_by(|a, b| a.ratios()[which].total_cmp(&b.ratios()[which]))
     }
 
-    /// The ratio that this part of all holds stays below.
+    /// The ratio that this part of all holds does not exceed.
     pub fn quantile(&self, which: usize, part: f64) -> f64 {
         let mut all: Vec<f64> = self.holds.iter().map(|held| held.ratios()[which]).collect();
         all.sort_by(f64::total_cmp);
@@ -680,7 +680,7 @@ pub fn disturb_all<const AXES: usize>(
 }
 
 impl<const AXES: usize> Track<AXES> {
-    /// Largest part of speed, acceleration and jerk that an axis shows.
+    /// Highest part of its limits of speed, acceleration and jerk that an axis uses.
     fn used(&self, run: &Run) -> [f64; 3] {
         let mut used = [0.0_f64; 3];
         for (column, limit) in run.trace.columns.iter().zip(&self.limits) {

@@ -1,4 +1,4 @@
-//! Runs a program with filters behind the path, tick by tick, while an operator gives commands.
+//! Runs a program with filters after the path, tick by tick, with commands of an operator.
 use crate::calls::call;
 use crate::operate::Act;
 use crate::trace::Trace;
@@ -17,15 +17,15 @@ pub const TAPS: usize = 202;
 pub struct Filtered {
     /// Set points of the path, and those for the drives.
     pub path: Trace,
-    /// Those for the drives.
+    /// Set points for the drives.
     pub drives: Trace,
-    /// What each tick said.
+    /// State after each tick.
     pub states: Vec<State>,
-    /// Functions, with the tick behind which they came out.
+    /// Functions, with the tick after which they were output.
     pub outputs: Vec<(usize, Output)>,
-    /// Ticks before which the planner said that it stands in a hold, from the first one of each hold.
+    /// Ticks at which the planner reported a hold, from the first tick of each hold.
     pub holds: Vec<usize>,
-    /// Axes that were said to be beyond AX_DEV.
+    /// Axes that were reported to exceed AX_DEV.
     pub deviated: Vec<usize>,
     /// Largest deviation of each axis as the library says, LSB.
     pub deviation: Vec<i64>,
@@ -45,7 +45,7 @@ pub fn with_filter<const AXES: usize>(
     machine
 }
 
-/// Not above the acceleration that filters permit: 0.25 mm per cycle².
+/// At most the acceleration that filters permit: 0.25 mm per cycle².
 pub fn permit_filters(axis: &mut AxisData, cycle_us: u32) {
     let most = (240_000_000_000 / (u64::from(cycle_us) * u64::from(cycle_us))).min(u32::MAX.into()) as u32;
     let AxisData {
@@ -57,11 +57,12 @@ pub fn permit_filters(axis: &mut AxisData, cycle_us: u32) {
     }
 }
 
-/// What rounding may add to the jerk of an axis of a filtered channel, by what it may add to that of a path.
+/// Effect of rounding on the jerk of an axis in a filtered channel, from its effect on the jerk of the path.
 pub fn jerk_rounding<const AXES: usize>(machine: &MachineData<AXES>, axis: usize) -> f64 {
     let filter = &machine.axes[axis].filter;
     let averages = !matches!(filter.kind, FilterType::None | FilterType::Delay);
-    // Planned so much lower; but a delay by half a cycle is the mean of two set points, rounded too.
+    // The plan has a jerk lower by this amount. In addition, a delay of half a cycle gives the rounded mean
+    // of two set points.
     if averages && filter.order > 0 && filter.share > 0 { 1.0 } else { 1.5 }
 }
 
@@ -70,7 +71,7 @@ const LONGEST: usize = 3_000_000;
 /// Runs a text from the origin; `acts` are commands with the tick before which they are given.
 ///
 /// # Errors
-/// What the library refused, or a motion that does not end.
+/// The library's refusal, or a motion that does not end.
 pub fn run<const AXES: usize>(
     text: &str,
     machine: &MachineData<AXES>,

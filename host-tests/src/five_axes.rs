@@ -1,5 +1,5 @@
-//! Machines with rotary axes, with a forward transformation of matrices and the standard library's sines. Nothing here
-//! shares code with the library beyond its machine data.
+//! Machines with rotary axes, with a forward transformation by matrices and the standard library's sines.
+//! This code shares only machine data with the library.
 use glidepath::Position;
 use glidepath::kinematics::{AXES, CaHead, Chain, Universal, UniversalAxis, Vector};
 
@@ -61,7 +61,7 @@ fn reference_head(machine: &CaHead, axes: &[f64; AXES]) -> [f64; 3] {
     [product[0][3], product[1][3], product[2][3]]
 }
 
-/// A machine with its own forward transformation.
+/// A machine with a separate forward transformation.
 #[derive(Clone, Debug)]
 pub enum Machine {
     /// Type 9.
@@ -71,7 +71,7 @@ pub enum Machine {
 }
 
 impl Machine {
-    /// The library's chain of it.
+    /// The library's chain for this machine.
     pub fn chain(&self) -> Chain {
         match self {
             Self::Head(machine) => Chain::ca_head(machine),
@@ -90,7 +90,7 @@ impl Machine {
     }
 }
 
-/// Three linear axes along x, y and z, and rotary axes behind them: direction and point.
+/// Three linear axes along x, y and z, followed by rotary axes: direction and point.
 pub fn universal(chain: [u8; 6], rotary: &[([f64; 3], [i32; 3])]) -> Box<Universal> {
     let linear = |k: usize| UniversalAxis {
         kind: 1,

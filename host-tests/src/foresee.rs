@@ -1,4 +1,4 @@
-//! Questions about what comes, asked at random moments of random programs, against what then happens.
+//! Questions about the coming motion at random moments of random programs, compared with the later motion.
 use crate::calls::call;
 use crate::cases::random::Random;
 use crate::cases::set_point;
@@ -10,22 +10,23 @@ use glidepath::operator::Status;
 use glidepath::quantity::{Distance, Position, Speed};
 use glidepath::tick::State;
 
-/// How the answers of a kind compare.
+/// Comparison of the answers of a kind.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Tally {
     /// Questions with an answer that was compared.
     pub compared: u32,
-    /// Questions without one: beyond what is planned, busy or searching, dependent on what is not planned.
+    /// Questions without an answer: beyond the planned motion, busy or searching, or dependent on unplanned
+    /// blocks.
     pub unknown: [u32; 3],
-    /// Worst difference of speed, as a part of the speed.
+    /// Largest difference of speed, as part of the speed.
     pub speed: f64,
-    /// Worst difference of a position, nm.
+    /// Largest difference of a position, nm.
     pub nm: f64,
-    /// Worst difference of time, ticks.
+    /// Largest difference of time, ticks.
     pub ticks: u32,
     /// Other differences: N or block.
     pub other: u32,
-    /// Answers that were off: more than 0.1 %, 1 nm or one tick.
+    /// Wrong answers: by more than 0.1 %, 1 nm or one tick.
     pub off: u32,
 }
 
@@ -50,7 +51,7 @@ impl Tally {
     }
 }
 
-/// Of all kinds of questions.
+/// Comparison for all kinds of questions.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Told {
     /// FCT_CALC_STATE_AT_T.
@@ -59,7 +60,7 @@ pub struct Told {
     pub feed: Tally,
     /// FCT_CALC_POS_V_0.
     pub stand: Tally,
-    /// Ticks from a hold to its standstill, in all.
+    /// Ticks from a hold to its standstill, in total.
     pub stopping: u64,
 }
 
@@ -77,14 +78,14 @@ pub fn asked(machine: &MachineData<3>) -> MachineData<3> {
     machine
 }
 
-/// What a run does at random moments.
+/// Actions of a run at random moments.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Asks {
     /// Asks for the state at a later tick, and for the next block at feed.
     States,
-    /// Asks where a hold would end, and holds.
+    /// Asks for the end of a hold, and holds.
     Stops,
-    /// Holds, with machine data that do not keep the first stop.
+    /// Holds, with machine data that permit a search for a shorter stop.
     Nothing,
 }
 
@@ -126,7 +127,7 @@ pub fn run(seed: u64, slope: u8, asks: Asks, told: &mut Told) {
                 };
                 held = Some((at_rest, tick as u32, None, 0));
             } else if asks == Asks::Stops {
-                // As often as it takes; the planner works between two ticks.
+                // As often as needed; the planner works between two ticks.
                 let mut answer = Err(Unknown::Searching);
                 while answer == Err(Unknown::Searching) {
                     answer = planner.forecast(Question::Standstill);

@@ -1,5 +1,5 @@
-//! What the interpolator is measured against. Nothing here shares code with the library beyond the public
-//! types of its interface: the judge, the reference and the cases would notice if the library were wrong.
+//! The tests' measure of the interpolator. This crate uses only the public types of the library's interface,
+//! so checker, reference and cases notice errors of the library.
 //!
 //! | module | question it answers |
 //! |---|---|

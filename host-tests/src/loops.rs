@@ -9,22 +9,22 @@ use glidepath::rt_loop::{LoopMemory, LoopSwitch};
 use glidepath::tick::State;
 use glidepath::variable::Variable;
 
-/// What a run is at a tick.
+/// State of a run at a tick.
 pub struct Now<'a, 'b> {
-    /// The PLC's end of real-time loops.
+    /// The PLC's handle of real-time loops.
     pub switch: LoopSwitch<'b>,
-    /// The contour ahead.
+    /// The contour log.
     pub contour: ContourReader<'b>,
     /// The operator.
     pub operator: &'a Operator<'b, 3>,
-    /// The status behind the tick.
+    /// The status after the tick.
     pub status: Status<3>,
     /// Ticks before it.
     pub tick: u64,
 }
 
-/// Runs a program, from zero, with room for `COMMANDS` commands of a loop; `each` behind every tick. The digest of all
-/// set points, and the error, if the program is refused.
+/// Runs a program from zero, with room for `COMMANDS` commands of a loop; calls `each` after every tick.
+/// Returns the digest of all set points, and the error if the program is refused.
 ///
 /// # Panics
 /// The planner does not come to an end.
@@ -92,9 +92,9 @@ fn mm(position: Position) -> f64 {
 pub const CIRCLE: &str = "N10 G01 X30 F6000\nN20 #RT WHILE\nN30 G03 X40 Y10 I0 J10\nN40 X30 Y20 I-10 J0\nN50 X20 Y10 I0 J-10\n\
     N60 X30 Y0 I10 J0\nN70 #RT ENDWHILE\nN80 G01 X60\nM30\n";
 
-/// Ends the loop in its `pass`-th pass, where the motion comes to the block `n`; a pass begins with N30. The passes
-/// driven, the lowest speed (mm/s) between the start of the first pass and the end of the last one, and the last
-/// position.
+/// Ends the loop in pass `pass`, when the motion reaches the block `n`; a pass begins with N30. Returns the
+/// number of passes, the lowest speed (mm/s) between the start of the first pass and the end of the last one,
+/// and the last position.
 ///
 /// # Panics
 /// The program is refused.

@@ -1,5 +1,5 @@
-//! Lines of all dialects with letters changed, left out and doubled. The decoder must come to an end with each, and use
-//! or refuse each value: a line means something else when one of its values does.
+//! Lines of all dialects with changed, missing and doubled letters. The decoder must finish each line, and
+//! must use or refuse each value. A value is used if its change changes the result of the line.
 use glidepath::machine::{AxisData, AxisKind, AxisName, ChannelData, Dialect, MachineData, ToolLengths};
 use glidepath::nc::{Command, Decoder, DecoderMemory, NcErrorKind, Setup, Step};
 use glidepath::quantity::Position;
@@ -183,14 +183,14 @@ impl Random {
     }
 }
 
-/// What was found.
+/// Results.
 #[derive(Debug, Default, PartialEq, Eq)]
 pub struct Found {
     /// Lines that the decoder accepts.
     pub accepted: u64,
-    /// Values looked at whether they count.
+    /// Values whose use was checked.
     pub values: u64,
-    /// Lines with a value that does nothing, and the value.
+    /// Lines with a value without effect, and the value.
     pub silent: Vec<String>,
 }
 
@@ -222,7 +222,7 @@ fn line(random: &mut Random) -> String {
     String::from_utf8_lossy(&bytes).into_owned()
 }
 
-/// Commands, but for their places, and what is in force behind them; `None` where a line is refused.
+/// Commands without their places, and the modal state after them; `None` if a line is refused.
 fn meaning(memory: &mut DecoderMemory<3>, setup: Setup<3>, text: &str) -> (Option<Vec<String>>, bool) {
     let mut decoder: Decoder<_, 3> = Decoder::new(memory, setup, text.as_bytes());
     let (mut told, mut made) = (false, Vec::new());
@@ -259,7 +259,7 @@ fn meaning(memory: &mut DecoderMemory<3>, setup: Setup<3>, text: &str) -> (Optio
 /// Lines before the one that is looked at.
 const HEAD_LINES: u32 = 3;
 
-/// A whole text of such lines: refusals are passed over. It must come to its end.
+/// A whole text of such lines: refused lines are skipped. The decoder must finish the text.
 fn run(memory: &mut DecoderMemory<3>, setup: Setup<3>, text: &str) -> u64 {
     let mut decoder: Decoder<_, 3> = Decoder::new(memory, setup, text.as_bytes());
     let mut refused = 0;
@@ -278,7 +278,7 @@ fn run(memory: &mut DecoderMemory<3>, setup: Setup<3>, text: &str) -> u64 {
     refused
 }
 
-/// Letters and numbers of a line that holds nothing else: where the number stands.
+/// Letters and numbers of a line that contains nothing else: places of the numbers.
 fn values(line: &str) -> Vec<(char, std::ops::Range<usize>)> {
     let plain = |c: char| c.is_ascii_alphanumeric() || matches!(c, '.' | '-' | '+' | ' ');
     if !line.chars().all(plain) {
@@ -297,7 +297,7 @@ fn values(line: &str) -> Vec<(char, std::ops::Range<usize>)> {
     found
 }
 
-/// Values that do nothing by what the dialect's own controller does with them, which docs/dialects.md says.
+/// Values without effect in the dialect's original controller too, according to docs/dialects.md.
 fn may_rest(dialect: Dialect, letter: char, words: &[(char, String)]) -> bool {
     let has = |letter: char, number: &str| {
         let same = |n: &str| n.parse::<f64>().ok() == number.parse().ok();

@@ -1,5 +1,5 @@
-//! Random programs with every slope and every method that rounds corners: none is to be slower than standstills at
-//! all corners, than the same program with less tolerance, or with half the feed.
+//! Random programs with every slope and every corner method: no program may be slower than with stops at all
+//! corners, than with less tolerance, or than with half the feed.
 use crate::cases::machines;
 use crate::cases::random::{Mix, Random, program};
 use crate::cases::set_point;
@@ -9,7 +9,7 @@ use glidepath::machine::MachineData;
 use glidepath::quantity::Position;
 use std::fmt::Write;
 
-/// Slopes: the name, P-CHAN-00071, and what a program says.
+/// Slopes: name, P-CHAN-00071, and the command in the program.
 pub const SLOPES: [(&str, u8, &str); 5] = [
     ("STEP", 0, ""),
     ("TRAPEZ", 1, ""),
@@ -19,7 +19,7 @@ pub const SLOPES: [(&str, u8, &str); 5] = [
 ];
 /// Methods.
 pub const METHODS: [&str; 6] = ["none", "DEV", "DIST_SOFT", "PTP", "Surface", "B-spline"];
-/// Tolerances of a program, and feeds, as parts of its own.
+/// Tolerances and feeds of a program, as parts of its own values.
 pub const TOLERANCES: [f64; 3] = [0.2, 1.0, 5.0];
 pub const FEEDS: [f64; 2] = [1.0, 2.0];
 
@@ -32,13 +32,13 @@ pub struct Case {
     feed: f64,
 }
 
-/// The largest quotients of times: with standstills, with less tolerance, with half the feed, with DEV (of Surface and
-/// the B-spline).
+/// The largest quotients of times: compared with stops, with less tolerance, with half the feed, with DEV
+/// (only Surface and the B-spline).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Worst {
     /// Each with its seed.
     pub quotients: [(f64, u64); 4],
-    /// How many are above 1.01 (of standstills, less tolerance, half the feed), or above 1.02 (of DEV).
+    /// Number of quotients above 1.01 (stops, less tolerance, half the feed) or above 1.02 (DEV).
     pub above: [u32; 4],
     /// How many were compared.
     pub compared: [u32; 4],
@@ -47,7 +47,7 @@ pub struct Worst {
 }
 
 impl Case {
-    /// That of a seed.
+    /// The case of a seed.
     pub fn new(seed: u64) -> Self {
         let mut r = Random::new(seed ^ 0x736c_6f77);
         let mut machine = match seed % 4 {
@@ -117,12 +117,12 @@ impl Case {
         self.text(slope, &Self::on(METHODS[method], part * self.tolerance), [1.0, 0.0])
     }
 
-    /// What switches a method on.
+    /// The command that switches a method on.
     fn on(method: &str, size: f64) -> String {
         match method {
             "none" => String::new(),
             "DIST_SOFT" => format!("#CONTOUR MODE ON [DIST_SOFT PATH_DIST={size:.6}]"),
-            // As large as that of contour mode is without the word.
+            // As large as the default of contour mode.
             "Surface" => format!("#HSC ON [SURFACE PATH_DEV={size:.6} MAX_ANGLE=178]"),
             "B-spline" => format!("#HSC ON [BSPLINE PATH_DEV={size:.6} MAX_ANGLE=178]"),
             _ => format!("#CONTOUR MODE ON [{method} PATH_DEV={size:.6}]"),
@@ -136,7 +136,7 @@ impl Case {
         format!("{said}G90 G01 F{:.3}\n{exact}{on}\n{}M30\n", self.feed * feed, self.body)
     }
 
-    /// Its text with a method, and the times of all tolerances, feeds and of standstills, one a line.
+    /// Its text with a method, and the times of all tolerances, feeds and of stops, one per line.
     pub fn show(&self, slope: usize, method: &str) -> String {
         let mut shown = self.text(slope, &Self::on(method, self.tolerance), [1.0, 0.0]);
         for feed in FEEDS {
@@ -151,7 +151,7 @@ impl Case {
         shown
     }
 
-    /// Its ticks; none where it is refused. `stops`: with a standstill at the end of every block.
+    /// Its ticks; none if the program is refused. `stops`: with a stop at the end of every block.
     fn ticks(&self, slope: usize, on: &str, [feed, stops]: [f64; 2]) -> Option<f64> {
         let machine = self.machine(slope);
         let text = self.text(slope, on, [feed, stops]);
@@ -159,7 +159,7 @@ impl Case {
         Some(run.trace.ticks() as f64)
     }
 
-    /// Takes what a slope and a method make of it into account.
+    /// Adds the results of a slope and a method.
     pub fn measure(&self, seed: u64, slope: usize, method: usize, worst: &mut Worst) {
         let mut before: Option<[f64; 3]> = None;
         for feed in FEEDS {
@@ -181,7 +181,7 @@ impl Case {
                 {
                     worst.take(3, (ticks - 2.0) / dev, seed);
                 }
-                // Two ticks of short programs are no fault.
+                // Two ticks of short programs do not count.
                 let ticks = ticks - 2.0;
                 worst.take(0, ticks / stops, seed);
                 if k > 0 {

@@ -1,4 +1,4 @@
-//! Runs a program while an operator gives commands at given ticks, and asks the judge for everything.
+//! Runs a program with commands of an operator at given ticks, and checks all properties.
 use crate::calls::call;
 use crate::cases::random::{Mix, Random, program};
 use crate::cases::{Program, machines, set_point};
@@ -20,26 +20,26 @@ use glidepath::tick::State;
 use std::cell::Cell;
 use std::collections::VecDeque;
 
-/// What an operator does.
+/// A command or a disturbance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Act {
     /// Feed hold.
     Hold,
     /// Go on.
     Resume,
-    /// Forget the rest.
+    /// Abort.
     Abort,
     /// Feed override, LSB 0.1 %.
     Override(u16),
     /// Reduced speed.
     Reduced(bool),
-    /// No program text for so many ticks.
+    /// No program text for this number of ticks.
     Starve(usize),
-    /// From now on the text arrives with so many bytes a tick.
+    /// From now on the text arrives with this number of bytes per tick.
     Slow(usize),
-    /// The planner is not called before this tick and those behind it, so many in all.
+    /// The planner is not called for this number of ticks.
     Stall(usize),
-    /// From now on functions that wait are acknowledged so many ticks behind their output.
+    /// From now on functions that wait are acknowledged this number of ticks after their output.
     Acknowledge(usize),
 }
 
@@ -56,7 +56,7 @@ impl Act {
         }
     }
 
-    /// Whether it is a command: the others happen to the operator too.
+    /// Whether it is a command of the operator, not a disturbance.
     pub fn is_command(self) -> bool {
         !matches!(self, Self::Starve(_) | Self::Slow(_) | Self::Stall(_) | Self::Acknowledge(_))
     }
@@ -69,28 +69,28 @@ pub struct Operated {
     pub trace: Trace,
     /// Path distance after each of them.
     pub distances: Vec<i64>,
-    /// Ticks at which the motion began to stand in a hold.
+    /// Ticks at which a hold had stopped the motion.
     pub holds: Vec<usize>,
-    /// The rest of the program was forgotten.
+    /// Whether the rest of the program was dropped.
     pub aborted: bool,
     /// The highest override, at least 1.
     pub over: f64,
-    /// Ticks before which it was said that program text comes late.
+    /// Ticks at which late program text was reported.
     pub starved: Vec<usize>,
-    /// Ticks before which it was said that the planner came late.
+    /// Ticks at which a late planner was reported.
     pub late: Vec<usize>,
-    /// Ticks before which it was said that the motion is slower, so that a standstill has room.
+    /// Ticks at which the planner reported a slower motion, so that a stop fits into the queue.
     pub slower: Vec<usize>,
-    /// Functions, with the tick behind which they came out.
+    /// Functions, with the tick after which they were output.
     pub outputs: Vec<(usize, Output)>,
 }
 
-/// A program text that arrives as it is told to.
+/// A program text whose arrival is controlled.
 struct Wire<'a> {
     text: &'a [u8],
-    /// Nothing can be read now.
+    /// No text can be read now.
     closed: Cell<bool>,
-    /// So much has arrived, and so much of it was read.
+    /// Number of arrived bytes, and of read bytes.
     arrived: Cell<usize>,
     read: Cell<usize>,
 }
@@ -115,22 +115,21 @@ impl Text for &Wire<'_> {
     }
 }
 
-/// Most ticks of a run, and most of rest between two commands.
+/// Highest number of ticks of a run, and of a standstill between two commands.
 pub const LONGEST: usize = 1_000_000;
 const RESTS: usize = 20_000;
 
-/// Why a run was given up that may be a good one.
+/// Reason to give up a run that may be without a fault.
 pub const TOO_LONG: &str = "longer than a run may be";
 
-/// Calls of the planner between two ticks: enough to keep up where no corners are rounded, or as many as it
-/// wants.
+/// Planner calls between two ticks: enough to keep up without corner curves, or unlimited.
 pub const POLLS: [usize; 3] = [12, 40, 1000];
 
 /// Runs `program`; `acts` are commands with the tick before which they are given. The planner is called at
 /// most `polls` times between two ticks.
 ///
 /// # Errors
-/// What the library refused, or a motion that does not end.
+/// The library's refusal, or a motion that does not end.
 pub fn operate<const AXES: usize, const BLOCKS: usize>(
     program: &Program,
     machine: &MachineData<AXES>,
@@ -156,7 +155,7 @@ pub fn operate_text<const AXES: usize, const BLOCKS: usize>(
     operate_within::<AXES, BLOCKS>(text, start, machine, (acts, polls), LONGEST)
 }
 
-/// The same for so many ticks at most.
+/// The same with a highest number of ticks.
 ///
 /// # Errors
 /// The same.
@@ -251,13 +250,13 @@ pub fn operate_transformed<const AXES: usize, const BLOCKS: usize>(
     Err(TOO_LONG.to_owned())
 }
 
-/// Whether the planner says that, by name: for most calls nothing has to be written out.
+/// Whether the planner returns this result, by name, so that most calls need no text.
 fn says(progress: Progress, name: &str) -> bool {
     let other = matches!(progress, Progress::Working | Progress::Planned | Progress::Waiting);
     !other && format!("{progress:?}") == name
 }
 
-/// The judge's word on such a run: limits at every tick, on the contour and in order, at the end exactly.
+/// Checks such a run: limits at every tick, contour in order, exact end.
 ///
 /// # Errors
 /// The first fault.
@@ -296,8 +295,8 @@ pub fn random_setup(seed: u64) -> (Program, MachineData<3>, Random) {
     (program, machine, random)
 }
 
-/// Whether a block may take more than the 2^26 ticks that one can have: the reduced speed is a limit, however
-/// slow, and an override makes it slower still. Such a run may end with an error.
+/// Whether a block may take more than its highest number of 2^26 ticks. Reduced speed may be any low limit,
+/// and an override lowers the speed further. Such a run may end with an error.
 pub fn crawls<const AXES: usize>(machine: &MachineData<AXES>, acts: &[(usize, Act)]) -> bool {
     crawls_along(machine, acts, LENGTH)
 }
@@ -322,8 +321,8 @@ pub fn crawls_along<const AXES: usize>(
     reduced && slowest.is_some_and(|v| f64::from(v) * part * 2f64.powi(26) < length)
 }
 
-/// Overrides and reduced speed at random ticks of a motion of so many, mixed with `others`, which come in
-/// order; at last 100 %.
+/// Overrides and reduced speed at random ticks of a motion with `ticks` ticks, mixed with `others`, in the
+/// order of time; at the end 100 %.
 pub fn with_overrides(random: &mut Random, ticks: usize, others: Vec<(usize, Act)>) -> Vec<(usize, Act)> {
     let mut acts = others;
     for _ in 0..1 + random.bits() % 8 {
@@ -349,7 +348,7 @@ pub fn with_overrides(random: &mut Random, ticks: usize, others: Vec<(usize, Act
     acts
 }
 
-/// Ticks that the program takes with a standstill at the end of each block, by the f64 reference: it never takes
+/// Number of ticks with a stop at the end of each block, by the f64 reference; the program never takes
 /// longer. HSC has one ramp time, the longest of an axis.
 pub fn longest<const AXES: usize>(program: &Program, machine: &MachineData<AXES>) -> f64 {
     let mut machine = *machine;
@@ -370,8 +369,8 @@ pub fn longest<const AXES: usize>(program: &Program, machine: &MachineData<AXES>
     blocks(&contour, &Machine::new(&machine.axes, &machine.channel)).iter().map(stands).sum()
 }
 
-/// Whether a run that was given up for [`TOO_LONG`] may be one that takes so long, by what is expected. The
-/// operator's last act is at the tick `last`.
+/// Whether a run that was given up for [`TOO_LONG`] may take so long. The operator's last command is at the
+/// tick `last`.
 pub fn is_long<const AXES: usize>(program: &Program, machine: &MachineData<AXES>, last: usize) -> bool {
     longest(program, machine) + last as f64 > LONGEST as f64
 }
@@ -388,12 +387,12 @@ pub fn may_end<const AXES: usize>(
         || fault.ends_with("Unplannable") && crawls(machine, acts)
 }
 
-/// What came of [`crawl`].
+/// Result of [`crawl`].
 #[derive(Clone, Debug, PartialEq)]
 pub enum Crawled {
     /// All is well.
     Good,
-    /// It takes so long without an operator that it was not tried.
+    /// Without an operator the program takes so long that it was not tried.
     Long,
     /// The first fault.
     Fault(String),
@@ -455,7 +454,7 @@ pub fn crawl(seed: u64) -> Crawled {
     Crawled::Good
 }
 
-/// Text that comes late at random ticks of a motion of so many, mixed with `others`, which come in order.
+/// Late text at random ticks of a motion with `ticks` ticks, mixed with `others`, in the order of time.
 pub fn with_starvation(random: &mut Random, ticks: usize, others: Vec<(usize, Act)>) -> Vec<(usize, Act)> {
     let mut acts = others;
     for _ in 0..1 + random.bits() % 4 {
@@ -476,12 +475,12 @@ pub fn is_stalled(seed: u64) -> bool {
     !(seed / 24).is_multiple_of(2)
 }
 
-/// Ticks behind a command within which no stall begins: what waits for the planner at the end of the queue is
-/// not made anew yet.
+/// Ticks after a command within which no stall begins, because the motion at the end of the queue is not
+/// planned anew yet.
 const QUIET: usize = 16;
 
-/// Times without any call of the planner at random ticks of a motion of so many, mixed with `others`, which
-/// come in order.
+/// Times without planner calls at random ticks of a motion with `ticks` ticks, mixed with `others`, in the
+/// order of time.
 pub fn with_stalls(random: &mut Random, ticks: usize, others: Vec<(usize, Act)>) -> Vec<(usize, Act)> {
     let mut stalls: Vec<[usize; 2]> = (0..1 + random.bits() % 4)
         .map(|_| [random.unit() * ticks as f64, random.magnitude(1.0, 2000.0)].map(|x| x as usize))
@@ -492,7 +491,7 @@ pub fn with_stalls(random: &mut Random, ticks: usize, others: Vec<(usize, Act)>)
     for [mut start, ticks] in stalls {
         start = start.max(last.end);
         for (tick, _) in others.iter().filter(|(_, act)| act.is_command()) {
-            // What was given while the planner was not called is seen behind that.
+            // Commands during a time without planner calls act after this time.
             let seen = if last.contains(tick) { last.end } else { *tick };
             if (seen..seen + QUIET).contains(&start) {
                 start = seen + QUIET;
@@ -505,7 +504,7 @@ pub fn with_stalls(random: &mut Random, ticks: usize, others: Vec<(usize, Act)>)
     acts
 }
 
-/// Holds, each with its end, at random ticks of a motion of so many; now and then an abort.
+/// Holds with their ends at random ticks of a motion with `ticks` ticks; sometimes an abort.
 pub fn random_acts(random: &mut Random, ticks: usize) -> Vec<(usize, Act)> {
     let mut acts = Vec::new();
     let mut tick = 0;

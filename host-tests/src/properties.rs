@@ -1,4 +1,4 @@
-//! What must hold of every motion, whatever the program: asked of the judge, for the limits of the machine.
+//! Properties of every motion, for every program, checked for the limits of the machine.
 use crate::cases::{Program, set_point};
 use crate::check::{self, Course, Limits, Peaks};
 use crate::reference::geometry::{Contour, Element, Shape};
@@ -8,7 +8,7 @@ use crate::trace::{Run, Trace, run};
 use glidepath::machine::{AxisData, MachineData};
 use glidepath::quantity::Speed;
 
-/// What was measured on the way.
+/// Measured values.
 #[derive(Clone, Debug)]
 pub struct Verdict {
     /// The motion.
@@ -21,12 +21,12 @@ pub struct Verdict {
     pub course: Course,
 }
 
-/// Limits of an axis for the kinds of motion that occur. `curved`: knees and arcs accelerate axes too, then
-/// tangential and normal acceleration together may reach `a_max`, and the jerk a / min(ramp time, geometric
+/// Limits of an axis for the kinds of motion. `curved`: corners and arcs accelerate axes too. Then tangential
+/// and normal acceleration together may reach `a_max`, and the jerk may reach a / min(ramp time, geometric
 /// ramp time).
 ///
-/// `slope` as in P-CHAN-00071. A ramp of SIN2 has a jerk of π/2 · a / ramp time; STEP has any, and the larger
-/// one of the accelerations of its stages.
+/// `slope` as in P-CHAN-00071. A ramp of SIN2 has a jerk of π/2 · a / ramp time. STEP has unlimited jerk, and
+/// the larger acceleration of its stages.
 pub fn permitted(axis: &AxisData, slope: u8, rapid: bool, feed: bool, curved: bool) -> Limits {
     if slope == 0 {
         let sets = [(feed, axis.vb_max, axis.stages(false)), (rapid, axis.vb_eilgang, axis.stages(true))];
@@ -63,9 +63,9 @@ pub fn permitted(axis: &AxisData, slope: u8, rapid: bool, feed: bool, curved: bo
     limits
 }
 
-/// Limits of an axis at a place: inside a straight block what its slope may show; in an arc and at a joint
-/// also what the contour may cause. At a joint jerk is free where the machine data permit a step: of speed
-/// with P-AXIS-00013, of acceleration without P-CHAN-00009 where an arc takes part.
+/// Limits of an axis at a place: inside a straight block those of the slope; in an arc and at a transition
+/// also those of the contour. At a transition jerk is not limited if the machine data permit a step: of speed
+/// with P-AXIS-00013, of acceleration without P-CHAN-00009 next to an arc.
 pub fn permitted_at<const AXES: usize>(
     machine: &MachineData<AXES>,
     axis: usize,
@@ -86,7 +86,7 @@ pub fn permitted_at<const AXES: usize>(
     limits
 }
 
-/// Asks the judge for the limits of every axis at every tick, wherever it is.
+/// Checks the limits of every axis at every tick, at every place.
 ///
 /// # Errors
 /// The first excess.
@@ -101,7 +101,7 @@ pub fn keeps_limits<const AXES: usize>(
     })
 }
 
-/// Limits of all axes of a machine for a contour, at any of its places.
+/// Limits of all axes of a machine for a contour, at all places.
 pub fn axis_limits<const AXES: usize>(machine: &MachineData<AXES>, contour: &Contour) -> Vec<Limits> {
     let rapid = contour.elements.iter().any(|e| e.feed.is_none());
     let feed = contour.elements.iter().any(|e| e.feed.is_some());
@@ -118,16 +118,16 @@ pub fn axis_limits<const AXES: usize>(machine: &MachineData<AXES>, contour: &Con
     limits.collect()
 }
 
-/// How much further an axis goes on a line than the path, whose feed axes leave it out (P-CHAN-00011); 0: no
-/// further.
+/// Travel of an axis on a line per travel of the path, if the axis is no feed axis (P-CHAN-00011); 0: no more
+/// than the path.
 fn gain(element: &Element, axis: usize) -> f64 {
     let length = element.feed_axes.iter().map(|&k| element.travel(k).powi(2)).sum::<f64>().sqrt();
     let gain = element.travel(axis).abs() / length;
     if element.shape == Shape::Line && length > 0.0 && gain > 1.0 { gain } else { 0.0 }
 }
 
-/// What errors of path distances add to the differences of an axis that goes further than the path: a
-/// difference of order n has 2^n of them. The second one has its room inside the acceleration.
+/// Effect of path distance errors on the differences of an axis that moves further than the path. A
+/// difference of order n has 2^n errors; the acceleration has room for those of the second difference.
 fn widen<const AXES: usize>(
     limits: &mut Limits,
     machine: &MachineData<AXES>,
@@ -140,7 +140,7 @@ fn widen<const AXES: usize>(
     limits.jerk += 8.0 * error / cycle.powi(3);
 }
 
-/// Runs a program and asks the judge for everything.
+/// Runs a program and checks all properties.
 ///
 /// # Errors
 /// The first fault, with the program's name.
@@ -156,7 +156,7 @@ pub fn verify<const AXES: usize, const BLOCKS: usize>(
     let points = program.end_points();
     check::ends(&run.trace, &start, &points).map_err(fault)?;
     let peaks = check::limits(&run.trace, &limits).map_err(fault)?;
-    // Rapid motion: no axis faster than its limit, so the path not faster than all of them together.
+    // Rapid motion: no axis exceeds its limit, so the path is no faster than all axes together.
     let v_rapid = machine.axes.iter().map(|a| (f64::from(a.vb_eilgang) * 1e-3).powi(2)).sum::<f64>().sqrt();
     let course = check::path(&run.trace, &contour, path_tolerance(&contour), v_rapid).map_err(fault)?;
     keeps_limits(&run.trace, &course, &contour, machine).map_err(fault)?;
@@ -169,15 +169,15 @@ pub fn verify<const AXES: usize, const BLOCKS: usize>(
     Ok(Verdict { run, contour, peaks, course })
 }
 
-/// Blocks follow each other in order, each starts at the speed at which the last one ended, and their
-/// durations and waits add up to the ticks of the motion. `within`: they may end within a block.
+/// Checks that blocks follow in order, that each block starts at the end speed of the block before, and that
+/// durations and waits add up to the ticks of the motion. `within`: a speed profile may end within a block.
 fn plan_is_consistent(run: &Run, within: bool) -> Result<(), String> {
     let mut v = Speed::ZERO;
     let mut n = 0;
     let mut time = 0;
     let mut first = 0;
     for (i, block) in run.blocks.iter().enumerate() {
-        // NO_OPT=0, and arcs behind two turns: in the block where the one before ends.
+        // With NO_OPT=0, and in arcs after two turns: in the block in which the speed profile before ends.
         let goes_on = within && block.block + 1 == first && block.n >= n;
         if !goes_on && (block.block != first || block.n <= n) {
             return Err(format!("block {i} says it is {} with N{} after N{n}", block.block, block.n));
@@ -192,7 +192,7 @@ fn plan_is_consistent(run: &Run, within: bool) -> Result<(), String> {
         first += block.blocks;
         time += block.time.to_bits() + block.wait.to_bits();
     }
-    // LSB of a time: 2^-36 tick. Laws that were made anew take longer than those told.
+    // LSB of a time: 2^-36 tick. Replaced speed profiles take longer than the reported ones.
     let (ticks, told) = ((run.trace.ticks() as u64) << 36, time);
     let fits = if run.slower { told <= ticks } else { told == ticks };
     if v != Speed::ZERO || !fits {

@@ -1,12 +1,12 @@
-//! What a channel refuses of an NC text.
+//! Refusals of a channel for an NC text.
 use glidepath::channel::{Channel, Error, Handles, Progress};
 use glidepath::machine::MachineData;
 use glidepath::quantity::Position;
 
-/// Calls of the planner within which a text has ended.
+/// Number of planner calls after which a text has ended.
 const MOST_CALLS: usize = 1_000_000;
 
-/// Why a text from zero on is refused, if it is.
+/// Reason for which a text, from zero on, is refused, if it is refused.
 pub fn refusal<const AXES: usize>(text: &str, machine: &MachineData<AXES>) -> Option<Error> {
     let mut channel: Box<Channel<AXES, 120>> = Box::new(Channel::new());
     let Handles { mut planner, mut interpolator, .. }: Handles<'_, &[u8], AXES, 120> =
@@ -21,7 +21,7 @@ pub fn refusal<const AXES: usize>(text: &str, machine: &MachineData<AXES>) -> Op
     panic!("no end: {text}");
 }
 
-/// The same of a text that has to be refused.
+/// The same for a text that must be refused.
 pub fn refused<const AXES: usize>(text: &str, machine: &MachineData<AXES>) -> Error {
     refusal(text, machine).unwrap_or_else(|| panic!("{text} is accepted"))
 }

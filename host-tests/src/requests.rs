@@ -12,7 +12,7 @@ use glidepath::quantity::Position;
 use glidepath::tick::State;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
-/// What a program did.
+/// Results of a program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Driven {
     /// Digest of its set points.
@@ -21,19 +21,19 @@ pub struct Driven {
     pub ticks: u64,
 }
 
-/// What the other thread asked.
+/// Requests of the other thread.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Requests {
     /// Elements read directly.
     pub elements: u64,
     /// Requests of the control unit, and blocks of its answers.
     pub requests: [u64; 2],
-    /// Questions about what comes that were answered.
+    /// Answered questions about the coming motion.
     pub questions: u64,
 }
 
 impl Requests {
-    /// Whether there is some of each kind: on a busy computer the other thread gets little time.
+    /// Whether there is at least one of each kind: on a busy computer the other thread gets little time.
     const fn has_each(&self) -> bool {
         self.requests[1] > 0 && self.questions > 0
     }
@@ -46,7 +46,7 @@ impl Requests {
 
 const EVERYTHING: ProgramDistance = ProgramDistance::from_bits(i64::MAX);
 
-/// Length, N and knee of each line follow from one another.
+/// Length, N number and knee of each line depend on one another.
 fn check(entry: &Entry) {
     assert_eq!(entry.block_type, BlockType::Line);
     assert_eq!(entry.length, ProgramDistance::from_mm(f64::from(entry.n)), "torn: {entry:?}");
@@ -106,8 +106,8 @@ fn plc(
     requests
 }
 
-/// Runs programs until another thread has given `count` requests: what it asked, and what the programs did. Without
-/// `count` one program runs alone.
+/// Runs programs until another thread has made `count` requests. Returns the requests and the results of the
+/// programs. Without `count` one program runs alone.
 pub fn run(count: Option<u64>) -> (Requests, Vec<Driven>) {
     let machine = asked(&quick::<3>(1000));
     let lines: String = (1..=4_000)

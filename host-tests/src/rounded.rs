@@ -9,15 +9,15 @@ use glidepath::quantity::Position;
 use glidepath::technology::Output;
 use glidepath::tick::State;
 
-/// What came of a text.
+/// Results of a text.
 pub struct Run {
     /// Set points.
     pub trace: Trace,
     /// Spans as they were planned.
     pub blocks: Vec<PlannedBlock>,
-    /// Rows at which events were due.
+    /// Rows at which functions were due.
     pub events: Vec<(usize, Output)>,
-    /// Lines that something was said of.
+    /// Lines with a message.
     pub warnings: Vec<(u32, NcWarningKind)>,
     /// Over all set points.
     pub digest: u64,
@@ -67,7 +67,7 @@ pub fn run(text: &str) -> Run {
 }
 
 impl Run {
-    /// Smallest distance of a set point from a point of the first two axes.
+    /// Smallest distance between the set points and a point, in the first two axes.
     pub fn distance(&self, point: [f64; 2]) -> f64 {
         (0..self.trace.len())
             .map(|i| self.trace.mm(i))
@@ -75,7 +75,7 @@ impl Run {
             .fold(f64::INFINITY, f64::min)
     }
 
-    /// Lengths of what is left of the blocks with this number, and of their curves: all elements in order.
+    /// Remaining lengths of the blocks with this number, and lengths of their curves: all elements in order.
     pub fn lengths(&self, n: u32) -> Vec<f64> {
         self.blocks
             .iter()

@@ -1,19 +1,18 @@
-//! Seeds of the tests with random cases: fixed ones, the same in each run, and behind them some that every
-//! run has for itself.
+//! Seeds for tests with random cases: fixed seeds, the same in each run, followed by new seeds for every run.
 //!
-//! The first of a run's own seeds is printed, and printed again beside a failure. `GLIDEPATH_SEED=number`
-//! repeats them.
+//! The first new seed is printed, and printed again with a failure. `GLIDEPATH_SEED=number` repeats the new
+//! seeds.
 use std::sync::OnceLock;
 use std::time::{SystemTime, UNIX_EPOCH};
 
-/// The environment variable that repeats a run's own seeds.
+/// The environment variable that repeats the new seeds.
 pub const VARIABLE: &str = "GLIDEPATH_SEED";
 
-/// A run's own seeds begin behind all fixed ones.
+/// New seeds begin after all fixed seeds.
 const FIRST: u64 = 1_000_000;
 const BASES: u64 = 1_000_000_000;
 
-/// The first of this run's own seeds.
+/// The first new seed of this run.
 pub fn own() -> u64 {
     static OWN: OnceLock<u64> = OnceLock::new();
     *OWN.get_or_init(|| match std::env::var(VARIABLE) {
@@ -25,14 +24,14 @@ pub fn own() -> u64 {
     })
 }
 
-/// `fixed`, and then so many of the run's own.
+/// `fixed`, followed by this number of new seeds.
 pub fn seeds(fixed: impl IntoIterator<Item = u64> + 'static, count: u64) -> Seeds {
     let first = own();
     println!("own seeds {first} to {}; {VARIABLE}={first} repeats them", first + count - 1);
     Seeds { all: Box::new(fixed.into_iter().chain(first..first + count)), first, at: None }
 }
 
-/// Fixed seeds and a run's own.
+/// Fixed seeds and new seeds.
 pub struct Seeds {
     all: Box<dyn Iterator<Item = u64>>,
     first: u64,

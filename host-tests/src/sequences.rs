@@ -1,6 +1,6 @@
-//! Random sessions of one channel, from power-up on: programs one behind the other, single lines, refused
-//! lines, aborts, positions and zero offsets that are set, jog, a text or a stream, an operator while they
-//! run and between them. What must come of each step is worked out here, from its lines alone.
+//! Random sessions of one channel from power-up on: programs one after another, single lines, refused lines,
+//! aborts, changed positions and zero offsets, jog, a text or a stream, and commands during and between
+//! programs. The expected result of each step is computed here, from its lines alone.
 mod bench;
 mod lines;
 mod model;
@@ -21,16 +21,16 @@ use steps::Session;
 /// Bytes of the window of a stream.
 const WINDOW: usize = 256;
 
-/// What came of a session.
+/// Results of a session.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Done {
-    /// Steps that came to their end.
+    /// Number of completed steps.
     pub steps: usize,
     /// Ticks of all of them.
     pub ticks: usize,
     /// Lines that were refused.
     pub refused: usize,
-    /// Aborts that ended something.
+    /// Number of aborts that ended a program.
     pub aborted: usize,
     /// Programs that ran again on a new channel, with the same set points.
     pub repeated: usize,
@@ -64,10 +64,10 @@ fn machine(seed: u64) -> MachineData<3> {
     machine
 }
 
-/// The session of a seed, judged.
+/// Runs and checks the session of a seed.
 ///
 /// # Errors
-/// The first fault, with what was done before.
+/// The first fault, with the steps before it.
 pub fn session(seed: u64) -> Result<Done, String> {
     let machine = machine(seed);
     let mut random = Random::new(seed ^ 0x5e55_1045);

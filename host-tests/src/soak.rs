@@ -1,8 +1,8 @@
-//! Random machine data over their permitted ranges, random programs of about their size, and an operator: one
-//! number gives all of it.
+//! Random machine data over their permitted ranges, random programs of a suitable size, and an operator, all
+//! from one number.
 //!
-//! Lengths, radii and feeds follow from what the machine can do in some ticks, so that every run has some
-//! thousand ticks, with an acceleration of 1 mm/s² at 0.1 ms as with 50 000 mm/s² at 10 ms.
+//! Lengths, radii and feeds follow from the motion of the machine in some ticks. So every run has some
+//! thousand ticks, with 1 mm/s² at 0.1 ms and with 50,000 mm/s² at 10 ms.
 use crate::cases::machines;
 use crate::cases::random::{Mix, Random, program};
 use crate::cases::{NM, Program, decimal, set_point};
@@ -21,16 +21,16 @@ use glidepath::machine::{
 use glidepath::quantity::Position;
 use std::fmt::Write;
 
-/// What came of a seed.
+/// Result of a seed.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Outcome {
-    /// All is well, in so many ticks.
+    /// No fault, with the number of ticks.
     Good(usize),
-    /// It takes longer than a run may.
+    /// The run takes longer than permitted.
     TooLong,
-    /// The library refused it, with the reason that the rules of the language give.
+    /// The library refused the program, with the reason that the rules of the language give.
     Refused(String),
-    /// A fault, with all that it needs.
+    /// A fault, with all data to repeat it.
     Fault(String),
 }
 
@@ -63,18 +63,18 @@ const RAMPS: [f64; 2] = [100.0, 2e6];
 const ACCELERATIONS: [f64; 2] = [1.0, 50_000.0];
 /// Largest speeds, µm/s.
 const SPEEDS: [f64; 2] = [1.0, 2e9];
-/// Those of most machines.
+/// Values of most machines.
 const USUAL_SPEEDS: [f64; 2] = [1e3, 2e9];
-/// Ticks that a block takes.
+/// Number of ticks of a block.
 const TICKS: [f64; 2] = [0.3, 300.0];
-/// Ticks that all blocks of a slow machine take, if each is a shortest one.
+/// Number of ticks of all blocks of a slow machine, if each block has the shortest length.
 const LONG: f64 = 20_000.0;
 /// Shortest blocks, mm: most of them, and the resolution of the text.
 const SHORTEST: [f64; 2] = [1e-4, 1e-6];
 /// Functions of the programs.
 const FUNCTIONS: [&str; 6] = ["M3", "M24", "M25", "M26", "M27", "H7"];
 
-/// Between two bounds, evenly in orders of magnitude; once in eight one of them.
+/// A value between two bounds, equally distributed in orders of magnitude; once in eight one of the bounds.
 fn within(r: &mut Random, [low, high]: [f64; 2]) -> f64 {
     match r.bits() % 16 {
         0 => low,
@@ -83,7 +83,7 @@ fn within(r: &mut Random, [low, high]: [f64; 2]) -> f64 {
     }
 }
 
-/// What an axis is about: acceleration, ramp time, speed.
+/// Order of magnitude of an axis: acceleration, ramp time, speed.
 fn size(r: &mut Random) -> [f64; 3] {
     let speeds = if r.once_in(8) { SPEEDS } else { USUAL_SPEEDS };
     [within(r, ACCELERATIONS), within(r, RAMPS), within(r, speeds)]
@@ -163,17 +163,17 @@ fn machine<const AXES: usize>(r: &mut Random) -> (MachineData<AXES>, [f64; 3]) {
     (machine, slowest)
 }
 
-/// The run of a seed; `stalls`: the planner gets no time now and then.
+/// The run of a seed; `stalls`: sometimes the planner gets no processor time.
 pub fn setup<const AXES: usize>(seed: u64, stalls: bool) -> Setup<AXES> {
     let mut random = Random::new(seed ^ 0x6d61_6368_696e_6573);
     let r = &mut random;
     let (mut machine, size) = machine::<AXES>(r);
     let cycle_us = machine.channel.cycle_us;
-    // By the seed itself, so that the others are what they were.
+    // From the seed itself, so that the other values stay the same.
     if [0, 6, 8].contains(&(seed % 11)) {
         machine.channel.merge_chords = (seed / 11 % 76) as u8;
     }
-    // One axis or several that the path is measured along; one of them alone may be the master.
+    // One or several axes that measure the path; only a single one may be the master.
     let feeds = if r.once_in(8) { r.bits() as usize % AXES + 1 } else { 0 };
     for _ in 0..feeds {
         let axis = &mut machine.axes[r.bits() as usize % AXES];
@@ -181,7 +181,7 @@ pub fn setup<const AXES: usize>(seed: u64, stalls: bool) -> Setup<AXES> {
         axis.achs_mode = MODE_LINEAR | MODE_MASTER;
     }
 
-    // How far it goes in so many ticks from rest to rest, and its speed then.
+    // Travel in this number of ticks from stop to stop, and the highest speed.
     let spin = if AXES > 3 && r.once_in(4) { r.magnitude(1.0, 1000.0) } else { 1.0 };
     let shortest = SHORTEST[usize::from(r.once_in(3))];
     let [a, ramp, v] = [size[0], size[1] * 1e-6, size[2] * 1e-3];
@@ -192,19 +192,20 @@ pub fn setup<const AXES: usize>(seed: u64, stalls: bool) -> Setup<AXES> {
         let speed = speed.min(v);
         ((0.5 * speed * time / spin).clamp(shortest, 2000.0), speed)
     };
-    // Now and then so many that a deep look-ahead is full.
+    // Sometimes so many blocks that a deep look-ahead is full.
     let many = r.once_in(12);
     let most = if many { 12.0 } else { TICKS[1] };
     let mut ticks = [r.magnitude(TICKS[0], most), r.magnitude(TICKS[0], most)];
     ticks.sort_by(f64::total_cmp);
     let (lengths, speed) = (ticks.map(|ticks| reach(ticks).0), reach(ticks[1]).1);
-    // A machine that is slow beside its cycle takes longer for the shortest block: fewer of them.
+    // A machine that is slow relative to its cycle takes longer for the shortest block, so it gets fewer
+    // blocks.
     let least =
         (16.0 * shortest * spin * ramp / a).cbrt().max(shortest * spin / v) / (f64::from(cycle_us) * 1e-6);
     let blocks = if many { r.between(60.0, 900.0) } else { r.between(5.0, 60.0) };
     let blocks = blocks.min(LONG / least).max(4.0) as usize;
     let feed = (60.0 * speed).clamp(1.0, 1e7);
-    // On smaller arcs a tick may go so far round that the judge could not tell which way.
+    // On smaller arcs the path could turn so far in a tick that the checker could not find its direction.
     let a_max = machine.axes.iter().map(|data| data.a_max).max().unwrap_or(0);
     let least_radius =
         (f64::from(a_max) * (f64::from(cycle_us) * 1e-6).powi(2)).max(0.3 * lengths[0]).max(0.01);
@@ -213,7 +214,8 @@ pub fn setup<const AXES: usize>(seed: u64, stalls: bool) -> Setup<AXES> {
         blocks,
         length: lengths,
         feed: [(feed * r.magnitude(0.05, 1.0)).max(1.0), feed * r.magnitude(1.0, 4.0)],
-        // An arc needs both axes of its plane among the feed axes, and is no longer than some hundred lines.
+        // An arc needs both axes of its plane among the feed axes, and is at most as long as some hundred
+        // lines.
         arcs: if least_radius > (30.0 * lengths[1]).min(500.0) || feeds > 0 {
             0
         } else {
@@ -271,8 +273,8 @@ pub fn setup<const AXES: usize>(seed: u64, stalls: bool) -> Setup<AXES> {
     setup
 }
 
-/// A line of contour mode with a tolerance about the lengths of the blocks; `k`: the block before whose end
-/// it stands.
+/// A line of contour mode with a tolerance near the lengths of the blocks; `k`: the block before whose end
+/// the line stands.
 fn contour_mode<const AXES: usize>(
     r: &mut Random,
     setup: &Setup<AXES>,
@@ -319,7 +321,7 @@ fn contour_mode<const AXES: usize>(
 }
 
 impl<const AXES: usize> Setup<AXES> {
-    /// Functions, dwells and weights at random blocks. A weight makes nothing faster and no ramp shorter.
+    /// Functions, dwells and weights at random blocks. A weight never raises a speed or shortens a ramp.
     fn interrupt(&mut self, r: &mut Random, a: f64, feed: f64) {
         let blocks = self.program.moves.len();
         let cycle = f64::from(self.machine.channel.cycle_us) * 1e-6;
@@ -383,12 +385,12 @@ impl<const AXES: usize> Setup<AXES> {
         all
     }
 
-    /// Runs it before the judge.
+    /// Runs and checks the case.
     pub fn run(&self) -> Outcome {
         self.run_within(LONGEST)
     }
 
-    /// The same for so many ticks at most.
+    /// The same with a highest number of ticks.
     pub fn run_within(&self, longest: usize) -> Outcome {
         let start: [Position; AXES] =
             std::array::from_fn(|k| Position::from_bits(set_point(self.program.start[k])));
@@ -407,7 +409,7 @@ impl<const AXES: usize> Setup<AXES> {
             Err(fault) if fault.contains("TooFewPoints") || fault.contains("FeedAxes") => {
                 Outcome::Refused(fault)
             }
-            // A random target beyond what a program may say.
+            // A random target outside the permitted range of a program.
             Err(fault) if fault.contains("Range { what: \"coordinate\"") => Outcome::Refused(fault),
             Err(fault) if fault.ends_with("TooSlow)") => Outcome::Refused(fault),
             Err(fault) => Outcome::Fault(fault),
@@ -419,7 +421,7 @@ impl<const AXES: usize> Setup<AXES> {
         self.acts.iter().any(|(_, act)| *act == Act::Reduced(true))
     }
 
-    /// Whether it may show any jerk in the curves of corners.
+    /// Whether the jerk of corner curves is not limited.
     fn is_unchecked(&self) -> bool {
         let lines = self.lines.iter().map(|(_, line)| line).filter(|line| line.contains('['));
         if self.contour.is_empty() {
@@ -430,15 +432,15 @@ impl<const AXES: usize> Setup<AXES> {
         modes.any(|line| line.contains("CHECK_JERK=0") || (off && !line.contains("CHECK_JERK")))
     }
 
-    /// What the resolution of the path adds to the differences of an axis. The path distance of a tick is
-    /// good to [`DISTANCE`]; an axis that travels further than the path shows as many times
-    /// that. In contour mode the start of each curve adds [`CUT`].
+    /// Effect of the path's resolution on the differences of an axis. The path distance of a tick is exact to
+    /// [`DISTANCE`]; the error of an axis that moves n times as far is n times this value. In contour mode
+    /// the start of each curve adds [`CUT`].
     fn resolution(&self, contour: &Contour) -> Vec<Limits> {
         let cycle = f64::from(self.machine.channel.cycle_us) * 1e-6;
-        // 2 of them make one difference of a jump: see the sums below.
+        // Two errors make one difference of a jump: see the sums below.
         let cut = if self.contour.is_empty() { 0.0 } else { 0.5 * CUT };
-        // A curve through the points is steeper than its chords in places, on axes that the path is not measured along:
-        // the others go no further than the path.
+        // On axes that do not measure the path, a curve through the points is steeper than its chords in
+        // places. The other axes move no further than the path.
         let chords = self.contour.contains("CONTOUR") || self.contour.is_empty();
         let steepest = |axis: usize| {
             let travel = |element: &Element| element.travel(axis).abs() / check::measured(element).max(1e-9);
@@ -451,7 +453,7 @@ impl<const AXES: usize> Setup<AXES> {
             .collect()
     }
 
-    /// All limits at every tick and the exact end; on the contour without contour mode.
+    /// Checks all limits at every tick and the exact end, and without contour mode the contour.
     fn judge(&self, run: &Operated) -> Result<(), String> {
         let mut contour = self.program.contour(&self.machine);
         let resolution = self.resolution(&contour);
@@ -492,7 +494,7 @@ impl<const AXES: usize> Setup<AXES> {
     }
 }
 
-/// A seed without some of it, to find the cause of a fault: without an operator, without contour mode.
+/// A seed without some of its parts, to find the cause of a fault: without an operator, without contour mode.
 pub fn plain<const AXES: usize>(seed: u64, sharp: bool) -> Setup<AXES> {
     let mut setup = setup::<AXES>(seed, false);
     setup.acts.retain(|(_, act)| matches!(act, Act::Acknowledge(_)));

@@ -1,5 +1,5 @@
-//! A spiral of short lines over a sphere with the tool normal to it, and the time that the limits of the axes, taken at
-//! each point of the path by itself, allow for it.
+//! A spiral of short lines over a sphere with the tool normal to the surface, and a lower bound of its time
+//! from the limits of the axes at each point alone.
 use crate::five_axes::{Machine, universal};
 use crate::operate::{Operated, operate_transformed};
 use crate::properties::permitted;
@@ -20,7 +20,7 @@ pub struct Job {
     pub lines: usize,
     /// Angle from the pole where the spiral begins, and where it ends, degree.
     pub tilt: [f64; 2],
-    /// Digits behind the decimal point.
+    /// Number of decimals.
     pub digits: usize,
     /// Feed, mm/min.
     pub feed: f64,
@@ -90,7 +90,7 @@ impl Job {
         // z falls evenly with the path, as nearly even as a spiral of equal lines needs.
         let [from, to] = self.tilt.map(|t| t.to_radians());
         let ring = |t: f64| t.sin();
-        // Angle from the pole by the area passed: the pitch stays the same.
+        // Angle from the pole by the covered area, so the pitch is constant.
         let (c0, c1) = (from.cos(), to.cos());
         let share = w / self.lines as f64;
         let cos = c0 + (c1 - c0) * share;
@@ -100,7 +100,7 @@ impl Job {
         [ring(tilt) * turn.cos(), ring(tilt) * turn.sin(), cos]
     }
 
-    /// Tip and angles at `w` lines from the start; the angles nearest to `last`.
+    /// Tip and angles at `w` lines from the start; of several solutions, the angles nearest to `last`.
     fn pose(&self, bench: &Bench, w: f64, last: &mut [Position; 3]) -> (Vector, [Position; 3]) {
         let d = self.direction(w);
         let r = self.radius;
@@ -143,7 +143,7 @@ impl Job {
         axes.map(|x| x.to_num::<f64>())
     }
 
-    /// Seconds that the limits of the axes, at each point by itself, leave for the path.
+    /// Lower bound of the time in seconds, from the limits of the axes at each point alone.
     pub fn bound(&self, bench: &Bench) -> f64 {
         let mut last = [Position::ZERO; 3];
         let (mut time, h) = (0.0, 1.0);
@@ -172,15 +172,15 @@ impl Job {
     }
 }
 
-/// What a run of a job shows.
+/// Results of a job.
 #[derive(Clone, Debug)]
 pub struct Shown {
     /// Seconds from the start of the first line to the end of the last.
     pub time: f64,
-    /// Ticks at rest between them.
+    /// Ticks at standstill during the lines.
     pub rest: usize,
-    /// Speed over a line's length, as a part of the mean speed over `NEAR` lines on each side: least, and where
-    /// (lines from the start).
+    /// Speed over a line's length, as part of the mean speed over `NEAR` lines on each side: lowest value,
+    /// and its place (lines from the start).
     pub slowest: (f64, usize),
     /// Largest distance of the tip from the sphere, mm.
     pub off: f64,
@@ -188,13 +188,13 @@ pub struct Shown {
     pub run: Operated,
 }
 
-/// Lines on each side that a line's speed is compared with.
+/// Number of lines on each side with which a line's speed is compared.
 const NEAR: usize = 20;
 
 /// Runs a job.
 ///
 /// # Errors
-/// What the planner says.
+/// The error of the planner.
 pub fn run(bench: &Bench, job: &Job, smooth: &str) -> Result<Shown, String> {
     let text = job.text(bench, smooth);
     let sets = [Kinematic::new(9, &bench.machine.chain(), &bench.data).map_err(|e| e.to_string())?];
@@ -257,8 +257,8 @@ pub fn keeps_limits(bench: &Bench, run: &Operated) -> Result<(), String> {
     crate::check::limits(&run.trace, &limits).map(|_| ())
 }
 
-/// Seconds that the limits of the axes, at each point by itself, leave for the path that a run drives: `slow` is a run
-/// with that small feed (mm/min), and `feed` the feed that the path is to have.
+/// Lower bound of the time in seconds for the path of a run, from the limits of the axes at each point alone.
+/// `slow` is a run at a small feed (mm/min), and `feed` is the intended feed.
 pub fn bound_of(bench: &Bench, slow: (&Operated, f64), feed: f64) -> f64 {
     let (slow, slowly) = slow;
     let per_tick = slowly / 60.0 * f64::from(bench.data.channel.cycle_us) * 1e-6;
@@ -272,7 +272,7 @@ pub fn bound_of(bench: &Bench, slow: (&Operated, f64), feed: f64) -> f64 {
     let way = |tick: usize| slow.distances[tick] as f64 / (1u64 << 44) as f64;
     for tick in 3..slow.trace.len() {
         let s = (way(tick) - way(tick - 3)) / 3.0;
-        // Neither the way to the start nor its ramps.
+        // Without the motion to the start and its ramps.
         if (s / per_tick - 1.0).abs() > 0.01 {
             continue;
         }

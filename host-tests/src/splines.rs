@@ -1,11 +1,11 @@
-//! Random runs with splines: machines, programs and operators of [`crate::soak`], with a spline in place of contour
-//! mode.
+//! Random runs with splines: machines, programs and operators of [`crate::soak`], with a spline instead of
+//! contour mode.
 use crate::cases::Kind;
 use crate::cases::random::Random;
 use crate::soak::{Outcome, Setup, setup};
 use std::fmt::Write;
 
-/// Blocks that a spline gets at least before it is switched off.
+/// Lowest number of blocks in a spline.
 const LEAST: usize = 6;
 
 /// Lines that switch a spline on, and the one that switches it off.

@@ -18,18 +18,18 @@
 /// Distance of a set point from the programmed contour, mm.
 pub const PATH: f64 = 1e-8;
 
-/// Distance of a point left out from the line that stands for its blocks, mm, on each axis, and in space.
+/// Distance of a dropped point from the merged line, mm, on each axis, and in space.
 pub const MERGED: f64 = 4900.0 / 4_294_967_296.0;
 pub const MERGED_PATH: f64 = 2e-6;
 
-/// What rounding of positions adds to that distance, mm, times 1 + tangent of the axis: where it decides, two blocks
-/// may be one or not.
+/// Effect of rounding of positions on this distance, mm, times 1 + tangent of the axis. If rounding decides,
+/// both results are right.
 pub const MERGED_ROUNDING: f64 = 1.0 / 268_435_456.0;
 
 /// Distance of a set point from that of the reference with the same plan, mm.
 pub const REFERENCE: f64 = 10e-6;
 
-/// What is not known of a plan's ramps, relative.
+/// Uncertainty of a plan's ramps, relative.
 pub const RAMP: f64 = 1.0 / 8_388_608.0;
 
 /// Speeds at transitions and durations against the reference planner, relative.
@@ -45,12 +45,12 @@ pub const SPEED_MARGIN: f64 = 1.0 / 524_288.0;
 /// Part of the jerk that the library leaves unused.
 pub const JERK_MARGIN: f64 = 1.0 / 8192.0;
 
-/// What a path distance of a tick is off by, mm: its coefficients have 2^-58 mm, and a piece of time lasts at most 128
-/// ticks with jerk (`src/slope/emit.rs`). A sixteenth of the rounding of a set point.
+/// Error of a path distance in a tick, mm: its coefficients have 2^-58 mm, and a piece lasts at most 128
+/// ticks with jerk (`src/slope/emit.rs`). The error is a sixteenth of the rounding of a set point.
 pub const DISTANCE: f64 = 1.0 / 137_438_953_472.0;
 
-/// What rounding the start of a curve may move an axis by, mm. With such a start in each tick a difference of
-/// order n shows 2^(n-1) times that at most: the sum of every second one of its weights.
+/// Highest displacement of an axis by rounding of the start of a curve, mm. With such a start in each tick a
+/// difference of order n has at most 2^(n-1) times this value: the sum of every second weight.
 pub const CUT: f64 = 0.5 / 4_294_967_296.0;
 
 /// Set points of a mirrored program, LSB.

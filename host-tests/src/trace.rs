@@ -1,4 +1,4 @@
-//! Runs a program through the library and keeps every set point.
+//! Runs a program through the library and stores every set point.
 use crate::cases::{Program, set_point};
 use crate::reference::geometry::Contour;
 use glidepath::channel::{Channel, Handles, PlannedBlock, Progress};
@@ -8,10 +8,10 @@ use glidepath::nc::NcWarningKind;
 use glidepath::quantity::Position;
 use glidepath::tick::State;
 
-/// Calls of the planner without progress after which a run is given up.
+/// Number of planner calls without progress after which a run is given up.
 const STUCK: usize = 10_000_000;
 
-/// Set points of a motion, evenly spaced in time; the first is the rest before it.
+/// Set points of a motion at equal time steps; the first row is the standstill before the motion.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Trace {
     /// Time between two rows, s.
@@ -21,12 +21,12 @@ pub struct Trace {
 }
 
 impl Trace {
-    /// A trace of so many axes without a row.
+    /// A trace with this number of axes and no rows.
     pub fn empty(cycle: f64, axes: usize) -> Self {
         Self { cycle, columns: vec![Vec::new(); axes] }
     }
 
-    /// A trace that rests in `start`.
+    /// A trace that begins at standstill in `start`.
     pub fn new(cycle: f64, start: &[i64]) -> Self {
         Self { cycle, columns: start.iter().map(|&x| vec![x]).collect() }
     }
@@ -69,25 +69,25 @@ impl Trace {
     }
 }
 
-/// Everything that came of a program.
+/// All results of a program.
 #[derive(Clone, Debug)]
 pub struct Run {
     /// Set points.
     pub trace: Trace,
-    /// What the planner said of each block.
+    /// The planner's report about each block.
     pub blocks: Vec<PlannedBlock>,
     /// Digest over all ticks.
     pub digest: u64,
-    /// What the planner warned of, and in which line.
+    /// Warnings of the planner, with their lines.
     pub warnings: Vec<(u32, NcWarningKind)>,
-    /// Laws that were planned have been made anew, slower, so that a standstill has room.
+    /// Speed profiles were replaced by slower ones, so that a stop fits into the queue.
     pub slower: bool,
 }
 
-/// Runs `program`: the planner as far as the queue takes it, then `burst` ticks, and so on.
+/// Runs `program`: the planner until the queue is full, then `burst` ticks, and so on.
 ///
 /// # Errors
-/// What the library refused.
+/// The library's refusal.
 pub fn run_in_bursts<const AXES: usize, const BLOCKS: usize>(
     program: &Program,
     machine: &MachineData<AXES>,
@@ -98,10 +98,10 @@ pub fn run_in_bursts<const AXES: usize, const BLOCKS: usize>(
         .map_err(|fault| format!("{}: {fault}", program.name))
 }
 
-/// The same of any NC text, from `start` on.
+/// The same for any NC text, from `start` on.
 ///
 /// # Errors
-/// What the library refused.
+/// The library's refusal.
 pub fn run_text<const AXES: usize, const BLOCKS: usize>(
     text: &str,
     start: [Position; AXES],
@@ -158,10 +158,10 @@ pub fn run_text<const AXES: usize, const BLOCKS: usize>(
     Ok(run)
 }
 
-/// [`run_in_bursts`] with the queue kept as full as it can be.
+/// [`run_in_bursts`] with a queue that is always as full as possible.
 ///
 /// # Errors
-/// What the library refused.
+/// The library's refusal.
 pub fn run<const AXES: usize, const BLOCKS: usize>(
     program: &Program,
     machine: &MachineData<AXES>,
@@ -169,8 +169,8 @@ pub fn run<const AXES: usize, const BLOCKS: usize>(
     run_in_bursts::<AXES, BLOCKS>(program, machine, 1)
 }
 
-/// Set points of an arbitrary motion: `at` gives the block and the parameter in it for a time, `None` when
-/// over. The judge is tested with motions made here.
+/// Set points of an arbitrary motion. `at` returns the block and the position in the block at a time, `None`
+/// after the end. Tests of the checker use such motions.
 pub fn sampled(contour: &Contour, cycle: f64, at: impl Fn(f64) -> Option<Vec<f64>>) -> Trace {
     let bits =
         |p: &[f64]| -> Vec<i64> { p.iter().map(|x| (x * (1u64 << 32) as f64).round() as i64).collect() };

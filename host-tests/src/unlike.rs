@@ -1,6 +1,7 @@
-//! Machines whose axes are nothing alike, with ramps of few cycles, at short cycles: what a permitted jerk of some
-//! LSB per tick³ shows that no other machine does. Short programs with curves over time, and the limits of every axis at
-//! every tick. The jerk asked is that of the largest acceleration where the slope's is lower: smaller excesses are not seen.
+//! Machines whose axes differ widely, with ramps of few cycles and short cycles, where the permitted jerk is
+//! only a few LSB per tick³. The tests run short programs with curves over time and check every axis at every
+//! tick. If the slope's jerk is lower, the check uses the jerk of the highest acceleration, so smaller
+//! excesses are not found.
 use crate::cases::machines;
 use crate::cases::random::{Mix, Random, program};
 use crate::cases::set_point;
@@ -25,7 +26,7 @@ pub struct Unlike {
 }
 
 impl Unlike {
-    /// That of a seed.
+    /// The program of a seed.
     pub fn new(seed: u64) -> Self {
         let mut r = Random::new(seed ^ 0x756e_6c69_6b65);
         let cycle_us = [100, 250][(r.bits() % 2) as usize];
@@ -76,16 +77,16 @@ impl Unlike {
         Self { machine, start, text }
     }
 
-    /// What its axes may do.
+    /// Limits of its axes.
     pub fn limits(&self) -> Vec<Limits> {
         let slope = self.machine.channel.slope_profile;
         self.machine.axes.iter().map(|axis| permitted(axis, slope, false, true, true)).collect()
     }
 
-    /// Runs it, and asks the judge for every limit. How many ticks it takes.
+    /// Runs the program and checks every limit. Returns the number of ticks.
     ///
     /// # Errors
-    /// The first excess, or why it is refused.
+    /// The first excess, or the reason of a refusal.
     pub fn judge(&self) -> Result<usize, String> {
         let run = run_text::<3, 120>(&self.text, self.start, &self.machine, 1)?;
         check::limits(&run.trace, &self.limits())?;

@@ -1,5 +1,5 @@
-//! Random paths of lines and arcs through whatever smooths them: the path against its tolerance, the limits and
-//! the exact ends, by a judge that knows the programmed contour alone.
+//! Random paths of lines and arcs through every smoothing method. A checker that knows only the programmed
+//! contour checks tolerance, limits and exact ends.
 use crate::cases::machines;
 use crate::cases::random::Random;
 use crate::check::{self, Limits};
@@ -38,17 +38,17 @@ pub fn limits<const AXES: usize>(ramp: u32, slope: u8) -> [Limits; AXES] {
 pub struct Walk {
     pub text: String,
     points: Vec<Vec<f64>>,
-    /// Places to be met exactly.
+    /// Places that must be met exactly.
     exact: Vec<Vec<f64>>,
 }
 
 /// Places are multiples of this.
 const STEP: f64 = 1e-6;
 
-/// What smooths a path: the commands before it and behind it, for a seed, PATH_DEV and TRACK_DEV.
+/// The smoothing method: the commands before and after the path, for a seed, PATH_DEV and TRACK_DEV.
 pub type Smoothed = fn(u64, [f64; 2]) -> [String; 2];
 
-/// Lines and arcs with turns of any size, lengths of 1 µm to 100 mm, reversals, other feeds and functions.
+/// Lines and arcs with corners of any angle, lengths of 1 µm to 100 mm, reversals, other feeds and functions.
 pub fn walk(seed: u64, axes: usize, blocks: usize, [on, off]: &[String; 2]) -> Walk {
     let mut r = Random::new(seed);
     let mut text = format!("{on}\nG01 F6000\n");
@@ -121,13 +121,13 @@ fn arc(from: &[f64], to: &[f64], radius: f64) -> Vec<Vec<f64>> {
         .collect()
 }
 
-/// What a tick of chord and the points of an arc may miss, mm.
+/// Permitted deviation for the chord of a tick and the points of an arc, mm.
 const SAMPLED: f64 = 5e-4;
 
-/// Runs one of so many blocks with ramps of so many µs, and a slope, on [`machine`] with what is set.
+/// Runs a path with this number of blocks, ramps in µs, and a slope, on [`machine`] with changed parameters.
 ///
 /// # Errors
-/// The limit, the end or the place where it is not what it should be.
+/// The exceeded limit, the wrong end, or the place outside the tolerance.
 pub fn judge<const AXES: usize>(
     seed: u64,
     blocks: usize,
@@ -148,7 +148,7 @@ pub fn judge<const AXES: usize>(
     let bits = |point: &[f64]| -> Vec<i64> {
         point.iter().map(|x| ((x / STEP).round() * STEP * (1u64 << 32) as f64).round() as i64).collect()
     };
-    // Decimals are rounded once: a bit beside is the same place.
+    // Decimals are rounded once, so positions that differ by one bit are equal.
     let near = |row: usize, point: &[i64]| run.trace.row(row).zip(point).all(|(a, b)| (a - b).abs() <= 1);
     let mut from = 0;
     for point in walk.exact.iter().map(|point| bits(point)) {

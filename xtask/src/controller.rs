@@ -1,4 +1,4 @@
-//! The controller's firmware in the emulator, talked to over its serial line as a sender does.
+//! Tests the controller's firmware in the emulator: this program acts as a sender on the serial line.
 use crate::firmware::{Firmware, Place};
 use crate::senders;
 use crate::shell::step;
@@ -9,27 +9,27 @@ use std::collections::VecDeque;
 const BOARD: &str = "boards/stm32f405";
 pub const BINARY: &str = "glidepath-stm32f405-controller";
 
-/// Bytes that may wait at the controller.
+/// Highest number of unread bytes at the controller.
 const WINDOW: usize = 127;
 
-/// Lines of the job, and in the short form.
+/// Number of lines of the job, and of the short form.
 pub const LINES: usize = 1000;
 const SHORT: usize = 200;
 
-/// Most instructions of an interrupt: 40 % of a millisecond at 168 MHz.
+/// Highest number of instructions in an interrupt: 40 % of a millisecond at 168 MHz.
 pub const INTERRUPT: u64 = 67_200;
 
-/// Bytes of stack that are never in use.
+/// Bytes of stack that must stay unused.
 const STACK_FREE: u64 = 2048;
 
-/// Counts per mm, and where the job ends, mm.
+/// Counts per mm, and end point of the job, mm.
 const COUNTS: f64 = 1000.0;
 const END: [f64; 3] = [1.5, 2.25, -0.5];
 
-/// Most status reports that the sender asks for in a row.
+/// Highest number of consecutive status reports that the sender requests.
 const REPORTS: usize = 200_000;
 
-/// Only this: `cargo xtask controller`, or with another number of lines.
+/// Runs this test only: `cargo xtask controller`, or with another number of lines.
 pub fn all(lines: &str) -> Result<(), String> {
     let lines = lines.parse().map_err(|e| format!("{lines}: {e}"))?;
     step("firmware");
@@ -39,13 +39,13 @@ pub fn all(lines: &str) -> Result<(), String> {
     run(&firmware, lines).map(|_| ())
 }
 
-/// Only the short form: `cargo xtask controller --short`.
+/// Runs the short form only: `cargo xtask controller --short`.
 pub fn only_short() -> Result<(), String> {
     step("firmware");
     short(&Firmware::prepare(Place::Emulator)?).map(|_| ())
 }
 
-/// The short form, for every run of the tests; the longest interrupt, instructions.
+/// The short form, for every run of the tests. Returns the longest interrupt, instructions.
 pub fn short(firmware: &Firmware) -> Result<u64, String> {
     let longest = interrupt(firmware)?;
     senders::with_firmware(firmware)?;
@@ -59,13 +59,14 @@ pub fn interrupt(firmware: &Firmware) -> Result<u64, String> {
     run(firmware, SHORT)
 }
 
-/// Builds it.
+/// Builds the firmware.
 pub fn build(firmware: &Firmware) -> Result<(), String> {
     firmware.build(BOARD, &["--features", "qemu,controller", "--bin", BINARY], &[])
 }
 
-/// A job of so many lines: each is acknowledged once, and the axes end where the job ends, in set points and in counted
-/// steps. No interrupt takes longer than it may: the longest, instructions.
+/// Sends a job with this number of lines. Checks that each line is acknowledged once, and that the axes end
+/// at the end point, in set points and in counted steps. Returns the longest interrupt, which must be below
+/// the limit, in instructions.
 fn run(firmware: &Firmware, lines: usize) -> Result<u64, String> {
     let mut sender = Sender::new(lines);
     let output = firmware.speak(BINARY, |said| sender.answer(said))?;
@@ -116,18 +117,18 @@ fn tail(text: &str) -> String {
     lines.into_iter().rev().flat_map(|line| [line, "\n"]).collect()
 }
 
-/// How far the conversation is.
+/// State of the conversation.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum Talk {
     /// No banner yet.
     Silent,
-    /// Lines go out, and answers come.
+    /// Lines are sent, and answers arrive.
     Sending,
-    /// A feed hold brakes, in the middle of the job.
+    /// The axes brake for a feed hold, in the middle of the job.
     Holding,
     /// The last line is acknowledged, and the axes still move.
     Ending,
-    /// A jog moves, and is cancelled.
+    /// A jog moves and will be cancelled.
     Jogging,
     /// `$SLP`: the emulator ends.
     Asleep,
@@ -145,7 +146,7 @@ struct Sender {
     step: Talk,
     reports: usize,
     held: bool,
-    /// The jog was under way, and was cancelled.
+    /// The jog was in progress and was cancelled.
     cancelled: bool,
     failed: Option<String>,
 }
@@ -156,7 +157,7 @@ impl Sender {
         let settings = settings.chain(["$110", "$111", "$112"].map(|key| format!("{key}=6000")));
         let queries = ["$$", "$I", "$#", "$G", "G21 G90 G94 G17", "M3 S500"].map(String::from);
         let job = (0..lines).map(|i| match i % 50 {
-            // All axes as fast as their steps let them.
+            // All axes as fast as their step rate permits.
             25 => "G0 X30 Y-30 Z-30".into(),
             26 => "G0 X0 Y0 Z0".into(),
             _ => format!("G1 X{:.3} Y{:.3} F3000", (i % 17) as f64 / 4.0, (i % 23) as f64 / 5.0),
@@ -178,7 +179,7 @@ impl Sender {
         }
     }
 
-    /// What it says next; `said`: all that the controller has said.
+    /// Returns the next output of the sender; `said`: all output of the controller so far.
     fn answer(&mut self, said: &[u8]) -> Option<Vec<u8>> {
         let mut bytes = Vec::new();
         while let Some(rest) = said.get(self.read..)
@@ -196,12 +197,12 @@ impl Sender {
 
     fn hear(&mut self, line: &str, bytes: &mut Vec<u8>) {
         match line {
-            // The emulator ends, whatever else is said.
+            // The emulator ends; other output does not matter.
             _ if self.failed.is_some() && line.starts_with("Grbl ") => bytes.extend(b"$SLP\n"),
             _ if self.failed.is_some() => {}
             "ok" if self.open.pop_front().is_some() => {
                 self.answers += 1;
-                // A report before it might be older than the jog.
+                // An earlier report might be older than the jog.
                 if self.step == Talk::Jogging {
                     bytes.push(b'?');
                 }
@@ -222,7 +223,7 @@ impl Sender {
 
     fn send(&mut self, bytes: &mut Vec<u8>) {
         if !self.held && self.answers > self.count / 2 {
-            // A hold, and more feed behind it.
+            // A hold, and a higher feed override after it.
             (self.held, self.step) = (true, Talk::Holding);
             bytes.extend(b"\x91!?");
             return;
@@ -240,7 +241,7 @@ impl Sender {
         }
     }
 
-    /// A report has come: the next step, or the next report.
+    /// A report has arrived: the next step, or the next report.
     fn report(&mut self, line: &str, bytes: &mut Vec<u8>) {
         self.reports += 1;
         if self.reports > REPORTS {
@@ -260,7 +261,7 @@ impl Sender {
             (Talk::Ending, "Idle") => {
                 self.step = Talk::Jogging;
                 self.open.push_back(0);
-                // Cancelled, and back.
+                // The jog is cancelled; the axis goes back.
                 bytes.extend(b"$J=G91X50F1000\n");
             }
             (Talk::Jogging, "Jog") if !self.cancelled => {

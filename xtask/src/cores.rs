@@ -1,7 +1,7 @@
-//! The table of cores: programs on emulated cores, with the host's digests, instructions, flash and RAM.
+//! The table of cores: programs on emulated cores, with the PC's digests, instructions, flash and RAM.
 //!
-//! Two builds: all functions with the flags that ship, and lines, arcs and contour mode for few bytes. Each core counts
-//! with a counter of its own; loops of known length show that it counts them to one instruction.
+//! Two builds: all functions with the flags for products, and lines, arcs and contour mode for size. Each
+//! core has its own counter; loops of known length check that the counter is right to one instruction.
 use crate::figures::{self, Figures};
 use crate::firmware::{Firmware, Place};
 use crate::shell::{root, step};
@@ -15,25 +15,25 @@ use std::time::Duration;
 const PACKAGE: &str = "hil-cores";
 const TESTS: &str = "hil-tests";
 
-/// Longest time of a run.
+/// Time limit of a run.
 const LONGEST: Duration = Duration::from_secs(900);
 
-/// Where the figures are, and the page that shows them.
+/// The file of the figures, and the page that shows the figures.
 const ACCEPTED: &str = "hil-tests/tables/cores.toml";
 const PAGE: &str = "docs/cores.md";
-/// The part of the page that is generated lies between these lines.
+/// Marks around the generated part of the page.
 const BEGIN: &str = "<!-- begin of figures: `cargo xtask cores --accept` -->\n";
 const END: &str = "<!-- end of figures -->\n";
 
-/// Ticks in a second: the cycle of the machines.
+/// Ticks per second: the cycle of the machines.
 const TICKS: u64 = 1000;
 
-/// What is built.
+/// The builds.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Build {
     /// All functions.
     Full,
-    /// Lines, arcs and contour mode, for few bytes.
+    /// Lines, arcs and contour mode, for size.
     Small,
 }
 
@@ -44,7 +44,7 @@ impl Build {
         if self == Self::Full { "full" } else { "small" }
     }
 
-    /// The program whose corners have curves, for the table.
+    /// The program with corner curves, for the table.
     fn corners(self) -> &'static str {
         if self == Self::Full { "corners" } else { "contour" }
     }
@@ -54,10 +54,10 @@ impl Build {
 struct Machine {
     emulator: &'static str,
     machine: &'static [&'static str],
-    /// An instruction takes two to the power of this in nanoseconds: small enough for calls that are counted with
-    /// 24 bits, large enough for more than one count per instruction.
+    /// An instruction takes two to the power of this number in nanoseconds. The number is small enough for
+    /// calls that are counted with 24 bits, and large enough for more than one count per instruction.
     shift: &'static str,
-    /// So many counts are so many instructions.
+    /// Number of counts, and of instructions, that are equal.
     counts: [u64; 2],
     map: &'static str,
 }
@@ -94,7 +94,7 @@ struct Core {
     key: &'static str,
     name: &'static str,
     target: &'static str,
-    /// Machines for the full and for the small build.
+    /// Machines for the full build and for the small build.
     machines: [Machine; 2],
     chip: &'static str,
     mhz: u64,
@@ -112,7 +112,7 @@ const CORES: [Core; 6] = [
         key: "m0",
         name: "Cortex-M0+",
         target: "thumbv6m-none-eabi",
-        // A Cortex-M3 executes each instruction of a Cortex-M0+.
+        // A Cortex-M3 executes all instructions of a Cortex-M0+.
         machines: [AN385, AN385],
         chip: "RP2040",
         mhz: 133,
@@ -159,19 +159,20 @@ const CORES: [Core; 6] = [
     },
 ];
 
-/// Largest values, whatever is accepted: core and build, then tick, tick on curves, block of lines with its decoder,
-/// block with a curve, largest call, bytes of flash, bytes of channel and stack. Each other figure may not be worse
-/// than accepted.
+/// Hard limits, also for accepted figures. Core and build, then: tick, tick on curves, block of lines with
+/// its decoder, block with a curve, largest call, bytes of flash, bytes of channel and stack. All other
+/// figures may not be worse than accepted.
 const LIMITS: [(&str, [u64; 7]); 2] = [
     ("m0.small", [3450, 4350, 125_000, 2_400_000, 975_000, 284 * 1024, 33 * 1024]),
     ("m3.small", [1100, 1200, 70_000, 1_400_000, 560_000, 258 * 1024, 33 * 1024]),
 ];
 
-/// Names of these, after the core and the build.
+/// Names of these figures, after the core and the build.
 const LIMITED: [&str; 7] =
     ["tick_max_plain", "tick_max", "block_plain", "block_curve", "poll_max", "flash", "ram_total"];
 
-/// What the words behind `cargo xtask cores` name: cores, builds, `--accept`. Without a name all of them.
+/// Cores, builds and `--accept` in the arguments of `cargo xtask cores`. Without a name: all cores and
+/// builds.
 struct Chosen {
     cores: Vec<&'static Core>,
     builds: Vec<Build>,
@@ -198,8 +199,9 @@ impl Chosen {
     }
 }
 
-/// Everything, or what is named: `cargo xtask cores`. Each core is measured and compared, or accepted, by itself: one that
-/// fails does not keep the others from it, and a run that is stopped leaves what it has measured.
+/// Runs all or the named cores: `cargo xtask cores`. Each core is measured and compared, or accepted,
+/// separately. A core that fails does not stop the others, and an interrupted run keeps its finished
+/// measurements.
 pub fn all(words: &[&str]) -> Result<(), String> {
     let Chosen { cores, builds, accept } = Chosen::read(words)?;
     let firmware = Firmware::prepare(Place::Emulator)?;
@@ -222,7 +224,7 @@ pub fn all(words: &[&str]) -> Result<(), String> {
     if failed.is_empty() { Ok(()) } else { Err(failed.join("\n")) }
 }
 
-/// Ticks and digest of each program on the host.
+/// Ticks and digest of each program on the PC.
 fn expected(build: Build) -> Result<Expected, String> {
     if build == Build::Full {
         let runs = host::cores()?.into_iter();
@@ -244,7 +246,7 @@ fn expected(build: Build) -> Result<Expected, String> {
 /// Ticks and digest of a program, by its name.
 type Expected = BTreeMap<String, (u64, u64)>;
 
-/// The figures of a core and a build; none where there is no library or no emulator.
+/// The figures of a core and a build; none without a library or an emulator.
 fn measure(
     firmware: &Firmware,
     core: &Core,
@@ -271,7 +273,7 @@ fn measure(
     Ok(figures)
 }
 
-/// Whether each program has the ticks and the digest of the host.
+/// Whether each program has the ticks and the digest of the PC.
 fn compare(core: &Core, runs: &[TargetRun], expected: &Expected) -> Result<(), String> {
     for run in runs {
         let theirs = (run.ticks, run.digest);
@@ -289,7 +291,7 @@ fn compare(core: &Core, runs: &[TargetRun], expected: &Expected) -> Result<(), S
     Ok(())
 }
 
-/// Builds both binaries and runs the one that counts; `None` where there is no library or no emulator.
+/// Builds both binaries and runs the one that counts; `None` without a library or an emulator.
 fn run(firmware: &Firmware, core: &Core, build: Build) -> Result<Option<String>, String> {
     let machine = core.machine(build);
     if !firmware.toolchain().has(core.target) {
@@ -311,7 +313,7 @@ fn run(firmware: &Firmware, core: &Core, build: Build) -> Result<Option<String>,
         .env("CARGO_TARGET_DIR", folder(build));
     let script = if is_riscv { "-C link-arg=-Tmemory.x" } else { "-C link-arg=-Tlink.x" };
     if build == Build::Small {
-        // The compiler's own measure for what to inline, not that of the large build.
+        // The compiler's own inlining limit, not that of the large build.
         command.args(["--no-default-features", "--features", "glidepath/contour"]);
         command.env("RUSTFLAGS", script).env("CARGO_PROFILE_RELEASE_OPT_LEVEL", "z");
     } else if is_riscv {
@@ -340,7 +342,8 @@ fn artifact(core: &Core, build: Build, name: &str) -> std::path::PathBuf {
     folder(build).join(core.target).join("release").join(name)
 }
 
-/// The runs of a report, in instructions: loops of known length are counted to one instruction.
+/// The runs of a report, in instructions. Fails if the count of a loop of known length is wrong by more than
+/// one instruction.
 fn counted(report: &str, [counts, instructions]: [u64; 2]) -> Result<Vec<TargetRun>, String> {
     let lines = |is_loop: bool| report.lines().filter(move |line| line.starts_with("loop ") == is_loop);
     let mut loops = Vec::new();
@@ -404,7 +407,7 @@ fn add(
     Ok(())
 }
 
-/// Writes the figures down, or compares them.
+/// Writes the figures to the file, or compares them.
 fn end(measured: &Figures, accept: bool) -> Result<(), String> {
     eprint!("{}", measured.table());
     let beyond = beyond(measured);
@@ -414,7 +417,7 @@ fn end(measured: &Figures, accept: bool) -> Result<(), String> {
     let file = root().join(ACCEPTED);
     let accepted = std::fs::read_to_string(&file).ok().and_then(|text| Figures::from_toml(&text).ok());
     if accept {
-        // What was not measured this time stays.
+        // Figures that were not measured this time stay.
         let mut all = accepted.map_or_else(BTreeMap::new, |accepted| accepted.values);
         all.extend(measured.values.clone());
         let all = Figures { compiler: measured.compiler.clone(), values: all };

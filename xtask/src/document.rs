@@ -1,10 +1,10 @@
-//! `docs/figures.md`: what was measured and its limits, for people.
+//! Writes `docs/figures.md`: the measured figures and their limits.
 use crate::figures::{
     CONTOUR, FLASH_OF, Figures, GOALS, HSC, LIMITS, RAM, SHORT_ARCS, SLOPES, SMOOTHED, STACK_FREE,
 };
 use std::fmt::Write;
 
-/// How the firmware is compiled, for the document: profiles of `hil-tests` and `boards`, flags of
+/// Compiler settings of the firmware, for the document: profiles of `hil-tests` and `boards`, flags of
 /// `.cargo/config.toml`.
 const PROFILE: &str = "`opt-level = 3`, fat LTO, `-C llvm-args=-inline-threshold=40 -unroll-max-count=2`";
 
@@ -210,7 +210,7 @@ fn slim(figures: &Figures, text: &mut String) {
     );
 }
 
-/// How to say whether a goal is reached.
+/// Text about whether a goal is reached.
 pub fn reached(value: u64, goal: u64) -> &'static str {
     if value > goal { ", not reached" } else { "" }
 }

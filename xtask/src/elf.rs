@@ -1,4 +1,4 @@
-//! What proofs and figures want to know of a 32-bit little-endian ELF file.
+//! Reads the parts of a 32-bit little-endian ELF file that checks and figures need.
 use std::collections::BTreeMap;
 
 /// A section's header: kind, flags, address, place in the file, size, and the number of a section that goes
@@ -18,7 +18,7 @@ impl Section {
     }
 }
 
-/// A line of the symbol table.
+/// An entry of the symbol table.
 struct Symbol {
     /// As the compiler mangled it.
     name: String,
@@ -31,11 +31,11 @@ struct Symbol {
 pub struct Function {
     /// Mangled.
     pub name: String,
-    /// Of its first instruction.
+    /// Address of its first instruction.
     pub address: u32,
     /// Its bytes.
     pub code: Vec<u8>,
-    /// Addresses from which on there is data between the instructions, and to where.
+    /// Start and end addresses of data between the instructions.
     pub data: Vec<(u32, u32)>,
 }
 
@@ -46,7 +46,7 @@ impl Function {
     }
 }
 
-/// Names in `.symtab`, mangled; `None` where the file is not what it should be.
+/// Names in `.symtab`, mangled; `None` if the file has another format.
 pub fn symbols(file: &[u8]) -> Option<Vec<String>> {
     Some(symbol_table(file)?.into_iter().map(|symbol| symbol.name).collect())
 }
@@ -57,7 +57,7 @@ pub fn functions(file: &[u8]) -> Option<Vec<Function>> {
     const EXECUTABLE: u32 = 4;
     let mut symbols = symbol_table(file)?;
     symbols.sort_by_key(|symbol| symbol.value & !1);
-    // `$d` and `$t` say where data and Thumb code begin.
+    // `$d` and `$t` mark the start of data and of Thumb code.
     let marks: Vec<(u32, bool)> = symbols
         .iter()
         .filter(|symbol| symbol.name.starts_with("$d") || symbol.name.starts_with("$t"))
@@ -84,8 +84,8 @@ pub fn functions(file: &[u8]) -> Option<Vec<Function>> {
     Some(found)
 }
 
-/// Bytes of flash by the crate's module that they are made from; the rest of it as `other`. The tables of a
-/// crate without a name of their own are among that.
+/// Bytes of flash by module of the library; other bytes as `other`, including tables that belong to no named
+/// module.
 pub fn by_module(file: &[u8]) -> Option<BTreeMap<String, u64>> {
     const NAME: &str = "9glidepath";
     const RAM: u32 = 0x2000_0000;
@@ -106,7 +106,7 @@ pub fn by_module(file: &[u8]) -> Option<BTreeMap<String, u64>> {
     Some(bytes)
 }
 
-/// Constant data in which addresses of functions may be: all that is loaded but code and the vector table.
+/// Constant data that may contain addresses of functions: all loaded data except code and the vector table.
 pub fn tables(file: &[u8]) -> Option<Vec<&[u8]>> {
     const LOADED: u32 = 2;
     const EXECUTABLE: u32 = 4;
@@ -153,7 +153,7 @@ fn symbol_table(file: &[u8]) -> Option<Vec<Symbol>> {
     symbols.collect()
 }
 
-/// `core::panic::Location`s in a file that holds them: pointer and length of a source path, line, column.
+/// `core::panic::Location`s in a file: pointer and length of a source path, line, column.
 pub fn panic_locations(file: &[u8]) -> Vec<String> {
     let segments = segments(file).unwrap_or_default();
     let text = |address: u32, length: u32| {
@@ -183,13 +183,12 @@ pub fn panic_locations(file: &[u8]) -> Vec<String> {
     found
 }
 
-/// Bytes of flash: everything that is loaded.
+/// Bytes of flash: all loaded bytes.
 pub fn flash(file: &[u8]) -> Option<u64> {
     Some(segments(file)?.iter().map(|(_, bytes)| bytes.len() as u64).sum())
 }
 
-/// Bytes that are loaded into flash and copied to RAM at the start: those whose address is another one when
-/// the program runs.
+/// Bytes that are loaded into flash and copied to RAM at the start: bytes whose address differs at run time.
 pub fn copied(file: &[u8]) -> Option<u64> {
     const LOAD: u32 = 1;
     let (table, size, count) = (word(file, 0x1c)?, half(file, 0x2a)?, half(file, 0x2c)?);
@@ -203,7 +202,7 @@ pub fn copied(file: &[u8]) -> Option<u64> {
     Some(bytes)
 }
 
-/// Address and bytes of everything that is loaded.
+/// Address and bytes of all loaded data.
 fn segments(file: &[u8]) -> Option<Vec<(u32, &[u8])>> {
     const LOAD: u32 = 1;
     let (table, size, count) = (word(file, 0x1c)?, half(file, 0x2a)?, half(file, 0x2c)?);

@@ -1,5 +1,5 @@
-//! Instruction counts and bytes: measured, compared with the accepted ones and with the hard limits, written
-//! down.
+//! Instruction counts and bytes: measured, compared with the accepted figures and the hard limits, and
+//! written to files.
 use crate::controller;
 use crate::document::{self, reached};
 use crate::shell::root;
@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::PathBuf;
 
-/// Hard limits of the project, whatever is accepted: key, largest value.
+/// Hard limits of the project, also for accepted figures: key, highest value.
 pub(crate) const LIMITS: [(&str, u64); 46] = [
     ("total.block_mean_plain_3_axes", 7850),
     ("total.block_mean_3_axes", 13_000),
@@ -59,13 +59,13 @@ pub(crate) const LIMITS: [(&str, u64); 46] = [
     ("controller.interrupt_max", controller::INTERRUPT),
 ];
 
-/// Bytes of stack that are never in use.
+/// Bytes of stack that must stay unused.
 pub(crate) const STACK_FREE: u64 = 8192;
 
 /// Bytes of RAM of the reference target.
 pub(crate) const RAM: u64 = 128 * 1024;
 
-/// What is aimed at and not reached yet: said at every run; the accepted table keeps it from getting worse.
+/// Goals that are not reached yet. Every run prints them, and the accepted table prevents worse values.
 pub(crate) const GOALS: [(&str, u64); 6] = [
     ("case.hsc_opt.block_mean", 8000),
     ("total.block_mean_plain_3_axes", 6000),
@@ -78,10 +78,11 @@ pub(crate) const GOALS: [(&str, u64); 6] = [
 /// Programs in contour mode, with curves in corners.
 pub(crate) const CONTOUR: [&str; 5] = ["contour", "corners", "cam_dev", "rotary_corners", "six_corners"];
 
-/// Programs without it, with several arcs in a tick.
+/// Programs without contour mode, with several arcs in a tick.
 pub(crate) const SHORT_ARCS: [&str; 1] = ["short_arcs"];
 
-/// Programs without it, with other slopes than TRAPEZ. The *plain* programs are those in none of these four.
+/// Programs without contour mode, with other slopes than TRAPEZ. *Plain* programs are in none of these four
+/// lists.
 pub(crate) const SLOPES: [&str; 5] = ["step", "sin2", "hsc", "hsc_opt", "micro"];
 
 /// Programs with curves over many blocks.
@@ -90,77 +91,79 @@ pub(crate) const SMOOTHED: [&str; 4] = ["surface", "rows", "splines", "six_surfa
 /// Blocks of look-ahead with which instructions are counted.
 const LOOK_AHEAD: usize = hil_cases::BLOCKS;
 
-/// Programs that run with HSC, without curves in corners: their plans together have a figure too.
+/// Programs with HSC and without corner curves: the mean over all of them is a figure too.
 pub(crate) const HSC: [&str; 4] = ["hsc", "hsc_opt", "micro", "short_arcs"];
 
-/// Figures that say what was measured, not how good it is.
+/// Figures that describe the measurement, not the quality.
 const DESCRIPTIVE: [&str; 4] = ["ticks", "blocks", "schedule", "stack_size"];
 
-/// Figures that depend on when the bytes of a sender arrive: they do not repeat exactly, and only their limit counts.
+/// Figures that depend on the arrival of a sender's bytes, and do not repeat exactly; only their limit
+/// counts.
 const ARRIVING: [&str; 1] = ["controller.interrupt_max"];
 
-/// Bytes of flash of a module: what the sum consists of. A change may move code from one to another.
+/// Bytes of flash of a module, a part of the sum. A change may move code between modules.
 pub(crate) const FLASH_OF: &str = "flash_of.";
 
-/// Bytes of flash by which the same sources may differ: where the checkout lies decides the order of sections, hence the
-/// gaps between them.
+/// Bytes of flash by which builds of the same sources may differ. The folder of the checkout influences the
+/// order of sections, and so the gaps between them.
 const GAPS: u64 = 64;
 
 /// First line of the accepted table.
 const TITLE: &str = "Accepted figures of the STM32F405 target: instructions and bytes. Written by `cargo xtask bench --accept`.";
 
-/// With the compiler of the accepted table counts repeat exactly; another one may differ by this, in percent.
+/// With the compiler of the accepted table counts repeat exactly; another compiler may differ by this, in
+/// percent.
 const OTHER_COMPILER_PERCENT: u64 = 10;
 
-/// The costliest calls of the planner in a program, with commands of the operator all the time; instructions.
+/// The most expensive planner calls of a program with continuous commands of the operator; instructions.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Commanded {
-    /// Of all calls, and the schedule of commands in which that one was.
+    /// The most expensive call, and the schedule of commands of this call.
     pub poll: u64,
     pub seed: u64,
-    /// Of calls that waited.
+    /// The most expensive call that waited.
     pub wait: u64,
 }
 
-/// What memory the target needs.
+/// Memory of the target.
 #[derive(Debug, Default)]
 pub struct MemoryFigures {
     /// Planner and tick in one loop, each configuration.
     pub plain: Vec<Memory>,
     /// The tick in an interrupt.
     pub interrupted: Vec<Memory>,
-    /// Each kind of call, each configuration: what was in use of a painted stack.
+    /// For each kind of call and each configuration: used bytes of a painted stack.
     pub painted: Vec<Stacks>,
-    /// The same as the machine code says, by call and axes.
+    /// The same from the machine code, by call and axes.
     pub bounds: BTreeMap<String, Depth>,
     /// Bytes of flash of decoder, planner and tick for three axes.
     pub flash: u64,
-    /// The same by module.
+    /// Bytes of flash by module.
     pub modules: BTreeMap<String, u64>,
     /// Filters and overlays.
     pub beside: Beside,
-    /// The build with lines, arcs and contour mode alone: `slim.` and the name of a figure.
+    /// The build with lines, arcs and contour mode only: `slim.` and the name of a figure.
     pub slim: BTreeMap<String, u64>,
-    /// Largest calls of the planner by program, with commands of the operator all the time.
+    /// The most expensive planner calls by program, with continuous commands of the operator.
     pub commands: BTreeMap<String, Commanded>,
     /// The longest interrupt of the controller's firmware, instructions.
     pub controller: u64,
 }
 
-/// What filters behind the path and axes beside it cost: instructions per tick and axis beyond those of the
-/// same path without them, rounded up, and bytes.
+/// Cost of filters and of independent axes: instructions per tick and axis in addition to the same path
+/// without them, rounded up, and bytes.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Beside {
     taps: u64,
     average: u64,
     oscillation: u64,
-    /// The largest call of the planner, filters switched and axes started included, and of the split.
+    /// The most expensive planner call, including switched filters and started axes, and that of the split.
     largest: [u64; 2],
     bytes: [u64; 2],
 }
 
 impl Beside {
-    /// From the runs of `beside`, the path alone first.
+    /// Computes the cost from the runs of `beside`; the first run has the path only.
     pub fn of(runs: &[TargetRun], bytes: [u64; 2]) -> Result<Self, String> {
         let [nothing, taps, average, oscillation, ..] = runs else {
             return Err(format!("{} runs with filters and overlays", runs.len()));
@@ -197,7 +200,7 @@ pub struct Figures {
 }
 
 impl Figures {
-    /// What the target reported.
+    /// Report of the target.
     pub fn measured(compiler: &str, runs: &[TargetRun], memory: &MemoryFigures) -> Result<Self, String> {
         let mut values = BTreeMap::new();
         let counted = || runs.iter().filter(|run| run.look_ahead == LOOK_AHEAD);
@@ -236,7 +239,7 @@ impl Figures {
         Ok(Self { compiler: compiler.into(), values })
     }
 
-    /// As text for people.
+    /// Returns the figures as text for people.
     pub fn table(&self) -> String {
         let mut text = String::new();
         for (key, value) in &self.values {
@@ -252,7 +255,7 @@ impl Figures {
         Self::from_toml(&text).map_err(|line| format!("{}: {line}", file.display()))
     }
 
-    /// What [`Self::to_toml`] writes; the line that is something else.
+    /// Reads the text of [`Self::to_toml`]. The error is the first line with another form.
     pub(crate) fn from_toml(text: &str) -> Result<Self, String> {
         let mut figures = Self { compiler: String::new(), values: BTreeMap::new() };
         let mut section = "";
@@ -289,14 +292,14 @@ impl Figures {
     }
 }
 
-/// The mean over all blocks of these programs.
+/// Mean over all blocks of these programs.
 fn per_block<'a>(runs: impl Iterator<Item = &'a TargetRun>, of: fn(&TargetRun) -> u64) -> u64 {
     let add = |(sum, blocks), run: &TargetRun| (sum + of(run), blocks + run.blocks);
     let (sum, blocks): (u64, u64) = runs.fold((0, 0), add);
     sum.div_ceil(blocks.max(1))
 }
 
-/// What the planner needs without the decoder's share.
+/// Instructions of the planner without the decoder.
 fn planning(run: &TargetRun) -> u64 {
     run.plan.sum.saturating_sub(run.decode.sum)
 }
@@ -304,7 +307,7 @@ fn planning(run: &TargetRun) -> u64 {
 fn add_memory(values: &mut BTreeMap<String, u64>, memory: &MemoryFigures) -> Result<(), String> {
     let mut channels = BTreeMap::new();
     for row in &memory.plain {
-        // Three digits, so that rows are in order.
+        // Three digits, so that rows are sorted.
         let mut set = |part: &str, bytes: u64| {
             values.insert(format!("ram.axes_{}_blocks_{:03}.{part}", row.axes, row.blocks), bytes)
         };
@@ -355,7 +358,7 @@ fn add_memory(values: &mut BTreeMap<String, u64>, memory: &MemoryFigures) -> Res
     Ok(())
 }
 
-/// Writes `measured` down as accepted.
+/// Writes `measured` to the accepted table.
 pub fn accept(measured: &Figures) -> Result<(), String> {
     let write = |file: PathBuf, text: String| {
         if let Some(folder) = file.parent() {
@@ -369,8 +372,7 @@ pub fn accept(measured: &Figures) -> Result<(), String> {
     limits(measured)
 }
 
-/// Fails on a figure that is worse than accepted or beyond a hard limit, and on a document that is out of
-/// date.
+/// Fails if a figure is worse than accepted or beyond a hard limit, or if a document is out of date.
 pub fn compare(measured: &Figures) -> Result<(), String> {
     let accepted = Figures::accepted()?;
     if measured.compiler != accepted.compiler {
@@ -399,7 +401,7 @@ pub fn compare(measured: &Figures) -> Result<(), String> {
     ))
 }
 
-/// What is worse than accepted or not comparable, and how many figures are better.
+/// Figures that are worse than accepted or not comparable, and the number of better figures.
 pub(crate) fn differences(measured: &Figures, accepted: &Figures) -> (Vec<String>, usize) {
     let percent = if measured.compiler == accepted.compiler { 0 } else { OTHER_COMPILER_PERCENT };
     let mut wrong = Vec::new();
@@ -425,7 +427,7 @@ pub(crate) fn differences(measured: &Figures, accepted: &Figures) -> (Vec<String
     (wrong, better)
 }
 
-/// What a figure may be more without any change of the sources.
+/// Permitted increase of a figure without a change of the sources.
 fn gaps(name: &str) -> u64 {
     if name == "flash" || name == "reference" { GAPS } else { 0 }
 }

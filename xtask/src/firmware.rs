@@ -5,11 +5,11 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Duration;
 
-/// Far above what any test needs, also on a machine that does other work; a hanging firmware does not end by
-/// itself.
+/// Time limit of a run: far more than any test needs, also on a busy computer. A firmware that hangs does not
+/// end by itself.
 const LIMIT: Duration = Duration::from_secs(1800);
 
-/// The same of a program that is talked to, and waits for ever where a byte is lost.
+/// Time limit of a program with serial input, which waits for ever after a lost byte.
 const TALK_LIMIT: Duration = Duration::from_secs(240);
 
 /// Chip of the reference board.
@@ -17,15 +17,15 @@ const CHIP: &str = "STM32F405RGTx";
 
 /// A core in an emulated machine.
 pub struct Core {
-    /// What it is.
+    /// Description.
     pub name: &'static str,
     target: &'static str,
     machine: &'static str,
-    /// Memory map, below the root.
+    /// Memory map, relative to the root.
     map: &'static str,
 }
 
-/// Cores beside the reference target's.
+/// Cores other than the reference target.
 pub const CORES: [Core; 2] = [
     Core {
         name: "Cortex-M3",
@@ -41,12 +41,12 @@ pub const CORES: [Core; 2] = [
     },
 ];
 
-/// Where firmware runs.
+/// The place where firmware runs.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Place {
     /// QEMU's netduinoplus2.
     Emulator,
-    /// A board behind a probe.
+    /// A board with a debug probe.
     Probe,
 }
 
@@ -58,7 +58,7 @@ pub struct Firmware {
 }
 
 impl Firmware {
-    /// Finds compiler and runner, installs what is missing where that is possible.
+    /// Finds compiler and runner, and installs missing tools if possible.
     pub fn prepare(place: Place) -> Result<Self, String> {
         let toolchain = Toolchain::find()?;
         let runner = match place {
@@ -75,7 +75,7 @@ impl Firmware {
         Ok(Self { toolchain, place, runner })
     }
 
-    /// How it compiles.
+    /// The way in which this computer compiles.
     pub fn toolchain(&self) -> &Toolchain {
         &self.toolchain
     }
@@ -85,25 +85,25 @@ impl Firmware {
         self.toolchain.version()
     }
 
-    /// Builds the package in `folder` (below the root) with `features`.
+    /// Builds the package in `folder` (relative to the root) with `features`.
     pub fn build(&self, folder: &str, arguments: &[&str], variables: &[(&str, &str)]) -> Result<(), String> {
         let mut command = self.toolchain.cargo(&shell::root().join(folder), "build", TARGET);
         command.args(arguments).envs(variables.iter().copied());
         shell::run(&mut command)
     }
 
-    /// Builds binaries of the package in `folder` with these functions of the library alone and for few bytes, in a
-    /// folder of their own: [`small`].
+    /// Builds binaries of the package in `folder` with these functions of the library only, for size, in a
+    /// separate folder: [`small`].
     pub fn build_small(&self, folder: &str, functions: &str, names: &[&str]) -> Result<(), String> {
         let mut command = self.toolchain.cargo(&shell::root().join(folder), "build", TARGET);
         command.args(["--no-default-features", "--features", functions]);
         command.args(names.iter().flat_map(|name| ["--bin", name]));
-        // The compiler's own measure for what to inline, not that of the large build.
+        // The compiler's own inlining limit, not that of the large build.
         command.env("RUSTFLAGS", "-C link-arg=-Tlink.x").env("CARGO_PROFILE_RELEASE_OPT_LEVEL", "z");
         shell::run(command.env("CARGO_TARGET_DIR", toolchain::folder_of_artifacts().join(SMALL)))
     }
 
-    /// The compiler's messages where a build must fail; an error if it does not.
+    /// Returns the compiler's messages if a build must fail; an error if the build succeeds.
     pub fn build_fails(&self, folder: &str, arguments: &[&str]) -> Result<String, String> {
         let mut command = self.toolchain.cargo(&shell::root().join(folder), "build", TARGET);
         let output = shell::capture(command.args(arguments), LIMIT)?;
@@ -114,8 +114,8 @@ impl Firmware {
         }
     }
 
-    /// Builds a binary of the package in `folder` for another core and runs it there; the text it wrote.
-    /// `None` if there is no library for that core.
+    /// Builds a binary of the package in `folder` for another core, and runs it. Returns its output, or
+    /// `None` if there is no library for this core.
     pub fn elsewhere(&self, core: &Core, folder: &str, name: &str) -> Result<Option<String>, String> {
         if !self.toolchain.has(core.target) {
             eprintln!("   {}: off, no library for {} (`rustup target add`)", core.name, core.target);
@@ -135,7 +135,7 @@ impl Firmware {
         }
     }
 
-    /// Runs a binary to its end and gives what it wrote.
+    /// Runs a binary to its end and returns its output.
     pub fn run(&self, name: &str) -> Result<Output, String> {
         self.run_file(name, &artifact(name))
     }
@@ -161,8 +161,7 @@ impl Firmware {
         Ok(output)
     }
 
-    /// The text a binary wrote that gets bytes over its first serial line: what `sender` says, each time something was
-    /// written.
+    /// Output of a binary with serial input: `sender` returns the next bytes after each new output.
     pub fn talk(&self, name: &str, sender: impl FnMut(&[u8]) -> Option<Vec<u8>>) -> Result<String, String> {
         let output = self.speak(name, sender)?;
         let text = String::from_utf8_lossy(&output.out).into_owned();
@@ -172,12 +171,13 @@ impl Firmware {
         Err(format!("{name} failed on the target:\n{text}\n{}", output.err))
     }
 
-    /// The same with what it wrote besides, whether it failed or not.
+    /// The same, with the other output, also after a failure.
     pub fn speak(&self, name: &str, sender: impl FnMut(&[u8]) -> Option<Vec<u8>>) -> Result<Output, String> {
         shell::talk(&mut self.with_line(name, "stdio"), TALK_LIMIT, sender)
     }
 
-    /// What runs a binary in the emulator with its first serial line at a pseudo terminal. Its first output names that.
+    /// Command for a binary in the emulator with its first serial line at a pseudo terminal. The first output
+    /// names the terminal.
     pub fn at_terminal(&self, name: &str) -> Command {
         self.with_line(name, "pty")
     }
@@ -190,12 +190,12 @@ impl Firmware {
         command
     }
 
-    /// The text a binary wrote; an error if it failed.
+    /// The output of a binary; an error if it failed.
     pub fn report(&self, name: &str) -> Result<String, String> {
         self.report_file(name, &artifact(name))
     }
 
-    /// The same of one of [`Self::build_small`].
+    /// The same for a binary of [`Self::build_small`].
     pub fn report_small(&self, name: &str) -> Result<String, String> {
         self.report_file(name, &small(name))
     }
@@ -212,7 +212,7 @@ impl Firmware {
     }
 }
 
-/// QEMU with a machine that talks by semihosting alone.
+/// QEMU with a machine that only uses semihosting.
 fn emulator(runner: &Path, machine: &str) -> Command {
     let mut command = Command::new(runner);
     command.args(["-M", machine, "-nographic", "-monitor", "none", "-serial", "none"]);

@@ -17,16 +17,15 @@ const BOARD_BINARY: &str = "glidepath-stm32f405";
 /// One for each configuration, in the order of [`host::run_all`]: together they have no room in the memory.
 pub const SAME: [&str; 6] = ["same", "same_four", "same_six", "short_three", "deep_three", "short_six"];
 
-/// What counts instructions and bytes, besides.
+/// The binary that counts instructions and bytes.
 const COMMANDS: [&str; 2] = ["commands", "commands_six"];
 const COUNTED: [&str; 5] = ["counts", "nopanic", "beside", "commands", "commands_six"];
 
-/// Calls of `nopanic` whose stack is bounded, also in the build for few bytes.
+/// Calls of `nopanic` whose stack has a bound, also in the build for size.
 const NOPANIC_CALLS: [(&str, &str); 3] =
     [("start", "7nopanic5start"), ("poll", "7nopanic4poll"), ("interrupt", "SysTick")];
 
-/// Whose stack is bounded, in which binaries: axes, binary, call and part of the mangled name of its
-/// function.
+/// Calls whose stack has a bound: axes, binary, call, and a part of the mangled name of the function.
 type Bounded = (u64, &'static str, &'static [(&'static str, &'static str)]);
 const BOUND: [Bounded; 3] = [
     (3, "nopanic", &NOPANIC_CALLS),
@@ -34,7 +33,7 @@ const BOUND: [Bounded; 3] = [
     (6, "same_six", &[("poll", "9hil_cases3run4poll"), ("tick", "9hil_cases3run4tick")]),
 ];
 
-/// What the smallest build with corners holds, and its binaries that run programs, in the order of
+/// Functions of the smallest build with corners, and its binaries that run programs, in the order of
 /// [`host::slim_all`].
 const SLIM_FUNCTIONS: &str = "glidepath/contour";
 const SLIM: [&str; 2] = ["slim", "slim_short"];
@@ -44,22 +43,22 @@ fn binaries(names: &[&'static str]) -> Vec<&'static str> {
     names.iter().flat_map(|name| ["--bin", name]).collect()
 }
 
-/// Most bytes of static memory that are copied from flash at the start, in any binary.
+/// Highest number of bytes of static memory that are copied from flash at the start, in any binary.
 const COPIED: u64 = 512;
 
-/// Most instructions of the board's interrupt: frame, tick and functions.
+/// Highest number of instructions in the board's interrupt: frame, tick and functions.
 const INTERRUPT: u64 = 600;
 
-/// The case in which nothing is to be done for some ticks: its filters change.
+/// The case whose planner has no work for some ticks, because its filters change.
 const RESTS: &str = "beside_all";
 
-/// Fewest programs that another core runs.
+/// Lowest number of programs that another core runs.
 const OTHER_CORES: usize = 3;
 
-/// Programs that the board's own firmware runs, besides the test firmware.
+/// Programs that the board's firmware runs, in addition to the test firmware.
 const BOARD_PROGRAMS: [&str; 2] = ["lines", "arcs"];
 
-/// Everything: `cargo xtask hil`.
+/// All tests: `cargo xtask hil`.
 pub fn all(place: Place) -> Result<(), String> {
     step("firmware");
     let firmware = Firmware::prepare(place)?;
@@ -108,7 +107,7 @@ pub fn all(place: Place) -> Result<(), String> {
     Ok(())
 }
 
-/// Counts only: `cargo xtask bench`.
+/// Only the counts: `cargo xtask bench`.
 pub fn bench(accept: bool) -> Result<(), String> {
     step("firmware");
     let firmware = Firmware::prepare(Place::Emulator)?;
@@ -126,13 +125,13 @@ pub fn bench(accept: bool) -> Result<(), String> {
     if accept { figures::accept(&measured) } else { figures::compare(&measured) }
 }
 
-/// The panic proof only: `cargo xtask hil --panic`.
+/// Only the check for panicking code: `cargo xtask hil --panic`.
 pub fn panic_proof() -> Result<(), String> {
     step("no panicking path");
     no_panic(&Firmware::prepare(Place::Emulator)?)
 }
 
-/// The interpolator in the timer interrupt only: `cargo xtask hil --interrupt`.
+/// Only the interpolator in the timer interrupt: `cargo xtask hil --interrupt`.
 pub fn only_interrupt() -> Result<(), String> {
     step("interpolator in the timer interrupt");
     let firmware = Firmware::prepare(Place::Emulator)?;
@@ -142,7 +141,7 @@ pub fn only_interrupt() -> Result<(), String> {
     late(&report, &host)
 }
 
-/// Commands only: `cargo xtask hil --commands`.
+/// Only commands: `cargo xtask hil --commands`.
 pub fn only_commands() -> Result<(), String> {
     step("firmware");
     let firmware = Firmware::prepare(Place::Emulator)?;
@@ -155,7 +154,7 @@ pub fn only_commands() -> Result<(), String> {
     Ok(())
 }
 
-/// The smallest build only: `cargo xtask hil --slim`.
+/// Only the smallest build: `cargo xtask hil --slim`.
 pub fn only_slim() -> Result<(), String> {
     step("firmware");
     let firmware = Firmware::prepare(Place::Emulator)?;
@@ -166,7 +165,7 @@ pub fn only_slim() -> Result<(), String> {
     Ok(())
 }
 
-/// Filters and overlays only: `cargo xtask hil --beside`.
+/// Only filters and overlays: `cargo xtask hil --beside`.
 pub fn only_beside() -> Result<(), String> {
     step("firmware");
     let firmware = Firmware::prepare(Place::Emulator)?;
@@ -177,7 +176,8 @@ pub fn only_beside() -> Result<(), String> {
     Ok(())
 }
 
-/// A PLC beside the motion only: `cargo xtask hil --plc`. The binary compares with what the host gives.
+/// Only a PLC during the motion: `cargo xtask hil --plc`. The binary compares its results with those of the
+/// PC.
 pub fn only_plc() -> Result<(), String> {
     step("firmware");
     let firmware = Firmware::prepare(Place::Emulator)?;
@@ -247,7 +247,7 @@ fn measure(firmware: &Firmware, host: &[HostRun]) -> Result<(Vec<TargetRun>, Mem
     Ok((runs, memory))
 }
 
-/// The session is the host's, and text over a line makes no difference.
+/// Checks that the session equals the PC's, and that text over a serial line makes no difference.
 fn sessions(report: &str) -> Result<(), String> {
     let host = host::sessions()?;
     alike(&host, &target::read_runs(report)?)?;
@@ -257,7 +257,7 @@ fn sessions(report: &str) -> Result<(), String> {
     Ok(())
 }
 
-/// The cases with filters and overlays are the host's; what each of them costs.
+/// Checks that the cases with filters and overlays equal the PC's, and returns their cost.
 fn beside(report: &str) -> Result<Beside, String> {
     let runs = target::read_runs(report)?;
     alike(&host::beside_all()?, &runs)?;
@@ -265,7 +265,8 @@ fn beside(report: &str) -> Result<Beside, String> {
     Beside::of(&runs, target::read_beside(report)?)
 }
 
-/// The cases with commands are the host's, with every schedule; the largest calls of the planner in each.
+/// Checks that the cases with commands equal the PC's, with every schedule, and returns the most expensive
+/// planner call of each.
 fn commands(firmware: &Firmware) -> Result<BTreeMap<String, Commanded>, String> {
     let mut runs = Vec::new();
     for name in COMMANDS {
@@ -287,8 +288,9 @@ fn commands(firmware: &Firmware) -> Result<BTreeMap<String, Commanded>, String> 
     Ok(worst)
 }
 
-/// Built without the other functions and for few bytes, programs have the set points of the host built alike, those
-/// without curves at corners also of the host that has all functions, and no panicking path is left; what it costs.
+/// Checks the build with few functions and for size: programs have the set points of the PC with the same
+/// functions, those without corner curves also the set points of the full PC build, and no panicking code is
+/// left. Returns the cost.
 fn slim(firmware: &Firmware) -> Result<BTreeMap<String, u64>, String> {
     firmware.build_small(TESTS, SLIM_FUNCTIONS, &[&SLIM[..], &["nopanic"]].concat())?;
     let (mut runs, mut figures) = (Vec::new(), BTreeMap::new());
@@ -330,12 +332,12 @@ fn slim(firmware: &Firmware) -> Result<BTreeMap<String, u64>, String> {
     Ok(figures)
 }
 
-/// Whether a case has curves at corners: how far the look-ahead reaches over them is a matter of the build.
+/// Whether a case has corner curves. The length of the look-ahead over curves depends on the build.
 fn is_contour(name: &str) -> bool {
     figures::CONTOUR.contains(&name)
 }
 
-/// Ticks, blocks and digests are those that the host wrote.
+/// Checks that ticks, blocks and digests equal those of the PC.
 fn alike_small(host: &str, target: &[TargetRun]) -> Result<(), String> {
     let lines: Vec<&str> = host.lines().collect();
     if lines.len() != target.len() || lines.is_empty() {
@@ -355,7 +357,7 @@ fn alike_small(host: &str, target: &[TargetRun]) -> Result<(), String> {
     Ok(())
 }
 
-/// Every set point of every tick is the host's.
+/// Checks that every set point of every tick equals that of the PC.
 fn alike<T: std::borrow::Borrow<TargetRun>>(host: &[HostRun], target: &[T]) -> Result<(), String> {
     if host.len() != target.len() {
         return Err(format!("the target ran {} of {} cases", target.len(), host.len()));
@@ -369,7 +371,7 @@ fn alike<T: std::borrow::Borrow<TargetRun>>(host: &[HostRun], target: &[T]) -> R
     Ok(())
 }
 
-/// The channel takes no room in flash: next to nothing is copied from there at the start.
+/// Checks that the channel takes no flash: almost no bytes are copied from flash at the start.
 fn static_memory(name: &str) -> Result<(), String> {
     let copied = elf::copied(&binary(name)?).ok_or_else(|| format!("{name}: no load segments"))?;
     if copied > COPIED {
@@ -380,7 +382,7 @@ fn static_memory(name: &str) -> Result<(), String> {
     Ok(())
 }
 
-/// That the emulator counts instructions exactly.
+/// Checks that the emulator counts instructions exactly.
 fn counter(report: &str) -> Result<(), String> {
     let mut lines = 0;
     for line in report.lines().filter(|line| line.starts_with("nops ")) {
@@ -394,7 +396,7 @@ fn counter(report: &str) -> Result<(), String> {
     if lines == 0 { Err("nothing was counted".into()) } else { Ok(()) }
 }
 
-/// A stack that grows too large ends in a fault that says so.
+/// Checks that a stack overflow ends in a fault with a message.
 fn overflow(firmware: &Firmware) -> Result<(), String> {
     let output = firmware.run("overflow")?;
     let said = String::from_utf8_lossy(&output.out);
@@ -405,7 +407,7 @@ fn overflow(firmware: &Firmware) -> Result<(), String> {
     Ok(())
 }
 
-/// What is not the same, the first differing tick above all.
+/// Differences, with the first differing tick.
 fn difference(host: &HostRun, target: &TargetRun) -> Option<String> {
     if (host.name, host.axes, host.blocks) != (target.name.as_str(), target.axes, target.look_ahead) {
         return Some(format!(
@@ -447,7 +449,7 @@ fn difference(host: &HostRun, target: &TargetRun) -> Option<String> {
     None
 }
 
-/// The digests of the interrupt test, and that it tested something.
+/// Checks the digests of the interrupt test, and that the test did its work.
 fn interrupt(report: &str, host: &[HostRun]) -> Result<(), String> {
     let mut preempted = 0;
     let mut lines = 0;
@@ -478,7 +480,8 @@ fn interrupt(report: &str, host: &[HostRun]) -> Result<(), String> {
     Ok(())
 }
 
-/// With a planner that is late all the time: the firmware has judged the accelerations, the end is that of the host.
+/// Checks a planner that is always late: the firmware has checked the accelerations, and the end equals that
+/// of the PC.
 fn late(report: &str, host: &[HostRun]) -> Result<(), String> {
     let (mut runs, mut late) = (0, 0);
     for line in report.lines().filter_map(|line| line.strip_prefix("late ")) {
@@ -499,7 +502,7 @@ fn late(report: &str, host: &[HostRun]) -> Result<(), String> {
     Ok(())
 }
 
-/// The digests of some programs on other cores.
+/// Checks the digests of some programs on other cores.
 fn cores(firmware: &Firmware, host: &[HostRun]) -> Result<(), String> {
     for core in &CORES {
         let Some(report) = firmware.elsewhere(core, TESTS, "core")? else { continue };
@@ -528,7 +531,7 @@ fn cores(firmware: &Firmware, host: &[HostRun]) -> Result<(), String> {
     Ok(())
 }
 
-/// The board's own firmware in the emulator, with some programs.
+/// Runs the board's firmware in the emulator, with some programs.
 fn board(firmware: &Firmware, host: &[HostRun]) -> Result<(), String> {
     for name in BOARD_PROGRAMS {
         let program = format!("programs/{name}.nc");
@@ -556,8 +559,8 @@ fn board(firmware: &Firmware, host: &[HostRun]) -> Result<(), String> {
     Ok(())
 }
 
-/// Release-shaped firmware links with a panic handler that cannot be linked, holds no symbol of the panic
-/// machinery, and stops linking when one unchecked index is added.
+/// Checks that firmware in release form links with a panic handler that cannot be linked, and contains no
+/// symbol of the panic machinery. Checks that it does not link with one added unchecked index.
 fn no_panic(firmware: &Firmware) -> Result<(), String> {
     let refusal = firmware.build_fails(TESTS, &["--bin", "nopanic", "--features", "bad"])?;
     if !refusal.contains("panic-never") {

@@ -1,4 +1,4 @@
-//! The cases on the host: what the target has to repeat.
+//! Runs the cases on the PC; the target must repeat the results.
 use crate::{WITHOUT, shell};
 use glidepath::channel::{Channel, Error, Progress};
 use glidepath::machine::MachineData;
@@ -11,10 +11,10 @@ use hil_cases::{
 };
 use std::time::Duration;
 
-/// Longest time to build and run what a host built for few functions has to.
+/// Time limit for the build and the run of a PC program with few functions.
 const LONGEST: Duration = Duration::from_secs(1200);
 
-/// A case as the host ran it.
+/// A case with its results on the PC.
 pub struct HostRun {
     /// Name of the case.
     pub name: &'static str,
@@ -54,7 +54,8 @@ pub fn cores() -> Result<Vec<HostRun>, String> {
     CASES_CORES.iter().map(|case| run_one::<3, SHORT>(case, &AXES_3_SHORT)).collect()
 }
 
-/// Those of lines, arcs and contour mode as a host built for them alone runs them: what its example `slim` writes.
+/// The cases with lines, arcs and contour mode, from a PC program that is built with these functions only:
+/// the output of the example `slim`.
 pub fn slim() -> Result<String, String> {
     let mut command = shell::cargo(&shell::root().join(WITHOUT));
     command.args(["run", "--release", "--features", "contour", "--example", "slim"]);
@@ -66,7 +67,7 @@ pub fn slim() -> Result<String, String> {
     String::from_utf8(output.out).map_err(|e| e.to_string())
 }
 
-/// Those of lines, arcs and contour mode, with 120 and with 30 blocks.
+/// The cases with lines, arcs and contour mode, with 120 and with 30 blocks.
 pub fn slim_all() -> Result<Vec<HostRun>, String> {
     let long = CASES_SLIM.iter().map(|case| run_one::<3, BLOCKS>(case, &AXES_3));
     long.chain(CASES_SLIM.iter().map(|case| run_one::<3, SHORT>(case, &AXES_3_SHORT))).collect()
@@ -108,7 +109,7 @@ pub fn tasks() -> Result<HostRun, String> {
     Ok(HostRun { name: "tasks", axes: 3, blocks: BLOCKS, set_points, outcome })
 }
 
-/// The cases with three and with six axes, and commands all the time: all schedules of each.
+/// The cases with three and with six axes and continuous commands: all schedules of each case.
 pub fn commanded_all() -> Result<Vec<HostRun>, String> {
     let mut runs = commanded_on::<3>(&AXES_3, CASES_3)?;
     runs.extend(commanded_on::<6>(&AXES_6, CASES_6)?);

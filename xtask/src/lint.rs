@@ -7,7 +7,7 @@ use std::process::{Command, Stdio};
 
 const FIRMWARE: [&str; 5] = ["hil-tests", "boards/stm32f405", "boards/c", "boards/embassy", "boards/rtic"];
 
-/// Other cores. Those of the first and the last kind can only load and store words.
+/// Other cores. The cores of the first and the last kind can only load and store words.
 const CORES: [&str; 5] = [
     "thumbv6m-none-eabi",
     "thumbv7m-none-eabi",
@@ -16,7 +16,7 @@ const CORES: [&str; 5] = [
     "riscv32imc-unknown-none-elf",
 ];
 
-/// Functions that a build may leave out: the library is checked with each alone.
+/// Functions that a build may leave out: each function is checked alone.
 const FUNCTIONS: [&str; 14] = [
     "contour",
     "surface",
@@ -34,14 +34,14 @@ const FUNCTIONS: [&str; 14] = [
     "examine",
 ];
 
-/// Tools for the package that may be installed, and what they are asked: to compare with the last version in the history, and
-/// to read the licences of what is used.
+/// Optional tools for the package, and their arguments: comparison with the last version in the history, and
+/// licences of dependencies.
 const TOOLS: [(&str, &[&str]); 2] = [
     ("cargo-semver-checks", &["semver-checks", "--package", "glidepath", "--baseline-rev", "HEAD~1"]),
     ("cargo-deny", &["deny", "check", "licenses", "bans"]),
 ];
 
-/// All of it.
+/// Runs all checks.
 pub fn all() -> Result<(), String> {
     step("format");
     run(cargo(&root()).args(["fmt", "--all", "--check"]))?;
@@ -91,7 +91,7 @@ pub fn all() -> Result<(), String> {
     run(cargo(&root()).args(["doc", "--workspace", "--no-deps", "--lib"]).env("RUSTDOCFLAGS", "-D warnings"))
 }
 
-/// The crate as it would be published: what is in it builds alone. Then what tools say that may be installed.
+/// Builds the package without the rest of the repository, then runs the optional tools.
 pub fn package() -> Result<(), String> {
     step("the package");
     run(cargo(&root()).args(["package", "--package", "glidepath", "--allow-dirty", "--locked"]))?;
@@ -106,9 +106,8 @@ pub fn package() -> Result<(), String> {
     Ok(())
 }
 
-/// The compiler of `rust-version`, where it is installed: what is newer is refused. Without it clippy's
-/// `incompatible_msrv`, which is on, finds what the library takes from a newer core, but not a newer
-/// language.
+/// The compiler of `rust-version`, if it is installed, refuses newer functions. Without it, clippy's
+/// `incompatible_msrv` finds newer functions of the standard library, but not newer syntax.
 fn oldest() -> Result<(), String> {
     let version = env!("CARGO_PKG_RUST_VERSION");
     let Some(cargo) = toolchain_of(version) else {
@@ -148,7 +147,7 @@ fn firmware(toolchain: &Toolchain, folder: &str) -> Result<(), String> {
                 eprintln!("   off: no clippy for {} (Debian: rust-web-clippy)", rustc.display());
                 return Ok(());
             };
-            // What `cargo clippy` does, with the clippy of this compiler instead of the host toolchain's.
+            // The same as `cargo clippy`, with the clippy of this compiler instead of the host's.
             let mut command = toolchain.cargo(&folder, "check", TARGET);
             command.arg("--workspace").env("RUSTC_WORKSPACE_WRAPPER", driver);
             run(command.env("CLIPPY_ARGS", "-D__CLIPPY_HACKERY__warnings__CLIPPY_HACKERY__"))

@@ -1,5 +1,5 @@
-//! The project's commands. Each prints what it does and leaves with a code other than 0 when something is
-//! wrong.
+//! The project's commands. Each command prints its steps, and ends with an exit code other than 0 after an
+//! error.
 mod controller;
 mod cores;
 mod document;

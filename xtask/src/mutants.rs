@@ -1,11 +1,11 @@
-//! Small changes of the code made by cargo-mutants, each against the tests of the rows of its file: a sample, drawn
-//! by a seed, in a copy of the repository that keeps what was compiled.
+//! Small changes of the code by cargo-mutants, each tested with the tests of the rows of its file. The
+//! changes are a random sample, made in a copy of the repository that keeps its build.
 use crate::shell;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-/// What is changed.
+/// Folder whose code is changed.
 const FILES: &str = "src/{smooth,fir,single,lookahead,plan,queue,slope,nc}/**";
 
 /// One change: its name, its file and its difference.
@@ -15,17 +15,17 @@ struct Mutant {
     difference: String,
 }
 
-/// Tests of one binary: what cargo is told, and their names.
+/// Tests of one binary: arguments for cargo, and names of the tests.
 type Tests = BTreeMap<Vec<String>, Vec<String>>;
 
-/// What became of a change.
+/// Result of a change.
 enum Fate {
     Killed(String),
     Survived,
     Unbuildable,
 }
 
-/// Runs `count` changes drawn by `seed`, those of `first` left out.
+/// Tests `count` changes, drawn with `seed`, after the first `first` changes.
 pub fn sample(seed: u64, first: usize, count: usize) -> Result<(), String> {
     let mut all = list()?;
     let whole = all.len();
@@ -70,7 +70,7 @@ fn read(path: &Path) -> Result<String, String> {
     std::fs::read_to_string(path).map_err(|e| format!("{}: {e}", path.display()))
 }
 
-/// Every change that cargo-mutants makes, with its difference.
+/// All changes of cargo-mutants, with their differences.
 fn list() -> Result<Vec<Mutant>, String> {
     let mut command = shell::cargo(&shell::root());
     command.args(["mutants", "--list", "--diff", "--package", "glidepath", "--file", FILES]);
@@ -96,7 +96,7 @@ fn list() -> Result<Vec<Mutant>, String> {
         .collect())
 }
 
-/// The repository as git has it, with what is not committed yet, in `target/mutants`.
+/// Copies the repository, with uncommitted changes, to `target/mutants`.
 fn copy() -> Result<PathBuf, String> {
     let (root, copy) = (shell::root(), shell::root().join("target/mutants/copy"));
     let mut command = std::process::Command::new("git");
@@ -105,7 +105,7 @@ fn copy() -> Result<PathBuf, String> {
     for name in String::from_utf8_lossy(&output.out).lines() {
         let (from, to) = (root.join(name), copy.join(name));
         let Ok(bytes) = std::fs::read(&from) else { continue };
-        // What is the same keeps its time: cargo compiles what is newer.
+        // An unchanged file keeps its time, because cargo compiles newer files again.
         if std::fs::read(&to).is_ok_and(|there| there == bytes) {
             continue;
         }
@@ -117,7 +117,7 @@ fn copy() -> Result<PathBuf, String> {
     Ok(copy)
 }
 
-/// Tests that rows of the file name; where it has none, those of its folder.
+/// Tests named by rows of the file; without such rows, the tests of its folder.
 fn tests_of(file: &str, conformance: &str) -> Tests {
     let folder = file.rsplit_once('/').map_or("", |(folder, _)| folder);
     let of = |place: &str| {
@@ -138,7 +138,7 @@ fn tests_of(file: &str, conformance: &str) -> Tests {
     if own.is_empty() { of(&format!("`{folder}/")) } else { own }
 }
 
-/// What cargo is told for a file of tests, and what stands before the names of these tests.
+/// Arguments for cargo for a file of tests, and the prefix of the names of these tests.
 fn target(path: &str) -> Option<(Vec<String>, String)> {
     let words = |words: [&str; 4]| words.map(str::to_owned).to_vec();
     let without_end = |name: &str| name.strip_suffix(".rs").unwrap_or(name).to_owned();
@@ -152,7 +152,7 @@ fn target(path: &str) -> Option<(Vec<String>, String)> {
     }
 }
 
-/// Makes a change, runs its tests until one fails, and takes the change back.
+/// Makes a change, runs its tests until one fails, and reverts the change.
 fn one(copy: &Path, mutant: &Mutant, tests: &Tests) -> Result<Fate, String> {
     let path = copy.join(&mutant.file);
     let before = read(&path)?;
@@ -186,7 +186,7 @@ fn run(copy: &Path, tests: &Tests) -> Result<Fate, String> {
             .lines()
             .find_map(|line| line.trim().strip_prefix("Executable ")?.rsplit_once('(')?.1.strip_suffix(')'));
         let executable = executable.ok_or_else(|| format!("no executable of {target:?}"))?;
-        // Not by cargo: a change may make a loop endless, and what is ended is this process.
+        // The test binary runs without cargo, so that this process can end an endless loop.
         let mut test = std::process::Command::new(executable);
         let folder = if target[1] == "host-tests" { "host-tests" } else { "boards/host" };
         test.current_dir(copy.join(folder)).arg("--exact").args(names);
@@ -203,7 +203,7 @@ fn run(copy: &Path, tests: &Tests) -> Result<Fate, String> {
     Ok(Fate::Survived)
 }
 
-/// The text with the hunks of a unified difference.
+/// Applies the hunks of a unified difference to a text.
 fn changed(text: &str, difference: &str) -> Option<String> {
     let old: Vec<&str> = text.lines().collect();
     let (mut new, mut at) = (Vec::new(), 0);

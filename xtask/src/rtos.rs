@@ -1,4 +1,5 @@
-//! Glidepath inside RTIC, Embassy, FreeRTOS and C programs, in the emulator: each ends with the host's digest.
+//! Runs Glidepath with RTIC, Embassy, FreeRTOS and C programs in the emulator: the digest must equal the
+//! PC's.
 use crate::firmware::{Firmware, Place, artifact};
 use crate::host::{self, HostRun};
 use crate::shell::{root, step};
@@ -11,22 +12,22 @@ use std::time::Duration;
 /// Their workspace.
 const TASKS: &str = "boards/tasks";
 
-/// The static library for C, and what all programs made with it have.
+/// The static library for C, and the files of all programs with this library.
 const C: &str = "boards/c";
 const C_PACKAGE: &str = "glidepath-c";
 const C_LIBRARY: &str = "libglidepath_c.a";
 const C_SOURCES: [&str; 4] = ["start.c", "work.c", "line.c", "print.c"];
 
-/// FreeRTOS: the example, the crate that holds the kernel, and what of it is compiled.
+/// FreeRTOS: the example, the crate with the kernel, and the compiled kernel files.
 const FREERTOS: &str = "boards/freertos";
 const KERNEL_CRATE: &str = "/freertos-next-";
 const KERNEL_PORT: &str = "portable/GCC/ARM_CM4F";
 const KERNEL_SOURCES: [&str; 4] = ["tasks.c", "queue.c", "list.c", "portable/GCC/ARM_CM4F/port.c"];
 
-/// Longest time to fetch the kernel.
+/// Time limit for the download of the kernel.
 const LONGEST: Duration = Duration::from_secs(600);
 
-/// The core, how to compile, and warnings that are errors.
+/// Core, compiler options, and warnings that are errors.
 const C_FLAGS: [&str; 14] = [
     "-mcpu=cortex-m4",
     "-mthumb",
@@ -44,16 +45,17 @@ const C_FLAGS: [&str; 14] = [
     "-Wl,-z,noexecstack",
 ];
 
-/// Lines of functions that the program puts out.
+/// Lines about functions in the program's output.
 const FUNCTIONS: usize = 4;
 
 /// The byte that a program sends when its line is ready.
 const READY: char = '\u{11}';
 
-/// What a program has written when the sender sends the first part, and the second.
+/// Output of a program at which the sender sends the first part, and the second part.
 const SIGNALS: [&[u8]; 2] = [b"\x11", b"N80"];
 
-/// Each program: its name in `cargo xtask rtos NAME`, its binary, and the files of its folder that a user writes.
+/// Each program: its name in `cargo xtask rtos NAME`, its binary, and the files of its folder that a user
+/// writes.
 struct Program {
     name: &'static str,
     binary: &'static str,
@@ -77,7 +79,7 @@ const C_PROGRAMS: [Program; 2] = [
     },
 ];
 
-/// Only these: `cargo xtask rtos`, or the one called `name`.
+/// Runs only these programs: `cargo xtask rtos`, or the program `name`.
 pub fn all(name: Option<&str>) -> Result<(), String> {
     let known = RUST.iter().chain(&C_PROGRAMS).map(|program| program.name);
     if let Some(name) = name
@@ -90,7 +92,7 @@ pub fn all(name: Option<&str>) -> Result<(), String> {
     chosen(&Firmware::prepare(Place::Emulator)?, name)
 }
 
-/// Builds all of them and runs them.
+/// Builds and runs all programs.
 pub fn run(firmware: &Firmware) -> Result<(), String> {
     chosen(firmware, None)
 }
@@ -105,7 +107,7 @@ fn chosen(firmware: &Firmware, name: Option<&str>) -> Result<(), String> {
     if compiler.is_ok() {
         packages.push(C_PACKAGE);
     }
-    // One build: what they have in common is compiled once.
+    // One build, so that common parts are compiled once.
     let packages: Vec<&str> = packages.iter().flat_map(|name| ["--package", name]).collect();
     firmware.build(TASKS, &packages, &[])?;
     step("in an operating system, and in C");
@@ -126,7 +128,7 @@ pub fn header() -> Result<(), String> {
     shell::run(shell::cargo(&root()).args(["run", "--release", "--package", "glidepath-c-header"]))
 }
 
-/// The static library, linked to a C program: one without an operating system, or one with FreeRTOS.
+/// Links the static library with a C program: one without an operating system, or one with FreeRTOS.
 fn c_program(firmware: &Firmware, host: &HostRun, compiler: &Path, program: &Program) -> Result<(), String> {
     let example = root().join(C).join("example");
     let mut sources: Vec<PathBuf> = C_SOURCES.iter().map(|name| example.join(name)).collect();
@@ -150,7 +152,7 @@ fn c_program(firmware: &Firmware, host: &HostRun, compiler: &Path, program: &Pro
     alike(host, program, firmware)
 }
 
-/// The folder of the FreeRTOS kernel, which a crate of the registry holds.
+/// The folder of the FreeRTOS kernel, inside a crate.
 fn kernel() -> Result<PathBuf, String> {
     let mut command = shell::cargo(&root().join(FREERTOS));
     command.args(["metadata", "--format-version", "1", "--locked"]);
@@ -161,15 +163,15 @@ fn kernel() -> Result<PathBuf, String> {
     Ok(Path::new(manifest).with_file_name("FreeRTOS-Kernel"))
 }
 
-/// The parts of the program: the second one is sent when the motion stands.
+/// The parts of the program: the sender sends the second part when the axes stand still.
 fn parts() -> [Vec<u8>; 2] {
     let at = TASKS_NC.windows(SECOND_PART.len()).position(|word| word == SECOND_PART);
     let (first, second) = TASKS_NC.split_at_checked(at.unwrap_or(0)).unwrap_or_default();
     [first, second].map(|part| [part, &[END_OF_PART]].concat())
 }
 
-/// Runs it with its text over the serial line. The set points are the host's, the functions came, and its folder's README
-/// says how many lines a user writes.
+/// Runs a program, with its text over the serial line. Checks set points and functions against the PC's, and
+/// the number of user lines against the folder's README.
 fn alike(host: &HostRun, program: &Program, firmware: &Firmware) -> Result<(), String> {
     let (name, mut parts, mut next) = (program.name, parts(), 0);
     let report = firmware.talk(program.binary, |said| {
@@ -198,7 +200,8 @@ fn alike(host: &HostRun, program: &Program, firmware: &Firmware) -> Result<(), S
     Ok(())
 }
 
-/// Lines of code that a user writes, without comments and empty ones; the README says so.
+/// Number of lines of code that a user writes, without comments and empty lines; the README must have this
+/// number.
 fn told_lines(program: &Program) -> Result<usize, String> {
     let folder = root().join("boards").join(program.name);
     let read = |file: &str| {

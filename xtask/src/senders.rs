@@ -1,4 +1,4 @@
-//! Real senders against `glidepath serve`, and against the firmware of the controller in the emulator.
+//! Runs real senders with `glidepath serve`, and with the controller's firmware in the emulator.
 use crate::controller;
 use crate::firmware::{Firmware, Place};
 use crate::shell::{capture, cargo, root, run, step};
@@ -6,13 +6,13 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Duration;
 
-/// The senders in Python that need a few seconds, as their registry has them.
+/// The senders in Python that need a few seconds, with their package names.
 const PYTHON: [&str; 2] = ["pygrbl-streamer==1.0.5", "grbl-streamer==2.0.2"];
 
 /// The one in Python that needs a minute.
 const BCNC: [&str; 1] = ["bCNC==0.9.16"];
 
-/// The one for Node, and what drives it.
+/// The sender for Node, and the package that drives it.
 const NODE: [&str; 3] = ["cncjs@1.11.5", "socket.io-client@2", "jsonwebtoken@9"];
 
 /// The conversations.
@@ -45,19 +45,20 @@ pub fn all(lines: &str) -> Result<(), String> {
     quick(&python, lines, &firmware.at_terminal(controller::BINARY))
 }
 
-/// The two quick ones to `serve`, for every run of the tests: about 10 s, and 10 s more where they are installed first.
+/// The two quick senders with `serve`, for every run of the tests: about 10 s, and 10 s more with
+/// installation.
 pub fn short() -> Result<(), String> {
     step("senders (short)");
     installed(|python| quick(python, SHORT, &desktop(&serve()?)))
 }
 
-/// The same to the firmware, which is built.
+/// The two quick senders with the firmware, which is already built.
 pub fn with_firmware(firmware: &Firmware) -> Result<(), String> {
     step("senders (short), firmware in the emulator");
     installed(|python| quick(python, SHORT, &firmware.at_terminal(controller::BINARY)))
 }
 
-/// Where the senders cannot be installed (no network, no Python), that is told, and is no error.
+/// If the senders cannot be installed (no network, no Python), a message says so, without an error.
 fn installed(what: impl FnOnce(&Path) -> Result<(), String>) -> Result<(), String> {
     match python(&PYTHON) {
         Ok(python) => what(&python),
@@ -68,14 +69,14 @@ fn installed(what: impl FnOnce(&Path) -> Result<(), String>) -> Result<(), Strin
     }
 }
 
-/// The two quick ones to the controller that this command runs.
+/// The two quick senders with a controller that this command starts.
 fn quick(python: &Path, lines: &str, controller: &Command) -> Result<(), String> {
     let mut command = Command::new(python);
     command.arg(root().join(SCRIPTS).join("python.py")).arg(lines);
     run(command.arg(controller.get_program()).args(controller.get_args()))
 }
 
-/// The controller on the desktop, twenty times as fast as the clock.
+/// The controller on the PC, twenty times as fast as real time.
 fn desktop(program: &Path) -> Command {
     let mut command = Command::new(program);
     command.args(["serve", "--pty", "--speed", "20"]);
@@ -92,7 +93,7 @@ fn python(packages: &[&str]) -> Result<PathBuf, String> {
     if !python.exists() {
         quiet(Command::new("python3").args(["-m", "venv"]).arg(folder()))?;
     }
-    // What is there already asks no network.
+    // Installed packages need no network.
     let pip =
         ["-m", "pip", "install", "-q", "--disable-pip-version-check", "--retries", "1", "--timeout", "10"];
     quiet(Command::new(&python).args(pip).args(packages))?;
@@ -118,7 +119,7 @@ fn serve() -> Result<PathBuf, String> {
     Ok(root.join("target/release/glidepath"))
 }
 
-/// Runs to the end; an error has the last line of what was said.
+/// Runs to the end; an error has the last line of the output.
 fn quiet(command: &mut Command) -> Result<(), String> {
     let output = capture(command, INSTALLING)?;
     let last = output.err.trim().lines().last().unwrap_or_default().to_owned();

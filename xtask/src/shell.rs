@@ -1,4 +1,4 @@
-//! Child processes, told to the user.
+//! Child processes, with messages to the user.
 use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
@@ -6,13 +6,13 @@ use std::sync::mpsc;
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
-/// The repository.
+/// Folder of the repository.
 pub fn root() -> PathBuf {
     let xtask = Path::new(env!("CARGO_MANIFEST_DIR"));
     xtask.parent().unwrap_or(xtask).to_path_buf()
 }
 
-/// The headline of a step.
+/// Prints the headline of a step.
 pub fn step(what: &str) {
     eprintln!("\n== {what}");
 }
@@ -24,18 +24,18 @@ pub fn cargo(folder: &Path) -> Command {
     command
 }
 
-/// Runs to the end, output to the user.
+/// Runs to the end; output goes to the user.
 pub fn run(command: &mut Command) -> Result<(), String> {
     eprintln!("   {}", line(command));
     let status = command.status().map_err(|e| format!("{}: {e}", line(command)))?;
     if status.success() { Ok(()) } else { Err(format!("{}: {status}", line(command))) }
 }
 
-/// What a child left behind.
+/// Result of a child process.
 pub struct Output {
-    /// It ended in time and with code 0.
+    /// The child ended in time and with code 0.
     pub success: bool,
-    /// It had to be ended.
+    /// The child was ended after the limit.
     pub timed_out: bool,
     /// Standard output.
     pub out: Vec<u8>,
@@ -43,7 +43,7 @@ pub struct Output {
     pub err: String,
 }
 
-/// Runs to the end or to `limit`, output to the caller.
+/// Runs to the end or to `limit`; output goes to the caller.
 pub fn capture(command: &mut Command, limit: Duration) -> Result<Output, String> {
     let name = line(command);
     let mut child = command
@@ -59,7 +59,7 @@ pub fn capture(command: &mut Command, limit: Duration) -> Result<Output, String>
     Ok(Output { success, timed_out, out: join(out), err: text(join(err)) })
 }
 
-/// The same with a child that is talked to: `answer` sees all it has written, whenever that is more, and says what it gets.
+/// The same, with input to the child: `answer` gets all output after each change, and returns the next input.
 pub fn talk(
     command: &mut Command,
     limit: Duration,
@@ -91,7 +91,7 @@ pub fn talk(
             }
         }
         if let (Some(bytes), Some(to)) = (answer(&out), &mut to) {
-            // A child that has ended needs nothing any more.
+            // A child that has ended needs no input.
             let _ = to.write_all(&bytes).and_then(|()| to.flush());
         }
     }
@@ -123,7 +123,7 @@ fn collect(stream: Option<impl Read + Send + 'static>) -> JoinHandle<Vec<u8>> {
     thread::spawn(move || {
         let mut bytes = Vec::new();
         if let Some(mut stream) = stream {
-            // What came before an error is what there is.
+            // After an error the text so far counts.
             let _ = stream.read_to_end(&mut bytes);
         }
         bytes
@@ -140,7 +140,7 @@ fn line(command: &Command) -> String {
     words.map(|word| word.to_string_lossy()).collect::<Vec<_>>().join(" ")
 }
 
-/// The file called `name` in a folder of PATH.
+/// The file with this name in a folder of PATH.
 pub fn on_path(name: &str) -> Option<PathBuf> {
     let path = std::env::var_os("PATH")?;
     std::env::split_paths(&path).map(|folder| folder.join(name)).find(|file| file.is_file())

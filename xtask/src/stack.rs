@@ -1,20 +1,20 @@
-//! How deep the stack gets at most, read from the machine code of a firmware: no frame is left out and no
-//! path is assumed away.
+//! Upper bound of the stack, from the machine code of a firmware: the bound includes every frame and every
+//! path.
 //!
-//! A frame is all that a function takes from the stack anywhere. Calls are followed through the whole binary.
-//! A call through a pointer may reach any function whose address lies in a table. Recursion and frames of
-//! unknown size are errors.
+//! A frame is the sum of all stack that a function takes. The program follows calls through the whole binary.
+//! A call through a pointer may reach any function whose address is in a table. Recursion, and frames of
+//! unknown size, are errors.
 use crate::elf::{self, Function};
 use crate::thumb::{self, Act};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// A function as the bound sees it.
+/// A function with its frame and its calls.
 #[derive(Debug, Default)]
 struct Node {
     name: String,
     frame: u32,
     calls: BTreeSet<u32>,
-    /// It calls through a pointer.
+    /// Whether the function calls through a pointer.
     indirect: bool,
 }
 
@@ -26,17 +26,17 @@ pub struct Calls {
     pointed: Vec<u32>,
 }
 
-/// The deepest way down from a function.
+/// The deepest chain of calls from a function.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Depth {
     /// Bytes, those of the function itself included.
     pub bytes: u32,
-    /// Name and frame of each function on the way.
+    /// Name and frame of each function in the chain.
     pub chain: Vec<(String, u32)>,
 }
 
 impl Calls {
-    /// Reads them from an ELF file.
+    /// Reads the calls from an ELF file.
     pub fn read(file: &[u8]) -> Result<Self, String> {
         let functions = elf::functions(file).ok_or("no symbols of functions")?;
         let known: BTreeSet<u32> = functions.iter().map(|function| function.address).collect();
@@ -51,7 +51,7 @@ impl Calls {
         Ok(Self { nodes: nodes.collect::<Result<_, String>>()?, pointed })
     }
 
-    /// The deepest way down from the one function whose name contains `root`.
+    /// The deepest chain of calls from the only function whose name contains `root`.
     pub fn depth(&self, root: &str) -> Result<Depth, String> {
         let mut found = self.nodes.iter().filter(|(_, node)| node.name.contains(root));
         let (Some((&address, _)), None) = (found.next(), found.next()) else {
@@ -93,7 +93,7 @@ impl Calls {
     }
 }
 
-/// Prints the deepest way down from some functions of a firmware.
+/// Prints the deepest chains of calls from some functions of a firmware.
 pub fn show(file: &str, roots: &[&str]) -> Result<(), String> {
     let bytes = std::fs::read(file).map_err(|e| format!("{file}: {e}"))?;
     let calls = Calls::read(&bytes)?;

@@ -1,7 +1,7 @@
-//! What the test firmware reports, line by line.
+//! Reads the report of the test firmware, line by line.
 use std::collections::BTreeMap;
 
-/// Number, sum and largest of something counted on the target.
+/// Number, sum and highest value of a count on the target.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Cost {
     /// Number of calls.
@@ -12,7 +12,7 @@ pub struct Cost {
     pub max: u64,
 }
 
-/// A case as the target ran it.
+/// A case with its results on the target.
 #[derive(Debug, Default)]
 pub struct TargetRun {
     /// Name of the case.
@@ -23,25 +23,25 @@ pub struct TargetRun {
     pub look_ahead: usize,
     /// Bits of the set points, as on the host.
     pub set_points: Vec<i64>,
-    /// The call that splits the channel.
+    /// Instructions of `Channel::split`.
     pub start: Cost,
     /// The interpolator's calls.
     pub tick: Cost,
-    /// The planner's calls that did something.
+    /// Planner calls with work.
     pub plan: Cost,
-    /// The planner's calls that found the queue full.
+    /// Planner calls that found the queue full.
     pub wait: Cost,
     /// The decoder alone.
     pub decode: Cost,
     /// Ticks with motion or dwell.
     pub ticks: u64,
-    /// Ticks in between that found nothing planned.
+    /// Ticks without planned motion, between the first and the last tick with motion.
     pub starved: u64,
     /// Motion blocks planned.
     pub blocks: u64,
-    /// Over all set points.
+    /// Digest over all set points.
     pub digest: u64,
-    /// Why it did not end.
+    /// Reason for which the case did not end.
     pub failed: Option<String>,
 }
 
@@ -104,7 +104,7 @@ pub fn read_beside(report: &str) -> Result<[u64; 2], String> {
     Ok([number(&values, "tap", line)?, number(&values, "overlay", line)?])
 }
 
-/// What RAM a configuration needs, as the target reports it.
+/// RAM of a configuration, from the target's report.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Memory {
     /// Number of axes.
@@ -115,7 +115,7 @@ pub struct Memory {
     pub channel: u64,
     /// Bytes of the planner's half, on the stack.
     pub planner: u64,
-    /// Bytes of the interpolator's half.
+    /// Bytes of the interpolator.
     pub interpolator: u64,
     /// Bytes of stack that the memory map has.
     pub stack: u64,
@@ -123,7 +123,7 @@ pub struct Memory {
     pub depth: u64,
 }
 
-/// The lines of a report that tell of memory.
+/// The lines of a report about memory.
 pub fn read_memory(report: &str) -> Result<Vec<Memory>, String> {
     let lines = report.lines().filter_map(|line| line.strip_prefix("memory "));
     let read = |line: &str| {
@@ -142,7 +142,7 @@ pub fn read_memory(report: &str) -> Result<Vec<Memory>, String> {
     lines.map(read).collect()
 }
 
-/// How deep the stack was below each kind of call, bytes.
+/// Depth of the stack below each kind of call, bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Stacks {
     /// Number of axes.
@@ -155,7 +155,7 @@ pub struct Stacks {
     pub tick: u64,
 }
 
-/// The lines of a report that tell of them.
+/// The lines of a report about the stack.
 pub fn read_stacks(report: &str) -> Result<Vec<Stacks>, String> {
     let lines = report.lines().filter_map(|line| line.strip_prefix("stacks "));
     let read = |line: &str| {
@@ -177,7 +177,7 @@ pub fn fields(text: &str) -> BTreeMap<&str, &str> {
     words.chunks_exact(2).map(|pair| (pair[0], pair[1])).collect()
 }
 
-/// The number called `key`.
+/// The number with the name `key`.
 pub fn number(fields: &BTreeMap<&str, &str>, key: &str, line: &str) -> Result<u64, String> {
     fields.get(key).and_then(|value| value.parse().ok()).ok_or_else(|| unreadable(line))
 }

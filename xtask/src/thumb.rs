@@ -1,23 +1,23 @@
-//! What a function of Thumb code does to the stack, and whom it calls: the few instructions that matter, as
-//! the ARMv7-M Architecture Reference Manual encodes them.
+//! Stack use and calls of a function in Thumb code, from the relevant instructions. Encodings are those of
+//! the ARMv7-M Architecture Reference Manual.
 use crate::elf::Function;
 
-/// One of them.
+/// A relevant instruction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Act {
     /// Takes bytes from the stack.
     Take(u32),
-    /// Sets the stack pointer to something computed, at this address.
+    /// Sets the stack pointer to a computed value, at this address.
     Unknown(u32),
     /// BL.
     Call(u32),
-    /// B, with or without a condition: inside the function, or the last call of another one.
+    /// B, with or without a condition: a jump inside the function, or a tail call of another function.
     Jump(u32),
-    /// Goes on where a register says.
+    /// Continues at an address in a register.
     Indirect,
 }
 
-/// Those of a function, in the order of its code.
+/// The relevant instructions of a function, in the order of its code.
 pub fn acts(function: &Function) -> Vec<Act> {
     let mut acts = Vec::new();
     let mut offset = 0;
@@ -57,7 +57,7 @@ fn narrow(code: u16, at: u32) -> Option<Act> {
         // B<condition> label, but not UDF and SVC; B label
         0xd000..=0xddff => Act::Jump(target(at, (code & 0xff) << 1, 9)),
         0xe000..=0xe7ff => Act::Jump(target(at, (code & 0x7ff) << 1, 12)),
-        // CBZ and CBNZ only go on inside a function.
+        // CBZ and CBNZ only jump inside a function.
         _ => return None,
     })
 }

@@ -1,10 +1,10 @@
-//! Which compiler builds firmware, and what to install if none can.
+//! Finds the compiler for firmware, or says what to install.
 //!
 //! 1. The host toolchain has the target's library: plain `--target`.
-//! 2. A compiler has the library's source beside it (a distribution's, or the component rust-src): the
-//!    library is built along, `-Zbuild-std=core`.
+//! 2. A compiler has the library's source (from a distribution, or the component rust-src): the library is
+//!    built too, with `-Zbuild-std=core`.
 //! 3. Debian and root: the distribution's compiler and source are installed, then 2.
-//! 4. Otherwise the user is told both remedies. rustup is never called from here.
+//! 4. Otherwise the user gets both instructions. This program never calls rustup.
 use crate::shell;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -21,7 +21,7 @@ const C_COMPILER: &str = "arm-none-eabi-gcc";
 const C_COMPILER_PACKAGES: &[&str] = &["gcc-arm-none-eabi", "libnewlib-arm-none-eabi"];
 const CLIPPY_PACKAGE: &str = "rust-web-clippy";
 
-/// How firmware is compiled here.
+/// The way in which this computer compiles firmware.
 pub enum Toolchain {
     /// The library for the target comes with the compiler.
     Prebuilt {
@@ -34,13 +34,13 @@ pub enum Toolchain {
         version: String,
         /// The compiler.
         rustc: PathBuf,
-        /// A linker that knows ARM.
+        /// A linker for ARM.
         linker: PathBuf,
     },
 }
 
 impl Toolchain {
-    /// The first of the ways above that works, packages installed if need be.
+    /// Finds the first working way, and installs packages if needed.
     pub fn find() -> Result<Self, String> {
         if let Some(found) = Self::look() {
             return Ok(found);
@@ -71,14 +71,14 @@ impl Toolchain {
         })
     }
 
-    /// `rustc --version` of the compiler that makes the firmware.
+    /// `rustc --version` of the firmware's compiler.
     pub fn version(&self) -> &str {
         match self {
             Self::Prebuilt { version } | Self::FromSource { version, .. } => version,
         }
     }
 
-    /// Whether there is a library for this target, or its source.
+    /// Whether the library for this target, or its source, exists.
     pub fn has(&self, target: &str) -> bool {
         match self {
             Self::FromSource { .. } => true,
@@ -90,7 +90,7 @@ impl Toolchain {
         }
     }
 
-    /// Checks the library, and what stands between it and a board, for another target: they compile there.
+    /// Checks whether the library, and the crates for boards, compile for another target.
     pub fn check(&self, target: &str) -> Result<(), String> {
         let mut command = shell::cargo(&shell::root());
         command.args(["check", "--lib", "--release", "--target", target]);
@@ -108,8 +108,8 @@ impl Toolchain {
     pub fn cargo(&self, folder: &Path, subcommand: &str, target: &str) -> Command {
         let mut command = shell::cargo(folder);
         command.args([subcommand, "--release", "--target", target]);
-        // Incremental builds are cut into other pieces: instructions and stack would depend on the user's
-        // settings.
+        // Incremental builds divide the code differently, so instructions and stack would depend on the
+        // user's settings.
         command.env("CARGO_TARGET_DIR", folder_of_artifacts()).env("CARGO_INCREMENTAL", "0");
         if let Self::FromSource { rustc, linker, .. } = self {
             command.arg("-Zbuild-std=core").env("RUSTC", rustc).env("RUSTC_BOOTSTRAP", "1");
@@ -120,17 +120,17 @@ impl Toolchain {
     }
 }
 
-/// `target/fw`: apart from the host's, because the compiler is another.
+/// `target/fw`, separate from the host's build, because the compiler differs.
 pub fn folder_of_artifacts() -> PathBuf {
     shell::root().join("target/fw")
 }
 
-/// The emulator of the reference target, installed if need be.
+/// The emulator of the reference target; installs it if needed.
 pub fn emulator() -> Result<PathBuf, String> {
     emulator_of(EMULATOR)
 }
 
-/// The emulator with this name, installed if need be.
+/// The emulator with this name; installs it if needed.
 pub fn emulator_of(name: &str) -> Result<PathBuf, String> {
     if let Some(found) = shell::on_path(name) {
         return Ok(found);
@@ -145,7 +145,7 @@ pub fn emulator_of(name: &str) -> Result<PathBuf, String> {
     shell::on_path(name).ok_or_else(|| format!("{name} is installed but not on PATH"))
 }
 
-/// The C compiler for the target, installed if need be.
+/// The C compiler for the target; installs it if needed.
 pub fn c_compiler() -> Result<PathBuf, String> {
     if let Some(found) = shell::on_path(C_COMPILER) {
         return Ok(found);
@@ -157,7 +157,7 @@ pub fn c_compiler() -> Result<PathBuf, String> {
     shell::on_path(C_COMPILER).ok_or_else(|| format!("{C_COMPILER} is installed but not on PATH"))
 }
 
-/// The clippy that goes with a compiler built from a distribution's source, installed if need be.
+/// The clippy for a compiler from a distribution's source; installs it if needed.
 pub fn clippy_driver(rustc: &Path) -> Option<PathBuf> {
     let driver = rustc.with_file_name("clippy-driver");
     if !driver.is_file() && rustc.starts_with("/usr/bin") {

@@ -14,7 +14,7 @@ void USART1_Handler(void) {
 void start_line(void) {
     *(volatile uint32_t *)0x40023844u |= 1u << 4;        // RCC_APB2ENR: USART1
     ((volatile uint8_t *)0xE000E400u)[37] = 7 << 4;      // its priority: below the tick
-    USART1[BRR] = 139;                                   // 16 MHz by 115,200 baud
+    USART1[BRR] = 139;                                   // 16 MHz divided by 115,200 baud
     USART1[CR1] = 1u << 13 | 1u << 5 | 1u << 3 | 1u << 2; // on, interrupt for each byte, transmit, receive
     *(volatile uint32_t *)0xE000E104u = 1u << (37 - 32);
     USART1[DR] = READY;

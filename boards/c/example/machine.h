@@ -25,7 +25,7 @@ static inline void machine_data(gp_machine *machine) {
         axis->tr_geom = 10000;   // P-AXIS-00199: ramp time of the contour
     }
     machine->channel.slope_profile = 1;     // P-CHAN-00071: TRAPEZ
-    machine->channel.corr_v_trans_jerk = 1; // P-CHAN-00009: limited jerk at tangential joints
+    machine->channel.corr_v_trans_jerk = 1; // P-CHAN-00009: limited jerk at tangential transitions
     machine->channel.surface = 1;           // P-CHAN-00600: FCT_SURFACE
     machine->channel.m_synch.count = 1;     // P-CHAN-00041: M26 MVS_SVS
     machine->channel.m_synch.functions[0].code = 26;

@@ -1,6 +1,7 @@
 // Glidepath in a C program without an operating system, on an STM32F405 and in QEMU's netduinoplus2.
 //
-// SysTick is the timer interrupt, USART1 brings the program. The main loop does the rest once per cycle, and sleeps.
+// SysTick is the timer interrupt, and USART1 receives the program. The main loop does the other work once per
+// cycle, and sleeps.
 #include "work.h"
 
 // The clock of the core in QEMU, cycles per ms.

@@ -1,4 +1,5 @@
-// Start of an STM32F405: vectors, static memory, floating point unit. What a vendor's start-up file does as well.
+// Start-up code of an STM32F405: vectors, static memory, floating-point unit. A vendor's start-up file has
+// the same task.
 #include <stdint.h>
 
 extern uint32_t _sidata[], _sdata[], _edata[], _sbss[], _ebss[], _stack_start[];
@@ -36,7 +37,7 @@ __attribute__((section(".vectors"), used)) static void (*const vectors[16 + 38])
 };
 
 void Reset_Handler(void) {
-    // CPACR: full access to the floating point unit, which the library's compiler uses.
+    // CPACR: full access to the floating-point unit, which the library needs.
     *(volatile uint32_t *)0xE000ED88u |= 0xFu << 20;
     __asm volatile("dsb\n isb");
     for (uint32_t *to = _sdata, *from = _sidata; to < _edata;) {

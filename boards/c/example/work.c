@@ -5,24 +5,25 @@
 
 #include <stdbool.h>
 
-// The sender puts END_OF_PART behind each part of the program, and sends the next one when it has seen how far that is.
+// The sender puts END_OF_PART after each part of the program, and sends the next part when the example
+// reports its progress.
 #define PART (GP_WINDOW / 2)
 #define END_OF_PART 3
 
-// Cycles that M26 takes, and that somebody holds the motion.
+// Cycles until M26 is acknowledged, and length of the feed hold in cycles.
 #define CARRIED_OUT 50
 #define HELD 100
 
 static gp_storage storage;
 static gp_handles gp;
 
-// Parts that arrived whole: M26 waits for one.
+// Number of complete parts: M26 waits for a part.
 static volatile uint32_t parts;
 
-// The program has ended, and all of it is with the interpolator.
+// The program has ended, and all motion is in the queue.
 static volatile bool is_planned;
 
-// Ends with a message where something must not happen.
+// Ends with a message if an unexpected result occurs.
 static void want(gp_result result, const char *what) {
     if (result != GP_RESULT_OK) {
         print(what);
@@ -47,12 +48,12 @@ void begin(void) {
     want(gp_load_window(gp.planner), "gp_load_window");
 }
 
-// Where a board writes to its drives.
+// A board writes to its drives here.
 static void to_the_drives(const int64_t set_points[GP_AXES]) {
     __asm volatile("" ::"r"(set_points) : "memory");
 }
 
-// The checksum over all set points of all ticks that the host has too: FNV-1a over their halves.
+// The checksum over all set points of all ticks, FNV-1a over their halves. The PC computes the same checksum.
 static uint64_t digest_of(uint64_t digest, const int64_t set_points[GP_AXES]) {
     for (int k = 0; k < GP_AXES; k++) {
         const uint64_t bits = (uint64_t)set_points[k];
@@ -67,7 +68,8 @@ void tick(void) {
     static uint64_t digest = 0xcbf29ce484222325u;
     int64_t set_points[GP_AXES];
     gp_state state;
-    // The set points of the cycle before: their moment does not depend on how long the next ones take.
+    // Outputs the set points of the previous cycle first, so the moment of output does not depend on the
+    // computation.
     want(gp_set_points(gp.interpolator, set_points), "gp_set_points");
     to_the_drives(set_points);
     want(gp_tick(gp.interpolator, &state), "gp_tick");
@@ -85,7 +87,7 @@ void tick(void) {
     }
 }
 
-// A byte arrives. The window gets a part of the program when that is whole.
+// A byte arrives. Each complete part of the program goes into the window.
 void receive(uint8_t byte) {
     static uint8_t part[PART];
     static size_t length;
@@ -103,7 +105,8 @@ void receive(uint8_t byte) {
     }
 }
 
-// Carries functions out. The motion stands at M26 until a part of the program has arrived, and 50 cycles more.
+// Carries out functions. At M26 the axes stand still until a part of the program has arrived, and 50 cycles
+// more.
 void functions(void) {
     static gp_due at_hand;
     static uint32_t left, seen;
@@ -127,7 +130,7 @@ void functions(void) {
     }
 }
 
-// Somebody presses buttons: half the speed at N40, a feed hold at N60, and on again.
+// Simulates an operator: half the speed at N40, a feed hold at N60, and a resume.
 void panel(void) {
     static int step;
     static uint32_t rested;
@@ -153,7 +156,7 @@ void plan(void) {
     char message[200];
     do {
         if (gp_poll(gp.planner, &progress) == GP_RESULT_REFUSED) {
-            // The line is left out, what was planned before it stays valid.
+            // The line is left out; motion that was planned before stays valid.
             gp_message(gp.planner, &place, message, sizeof message);
             print("line ");
             print_number(place.line);

@@ -1,17 +1,18 @@
-// What the examples do between two ticks: text arrives, functions are carried out, somebody presses buttons, the planner plans.
+// The work of the examples between two ticks: receiving text, carrying out functions, operator commands,
+// planning.
 #include "glidepath.h"
 
 // Opens the library.
 void begin(void);
 
-// In the timer interrupt.
+// Call it in the timer interrupt.
 void tick(void);
 
-// In the interrupt of the serial line, and what starts that.
+// Call these in the interrupt of the serial line, and to start the line.
 void receive(uint8_t byte);
 void start_line(void);
 
-// Once per cycle, between two ticks.
+// Call it once per cycle, between two ticks.
 void functions(void);
 void panel(void);
 void plan(void);

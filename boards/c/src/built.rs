@@ -1,4 +1,4 @@
-//! What the build has beside the path: filters of the axes, and axes that move alone.
+//! Functions that a build may leave out: filters of the axes, and single axes.
 use crate::text::Program;
 use crate::{AXES, BLOCKS, OVERLAYS};
 use glidepath::channel::{self, Handles, MachineError};
@@ -6,7 +6,7 @@ use glidepath::machine::MachineData;
 use glidepath::quantity::Position;
 use glidepath::tick;
 
-/// Overlays of the channel.
+/// Number of single axes that may move at the same time.
 const BESIDE: usize = if cfg!(feature = "beside") { OVERLAYS } else { 0 };
 
 #[cfg(feature = "filters")]
@@ -30,16 +30,16 @@ mod filter {
 
 pub use filter::Memory as FilterMemory;
 
-/// The channel, and its handles.
+/// The channel and its handles.
 pub type Channel = channel::Channel<AXES, BLOCKS, BESIDE>;
 pub type Planner = channel::Planner<'static, Program, AXES, BLOCKS, filter::Plan, BESIDE>;
 pub type Interpolator = tick::Interpolator<'static, AXES, filter::Tick, BESIDE>;
 type Split = Handles<'static, Program, AXES, BLOCKS, filter::Plan, filter::Tick, BESIDE>;
 
-/// Whether the channel can work with these machine data.
+/// Checks whether the channel supports these machine data.
 ///
 /// # Errors
-/// What is wrong.
+/// The reason.
 pub fn check(machine: &MachineData<AXES>) -> Result<(), MachineError> {
     Channel::check(machine)?;
     #[cfg(feature = "filters")]
@@ -47,7 +47,7 @@ pub fn check(machine: &MachineData<AXES>) -> Result<(), MachineError> {
     Ok(())
 }
 
-/// The handles. No program is loaded.
+/// Returns the handles. No program is loaded.
 ///
 /// # Errors
 /// As [`check`].

@@ -1,18 +1,18 @@
-//! The handle of whoever receives program text.
+//! The handle of the context that receives program text.
 use crate::WINDOW;
 use crate::part::{Part, answer};
 use crate::result::Outcome;
 use core::slice;
 use glidepath::nc;
 
-/// The handle of whoever receives program text.
+/// The handle of the context that receives program text.
 pub type FeederHandle = Part<nc::Feeder<'static, WINDOW>, 0x6665_6564>;
 
-/// Puts `length` bytes of program text into the window, as many as there is room for. `taken` says how many: the others are to
-/// be given again.
+/// Puts up to `length` bytes of program text into the window. `taken` returns the number of accepted
+/// bytes. Give the other bytes again later.
 ///
-/// Context: any, one at a time: a task, or the interrupt of a serial line. Time in proportion to `length`. Answers
-/// GP_RESULT_NULL, CLOSED, IN_USE, RANGE (more than 2^31 bytes).
+/// Context: any, one call at a time: a task, or the interrupt of a serial line. Time in proportion to
+/// `length`. Returns GP_RESULT_NULL, CLOSED, IN_USE, RANGE (more than 2^31 bytes).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn gp_feed(
     feeder: *mut FeederHandle,
@@ -32,19 +32,19 @@ pub unsafe extern "C" fn gp_feed(
     }
 }
 
-/// The text is complete: behind the last byte the program ends.
+/// Marks the text as complete: the program ends after the last byte.
 ///
-/// Context: as `gp_feed`. Answers GP_RESULT_NULL, CLOSED, IN_USE.
+/// Context: as `gp_feed`. Returns GP_RESULT_NULL, CLOSED, IN_USE.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn gp_feed_end(feeder: *mut FeederHandle) -> Outcome {
     // SAFETY: the pointer is null or one of the handles.
     unsafe { Part::tell(feeder, |feeder| feeder.end()) }
 }
 
-/// Another program follows: text that was put in and is not read yet is dropped. It counts from `gp_load_next` or
-/// `gp_load_window` on.
+/// Begins another program: text that is in the window and not read yet is dropped. The new text is read
+/// from the next call of `gp_load_next` or `gp_load_window` on.
 ///
-/// Context: as `gp_feed`. Answers GP_RESULT_NULL, CLOSED, IN_USE.
+/// Context: as `gp_feed`. Returns GP_RESULT_NULL, CLOSED, IN_USE.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn gp_feed_restart(feeder: *mut FeederHandle) -> Outcome {
     // SAFETY: the pointer is null or one of the handles.

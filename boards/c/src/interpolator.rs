@@ -9,15 +9,16 @@ use glidepath::tick;
 /// The handle of the timer interrupt.
 pub type InterpolatorHandle = Part<Interpolator, 0x7469_636b>;
 
-/// What a tick did.
+/// The state after a tick.
 #[repr(u32)]
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum State {
-    /// The axes rest: nothing is planned, or the motion stands in a feed hold or waits for an acknowledgement.
+    /// The axes stand still: nothing is planned, or the motion is in a feed hold or waits for an
+    /// acknowledgement.
     Idle = 0,
-    /// The path rests and axes may still move.
+    /// The motion along the path has ended, and filters or single axes may still move the axes.
     Settling = 1,
-    /// A set point of the planned motion; dwell time counts.
+    /// The set point belongs to the planned motion; dwell time counts.
     Active = 2,
 }
 
@@ -33,8 +34,9 @@ impl From<tick::State> for State {
 
 /// Copies the set points of the last tick, GP_AXES of them, LSB 2^-32 mm or degrees.
 ///
-/// Context: the timer interrupt. Write them to the drives first, then call `gp_tick`: the moment of output does not depend on how
-/// long the computation takes. Answers GP_RESULT_NULL, CLOSED, IN_USE.
+/// Context: the timer interrupt. Write the set points to the drives first, then call `gp_tick`; then
+/// the moment of output does not depend on the duration of the computation. Returns GP_RESULT_NULL,
+/// CLOSED, IN_USE.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn gp_set_points(
     interpolator: *mut InterpolatorHandle,
@@ -49,10 +51,11 @@ pub unsafe extern "C" fn gp_set_points(
     .into()
 }
 
-/// Computes the next set points. `state` says what the tick did; it may be NULL.
+/// Computes the next set points. `state` returns the state after the tick; `state` may be NULL.
 ///
-/// Context: the timer interrupt, once per cycle. Its priority is above that of the planner's task, or it is on another core.
-/// Bounded time. Answers GP_RESULT_NULL, CLOSED, IN_USE: then the set points stay as they are.
+/// Context: the timer interrupt, once per cycle. Its priority must be above that of the planner's task,
+/// or it runs on another core. Bounded time. Returns GP_RESULT_NULL, CLOSED, IN_USE; then the set
+/// points do not change.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn gp_tick(interpolator: *mut InterpolatorHandle, state: *mut State) -> Outcome {
     // SAFETY: the pointers are null or point to what they say.

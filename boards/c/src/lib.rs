@@ -2,7 +2,7 @@
 //!
 //! A C program has one [`storage::Storage`] in static memory. [`storage::gp_open`] makes four handles in it, one for each
 //! context: planner, interpolator, operator and feeder. Every call checks its handle and returns a [`result::Outcome`].
-//! Nothing in it allocates, waits or unwinds.
+//! No function of this crate allocates, waits or unwinds.
 #![cfg_attr(target_os = "none", no_std)]
 // The contract of all pointers stands once, at the top of the header.
 #![allow(clippy::missing_safety_doc)]
@@ -30,17 +30,20 @@ mod text;
 #[cfg(target_os = "none")]
 use panic_never as _;
 
-/// Number of axes. To change it, or one of the next two: edit it here, then run `cargo xtask header`.
+/// Number of axes. To change this constant, or one of the next two, edit the constant here, then run
+/// `cargo xtask header`.
 pub const AXES: usize = 3;
 
-/// Blocks of look-ahead that memory is spent on: 10 at least.
+/// Number of blocks in the look-ahead, at least 10.
 pub const BLOCKS: usize = 120;
 
-/// Bytes of the text window: a power of two, 64 at least. A line of the program has at most half of them.
+/// Bytes of the text window: a power of two, at least 64. A line of the program has at most half of
+/// this length.
 pub const WINDOW: usize = 1024;
 
-/// Order of the largest filter, and 1: an even number (P-AXIS-00587).
+/// Order of the largest filter plus 1: an even number (P-AXIS-00587).
 pub const TAPS: usize = 48;
 
-/// Axes that may move beside the path at the same time: `gp_move_axis`, and those of the program.
+/// Number of axes that may move independently of the path at the same time, by `gp_move_axis` and by
+/// the program.
 pub const OVERLAYS: usize = 2;

@@ -9,7 +9,7 @@ use glidepath::channel::MachineError;
 use glidepath::machine::{AccelerationUnit, AxisData, AxisKind, AxisName, ChannelData, FilterData};
 use glidepath::machine::{FilterType, MachineData, Synch, SynchTable};
 
-/// Functions that a table of synchronisations holds.
+/// Highest number of functions in a table of synchronisations.
 pub const SYNCHRONISED: usize = 32;
 
 /// Zero offsets G54…G59.
@@ -19,49 +19,51 @@ pub const ZERO_OFFSETS: usize = 6;
 pub const LINEAR: u32 = 0;
 /// A rotary axis: degrees.
 pub const ROTARY: u32 = 1;
-/// A spindle: takes no part in the path.
+/// A spindle, which does not move along the path.
 pub const SPINDLE: u32 = 2;
 
-/// The filter of the set points of an axis; `#FILTER` of a program overrides all of it but the type.
+/// The filter of the set points of an axis. `#FILTER` in a program overrides all fields except the
+/// type.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct Filter {
-    /// P-AXIS-00573: 1, the filter is on at program start.
+    /// P-AXIS-00573: 1 if the filter is on at program start.
     pub enable: u32,
     /// P-AXIS-00586: 0 none, 1 moving average, 2 Gauss, 3 windowed sinc, 4 time delay.
     pub kind: u32,
-    /// P-AXIS-00587: 0…200, below GP_TAPS; 0: by order_time_us.
+    /// P-AXIS-00587: order of the filter, 0…200, below GP_TAPS; 0: the order follows from order_time_us.
     pub order: u32,
     /// P-AXIS-00590: effectiveness, percent.
     pub share: u32,
     /// P-AXIS-00593: width of a Gauss kernel, in thousandths, 1…1000.
     pub quality_milli: u32,
-    /// P-AXIS-00591: the order as a time, µs; below a cycle: not filtered.
+    /// P-AXIS-00591: the order as a time, µs; below a cycle: no filter.
     pub order_time_us: u32,
     /// P-AXIS-00585: cut-off frequency of a windowed sinc, in thousandths of Hz.
     pub fcut_milli: u32,
 }
 
-/// One axis. Speeds in µm/s (rotary: 0.001°/s), accelerations in mm/s² (°/s²), ramp times in µs. Start with
-/// `gp_machine_defaults`, which sets the ISG defaults.
+/// One axis. Speeds in µm/s (rotary: 0.001°/s), accelerations in mm/s² (°/s²), ramp times in µs. Call
+/// `gp_machine_defaults` first, which sets the ISG defaults.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct Axis {
-    /// Name in programs: one to four letters or digits, the first a letter; behind them zeros.
+    /// Name in programs: one to four letters or digits, the first a letter, followed by zeros.
     pub name: [c_char; 4],
     /// GP_LINEAR, GP_ROTARY or GP_SPINDLE.
     pub kind: u32,
     /// P-AXIS-00209: rapid speed.
     pub vb_eilgang: u32,
-    /// P-AXIS-00212: largest speed.
+    /// P-AXIS-00212: highest speed.
     pub vb_max: u32,
-    /// P-AXIS-00008: largest acceleration, tangential and normal together.
+    /// P-AXIS-00008: highest acceleration, tangential and normal together.
     pub a_max: u32,
-    /// P-AXIS-00199: geometric ramp time, limits the jerk caused by the contour; 0: tr_min.
+    /// P-AXIS-00199: geometric ramp time, which limits the jerk from the curvature of the path; 0: tr_min.
     pub tr_geom: u32,
-    /// P-AXIS-00201: smallest ramp time.
+    /// P-AXIS-00201: lowest ramp time.
     pub tr_min: u32,
-    /// P-AXIS-00013: acceleration permitted at a knee, 0.1 %; 0: limits of jerk hold there too.
+    /// P-AXIS-00013: permitted acceleration at a corner without a curve, 0.1 %; 0: the limits of jerk apply
+    /// there too.
     pub a_trans_weight: u32,
     /// P-AXIS-00001: acceleration at feed.
     pub a_beschl: u32,
@@ -79,27 +81,27 @@ pub struct Axis {
     pub tr_brems_zu: u32,
     /// P-AXIS-00200: ramp time of rapid motion.
     pub tr_grenz: u32,
-    /// P-AXIS-00154: part of the permitted jerk that a tangential transition may cause, 0.1 %; 0: all of it.
+    /// P-AXIS-00154: permitted part of the jerk at a tangential transition, 0.1 %; 0: the whole jerk.
     pub r_trans_weight: u32,
-    /// P-AXIS-00293: smallest ramp time at feed that a weight (G132, G133) may lead to; 0: tr_min.
+    /// P-AXIS-00293: lowest ramp time at feed that a weight (G132, G133) may cause; 0: tr_min.
     pub tr_w_min: u32,
-    /// P-AXIS-00214: largest speed while the reduced speed is asked for; 0: none.
+    /// P-AXIS-00214: highest speed while reduced speed is on; 0: no limit.
     pub vb_max_red: u32,
     /// P-AXIS-00011 and 00012: accelerations of the slope STEP at feed.
     pub a_stufe: [u32; 2],
-    /// P-AXIS-00282 and 00283: its decelerations; 0: as a_stufe.
+    /// P-AXIS-00282 and 00283: decelerations of the slope STEP at feed; 0: as a_stufe.
     pub d_stufe: [u32; 2],
-    /// P-AXIS-00221: speed at which it changes from stage 1 to stage 2.
+    /// P-AXIS-00221: speed at which the slope STEP changes from stage 1 to stage 2 at feed.
     pub vb_stufe_1_2: u32,
     /// P-AXIS-00005 and 00006: accelerations of the slope STEP in rapid motion.
     pub a_grenz_stufe: [u32; 2],
-    /// P-AXIS-00280 and 00281: its decelerations; 0: as a_grenz_stufe.
+    /// P-AXIS-00280 and 00281: decelerations of the slope STEP in rapid motion; 0: as a_grenz_stufe.
     pub d_grenz_stufe: [u32; 2],
-    /// P-AXIS-00211: speed at which it changes from stage 1 to stage 2.
+    /// P-AXIS-00211: speed at which the slope STEP changes from stage 1 to stage 2 in rapid motion.
     pub vb_grenz_stufe_1_2: u32,
-    /// P-AXIS-00015: 1, and 0x10000000 for the master axis of DIST_MASTER.
+    /// P-AXIS-00015: axis mode: 1, plus 0x10000000 for the master axis of DIST_MASTER.
     pub achs_mode: u32,
-    /// P-CHAN-00011: 1, the feed counts along this axis. Where no axis has it, along the main axes.
+    /// P-CHAN-00011: 1 if the feed refers to this axis. If no axis has 1, the feed refers to the main axes.
     pub default_feed_axis: u32,
     /// P-ZERO-00003: zero offsets of G54…G59, 0.1 µm (rotary: 0.0001°).
     pub versch: [i32; ZERO_OFFSETS],
@@ -107,7 +109,7 @@ pub struct Axis {
     pub swe_neg: i32,
     /// P-AXIS-00178: positive software limit; 1000000000: none.
     pub swe_pos: i32,
-    /// The filter of its set points.
+    /// The filter of the axis's set points.
     pub filter: Filter,
 }
 
@@ -121,11 +123,11 @@ pub struct Synchronisation {
     pub kind: u32,
 }
 
-/// A table of them.
+/// A table of synchronisations.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct Synchronisations {
-    /// How many are in it.
+    /// Number of used entries.
     pub count: u32,
     /// The functions.
     pub functions: [Synchronisation; SYNCHRONISED],
@@ -147,29 +149,33 @@ pub struct Parameters {
     pub acceleration_weight: u32,
     /// P-CHAN-00073: G132 and G133 weight 0 all ramps, 1 P-AXIS-00196, 2 00195, 3 00198, 4 00197.
     pub ramp_weight: u32,
-    /// P-CHAN-00009: 1, the jerk of tangential transitions between lines and arcs is limited.
+    /// P-CHAN-00009: 1 if the jerk of tangential transitions between lines and arcs is limited.
     pub corr_v_trans_jerk: u32,
-    /// P-CHAN-00066: 0 the override acts on what the axes permit, 1 on the programmed feed, 2 as 1 while the speed is reduced.
+    /// P-CHAN-00066: 0 if the override acts on the limits of the axes, 1 if it acts on the programmed feed,
+    /// 2 as 1 while the speed is reduced.
     pub override_weight_prog_feed: u32,
-    /// P-CHAN-00351: unit of the next two: 0 mm/min², 1 mm/s².
+    /// P-CHAN-00351: unit of the next two fields: 0 mm/min², 1 mm/s².
     pub vector_unit: u32,
-    /// P-CHAN-00350: 1, the limit of path acceleration acts on arcs too.
+    /// P-CHAN-00350: 1 if the limit of path acceleration acts on arcs too.
     pub cir_radial_acc_limit: u32,
-    /// P-CHAN-00002: largest path acceleration, in thousandths.
+    /// P-CHAN-00002: highest path acceleration, in thousandths.
     pub vector_acceleration_milli: u64,
-    /// P-CHAN-00208: largest path deceleration, in thousandths.
+    /// P-CHAN-00208: highest path deceleration, in thousandths.
     pub vector_deceleration_milli: u64,
-    /// P-CHAN-00090: largest path speed, in thousandths of mm/min.
+    /// P-CHAN-00090: highest path speed, in thousandths of mm/min.
     pub vector_velocity_milli: u64,
-    /// P-CHAN-00110: jerk that curves in corners may cause: 0 any, 1 by the geometric ramp time, 2 by the ramp times.
+    /// P-CHAN-00110: jerk in the curves of corners: 0 not limited, 1 limited by the geometric ramp time, 2
+    /// by the ramp times.
     pub check_jerk_on_poly_path: u32,
-    /// merge_chords: percent of PATH_DEV that a line may be from the chords it stands for, 0…75.
+    /// merge_chords: highest distance between chords and the line that replaces them, in percent of
+    /// PATH_DEV, 0…75.
     pub merge_chords: u32,
-    /// P-CHAN-00239: where the HSC B-spline deselects itself: 0 corner, 1 rounded, 2 rounded beside arcs.
+    /// P-CHAN-00239: corners at which the HSC B-spline is off: 0 they stay sharp, 1 they are rounded, 2
+    /// they are rounded next to arcs.
     pub auto_contour_mode: u32,
-    /// P-CHAN-00600: 1, FCT_PTP is in force.
+    /// P-CHAN-00600: 1 if FCT_PTP is active.
     pub ptp: u32,
-    /// P-CHAN-00600: 1, FCT_SURFACE is in force.
+    /// P-CHAN-00600: 1 if FCT_SURFACE is active.
     pub surface: u32,
     /// P-ZERO-00002: zero offset at program start: 0 none, 1…6 G54…G59.
     pub default_index: u32,
@@ -179,7 +185,8 @@ pub struct Parameters {
     pub h_synch: Synchronisations,
 }
 
-/// A machine. The first three linear axes are the main axes. The storage keeps a copy of it.
+/// The machine data. The first three linear axes are the main axes. The storage keeps a copy of the
+/// machine data.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct Machine {
@@ -191,7 +198,7 @@ pub struct Machine {
 
 /// Sets all machine data to the ISG defaults: linear axes X, Y, Z, A, B, C, …, a cycle of 1 ms.
 ///
-/// Context: any. Answers GP_RESULT_NULL.
+/// Context: any. Returns GP_RESULT_NULL.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn gp_machine_defaults(machine: *mut Machine) -> Outcome {
     // SAFETY: the pointer is null or points to a machine.
@@ -206,10 +213,11 @@ pub unsafe extern "C" fn gp_machine_defaults(machine: *mut Machine) -> Outcome {
     Outcome::Ok
 }
 
-/// Checks machine data. `axis` becomes the index of the axis that is wrong, -1 where it is not an axis; `message` of `size`
-/// bytes says which parameter, its value and its range. Both may be NULL.
+/// Checks machine data. `axis` returns the index of the faulty axis, or -1 if the fault belongs to no
+/// axis. `message`, with room for `size` bytes, returns the parameter, its value and its range. Both
+/// may be NULL.
 ///
-/// Context: any task; about 1 KB of stack. Answers GP_RESULT_NULL, GP_RESULT_MACHINE_DATA.
+/// Context: any task; about 1 KB of stack. Returns GP_RESULT_NULL, GP_RESULT_MACHINE_DATA.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn gp_check(
     machine: *const Machine,

@@ -2,10 +2,10 @@
 use core::ffi::c_char;
 use core::fmt::{self, Display, Write};
 
-/// Text of a fixed size that ends with a NUL; what does not fit is left out.
+/// Text of a fixed size that ends with a NUL; text that does not fit is left out.
 struct Message {
     to: *mut c_char,
-    /// Bytes with the NUL.
+    /// Number of bytes, NUL included.
     size: usize,
     used: usize,
 }
@@ -15,13 +15,14 @@ impl Write for Message {
         for letter in text.chars() {
             let mut bytes = [0; 4];
             let bytes = letter.encode_utf8(&mut bytes).as_bytes();
-            // A letter fits whole or not at all, and nothing behind one that does not.
+            // A character is written completely or not at all, and nothing is written after a character that
+            // does not fit.
             if bytes.len() >= self.size.saturating_sub(self.used) {
                 self.size = self.used.min(self.size);
                 return Ok(());
             }
             for byte in bytes {
-                // SAFETY: inside the memory of the caller, says the comparison above.
+                // SAFETY: the comparison above keeps the index inside the caller's memory.
                 unsafe { self.to.add(self.used).write(*byte as c_char) };
                 self.used += 1;
             }

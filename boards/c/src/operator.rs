@@ -1,4 +1,4 @@
-//! The handle of whoever gives commands and carries functions out.
+//! The handle of the context that gives commands and carries out functions.
 use crate::AXES;
 use crate::interpolator::State;
 use crate::part::{Part, answer};
@@ -7,7 +7,7 @@ use glidepath::operator;
 use glidepath::quantity::Position;
 use glidepath::technology::Function;
 
-/// The handle of whoever gives commands and carries functions out.
+/// The handle of the context that gives commands and carries out functions.
 pub type OperatorHandle = Part<operator::Operator<'static, AXES>, 0x6f70_6572>;
 
 /// An M function.
@@ -35,17 +35,17 @@ pub struct FunctionData {
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct Output {
-    /// What to do.
+    /// The function.
     pub function: FunctionData,
-    /// Number of the tick that reached the point: ticks since `gp_open`, from 0, modulo 2^31.
+    /// Number of the tick that reached the function's point: ticks since `gp_open`, from 0, modulo 2^31.
     pub tick: u32,
     /// Programmed N number.
     pub n: u32,
-    /// 1: the motion goes on, at its synchronisation point, only after `gp_acknowledge`.
+    /// 1 if the motion waits at the synchronisation point for `gp_acknowledge`.
     pub waits: u32,
 }
 
-/// What the last tick did. All of it belongs to one tick.
+/// The state after the last tick. All fields belong to the same tick.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct Status {
@@ -55,65 +55,66 @@ pub struct Status {
     pub speed: i64,
     /// Programmed N number.
     pub n: u32,
-    /// Motion blocks since `gp_open`, from 0.
+    /// Number of motion blocks since `gp_open`, from 0.
     pub block: u32,
-    /// Ticks since `gp_open`, modulo 2^31.
+    /// Number of ticks since `gp_open`, modulo 2^31.
     pub ticks: u32,
-    /// Pieces of time in the queue, 0…256: those the planner is ahead by.
+    /// Number of pieces in the queue between planner and interrupt, 0…256.
     pub queued: u32,
-    /// What the tick did.
+    /// The state after the tick.
     pub state: State,
 }
 
-/// Feed override, LSB 0.1 %, 0…2000; more counts as 2000. 0 makes the motion stand on the path.
+/// Sets the feed override, LSB 0.1 %, 0…2000; a higher value counts as 2000. With 0 the axes stop on
+/// the path.
 ///
-/// Context: any, one at a time; never waits. Answers GP_RESULT_NULL, CLOSED, IN_USE.
+/// Context: any, one call at a time; never waits. Returns GP_RESULT_NULL, CLOSED, IN_USE.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn gp_set_override(op: *mut OperatorHandle, feed: u16) -> Outcome {
     // SAFETY: the pointer is null or one of the handles.
     unsafe { Part::tell(op, |operator| operator.set_override(feed)) }
 }
 
-/// Reduced speed (P-AXIS-00214): 0 off, everything else on.
+/// Sets the reduced speed (P-AXIS-00214): 0 off, any other value on.
 ///
-/// Context: any, one at a time; never waits. Answers GP_RESULT_NULL, CLOSED, IN_USE.
+/// Context: any, one call at a time; never waits. Returns GP_RESULT_NULL, CLOSED, IN_USE.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn gp_set_reduced(op: *mut OperatorHandle, reduced: u32) -> Outcome {
     // SAFETY: the pointer is null or one of the handles.
     unsafe { Part::tell(op, |operator| operator.set_reduced(reduced != 0)) }
 }
 
-/// Feed hold: stand still on the path as soon as the limits allow.
+/// Feed hold: the axes stop on the path as soon as the limits permit.
 ///
-/// Context: any, one at a time; never waits. Answers GP_RESULT_NULL, CLOSED, IN_USE.
+/// Context: any, one call at a time; never waits. Returns GP_RESULT_NULL, CLOSED, IN_USE.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn gp_feed_hold(op: *mut OperatorHandle) -> Outcome {
     // SAFETY: the pointer is null or one of the handles.
     unsafe { Part::tell(op, |operator| operator.feed_hold()) }
 }
 
-/// End of the feed hold.
+/// Ends the feed hold.
 ///
-/// Context: any, one at a time; never waits. Answers GP_RESULT_NULL, CLOSED, IN_USE.
+/// Context: any, one call at a time; never waits. Returns GP_RESULT_NULL, CLOSED, IN_USE.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn gp_resume(op: *mut OperatorHandle) -> Outcome {
     // SAFETY: the pointer is null or one of the handles.
     unsafe { Part::tell(op, |operator| operator.resume()) }
 }
 
-/// Stand still and forget the rest of the program.
+/// Stops the axes and drops the rest of the program.
 ///
-/// Context: any, one at a time; never waits. Answers GP_RESULT_NULL, CLOSED, IN_USE.
+/// Context: any, one call at a time; never waits. Returns GP_RESULT_NULL, CLOSED, IN_USE.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn gp_abort(op: *mut OperatorHandle) -> Outcome {
     // SAFETY: the pointer is null or one of the handles.
     unsafe { Part::tell(op, |operator| operator.abort()) }
 }
 
-/// The next function whose point of the motion a tick has reached. Call it until it answers GP_RESULT_NOTHING: without room
-/// for more functions the motion comes to a standstill.
+/// Returns the next function whose point of the path a tick has reached. Call it until it returns
+/// GP_RESULT_NOTHING: without room for more functions the axes stop.
 ///
-/// Context: any, one at a time; never waits. Answers GP_RESULT_NOTHING, NULL, CLOSED, IN_USE.
+/// Context: any, one call at a time; never waits. Returns GP_RESULT_NOTHING, NULL, CLOSED, IN_USE.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn gp_output(op: *mut OperatorHandle, output: *mut Output) -> Outcome {
     if output.is_null() {
@@ -135,10 +136,12 @@ pub unsafe extern "C" fn gp_output(op: *mut OperatorHandle, output: *mut Output)
     unsafe { Part::with(op, take).into() }
 }
 
-/// Acknowledges a function that `gp_output` gave with `waits`. If it was put out more than once, that put out first.
+/// Acknowledges a function that `gp_output` returned with `waits`. If the function was output more than
+/// once, the first output is acknowledged.
 ///
-/// Context: any, one at a time; never waits. Answers GP_RESULT_NULL, CLOSED, IN_USE, RANGE (no such kind, or number of an M or H
-/// function above 65535), UNEXPECTED (nothing waits for it: it is ignored).
+/// Context: any, one call at a time; never waits. Returns GP_RESULT_NULL, CLOSED, IN_USE, RANGE (no
+/// such kind, or number of an M or H function above 65535), UNEXPECTED (no such function waits; the
+/// call has no effect).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn gp_acknowledge(op: *mut OperatorHandle, function: *const FunctionData) -> Outcome {
     // SAFETY: the pointer is null or points to a function.
@@ -157,9 +160,10 @@ pub unsafe extern "C" fn gp_acknowledge(op: *mut OperatorHandle, function: *cons
     }
 }
 
-/// What the last tick did.
+/// Returns the state after the last tick.
 ///
-/// Context: any, one at a time; reads again if a tick comes in between. Answers GP_RESULT_NULL, CLOSED, IN_USE.
+/// Context: any, one call at a time; if a tick comes in between, the function reads again. Returns
+/// GP_RESULT_NULL, CLOSED, IN_USE.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn gp_status(op: *mut OperatorHandle, status: *mut Status) -> Outcome {
     let read = |operator: &mut operator::Operator<'static, AXES>| {

@@ -1,11 +1,11 @@
-//! A handle in the storage: its value, whether it is open, and whether somebody is inside a call.
+//! A handle in the storage: its value, whether it is open, and whether a call is in progress.
 use crate::result::Outcome;
 use core::cell::UnsafeCell;
 use core::mem::MaybeUninit;
 use core::sync::atomic::{AtomicU32, Ordering};
 
-/// What a C program has as a handle. `MARK` tells the kinds apart. It comes first in each kind: one in place of another is read
-/// no further than that.
+/// A handle of the C interface. `MARK` is the first field of every kind of handle and tells the kinds apart,
+/// so a call with a handle of another kind reads only this field.
 #[repr(C)]
 pub struct Part<T, const MARK: u32> {
     mark: AtomicU32,
@@ -14,7 +14,7 @@ pub struct Part<T, const MARK: u32> {
 }
 
 impl<T, const MARK: u32> Part<T, MARK> {
-    /// Opens it.
+    /// Opens the handle.
     ///
     /// # Safety
     /// `part` is memory for one, which nobody uses.
@@ -28,7 +28,7 @@ impl<T, const MARK: u32> Part<T, MARK> {
         unsafe { (*part).mark.store(MARK, Ordering::Release) };
     }
 
-    /// Closes it: calls with it are refused from now on.
+    /// Closes the handle: later calls are refused.
     ///
     /// # Safety
     /// `part` was opened.
@@ -37,15 +37,15 @@ impl<T, const MARK: u32> Part<T, MARK> {
         unsafe { (*part).mark.store(0, Ordering::Release) };
     }
 
-    /// Whether somebody is inside a call.
+    /// Whether a call is in progress.
     pub fn is_in_use(&self) -> bool {
         self.is_in_use.load(Ordering::Acquire) != 0
     }
 
-    /// Does something with the value.
+    /// Calls a function with the value.
     ///
-    /// A context that interrupts another one inside such a call is refused. Two cores that come at the same time may not be
-    /// seen: a handle belongs to one of them.
+    /// A context that interrupts another one inside such a call is refused. If two cores call at the
+    /// same time, the check may fail, so a handle must belong to one core.
     ///
     /// # Errors
     /// A null pointer, a handle that is not open, one that is in use, or what `act` says.
@@ -64,7 +64,8 @@ impl<T, const MARK: u32> Part<T, MARK> {
         if this.mark.load(Ordering::Acquire) != MARK {
             return Err(Outcome::Closed);
         }
-        // No compare-and-swap, which small cores do not have. Who interrupts between these two lines is done before they go on.
+        // No compare-and-swap, because small cores do not have it. A context that interrupts between these
+        // two lines ends its call before they continue.
         if this.is_in_use.load(Ordering::Acquire) != 0 {
             return Err(Outcome::InUse);
         }
@@ -76,7 +77,7 @@ impl<T, const MARK: u32> Part<T, MARK> {
         result
     }
 
-    /// The same with something that always goes.
+    /// The same for a function that cannot fail.
     ///
     /// # Safety
     /// As [`Self::with`].
@@ -92,7 +93,7 @@ impl<T, const MARK: u32> Part<T, MARK> {
     }
 }
 
-/// Writes an answer.
+/// Writes a result to the caller's memory.
 ///
 /// # Errors
 /// A null pointer.

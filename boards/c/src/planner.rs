@@ -14,7 +14,7 @@ use glidepath::quantity::{Feed, Position};
 /// The handle of the task that plans.
 pub type PlannerHandle = Part<Work, 0x706c_616e>;
 
-/// What the planner's task has.
+/// The memory of the planner's task.
 pub struct Work {
     planner: Planner,
     /// The window, while the planner does not read it.
@@ -22,7 +22,7 @@ pub struct Work {
     remark: Remark,
 }
 
-/// What `gp_message` tells.
+/// The message that `gp_message` returns.
 enum Remark {
     None,
     Error(Error),
@@ -56,23 +56,24 @@ impl Work {
 #[repr(u32)]
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Progress {
-    /// A bounded piece of work is done and there is more: call again.
+    /// A bounded part of the work is done, and there is more work: call again.
     Working = 0,
-    /// The queue is full, the text has nothing yet, or the motion stands in a hold: call again after some ticks.
+    /// The queue is full, program text is missing, or the motion is in a hold: call again after some ticks.
     Waiting = 1,
-    /// A motion block was planned for good.
+    /// The planner has released a motion block: its speed profile is planned.
     Planned = 2,
-    /// The same block has another law: an acknowledgement lets it end faster.
+    /// A block has a new speed profile, because an acknowledgement permits a higher end speed.
     Replanned = 3,
-    /// The program holds something doubtful; it goes on. `gp_message` says what.
+    /// The program has a questionable word, and planning continues. `gp_message` returns the warning.
     Warning = 4,
-    /// Program text comes late: the motion comes to a standstill at the end of what there is.
+    /// Program text comes late: the axes stop at the end of the known path.
     Starved = 5,
-    /// The planner got no time for so long that the motion came to a standstill.
+    /// The planner got no processor time for so long that the axes stopped.
     Late = 6,
-    /// The motion is slower than programmed, so that a standstill has room.
+    /// The motion is slower than programmed, so that the stop fits into the queue.
     Slower = 7,
-    /// The program has ended and everything is handed to the interpolator. Go on calling as long as it moves.
+    /// The program has ended, and all motion is in the queue. Continue to call `gp_poll` while the axes
+    /// move.
     Done = 8,
 }
 
@@ -80,15 +81,15 @@ pub enum Progress {
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct Place {
-    /// Line, counted from 1; 0 where there is none.
+    /// Line, counted from 1; 0 if there is none.
     pub line: u32,
     /// Column in bytes, counted from 1.
     pub column: u32,
     /// Offset of the word in the text, bytes.
     pub offset: u32,
-    /// Bytes of the word.
+    /// Length of the word, bytes.
     pub length: u32,
-    /// ISG's number of the message; 0 where none is known.
+    /// ISG's number of the message; 0 if ISG has none.
     pub id: u32,
 }
 
@@ -104,10 +105,11 @@ unsafe fn text(text: *const c_char, length: usize) -> Result<Program, Outcome> {
     Ok(Program::Memory(unsafe { slice::from_raw_parts(text.cast(), length) }))
 }
 
-/// Loads a program of `length` bytes. It begins where the axes stand, with everything as at program start. The text has to stay
-/// where it is until another one is loaded.
+/// Loads a program of `length` bytes. The program begins at the position of the axes, with the modal
+/// state of program start. The text must stay in memory until another text is loaded.
 ///
-/// Context: the planner's task. Answers GP_RESULT_NULL, CLOSED, IN_USE, RANGE (more than 2^31 bytes), NOT_AT_REST.
+/// Context: the planner's task. Returns GP_RESULT_NULL, CLOSED, IN_USE, RANGE (more than 2^31 bytes),
+/// NOT_AT_REST.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn gp_load(
     planner: *mut PlannerHandle,
@@ -124,10 +126,10 @@ pub unsafe extern "C" fn gp_load(
     }
 }
 
-/// Takes single lines (MDI): as `gp_load`, but everything in force stays as the last text left it. After an abort it begins as
-/// `gp_load` does.
+/// Takes single lines (MDI): as `gp_load`, but the modal state of the last text stays active. After an
+/// abort the modal state is that of program start.
 ///
-/// Context: the planner's task. Answers as `gp_load`.
+/// Context: the planner's task. Returns the same as `gp_load`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn gp_continue_with(
     planner: *mut PlannerHandle,
@@ -144,9 +146,10 @@ pub unsafe extern "C" fn gp_continue_with(
     }
 }
 
-/// Loads the program that arrives by `gp_feed`. It begins where `gp_feed_restart` was called last.
+/// Loads the program that arrives by `gp_feed`. The program begins at the last call of
+/// `gp_feed_restart`.
 ///
-/// Context: the planner's task. Answers GP_RESULT_NULL, CLOSED, IN_USE, NOT_AT_REST, WINDOW_IS_LOADED.
+/// Context: the planner's task. Returns GP_RESULT_NULL, CLOSED, IN_USE, NOT_AT_REST, WINDOW_IS_LOADED.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn gp_load_window(planner: *mut PlannerHandle) -> Outcome {
     let load = |work: &mut Work| {
@@ -157,9 +160,9 @@ pub unsafe extern "C" fn gp_load_window(planner: *mut PlannerHandle) -> Outcome 
     unsafe { Part::with(planner, load).into() }
 }
 
-/// Takes the next program of the same text, behind the one that has ended, or that a refused line or an abort has ended.
+/// Takes the next program of the same text, after a program end, a refused line or an abort.
 ///
-/// Context: the planner's task. Answers GP_RESULT_NULL, CLOSED, IN_USE, NOT_AT_REST.
+/// Context: the planner's task. Returns GP_RESULT_NULL, CLOSED, IN_USE, NOT_AT_REST.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn gp_load_next(planner: *mut PlannerHandle) -> Outcome {
     let next = |work: &mut Work| work.planner.load_next().map_err(|_| Outcome::NotAtRest);
@@ -167,9 +170,9 @@ pub unsafe extern "C" fn gp_load_next(planner: *mut PlannerHandle) -> Outcome {
     unsafe { Part::with(planner, next).into() }
 }
 
-/// Goes on behind a refused line, from where the axes stand.
+/// Continues after a refused line, from the position of the axes.
 ///
-/// Context: the planner's task. Answers GP_RESULT_NULL, CLOSED, IN_USE, NOT_AT_REST, NOTHING_REFUSED.
+/// Context: the planner's task. Returns GP_RESULT_NULL, CLOSED, IN_USE, NOT_AT_REST, NOTHING_REFUSED.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn gp_go_on(planner: *mut PlannerHandle) -> Outcome {
     let go_on = |work: &mut Work| {
@@ -182,11 +185,12 @@ pub unsafe extern "C" fn gp_go_on(planner: *mut PlannerHandle) -> Outcome {
     unsafe { Part::with(planner, go_on).into() }
 }
 
-/// Does a bounded piece of work and says in `progress` what. Call it in a loop until it says GP_PROGRESS_WAITING or
-/// GP_PROGRESS_DONE, then again after a tick.
+/// Does a bounded part of the work, and returns the result in `progress`. Call it in a loop until it
+/// returns GP_PROGRESS_WAITING or GP_PROGRESS_DONE, then again after a tick.
 ///
-/// Context: the planner's task, which the tick interrupts, never the other way round. Answers GP_RESULT_NULL, CLOSED, IN_USE,
-/// REFUSED: a line is left out, `gp_message` says why. Go on calling: what was planned before comes to a standstill.
+/// Context: the planner's task; the tick must be able to interrupt this task, never the other way
+/// round. Returns GP_RESULT_NULL, CLOSED, IN_USE, REFUSED: a line is left out, and `gp_message` returns
+/// the reason. Continue to call: the earlier motion ends in a stop.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn gp_poll(planner: *mut PlannerHandle, progress: *mut Progress) -> Outcome {
     if progress.is_null() {
@@ -219,10 +223,10 @@ pub unsafe extern "C" fn gp_poll(planner: *mut PlannerHandle, progress: *mut Pro
     unsafe { Part::with(planner, poll).into() }
 }
 
-/// Tells the last refusal or warning of `gp_poll`: the word it is about, and a text of at most `size` bytes with its NUL. Both
-/// pointers may be NULL.
+/// Returns the last refusal or warning of `gp_poll`: its word, and a text of at most `size` bytes with
+/// its NUL. Both pointers may be NULL.
 ///
-/// Context: the planner's task; about 1 KB of stack. Answers GP_RESULT_NOTHING, NULL, CLOSED, IN_USE.
+/// Context: the planner's task; about 1 KB of stack. Returns GP_RESULT_NOTHING, NULL, CLOSED, IN_USE.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn gp_message(
     planner: *mut PlannerHandle,
@@ -255,19 +259,20 @@ pub unsafe extern "C" fn gp_message(
     unsafe { Part::with(planner, tell).into() }
 }
 
-/// Whether the axes stand with everything executed that was read: 1, else 0. Then programs, positions and offsets are taken.
+/// Whether the axes stand still and all lines read so far are executed: 1, else 0. Only then the
+/// planner accepts programs, positions and offsets.
 ///
-/// Context: the planner's task. Answers GP_RESULT_NULL, CLOSED, IN_USE.
+/// Context: the planner's task. Returns GP_RESULT_NULL, CLOSED, IN_USE.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn gp_is_at_rest(planner: *mut PlannerHandle, is_at_rest: *mut u32) -> Outcome {
     // SAFETY: the pointers are null or point to what they say.
     unsafe { Part::with(planner, |work| answer(is_at_rest, work.planner.is_at_rest().into())).into() }
 }
 
-/// Says that an axis stands at `position`, LSB 2^-32 mm or degrees, machine coordinates: nothing moves. The set point jumps to it
-/// with the next tick.
+/// Sets the machine coordinate of an axis to `position`, LSB 2^-32 mm or degrees, without motion. The
+/// set point changes to this value with the next tick.
 ///
-/// Context: the planner's task. Answers GP_RESULT_NULL, CLOSED, IN_USE, NOT_AT_REST, RANGE.
+/// Context: the planner's task. Returns GP_RESULT_NULL, CLOSED, IN_USE, NOT_AT_REST, RANGE.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn gp_set_position(planner: *mut PlannerHandle, axis: u32, position: i64) -> Outcome {
     let set = |work: &mut Work| {
@@ -281,9 +286,10 @@ pub unsafe extern "C" fn gp_set_position(planner: *mut PlannerHandle, axis: u32,
     unsafe { Part::with(planner, set).into() }
 }
 
-/// Sets the offset of an axis in zero offset `set`, 0…5 for G54…G59, LSB 2^-32 mm or degrees. It counts from the next line on.
+/// Sets the offset of an axis in zero offset `set`, 0…5 for G54…G59, LSB 2^-32 mm or degrees. The
+/// offset acts from the next line on.
 ///
-/// Context: the planner's task. Answers GP_RESULT_NULL, CLOSED, IN_USE, NOT_AT_REST, RANGE.
+/// Context: the planner's task. Returns GP_RESULT_NULL, CLOSED, IN_USE, NOT_AT_REST, RANGE.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn gp_set_zero_offset(
     planner: *mut PlannerHandle,
@@ -302,11 +308,13 @@ pub unsafe extern "C" fn gp_set_zero_offset(
     unsafe { Part::with(planner, put).into() }
 }
 
-/// Moves an axis alone, at rest of the path: jog, homing. `target` is a machine coordinate, LSB 2^-32 mm or degrees; `feed` has
-/// LSB 2^-32 mm/min or degrees/min, 0: as rapid motion. The program has to have ended: GP_PROGRESS_DONE. `gp_poll` carries
-/// the motion out, and says GP_PROGRESS_WAITING until the axis stands; hold, override and abort act on it.
+/// Moves a single axis for a jog or for homing, at standstill of the path. `target` is a machine
+/// coordinate, LSB 2^-32 mm or degrees. `feed` has LSB 2^-32 mm/min or degrees/min; 0: speed of rapid
+/// motion. The program must have ended: GP_PROGRESS_DONE. `gp_poll` carries out the motion, and returns
+/// GP_PROGRESS_WAITING until the axis stands still. Hold, override and abort act on the motion.
 ///
-/// Context: the planner's task. Answers GP_RESULT_NULL, CLOSED, IN_USE, NOT_AT_REST (also: this axis moves), RANGE, LIMIT, FULL.
+/// Context: the planner's task. Returns GP_RESULT_NULL, CLOSED, IN_USE, NOT_AT_REST (also: this axis
+/// moves), RANGE, LIMIT, FULL.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn gp_move_axis(
     planner: *mut PlannerHandle,
@@ -328,9 +336,10 @@ pub unsafe extern "C" fn gp_move_axis(
     unsafe { Part::with(planner, go).into() }
 }
 
-/// The axis that `gp_move_axis` moves brakes, and stays where it comes to a standstill. Nothing happens if it does not move.
+/// Stops the axis that `gp_move_axis` moves. The axis stays at the position of its standstill. The call
+/// has no effect if the axis does not move.
 ///
-/// Context: the planner's task. Answers GP_RESULT_NULL, CLOSED, IN_USE, RANGE.
+/// Context: the planner's task. Returns GP_RESULT_NULL, CLOSED, IN_USE, RANGE.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn gp_stop_axis(planner: *mut PlannerHandle, axis: u32) -> Outcome {
     if axis as usize >= AXES {
@@ -340,11 +349,11 @@ pub unsafe extern "C" fn gp_stop_axis(planner: *mut PlannerHandle, axis: u32) ->
     unsafe { Part::tell(planner, |work| work.planner.stop_axis(axis as usize)) }
 }
 
-/// After how many ticks `gp_poll` should be called again once it has said GP_PROGRESS_WAITING, for a task that sleeps in
-/// between; 0: the motion stands, and goes on only with a command, an acknowledgement or text. Whoever gives one of these
-/// wakes the task.
+/// Returns the number of ticks after which `gp_poll` should be called again, after GP_PROGRESS_WAITING.
+/// A task may sleep for this time. 0: the axes stand still, and only a command, an acknowledgement or
+/// text continues the motion. The sender of these must wake the task.
 ///
-/// Context: the planner's task. Answers GP_RESULT_NULL, CLOSED, IN_USE.
+/// Context: the planner's task. Returns GP_RESULT_NULL, CLOSED, IN_USE.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn gp_wakes_after(planner: *mut PlannerHandle, ticks: *mut u32) -> Outcome {
     // SAFETY: the pointers are null or point to what they say.

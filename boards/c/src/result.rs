@@ -1,42 +1,43 @@
-//! What every call answers.
+//! The results of calls.
 
-/// What a call answers. Everything but `GP_RESULT_OK` and `GP_RESULT_NOTHING` means that nothing was done.
+/// The result of a call. After every result except `GP_RESULT_OK` and `GP_RESULT_NOTHING`, the call had
+/// no effect.
 #[repr(u32)]
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Outcome {
     /// Done.
     Ok = 0,
-    /// There is nothing to hand over.
+    /// There is nothing to return.
     Nothing = 1,
     /// A pointer is NULL.
     Null = 2,
-    /// The size of the storage is not `GP_STORAGE_BYTES`: header and library do not belong together.
+    /// The size of the storage is not `GP_STORAGE_BYTES`: header and library have different versions.
     Size = 3,
     /// The storage is not aligned to `GP_STORAGE_ALIGNMENT`.
     Alignment = 4,
-    /// The storage is open already: `gp_close` comes first.
+    /// The storage is already open: call `gp_close` first.
     Twice = 5,
-    /// The storage is not open, or not open any more, or the pointer is that of another handle.
+    /// The storage is not open, or closed again, or the pointer is that of another handle.
     Closed = 6,
     /// Another context is inside a call with the same handle.
     InUse = 7,
-    /// A parameter of the machine data is out of its range: `gp_check` says which.
+    /// A parameter of the machine data is out of its range: `gp_check` names the parameter.
     MachineData = 8,
-    /// A line of the program is refused: `gp_message` says why.
+    /// A line of the program is refused: `gp_message` returns the reason.
     Refused = 9,
-    /// That is taken at rest alone, when all blocks read are executed.
+    /// The call is possible only at standstill, when all blocks read so far are executed.
     NotAtRest = 10,
-    /// No line was refused, so there is none to go on behind.
+    /// No line was refused, so the call has no line to continue after.
     NothingRefused = 11,
     /// An argument is out of its range: an axis, a position, a length, the kind of a function.
     Range = 12,
     /// No function waits for this acknowledgement.
     Unexpected = 13,
-    /// The planner reads the window already: `gp_load_next` takes the program behind.
+    /// The planner already reads the window: `gp_load_next` takes the following program.
     WindowIsLoaded = 14,
-    /// The axis would come beyond its software limit, or its motion takes too long.
+    /// The axis would exceed its software limit, or its motion takes too long.
     Limit = 15,
-    /// All overlays are at work, or the build has none: GP_OVERLAYS.
+    /// All overlays are in use, or the build has none: GP_OVERLAYS.
     Full = 16,
 }
 
@@ -46,7 +47,7 @@ impl From<Result<(), Outcome>> for Outcome {
     }
 }
 
-/// The name of an outcome, for messages: a text of the library that ends with a NUL.
+/// The name of a result, for messages: a text in the library that ends with a NUL.
 ///
 /// Context: any.
 #[unsafe(no_mangle)]

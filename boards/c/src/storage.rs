@@ -1,4 +1,4 @@
-//! The memory of everything, and how it is opened and closed.
+//! The memory of the library, and its opening and closing.
 use crate::built::{self, Channel, FilterMemory};
 use crate::feeder::FeederHandle;
 use crate::interpolator::InterpolatorHandle;
@@ -15,7 +15,7 @@ use glidepath::machine::MachineData;
 use glidepath::nc::Window;
 use glidepath::quantity::Position;
 
-/// Size of the storage, in words of eight bytes: enough with pointers of 64 bits too.
+/// Size of the storage, in words of eight bytes; the size is also enough with pointers of 64 bits.
 pub const STORAGE_WORDS: usize = 10_880;
 
 /// Size of the storage in bytes.
@@ -24,27 +24,28 @@ pub const STORAGE_BYTES: usize = STORAGE_WORDS * 8;
 /// Alignment of the storage in bytes.
 pub const STORAGE_ALIGNMENT: usize = 8;
 
-/// All memory: `static gp_storage storage;`, zero at the start as static memory is. It must not move while it is open.
+/// All memory: `static gp_storage storage;`, zero at the start as all static memory. The storage must
+/// not move while it is open.
 #[repr(C)]
 pub struct Storage {
-    /// Nothing to look at.
+    /// Private memory.
     pub words: [u64; STORAGE_WORDS],
 }
 
-/// The handles. Each belongs to one context.
+/// The handles. Each handle belongs to one context.
 #[repr(C)]
 pub struct HandleSet {
     /// For a task of low priority, or the main loop.
     pub planner: *mut PlannerHandle,
     /// For the timer interrupt, whose priority is above that of the planner's task.
     pub interpolator: *mut InterpolatorHandle,
-    /// For whoever gives commands and carries functions out: one context at a time.
+    /// For the context that gives commands and carries out functions: one context at a time.
     pub op: *mut OperatorHandle,
-    /// For whoever receives program text: one context at a time.
+    /// For the context that receives program text: one context at a time.
     pub feeder: *mut FeederHandle,
 }
 
-/// What lies in the storage.
+/// The content of the storage.
 struct Memory {
     state: AtomicU32,
     machine: MachineData<AXES>,
@@ -61,7 +62,7 @@ const OPEN: u32 = 0x6769_6c64;
 
 // If one of them fails: the storage has another size now. Change STORAGE_WORDS and run `cargo xtask header`.
 const _: () = assert!(size_of::<Memory>() <= STORAGE_BYTES, "the storage is too small: raise STORAGE_WORDS");
-// A build that leaves functions out may have less.
+// A build with fewer functions may need less.
 const _: () = assert!(
     STORAGE_BYTES <= size_of::<Memory>() + 4096 || !cfg!(feature = "full"),
     "the storage is larger than needed"
@@ -69,7 +70,7 @@ const _: () = assert!(
 const _: () =
     assert!(align_of::<Memory>() <= STORAGE_ALIGNMENT && align_of::<Storage>() <= STORAGE_ALIGNMENT);
 
-/// Checks the storage that a C program gives.
+/// Checks the storage that a C program passes.
 unsafe fn memory(storage: *mut Storage, size: usize) -> Result<*mut Memory, Outcome> {
     if storage.is_null() {
         return Err(Outcome::Null);
@@ -83,11 +84,12 @@ unsafe fn memory(storage: *mut Storage, size: usize) -> Result<*mut Memory, Outc
     Ok(storage.cast())
 }
 
-/// Opens the storage: checks and copies the machine data, says where the axes stand and gives the handles. `size` is
-/// `sizeof storage`; `start` has GP_AXES positions, LSB 2^-32 mm or degrees. No program is loaded yet.
+/// Opens the storage: checks and copies the machine data, sets the positions of the axes, and returns
+/// the handles. `size` is `sizeof storage`; `start` has GP_AXES positions, LSB 2^-32 mm or degrees. No
+/// program is loaded yet.
 ///
-/// Context: any task, before the timer interrupt is on. Answers GP_RESULT_NULL, SIZE, ALIGNMENT, TWICE, MACHINE_DATA (`gp_check`
-/// says which), RANGE (a position beyond ±100 000 mm or degrees).
+/// Context: any task, before the timer interrupt is on. Returns GP_RESULT_NULL, SIZE, ALIGNMENT, TWICE,
+/// MACHINE_DATA (`gp_check` names the parameter), RANGE (a position beyond ±100 000 mm or degrees).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn gp_open(
     storage: *mut Storage,
@@ -123,8 +125,9 @@ unsafe fn open(
     }
     let data = machine.read().map_err(|_| Outcome::MachineData)?;
     built::check(&data).map_err(|_| Outcome::MachineData)?;
-    // SAFETY: nobody uses the memory, for it is not open; a channel and a window that are new are zero; the memory is said to
-    // stay where it is, so that references into it live until it is closed, and no handle works behind that.
+    // SAFETY: the storage is not open, so no other code uses its memory. A new channel and a new window are
+    // zero. The memory must not move, so references into it are valid until the storage is closed, and no
+    // handle works afterwards.
     unsafe {
         memory.write_bytes(0, 1);
         (&raw mut (*memory).machine).write(data);
@@ -147,13 +150,14 @@ unsafe fn open(
     }
 }
 
-/// The end of all coordinates.
+/// The limit of all coordinates.
 const FARTHEST: Position = Position::const_from_int(100_000);
 
-/// Closes the storage: its handles are refused from now on. It may be opened again, for another machine.
+/// Closes the storage: later calls with its handles are refused. The storage may be opened again, for
+/// another machine.
 ///
-/// Context: any task, when no other context uses a handle any more: first switch the timer interrupt off. Answers
-/// GP_RESULT_NULL, SIZE, ALIGNMENT, CLOSED, IN_USE (this context interrupts a call).
+/// Context: any task, when no other context uses a handle any more: first switch the timer interrupt
+/// off. Returns GP_RESULT_NULL, SIZE, ALIGNMENT, CLOSED, IN_USE (this context interrupts a call).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn gp_close(storage: *mut Storage, size: usize) -> Outcome {
     // SAFETY: the pointer is null or points to a storage.

@@ -1,12 +1,12 @@
-//! Where program text comes from: memory, or the window.
+//! The source of program text: memory, or the window.
 use crate::WINDOW;
 use glidepath::nc::{Stream, Text, TextError};
 
 /// Program text.
 pub enum Program {
-    /// In memory, as long as it is loaded.
+    /// Text in memory, which must stay there while it is loaded.
     Memory(&'static [u8]),
-    /// As it arrives.
+    /// Text that arrives in the window.
     Window(Stream<'static, WINDOW>),
 }
 

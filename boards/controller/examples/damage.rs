@@ -1,6 +1,7 @@
-//! A long conversation over a bad line: 10^8 bytes by `cargo run -p glidepath-controller --release --example damage`,
-//! another number as argument. With a second argument `machine` the planner and the interpolator stand behind it, and no
-//! axis leaves its travel.
+//! A long conversation over a bad line: 10^8 bytes by
+//! `cargo run -p glidepath-controller --release --example damage`, or another number as argument. With the
+//! second argument `machine` the test includes planner and interpolator, and checks that no axis leaves its
+//! travel range.
 #[path = "../tests/bench/mod.rs"]
 mod bench;
 

@@ -1,7 +1,9 @@
-//! Homing cycles on machines at random: 10,000 by `cargo run -p glidepath-controller --release --example homing`, another
-//! number as argument. Each switch has 20 µm of hysteresis and bounces; speeds, places and directions are random.
+//! Homing cycles on random machines: 10,000 by
+//! `cargo run -p glidepath-controller --release --example homing`, or another number as argument. Each switch
+//! has 20 µm of hysteresis and bounces; speeds, positions and directions are random.
 //!
-//! The command fails where an axis ends off its switch by more than the way of a slot, or reaches its hard stop.
+//! The command fails if an axis ends farther from its switch than the distance of a slot, or reaches its hard
+//! stop.
 #[path = "../tests/bench/mod.rs"]
 mod bench;
 

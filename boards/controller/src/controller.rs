@@ -1,4 +1,4 @@
-//! The state machine: one [`Controller::poll`] looks at everything once.
+//! The state machine: one [`Controller::poll`] handles all inputs once.
 mod keeping;
 mod lines;
 mod outputs;
@@ -21,27 +21,27 @@ use heapless::Vec;
 /// Bytes of a startup line and of the text of `$I`.
 pub const STORED_BYTES: usize = 80;
 
-/// A line of the store.
+/// A line that comes from the store.
 pub type Stored = Vec<u8, STORED_BYTES>;
 
-/// What the controller begins with: what a build decides, and what a store has kept.
+/// Start values of the controller: choices of the build, and values from the store.
 #[derive(Clone, Debug)]
 pub struct Config<const AXES: usize> {
     /// Names of the axes, one letter each.
     pub names: [AxisName; AXES],
-    /// What the motion side gets of a line.
+    /// Form in which the motion side gets a line.
     pub text: LineText,
     /// The spindle has a variable speed.
     pub has_pwm: bool,
-    /// Reports name the line under way (`Ln:`).
+    /// Reports contain the current line number (`Ln:`).
     pub line_numbers: bool,
     /// `$` settings.
     pub settings: Settings<AXES>,
-    /// What `$RST=$` brings back.
+    /// The settings that `$RST=$` restores.
     pub defaults: Settings<AXES>,
-    /// It begins in Alarm, as with `$22=1`: the position may be lost.
+    /// The controller begins in Alarm, as with `$22=1`, because the position may be lost.
     pub is_locked: bool,
-    /// Told once, behind the first banner.
+    /// A message that follows the first banner.
     pub notice: Message,
     /// `$N0` and `$N1`.
     pub startup: [Stored; 2],
@@ -50,7 +50,7 @@ pub struct Config<const AXES: usize> {
 }
 
 impl<const AXES: usize> Config<AXES> {
-    /// Grbl's settings for axes of these names.
+    /// Grbl's default settings for axes with these names.
     pub const fn new(names: [AxisName; AXES]) -> Self {
         Self {
             names,
@@ -67,18 +67,18 @@ impl<const AXES: usize> Config<AXES> {
     }
 }
 
-/// How far a stop for the door is.
+/// State of a stop for the safety door.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Door {
     /// The axes brake.
     Braking,
     /// Spindle and coolant are off.
     Parked,
-    /// They come back, since that time.
+    /// Spindle and coolant restart, since this time.
     Resuming(u32),
 }
 
-/// What goes on.
+/// The current activity.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Mode {
     /// Idle or Run.
@@ -87,17 +87,17 @@ pub(crate) enum Mode {
     Jog,
     /// A jog was cancelled and brakes.
     JogStop,
-    /// `true`: nothing but a reset helps.
+    /// `true`: only a reset ends the alarm.
     Alarm(bool),
     Door(Door),
     Check,
     Home,
     Sleep,
-    /// Brakes for a reset. Then the machine is locked or not.
+    /// The axes brake for a reset. The value says whether the machine is locked afterwards.
     Stopping(bool),
 }
 
-/// Everything around the controller at one look.
+/// All inputs of one call of the controller.
 pub(crate) struct Around<'m, 'w, M, S, W: embedded_io::Write> {
     pub(crate) now_ms: u32,
     pub(crate) signals: Signals,
@@ -106,9 +106,9 @@ pub(crate) struct Around<'m, 'w, M, S, W: embedded_io::Write> {
     pub(crate) out: Text<'w, W>,
 }
 
-/// What is looked at: time, inputs, the motion side, the store.
+/// The inputs of a call: time, pins, the motion side, the store.
 pub struct Look<'m, M, S> {
-    /// A clock of milliseconds that may wrap.
+    /// A clock in milliseconds, which may wrap.
     pub now_ms: u32,
     /// Inputs that are on.
     pub signals: Signals,
@@ -126,28 +126,28 @@ pub struct Controller<'a, const AXES: usize, const N: usize> {
     pub(crate) mode: Mode,
     waiting: Option<Waiting>,
     pub(crate) overrides: Overrides,
-    /// Stopped by hand in a hold.
+    /// The operator has stopped the spindle in a hold.
     spindle_stopped: bool,
     due: Due,
-    /// The next startup line; 2: none.
+    /// Number of the next startup line; 2: none.
     pub(crate) startup: u8,
     signals: Signals,
     program_ends: u8,
     offset: [glidepath::Position; AXES],
-    /// Offsets and places that the store has.
+    /// Stored offsets and positions.
     kept: StoredOffsets<AXES>,
     outputs: Outputs,
-    /// When something moved last.
+    /// Time of the last motion.
     moved_ms: u32,
     is_started: bool,
 }
 
-/// Alarms of the probe: in its end state before the motion, and no change on the way.
+/// Alarms of the probe: final state before the motion, and no change during the motion.
 const PROBE_BEFORE: u8 = 4;
 const PROBE_MISSED: u8 = 5;
 
 impl<'a, const AXES: usize, const N: usize> Controller<'a, AXES, N> {
-    /// Before power-up; the first poll says hello.
+    /// The state before power-up; the first poll sends the banner.
     pub fn new(inbox: Inbox<'a, N>, config: Config<AXES>) -> Self {
         Self {
             inbox,
@@ -169,11 +169,11 @@ impl<'a, const AXES: usize, const N: usize> Controller<'a, AXES, N> {
         }
     }
 
-    /// Looks at everything once and writes what is to be answered. Bounded: it reads at most 256 bytes and carries out
-    /// at most one line.
+    /// Handles all inputs once and writes the answers. The work is bounded: at most 256 bytes are read, and
+    /// at most one line is carried out.
     ///
     /// # Errors
-    /// That of `out`.
+    /// The error of `out`.
     pub fn poll<M: Motion<AXES>, S: Store<AXES>, W: embedded_io::Write>(
         &mut self,
         look: Look<'_, M, S>,
@@ -194,7 +194,7 @@ impl<'a, const AXES: usize, const N: usize> Controller<'a, AXES, N> {
         }
         let new = around.signals.since(self.signals);
         self.signals = around.signals;
-        // `|`: both are looked at.
+        // `|`, not `||`: both calls must run.
         if self.inbox.take(Request::Reset) | new.has(Signals::RESET) {
             self.reset(around);
         }
@@ -213,7 +213,8 @@ impl<'a, const AXES: usize, const N: usize> Controller<'a, AXES, N> {
         self.is_started = true;
         self.program_ends = around.motion.status().program_ends;
         self.kept = around.motion.offsets().stored();
-        // A machine that the settings do not fit is told; the motion side keeps what it had.
+        // If the machine does not fit the settings, a message reports this; the motion side keeps the old
+        // settings.
         let refused = around.motion.configure(&self.config.settings).err();
         self.greet(around, self.config.settings.homing || self.config.is_locked);
         let notice = core::mem::take(&mut self.config.notice);
@@ -223,7 +224,7 @@ impl<'a, const AXES: usize, const N: usize> Controller<'a, AXES, N> {
         }
     }
 
-    /// The banner, and what follows it.
+    /// Sends the banner, and the lines after it.
     fn greet<M: Motion<AXES>, S, W: embedded_io::Write>(
         &mut self,
         around: &mut Around<'_, '_, M, S, W>,
@@ -244,7 +245,8 @@ impl<'a, const AXES: usize, const N: usize> Controller<'a, AXES, N> {
         }
     }
 
-    /// 0x18: brakes inside the limits, drops everything, and says hello at rest. The position stays exact.
+    /// 0x18: brakes inside the limits, clears the queue, and sends the banner at standstill. The position
+    /// stays exact.
     fn reset<M: Motion<AXES>, S, W: embedded_io::Write>(&mut self, around: &mut Around<'_, '_, M, S, W>) {
         self.inbox.restart();
         self.line.clear();
@@ -252,7 +254,7 @@ impl<'a, const AXES: usize, const N: usize> Controller<'a, AXES, N> {
         self.startup = 2;
         let is_locked = match self.mode {
             Mode::Home => {
-                // Where the axes are is not known yet.
+                // The position of the axes is not known yet.
                 around.out.line(format_args!("ALARM:6"));
                 true
             }
@@ -264,7 +266,7 @@ impl<'a, const AXES: usize, const N: usize> Controller<'a, AXES, N> {
         self.mode = Mode::Stopping(is_locked);
     }
 
-    /// Everything restarts where the axes stand: `$C` and `$RST`.
+    /// Restarts the controller at the current position: `$C` and `$RST`.
     pub(crate) fn restart<M: Motion<AXES>, S, W: embedded_io::Write>(
         &mut self,
         around: &mut Around<'_, '_, M, S, W>,
@@ -273,7 +275,7 @@ impl<'a, const AXES: usize, const N: usize> Controller<'a, AXES, N> {
         self.greet(around, is_locked);
     }
 
-    /// An alarm: brakes, and locks.
+    /// Raises an alarm: the axes brake, and the controller refuses motion.
     fn raise<M: Motion<AXES>, S, W: embedded_io::Write>(
         &mut self,
         around: &mut Around<'_, '_, M, S, W>,
@@ -289,13 +291,13 @@ impl<'a, const AXES: usize, const N: usize> Controller<'a, AXES, N> {
         }
         self.tell_probe(around);
         if self.waiting.take().is_some() {
-            // A probing line is carried out, with an alarm for its result.
+            // A probing line is carried out, and its result is an alarm.
             let probes = matches!(code, PROBE_BEFORE | PROBE_MISSED);
             around.out.line(if probes { format_args!("ok") } else { format_args!("error:9") });
         }
     }
 
-    /// The place of a probing motion that has ended.
+    /// Reports the position of a probing motion that has ended.
     fn tell_probe<M: Motion<AXES>, S, W: embedded_io::Write>(
         &mut self,
         around: &mut Around<'_, '_, M, S, W>,

@@ -1,4 +1,4 @@
-//! Bytes from the serial interrupt. Real-time bytes are taken out at once and never reach a line.
+//! Bytes from the serial interrupt. The interrupt separates real-time bytes from lines.
 //!
 //! ```text
 //!  interrupt                                  task
@@ -9,7 +9,7 @@
 //! Every word of the memory has one writer, the interrupt or the task. No lock and no compare-and-swap is needed.
 use core::sync::atomic::{AtomicU8, AtomicU32, Ordering};
 
-/// What a real-time byte asks for, where only the last one before a look counts.
+/// Requests of real-time bytes for which only the last byte before a call counts.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Request {
     /// `?` (0x80): a status report.
@@ -26,34 +26,34 @@ pub enum Request {
     JogCancel,
 }
 
-/// Number of [`Request`]s.
+/// Number of kinds of [`Request`].
 const REQUESTS: usize = 6;
 
-/// What a real-time byte asks for, where each one counts, in their order.
+/// Requests of real-time bytes of which each one counts, in their order.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Key {
-    /// 0x90: 100 %.
+    /// 0x90: feed override to 100 %.
     FeedFull,
-    /// 0x91…0x94: percent more.
+    /// 0x91…0x94: change of the feed override, percent.
     Feed(i8),
-    /// 0x95, 0x96, 0x97: percent.
+    /// 0x95, 0x96, 0x97: rapid override, percent.
     Rapid(u8),
-    /// 0x99: 100 %.
+    /// 0x99: spindle override to 100 %.
     SpindleFull,
-    /// 0x9A…0x9D: percent more.
+    /// 0x9A…0x9D: change of the spindle override, percent.
     Spindle(i8),
-    /// 0x9E: stop and go on, in a hold.
+    /// 0x9E: stops or restarts the spindle, in a hold.
     SpindleStop,
-    /// 0xA0.
+    /// 0xA0: flood coolant.
     Flood,
-    /// 0xA1.
+    /// 0xA1: mist coolant.
     Mist,
 }
 
-/// Keys that wait at most; more are dropped.
+/// Highest number of waiting keys; further keys are dropped.
 const KEYS: usize = 64;
 
-/// What becomes of a byte.
+/// Kind of a byte.
 enum Kind {
     Text,
     Request(Request),
@@ -100,9 +100,9 @@ const fn key(byte: u8) -> Option<Key> {
 /// A ring of bytes with one writer for each word.
 struct Ring<const N: usize> {
     bytes: [AtomicU8; N],
-    /// Bytes put in. Written by the interrupt.
+    /// Number of bytes put in. Written by the interrupt.
     put: AtomicU32,
-    /// Bytes taken out. Written by the task.
+    /// Number of bytes taken out. Written by the task.
     taken: AtomicU32,
 }
 
@@ -125,7 +125,7 @@ impl<const N: usize> Ring<N> {
         self.put.load(Ordering::Acquire).wrapping_sub(self.taken.load(Ordering::Acquire))
     }
 
-    /// For the interrupt. Whether there was room.
+    /// Puts a byte in; called by the interrupt. Returns whether there was room.
     fn push(&self, byte: u8) -> bool {
         let put = self.put.load(Ordering::Relaxed);
         if self.used() >= Self::SIZE {
@@ -138,7 +138,7 @@ impl<const N: usize> Ring<N> {
         true
     }
 
-    /// For the task.
+    /// Takes a byte out; called by the task.
     fn pop(&self) -> Option<u8> {
         let taken = self.taken.load(Ordering::Relaxed);
         if self.used() == 0 {
@@ -150,21 +150,21 @@ impl<const N: usize> Ring<N> {
     }
 }
 
-/// Memory of a serial input with room for `N` bytes of text, a power of two. 1,024 or more are advised: some senders
-/// send more than the 128 bytes that Grbl has. All bits are zero when new.
+/// Memory of a serial input with room for `N` bytes of text, a power of two. Use 1,024 or more, because some
+/// senders send more than Grbl's 128 bytes. A new memory is all zero.
 pub struct Serial<const N: usize> {
     text: Ring<N>,
     keys: Ring<KEYS>,
-    /// Requests of each kind. Written by the interrupt.
+    /// Number of requests of each kind. Written by the interrupt.
     requests: [AtomicU8; REQUESTS],
-    /// Where the text behind the last reset begins. Written by the interrupt.
+    /// Start of the text after the last reset. Written by the interrupt.
     fresh: AtomicU32,
-    /// Bytes of text that found no room. Written by the interrupt.
+    /// Number of text bytes without room. Written by the interrupt.
     lost: AtomicU32,
 }
 
 impl<const N: usize> Serial<N> {
-    /// Empty.
+    /// Empty memory.
     pub const fn new() -> Self {
         Self {
             text: Ring::new(),
@@ -175,7 +175,7 @@ impl<const N: usize> Serial<N> {
         }
     }
 
-    /// Both ends: for the interrupt, and for the controller. Nothing that was in it counts.
+    /// Returns the handle for the interrupt, and the handle for the controller. Earlier content is dropped.
     pub fn split(&mut self) -> (Receiver<'_, N>, Inbox<'_, N>) {
         *self = Self::new();
         (Receiver { serial: self }, Inbox { serial: self, seen: [0; REQUESTS] })
@@ -188,13 +188,13 @@ impl<const N: usize> Default for Serial<N> {
     }
 }
 
-/// The end of the serial interrupt.
+/// The interrupt's handle of the serial input.
 pub struct Receiver<'a, const N: usize> {
     serial: &'a Serial<N>,
 }
 
 impl<const N: usize> Receiver<'_, N> {
-    /// Takes a byte. A byte of text that finds no room is lost, and counted. Bounded.
+    /// Takes a byte. A byte of text without room is lost, and counted. Bounded time.
     pub fn push(&mut self, byte: u8) {
         let serial = self.serial;
         match kind(byte) {
@@ -210,32 +210,32 @@ impl<const N: usize> Receiver<'_, N> {
                     count.store(count.load(Ordering::Relaxed).wrapping_add(1), Ordering::Release);
                 }
             }
-            // A ring that is full has 64 presses of keys that nobody looked at.
+            // A full ring holds 64 keys that the task has not read.
             Kind::Key => _ = serial.keys.push(byte),
             Kind::Dropped => {}
         }
     }
 
-    /// Bytes of text that it takes now.
+    /// Number of text bytes for which there is room now.
     pub fn room(&self) -> usize {
         Ring::<N>::SIZE.saturating_sub(self.serial.text.used()) as usize
     }
 }
 
-/// The end of the controller.
+/// The controller's handle of the serial input.
 pub struct Inbox<'a, const N: usize> {
     serial: &'a Serial<N>,
-    /// Requests taken.
+    /// Number of requests taken, for each kind.
     seen: [u8; REQUESTS],
 }
 
 impl<const N: usize> Inbox<'_, N> {
-    /// The next byte of text.
+    /// Returns the next byte of text.
     pub(crate) fn byte(&mut self) -> Option<u8> {
         self.serial.text.pop()
     }
 
-    /// Whether something was asked for since the last call.
+    /// Whether a request of this kind came since the last call.
     pub(crate) fn take(&mut self, request: Request) -> bool {
         let (Some(count), Some(seen)) =
             (self.serial.requests.get(request as usize), self.seen.get_mut(request as usize))
@@ -246,28 +246,28 @@ impl<const N: usize> Inbox<'_, N> {
         core::mem::replace(seen, count) != count
     }
 
-    /// Forgets the text before the last reset. Keys pressed before it are forgotten too.
+    /// Drops the text and the keys before the last reset.
     pub(crate) fn restart(&mut self) {
         let text = &self.serial.text;
         let fresh = self.serial.fresh.load(Ordering::Acquire);
-        // The task may have read further already.
+        // The task may have read beyond the reset already.
         if fresh.wrapping_sub(text.taken.load(Ordering::Relaxed)) as i32 > 0 {
             text.taken.store(fresh, Ordering::Release);
         }
         while self.serial.keys.pop().is_some() {}
     }
 
-    /// The next key.
+    /// Returns the next key.
     pub(crate) fn next_key(&mut self) -> Option<Key> {
         self.serial.keys.pop().and_then(key)
     }
 
-    /// Bytes of text that find room now.
+    /// Number of text bytes for which there is room now.
     pub(crate) fn room(&self) -> usize {
         Ring::<N>::SIZE.saturating_sub(self.serial.text.used()) as usize
     }
 
-    /// Bytes of text that were lost since the start, because no room was left.
+    /// Number of text bytes lost since the start.
     pub fn lost(&self) -> u32 {
         self.serial.lost.load(Ordering::Relaxed)
     }

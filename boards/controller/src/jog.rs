@@ -13,10 +13,10 @@ const REPEATED: u8 = 25;
 const NO_AXIS: u8 = 26;
 const LINE_NUMBER: u8 = 27;
 
-/// Nanometres, the decimals that a word keeps.
+/// Nanometres: the decimals that a word keeps.
 const PLACES: u32 = 6;
 
-/// Words as they stand, lengths in the unit of the line.
+/// The words of a jog, with lengths in the unit of the line.
 #[derive(Clone, Copy)]
 struct Words<const AXES: usize> {
     axes: [Option<i64>; AXES],
@@ -27,10 +27,10 @@ struct Words<const AXES: usize> {
     has_number: bool,
 }
 
-/// Reads what stands behind `$J=`, as Grbl has it: without blanks, in upper case.
+/// Reads the text after `$J=`, in Grbl's form: without blanks, in upper case.
 ///
 /// # Errors
-/// Grbl's code.
+/// Grbl's error number.
 pub fn read<const AXES: usize>(
     text: &[u8],
     names: &[AxisName; AXES],
@@ -58,10 +58,10 @@ pub fn read<const AXES: usize>(
         return Err(NO_AXIS);
     }
     let inch = words.inch.unwrap_or(modal.inch);
-    // Words have up to 15 digits: of a product with 127 nothing is lost.
+    // Words have up to 15 digits, so a product with 127 does not overflow.
     let length = |nano: i64| {
         let nano = (i128::from(nano) * if inch { 254 } else { 10 }) << 32;
-        // To the nearest, ties away from zero.
+        // Rounds to nearest, ties away from zero.
         let half = if nano < 0 { -5_000_000 } else { 5_000_000 };
         let bits = (nano + half).checked_div(10_000_000).unwrap_or(0);
         i64::try_from(bits).map(Position::from_bits).map_err(|_| NUMBER)

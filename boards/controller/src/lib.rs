@@ -6,8 +6,8 @@
 //!                                             Motion: planner, interpolator, decoder
 //! ```
 //!
-//! The controller knows no serial port, no clock and no planner. Bytes come from an interrupt, time and inputs are
-//! arguments, and what moves stands behind the trait [`Motion`].
+//! The controller accesses no serial port, no clock and no planner. An interrupt passes bytes, time and
+//! inputs are arguments, and the trait [`Motion`] represents the moving machine.
 //!
 #![doc = include_str!("../README.md")]
 #![no_std]
@@ -46,7 +46,7 @@ mod system;
 
 pub mod machine;
 
-/// The traits of the output, of the version that this crate uses.
+/// The output traits of `embedded-io`, in the version of this crate.
 pub use embedded_io as io;
 
 pub mod pins;

@@ -1,58 +1,59 @@
-//! From bytes to lines: what Grbl drops is dropped, and a line that is too long is one line all the same.
+//! From bytes to lines: the characters that Grbl ignores are removed. A line that is too long still counts as
+//! one line.
 use heapless::Vec;
 
-/// Bytes of the longest line that can be configured.
+/// Bytes of the longest configurable line.
 pub const LINE_BYTES: usize = 255;
 
-/// What is handed to the motion side.
+/// Form in which the motion side gets a line.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum LineText {
-    /// As Grbl has it: without blanks, comments and `/`, in upper case, at most 79 characters.
+    /// Grbl's form: without blanks, comments and `/`, in upper case, at most 79 characters.
     Grbl,
-    /// As it was received, without control characters, at most 255 bytes. For a language in which blanks count.
-    /// Lines that begin with `$` are read as Grbl reads them.
+    /// The received form without control characters, at most 255 bytes. For a language in which blanks count.
+    /// Lines that begin with `$` are read in Grbl's form.
     AsReceived,
 }
 
-/// What a line end left.
+/// Result of a line end.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Line {
     /// A line is complete.
     Complete,
-    /// It was too long.
+    /// The line was too long.
     TooLong,
 }
 
 /// Longest line of Grbl.
 const GRBL_BYTES: usize = 79;
 
-/// Where the text is.
+/// Position in the text.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum Comment {
     None,
-    /// Between `(` and `)`.
+    /// Inside `(` and `)`.
     Bracket,
-    /// Behind `;`.
+    /// After `;`.
     Rest,
 }
 
-/// The line at hand.
+/// The current line.
 pub struct Assembler {
     text: LineText,
-    /// As Grbl has it.
+    /// The line in Grbl's form.
     stripped: Vec<u8, LINE_BYTES>,
-    /// As it was received.
+    /// The line in the received form.
     raw: Vec<u8, LINE_BYTES>,
     comment: Comment,
     is_too_long: bool,
-    /// The byte before was CR.
+    /// The previous byte was CR.
     behind_cr: bool,
-    /// The line was handed out: the next byte begins another one.
+    /// The line was returned: the next byte begins a new line.
     is_done: bool,
 }
 
 impl Assembler {
-    /// Nothing received.
+    /// Nothing is received yet.
     pub const fn new(text: LineText) -> Self {
         Self {
             text,
@@ -65,7 +66,7 @@ impl Assembler {
         }
     }
 
-    /// Forgets what there is of a line. LF behind a CR before it counts as a line of its own.
+    /// Drops the current line. An LF after a CR before the call counts as a separate line.
     pub fn clear(&mut self) {
         *self = Self::new(self.text);
     }
@@ -76,7 +77,7 @@ impl Assembler {
         (self.comment, self.is_too_long, self.is_done) = (Comment::None, false, false);
     }
 
-    /// Takes a byte; whether it ends a line. CR LF is one line end.
+    /// Takes a byte. Returns whether it ends a line. CR LF is one line end.
     pub fn push(&mut self, byte: u8) -> Option<Line> {
         let behind_cr = core::mem::replace(&mut self.behind_cr, byte == b'\r');
         if byte == b'\n' && behind_cr {
@@ -111,7 +112,7 @@ impl Assembler {
         }
     }
 
-    /// The line as Grbl has it.
+    /// The line in Grbl's form.
     pub fn stripped(&self) -> &[u8] {
         &self.stripped
     }

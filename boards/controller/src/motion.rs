@@ -1,4 +1,4 @@
-//! The motion side as the protocol sees it: what a planner, an interpolator and a decoder have to do.
+//! The motion side of the protocol: the interface to planner, interpolator and decoder.
 use crate::settings::Settings;
 use glidepath::quantity::{Feed, Position};
 use heapless::String;
@@ -6,30 +6,30 @@ use heapless::String;
 /// A text that goes to the sender in `[MSG:…]`.
 pub type Message = String<96>;
 
-/// A line that is not taken.
+/// Reason for which a line is refused.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Refusal {
-    /// Grbl's code: `error:20`.
+    /// Grbl's error number: 20 for `error:20`.
     pub code: u8,
-    /// What is wrong, in words; empty: the code says it.
+    /// Explanation in words; empty if the number is enough.
     pub message: Message,
 }
 
 impl Refusal {
-    /// A code alone.
+    /// A refusal with an error number only.
     pub const fn new(code: u8) -> Self {
         Self { code, message: Message::new() }
     }
 }
 
-/// What became of a line.
+/// Result of a line.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum Taken {
-    /// Understood, and its motion has room in the planner.
+    /// The line is decoded, and the planner has room for its motion.
     Yes,
-    /// No room yet: the same line is given again.
+    /// There is no room yet: the caller must give the same line again.
     NotYet,
-    /// Not understood, or not possible.
+    /// The line has an error, or its motion is not possible.
     Refused(Refusal),
 }
 
@@ -45,46 +45,46 @@ pub enum Spindle {
     CounterClockwise,
 }
 
-/// How far a homing cycle is.
+/// State of a homing cycle.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub enum Homing {
-    /// None, or it is done.
+    /// No cycle, or the cycle has ended.
     #[default]
     Done,
-    /// Axes move.
+    /// The axes move.
     Running,
-    /// It ended with this alarm: 8 or 9, for example.
+    /// The cycle ended with this alarm, for example 8 or 9.
     Failed(u8),
 }
 
-/// What the machine does now.
+/// Status of the machine.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Status<const AXES: usize> {
     /// Machine coordinates.
     pub position: [Position; AXES],
-    /// Motion is planned or under way, also one that stands in a hold.
+    /// Motion is planned or in progress, also during a hold.
     pub is_busy: bool,
     /// The axes stand still.
     pub is_at_rest: bool,
-    /// The program waits for a start: M0, M1.
+    /// The program waits for a cycle start: M0, M1.
     pub is_paused: bool,
-    /// Blocks that find room in the planner.
+    /// Number of blocks for which the planner has room.
     pub free_blocks: u8,
-    /// Number of the line under way; 0: none.
+    /// Number of the current line; 0: none.
     pub line: u32,
-    /// Path speed.
+    /// Current path speed.
     pub feed: Feed,
-    /// The spindle as the program has it, without override.
+    /// The spindle's programmed direction.
     pub spindle: Spindle,
-    /// Its speed, rpm.
+    /// The spindle's programmed speed without override, rpm.
     pub rpm: u32,
-    /// M7.
+    /// Whether M7 is on.
     pub mist: bool,
-    /// M8.
+    /// Whether M8 is on.
     pub flood: bool,
-    /// Programs that have ended (M2, M30), a count that may wrap.
+    /// Number of ended programs (M2, M30); the number may wrap.
     pub program_ends: u8,
-    /// The homing cycle.
+    /// State of the homing cycle.
     pub homing: Homing,
 }
 
@@ -108,7 +108,7 @@ impl<const AXES: usize> Default for Status<AXES> {
     }
 }
 
-/// Modal words in force, for `$G`.
+/// Active modal words, for `$G`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Modal {
     /// G0, G1, G2, G3, G80; in tenths: G38.2 is 382.
@@ -123,7 +123,7 @@ pub struct Modal {
     pub incremental: bool,
     /// G93: inverse time.
     pub inverse_time: bool,
-    /// M0, M1, M2 or M30 while it is active.
+    /// M0, M1, M2 or M30 while the word is active.
     pub program: Option<u8>,
     /// M3, M4, M5.
     pub spindle: Spindle,
@@ -170,11 +170,11 @@ pub struct Offsets<const AXES: usize> {
     pub g30: [Position; AXES],
     /// G92.
     pub g92: [Position; AXES],
-    /// Tool length of each axis; reports tell that of the third one.
+    /// Tool length of each axis; reports contain that of the third axis.
     pub tool: [Position; AXES],
-    /// Where the probe was, machine coordinates.
+    /// Latched position of the probe, machine coordinates.
     pub probe: [Position; AXES],
-    /// Whether it had contact.
+    /// Whether the probe had contact.
     pub probed: bool,
 }
 
@@ -186,7 +186,7 @@ impl<const AXES: usize> Default for Offsets<AXES> {
 }
 
 impl<const AXES: usize> Offsets<AXES> {
-    /// The sum of what is between machine and work coordinates in the system G54…G59.3 (54…62).
+    /// Sum of the offsets between machine and work coordinates in the system G54…G59.3 (54…62).
     pub fn work(&self, system: u8) -> [Position; AXES] {
         let index = usize::from(system.saturating_sub(54));
         let system = self.systems.get(index).copied().unwrap_or([Position::ZERO; AXES]);
@@ -201,39 +201,39 @@ impl<const AXES: usize> Offsets<AXES> {
 /// A jog: `$J=`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Jog<const AXES: usize> {
-    /// Goals or ways of the axes that are named, mm.
+    /// Targets or distances of the axes in the jog, mm.
     pub axes: [Option<Position>; AXES],
-    /// They are ways (G91).
+    /// The values are distances (G91).
     pub incremental: bool,
-    /// They are machine coordinates (G53).
+    /// The values are machine coordinates (G53).
     pub machine: bool,
-    /// mm/min.
+    /// Speed, mm/min.
     pub feed: Feed,
 }
 
 /// Overrides, percent.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Overrides {
-    /// 10…200.
+    /// Feed, 10…200.
     pub feed: u8,
-    /// 25, 50 or 100.
+    /// Rapid motion, 25, 50 or 100.
     pub rapid: u8,
-    /// 10…200.
+    /// Spindle, 10…200.
     pub spindle: u8,
 }
 
 impl Overrides {
-    /// 100 % each.
+    /// All overrides at 100 %.
     pub const FULL: Self = Self { feed: 100, rapid: 100, spindle: 100 };
 }
 
-/// What executes. Calls return at once; what they start is seen in [`Self::status`].
+/// The side that executes motion. Calls return at once; [`Self::status`] shows their effect.
 pub trait Motion<const AXES: usize> {
-    /// Takes a line of NC text. A line that is [`Taken::NotYet`] is given again, the same text, until it is taken or
-    /// the controller is reset.
+    /// Takes a line of NC text. After [`Taken::NotYet`] the controller gives the same text again, until the
+    /// line is taken or a reset comes.
     fn take(&mut self, line: &[u8]) -> Taken;
 
-    /// Reads a line for its errors. Modal words count for the next line of the check; nothing moves.
+    /// Checks a line for errors. Modal words act on the next checked line; no axis moves.
     ///
     /// # Errors
     /// As [`Self::take`].
@@ -245,45 +245,48 @@ pub trait Motion<const AXES: usize> {
     /// Brakes on the path.
     fn hold(&mut self);
 
-    /// Goes on behind a hold or a pause.
+    /// Continues after a hold or a pause.
     fn resume(&mut self);
 
-    /// Brakes and drops everything that is not executed. The parser goes on from where the axes come to rest.
+    /// Brakes and drops all motion that is not executed. The next line starts at the position of the
+    /// standstill.
     fn abort(&mut self);
 
-    /// Modal words as at power-up; spindle and coolant off. At rest, behind [`Self::abort`].
+    /// Restores the modal words of power-up; spindle and coolant go off. Called at standstill, after
+    /// [`Self::abort`].
     fn reset(&mut self);
 
-    /// Overrides of feed and rapid motion from now on. That of the spindle is put out by the controller.
+    /// Sets the overrides of feed and rapid motion. The controller outputs the spindle override.
     fn set_overrides(&mut self, overrides: Overrides);
 
-    /// Coolant by hand: mist, flood.
+    /// Switches coolant by hand: mist, flood.
     fn set_coolant(&mut self, mist: bool, flood: bool);
 
     /// Starts the homing cycle.
     fn home(&mut self);
 
-    /// All offsets and stored positions are 0 (`$RST=#`).
+    /// Sets all offsets and stored positions to 0 (`$RST=#`).
     fn clear_offsets(&mut self);
 
-    /// Settings have changed. At rest.
+    /// Applies changed settings. Called at standstill.
     ///
     /// # Errors
-    /// The machine cannot have that; the setting is not stored.
+    /// The machine does not support the settings; the controller does not store them.
     fn configure(&mut self, settings: &Settings<AXES>) -> Result<(), Refusal>;
 
-    /// What it does now.
+    /// Current status.
     fn status(&self) -> Status<AXES>;
 
-    /// Modal words.
+    /// Active modal words.
     fn modal(&self) -> Modal;
 
-    /// Offsets.
+    /// Offsets and stored positions.
     fn offsets(&self) -> Offsets<AXES>;
 
-    /// An alarm of its own since the last call: 2 soft limit, 4 and 5 probe.
+    /// An alarm of the motion side since the last call: 2 soft limit, 4 and 5 probe.
     fn alarm(&mut self) -> Option<u8>;
 
-    /// Whether a probing motion has ended since the last call: its place is told before its line is answered.
+    /// Whether a probing motion has ended since the last call. The controller reports its position before it
+    /// answers the line.
     fn probe_ended(&mut self) -> bool;
 }

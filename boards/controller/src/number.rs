@@ -1,8 +1,8 @@
-//! Decimals as integers: in from text, out with a fixed number of decimals.
+//! Decimals as integers: read from text, and written with a fixed number of decimals.
 use core::fmt::{self, Display};
 
-/// Reads a decimal at the start of `text`: its value in 10^-`places`, cut beyond that, and what follows it. `None` where no
-/// number stands, or one with more than 9 digits before the point.
+/// Reads a decimal at the start of `text`. Returns its value in 10^-`places`, without further decimals, and
+/// the text after it. `None` without a number, or with more than 9 digits before the point.
 pub fn decimal(text: &[u8], places: u32) -> Option<(i64, &[u8])> {
     let (is_negative, mut rest) = match text {
         [b'-', rest @ ..] => (true, rest),
@@ -34,12 +34,12 @@ pub fn decimal(text: &[u8], places: u32) -> Option<(i64, &[u8])> {
     Some((if is_negative { -value } else { value }, rest))
 }
 
-/// An integer in units of 10^-`places`, shown with that many decimals.
+/// An integer in units of 10^-`places`, shown with `places` decimals.
 #[derive(Clone, Copy)]
 pub struct Fixed {
-    /// In 10^-`places`.
+    /// Value in 10^-`places`.
     pub value: i64,
-    /// Decimals, up to 9.
+    /// Number of decimals, up to 9.
     pub places: u32,
 }
 
@@ -62,7 +62,7 @@ pub fn rounded(bits: i64, factor: u32, per: u32) -> i64 {
     (value + half).checked_div(unit).unwrap_or(0) as i64
 }
 
-/// A position in mm or inch, three or four decimals.
+/// A position in mm (three decimals) or inch (four decimals).
 pub fn position(bits: i64, inch: bool) -> Fixed {
     if inch {
         // 10^4 / 25.4
@@ -72,7 +72,7 @@ pub fn position(bits: i64, inch: bool) -> Fixed {
     }
 }
 
-/// A feed in mm/min or inch/min, none or one decimal.
+/// A feed in mm/min (no decimals) or inch/min (one decimal).
 pub fn feed(bits: i64, inch: bool) -> Fixed {
     if inch {
         Fixed { value: rounded(bits, 100, 254), places: 1 }

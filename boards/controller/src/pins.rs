@@ -5,26 +5,27 @@ use crate::state::Signals;
 use embedded_hal::digital::{InputPin, OutputPin};
 use embedded_hal::pwm::SetDutyCycle;
 
-/// An input that is believed after so many equal looks.
+/// A debounced input: a change counts after a number of equal samples.
 pub struct Input<P> {
     pin: P,
     is_inverted: bool,
-    /// Looks that a change has to last.
+    /// Number of equal samples after which a change counts.
     looks: u8,
     changed: u8,
     is_on: bool,
 }
 
 impl<P: InputPin> Input<P> {
-    /// An input that is on where its pin is high, or low if it `is_inverted`. A change counts after `looks` looks, 1…255.
+    /// An input that is on while its pin is high, or low if `is_inverted`. A change counts after `looks`
+    /// samples, 1…255.
     pub const fn new(pin: P, is_inverted: bool, looks: u8) -> Self {
         Self { pin, is_inverted, looks, changed: 0, is_on: false }
     }
 
-    /// Looks at the pin; whether the input is on.
+    /// Samples the pin. Returns whether the input is on.
     ///
     /// # Errors
-    /// That of the pin.
+    /// The error of the pin.
     pub fn look(&mut self) -> Result<bool, P::Error> {
         let is_on = self.pin.is_high()? != self.is_inverted;
         self.changed = if is_on == self.is_on { 0 } else { self.changed.saturating_add(1) };
@@ -35,10 +36,10 @@ impl<P: InputPin> Input<P> {
     }
 }
 
-/// Looks at the limit switches of axes, in their order.
+/// Samples the limit switches of the axes, in the order of the axes.
 ///
 /// # Errors
-/// That of a pin.
+/// The error of a pin.
 pub fn limits<P: InputPin>(inputs: &mut [Input<P>]) -> Result<Signals, P::Error> {
     let mut signals = Signals::default();
     for (input, axis) in inputs.iter_mut().zip(0..8) {
@@ -51,11 +52,11 @@ pub fn limits<P: InputPin>(inputs: &mut [Input<P>]) -> Result<Signals, P::Error>
 
 /// Spindle and coolant.
 pub struct Tool<W, P> {
-    /// Speed.
+    /// PWM of the spindle speed.
     pub pwm: W,
     /// On while the spindle turns.
     pub enable: P,
-    /// On: counterclockwise.
+    /// On while the spindle turns counterclockwise.
     pub direction: P,
     /// Mist.
     pub mist: P,
@@ -73,10 +74,10 @@ pub enum ToolError<W, P> {
 }
 
 impl<W: SetDutyCycle, P: OutputPin> Tool<W, P> {
-    /// Puts out what the controller wants. The speed is off before the direction changes.
+    /// Outputs the wanted state of spindle and coolant. The speed goes off before the direction changes.
     ///
     /// # Errors
-    /// That of the first pin that fails; the others are not changed.
+    /// The error of the first pin that fails; the other pins are not changed.
     pub fn put_out(&mut self, outputs: &Outputs) -> Result<(), ToolError<W::Error, P::Error>> {
         let Outputs { spindle, duty, mist, flood, .. } = *outputs;
         if spindle == Spindle::Off || duty == 0 {

@@ -7,7 +7,8 @@ use core::fmt::{self, Write as _};
 use glidepath::machine::AxisName;
 use glidepath::quantity::Position;
 
-/// Where answers go. What `out` refuses is told at the end by [`Self::finish`]; nothing is written behind it.
+/// The destination of answers. After an error of `out`, nothing more is written; [`Self::finish`] returns the
+/// error.
 pub struct Text<'w, W: embedded_io::Write> {
     out: &'w mut W,
     error: Option<W::Error>,
@@ -22,19 +23,19 @@ impl<'w, W: embedded_io::Write> Text<'w, W> {
         self.error.map_or(Ok(()), Err)
     }
 
-    /// Text without a line end.
+    /// Writes text without a line end.
     pub fn part(&mut self, text: fmt::Arguments<'_>) {
-        // What fails is kept in `error`.
+        // `error` keeps a failure.
         let _ = self.write_fmt(text);
     }
 
-    /// A line.
+    /// Writes a line.
     pub fn line(&mut self, text: fmt::Arguments<'_>) {
         self.part(text);
         self.part(format_args!("\r\n"));
     }
 
-    /// Bytes of a line that was received: ASCII alone.
+    /// Writes bytes of a received line: ASCII only.
     pub fn bytes(&mut self, bytes: &[u8]) {
         for byte in bytes {
             self.part(format_args!("{}", char::from(*byte & 0x7f)));
@@ -69,14 +70,14 @@ impl fmt::Display for Point<'_> {
     }
 }
 
-/// Reports until the next one with work offsets, or with overrides.
+/// Number of reports until the next one with work offsets, or with overrides.
 #[derive(Clone, Copy)]
 pub struct Due {
     offsets: u8,
     overrides: u8,
 }
 
-/// What a report may tell besides the status.
+/// Data of a report in addition to the status.
 pub struct Shown<'a, const AXES: usize> {
     pub state: State,
     pub status: &'a Status<AXES>,
@@ -86,7 +87,7 @@ pub struct Shown<'a, const AXES: usize> {
     pub overrides: Overrides,
     pub names: &'a [AxisName; AXES],
     pub settings: &'a Settings<AXES>,
-    /// The spindle with its override, as it is put out.
+    /// Spindle speed with its override, as output.
     pub spindle: (Spindle, u32),
     pub mist: bool,
     pub flood: bool,
@@ -94,20 +95,20 @@ pub struct Shown<'a, const AXES: usize> {
 }
 
 impl Due {
-    /// Both in the next reports.
+    /// Work offsets and overrides appear in the next reports.
     pub const NOW: Self = Self { offsets: 0, overrides: 0 };
 
-    /// An offset has changed.
+    /// Records that an offset has changed.
     pub fn offsets_changed(&mut self) {
         self.offsets = 0;
     }
 
-    /// An override or an output has changed.
+    /// Records that an override or an output has changed.
     pub fn overrides_changed(&mut self) {
         self.overrides = 0;
     }
 
-    /// The status report.
+    /// Writes the status report.
     pub fn report<const AXES: usize, W: embedded_io::Write>(
         &mut self,
         out: &mut Text<'_, W>,
@@ -126,7 +127,7 @@ impl Due {
             out.part(format_args!("WPos:{}", Point { axes: &work, inch }));
         }
         if settings.report_mask & 2 != 0 {
-            // A sender may take the room for its window: not more than Grbl has.
+            // A sender may use the number as size of its window, so the report has at most Grbl's size.
             out.part(format_args!("|Bf:{},{}", status.free_blocks, shown.room.min(RECEIVE_BYTES)));
         }
         if shown.line_numbers && status.line > 0 {
@@ -140,7 +141,7 @@ impl Due {
             self.offsets -= 1;
         } else {
             self.offsets = if is_moving { 29 } else { 9 };
-            // Never both in a report.
+            // A report never has both fields.
             self.overrides = self.overrides.max(1);
             out.part(format_args!("|WCO:{}", Point { axes: offset, inch }));
         }
@@ -167,10 +168,11 @@ impl Due {
     }
 }
 
-/// Receive bytes and planner blocks that `$I` tells. Grbl's: some senders fill what they are told to the last byte.
+/// Receive bytes and planner blocks in `$I`. The values are Grbl's, because some senders fill the reported
+/// room completely.
 pub const RECEIVE_BYTES: usize = 128;
 
-/// Inputs that are on.
+/// Writes the letters of inputs that are on.
 fn pins<W: embedded_io::Write>(out: &mut Text<'_, W>, signals: Signals, names: &[AxisName]) {
     if signals == Signals::default() {
         return;
@@ -193,7 +195,7 @@ fn pins<W: embedded_io::Write>(out: &mut Text<'_, W>, signals: Signals, names: &
     }
 }
 
-/// `$$`.
+/// Answers `$$`.
 pub fn settings<const AXES: usize, W: embedded_io::Write>(out: &mut Text<'_, W>, settings: &Settings<AXES>) {
     let shown = settings.each(|number, value| {
         out.line(format_args!("${number}={value}"));
@@ -202,7 +204,7 @@ pub fn settings<const AXES: usize, W: embedded_io::Write>(out: &mut Text<'_, W>,
     let Ok(()) = shown;
 }
 
-/// `$#`.
+/// Answers `$#`.
 pub fn offsets<const AXES: usize, W: embedded_io::Write>(
     out: &mut Text<'_, W>,
     offsets: &Offsets<AXES>,
@@ -216,11 +218,12 @@ pub fn offsets<const AXES: usize, W: embedded_io::Write>(
     }
     let tool = offsets.tool.get(2).copied().unwrap_or(Position::ZERO);
     out.line(format_args!("[TLO:{}]", position(tool.to_bits(), inch)));
-    // The last one: grbl-streamer takes it for the end of the answer.
+    // `[PRB:` comes last, because grbl-streamer treats this line as the end of the answer.
     probe(out, offsets, inch);
 }
 
-/// Where the last probing motion ended, in machine coordinates, and whether it was contact.
+/// Writes the end position of the last probing motion in machine coordinates, and whether the probe had
+/// contact.
 pub fn probe<const AXES: usize, W: embedded_io::Write>(
     out: &mut Text<'_, W>,
     offsets: &Offsets<AXES>,
@@ -230,7 +233,7 @@ pub fn probe<const AXES: usize, W: embedded_io::Write>(
     out.line(format_args!("[PRB:{place}:{}]", u8::from(offsets.probed)));
 }
 
-/// `$G`.
+/// Answers `$G`.
 pub fn modal<const AXES: usize, W: embedded_io::Write>(
     out: &mut Text<'_, W>,
     motion: &impl Motion<AXES>,

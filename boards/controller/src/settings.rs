@@ -1,4 +1,4 @@
-//! The `$` settings: numbers, ranges, defaults, and the machine data they stand for.
+//! The `$` settings: numbers, ranges, defaults, and the machine data that belong to them.
 use crate::number::{Fixed, decimal};
 use glidepath::machine::{AxisData, MachineData, NO_LIMIT, parameter};
 
@@ -7,7 +7,7 @@ use glidepath::machine::{AxisData, MachineData, NO_LIMIT, parameter};
 pub struct AxisSettings {
     /// `$10n`: counts per mm, in thousandths.
     pub counts_milli: u32,
-    /// `$11n`: largest speed, mm/min, in thousandths.
+    /// `$11n`: highest speed, mm/min, in thousandths.
     pub rate_milli: u32,
     /// `$12n`: acceleration, mm/s², in thousandths.
     pub accel_milli: u32,
@@ -15,24 +15,24 @@ pub struct AxisSettings {
     pub travel_milli: u32,
 }
 
-/// All of them, with Grbl's defaults; `$10` is 3, so that reports tell the free room.
+/// All settings, with Grbl's defaults. `$10` is 3, so that reports contain the free room.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Settings<const AXES: usize> {
     /// `$0`: step pulse, µs, 3…255.
     pub pulse_us: u8,
-    /// `$1`: motors stay on for so long, ms; 255: for ever.
+    /// `$1`: time for which motors stay on at standstill, ms; 255: always.
     pub idle_ms: u8,
-    /// `$2`: step pins that are on where they are low, bit n for axis n.
+    /// `$2`: step pins that are active low, bit n for axis n.
     pub step_mask: u8,
-    /// `$3`: axes with the other direction.
+    /// `$3`: axes with inverted direction.
     pub direction_mask: u8,
-    /// `$4`: the enable pin is on where it is high.
+    /// `$4`: the enable pin is active high.
     pub enable_inverted: bool,
-    /// `$5`: the limit pins are on where they are high.
+    /// `$5`: the limit pins are active high.
     pub limits_inverted: bool,
-    /// `$6`: the probe pin is on where it is high.
+    /// `$6`: the probe pin is active high.
     pub probe_inverted: bool,
-    /// `$10`: bit 0 machine position in place of work position, bit 1 free room.
+    /// `$10`: bit 0 machine position instead of work position, bit 1 free room.
     pub report_mask: u8,
     /// `$11`: junction deviation, mm, in thousandths.
     pub junction_milli: u32,
@@ -44,8 +44,8 @@ pub struct Settings<const AXES: usize> {
     pub soft_limits: bool,
     /// `$21`: hard limits.
     pub hard_limits: bool,
-    /// `$21=2`: a limit switch cuts the steps at once. With 1 the axes brake inside their limits, and the position stays
-    /// known.
+    /// `$21=2`: a limit switch stops the steps at once. With 1 the axes brake inside their limits, and the
+    /// position stays known.
     pub limits_cut_steps: bool,
     /// `$22`: homing.
     pub homing: bool,
@@ -57,11 +57,11 @@ pub struct Settings<const AXES: usize> {
     pub seek_milli: u32,
     /// `$26`: debounce, ms.
     pub debounce_ms: u8,
-    /// `$27`: way off the switch, mm, in thousandths.
+    /// `$27`: pull-off distance from the switch, mm, in thousandths.
     pub pull_off_milli: u32,
-    /// `$30`: largest spindle speed, rpm, in thousandths.
+    /// `$30`: highest spindle speed, rpm, in thousandths.
     pub rpm_max_milli: u32,
-    /// `$31`: smallest spindle speed, rpm, in thousandths.
+    /// `$31`: lowest spindle speed, rpm, in thousandths.
     pub rpm_min_milli: u32,
     /// `$32`: laser mode.
     pub laser: bool,
@@ -69,7 +69,7 @@ pub struct Settings<const AXES: usize> {
     pub axes: [AxisSettings; AXES],
 }
 
-/// Why a setting is refused: Grbl's code.
+/// Reason for which a setting is refused: Grbl's error number.
 pub type Code = u8;
 
 const BAD_NUMBER: Code = 2;
@@ -79,17 +79,17 @@ const SHORT_PULSE: Code = 6;
 const NEEDS_HOMING: Code = 10;
 const TOO_FAST: Code = 12;
 const NO_PWM: Code = 17;
-/// Of grblHAL: Grbl cuts such a value.
+/// An error number of grblHAL; Grbl clips such a value instead.
 const OUT_OF_RANGE: Code = 52;
 
-/// Numbers of the settings in their order, those of axes without their axis.
+/// Numbers of the settings in ascending order, those of axes without the axis digit.
 const NUMBERS: [u8; 22] = [0, 1, 2, 3, 4, 5, 6, 10, 11, 12, 13, 20, 21, 22, 23, 24, 25, 26, 27, 30, 31, 32];
 
-/// What the value of a setting is.
+/// Kind of a setting's value.
 enum Value<'a> {
     Byte(&'a mut u8),
     Flag(&'a mut bool),
-    /// Off, on, and on with more.
+    /// Off, on, and a further mode.
     Two(&'a mut bool, &'a mut bool),
     Milli(&'a mut u32),
 }
@@ -104,7 +104,7 @@ impl Value<'_> {
         }
     }
 
-    /// `None`: it cannot have that value.
+    /// `None`: the setting cannot have this value.
     fn put(self, raw: u32) -> Option<()> {
         match self {
             Self::Byte(value) => *value = u8::try_from(raw).ok()?,
@@ -154,7 +154,7 @@ impl<const AXES: usize> Settings<AXES> {
         }
     }
 
-    /// Where the setting with this number is.
+    /// Returns the field of the setting with this number.
     fn value(&mut self, number: u8) -> Option<Value<'_>> {
         Some(match number {
             0 => Value::Byte(&mut self.pulse_us),
@@ -195,7 +195,7 @@ impl<const AXES: usize> Settings<AXES> {
     /// Calls `show` with each setting in ascending order.
     ///
     /// # Errors
-    /// That of `show`.
+    /// The error of `show`.
     pub fn each<E>(&self, mut show: impl FnMut(u8, Fixed) -> Result<(), E>) -> Result<(), E> {
         let mut copy = *self;
         for number in Self::numbers() {
@@ -207,35 +207,36 @@ impl<const AXES: usize> Settings<AXES> {
         Ok(())
     }
 
-    /// Settings that belong to no axis.
+    /// Settings that do not belong to an axis.
     pub(crate) const COUNT: usize = NUMBERS.len();
 
     fn numbers() -> impl Iterator<Item = u8> {
         NUMBERS.into_iter().chain((100..=130_u8).step_by(10).flat_map(|first| (first..).take(AXES)))
     }
 
-    /// Calls `take` with number and value of each setting, values as they are kept.
+    /// Calls `take` with number and stored value of each setting.
     pub(crate) fn each_raw(&self, mut take: impl FnMut(u8, u32) -> Option<()>) -> Option<()> {
         let mut copy = *self;
         Self::numbers().try_for_each(|number| take(number, copy.value(number)?.raw()))
     }
 
-    /// Puts a value of [`Self::each_raw`] back, if there is such a setting and it can have that value.
+    /// Restores a value of [`Self::each_raw`]. Returns whether the setting exists and can have this value.
     pub(crate) fn put_raw(&mut self, number: u8, value: u32) -> Option<()> {
         self.value(number)?.put(value)
     }
 
-    /// Whether all of them together are ones that [`Self::set`] leads to.
+    /// Whether [`Self::set`] can lead to this combination of settings.
     pub(crate) fn is_permitted(&self) -> bool {
         self.pulse_us >= 3
             && (self.homing || !self.soft_limits)
             && (0..AXES).all(|axis| self.check_axis(axis).is_ok())
     }
 
-    /// Changes one of them: `text` is what stands behind `$`, `110=500.0`. `has_pwm`: the spindle has a variable speed.
+    /// Changes a setting. `text` is the text after `$`: `110=500.0`. `has_pwm`: the spindle has a variable
+    /// speed.
     ///
     /// # Errors
-    /// Grbl's code; nothing is changed.
+    /// Grbl's error number; no setting is changed.
     pub fn set(&mut self, text: &[u8], has_pwm: bool) -> Result<(), Code> {
         let digits = text.iter().take_while(|byte| byte.is_ascii_digit()).count();
         let (number, rest) = text.split_at_checked(digits).ok_or(UNKNOWN)?;
@@ -260,7 +261,7 @@ impl<const AXES: usize> Settings<AXES> {
         match number {
             0 if changed.pulse_us < 3 => return Err(SHORT_PULSE),
             20 if changed.soft_limits && !changed.homing => return Err(NEEDS_HOMING),
-            // Soft limits need homing: they go off with it.
+            // Soft limits need homing, so both go off together.
             22 if !changed.homing => changed.soft_limits = false,
             32 if changed.laser && !has_pwm => return Err(NO_PWM),
             100..=139 => changed.check_axis(usize::from(number % 10))?,
@@ -275,7 +276,7 @@ impl<const AXES: usize> Settings<AXES> {
         let mut data = AxisData::new(glidepath::AxisName([0; 4]), glidepath::AxisKind::Linear);
         settings.apply(&mut data, self.soft_limits);
         for known in parameter::AXIS {
-            // What a setting stands for; the others are not changed here.
+            // Only the machine data of the changed setting are checked.
             let is_meant =
                 matches!(known.id, "P-AXIS-00212" | "P-AXIS-00209" | "P-AXIS-00008" | "P-AXIS-00177");
             if is_meant && !(known.min_milli..=known.max_milli).contains(&(known.get)(&data)) {
@@ -285,15 +286,15 @@ impl<const AXES: usize> Settings<AXES> {
         if settings.counts_milli == 0 {
             return Err(OUT_OF_RANGE);
         }
-        // Grbl's error: a step rate beyond what the steps of a second can be counted in.
+        // Grbl's error number for a step rate above the highest count of steps per second.
         if u64::from(settings.counts_milli) * u64::from(settings.rate_milli) > 60_000_000 * MOST_STEPS {
             return Err(TOO_FAST);
         }
         Ok(())
     }
 
-    /// Machine data with these settings in place of those in force. Software limits that no setting has changed stay as
-    /// the machine data have them.
+    /// Returns machine data with these settings instead of the active ones. Software limits that no setting
+    /// has changed keep the values of the machine data.
     #[must_use]
     pub fn onto(&self, data: &MachineData<AXES>, in_force: &Self) -> MachineData<AXES> {
         let mut changed = *data;
@@ -314,7 +315,7 @@ impl<const AXES: usize> Settings<AXES> {
         changed
     }
 
-    /// Puts them into machine data: speeds, accelerations, travel. Times of ramps stay as they are.
+    /// Copies speeds, accelerations and travel into machine data. Ramp times do not change.
     pub fn apply(&self, machine: &mut MachineData<AXES>) {
         for (settings, axis) in self.axes.iter().zip(&mut machine.axes) {
             settings.apply(axis, self.soft_limits);
@@ -328,13 +329,13 @@ impl<const AXES: usize> Default for Settings<AXES> {
     }
 }
 
-/// Steps per second beyond which a setting is refused: a step each 2.5 µs slot and gap.
+/// Steps per second above which a setting is refused: one slot of pulse and one slot of gap, 2.5 µs each.
 const MOST_STEPS: u64 = 200_000;
 
 impl AxisSettings {
-    /// `$11n` is P-AXIS-00209 and P-AXIS-00212, in µm/s, cut. `$12n` is P-AXIS-00001, 00002, 00004 and 00008, in
-    /// mm/s², cut. `$13n` is P-AXIS-00177, negative, while P-AXIS-00178 is 0: the machine space of Grbl lies below 0. Without
-    /// soft limits both have none.
+    /// `$11n` sets P-AXIS-00209 and P-AXIS-00212, rounded down to µm/s. `$12n` sets P-AXIS-00001, 00002,
+    /// 00004 and 00008, rounded down to mm/s². `$13n` sets P-AXIS-00177 to minus the travel, and P-AXIS-00178
+    /// to 0, because Grbl's machine space lies below 0. Without soft limits an axis has neither.
     pub fn apply(&self, axis: &mut AxisData, soft_limits: bool) {
         let speed = self.rate_milli / 60;
         (axis.vb_eilgang, axis.vb_max) = (speed, speed);

@@ -1,10 +1,10 @@
-//! States of the machine as reports name them.
+//! States of the machine, with the names that reports use.
 use core::fmt::{self, Display};
 
-/// What a report calls the state.
+/// The state that a report shows.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum State {
-    /// At rest, ready.
+    /// The axes stand still, and the machine is ready.
     Idle,
     /// A program moves the axes.
     Run,
@@ -12,15 +12,15 @@ pub enum State {
     Hold(u8),
     /// Manual motion.
     Jog,
-    /// Locked.
+    /// An alarm: the controller refuses motion.
     Alarm,
     /// Safety door: 0 closed and ready, 1 open, 2 braking, 3 resuming.
     Door(u8),
-    /// Lines are read, nothing moves.
+    /// Check mode: the controller checks lines, and no axis moves.
     Check,
     /// Homing.
     Home,
-    /// Everything is off until a reset.
+    /// Spindle, coolant and motors are off until a reset.
     Sleep,
 }
 
@@ -61,7 +61,7 @@ impl Signals {
         Self(1 << (axis & 7))
     }
 
-    /// Both.
+    /// The union of both sets of inputs.
     #[must_use]
     pub const fn and(self, other: Self) -> Self {
         Self(self.0 | other.0)
@@ -77,7 +77,7 @@ impl Signals {
         self.0 & 0xff != 0
     }
 
-    /// Those that were off before.
+    /// The inputs of this set that are not in `before`.
     pub const fn since(self, before: Self) -> Self {
         Self(self.0 & !before.0)
     }

@@ -13,11 +13,11 @@ const NOT_IDLE: u8 = 8;
 const DOOR_OPEN: u8 = 13;
 const STORED_TOO_LONG: u8 = 14;
 
-/// Planner blocks that `$I` tells.
+/// Number of planner blocks in `$I`.
 const BLOCKS: usize = 15;
 
 impl<const AXES: usize, const N: usize> Controller<'_, AXES, N> {
-    /// Carries out what stands behind `$`.
+    /// Carries out the command after `$`.
     pub(crate) fn system<M: Motion<AXES>, S: Store<AXES>, W: embedded_io::Write>(
         &mut self,
         around: &mut Around<'_, '_, M, S, W>,
@@ -25,7 +25,7 @@ impl<const AXES: usize, const N: usize> Controller<'_, AXES, N> {
     ) -> Reply {
         let status = around.motion.status();
         let state = self.state(&status);
-        // In an alarm the axes may still brake: a store that writes would stall the interrupt.
+        // In an alarm the axes may still brake, and a write of the store would block the interrupt.
         let is_idle = match state {
             State::Alarm => status.is_at_rest,
             _ => state == State::Idle,
@@ -75,7 +75,7 @@ impl<const AXES: usize, const N: usize> Controller<'_, AXES, N> {
                 around.motion.reset();
                 around.out.line(format_args!("ok"));
                 around.out.line(format_args!("[MSG:Sleeping]"));
-                // The answer stands before the message.
+                // The answer comes before the message.
                 Reply::Silent
             }
             [b'N', number @ b'0'..=b'1', b'=', line @ ..] => self.startup_line(around, state, *number, line),
@@ -132,7 +132,7 @@ impl<const AXES: usize, const N: usize> Controller<'_, AXES, N> {
         match jog::read(words, &self.config.names, &around.motion.modal()) {
             Ok(jog) => {
                 let reply = Reply::of(around.motion.jog(&jog));
-                // A jog that waits is one too: it is given again.
+                // A waiting jog comes here too, because the same line is given again.
                 if matches!(reply, Reply::Now(Ok(())) | Reply::Later(_)) {
                     self.mode = Mode::Jog;
                 }
@@ -168,7 +168,7 @@ impl<const AXES: usize, const N: usize> Controller<'_, AXES, N> {
             return Reply::error(NOT_IDLE);
         }
         let Ok(stored) = Stored::from_slice(line) else { return Reply::error(STORED_TOO_LONG) };
-        // Read for its errors before it is kept.
+        // The line is checked for errors before it is stored.
         if !line.is_empty()
             && let Err(refusal) = around.motion.check(line)
         {
@@ -189,7 +189,7 @@ impl<const AXES: usize, const N: usize> Controller<'_, AXES, N> {
         self.take_texts(around.store, self.config.startup.clone(), stored)
     }
 
-    /// Texts are in force when the store has them.
+    /// Makes texts active after the store has written them.
     fn take_texts(&mut self, store: &mut impl Store<AXES>, startup: [Stored; 2], info: Stored) -> Reply {
         let [first, second] = &startup;
         if !store.texts([first, second], &info) {
@@ -211,7 +211,7 @@ impl<const AXES: usize, const N: usize> Controller<'_, AXES, N> {
         self.take_settings(around, settings)
     }
 
-    /// Settings are in force when the machine can have them and the store has them.
+    /// Makes settings active if the machine supports them and the store has written them.
     fn take_settings<M: Motion<AXES>, S: Store<AXES>, W: embedded_io::Write>(
         &mut self,
         around: &mut Around<'_, '_, M, S, W>,
@@ -221,7 +221,7 @@ impl<const AXES: usize, const N: usize> Controller<'_, AXES, N> {
             return Reply::Now(Err(refusal));
         }
         if !around.store.settings(&settings) {
-            // What was in force is in force again: the machine had it before.
+            // Restores the old settings, which the machine supported before.
             let _ = around.motion.configure(&self.config.settings);
             return Reply::error(NOT_STORED);
         }

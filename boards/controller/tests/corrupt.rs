@@ -1,4 +1,5 @@
-//! Bytes that are damaged on their way: each line is answered once, and the next line end brings both sides in step.
+//! Bytes that are damaged on the line: each line is answered once, and after the next line end sender and
+//! controller agree again.
 mod bench;
 
 use bench::corruption::{damage, damage_of};

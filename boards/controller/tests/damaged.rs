@@ -1,4 +1,4 @@
-//! Bytes that are damaged on their way to a machine with soft limits: answers, step and travel.
+//! Damaged bytes for a machine with soft limits: number of answers, agreement after a line end, and travel.
 mod bench;
 
 use bench::corruption::Random;

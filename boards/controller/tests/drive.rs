@@ -1,4 +1,4 @@
-//! The step output behind planner and protocol: where the motors have turned to, counted from the pulses.
+//! The step output after planner and protocol: positions of the motors, counted from the pulses.
 mod bench;
 
 use bench::AXES;

@@ -1,4 +1,5 @@
-//! A flood of real-time bytes: what the task does for it is bounded, and motion goes on as without it.
+//! A flood of real-time bytes: the work of the task is bounded, and the motion is the same as without the
+//! flood.
 mod bench;
 
 use bench::world::{Rig, World, settings, with_rig};

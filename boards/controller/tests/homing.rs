@@ -1,4 +1,5 @@
-//! Homing and probing with simulated switches: hysteresis of 20 µm, bounce, and a hard stop behind each switch.
+//! Homing and probing with simulated switches: hysteresis of 20 µm, bounce, and a hard stop after each
+//! switch.
 mod bench;
 
 use bench::homing::{HARD_STOP, home};

@@ -1,4 +1,4 @@
-//! The protocol with the planner, the interpolator and a simulated machine behind it.
+//! The protocol together with planner, interpolator and a simulated machine.
 mod bench;
 
 use bench::world::{World, mm, settings, with_rig};

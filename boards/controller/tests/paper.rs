@@ -1,5 +1,5 @@
-//! Carries out `docs/protocol.md`: every table row and every conversation of the page, answers compared character for
-//! character.
+//! Checks `docs/protocol.md`: every table row and every conversation of the page, with answers compared
+//! character for character.
 mod bench;
 
 use bench::world::{Rig, World, settings, with_rig};

@@ -1,4 +1,4 @@
-//! Inputs and outputs through embedded-hal, against its mock.
+//! Inputs and outputs through embedded-hal, with its mock.
 use embedded_hal_mock::eh1::digital::{Mock as Pin, State, Transaction};
 use embedded_hal_mock::eh1::pwm::{Mock as Pwm, Transaction as PwmTransaction};
 use glidepath_controller::pins::{Input, Tool, limits};

@@ -1,4 +1,4 @@
-//! Minutes of work at random; hours by `cargo run -p glidepath-controller --release --example soak`.
+//! Minutes of random operation; hours by `cargo run -p glidepath-controller --release --example soak`.
 mod bench;
 
 /// Rows of the machine: no state that must not follow, each line answered once, each place exact to the last bit.

@@ -1,4 +1,4 @@
-//! The parameter store: power cuts at every word, and what the controller keeps over a restart.
+//! The parameter store: power cuts at every word, and the data that the controller keeps over a restart.
 mod bench;
 
 use bench::corruption::Random;

@@ -1,19 +1,19 @@
-//! Copies of memory for Cortex-M3 and up, eight words at a time, and zeros.
+//! Functions that copy and clear memory for Cortex-M3 and higher, eight words at a time.
 //!
-//! The compiler calls these functions of the ARM run-time ABI (IHI 0043, 4.3.4) where it copies a structure, or
-//! begins with one of zeros. Those that come with it copy a word in five instructions, and clear one in four. These
-//! copy eight words in four, clear four words in four, and are a kilobyte smaller. They are taken where this crate
-//! is linked, since the others are weak.
+//! The compiler calls these functions of the ARM run-time ABI (IHI 0043, 4.3.4) to copy or to clear a
+//! structure. The compiler's own functions copy a word in five instructions, and clear a word in four. The
+//! functions of this crate copy eight words in four instructions and clear four words in four instructions,
+//! and are a kilobyte smaller. The linker takes these functions, because the compiler's functions are weak.
 //!
-//! Words that are not aligned are read and written as they are, which these cores do unless CCR.UNALIGN_TRP says
-//! otherwise; the compiler's own code for them does the same.
+//! Unaligned words are read and written directly. These cores permit this, unless CCR.UNALIGN_TRP is set; the
+//! compiler's own code relies on the same.
 #![no_std]
 
 #[cfg(target_arch = "arm")]
 mod eabi {
     use core::arch::naked_asm;
 
-    // r0: where to, r1: where from, r2: how many bytes. r3, r12 and the flags are free.
+    // r0: destination, r1: source, r2: number of bytes. r3, r12 and the flags are free.
 
     /// Both addresses are multiples of four.
     #[unsafe(naked)]
@@ -92,8 +92,8 @@ mod eabi {
         )
     }
 
-    /// Any addresses, and both ranges may overlap: from the end down where the destination begins inside the
-    /// source. Else upward, which is right also where the destination is below.
+    /// Any addresses, and both ranges may overlap. If the destination begins inside the source, the copy runs
+    /// from the end down; otherwise it runs upward, which is also right for a destination below the source.
     #[unsafe(naked)]
     #[unsafe(no_mangle)]
     unsafe extern "C" fn __aeabi_memmove() {
@@ -137,7 +137,7 @@ mod eabi {
         naked_asm!("b {}", sym __aeabi_memmove)
     }
 
-    // r0: what becomes zero, r1: how many bytes. r2, r3, r12 and the flags are free.
+    // r0: destination, r1: number of bytes. r2, r3, r12 and the flags are free.
 
     /// The address is a multiple of four.
     #[unsafe(naked)]

@@ -1,16 +1,17 @@
-//! Glidepath beside Embassy, on an STM32F405 and in QEMU's `netduinoplus2`.
+//! Glidepath with Embassy, on an STM32F405 and in QEMU's `netduinoplus2`.
 //!
-//! | what | priority | what it has | what it does |
+//! | interrupt or task | priority | owns | work |
 //! |---|---|---|---|
-//! | `TIM2` | the interrupt of the timer, above Embassy | the interpolator | one set point per axis and cycle |
-//! | `USART1` | the interrupt of the serial line | its registers | hands a byte on |
-//! | `receive` | an executor in an interrupt | the feeder of the text window | hands a part of the program on when it is whole |
-//! | `functions` | the same | the operator, shared | carries M functions out and acknowledges them |
+//! | `TIM2` | the timer interrupt, with higher priority than Embassy | the interpolator | one set point per axis and cycle |
+//! | `USART1` | the interrupt of the serial line | its registers | passes on a byte |
+//! | `receive` | an executor in an interrupt | the feeder of the text window | passes on each complete part of the program |
+//! | `functions` | the same | the operator, shared | carries out M functions and acknowledges them |
 //! | `panel` | the same | the operator, shared | feed hold and override |
 //! | `plan` | an executor in an interrupt of the lowest priority | the planner | plans ahead |
 //!
-//! The main loop sleeps. Embassy's executor for it would do as well in place of the second one; but it sleeps by WFE, which
-//! QEMU does not do: it would run on, a million instructions in each cycle.
+//! The main loop sleeps. Embassy's executor for the main loop could replace the second executor. But this
+//! executor sleeps by WFE, at which QEMU does not sleep, and would execute a million instructions in each
+//! cycle.
 #![no_std]
 #![no_main]
 
@@ -43,20 +44,20 @@ type Interpolator = tick::Interpolator<'static, AXES>;
 type Operator = CriticalSectionMutex<operator::Operator<'static, AXES>>;
 type Cycle = Signal<CriticalSectionRawMutex, ()>;
 
-/// Bytes of program text on their way. The sender puts END_OF_PART behind each part of at most half of them, and sends the
-/// next one when it has seen how far the program is.
+/// Bytes in the buffer for received program text. The sender puts END_OF_PART after each part, which has at
+/// most half of these bytes, and sends the next part when the program reports its progress.
 const WINDOW: usize = 512;
 const PART: usize = WINDOW / 2;
 const END_OF_PART: u8 = 3;
 
-/// 16 MHz by 115,200 baud, and the byte that asks the sender to begin.
+/// 16 MHz divided by 115,200 baud, and the byte that asks the sender to begin.
 const BAUD: u32 = 139;
 const READY: u16 = 0x11;
 
-/// Clock of TIM2, MHz: QEMU's has 1 GHz. A board has 16 after reset.
+/// Clock of TIM2, MHz: QEMU's TIM2 has 1 GHz. A board has 16 MHz after reset.
 const TIMER_MHZ: u32 = 1000;
 
-/// Cycles that M26 takes, and that somebody holds the motion.
+/// Cycles until M26 is acknowledged, and length of the feed hold in cycles.
 const CARRIED_OUT: u32 = 50;
 const HELD: u32 = 100;
 
@@ -65,46 +66,47 @@ static CHANNEL: ConstStaticCell<channel::Channel<AXES, BLOCKS>> =
 static TEXT: ConstStaticCell<Window<WINDOW>> = ConstStaticCell::new(Window::new());
 static OPERATOR: StaticCell<Operator> = StaticCell::new();
 
-/// Each wakes a task in each cycle.
+/// Signals that wake a task in each cycle.
 static PLAN: Cycle = Signal::new();
 static FUNCTIONS: Cycle = Signal::new();
 static PANEL: Cycle = Signal::new();
 
-/// Bytes that the interrupt of the serial line has taken, and parts of the program that arrived whole: M26 waits for one.
+/// Bytes from the interrupt of the serial line, and the number of complete parts of the program: M26 waits
+/// for a part.
 static BYTES: Channel<CriticalSectionRawMutex, u8, 64> = Channel::new();
 static PARTS: AtomicU32 = AtomicU32::new(0);
 
-/// The program has ended, and all of it is with the interpolator.
+/// The program has ended, and all motion is in the queue.
 static IS_PLANNED: AtomicBool = AtomicBool::new(false);
 
-/// What the interrupt takes over.
+/// Data that the timer interrupt takes over.
 static MAILBOX: CriticalSectionMutex<RefCell<Option<(Interpolator, TIM2)>>> =
     CriticalSectionMutex::new(RefCell::new(None));
 
-/// The same for the interrupt of the serial line.
+/// Data that the interrupt of the serial line takes over.
 static LINE_BOX: CriticalSectionMutex<RefCell<Option<USART1>>> =
     CriticalSectionMutex::new(RefCell::new(None));
 
 /// Ticks and digest at the end.
 static END: Signal<CriticalSectionRawMutex, (u32, u64)> = Signal::new();
 
-/// Tasks that go before the planner, and the planner.
+/// The executor of the tasks with higher priority than the planner, and the executor of the planner.
 static URGENT: InterruptExecutor = InterruptExecutor::new();
 static PATIENT: InterruptExecutor = InterruptExecutor::new();
 
 #[interrupt]
 fn SPI1() {
-    // SAFETY: the interrupt of this executor alone.
+    // SAFETY: only the interrupt of this executor calls it.
     unsafe { URGENT.on_interrupt() }
 }
 
 #[interrupt]
 fn SPI2() {
-    // SAFETY: the interrupt of this executor alone.
+    // SAFETY: only the interrupt of this executor calls it.
     unsafe { PATIENT.on_interrupt() }
 }
 
-/// The timer interrupt: puts the set points of the cycle before out, then computes the next ones.
+/// The timer interrupt: outputs the set points of the previous cycle, then computes the next ones.
 #[interrupt]
 fn TIM2() {
     static mut MOTION: Option<(Interpolator, TIM2)> = None;
@@ -137,7 +139,8 @@ fn USART1() {
     }
     let Some(line) = LINE else { return };
     if BYTES.is_full() {
-        // The task goes on first: the byte stays where it is. With RTS the UART stops the sender meanwhile.
+        // If the buffer is full, the task must run first, and the byte stays in the register. With RTS the
+        // UART then stops the sender.
         NVIC::mask(Interrupt::USART1);
     } else {
         let _ = BYTES.try_send(line.dr().read().dr().bits() as u8);
@@ -167,7 +170,7 @@ fn main() -> ! {
     }
 }
 
-/// Starts timer and serial line, and says which interrupt goes before which.
+/// Starts timer and serial line, and sets the priorities of the interrupts.
 fn start(board: Peripherals, interpolator: Interpolator) {
     // Counter and prescaler are zero after reset, so no update event is forced.
     board.RCC.apb1enr().modify(|_, w| w.tim2en().set_bit());
@@ -177,12 +180,13 @@ fn start(board: Peripherals, interpolator: Interpolator) {
     timer.dier().write(|w| w.uie().set_bit());
     timer.cr1().write(|w| w.cen().set_bit());
     MAILBOX.lock(|mailbox| mailbox.replace(Some((interpolator, timer))));
-    // The line: on, receive, transmit, an interrupt for each byte. Its pins are a matter of the board.
+    // The serial line: on, receive, transmit, an interrupt for each byte. The pins depend on the board.
     line.brr().write(|w| w.div_mantissa().set((BAUD / 16) as u16).div_fraction().set((BAUD % 16) as u8));
     line.cr1().write(|w| w.ue().set_bit().re().set_bit().te().set_bit().rxneie().set_bit());
     line.dr().write(|w| w.dr().set(READY));
     LINE_BOX.lock(|mailbox| mailbox.replace(Some(line)));
-    // SAFETY: nothing depends on these priorities or on the mask yet. The tick goes before Embassy's tasks.
+    // SAFETY: no code depends on these priorities or on the mask yet. The tick has a higher priority than
+    // Embassy's tasks.
     unsafe {
         let mut nvic = cortex_m::Peripherals::steal().NVIC;
         nvic.set_priority(Interrupt::TIM2, 0x40);
@@ -194,7 +198,7 @@ fn start(board: Peripherals, interpolator: Interpolator) {
     }
 }
 
-/// Plans until the queue is full. The next cycle wakes it again.
+/// Plans until the queue is full. The next cycle wakes the task again.
 #[embassy_executor::task]
 async fn plan(mut planner: Planner<'static, Stream<'static, WINDOW>, AXES, BLOCKS>) {
     loop {
@@ -205,19 +209,19 @@ async fn plan(mut planner: Planner<'static, Stream<'static, WINDOW>, AXES, BLOCK
                 PLAN.wait().await;
             }
             Ok(_) => {}
-            // The line is left out, what was planned before it stays valid.
+            // The line is left out; motion that was planned before stays valid.
             Err(error) => hprintln!("line {}: {}", error.place().line, error),
         }
     }
 }
 
-/// Program text arrives. The window gets a part of the program when that is whole.
+/// Program text arrives. Each complete part of the program goes into the window.
 #[embassy_executor::task]
 async fn receive(mut feeder: Feeder<'static, WINDOW>) {
     let (mut part, mut length) = ([0; PART], 0);
     loop {
         let byte = BYTES.receive().await;
-        // SAFETY: the interrupt has what it needs.
+        // SAFETY: the interrupt has its data.
         unsafe { NVIC::unmask(Interrupt::USART1) };
         if byte == END_OF_PART {
             if feeder.push(part.get(..length).unwrap_or_default()) != length {
@@ -232,7 +236,8 @@ async fn receive(mut feeder: Feeder<'static, WINDOW>) {
     }
 }
 
-/// Carries functions out. The motion stands at M26 until a part of the program has arrived, and 50 cycles more.
+/// Carries out functions. At M26 the axes stand still until a part of the program has arrived, and 50 cycles
+/// more.
 #[embassy_executor::task]
 async fn functions(operator: &'static Operator) {
     let mut parts = 0;
@@ -255,7 +260,7 @@ async fn functions(operator: &'static Operator) {
     }
 }
 
-/// Somebody presses buttons: half the speed at N40, a feed hold at N60, and on again.
+/// Simulates an operator: half the speed at N40, a feed hold at N60, and a resume.
 #[embassy_executor::task]
 async fn panel(operator: &'static Operator) {
     let status = || operator.lock(operator::Operator::status);
@@ -272,7 +277,7 @@ async fn panel(operator: &'static Operator) {
     });
 }
 
-/// Looks once per cycle.
+/// Checks the state once per cycle.
 async fn wait_until(is_so: impl Fn() -> bool) {
     loop {
         PANEL.wait().await;
@@ -282,7 +287,7 @@ async fn wait_until(is_so: impl Fn() -> bool) {
     }
 }
 
-/// The program is executed and the axes stand.
+/// The program is executed, and the axes stand still.
 #[embassy_executor::task]
 async fn end() {
     let (ticks, digest) = END.wait().await;
@@ -290,7 +295,7 @@ async fn end() {
     debug::exit(debug::EXIT_SUCCESS);
 }
 
-/// Where a board writes to its drives.
+/// A board writes to its drives here.
 fn to_the_drives(set_points: &[Position; AXES]) {
     core::hint::black_box(set_points);
 }

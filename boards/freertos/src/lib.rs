@@ -1,1 +1,1 @@
-//! Nothing: the program is `main.c`.
+//! Empty: the program is `main.c`.

@@ -5,12 +5,12 @@ use glidepath::operator::Operator;
 use glidepath::queue::Function;
 use std::collections::VecDeque;
 
-/// How long after its output a function is acknowledged.
+/// Delay between the output of a function and its acknowledgement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Delay {
-    /// Never.
+    /// No acknowledgement.
     Never,
-    /// ns.
+    /// Delay in ns.
     After(u64),
 }
 
@@ -26,7 +26,7 @@ const LONGEST: u64 = 1_000_000;
 /// `never`, or seconds.
 ///
 /// # Errors
-/// What is expected.
+/// The expected value.
 pub fn parse_delay(text: &str) -> Result<Delay, String> {
     if text == "never" {
         return Ok(Delay::Never);
@@ -35,7 +35,7 @@ pub fn parse_delay(text: &str) -> Result<Delay, String> {
     ns.map(Delay::After).ok_or_else(|| format!("expected seconds, 0…{LONGEST}, or never"))
 }
 
-/// Acknowledges what was put out.
+/// Acknowledges functions after their output.
 pub struct Automatic {
     /// Ticks.
     delay: Option<u64>,
@@ -43,7 +43,7 @@ pub struct Automatic {
 }
 
 impl Automatic {
-    /// Nothing was put out yet.
+    /// No function was output yet.
     pub fn new(delay: Delay, cycle_us: u32) -> Self {
         let delay = match delay {
             Delay::Never => None,
@@ -52,7 +52,7 @@ impl Automatic {
         Self { delay, pending: VecDeque::new() }
     }
 
-    /// A function was put out; `next` is the tick to come.
+    /// Records the output of a function; `next` is the next tick.
     pub fn answer(&mut self, function: Function, next: u64) {
         if let Some(delay) = self.delay {
             // From the tick of the output on.
@@ -60,10 +60,10 @@ impl Automatic {
         }
     }
 
-    /// The next function acknowledged before `tick`.
+    /// Returns the next function to acknowledge before `tick`.
     pub fn due<const AXES: usize>(&mut self, tick: u64, operator: &Operator<'_, AXES>) -> Option<Function> {
         while let Some((_, function)) = self.pending.pop_front_if(|(at, _)| *at <= tick) {
-            // An abort may have forgotten it.
+            // An abort may have dropped the function.
             if operator.acknowledge(function).is_ok() {
                 return Some(function);
             }
@@ -71,7 +71,7 @@ impl Automatic {
         None
     }
 
-    /// Whether this function is going to be acknowledged.
+    /// Whether this function will be acknowledged.
     pub fn answers(&self, function: Function) -> bool {
         self.pending.iter().any(|(_, other)| *other == function)
     }

@@ -1,4 +1,4 @@
-//! Axes that move beside the path: how often those that oscillate turn, beside how often they were to.
+//! Axes in independent motions: measured frequency of oscillations, compared with the programmed one.
 use crate::machine::Machine;
 use glidepath::machine::AxisData;
 use glidepath::nc::{Command, OscillationAction, OscillationSpeed, SlopeType};
@@ -6,7 +6,7 @@ use glidepath::quantity::Position;
 use serde::Serialize;
 use std::fmt::{self, Write};
 
-/// A motion of an axis beside the path, as the program has it.
+/// An independent motion of an axis, as programmed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Told {
     /// The axis.
@@ -20,7 +20,7 @@ pub struct Told {
 }
 
 impl Told {
-    /// Of a command.
+    /// Reads the motion from a command.
     pub fn of<const AXES: usize>(command: &Command<AXES>) -> Option<Self> {
         match command {
             Command::Oscillation(_, oscillation) => {
@@ -40,7 +40,7 @@ impl Told {
         }
     }
 
-    /// The machine data of its axis for it.
+    /// The machine data of its axis for this motion.
     pub fn weigh(&self, axis: &AxisData) -> AxisData {
         let mut data = *axis;
         let weigh = |value: u32| {
@@ -58,20 +58,20 @@ impl Told {
     }
 }
 
-/// One motion as it ran: its turns, and the periods without a hold.
+/// An executed motion: its turning points, and the periods without a hold.
 #[derive(Clone, Copy, Debug, Default)]
 struct Seen {
     turns: u64,
-    /// The tick at which the period at hand began, and whether a hold is in it.
+    /// The tick at which the current period began, and whether the period contains a hold.
     from: u64,
     is_held: bool,
-    /// Periods, and the ticks of all of them.
+    /// Number of periods, and the ticks of all periods.
     periods: u64,
     ticks: u64,
 }
 
 impl Seen {
-    /// The axis turns; every second time another period begins.
+    /// The axis turns; every second turn begins another period.
     fn turn(&mut self, tick: u64) {
         if self.turns.is_multiple_of(2) {
             if self.turns > 0 && !self.is_held {
@@ -88,19 +88,19 @@ impl Seen {
 #[derive(Clone, Debug, Default)]
 struct Axis {
     before: i64,
-    /// Of its last motion.
+    /// Results of its last motion.
     direction: i64,
     moves: bool,
     seen: Vec<Seen>,
 }
 
-/// What an oscillation came to.
+/// Result of an oscillation.
 #[derive(Clone, Debug, Serialize)]
 pub struct Oscillation {
     axis: String,
     hz: f64,
     period_s: f64,
-    /// FREQ, or one by TIME.
+    /// Programmed frequency: FREQ, or derived from TIME.
     #[serde(skip_serializing_if = "Option::is_none")]
     wanted_hz: Option<f64>,
 }
@@ -112,12 +112,13 @@ pub struct Beside {
 }
 
 impl Beside {
-    /// At rest at the origin.
+    /// At standstill at the origin.
     pub fn new(machine: &Machine) -> Self {
         Self { axes: vec![Axis::default(); machine.axes.len()] }
     }
 
-    /// A tick: where the axes are, which move beside the path, bit i for axis i, and whether they are to hold.
+    /// Handles a tick: positions of the axes, axes in an independent motion (bit i for axis i), and whether
+    /// they hold.
     pub fn add(&mut self, tick: u64, set_points: &[Position], moving: u32, held: bool) {
         for (k, (axis, point)) in self.axes.iter_mut().zip(set_points).enumerate() {
             let (x, moves) = (point.to_bits(), moving >> k & 1 == 1);
@@ -137,7 +138,7 @@ impl Beside {
         }
     }
 
-    /// Those that turned for a period at least, without those in which they held.
+    /// Oscillations of at least one period, without periods that contain a hold.
     pub fn oscillations(&self, told: &[Told], machine: &Machine) -> Vec<Oscillation> {
         let mut all = Vec::new();
         for (k, axis) in self.axes.iter().enumerate() {
@@ -147,7 +148,7 @@ impl Beside {
                     continue;
                 }
                 let period_s = seen.ticks as f64 * machine.cycle_s() / seen.periods as f64;
-                // Motions that follow each other without rest are seen as one.
+                // Motions that follow each other without a standstill are seen as one.
                 let known = told.len() == axis.seen.len();
                 let wanted_hz = if known { told.get(number).and_then(|told| told.wanted) } else { None };
                 let axis = machine.axes[k].name.as_str().to_owned();

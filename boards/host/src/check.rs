@@ -1,7 +1,8 @@
-//! Checks a program without a plan: takes its text, gives what `run` would refuse or warn about.
+//! Checks a program without planning it: takes its text, and returns the refusals and warnings of `run`.
 //!
-//! The planner of the library does it, with all its rules but without look-ahead and interrupt
-//! ([`glidepath::Planner::examine`]). Behind a refused line it goes on, so that all mistakes are told at once.
+//! The planner of the library checks the program with all its rules, but without look-ahead and interrupt
+//! ([`glidepath::Planner::examine`]). After a refused line the check continues, so that all mistakes are
+//! reported at once.
 use crate::diagnose::Diagnostic;
 use crate::files::Files;
 use crate::machine::{Machine, with_axes};
@@ -17,10 +18,10 @@ use glidepath::fir::Filters;
 use glidepath::nc::{Command, DwellTime, Motion, MotionKind, Text};
 use glidepath::quantity::Position;
 
-/// When a check ends early.
+/// Bounds at which a check ends early.
 #[derive(Clone, Copy)]
 pub struct Bounds {
-    /// Commands of lines that were carried out before.
+    /// Number of commands of repeated lines.
     pub commands: u64,
     /// Mistakes.
     pub mistakes: usize,
@@ -32,13 +33,13 @@ pub struct Checked {
     motions: usize,
     arcs: usize,
     dwells: usize,
-    /// Remarks of the decoder.
+    /// Warnings of the decoder.
     pub warnings: Vec<Diagnostic>,
-    /// Remarks about curves.
+    /// Warnings about curves.
     pub remarks: Vec<Diagnostic>,
-    /// What the program tells the operator.
+    /// Messages of the program to the operator.
     pub messages: Vec<Diagnostic>,
-    /// Axes move beside the path. Where they stand may depend on the time, which only a plan knows.
+    /// Axes move independently of the path. Their positions may depend on time, which only a plan knows.
     pub beside: bool,
 }
 
@@ -56,7 +57,7 @@ impl Checked {
         )
     }
 
-    /// Counts a command that stands where the axes are `at`.
+    /// Counts a command; `at` is the position of the axes.
     fn count<const AXES: usize>(&mut self, command: &Command<AXES>, at: &[Position; AXES]) {
         match command {
             Command::Motion(motion) => {
@@ -88,7 +89,7 @@ fn check_axes<const AXES: usize>(
 ) -> Result<Checked, Vec<Diagnostic>> {
     let data = machine.data::<AXES>().ok_or_else(|| vec![Diagnostic::error("wrong number of axes")])?;
     let start = [Position::ZERO; AXES];
-    // Static on a controller; here too large for some stacks.
+    // On a controller the memory is static; here it is too large for some stacks.
     let mut channel = Box::new(Channel::<AXES, BLOCKS, OVERLAYS>::new());
     let mut filters = Box::new(Filters::<AXES, TAPS>::new());
     let mut outside = plc::Memory::<AXES>::new(machine, None);
@@ -105,7 +106,7 @@ fn check_axes<const AXES: usize>(
     let mut mistakes = Mistakes::new(bounds.mistakes);
     let (mut warned, mut repeats) = (Warned::default(), Repeats::default());
     let mut at = start;
-    // The last motion, if nothing came behind it.
+    // The last motion, if nothing follows it.
     let mut last = None;
     loop {
         let progress = planner.poll();
@@ -130,7 +131,7 @@ fn check_axes<const AXES: usize>(
                 let list = if of_curve { &mut checked.remarks } else { &mut checked.warnings };
                 list.push(remark(files, &warning));
             }
-            // Filters and axes beside the path go on with the tick.
+            // Filters and independent axes continue with the tick.
             Ok(Progress::Waiting) => _ = handles.interpolator.tick(),
             Ok(Progress::Done) if mistakes.is_empty() => return Ok(checked),
             Ok(Progress::Done) if mistakes.goes_on() && go_on(planner, &mistakes, last.as_ref()) => {
@@ -147,7 +148,8 @@ fn check_axes<const AXES: usize>(
     }
 }
 
-/// Behind the refused line: the axes are put to where that line leads, if that is known. Whether the program goes on.
+/// After a refused line: the axes get the end point of this line, if it is known. Returns whether the program
+/// continues.
 fn go_on<T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, const OVERLAYS: usize>(
     planner: &mut Planner<'_, T, AXES, BLOCKS, F, OVERLAYS>,
     mistakes: &Mistakes,
@@ -155,7 +157,7 @@ fn go_on<T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
 ) -> bool {
     if let Some(motion) = last.filter(|_| mistakes.leads_on()) {
         for (axis, &end) in motion.target.iter().enumerate() {
-            // Beyond what a position can be: the axis stays.
+            // A position outside the range of positions: the axis stays.
             let _ = planner.set_position(axis, end);
         }
     }

@@ -1,4 +1,4 @@
-//! Times of a minute and more as a clock shows them, beside their seconds.
+//! Times of a minute and more in hours, minutes and seconds, in addition to seconds.
 
 /// ` (h:mm:ss)`, to the nearest second; nothing below a minute.
 pub fn clock(seconds: f64) -> String {

@@ -1,8 +1,8 @@
-//! The course of the path speed, block by block: how slow the motion is between two blocks, how fast inside.
+//! The path speed, block by block: lowest speed between two blocks, highest speed inside a block.
 //!
-//! The fastest tick of each block parts it. What is slow behind it belongs to the joint at the end of the
-//! block, what is slow before it to the joint at the start: with a curve in the corner too, whose slowest
-//! point lies beside the joint.
+//! The fastest tick of each block divides the block. Slow ticks after it belong to the transition at the end
+//! of the block, slow ticks before it to the transition at the start. This also holds for a corner curve,
+//! whose slowest point lies next to the transition.
 use glidepath::quantity::Speed;
 
 /// A speed, and the row of the trace that has it.
@@ -15,20 +15,20 @@ pub struct Seen {
 /// Speeds of a run, by motion block.
 #[derive(Debug, Default)]
 pub struct Course {
-    /// The slowest between a block and the next one; none where a tick passes several, or in a line that
-    /// stands for several.
+    /// The lowest speed at each transition; none if a tick passes several transitions, or inside a merged
+    /// line.
     joints: Vec<Option<Seen>>,
-    /// The fastest in each block; none without a tick in it.
+    /// The highest speed in each block; none without a tick in the block.
     tops: Vec<Option<Seen>>,
-    /// The slowest since the fastest.
+    /// The lowest speed since the fastest tick.
     low: Option<Seen>,
     block: Option<u32>,
-    /// The block before.
+    /// The previous block.
     before: Option<u32>,
 }
 
 impl Course {
-    /// Takes in a row, and the block at whose end it stands.
+    /// Records a row, and the block at whose end the axes stand.
     pub fn add(&mut self, tick: u64, block: u32, speed: Speed, stood: Option<u32>) {
         let seen = Seen { speed, tick };
         if self.block != Some(block) {
@@ -37,7 +37,7 @@ impl Course {
             let room = block as usize + 1;
             self.tops.resize(room.max(self.tops.len()), None);
             self.joints.resize(room.max(self.joints.len()), None);
-            // What is slow on both sides is one.
+            // Slow ticks on both sides belong to one transition.
             self.low = self.low.map(|low| if speed == Speed::ZERO { low } else { low.min(seen) });
         }
         if let Some(joint) = stood {
@@ -50,7 +50,7 @@ impl Course {
             if let Some(joint) = self.before.and_then(|before| self.joints.get_mut(before as usize)) {
                 *joint = Some(joint.map_or(low, |other| other.min(low)));
             }
-            // It stands where the block begins: at the joint in front of it, and at no other one.
+            // The axes stand at the start of the block: at the transition before it, and at no other one.
             self.low = (speed != Speed::ZERO).then_some(seen);
         } else {
             self.low = Some(low);
@@ -62,7 +62,7 @@ impl Course {
         if let Some(joint) = self.joints.get_mut(joint) {
             *joint = Some(seen);
         }
-        // A tick that has passed several: what was slow belongs to the first one.
+        // The tick has passed several transitions: the lowest speed belongs to the first one.
         let other = before.filter(|before| *before != joint).and_then(|before| self.joints.get_mut(before));
         if let (Some(other), Some(low)) = (other, self.low) {
             *other = Some(other.map_or(low, |other| other.min(low)));
@@ -71,14 +71,15 @@ impl Course {
         self.before = None;
     }
 
-    /// Nothing is known of the joint at the end of a block.
+    /// Drops the value of the transition at the end of a block.
     pub fn forget(&mut self, block: usize) {
         if let Some(joint) = self.joints.get_mut(block) {
             *joint = None;
         }
     }
 
-    /// At the end of a law its speed is known exactly, also between two ticks: motion block, and that speed.
+    /// At the end of a speed profile the speed is known exactly, also between two ticks: motion block, and
+    /// speed.
     pub fn refine(&mut self, ends: &[(usize, Speed)]) {
         for &(last, speed) in ends {
             if let Some(Some(joint)) = self.joints.get_mut(last) {
@@ -87,17 +88,17 @@ impl Course {
         }
     }
 
-    /// The slowest at the end of a block, if another one follows.
+    /// The lowest speed at the end of a block, if another block follows.
     pub fn joint(&self, block: usize) -> Option<Seen> {
         self.joints.get(block).copied().flatten()
     }
 
-    /// The fastest in a block.
+    /// The highest speed in a block.
     pub fn top(&self, block: usize) -> Option<Seen> {
         self.tops.get(block).copied().flatten()
     }
 
-    /// Motion blocks.
+    /// Number of motion blocks.
     pub fn blocks(&self) -> usize {
         self.tops.len()
     }

@@ -1,7 +1,7 @@
 //! Decimals of fixed-point values: exact, or correctly rounded. Integers only.
 
-/// Appends the exact decimal of `bits` / 2^`fraction`, without trailing zeros but with one fraction digit at
-/// least. `fraction` may be up to 60.
+/// Appends the exact decimal of `bits` / 2^`fraction`, without trailing zeros, but with at least one fraction
+/// digit. `fraction` is at most 60.
 pub fn push_exact(out: &mut String, bits: i128, fraction: u32) {
     if bits < 0 {
         out.push('-');
@@ -21,7 +21,7 @@ pub fn push_exact(out: &mut String, bits: i128, fraction: u32) {
     }
 }
 
-/// Appends `value` / 10^`places` without trailing zeros, but with one fraction digit at least.
+/// Appends `value` / 10^`places` without trailing zeros, but with at least one fraction digit.
 pub fn push_scaled(out: &mut String, value: i128, places: u32) {
     if value < 0 {
         out.push('-');
@@ -50,13 +50,13 @@ fn push_integer(out: &mut String, value: u128) {
 /// Decimal places of [`per_second`] and [`per_second_squared`].
 pub const PLACES: u32 = 12;
 
-/// `bits` · 2^-58 per tick as 10^-12 per second, to nearest, ties away from zero.
+/// Converts `bits` · 2^-58 per tick to units of 10^-12 per second, to nearest, ties away from zero.
 pub fn per_second(bits: i64, cycle_us: u32) -> i128 {
     // 10^6 / cycle ticks per second, 10^12 for the places: 10^18 = 5^18 · 2^18, and 2^18 / 2^58 = 2^-40.
     divide_to_nearest(i128::from(bits) * 5_i128.pow(18), i128::from(cycle_us) << 40)
 }
 
-/// `bits` · 2^-58 per tick² as 10^-12 per second², to nearest, ties away from zero.
+/// Converts `bits` · 2^-58 per tick² to units of 10^-12 per second², to nearest, ties away from zero.
 pub fn per_second_squared(bits: i64, cycle_us: u32) -> i128 {
     let cycle = i128::from(cycle_us);
     divide_to_nearest(i128::from(bits) * 5_i128.pow(24), (cycle * cycle) << 34)
@@ -67,7 +67,7 @@ fn divide_to_nearest(value: i128, by: i128) -> i128 {
     if value < 0 { -quotient } else { quotient }
 }
 
-/// `12.34` in units of 10^-places, exactly; nothing else, above all no sign.
+/// Reads `12.34` in units of 10^-places, exactly; other text, above all a sign, is refused.
 pub fn parse(text: &[u8], places: usize) -> Option<u64> {
     let text = std::str::from_utf8(text).ok()?;
     let (whole, fraction) = text.split_once('.').unwrap_or((text, ""));

@@ -1,7 +1,8 @@
-//! Messages that show where: source line, caret, what was refused, what was expected.
+//! Messages with a place: source line, caret, refused word, expected word.
 //!
-//! Places count bytes, as the decoder does. Program text may be anything: bytes that are not text or would
-//! move the cursor are shown as one substitute character each, and long lines are cut around the caret.
+//! Places count bytes, as the decoder does. Program text may contain any bytes. Bytes that are no text, or
+//! that would move the cursor, are shown as one substitute character each. Long lines are cut around the
+//! caret.
 use anstyle::{AnsiColor, Style};
 use std::fmt::Write as _;
 use std::io::Read as _;
@@ -10,7 +11,7 @@ use std::path::Path;
 /// A text with a name.
 #[derive(Clone)]
 pub struct Source {
-    /// As the user gave it.
+    /// The name that the user gave.
     pub name: String,
     /// Its bytes.
     pub text: Vec<u8>,
@@ -42,7 +43,7 @@ impl Source {
         (number + 1, offset.min(self.text.len()) - start + 1)
     }
 
-    /// Offsets of the first bytes of all lines: behind LF, CR LF, or CR alone, as the decoder counts them.
+    /// Offsets of the first bytes of all lines: after LF, CR LF, or CR alone, as in the decoder.
     fn line_starts(&self) -> impl Iterator<Item = usize> + '_ {
         let next = |at: usize| self.text.get(at).copied();
         let ends = (0..self.text.len()).filter(move |&at| {
@@ -51,7 +52,7 @@ impl Source {
         std::iter::once(0).chain(ends.map(|at| at + 1))
     }
 
-    /// All lines, without what ends them.
+    /// All lines, without their line ends.
     pub fn lines(&self) -> impl Iterator<Item = &[u8]> {
         self.line_starts().map(|start| {
             let line = self.text[start..].split(|byte| matches!(byte, b'\n' | b'\r')).next();
@@ -59,7 +60,7 @@ impl Source {
         })
     }
 
-    /// The line with this number, from 1; empty where there is none.
+    /// The line with this number, from 1; empty if the line does not exist.
     pub fn line(&self, number: usize) -> &[u8] {
         self.lines().nth(number.saturating_sub(1)).unwrap_or(b"")
     }
@@ -84,26 +85,26 @@ struct Shown {
 /// One message.
 pub struct Diagnostic {
     severity: Severity,
-    /// Number of the message, as the ISG kernel or this project counts it; may be empty.
+    /// Number of the message in ISG's or Glidepath's count; may be empty.
     pub id: String,
-    /// What was refused and why.
+    /// The refused word and the reason.
     pub message: String,
     shown: Option<Shown>,
     expected: Option<String>,
 }
 
 impl Diagnostic {
-    /// Something that ends the run.
+    /// An error, which ends the run.
     pub fn error(message: impl Into<String>) -> Self {
         Self::new(Severity::Error, message.into())
     }
 
-    /// Something worth knowing.
+    /// A warning.
     pub fn warning(message: impl Into<String>) -> Self {
         Self::new(Severity::Warning, message.into())
     }
 
-    /// What a program has to say.
+    /// A message of the program to the operator.
     pub fn note(message: impl Into<String>) -> Self {
         Self::new(Severity::Note, message.into())
     }
@@ -112,20 +113,20 @@ impl Diagnostic {
         Self { severity, id: String::new(), message, shown: None, expected: None }
     }
 
-    /// With the number of the message.
+    /// Adds the number of the message.
     pub fn id(mut self, id: impl Into<String>) -> Self {
         self.id = id.into();
         self
     }
 
-    /// With the place: line and column from 1, the column and the length in bytes.
+    /// Adds the place: line and column from 1; column and length in bytes.
     pub fn at(mut self, source: &Source, line: usize, column: usize, length: usize) -> Self {
         let (excerpt, caret_at, caret_len) = excerpt(source.line(line), column.max(1) - 1, length);
         self.shown = Some(Shown { name: source.name.clone(), line, column, excerpt, caret_at, caret_len });
         self
     }
 
-    /// With the words beside the caret: what was expected.
+    /// Adds the words next to the caret: the expected input.
     pub fn expected(mut self, text: impl Into<String>) -> Self {
         self.expected = Some(text.into());
         self
@@ -136,17 +137,17 @@ impl Diagnostic {
         self.shown.as_ref().map_or((0, 0), |shown| (shown.line, shown.column))
     }
 
-    /// The line it is about, as it is shown: a long one is cut around the caret.
+    /// The source line of the message as shown: a long line is cut around the caret.
     pub fn excerpt(&self) -> Option<&str> {
         self.shown.as_ref().map(|shown| shown.excerpt.as_str())
     }
 
-    /// Name of the text it is about.
+    /// Name of the source text.
     pub fn source(&self) -> Option<&str> {
         self.shown.as_ref().map(|shown| shown.name.as_str())
     }
 
-    /// On the error output, coloured where that is a terminal.
+    /// Prints the message on the error output, coloured on a terminal.
     pub fn print(&self) {
         anstream::eprint!("{}", self.render());
     }
@@ -188,12 +189,13 @@ impl Diagnostic {
     }
 }
 
-/// The widest part of a line that is shown.
+/// Highest width of a shown line.
 const WIDTH: usize = 120;
 
-/// The printable part of `line` around byte `at`, and start and length of the caret in it, in characters.
+/// The printable part of `line` around byte `at`, and start and length of the caret in this part, in
+/// characters.
 fn excerpt(line: &[u8], at: usize, length: usize) -> (String, usize, usize) {
-    // One character and its first byte each; what is not text becomes U+FFFD, byte by byte.
+    // Each character with its first byte; a byte that is no text becomes U+FFFD.
     let mut characters: Vec<(usize, char)> = Vec::new();
     let mut offset = 0;
     for chunk in line.utf8_chunks() {
@@ -227,7 +229,7 @@ fn printable(character: char) -> char {
         '\t' => ' ',
         '\0'..='\x1f' => char::from_u32(0x2400 + character as u32).unwrap_or(' '),
         '\x7f' => '␡',
-        // C1 controls, and marks that turn the writing direction.
+        // C1 controls, and characters that change the writing direction.
         '\u{80}'..='\u{9f}' | '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}' => {
             char::REPLACEMENT_CHARACTER
         }
@@ -235,7 +237,7 @@ fn printable(character: char) -> char {
     }
 }
 
-/// The candidate nearest to `word` by edit distance, if it is near enough to be meant.
+/// Returns the candidate nearest to `word` by edit distance, if the distance is small enough.
 pub fn nearest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let word = word.to_ascii_lowercase();
     candidates
@@ -271,7 +273,7 @@ mod tests {
         assert_eq!(excerpt(b"N10 G01 X5", 8, 2), ("N10 G01 X5".into(), 8, 2));
         // ä has two bytes and one column, \xff and NUL one each.
         assert_eq!(excerpt(b"\xc3\xa4\xff\0 X5", 5, 2), ("ä\u{fffd}␀ X5".into(), 4, 2));
-        // Behind the end of the line there is still one caret.
+        // After the end of the line there is still one caret.
         assert_eq!(excerpt(b"N10", 3, 0), ("N10".into(), 3, 1));
     }
 

@@ -1,13 +1,13 @@
-//! The dialect of a program: as the command line or the machine data say, or as the text shows.
+//! The dialect of a program: selected by the command line or the machine data, or found from the text.
 use crate::diagnose::{Diagnostic, Source};
 use glidepath::machine::Dialect;
 use glidepath::nc::{ADDRESSES, WORDS, WordEntry};
 use std::fmt::Write as _;
 
-/// What the command line or the machine data ask for.
+/// The selection by command line or machine data.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
 pub enum Choice {
-    /// As the text shows: decided once, before the program is read.
+    /// Found from the text: once, before the program is read.
     #[default]
     Auto,
     /// ISG's language.
@@ -21,7 +21,7 @@ pub enum Choice {
 }
 
 impl Choice {
-    /// All of them with their names.
+    /// All choices with their names.
     pub const ALL: [(&str, Self); 5] = [
         ("auto", Self::Auto),
         ("isg", Self::Isg),
@@ -30,7 +30,7 @@ impl Choice {
         ("fanuc", Self::Fanuc),
     ];
 
-    /// The dialect, where it is chosen.
+    /// The selected dialect, if there is one.
     pub const fn dialect(self) -> Option<Dialect> {
         match self {
             Self::Auto => None,
@@ -42,7 +42,8 @@ impl Choice {
     }
 }
 
-/// The dialect of the program. Where the text decides, and it is not ISG's, one line says which and why.
+/// Returns the dialect of the program. If the text decides and the dialect is not ISG's, a note names dialect
+/// and word.
 ///
 /// # Errors
 /// The text is a program for a 3-D printer.
@@ -93,7 +94,8 @@ pub fn choose(choice: Choice, program: &Source) -> Result<Dialect, Vec<Diagnosti
     }
 }
 
-/// Grbl goes on behind M2 and M30 with what a sender still sends; a program ends there here.
+/// Refuses text after M2 or M30, with Grbl's dialect. Grbl continues with such text; here a program ends at
+/// M2 or M30.
 fn ends_once(dialect: Dialect, behind: Option<Mark>, program: &Source) -> Result<Dialect, Vec<Diagnostic>> {
     let Some(mark) = behind.filter(|_| dialect == Dialect::Grbl) else { return Ok(dialect) };
     let error = Diagnostic::error("a word behind M2 or M30, which Grbl carries out");
@@ -101,7 +103,7 @@ fn ends_once(dialect: Dialect, behind: Option<Mark>, program: &Source) -> Result
     Err(vec![error.expected("expected M2 or M30 in the last block, or --dialect linuxcnc, which ends there")])
 }
 
-/// Words that the controller of another dialect carries out otherwise, each once.
+/// Prints a note for each word that another dialect carries out differently.
 fn tell_traps(mut traps: Vec<(Mark, &'static str, bool)>) {
     traps.sort_by(|one, other| one.0.word.cmp(&other.0.word).then(one.0.line.cmp(&other.0.line)));
     traps.dedup_by(|next, first| next.0.word == first.0.word);
@@ -111,21 +113,21 @@ fn tell_traps(mut traps: Vec<(Mark, &'static str, bool)>) {
     }
 }
 
-/// A word that tells a dialect.
+/// A word that indicates a dialect.
 #[derive(Clone, Debug, PartialEq, Eq)]
 struct Mark {
     word: String,
     line: usize,
-    /// In bytes, from 1.
+    /// Column in bytes, from 1.
     column: usize,
     length: usize,
 }
 
-/// The first mark of each kind.
+/// The first mark of each kind in the text.
 #[derive(Default)]
 struct Found {
     isg: Option<Mark>,
-    /// ISG's language has it, and so have others: it counts where nothing else shows them.
+    /// A word of ISG's language and of other dialects; the mark counts only without other marks.
     perhaps_isg: Option<Mark>,
     linuxcnc: Option<Mark>,
     grbl: Option<Mark>,
@@ -133,56 +135,56 @@ struct Found {
     numbers: Numbers,
     /// G4 with X or U: Fanuc's and ISG's dwell.
     dwell: Option<Mark>,
-    /// LinuxCNC and Fanuc have it, Grbl has not.
+    /// A word that LinuxCNC and Fanuc have, but not Grbl.
     full: Option<Mark>,
-    /// LinuxCNC and Grbl have it, ISG's language has not.
+    /// A word that LinuxCNC and Grbl have, but not ISG.
     either: Option<Mark>,
-    /// One of them that ISG's programs do not hold: a unit, a tool length, a return to a place.
+    /// One of these words that ISG's programs do not contain: a unit, a tool length, a return to a position.
     foreign: bool,
     printer: Option<Mark>,
-    /// S beside axes in G1: pixel rows of a laser.
+    /// S together with axes in G1: pixel rows of a laser.
     rows: Vec<Mark>,
     end: End,
-    /// Words that ISG's language has with another meaning, each once.
-    /// With whether it would lead to another path.
+    /// Words that have another meaning in ISG's language, each once.
+    /// The flag: whether the word leads to another path.
     traps: Vec<(Mark, &'static str, bool)>,
 }
 
 /// How the text ends.
 #[derive(Default)]
 struct End {
-    /// With M2, M30 or `%`.
+    /// The text ends with M2, M30 or `%`.
     is_shown: bool,
-    /// M2 or M30 has come.
+    /// M2 or M30 has occurred.
     is_over: bool,
-    /// The first word behind it: Grbl carries it out, others do not read it.
+    /// The first word after M2 or M30. Grbl carries out this word; other dialects do not read it.
     behind: Option<Mark>,
 }
 
-/// What decides between Fanuc's numbers and those of others.
+/// Marks that distinguish Fanuc's numbers from those of other dialects.
 #[derive(Default)]
 struct Numbers {
-    /// A program number, which Fanuc's programs begin with, and some of others.
+    /// A program number. Fanuc's programs, and some others, begin with a program number.
     program: Option<Mark>,
-    /// G90.1 or G91.1, which Fanuc has not.
+    /// G90.1 or G91.1, which Fanuc does not have.
     centre: Option<Mark>,
-    /// A length without a decimal point, which Fanuc counts in least increments.
+    /// A length without a decimal point, which Fanuc counts in its least increment.
     whole: Option<Mark>,
 }
 
-/// What the text shows.
+/// The result of the search.
 #[derive(Debug, PartialEq, Eq)]
 enum Shown {
     Isg,
     Is(Dialect, Mark),
     /// Words of two dialects.
     Two([(Dialect, Mark); 2]),
-    /// A word that means another path in ISG's language, and nothing that shows a dialect.
+    /// A word with another path in ISG's language, and no mark of a dialect.
     Unclear(Mark, &'static str),
     Printer(Mark),
 }
 
-/// Programs that write texts for LinuxCNC, Grbl and their like, as comments name them.
+/// Names of programs that write text for LinuxCNC, Grbl and similar controllers, as in comments.
 const SENDERS: [&str; 30] = [
     "autodesk",
     "bcnc",
@@ -216,10 +218,11 @@ const SENDERS: [&str; 30] = [
     "vectric",
 ];
 
-/// G words of LinuxCNC and Grbl that programs of ISG do not hold: they are refused there, or mean mirroring.
+/// G words of LinuxCNC and Grbl that ISG's programs do not contain, because they are refused there or mean
+/// mirroring.
 const FOREIGN: &[u32] = &[200, 210, 280, 281, 300, 301, 382, 383, 384, 385, 430, 431, 490, 901, 911, 921];
 
-/// Blocks with S and axes from which on a text is taken for that of a laser.
+/// Number of blocks with S and axes from which on a text counts as a laser program.
 const ROWS: usize = 3;
 
 impl Found {
@@ -248,7 +251,7 @@ impl Found {
         if self.isg.is_some() || perhaps {
             return Shown::Isg;
         }
-        // LinuxCNC's programs call functions of the machine by such numbers.
+        // M100 and higher numbers call functions of the machine in LinuxCNC's programs.
         let called = self.linuxcnc.is_some();
         if let Some(mark) = self.printer.filter(|mark| !called || !mark.word.starts_with("M1")) {
             return Shown::Printer(mark);
@@ -259,10 +262,10 @@ impl Found {
                 None => self.fanuc = self.fanuc.or(Some(mark)),
             }
         }
-        // Beside a word that ISG does not have, it is Fanuc's.
+        // Together with a word that ISG does not have, the word is Fanuc's.
         let foreign = self.full.is_some() || self.either.is_some();
         if let Some(mark) = self.fanuc.or(self.dwell.filter(|_| foreign)) {
-            // Where the two would drive different ways, nothing is guessed.
+            // If the two dialects would move along different paths, the program is refused.
             let other = self.linuxcnc.or(self.numbers.whole).map(|other| (Dialect::LinuxCnc, other));
             let other = other.or(self.grbl.map(|other| (Dialect::Grbl, other)));
             return match other {
@@ -301,7 +304,7 @@ impl Found {
         }
     }
 
-    /// Post-processors name themselves.
+    /// Post-processors write their names into comments.
     fn comments(&mut self, line: &[u8], number: usize) {
         let text = String::from_utf8_lossy(line).to_lowercase();
         let Some(at) = text.find(['(', ';']) else { return };
@@ -362,7 +365,7 @@ impl Found {
 #[derive(Clone, Copy)]
 struct Word {
     letter: char,
-    /// Number times ten, cut; words without a number have `u32::MAX`.
+    /// The number times ten, rounded down; words without a number have `u32::MAX`.
     tenths: u32,
     /// The number has a decimal point.
     point: bool,
@@ -425,7 +428,7 @@ impl Line {
         Mark { word: word.into(), line: self.number, column: found.at + 1, length: found.length }
     }
 
-    /// The first of these G or M words.
+    /// The first of these G or M words in the line.
     fn any(&self, letter: char, codes: &[u32]) -> Option<Mark> {
         let word = *self.words.iter().find(|word| word.letter == letter && codes.contains(&word.tenths))?;
         let (whole, tenth) = (word.tenths / 10, word.tenths % 10);
@@ -437,7 +440,7 @@ impl Line {
         Mark { word: word.to_owned(), line: self.number, column: 1, length: 1 }
     }
 
-    /// Words that do something else in ISG's language than in LinuxCNC's and Grbl's, with what they do.
+    /// Words that have another effect in ISG's language than in LinuxCNC and Grbl, with this effect.
     fn traps(&self) -> Vec<(Mark, &'static str)> {
         const G: [(u32, &str); 3] = [
             (530, "stays in force in ISG, until G54 to G59; with --dialect linuxcnc it holds in its block"),
@@ -460,7 +463,7 @@ impl Line {
         traps
     }
 
-    /// What only ISG's language has.
+    /// Words that only ISG has.
     fn isg(&self) -> Option<Mark> {
         const HAAS: [u32; 3] = [1030, 1540, 1870];
         let text = self.text.as_str();
@@ -490,7 +493,7 @@ impl Line {
         own.or(assigned).or_else(|| self.any('G', &[600]))
     }
 
-    /// What LinuxCNC has, and Grbl has not.
+    /// Words that LinuxCNC has, but not Grbl.
     fn linuxcnc(&self) -> Option<Mark> {
         const CODES: &[u32] = &[52, 331, 411, 421, 591, 592, 593, 611, 901, 922, 923];
         let text = self.text.as_str();
@@ -509,7 +512,7 @@ impl Line {
         blend.or_else(|| self.any('G', CODES)).or(outputs)
     }
 
-    /// What LinuxCNC and Fanuc have, and Grbl has not.
+    /// Words that LinuxCNC and Fanuc have, but not Grbl.
     fn full(&self) -> Option<Mark> {
         const CODES: &[u32] =
             &[410, 420, 520, 730, 740, 760, 810, 820, 830, 840, 850, 860, 870, 880, 890, 960, 980, 990];
@@ -517,7 +520,7 @@ impl Line {
         length.or_else(|| self.any('G', CODES))
     }
 
-    /// What Fanuc has, and the others have not.
+    /// Words that only Fanuc has.
     fn fanuc(&self) -> Option<Mark> {
         let far = self
             .any('G', &[541, 501, 511])
@@ -527,14 +530,14 @@ impl Line {
         far.or(call).or(mode)
     }
 
-    /// A program number alone.
+    /// A line with only a program number.
     fn numbered(&self) -> Option<Mark> {
         let body = self.body();
         let digits = |text: &str| !text.is_empty() && text.chars().all(|c| c.is_ascii_digit());
         body.strip_prefix(['O', ':']).is_some_and(digits).then(|| self.at_start(body))
     }
 
-    /// Whether the word at the mark, one of the traps, means another path in ISG's language.
+    /// Whether the word at the mark means another path in ISG's language.
     fn is_path(&self, mark: &Mark) -> bool {
         let axes = self.words.iter().any(|word| "XYZABCUVW".contains(word.letter));
         match mark.word.as_str() {
@@ -564,7 +567,7 @@ impl Line {
         Some(self.mark(format!("{} without a decimal point", word.letter), *word))
     }
 
-    /// Without the line number.
+    /// The words without the line number.
     fn body(&self) -> &str {
         let text = self.text.trim_start_matches('/');
         match text.strip_prefix('N') {
@@ -573,7 +576,7 @@ impl Line {
         }
     }
 
-    /// What Grbl has alone.
+    /// Words that only Grbl has.
     fn grbl(&self) -> Option<Mark> {
         let commands = ["$H", "$X", "$J=", "$$", "$RST"];
         let alone = ["$I", "$G", "$N", "$#", "?"];
@@ -581,7 +584,7 @@ impl Line {
         found.or(alone.iter().find(|command| self.text == **command)).map(|command| self.at_start(command))
     }
 
-    /// What both have, and ISG's language has not, or means otherwise.
+    /// Words of LinuxCNC and Grbl that ISG does not have, or that have another meaning there.
     fn either(&self) -> Option<Mark> {
         const CODES: &[u32] =
             &[200, 210, 280, 281, 300, 301, 382, 383, 384, 385, 400, 430, 431, 490, 640, 800, 911, 921];
@@ -590,7 +593,7 @@ impl Line {
         self.any('G', CODES).or(store).or(dwell)
     }
 
-    /// What 3-D printers have.
+    /// Words of 3-D printers.
     fn printer(&self) -> Option<Mark> {
         const CODES: &[u32] = &[820, 830, 840, 1040, 1060, 1070, 1090, 1400, 1900];
         let feeds =
@@ -599,7 +602,7 @@ impl Line {
     }
 }
 
-/// A word as it is written: `G38.2`.
+/// The text of a word: `G38.2`.
 fn written(word: &WordEntry) -> String {
     let (whole, tenth) = (word.tenths / 10, word.tenths % 10);
     format!("{}{whole}{}", word.letter, if tenth > 0 { format!(".{tenth}") } else { String::new() })

@@ -1,25 +1,26 @@
-//! What the axes drive: path values of a tick as they show in the set points.
+//! Driven distance and speed: path values of a tick, computed from the set points.
 //!
-//! On a curve over time the path distance is time, and the axes are slower than the path speed says. There the
-//! distance is the chord between the set points, and the speed is that of the set points. On lines and arcs the
-//! path values are those of the axes already.
+//! On a curve over time the path distance counts time, and the driven speed is below the planned path speed.
+//! On such curves the distance is the chord between the set points, and the speed follows from the set
+//! points. On lines and arcs the planned values already are the driven values.
 use crate::machine::Machine;
 use glidepath::quantity::{Accel, Distance, Position, Speed};
 use glidepath::tick::Telemetry;
 
-/// Turns the path values of every tick into driven ones.
+/// Converts the planned path values of every tick into driven values.
 pub struct Driven {
-    /// The axes that measure a path: the first of these sets in which any axis moves.
+    /// The axes that measure the path: the first of these sets in which an axis moves.
     measures: [Vec<usize>; 3],
-    /// The path is at least so much of what any axis travels: one over this, beside the first set and else.
+    /// The path is at least this part of the travel of any axis: 1/n, for the first set and for the other
+    /// sets.
     steepest: [u128; 2],
-    /// Of the tick before: as told, and driven.
+    /// Values of the previous tick: planned, and driven.
     raw: Telemetry,
     told: Telemetry,
     points: Vec<Position>,
-    /// It was on a polynomial.
+    /// The previous tick was on a polynomial.
     on_polynomial: bool,
-    /// The driven speed was another than the planned one by more than a thousandth.
+    /// The driven speed differed from the planned speed by more than a thousandth.
     pub differs: bool,
 }
 
@@ -27,7 +28,7 @@ pub struct Driven {
 const SLOPE: u32 = 40;
 
 impl Driven {
-    /// Of a machine that stands at `start`.
+    /// Start values of a machine at `start`.
     pub fn new(machine: &Machine, start: &[Position]) -> Self {
         let (feed, main) = (machine.feed_axes(), machine.main_axes());
         let steepest = [if feed == main { 1024 } else { 64 }, 1024];
@@ -42,14 +43,15 @@ impl Driven {
         }
     }
 
-    /// The driven values of a tick. `slope`: what every axis travels per path distance, LSB 2^-40, on a polynomial.
+    /// Returns the driven values of a tick. `slope`: travel of every axis per path distance on a polynomial,
+    /// LSB 2^-40.
     pub fn tick(&mut self, raw: &Telemetry, points: &[Position], slope: Option<&[i64]>) -> Telemetry {
         let mut told = *raw;
         let mut step = raw.distance.to_bits().wrapping_sub(self.raw.distance.to_bits());
         if (slope.is_some() || self.on_polynomial) && step != 0 {
             let travel: Vec<i64> =
                 points.iter().zip(&self.points).map(|(to, from)| to.to_bits() - from.to_bits()).collect();
-            // From 2^-32 mm to 2^-44 mm. A step that no set point shows yet still is motion.
+            // From 2^-32 mm to 2^-44 mm. A step too small for a set point still is motion.
             let chord = self.length(&travel, 44 - 32).max(1);
             step = i64::try_from(chord).unwrap_or(i64::MAX) * step.signum();
         }
@@ -70,7 +72,7 @@ impl Driven {
         told
     }
 
-    /// The length of a vector along the axes that measure a path, in `bits` more fraction bits, cut.
+    /// Length of a vector along the axes that measure the path, with `bits` more fraction bits, rounded down.
     fn length(&self, travel: &[i64], bits: u32) -> u128 {
         let square = |axes: &Vec<usize>| {
             axes.iter().map(|&axis| u128::from(travel[axis].unsigned_abs()).pow(2)).sum::<u128>()
@@ -78,7 +80,7 @@ impl Driven {
         let squares = self.measures.each_ref().map(square);
         let first = squares.iter().find(|square| **square > 0).copied().unwrap_or(0);
         let steepest = self.steepest[usize::from(squares[0] == 0)];
-        // Where there is room for the bits they go in before the root.
+        // If there is room, the bits are added before the root.
         let inside = (first.leading_zeros() / 2).min(bits);
         let path = (first << (2 * inside)).isqrt() << (bits - inside);
         travel
@@ -109,7 +111,7 @@ mod tests {
         assert_eq!((curve.distance, curve.speed), (Distance::from_bits(12 << 44), Speed::from_bits(50)));
         assert_eq!(curve.accel, Accel::from_bits(-20));
         assert!(driven.differs);
-        // The step off the curve is a chord too; nothing moves without path.
+        // The step that leaves the curve is a chord too; without path no axis moves.
         let off = driven.tick(&row(27, 100), &point(8, 6), None);
         assert_eq!((off.distance, off.speed), (Distance::from_bits(14 << 44), Speed::from_bits(100)));
         let rest = driven.tick(&row(27, 0), &point(8, 6), None);

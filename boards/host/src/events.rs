@@ -1,5 +1,5 @@
-//! What happens from outside while a program runs: the operator's commands, acknowledgements, and what is
-//! late.
+//! Events from outside during a program: commands of the operator, acknowledgements, late text, and a planner
+//! without time.
 //!
 //! One event per line: seconds since the first set point, a word, its value.
 //!
@@ -26,9 +26,9 @@ use std::path::Path;
 /// An event with its place in the file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Event {
-    /// Since the first set point, ns.
+    /// Time since the first set point, ns.
     pub time_ns: u64,
-    /// What happens.
+    /// The event.
     pub what: What,
     /// Line, from 1.
     pub line: usize,
@@ -36,30 +36,30 @@ pub struct Event {
     pub column: usize,
 }
 
-/// What happens.
+/// An event.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum What {
     /// Feed override, LSB 0.1 %.
     Override(u16),
-    /// Stand still.
+    /// Feed hold.
     FeedHold,
-    /// Go on.
+    /// Resume.
     Resume,
-    /// Stand still and end.
+    /// Abort.
     Abort,
     /// Reduced speed on or off.
     Reduced(bool),
-    /// The program text has nothing for so many ns.
+    /// The program text is missing for this time, ns.
     Starve(u64),
-    /// The planner gets no time for so many ns.
+    /// The planner gets no processor time for this time, ns.
     Stall(u64),
     /// A function is acknowledged.
     Acknowledge(Function),
 }
 
 impl What {
-    /// Gives the command to a channel; what is late is not one. `false`: it is an acknowledgement that
-    /// nothing waits for.
+    /// Passes the command to a channel. Late text and a late planner are no commands. `false`: an
+    /// acknowledgement without a waiting function.
     pub fn give<const AXES: usize>(self, operator: &Operator<'_, AXES>) -> bool {
         match self {
             Self::Acknowledge(function) => return operator.acknowledge(function).is_ok(),
@@ -88,7 +88,7 @@ impl What {
     }
 }
 
-/// As people say it.
+/// Text for people.
 impl std::fmt::Display for What {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
@@ -114,7 +114,7 @@ impl Event {
 /// A file of events.
 pub struct Script {
     source: Source,
-    /// What it holds, in its order.
+    /// The events, in the order of the file.
     pub events: Vec<Event>,
 }
 
@@ -129,13 +129,13 @@ impl Script {
         Ok(Self { source, events })
     }
 
-    /// A remark at the word of an event.
+    /// A warning at the word of an event.
     pub fn at(&self, event: &Event, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic.at(&self.source, event.line, event.column, event.what.word().len())
     }
 
-    /// A warning for each event that the program did not live to see, for acknowledgements that were ignored,
-    /// and for a reduced speed that no axis has.
+    /// Warnings: for each event after the end of the program, for ignored acknowledgements, and for a reduced
+    /// speed that no axis has.
     pub fn unused(
         &self,
         outcomes: &[Outcome],
@@ -159,12 +159,12 @@ impl Script {
     }
 }
 
-/// The events of a run as time goes by.
+/// The events of a run during the simulation.
 pub struct Schedule<'a> {
     events: &'a [Event],
     cycle_us: u32,
     next: usize,
-    /// The program text has nothing, the planner no time before this tick.
+    /// Ticks before which program text is missing, or the planner has no time.
     starved_until: u64,
     stalled_until: u64,
 }
@@ -175,7 +175,8 @@ impl<'a> Schedule<'a> {
         Self { events, cycle_us, next: 0, starved_until: 0, stalled_until: 0 }
     }
 
-    /// The next event that acts at `tick`; commands are given to `operator`. `false`: nothing waits for it.
+    /// Returns the next event at `tick`; commands go to `operator`. `false`: no function waits for the
+    /// acknowledgement.
     pub fn due<const AXES: usize>(
         &mut self,
         tick: u64,
@@ -206,7 +207,7 @@ impl<'a> Schedule<'a> {
         tick < self.stalled_until
     }
 
-    /// Whether a motion that is to stand still by these commands is to go on or to end by a later event.
+    /// Whether a later event resumes or ends a motion that these commands stop.
     pub fn goes_on(&self, commands: &Commands) -> bool {
         let later = |what: fn(What) -> bool| self.events[self.next..].iter().any(|event| what(event.what));
         let resumed = !commands.hold || later(|what| what == What::Resume);
@@ -224,13 +225,13 @@ impl<'a> Schedule<'a> {
         self.events.iter().any(|event| event.what == What::Acknowledge(function))
     }
 
-    /// Whether a motion that waits for this function is to go on or to end by a later event.
+    /// Whether a later event continues or ends a motion that waits for this function.
     pub fn answers(&self, function: Function) -> bool {
         let ends = |what| what == What::Abort || what == What::Acknowledge(function);
         self.events[self.next..].iter().any(|event| ends(event.what))
     }
 
-    /// The last event that acknowledged this function when nothing waited for it.
+    /// The last event that acknowledged this function although no function waited.
     pub fn in_vain(&self, function: Function, outcomes: &[Outcome]) -> Option<&'a Event> {
         let vain = |(event, outcome): &(&Event, &Outcome)| {
             outcome.ignored && event.what == What::Acknowledge(function)
@@ -238,7 +239,7 @@ impl<'a> Schedule<'a> {
         self.events.iter().zip(outcomes).rfind(vain).map(|(event, _)| event)
     }
 
-    /// The event behind such a standstill.
+    /// The event that caused such a standstill.
     pub fn cause(&self, commands: &Commands) -> Option<&'a Event> {
         let holds = |event: &&Event| match event.what {
             What::FeedHold => commands.hold,
@@ -249,12 +250,12 @@ impl<'a> Schedule<'a> {
     }
 }
 
-/// Ticks that such a time fills, the last one perhaps in part.
+/// Number of ticks in this time; the last tick may be used in part.
 pub fn ticks(ns: u64, cycle_us: u32) -> u64 {
     ns.div_ceil(u64::from(cycle_us.max(1)) * 1000)
 }
 
-/// Seconds without needless digits.
+/// Seconds without unnecessary digits.
 pub fn seconds(ns: u64) -> String {
     let mut out = String::new();
     push_scaled(&mut out, i128::from(ns), 9);
@@ -269,7 +270,7 @@ const WORDS: [&str; 8] = ["override", "feedhold", "resume", "abort", "reduced", 
 /// Largest time, s.
 const LATEST: u64 = 1_000_000;
 
-/// All events, or all lines that are not understood, one message each.
+/// All events, or all lines with errors, one message each.
 fn parse(source: &Source) -> Result<Vec<Event>, Vec<Diagnostic>> {
     let mut events: Vec<Event> = Vec::new();
     let mut refused = Vec::new();
@@ -294,7 +295,7 @@ fn parse(source: &Source) -> Result<Vec<Event>, Vec<Diagnostic>> {
     if refused.is_empty() { Ok(events) } else { Err(refused) }
 }
 
-/// Why a word is refused.
+/// Reason for which a word is refused.
 struct Unfit {
     column: usize,
     length: usize,
@@ -302,7 +303,7 @@ struct Unfit {
     expected: String,
 }
 
-/// A word of a line; behind the last one, the empty word at the end.
+/// A word of a line; after the last word, the empty word at the end.
 #[derive(Clone, Copy)]
 struct Word<'a> {
     text: &'a [u8],
@@ -320,7 +321,7 @@ impl Word<'_> {
         }
     }
 
-    /// As it can be shown.
+    /// Printable text of the word.
     fn shown(&self) -> String {
         String::from_utf8_lossy(self.text).chars().filter(|character| !character.is_control()).collect()
     }

@@ -1,10 +1,10 @@
-//! The program and the files it calls with `L`, which lie beside it.
+//! The program and the files that it calls with `L`, in the folder of the program.
 use crate::diagnose::{Diagnostic, Source};
 use glidepath::nc::{Text, TextError};
 use std::cell::{Cell, RefCell};
 use std::path::{Path, PathBuf};
 
-/// Every file is read once, when it is first called: all passes see the same bytes.
+/// The texts. Each file is read once, at its first call, so all passes see the same bytes.
 pub struct Files {
     /// The main program.
     pub main: Source,
@@ -26,7 +26,7 @@ impl Files {
         Ok(Self { main: Source::read(program)?, directory, called: RefCell::default() })
     }
 
-    /// A program that calls no others.
+    /// A program that calls no other files.
     #[cfg(test)]
     pub fn of_text(text: &str) -> Self {
         let main = Source { name: "test.nc".into(), text: text.as_bytes().to_vec() };
@@ -39,7 +39,7 @@ impl Files {
         Self { main, directory: self.directory.clone(), called }
     }
 
-    /// The files read so far besides the main program.
+    /// The files read so far, without the main program.
     pub fn called(&self) -> Vec<PathBuf> {
         self.called.borrow().iter().map(|(path, _)| path.clone()).collect()
     }
@@ -57,11 +57,11 @@ impl Files {
     }
 }
 
-/// The files, whose text may be late.
+/// The files, with text that may be late.
 pub struct Delayed<'a> {
     /// The text.
     pub files: &'a Files,
-    /// It is late.
+    /// Whether the text is late.
     pub late: &'a Cell<bool>,
 }
 
@@ -80,7 +80,7 @@ impl Text for &Files {
         self.with(file, |source| source.text.as_slice().read(0, offset, buffer))
     }
 
-    /// `name` as given, else with `.nc` or `.ngc` behind it; LinuxCNC's names are in lower case.
+    /// `name` as given, else with `.nc` or `.ngc` appended; LinuxCNC's names are in lower case.
     fn open(&mut self, name: &str) -> Result<Option<u16>, TextError> {
         let small = name.to_lowercase();
         let names = [name.to_owned(), format!("{name}.nc"), format!("{name}.ngc"), format!("{small}.ngc")];

@@ -1,4 +1,4 @@
-//! The axes behind their filters: what the drives get, and how far it is from the path.
+//! The axes after their filters: set points of the drives, and their deviation from the path.
 use crate::machine::Machine;
 use glidepath::machine::{AxisKind, FilterType};
 use glidepath::quantity::Position;
@@ -6,10 +6,10 @@ use serde::Serialize;
 use std::collections::VecDeque;
 use std::fmt::{self, Write};
 
-/// Ticks of the longest delay, and one.
+/// Ticks of the longest delay, plus one.
 const LONGEST: usize = 202;
 
-/// Largest rates of one filtered axis, and its largest deviation.
+/// Highest speed, acceleration and jerk of a filtered axis, and its largest deviation.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct FilteredAxis {
     name: String,
@@ -17,26 +17,26 @@ pub struct FilteredAxis {
     v_max: f64,
     a_max: f64,
     j_max: f64,
-    /// From the delayed path, while AX_DEV is given; of the path by which it is delayed.
+    /// Largest deviation from the delayed path while AX_DEV is active, and the delay of the path.
     #[serde(skip_serializing_if = "Option::is_none")]
     deviation: Option<f64>,
     #[serde(skip)]
     before: [i64; 3],
-    /// The path of the last ticks, the newest last.
+    /// The path of the last ticks; the newest tick is the last one.
     #[serde(skip)]
     path: VecDeque<i64>,
-    /// From the delayed path in this tick, % of AX_DEV.
+    /// Deviation from the delayed path in this tick, % of AX_DEV.
     #[serde(skip)]
     off: f64,
-    /// AX_DEV, if it was given, and the largest part of it that was used, %.
+    /// AX_DEV, if it was given, and the largest used part, %.
     #[serde(skip_serializing_if = "Option::is_none")]
     tolerance: Option<f64>,
     used: f64,
-    /// It was said to be beyond AX_DEV.
+    /// The excess above AX_DEV was already reported.
     beyond: bool,
 }
 
-/// All of them; none on a machine without filters.
+/// All filtered axes; none on a machine without filters.
 #[derive(Clone, Debug, Default)]
 pub struct Filtered {
     axes: Vec<FilteredAxis>,
@@ -51,7 +51,7 @@ impl Filtered {
         machine.axes.iter().any(|axis| axis.filter.kind != FilterType::None)
     }
 
-    /// At rest at the origin.
+    /// At standstill at the origin.
     pub fn new(machine: &Machine) -> Self {
         let axis = |axis: &glidepath::machine::AxisData| FilteredAxis {
             name: axis.name.as_str().to_owned(),
@@ -62,8 +62,8 @@ impl Filtered {
         Self { axes, cycle_s: machine.cycle_s() }
     }
 
-    /// A tick: the path and what goes to the drives, the largest deviations up to now, and what is in force:
-    /// half cycles of delay, and AX_DEV.
+    /// Records a tick: set points of the path and of the drives, the largest deviations so far, and the
+    /// active delay (in half cycles) and AX_DEV.
     pub fn add(
         &mut self,
         (path, drives): (&[Position], &[Position]),
@@ -103,12 +103,12 @@ impl Filtered {
         }
     }
 
-    /// How far all of them are from their delayed path in this tick, % of AX_DEV.
+    /// Deviation of all axes from their delayed path in this tick, % of AX_DEV.
     pub fn off(&self) -> Vec<f64> {
         self.axes.iter().map(|axis| axis.off).collect()
     }
 
-    /// An axis was beyond AX_DEV.
+    /// An axis exceeded AX_DEV.
     pub fn beyond(&mut self, axis: usize) {
         if let Some(axis) = self.axes.get_mut(axis) {
             axis.beyond = true;

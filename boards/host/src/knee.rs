@@ -1,10 +1,10 @@
-//! How far the programmed path turns at the joint of two motions.
+//! The angle of the programmed path at the transition between two motions.
 use crate::program::{Kind, Program, Segment, sweep};
 
-/// A joint that turns by more has a corner, degrees: less is rounding of coordinates.
+/// A transition with a larger angle is a corner, degrees; smaller angles are rounding of coordinates.
 pub const SHARP: f64 = 0.01;
 
-/// Directions of a motion at its start and at its end: travel of every axis, of any length.
+/// Directions of a motion at its start and end: travel of every axis, in any scale.
 fn directions(start: &[f64], segment: &Segment) -> [Vec<f64>; 2] {
     let travel: Vec<f64> = segment.end.iter().zip(start).map(|(to, from)| to - from).collect();
     let Kind::Arc { plane, centre, clockwise } = segment.kind else { return [travel.clone(), travel] };
@@ -12,7 +12,7 @@ fn directions(start: &[f64], segment: &Segment) -> [Vec<f64>; 2] {
     let swept = sweep(from, to, centre, clockwise);
     [from, to].map(|point| {
         let mut direction = travel.clone();
-        // The radius turned by a quarter, times the angle: as long as the arc.
+        // The radius, rotated by a quarter turn, times the angle has the length of the arc.
         direction[plane[0]] = -(point[1] - centre[1]) * swept;
         direction[plane[1]] = (point[0] - centre[0]) * swept;
         direction
@@ -26,14 +26,14 @@ fn angle(one: &[f64], other: &[f64]) -> f64 {
     if lengths.contains(&0.0) {
         return 0.0;
     }
-    // By both diagonals of the rhombus: exact for small angles too.
+    // Computed from both diagonals of the rhombus, so small angles are exact too.
     let unit = |v: &[f64], length: f64| v.iter().map(|value| value / length).collect::<Vec<f64>>();
     let (a, b) = (unit(one, lengths[0]), unit(other, lengths[1]));
     let diagonal = |sign: f64| length(&a.iter().zip(&b).map(|(a, b)| a + sign * b).collect::<Vec<f64>>());
     (2.0 * diagonal(-1.0).atan2(diagonal(1.0))).to_degrees()
 }
 
-/// Of every motion: how far the path turns at its end, degrees; 0 at the end of the last one.
+/// Returns for each motion the angle of the path at its end, degrees; 0 at the end of the last motion.
 pub fn knees(program: &Program) -> Vec<f64> {
     let mut knees = Vec::with_capacity(program.motions);
     let mut exit: Option<Vec<f64>> = None;

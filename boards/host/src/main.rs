@@ -1,7 +1,7 @@
 //! The desktop simulator: runs NC programs through the code of the controller and shows what the axes do.
 //!
-//! A board like the others: it supplies program text, machine data and a clock, here one that runs as fast as
-//! the processor allows.
+//! The simulator is a board like the others: it supplies program text, machine data and a clock, which runs
+//! as fast as the processor permits.
 
 mod acknowledge;
 mod beside;
@@ -287,7 +287,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// What stops a run, at least one.
+/// The errors that stop a run, at least one.
 type Refusal = Vec<Diagnostic>;
 
 fn parse_plate(text: &str) -> Result<Plate, String> {
@@ -324,7 +324,7 @@ fn load(input: &Input, files: &Files) -> Result<Machine, Refusal> {
     Ok(machine)
 }
 
-/// Programs one after another: what one refuses does not keep the next from its turn.
+/// Runs programs one after another; a refused program does not stop the next one.
 fn each(programs: &[PathBuf], mut one: impl FnMut(&Path) -> Result<(), Refusal>) -> Result<(), Refusal> {
     let mut all = Ok(());
     for program in programs {
@@ -470,7 +470,7 @@ fn run(arguments: &Run, path: &Path) -> Result<(), Refusal> {
     }
     let text = summary.to_text();
     if outputs.on_stdout() {
-        // Beside what another program reads: on the error output.
+        // Other programs read the standard output, so this text goes to the error output.
         let _ = anstream::stderr().write_all(text.as_bytes());
     } else {
         say(&text)?;
@@ -515,7 +515,7 @@ fn machine_file(what: &MachineFile) -> Result<(), Refusal> {
     }
 }
 
-/// Writes a text that is made of the file `input`: into a file, or on the standard output.
+/// Writes a text that is made from the file `input`: into a file, or on the standard output.
 fn put(output: Option<&Path>, input: Option<&PathBuf>, text: &str) -> Result<(), Refusal> {
     let Some(path) = output else { return say(text) };
     let mut outputs = Outputs::new(input.cloned());
@@ -553,7 +553,7 @@ fn serve(arguments: &Serve) -> Result<(), Refusal> {
     serve::run(&data, &mut lines, &options).map_err(failed)
 }
 
-/// The connection that is asked for.
+/// The requested connection.
 fn open(arguments: &Serve) -> std::io::Result<serve::Wire> {
     match arguments.tcp {
         Some(port) => serve::Wire::tcp(port),
@@ -564,7 +564,8 @@ fn open(arguments: &Serve) -> std::io::Result<serve::Wire> {
     }
 }
 
-/// What is not there for a program that depends on variables or has real-time loops: it runs anew with other data.
+/// Options that do not exist for a program with variables or real-time loops, because these options run the
+/// program again with other data.
 fn outside_excludes(arguments: &Run) -> Result<(), Refusal> {
     let option = match (arguments.smooth, arguments.why) {
         (Some(_), _) => "--smooth",
@@ -575,7 +576,7 @@ fn outside_excludes(arguments: &Run) -> Result<(), Refusal> {
     Err(vec![Diagnostic::error(message).expected(format!("expected no {option}"))])
 }
 
-/// The program, if it is one; else all its mistakes, those of the planner with those of the decoder.
+/// The program, or all its mistakes: those of the planner with those of the decoder.
 fn decode(
     files: &Files,
     machine: &Machine,
@@ -609,14 +610,14 @@ fn all_mistakes(files: &Files, machine: &Machine, input: &Input, refused: Refusa
 }
 
 impl Input {
-    /// When a check ends early.
+    /// Bounds at which a check ends early.
     fn bounds(&self) -> check::Bounds {
         check::Bounds { commands: self.max_commands, mistakes: self.mistakes }
     }
 }
 
-/// What a run would refuse is refused here. The program is planned and driven only where that is asked for, or where axes
-/// move beside the path.
+/// Checks for all refusals of a run. The program is planned and simulated only if requested, or if single
+/// axes move.
 fn check(arguments: &Check, path: &Path) -> Result<(), Refusal> {
     let input = &arguments.input;
     let files = Files::read(path)?;
@@ -639,7 +640,7 @@ fn check(arguments: &Check, path: &Path) -> Result<(), Refusal> {
     if excess.is_empty() { Ok(()) } else { Err(excess) }
 }
 
-/// On the standard output; a reader that has gone away is no failure of the run.
+/// Writes to the standard output; a reader that closes the pipe is no error.
 fn say(text: &str) -> Result<(), Refusal> {
     let mut out = anstream::stdout();
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {

@@ -1,9 +1,9 @@
-//! All mistakes of a program in one go: takes refusals in the order of execution, gives them in the order of
-//! the text.
+//! Lists all mistakes of a program: takes refusals in the order of execution, and returns them in the order
+//! of the text.
 //!
-//! Behind a refused line the program goes on, so that the next mistake is found too. Where a line is not
-//! understood, nobody knows where it leads. Refusals that depend on the position (arcs, software limits) are
-//! therefore left out behind it, and their number is told.
+//! After a refused line the program continues, so that the next mistake is found too. If a line cannot be
+//! decoded, its end point is unknown. Later refusals that depend on the position (arcs, software limits) are
+//! therefore left out, and their number is reported.
 use crate::diagnose::Diagnostic;
 use crate::files::Files;
 use crate::program;
@@ -15,19 +15,19 @@ pub const SHOWN: usize = 20;
 
 /// Refusals of one run.
 pub struct Mistakes {
-    /// So many end the run.
+    /// Number of refusals that ends the run.
     most: usize,
     found: Vec<Error>,
-    /// A line was not understood: positions are unknown from there on.
+    /// A line could not be decoded: positions are unknown after this line.
     is_lost: bool,
-    /// Refusals that depend on the position, behind such a line.
+    /// Number of left-out refusals that depend on the position.
     left_out: usize,
-    /// Refusals of a line that was refused before.
+    /// Number of refusals of lines that were already refused.
     repeated: usize,
 }
 
 impl Mistakes {
-    /// Nothing refused yet; at least one refusal is taken.
+    /// No refusals yet; at least one refusal is accepted.
     pub fn new(most: usize) -> Self {
         Self { most: most.max(1), found: Vec::new(), is_lost: false, left_out: 0, repeated: 0 }
     }
@@ -37,7 +37,7 @@ impl Mistakes {
         self.found.is_empty()
     }
 
-    /// Takes a refusal. Whether the program is to go on behind it.
+    /// Takes a refusal. Returns whether the program continues.
     pub fn add(&mut self, error: Error, files: &Files) -> bool {
         let of_position = match &error {
             Error::SoftwareLimit(..) => true,
@@ -60,12 +60,12 @@ impl Mistakes {
         !ends && self.found.len() < self.most
     }
 
-    /// Whether the program goes on behind the last refusal.
+    /// Whether the program continues after the last refusal.
     pub fn goes_on(&self) -> bool {
         !self.found.is_empty() && self.found.len() < self.most
     }
 
-    /// Whether the last refused line leads somewhere all the same: a motion that is understood.
+    /// Whether the last refused line has a known end point: a motion that was decoded.
     pub fn leads_on(&self) -> bool {
         matches!(self.found.last(), Some(Error::Motion(..) | Error::SoftwareLimit(..)))
     }
@@ -91,7 +91,8 @@ impl Mistakes {
     }
 }
 
-/// Whether the refused line may move an axis: no prose, and a letter that is no N, G or F with something behind it.
+/// Whether the refused line may move an axis: the line is no prose, and has a letter other than N, G or F
+/// with a value.
 fn may_move(files: &Files, error: &Error) -> bool {
     let place = error.place();
     files.with(place.file, |source| {
@@ -104,7 +105,8 @@ fn may_move(files: &Files, error: &Error) -> bool {
 /// Refusals that are left out before the run ends.
 const LEFT_OUT: usize = 10_000;
 
-/// In the order of the text; the main program first. Lines of prose become one message each.
+/// Returns the refusals in the order of the text, the main program first. Lines of prose become one message
+/// each.
 fn arrange(mut found: Vec<Diagnostic>, main: &str) -> Vec<Diagnostic> {
     found.sort_by_key(|told| {
         let source = told.source().unwrap_or_default();
@@ -123,8 +125,8 @@ fn arrange(mut found: Vec<Diagnostic>, main: &str) -> Vec<Diagnostic> {
     told
 }
 
-/// Whether a line reads as prose: at least three words of letters alone, two of them with four or more, and
-/// more of them than words with digits.
+/// Whether a line reads as prose: at least three words of letters only, two of them with at least four
+/// letters, and more such words than words with digits.
 fn is_prose(line: &str) -> bool {
     let code = line.split(['(', ';', '%', '#', '"', '=']).next().unwrap_or_default();
     let (mut words, mut long, mut others) = (0, 0, 0);

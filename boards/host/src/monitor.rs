@@ -1,44 +1,45 @@
-//! Compares every row with the limits of the blocks that it drives: speed, acceleration and jerk of every axis.
+//! Compares every row with the limits of its blocks: speed, acceleration and jerk of every axis.
 //!
-//! The limits are the machine data with the weights (G130…G134, G231…G233) and the slope in force in a block, in
-//! rapid motion those of rapid motion. A difference of order n looks at n ticks. It may be what the largest of the
-//! blocks permits in which these ticks lie:
+//! The limits are the machine data with the weights (G130…G134, G231…G233) and the slope of a block, and in
+//! rapid motion those of rapid motion. A difference of order n spans n ticks. It may have the highest value
+//! that one of the blocks of these ticks permits:
 //!
-//! | what these ticks drive | acceleration | jerk |
+//! | these ticks are in | acceleration | jerk |
 //! |---|---|---|
 //! | a part of one straight block | of the slope (P-AXIS-00001, 00002, rapid 00004) | of the slope |
-//! | an arc, a curve, a joint | in all (P-AXIS-00008) | of slope and contour |
+//! | an arc, a curve, a transition | in all (P-AXIS-00008) | of slope and contour |
 //!
-//! A curve may join its block with the ones beside it, where a corner between them may be rounded. These count too if
-//! they have the same weights and slope: a corner between blocks of different ones has no curve.
+//! If the corner between blocks may be rounded, a curve may belong to its block and the neighbouring blocks.
+//! The neighbouring blocks count too if they have the same weights and slope. A corner between blocks with
+//! different weights or slopes has no curve.
 //!
-//! Beside rounding of set points a difference may exceed them by what the resolution of the path adds
-//! (`resolution.rs`), and by nothing else.
+//! In addition to rounding of set points, a difference may exceed the limits only by the effect of the path's
+//! resolution (`resolution.rs`).
 //!
-//! Jerk is left out where the machine data permit a step: at joints of blocks without P-CHAN-00009 or with
-//! P-AXIS-00013, and in all of a program that switches the check of curves off (CHECK_JERK=0, P-CHAN-00110 =
-//! 0). Joints where a step shows are counted.
+//! Jerk is not compared where the machine data permit a step: at transitions of blocks without P-CHAN-00009
+//! or with P-AXIS-00013. Jerk is not compared at all if the program switches off the check of curves
+//! (CHECK_JERK=0, P-CHAN-00110 = 0). The monitor counts transitions with a step.
 use crate::diagnose::Diagnostic;
 use crate::machine::{Limits, Machine};
 use crate::program::{Kind, Program};
 use crate::resolution::Resolution;
 use glidepath::machine::AxisKind;
 
-/// What is compared.
+/// The comparison of one axis and order.
 const NAMES: [&str; 3] = ["speed", "acceleration", "jerk"];
 
 /// Rows that a third difference covers.
 const COVERED: u64 = 3;
 
-/// Per order: the limit per second, and the largest difference in LSB of a position.
+/// For each order: the limit per second, and the highest difference in LSB of a position.
 type Bounds = [(f64, i128); 3];
 
-/// The larger one of each.
+/// The larger value of each.
 fn larger(one: Bounds, other: Bounds) -> Bounds {
     std::array::from_fn(|k| if one[k].1 > other[k].1 { one[k] } else { other[k] })
 }
 
-/// What an axis may do under the same weights and slope: by [`Motion::kind`].
+/// Limits of an axis under equal weights and slope: by [`Motion::kind`].
 type Kinds = [Bounds; 4];
 
 /// A motion block.
@@ -48,7 +49,7 @@ struct Motion {
     dynamics: u32,
     rapid: bool,
     arc: bool,
-    /// A curve may lead to the next one.
+    /// Whether a curve may lead to the next block.
     smoothed: bool,
 }
 
@@ -59,40 +60,40 @@ impl Motion {
     }
 }
 
-/// Where a row is: in which motion block, and whether on a curve that is no arc.
+/// Place of a row: its motion block, and whether it is on a curve that is no arc.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 struct At {
     block: u32,
     curve: bool,
 }
 
-/// An axis: what it may do on the path, what in each of its motions beside it, and since when it is where.
+/// An axis: its limits on the path, its limits in each independent motion, and its current state.
 #[derive(Clone, Debug)]
 struct Compared {
-    /// Anywhere on the path.
+    /// Limits anywhere on the path.
     anywhere: Bounds,
-    /// By weights and slope.
+    /// Limits by weights and slope.
     dynamics: Vec<Kinds>,
-    /// Where it is now.
+    /// Current state.
     path: Bounds,
     beside: Vec<Bounds>,
-    /// Its motions beside the path that have begun, and whether the last one goes on.
+    /// Number of its independent motions that have begun, and whether the last one continues.
     begun: usize,
     is_beside: bool,
-    /// What it might do before that.
+    /// Limits before the last change.
     before: Bounds,
-    /// The first row there.
+    /// First row after the last change.
     since: u64,
 }
 
 impl Compared {
-    /// What it may do now.
+    /// Current limits.
     fn now(&self) -> Bounds {
         let motion = self.begun.checked_sub(1).filter(|_| self.is_beside);
         motion.and_then(|motion| self.beside.get(motion)).copied().unwrap_or(self.path)
     }
 
-    /// What the differences up to a row may be; around a change, the larger one.
+    /// Limits of the differences up to a row; around a change, the larger value.
     fn bounds(&self, tick: u64) -> Bounds {
         let now = self.now();
         if tick >= self.since + COVERED {
@@ -101,7 +102,7 @@ impl Compared {
         larger(self.before, now)
     }
 
-    /// From the row with this number on it moves beside the path, or does not.
+    /// From the row with this number on, the axis moves independently of the path, or no longer does.
     fn change(&mut self, tick: u64, is_beside: bool) {
         if is_beside != self.is_beside {
             self.before = self.bounds(tick);
@@ -129,12 +130,12 @@ pub struct Excess {
     pub limit: f64,
 }
 
-/// A step of acceleration at a joint that the machine data permit.
+/// A permitted step of acceleration at a transition.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Step {
     /// Index of the axis.
     pub axis: usize,
-    /// N number of the block behind the joint.
+    /// N number of the block after the transition.
     pub n: u32,
     /// mm/s² or °/s².
     pub size: f64,
@@ -145,29 +146,29 @@ pub struct Step {
 pub struct Monitor {
     axes: Vec<Compared>,
     motions: Vec<Motion>,
-    /// The rows that a third difference looks at, the latest one last.
+    /// The rows of a third difference; the latest row is the last one.
     rows: [At; COVERED as usize + 1],
     cycle_s: f64,
-    /// Steps are permitted at joints.
+    /// Whether steps are permitted at transitions.
     steps: bool,
-    /// Jerk of curves is not limited.
+    /// Whether jerk of curves is not limited.
     curves: bool,
-    /// The last joint that a row came behind, and whether a step has shown there.
+    /// The last transition before a row, and whether a step has shown there.
     joint: Option<(u64, bool)>,
-    /// Sum of the third differences since that row, per axis: a step lies in two or three of them.
+    /// Sum of the third differences since this row, per axis: a step shows in two or three of them.
     sums: Vec<i128>,
     /// The first excess of each axis and order.
     pub excess: Vec<Excess>,
-    /// Joints where a step has shown.
+    /// Number of transitions with a step.
     pub stepped: u64,
-    /// The largest of these steps.
+    /// The highest of these steps.
     pub largest: Step,
 }
 
 const LSB_PER_MM: f64 = (1_u64 << 32) as f64;
 
 impl Monitor {
-    /// For a program on a machine.
+    /// A monitor for a program on a machine.
     pub fn new(machine: &Machine, program: &Program) -> Self {
         let cycle_s = machine.cycle_s();
         let bounds = |allowed: Limits, resolution: Resolution| {
@@ -219,7 +220,7 @@ impl Monitor {
         }
     }
 
-    /// The row with this number is the first one behind a joint.
+    /// The row with this number is the first row after a transition.
     pub fn passes(&mut self, tick: u64) {
         self.joint = Some((tick, false));
         self.sums.fill(0);
@@ -244,7 +245,7 @@ impl Monitor {
         }
     }
 
-    /// What the ticks from one of the rows on drive: weights and slope, and [`Motion::kind`]. Empty if that is unknown.
+    /// Weights and slope, and [`Motion::kind`], of the ticks from one of the rows on. Empty if unknown.
     fn driven(&self, from: usize) -> Vec<(u32, usize)> {
         let rows = self.rows.get(from..).unwrap_or(&[]);
         let blocks = rows.iter().map(|row| row.block as usize);
@@ -266,8 +267,8 @@ impl Monitor {
         driven
     }
 
-    /// From the row with this number on these axes move beside the path, bit i for axis i. Between two
-    /// motions of an axis, which may come in one row, it is to be asked as well.
+    /// From the row with this number on, these axes move independently of the path, bit i for axis i. Call
+    /// this also between two motions of an axis, which may come in one row.
     pub fn beside(&mut self, tick: u64, moving: u32) {
         for (k, axis) in self.axes.iter_mut().enumerate() {
             axis.change(tick, moving >> k & 1 == 1);
@@ -310,7 +311,7 @@ impl Monitor {
         }
     }
 
-    /// What to say about jerk that was not compared; nothing where all was.
+    /// The text about jerk that was not compared; empty if all jerk was compared.
     pub fn left_out(&self) -> Option<String> {
         if self.curves {
             return Some("jerk not compared: CHECK_JERK = 0".to_owned());
@@ -340,7 +341,7 @@ impl Monitor {
     }
 }
 
-/// What is compared in feed and rapid motion, in straight blocks and in bent ones: speed, acceleration and jerk.
+/// Limits at feed and in rapid motion, in straight and in curved blocks: speed, acceleration and jerk.
 fn kinds(allowed: Limits) -> [Limits; 4] {
     let of = |speed, accel, jerk| Limits { speed, accel, jerk, ..allowed };
     let Limits { speed, speed_rapid, accel, .. } = allowed;
@@ -352,7 +353,8 @@ fn kinds(allowed: Limits) -> [Limits; 4] {
     ]
 }
 
-/// Decimals that show an excess with two digits of its own: three at least, and no more than an f64 has.
+/// Number of decimals that show an excess with two significant digits: at least three, at most those of an
+/// f64.
 fn digits(excess: f64) -> usize {
     (3..12).find(|&digits| excess * 10_f64.powi(digits) >= 10.0).unwrap_or(12) as usize
 }
@@ -365,7 +367,7 @@ mod tests {
         Monitor::new(machine, &Program::empty(machine))
     }
 
-    /// A difference of so many mm or mm/s² …, in LSB.
+    /// A difference of a value in mm, mm/s² or mm/s³, in LSB.
     fn lsb(mm: f64) -> i128 {
         (mm * LSB_PER_MM) as i128
     }
@@ -486,7 +488,8 @@ mod tests {
 
     const NOTHING: [usize; 0] = [];
 
-    /// What the monitor says of a second difference (mm/s²) and of a third one (mm/s³) at the end of rows in blocks.
+    /// The monitor's result for a second difference (mm/s²) and a third difference (mm/s³) at the end of rows
+    /// in blocks.
     fn said(rows: [(u32, bool); 4], accel: f64, jerk: f64) -> Vec<usize> {
         let (machine, program) = weighted();
         let mut monitor = Monitor::new(&machine, &program);
@@ -522,7 +525,7 @@ mod tests {
         assert_eq!(said(joint, 1010.0, 201_000.0), [1, 2]);
         let joint = [(0, false), (0, false), (1, false), (1, false)];
         assert_eq!(said(joint, 5990.0, 199_000.0), NOTHING);
-        // What two blocks away was permitted does not count.
+        // The limits of blocks that are two blocks away do not count.
         let later = [(1, false), (1, false), (1, false), (2, false)];
         assert_eq!(said(later, 5990.0, 201_000.0), [2]);
         assert_eq!(said(later, 5990.0, 199_000.0), NOTHING);
@@ -546,7 +549,7 @@ mod tests {
             monitor.look(0, tick, 10, &[0, 0, lsb(mm)]);
             std::mem::take(&mut monitor.excess).len()
         };
-        // 200 000 mm/s³ at 1 ms, and beside the path twice as much.
+        // 200 000 mm/s³ at 1 ms, and twice as much in the independent motion.
         assert_eq!((seen(1, 0, 3e-4), seen(2, 1, 3e-4), seen(6, 1, 3e-4), seen(7, 1, 5e-4)), (1, 0, 0, 1));
         // A difference covers rows from before.
         assert_eq!((seen(8, 0, 3e-4), seen(10, 0, 3e-4), seen(11, 0, 3e-4)), (0, 0, 1));

@@ -1,29 +1,29 @@
-//! Files that appear only when the run has succeeded, all of them or none.
+//! Output files that appear only when the run has succeeded: all files or none.
 use crate::diagnose::Diagnostic;
 use std::fs::{self, File};
 use std::io::{self, Seek, Write};
 use std::path::{Path, PathBuf};
 
-/// Kept without a name, so that nothing is left of them when the run is broken off. [`Outputs::commit`]
-/// writes them beside their final names and renames them.
+/// Output files under temporary names, so that an interrupted run leaves no files. [`Outputs::commit`] writes
+/// the files next to their final names and renames them.
 pub struct Outputs {
     files: Vec<Kept>,
-    /// What must not be overwritten: the inputs, then every output.
+    /// Files that must not be overwritten: the inputs, then every output.
     taken: Vec<PathBuf>,
-    /// One of them goes to the standard output.
+    /// One output goes to the standard output.
     on_stdout: bool,
 }
 
 /// A file that is not in its place yet.
 struct Kept {
     content: File,
-    /// Its name for the time being, and its final one.
+    /// Temporary name and final name.
     partial: PathBuf,
     path: PathBuf,
 }
 
 impl Outputs {
-    /// None yet; `inputs` are protected.
+    /// No outputs yet; `inputs` are protected.
     pub fn new(inputs: impl IntoIterator<Item = PathBuf>) -> Self {
         let taken = inputs.into_iter().filter_map(|path| path.canonicalize().ok()).collect();
         Self { files: Vec::new(), taken, on_stdout: false }
@@ -34,7 +34,7 @@ impl Outputs {
         self.on_stdout
     }
 
-    /// Opens a file that will be called `path`; `-` is the standard output.
+    /// Opens a file with the final name `path`; `-` is the standard output.
     pub fn create(&mut self, path: &Path) -> Result<Box<dyn Write>, Vec<Diagnostic>> {
         if path == Path::new("-") {
             self.on_stdout = true;
@@ -45,12 +45,12 @@ impl Outputs {
             return Err(refused(path, "it is a directory"));
         }
         if path.exists() && !path.is_file() {
-            // A device or a pipe: it has no content to keep whole, and must not be replaced.
+            // A device or a pipe has no content to protect, and must not be replaced.
             let file = File::options().write(true).open(path).map_err(|error| refused(path, error))?;
             return Ok(Box::new(file));
         }
-        // Where a link leads there is the file to replace, not the link. A file that is not there yet is known by its
-        // directory, whatever way leads to that.
+        // If the name is a link, its target is replaced, not the link. A file that does not exist yet is
+        // identified by its directory, for every path to this directory.
         let path = path.canonicalize().unwrap_or_else(|_| in_its_directory(path));
         if self.taken.contains(&path) {
             return Err(refused(&path, "this run reads or writes it already"));
@@ -62,7 +62,7 @@ impl Outputs {
         options.read(true).write(true).create(true).truncate(true);
         let unwritable = |error| refused(&path, error);
         let file = options.open(&partial).map_err(unwritable)?;
-        // Where a file in use keeps its name, it is removed at the end of the run.
+        // If a file that is in use keeps its name, the file is removed at the end of the run.
         let _ = fs::remove_file(&partial);
         let content = file.try_clone().map_err(unwritable)?;
         self.taken.push(path.clone());
@@ -70,13 +70,13 @@ impl Outputs {
         Ok(Box::new(file))
     }
 
-    /// A whole file at once.
+    /// Writes a whole file at once.
     pub fn write(&mut self, path: &Path, bytes: &[u8]) -> Result<(), Vec<Diagnostic>> {
         let mut out = self.create(path)?;
         out.write_all(bytes).and_then(|()| out.flush()).map_err(|error| refused(path, error))
     }
 
-    /// Gives the files their names.
+    /// Renames the files to their final names.
     pub fn commit(&mut self) -> Result<(), Vec<Diagnostic>> {
         for Kept { content, partial, path } in &mut self.files {
             let write = |content: &mut File| -> io::Result<()> {
@@ -97,13 +97,13 @@ impl Outputs {
 impl Drop for Outputs {
     fn drop(&mut self) {
         for Kept { partial, .. } in &self.files {
-            // Nothing sensible is left to do where this fails: the file is marked as a part by its name.
+            // If the removal fails, the file stays under its temporary name.
             let _ = fs::remove_file(partial);
         }
     }
 }
 
-/// The path of a file by that of its directory.
+/// Returns the path of a file with the canonical path of its directory.
 fn in_its_directory(path: &Path) -> PathBuf {
     let parent = path.parent().filter(|parent| *parent != Path::new(""));
     let directory = parent.unwrap_or(Path::new(".")).canonicalize();

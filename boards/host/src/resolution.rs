@@ -1,32 +1,32 @@
-//! What the resolution of the path adds to the differences of an axis, beside the rounding of its set points.
+//! Effect of the path's resolution on the differences of an axis, in addition to the rounding of set points.
 //!
-//! The same allowances as those of the library's own tests (`host-tests/src/tolerance.rs`), in LSB of a
+//! The allowances are the same as those of the library's tests (`host-tests/src/tolerance.rs`), in LSB of a
 //! position, 2^-32 mm or degrees:
 //!
-//! | what | size | in a difference of order n | where |
+//! | source | size | in a difference of order n | applies |
 //! |---|---|---|---|
 //! | path distance of a tick | 1/32, times axis travel per path | 2^n times | everywhere |
-//! | start of a curve | 1/2 | 2^(n-1) times: every second one of its weights | where corners are rounded |
+//! | start of a curve | 1/2 | 2^(n-1) times: every second weight | if corners are rounded |
 //!
-//! A path distance is good to 2^-37 mm (`src/slope/emit.rs`). A block whose end is rounded ends between two steps
-//! of a position, and the curve behind it begins on the nearest one (`src/smooth/contour/mod.rs`).
+//! A path distance is exact to 2^-37 mm (`src/slope/emit.rs`). A block with a rounded end ends between two
+//! steps of a position, and the next curve begins at the nearest step (`src/smooth/contour/mod.rs`).
 
-/// A path distance of a tick.
+/// Error of the path distance of a tick.
 const DISTANCE: f64 = 1.0 / 32.0;
-/// The start of a curve.
+/// Error of the start of a curve.
 const CUT: f64 = 0.5;
 
-/// An axis' part of it.
+/// The error of one axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Resolution {
-    /// So many times as far as the path the axis goes at most.
+    /// Highest travel of the axis per travel of the path.
     pub steepest: f64,
-    /// Corners are rounded.
+    /// Whether corners are rounded.
     pub rounds: bool,
 }
 
 impl Resolution {
-    /// What it adds to first, second and third differences, LSB.
+    /// Error of first, second and third differences, LSB.
     pub fn differences(self) -> [f64; 3] {
         let distance = 2.0 * DISTANCE * self.steepest.max(1.0);
         let start = if self.rounds { CUT } else { 0.0 };

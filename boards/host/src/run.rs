@@ -1,4 +1,4 @@
-//! The board itself: memory, clock and drive loop.
+//! The board: memory, clock and main loop.
 use crate::acknowledge::{Automatic, Delay};
 use crate::beside::Beside;
 use crate::clock::clock;
@@ -32,26 +32,26 @@ use std::io::{self, Write};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-/// The largest look-ahead this board is compiled for, blocks.
+/// The largest look-ahead of this build, blocks.
 pub const BLOCKS: usize = 500;
 
-/// Samples of the filter of an axis: the highest order is 200.
+/// Number of samples in the filter of an axis: the highest order is 200.
 pub const TAPS: usize = 202;
 
-/// Elements and entries that a PLC may read.
+/// Number of elements and entries that a PLC may read.
 pub const KEPT: usize = 1 << 12;
 
-/// Axes that may move beside the path at once.
+/// Number of axes that may move independently of the path at once.
 pub const OVERLAYS: usize = 6;
 
-/// What a run is to show, and what is to happen in it.
+/// Outputs of a run, and events during the run.
 #[derive(Default)]
 pub struct Wanted<'a> {
     /// Receives a row per tick.
     pub trace: Option<(&'a Path, Box<dyn Write>)>,
-    /// What of the rows it receives.
+    /// Selection of the rows.
     pub extract: Extract,
-    /// Receives the words of the step output, in so many slots per tick.
+    /// Receives the words of the step output, with this number of slots per tick.
     pub vcd: Option<(&'a Path, Box<dyn Write>, usize)>,
     /// A [`Picture`] is recorded.
     pub picture: bool,
@@ -63,14 +63,15 @@ pub struct Wanted<'a> {
     pub acknowledge: Delay,
     /// Requests of a PLC.
     pub plc: Option<&'a plc::Script>,
-    /// No progress is shown.
+    /// Whether no progress is shown.
     pub quiet: bool,
 }
 
 /// Runs the program to its end.
 ///
 /// # Errors
-/// Program or machine data refused; the trace file cannot be written; the motion stands still for ever.
+/// Program or machine data are refused, the trace file cannot be written, or the motion stands still for
+/// ever.
 pub fn simulate(
     files: &Files,
     machine: &Machine,
@@ -89,7 +90,7 @@ fn simulate_axes<const AXES: usize>(
     let data = machine.data::<AXES>().ok_or_else(|| vec![Diagnostic::error("wrong number of axes")])?;
     let start = [Position::ZERO; AXES];
     let late = Cell::new(false);
-    // Static on a controller; here too large for some stacks.
+    // On a controller the memory is static; here it is too large for some stacks.
     let mut channel = Box::new(Channel::<AXES, BLOCKS, OVERLAYS>::new());
     let mut filters = Box::new(Filters::<AXES, TAPS>::new());
     let mut outside = plc::Memory::<AXES>::new(machine, wanted.plc);
@@ -197,55 +198,55 @@ fn simulate_axes<const AXES: usize>(
     }
 }
 
-/// Positions of the axes of a channel as a chain has them.
+/// Positions of the axes of a channel in the order of a chain.
 fn widened(axes: &[Position]) -> [Position; 6] {
     std::array::from_fn(|k| axes.get(k).copied().unwrap_or(Position::ZERO))
 }
 
-/// Idle ticks after which something is wrong.
+/// Number of idle ticks after which the simulation stops with an error.
 const PATIENCE: u64 = 1000;
 
 enum Stop {
-    /// A line. The check tells the others too.
+    /// A refused line. The check reports the others too.
     Refused(Error),
     Unwritable(io::Error),
     /// The dump of the step output.
     UnwritableSteps(io::Error),
     Starved,
-    /// From that tick on, by that event.
+    /// Standstill from this tick on, by this event.
     Held {
         since: u64,
         cause: Option<Event>,
     },
-    /// From that tick on, for that function.
+    /// Standstill from this tick on, for this function.
     Unanswered {
         since: u64,
         function: Function,
-        /// An event that acknowledged it in vain.
+        /// An event that acknowledged the function without effect.
         early: Option<Event>,
     },
 }
 
-/// What happens besides the program.
+/// State outside the program.
 struct Rules<'a> {
     schedule: Schedule<'a>,
     automatic: Automatic,
-    /// The longest rest, in ticks, that the program may contain of its own.
+    /// The longest standstill, in ticks, that the program itself may contain.
     patience: u64,
     /// The program text is late.
     late: &'a Cell<bool>,
-    /// As decoded, to know where the transformation changes.
+    /// The decoded program, which tells where the transformation changes.
     program: &'a Program,
     writer: plc::Writer<'a>,
     plc: Option<Plc<'a>>,
 }
 
-/// A controller has a timer interrupt and a main loop. Here the main loop gets all the time it needs, then
-/// time passes by one tick: the motion never starves, unless an event wants it, and the set points are those
-/// of any controller that is fast enough.
+/// A controller has a timer interrupt and a main loop. Here the main loop gets unlimited time, then time
+/// advances by one tick. So program text and planner are never late, unless an event makes them late, and the
+/// set points are those of any controller that is fast enough.
 ///
-/// A motion that rests because of an event or waits for an acknowledgement goes on taking time: the set
-/// points stay where they are, tick by tick.
+/// If the motion stands still because of an event, or waits for an acknowledgement, time continues: the set
+/// points stay the same, tick by tick.
 fn drive<const AXES: usize>(
     handles: FilteredHandles<'_, Delayed<'_>, AXES, BLOCKS, TAPS, OVERLAYS>,
     mut recorder: Recorder,
@@ -275,7 +276,7 @@ fn drive<const AXES: usize>(
         if !stalled {
             recorder.statistics.catches_up();
         }
-        // Also when all is handed over: a command may change what the queue holds.
+        // Also after all motion is queued, because a command may change the queue.
         done &= stalled;
         while !done && !stalled {
             let progress = planner.poll().map_err(Stop::Refused)?;
@@ -284,7 +285,7 @@ fn drive<const AXES: usize>(
             recorder.statistics.monitor.beside(recorder.statistics.ticks, planner.beside());
             match progress {
                 Progress::Working => {}
-                // The decode pass has collected the others.
+                // The decoder pass has already collected the other refusals.
                 Progress::Warning(warning) if warning.kind.is_of_curve() => {
                     recorder.statistics.remark(warning);
                 }
@@ -299,7 +300,7 @@ fn drive<const AXES: usize>(
                         *last = planner.planned();
                     }
                 }
-                // What is late stands in the list of events.
+                // The list of events contains the late times.
                 Progress::Starved | Progress::Late => {}
                 Progress::Slower => recorder.statistics.slower = true,
                 Progress::Deviated(axis) => recorder.statistics.filtered.beyond(axis),
@@ -348,7 +349,7 @@ fn drive<const AXES: usize>(
         recorder.statistics.beside.add(row, path, beside, commands.hold || commands.abort);
         recorder.statistics.monitor.beside(row, beside);
         let slope = interpolator.path_slope();
-        // Under a transformation the path is that of the tip, and its distance is the driven one.
+        // Under a transformation the path is that of the tip, and its distance is the driven distance.
         let tip = tip_of(kinematics, program.transformation(telemetry.block), path);
         let along = slope.as_ref().map(|slope| &slope[..]).filter(|_| tip.is_none());
         let telemetry = recorder.driven.tick(&telemetry, path, along);
@@ -381,7 +382,7 @@ fn drive<const AXES: usize>(
     recorder.finish(interpolator.set_points())
 }
 
-/// The functions that are due, to the statistics and to whoever acknowledges.
+/// Passes due functions to the statistics and to the acknowledgement.
 fn put_out<const AXES: usize>(
     operator: &Operator<'_, AXES>,
     recorder: &mut Recorder,
@@ -396,7 +397,7 @@ fn put_out<const AXES: usize>(
     }
 }
 
-/// Tip and angles at the place of the axes, under this transformation.
+/// Tip and angles for the positions of the axes, under this transformation.
 fn tip_of<const AXES: usize>(
     kinematics: &[Kinematic],
     id: u16,
@@ -405,9 +406,9 @@ fn tip_of<const AXES: usize>(
     kinematics.iter().find(|set| set.id == id).and_then(|set| set.workpiece(axes))
 }
 
-/// Everything that looks at the set points.
+/// All consumers of the set points.
 struct Recorder {
-    /// Under a transformation: tip and angles at the place of the axes.
+    /// Under a transformation: tip and angles for the positions of the axes.
     tool: Option<Vec<Position>>,
     /// Where the tool is, in every row of the trace.
     chain: Option<Chain>,
@@ -418,14 +419,14 @@ struct Recorder {
     picture: Option<Picture>,
     tape: Option<Tape>,
     cycle_s: f64,
-    /// Speeds are not always those planned.
+    /// Whether driven speeds may differ from planned speeds.
     has_events: bool,
-    /// Curves that were looked at.
+    /// Number of examined curves.
     seen: u32,
 }
 
 impl Recorder {
-    /// The curves handed on since the last call. Some may have been taken back.
+    /// The curves since the last call. Some curves may have been taken back.
     fn curves<const AXES: usize>(
         &mut self,
         planner: &Planner<'_, Delayed<'_>, AXES, BLOCKS, Bank<'_, AXES, TAPS>, OVERLAYS>,
@@ -449,8 +450,8 @@ impl Recorder {
         }
     }
 
-    /// A row with its set points before and behind the filters, whether it is on a curve that is no arc, and why it
-    /// may be at rest.
+    /// Records a row with its set points before and after the filters, whether it is on a curve that is no
+    /// arc, and the possible reason of a standstill.
     fn tick(
         &mut self,
         telemetry: &Telemetry,
@@ -490,7 +491,7 @@ impl Recorder {
 
     fn finish(mut self, set_points: &[Position]) -> Result<(Statistics, Option<Picture>), Stop> {
         if self.statistics.ticks == 0 {
-            // Nothing moved: the rest is worth a row.
+            // No axis moved: the standstill gets a row.
             self.tick(&Telemetry::default(), [set_points; 2], false, Pause::None)?;
         }
         self.statistics.finish(set_points);
@@ -513,17 +514,17 @@ impl Recorder {
     }
 }
 
-/// Progress in motion blocks on the error output: only on a terminal, and only when it takes long.
+/// Progress in motion blocks on the error output: only on a terminal, and only in long runs.
 struct Bar {
     start: Instant,
     motions: usize,
     shown: Option<ProgressBar>,
     quiet: bool,
-    /// The largest position so far: blocks may be planned again.
+    /// The highest position so far, because blocks may be planned again.
     reached: u64,
 }
 
-/// Seconds left, if the rest takes its time as what is done did; `None` while nothing is done.
+/// Estimated seconds left; `None` while nothing is done.
 fn to_go(elapsed: Duration, done: u64, all: u64) -> Option<u64> {
     let left = all.saturating_sub(done) as f64;
     (done > 0).then(|| (elapsed.as_secs_f64() * left / done as f64).ceil() as u64)

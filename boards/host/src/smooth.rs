@@ -1,7 +1,7 @@
-//! `--smooth`: Surface or contour mode DEV over a program that has no smoothing of its own.
+//! `--smooth`: applies Surface or contour mode DEV to a program that has no smoothing.
 //!
-//! Surface suits short chords, DEV corners of long blocks. Both are tried, and the program as it is: the fastest one
-//! is taken, so that no program gets slower.
+//! Surface suits short chords, and DEV suits corners of long blocks. The simulator tries both methods and the
+//! unchanged program, and takes the fastest one, so no program gets slower.
 use crate::diagnose::Diagnostic;
 use crate::files::Files;
 use crate::machine::Machine;
@@ -10,7 +10,7 @@ use crate::run::{self, Wanted};
 use glidepath::nc::{Command, Contour, ContourMethod, ContourSwitch, Head, Hsc, HscMethod, Place};
 use glidepath::quantity::Position;
 
-/// The tolerance that the advice of a summary tries, mm.
+/// The tolerance of the advice in a summary, mm.
 pub const ADVISED: f64 = 0.01;
 
 /// A smoothing that a program begins with.
@@ -21,7 +21,7 @@ pub struct Smooth {
     pub tolerance: f64,
 }
 
-/// The methods that are tried.
+/// The methods that the simulator tries.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Method {
     /// #HSC ON \[SURFACE\].
@@ -31,7 +31,7 @@ pub enum Method {
 }
 
 impl Smooth {
-    /// As the command of a program.
+    /// Returns the command of the program.
     pub fn command<const AXES: usize>(self) -> Command<AXES> {
         let head = Head { n: 0, place: Place::default(), in_motion: false };
         let path_dev = Some(Position::from_num(self.tolerance));
@@ -47,7 +47,7 @@ impl Smooth {
         }
     }
 
-    /// As a user would write it.
+    /// Returns the text of the command.
     pub fn name(self) -> String {
         match self.method {
             Method::Surface => format!("#HSC ON [SURFACE PATH_DEV={}]", self.tolerance),
@@ -62,19 +62,19 @@ pub fn parse(text: &str) -> Result<f64, String> {
     value.ok_or_else(|| "expected a tolerance of 0.0001 to 10 mm".into())
 }
 
-/// Whether a program smooths some of its path itself.
+/// Whether a program contains a smoothing command.
 fn has_its_own(program: &Program) -> bool {
     program.through_points || program.motions().any(|motion| motion.smoothed)
 }
 
-/// Seconds, where the run comes to its end inside all limits.
+/// Program time in seconds, if the run ends inside all limits.
 fn time(files: &Files, machine: &Machine, program: &Program) -> Option<f64> {
     let wanted = Wanted { quiet: true, ..Wanted::default() };
     let (result, _) = run::simulate(files, machine, program, wanted).ok()?;
     result.monitor.excess.is_empty().then(|| result.time_s(machine))
 }
 
-/// The faster method with its time; none where neither does.
+/// Returns the faster method with its time, or none if neither ends.
 fn best(files: &Files, machine: &Machine, tolerance: f64, limit: u64) -> Option<(Smooth, Program, f64)> {
     let trials = [Method::Surface, Method::Dev].map(|method| {
         let smooth = Smooth { method, tolerance };
@@ -86,7 +86,7 @@ fn best(files: &Files, machine: &Machine, tolerance: f64, limit: u64) -> Option<
     trials.into_iter().flatten().min_by(|one, other| one.2.total_cmp(&other.2))
 }
 
-/// Puts the method that makes the program fastest over it, and says which.
+/// Applies the method with which the program is fastest, and returns its name.
 pub fn put(files: &Files, machine: &mut Machine, program: Program, tolerance: f64, limit: u64) -> Program {
     let mut program = program;
     if has_its_own(&program) {
@@ -111,7 +111,7 @@ pub fn put(files: &Files, machine: &mut Machine, program: Program, tolerance: f6
     }
 }
 
-/// The time with `--smooth` [`ADVISED`], where that is shorter than `time_s` and the program has no smoothing.
+/// The time with `--smooth` [`ADVISED`], if it is shorter than `time_s` and the program has no smoothing.
 pub fn advised(files: &Files, machine: &Machine, program: &Program, time_s: f64) -> Option<f64> {
     if has_its_own(program) || machine.smooth.is_some() {
         return None;

@@ -1,4 +1,4 @@
-//! What a run was like: peaks by finite differences of the set points, distances, the digest.
+//! Results of a run: peaks from finite differences of the set points, distances, the digest.
 use crate::beside::Beside;
 use crate::course::Course;
 use crate::deviation::Deviation;
@@ -17,16 +17,16 @@ use glidepath::technology::Output;
 use glidepath::tick::Telemetry;
 use std::collections::HashSet;
 
-/// Set points of one axis, seen one after the other.
+/// Set points of one axis, in the order of the ticks.
 #[derive(Clone, Debug, Default)]
 pub struct AxisStatistics {
     last: i64,
     /// The latest first, second and third difference, in LSB of [`Position`].
     latest: [i128; 3],
-    /// The largest magnitudes of these.
+    /// The highest magnitudes of these differences.
     peak: [u128; 3],
-    /// Sum of the first differences' magnitudes, LSB, and twice what the turning points lie beyond the set
-    /// points next to them.
+    /// Sum of the magnitudes of first differences, LSB. The sum includes twice the distances by which turning
+    /// points exceed the neighbouring set points.
     travel: u128,
     lowest: i64,
     highest: i64,
@@ -44,7 +44,8 @@ impl AxisStatistics {
         let second = first - self.latest[0];
         let third = second - self.latest[1];
         if first.signum() * self.latest[0].signum() < 0 {
-            // It turned between two ticks: by the parabola through the last three set points.
+            // The axis turned between two ticks; a parabola through the last three set points gives the
+            // turning point.
             let sum = (first + self.latest[0]).unsigned_abs();
             self.travel += sum * sum / (4 * second.unsigned_abs());
         }
@@ -63,13 +64,13 @@ impl AxisStatistics {
         rates(self.latest.map(|difference| difference as f64), cycle_s)
     }
 
-    /// The largest magnitudes so far.
+    /// The highest magnitudes so far.
     pub fn peak(&self, cycle_s: f64) -> [f64; 3] {
         rates(self.peak.map(|difference| difference as f64), cycle_s)
     }
 
-    /// Distance travelled, back and forth, mm or degrees. Where the axis turns between two ticks, it turns on
-    /// a parabola.
+    /// Travelled distance, back and forth, mm or degrees. If the axis turns between two ticks, a parabola
+    /// gives the turning point.
     pub fn travel(&self) -> f64 {
         self.travel as f64 / LSB_PER_MM
     }
@@ -88,147 +89,147 @@ fn rates(differences: [f64; 3], cycle_s: f64) -> [f64; 3] {
     [first / cycle_s, second / cycle_s / cycle_s, third / cycle_s / cycle_s / cycle_s]
 }
 
-/// All about a run that is not kept tick by tick.
+/// All results of a run that are not stored tick by tick.
 pub struct Statistics {
-    /// One per axis.
+    /// Results of each axis.
     pub axes: Vec<AxisStatistics>,
-    /// Rows of a trace: active ticks and those that an event makes idle. The first is the rest at the start.
+    /// Rows of a trace: active ticks, and ticks without motion by an event. The first row is the standstill
+    /// at the start.
     pub ticks: u64,
-    /// Over the set points of all rows.
+    /// Digest over the set points of all rows.
     pub digest: Digest,
     /// Path length, LSB of [`Distance`](glidepath::quantity::Distance), without its wrap.
     pub distance: i128,
-    /// The time laws, in the order of the motion blocks they cover.
+    /// The speed profiles, in the order of their motion blocks.
     pub spans: Vec<PlannedBlock>,
-    /// Path speed where one motion block ends and the next one begins: zero where a row stands there, else the lower
-    /// one of the two ticks around that point. Not inside a line that stands for several, nor where a tick passes
-    /// several.
+    /// Path speed at each transition of two motion blocks: zero if a row stands there, else the lower speed
+    /// of the two neighbouring ticks. No value inside a merged line, or if a tick passes several transitions.
     pub transitions: Vec<Option<Speed>>,
-    /// The block at whose end the motion stands, until it moves.
+    /// The block at whose end the axes stand, until they move.
     stands: Option<u32>,
-    /// Twice what the speed changes in a tick there.
+    /// Twice the change of speed in a tick at this place.
     reaches: Vec<i64>,
-    /// The slowest between blocks, the fastest inside.
+    /// Lowest speed between blocks, highest speed inside blocks.
     pub course: Course,
-    /// Some driven speed is not the planned one: path was time.
+    /// A driven speed differs from the planned speed, because the path was time.
     pub over_time: bool,
     /// The highest path speed of all ticks.
     pub fastest: Speed,
-    /// What the PLC was told.
+    /// Answers to the PLC.
     pub plc: Option<crate::plc::Told>,
     /// Technology functions in the order of their output.
     pub functions: Vec<PutOut>,
-    /// What became of each event from outside.
+    /// Result of each event.
     pub outcomes: Vec<Outcome>,
-    /// What the planner remarked about curves: once for each place of the program.
+    /// Warnings of the planner about curves: once for each place of the program.
     pub remarks: Vec<NcWarning>,
-    /// All rows against the limits.
+    /// Comparison of all rows with the limits.
     pub monitor: Monitor,
-    /// The driven path against the programmed one, where it is asked for.
+    /// Comparison of the driven path with the programmed path, if requested.
     pub deviation: Option<Deviation>,
-    /// The axes behind their filters.
+    /// The axes after their filters.
     pub filtered: Filtered,
-    /// Those that move beside the path.
+    /// The axes that move independently of the path.
     pub beside: Beside,
-    /// How fast the feed was, and for how long.
+    /// Time at each feed.
     pub usage: Usage,
-    /// Rows at rest up to now.
+    /// Number of rows at standstill so far.
     pub rest: u64,
-    /// The last row in which any axis moved, also beside the path.
+    /// The last row in which an axis moved, also independently of the path.
     moved: u64,
-    /// Rows at rest because of an event, and because of a function that was not acknowledged.
+    /// Rows at standstill because of an event, and because of a missing acknowledgement.
     pub held: u64,
     pub waited: u64,
-    /// Rows at rest for neither, up to an abort: dwells, as they were executed.
+    /// Rows at standstill for other reasons, up to an abort: executed dwells.
     pub dwelt: u64,
     /// The operator has aborted the program.
     pub aborted: bool,
-    /// The motion was slower than programmed, so that a standstill without the planner has room.
+    /// The motion was slower than programmed, so that a stop without the planner fits into the queue.
     pub slower: bool,
-    /// Elements under a transformation, and the polynomials that they became.
+    /// Elements under a transformation, and the number of resulting polynomials.
     pub split: glidepath::plan::Split,
-    /// Every tick, where a page is to show the run.
+    /// Every tick, if a page must show the run.
     pub tape: Option<Tape>,
-    /// Stretches of both: tick of the first row and of the last one.
+    /// Ranges of both kinds of standstill: tick of the first and of the last row.
     pub holds: Vec<[u64; 2]>,
     awaited: Vec<Awaited>,
     told: HashSet<(u16, u32, String)>,
     last: Telemetry,
 }
 
-/// Why a row may be at rest.
+/// Reason for a row at standstill.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Pause {
-    /// The program wants it.
+    /// The program.
     None,
-    /// An event wants it.
+    /// An event.
     Held,
     /// A function is not acknowledged.
     Waiting,
 }
 
-/// A technology function that was put out.
+/// A technology function that was output.
 #[derive(Clone, Copy, Debug)]
 pub struct PutOut {
     /// The tick that reached its point.
     pub tick: u64,
-    /// What it is.
+    /// The function.
     pub output: Output,
-    /// The tick before which it was acknowledged.
+    /// The tick before which the acknowledgement came.
     pub acknowledged: Option<u64>,
 }
 
-/// What became of an event.
+/// Result of an event.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Outcome {
-    /// The tick before which it was given; none if the program had ended before.
+    /// The tick before which the event came; none if the program had ended before.
     pub tick: Option<u64>,
-    /// What came of it.
+    /// The effect of the event.
     pub reaction: Option<Reaction>,
-    /// An acknowledgement that nothing waited for.
+    /// An acknowledgement without a waiting function.
     pub ignored: bool,
 }
 
-/// A reaction that is waited for.
+/// An effect that has not occurred yet.
 struct Awaited {
     /// Index of the event.
     index: usize,
     what: What,
     effect: Effect,
-    /// At the event.
+    /// Tick of the event.
     tick: u64,
     distance: i128,
 }
 
-/// What an event brings about.
+/// The effect that an event causes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Effect {
-    /// The set points rest.
+    /// The set points stop.
     Standstill,
-    /// They move.
+    /// The set points move.
     Motion,
 }
 
-/// When that was reached.
+/// The tick of an effect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Reaction {
-    /// What was reached.
+    /// The effect.
     pub effect: Effect,
-    /// Ticks from the event to the last row that moved, or to the first one that moves.
+    /// Ticks from the event to the last row with motion, or to the first row with motion.
     pub ticks: u64,
     /// Path moved until then, LSB of [`Distance`](glidepath::quantity::Distance).
     pub distance: i128,
 }
 
 impl Statistics {
-    /// Takes a remark in. Lines of loops and subroutines run again: one remark is enough.
+    /// Records a warning. Lines of loops and subroutines run again, so each warning is recorded once.
     pub fn remark(&mut self, remark: NcWarning) {
         if self.told.insert((remark.place.file, remark.place.offset, remark.to_string())) {
             self.remarks.push(remark);
         }
     }
 
-    /// Of a machine that stands still; so many events are to come.
+    /// Statistics of a machine at standstill; `events` events will come.
     pub fn new(start: &[Position], events: usize) -> Self {
         Self {
             axes: start.iter().map(|&position| AxisStatistics::at_rest(position)).collect(),
@@ -267,7 +268,7 @@ impl Statistics {
         }
     }
 
-    /// The event with this index happens before the tick to come; `taken`: it was not ignored.
+    /// The event with this index comes before the next tick; `taken`: the event was not ignored.
     pub fn happens(&mut self, index: usize, what: What, taken: bool) {
         let ended = match what {
             What::FeedHold | What::Override(0) => Some(Effect::Motion),
@@ -292,7 +293,7 @@ impl Statistics {
         self.awaited.extend(effect.map(|effect| Awaited { index, what, effect, tick, distance }));
     }
 
-    /// A function is acknowledged before the tick to come.
+    /// A function is acknowledged before the next tick.
     pub fn acknowledged(&mut self, function: Function) {
         let open = |done: &&mut PutOut| {
             done.output.waits && done.output.function == function && done.acknowledged.is_none()
@@ -312,7 +313,7 @@ impl Statistics {
         self.awaited.retain(|awaited| !matches!(awaited.what, What::Stall(_)));
     }
 
-    /// Takes in a row, whether it is on a curve that is no arc, and why it may be at rest.
+    /// Records a row, whether it is on a curve that is no arc, and the possible reason of a standstill.
     pub fn add(&mut self, telemetry: &Telemetry, set_points: &[Position], curve: bool, pause: Pause) {
         let moved = telemetry.distance != self.last.distance;
         let step = telemetry.distance.to_bits().wrapping_sub(self.last.distance.to_bits());
@@ -353,16 +354,16 @@ impl Statistics {
         self.ticks += 1;
     }
 
-    /// Rows up to now in which no axis moved, not even beside the path.
+    /// Number of rows so far in which no axis moved, not even independently of the path.
     pub fn rest_of_all(&self) -> u64 {
         self.rest.min(self.ticks.saturating_sub(1 + self.moved))
     }
 
     /// The block at whose end this row stands.
     ///
-    /// Where the motion stands at a joint, a row lies there: the next motion begins at a tick. That row counts as one of
-    /// the block behind, or as the last one of those that became one line. Where more than one joint may be meant, the
-    /// laws tell.
+    /// If the axes stand still at a transition, a row lies there, because the next motion begins at a tick.
+    /// This row counts as a row of the block after the transition, or of the last block of a merged line. If
+    /// several transitions are possible, the speed profiles decide.
     fn stood(&self, row: &Telemetry) -> Option<u32> {
         let joints = self.last.block..row.block;
         if row.speed != Speed::ZERO || self.distance == 0 || joints.is_empty() {
@@ -374,8 +375,8 @@ impl Statistics {
         Some(if joints.len() == 1 { last } else { ends.find(|end| joints.contains(end)).unwrap_or(last) })
     }
 
-    /// The speed at the joint at the end of a block, which lies between the last row and this one. From a standstill a
-    /// tick may pass a whole block: the joint at its end is not stood at.
+    /// The speed at the transition at the end of a block, between the last row and this one. After a
+    /// standstill a tick may pass a whole block; the axes do not stand at the end of such a block.
     fn passed(&self, block: u32, row: &Telemetry) -> Option<Speed> {
         let around = [self.last.speed, row.speed].into_iter().filter(|speed| *speed != Speed::ZERO).min();
         around.filter(|_| block == self.last.block && self.ticks > 0)
@@ -392,16 +393,16 @@ impl Statistics {
         }
     }
 
-    /// Takes in a function that is due at the last tick.
+    /// Records a function that is due at the last tick.
     pub fn output(&mut self, output: Output) {
         let tick = self.ticks.saturating_sub(1);
         self.functions.push(PutOut { tick, output, acknowledged: None });
     }
 
-    /// Adds the rest behind the last tick, so that a stop with a jump is seen in the peaks, and an abort to
-    /// its end.
+    /// Adds the standstill after the last tick, so that the peaks include a stop with a step, and the end of
+    /// an abort.
     pub fn finish(&mut self, set_points: &[Position]) {
-        // The last block began and ended within a tick: that was the end of the program, and no joint.
+        // The last block began and ended within a tick; its end is the end of the program and no transition.
         if let Some(joint) = self.stands.take() {
             if let Some(passed) = self.transitions.get_mut(joint as usize) {
                 *passed = None;
@@ -427,14 +428,14 @@ impl Statistics {
         self.distance as f64 / (1_u64 << 44) as f64
     }
 
-    /// The last motion block of every law that ends at a joint, and the planned speed there. Only where the speeds of
-    /// the ticks around that point can come from the planned one: on a curve over time, they do not. A standstill is
-    /// seen in the rows, or it is none.
+    /// The last motion block of every speed profile that ends at a transition, and the planned speed there.
+    /// The planned speed is used only if the speeds of the neighbouring ticks can follow from it; on a curve
+    /// over time they cannot. A standstill must show in the rows.
     pub fn ends(&self) -> Vec<(usize, Speed)> {
         let end = |pair: &[PlannedBlock]| {
             let [span, next] = pair else { return None };
             let last = span.block as usize + span.blocks.max(1) as usize - 1;
-            // Else the next law begins inside of the block.
+            // Otherwise the next speed profile begins inside the block.
             (next.block as usize == last + 1).then_some((last, span.v_out))
         };
         let reached = |&(last, planned): &(usize, Speed)| {
@@ -450,13 +451,13 @@ impl Statistics {
         self.spans.windows(2).filter_map(end).filter(reached).collect()
     }
 
-    /// Motion blocks that the set points have come to.
+    /// Number of motion blocks that the set points have reached.
     pub fn blocks(&self) -> usize {
         if self.spans.is_empty() { 0 } else { self.transitions.len() + 1 }
     }
 
-    /// Program time: from the first set point to the end of the time law, which lies at the last set point
-    /// or, where that ends a motion, less than a tick before it.
+    /// Program time: from the first set point to the end of the speed profile. The end is at the last set
+    /// point or, at the end of a motion, less than a tick before it.
     pub fn time_s(&self, machine: &Machine) -> f64 {
         let early = match self.spans.last() {
             Some(span) if self.rest == 0 => span.wait.0.to_num::<f64>(),
@@ -539,14 +540,15 @@ mod tests {
     #[test]
     fn a_joint_is_stood_at_where_a_row_stands() {
         let mut statistics = Statistics::new(&[Position::ZERO], 0);
-        // A tick passes two joints and ends in a standstill at a third one; from there a tick passes a whole block.
+        // A tick passes two transitions and ends in a standstill at a third one; the next tick passes a whole
+        // block.
         let rows = [(0, 0), (0, 5), (3, 0), (3, 0), (4, 2), (4, 6), (5, 4), (5, 0), (5, 3), (6, 3)];
         for (mm, (block, speed)) in (0..).zip(rows) {
             statistics.add(&row(mm, block, speed), &[Position::ZERO], false, Pause::None);
         }
         let passed = |bits| Some(Speed::from_bits(bits));
         assert_eq!(statistics.transitions, [passed(5), None, passed(0), passed(2), passed(4), passed(3)]);
-        // Blocks 7 to 9 became one line: the laws tell that it stands in front of them.
+        // Blocks 7 to 9 are merged to one line. The speed profiles show that the axes stand before this line.
         let law = PlannedBlock { block: 6, blocks: 1, ..PlannedBlock::default() };
         statistics.spans = vec![law, PlannedBlock { block: 7, blocks: 3, ..law }];
         statistics.add(&row(10, 9, 0), &[Position::ZERO], false, Pause::None);

@@ -1,4 +1,4 @@
-//! What a run comes down to, for people and for programs.
+//! The summary of a run, for people and for programs.
 use crate::beside::{Beside, Oscillation};
 use crate::clock::clock;
 use crate::deviation;
@@ -29,7 +29,7 @@ const EVENTS: usize = 12;
 pub struct Summary {
     program: String,
     machine: String,
-    /// At program start.
+    /// Slope at program start.
     slope: &'static str,
     look_ahead: u32,
     program_time_s: f64,
@@ -37,22 +37,22 @@ pub struct Summary {
     cycle_s: f64,
     blocks: usize,
     dwell_s: f64,
-    /// At rest because of an event.
+    /// Time at standstill because of an event.
     held_s: f64,
-    /// At rest because a function was not acknowledged.
+    /// Time at standstill because of a missing acknowledgement.
     waited_s: f64,
     path_mm: f64,
     v_path_max: f64,
-    /// Slower than programmed somewhere, so that a planner without time leaves a motion that can end.
+    /// Whether the motion was slower than programmed, so that a stop without the planner fits into the queue.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     slower: bool,
-    /// Elements under a transformation, and how many polynomials of the axes they became.
+    /// Elements under a transformation, and the number of resulting polynomials of the axes.
     #[serde(skip_serializing_if = "Option::is_none")]
     transformed: Option<[u32; 2]>,
-    /// The driven path beside the programmed one.
+    /// Deviation of the driven path from the programmed path.
     #[serde(flatten)]
     shape: Option<deviation::Told>,
-    /// Over all set points of all ticks behind the first row of the trace, 16 hexadecimal digits.
+    /// Digest over all set points after the first row of the trace, 16 hexadecimal digits.
     digest: String,
     /// Time per tool, spindle, feed.
     #[serde(flatten)]
@@ -65,16 +65,16 @@ pub struct Summary {
     axes: Vec<(String, Axis)>,
     stops: usize,
     slowest_corners: Vec<Corner>,
-    /// What bound the speed, if it was asked for.
+    /// The limits that bound the speed, if requested.
     #[serde(skip_serializing_if = "Option::is_none")]
     why: Option<Told>,
-    /// Jerk that was not compared with its limit, and why.
+    /// Jerk that was not compared with its limit, and the reason.
     #[serde(skip_serializing_if = "Option::is_none")]
     left_out: Option<String>,
-    /// Joints with a step of acceleration, and the largest one.
+    /// Number of transitions with a step of acceleration, and the highest step.
     #[serde(skip_serializing_if = "Option::is_none")]
     steps: Option<Steps>,
-    /// Limits exceeded.
+    /// Exceeded limits.
     exceeded: usize,
     warnings: Vec<Warning>,
     functions: Vec<Output>,
@@ -82,7 +82,7 @@ pub struct Summary {
     plan: Vec<Span>,
 }
 
-/// Joints where the machine data permit a step of acceleration, and one has shown.
+/// Transitions at which the machine data permit a step of acceleration, and a step has shown.
 #[derive(Serialize)]
 struct Steps {
     count: u64,
@@ -95,16 +95,16 @@ struct Steps {
 /// An event from outside.
 #[derive(Serialize)]
 struct Happening {
-    /// As the file has it.
+    /// Text of the event in the file.
     t_s: f64,
-    /// The first tick that it acts on; none if the program had ended before.
+    /// The first tick with the event; none if the program had ended before.
     tick: Option<u64>,
     what: String,
     line: usize,
     reaction: Option<Reaction>,
 }
 
-/// From that tick on.
+/// The effect of the event begins at this tick.
 #[derive(Serialize)]
 struct Reaction {
     what: &'static str,
@@ -118,9 +118,9 @@ struct Output {
     t_s: f64,
     n: u32,
     function: String,
-    /// The motion needs its acknowledgement.
+    /// Whether the motion needs its acknowledgement.
     waits: bool,
-    /// When that came.
+    /// Time of the acknowledgement.
     acknowledged_s: Option<f64>,
 }
 
@@ -142,17 +142,17 @@ struct Axis {
 #[derive(Serialize)]
 struct Corner {
     v: f64,
-    /// Block that ends there, its N number, line, and file where that is a called one.
+    /// Block that ends at the transition: N number, line, and file if it is a called file.
     block: u32,
     n: u32,
     line: u32,
     #[serde(skip_serializing_if = "Option::is_none")]
     file: Option<String>,
-    /// N number of the block that begins there.
+    /// N number of the block that begins at the transition.
     next_n: u32,
-    /// How far the programmed path turns there, degrees.
+    /// Angle of the programmed path at the transition, degrees.
     knee: f64,
-    /// What bound the speed there.
+    /// The limit that bound the speed there.
     #[serde(skip_serializing_if = "Option::is_none")]
     bound: Option<String>,
 }
@@ -162,21 +162,21 @@ struct Warning {
     id: String,
     line: usize,
     column: usize,
-    /// Where that is a called file.
+    /// The file, if it is a called file.
     #[serde(skip_serializing_if = "Option::is_none")]
     file: Option<String>,
     text: String,
 }
 
-/// A time law.
+/// A speed profile.
 #[derive(Serialize)]
 struct Span {
-    /// The first of its motion blocks, and how many there are.
+    /// The first of its motion blocks, and the number of blocks.
     block: u32,
     blocks: u32,
     n: u32,
     line: u32,
-    /// Where that is a called file.
+    /// The file, if it is a called file.
     #[serde(skip_serializing_if = "Option::is_none")]
     file: Option<String>,
     length_mm: f64,
@@ -184,7 +184,7 @@ struct Span {
     v_peak: f64,
     v_out: f64,
     time_s: f64,
-    /// From a standstill at its end to the tick at which the next motion may begin.
+    /// Time from a standstill at its end to the tick at which the next motion may begin.
     wait_s: f64,
 }
 
@@ -193,7 +193,7 @@ fn in_order<S: Serializer>(axes: &[(String, Axis)], serializer: S) -> Result<S::
 }
 
 impl Summary {
-    /// Of a run that went to its end.
+    /// The summary of a complete run.
     pub fn new(
         files: &Files,
         machine: &Machine,
@@ -251,7 +251,7 @@ impl Summary {
             waits: done.output.waits,
             acknowledged_s: done.acknowledged.map(|tick| in_seconds(tick, machine)),
         });
-        // Events change the speeds that were planned.
+        // Events change the planned speeds.
         let planned = events.is_empty();
         let (stops, mut slowest_corners) = corners(files, program, statistics, planned, speed);
         for corner in &mut slowest_corners {
@@ -330,7 +330,7 @@ impl Summary {
         }
     }
 
-    /// For programs.
+    /// Text for programs.
     pub fn to_json(&self) -> String {
         // Numbers and strings only: nothing that JSON could not hold.
         let mut text = serde_json::to_string_pretty(self).unwrap_or_default();
@@ -338,7 +338,7 @@ impl Summary {
         text
     }
 
-    /// For people.
+    /// Text for people.
     pub fn to_text(&self) -> String {
         let mut out = String::new();
         // Writing to a String cannot fail.
@@ -508,12 +508,12 @@ impl Summary {
     }
 }
 
-/// `N120`, or the running number where none is programmed.
+/// `N120`, or the running number if no N number is programmed.
 fn number(n: u32, block: u32) -> String {
     if n == 0 { format!("block {block}") } else { format!("N{n}") }
 }
 
-/// A peak as a share of its limit, in a column as wide as the heading.
+/// A peak in percent of its limit, in a column of the width of the heading.
 fn share(value: f64, limit: f64, unit: &str) -> String {
     // A degree sign is one column narrower than mm.
     let pad = if unit == "mm" { "" } else { " " };
@@ -532,11 +532,11 @@ fn mm(bits: i128) -> f64 {
     bits as f64 / (1_u64 << 44) as f64
 }
 
-/// Number of standstills between blocks, and the slowest transitions, standstills first.
+/// Number of standstills between blocks, and the slowest transitions; standstills come first.
 ///
-/// Inside a span nothing is planned for a transition: its speed is the one seen in the set points. At the end
-/// of a span it is the `planned` one, if that came true: without events, and not on a curve over time. A standstill is
-/// one that a row shows.
+/// The speed of a transition inside a span is that of the set points, because nothing is planned there. At
+/// the end of a span it is the `planned` speed, if the planned speed occurred: without events, and not on a
+/// curve over time. A standstill must show in a row.
 fn corners(
     files: &Files,
     program: &Program,
@@ -551,7 +551,7 @@ fn corners(
                 *v = Some(speed);
             }
         }
-        // Beside a joint, a row may stand too: at the end of a piece of path that only leads there.
+        // Near a transition, a row may stand still too: at the end of a short element before it.
         for (v, index) in &mut speeds {
             if statistics.course.joint(*index).is_some_and(|seen| seen.speed == Speed::ZERO) {
                 *v = Some(Speed::ZERO);
@@ -581,7 +581,7 @@ fn corners(
     (stops, corners)
 }
 
-/// To the µs, without needless digits.
+/// Value to the µs, without unnecessary digits.
 fn milliseconds(s: f64) -> String {
     let text = format!("{:.3}", s * 1e3);
     text.trim_end_matches('0').trim_end_matches('.').to_owned()

@@ -1,9 +1,8 @@
-//! How far the motion may leave the programmed path: what the program says of smoothing, followed from
-//! command to command.
+//! The permitted deviation from the programmed path, from the smoothing commands of the program.
 use glidepath::nc::{Contour, ContourMethod, ContourSwitch, Hsc, HscMethod};
 use glidepath::quantity::Position;
 
-/// Deviations that are monitored.
+/// Tolerances that are monitored.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Tolerance {
     /// Of the main axes, mm.
@@ -12,7 +11,7 @@ pub struct Tolerance {
     pub track: Option<f64>,
 }
 
-/// Contour mode: on, for one block, and what it monitors.
+/// Contour mode: whether it is on, for one block, and its tolerances.
 #[derive(Clone, Copy, Debug)]
 struct ContourState {
     on: bool,
@@ -21,11 +20,12 @@ struct ContourState {
     path_dev: f64,
     /// 0: not monitored.
     track_dev: f64,
-    /// PTP: PATH_DEV was given since it was chosen.
+    /// PTP: PATH_DEV was given after PTP was selected.
     given: bool,
 }
 
-/// What a method of #HSC monitors, mm or degrees; without that of rapid motion the other one.
+/// Tolerances of a method of #HSC, mm or degrees; without a tolerance for rapid motion, the other one
+/// applies.
 #[derive(Clone, Copy, Debug)]
 struct Deviations {
     path: f64,
@@ -34,11 +34,11 @@ struct Deviations {
     track_g00: Option<f64>,
 }
 
-/// #HSC: on, and the deviations of its methods, which do not share them.
+/// #HSC: whether it is on, and the tolerances of its methods, which are separate.
 #[derive(Clone, Copy, Debug)]
 struct HscState {
     on: bool,
-    /// The one named last.
+    /// The method named last.
     method: HscMethod,
     surface: Deviations,
     bspline: Deviations,
@@ -46,13 +46,13 @@ struct HscState {
     conterror: f64,
 }
 
-/// Smoothing as the program has it so far.
+/// Smoothing in the program so far.
 pub struct Smoothing {
     contour: ContourState,
     hsc: HscState,
 }
 
-/// As the program has it: without the rounding of a position.
+/// The programmed value, without the rounding of a position.
 fn decimal(value: Position) -> f64 {
     (value.to_num::<f64>() * 1e9).round() / 1e9
 }
@@ -62,12 +62,12 @@ fn set(value: &mut f64, given: Option<Position>) {
 }
 
 impl Deviations {
-    /// At program start, with that TRACK_DEV.
+    /// State at program start, with this TRACK_DEV.
     const fn unless_given(track: f64) -> Self {
         Self { path: 0.2, path_g00: None, track, track_g00: None }
     }
 
-    /// What a command gives; those of rapid motion are keywords of Surface alone.
+    /// Takes the values of a command; those of rapid motion are keywords of Surface only.
     fn take(&mut self, command: &Hsc, rapid: bool) {
         set(&mut self.path, command.path_dev);
         set(&mut self.track, command.track_dev);
@@ -77,7 +77,7 @@ impl Deviations {
         }
     }
 
-    /// What is monitored; 0 is not.
+    /// The monitored tolerances; 0: not monitored.
     fn tolerance(&self, rapid: bool) -> Tolerance {
         let of = |feed: f64, of_rapid: Option<f64>| if rapid { of_rapid.unwrap_or(feed) } else { feed };
         let monitored = |value: f64| (value > 0.0).then_some(value);
@@ -89,7 +89,7 @@ impl Deviations {
 }
 
 impl Smoothing {
-    /// At program start.
+    /// State at program start.
     pub fn new() -> Self {
         let method = ContourMethod::Dev;
         Self {
@@ -129,8 +129,8 @@ impl Smoothing {
         }
     }
 
-    /// #HSC. While it is on its parameters stay, and a command that gives some changes nothing, as the
-    /// library says with its warning 120542: `false`.
+    /// #HSC. While #HSC is on, its parameters do not change. For a command with parameters the library then
+    /// gives warning 120542: `false`.
     pub fn hsc(&mut self, command: &Hsc) -> bool {
         let state = &mut self.hsc;
         if state.on && command.gives_parameters() && command.switch != Some(false) {
@@ -147,12 +147,12 @@ impl Smoothing {
         true
     }
 
-    /// Whether the corner behind the next motion may be rounded.
+    /// Whether the corner after the next motion may be rounded.
     pub fn is_on(&self) -> bool {
         self.hsc.on || self.contour.on || self.contour.once
     }
 
-    /// What is monitored of the next motion.
+    /// Tolerances of the next motion.
     pub fn tolerance(&self, rapid: bool) -> Tolerance {
         if self.hsc.on {
             let HscState { surface, bspline, method, conterror, .. } = self.hsc;
@@ -175,7 +175,7 @@ impl Smoothing {
         Tolerance { path: path.then_some(path_dev), track: track.then_some(track_dev) }
     }
 
-    /// A motion has gone by.
+    /// A motion has been decoded.
     pub fn passes(&mut self) {
         self.contour.once = false;
     }
@@ -227,7 +227,7 @@ mod tests {
             assert_eq!(with(switch, Some(0.001)), (false, Some(0.05)));
         }
         assert_eq!(with(Some(true), None), (true, Some(0.05)));
-        // Switched off with parameters, they are for the next time.
+        // Parameters given while switched off apply to the next time.
         assert_eq!(with(Some(false), Some(0.001)), (true, None));
         assert_eq!(with(Some(true), None), (true, Some(0.001)));
     }

@@ -12,13 +12,13 @@ use std::fmt::Write as _;
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
-/// What of a trace is written.
+/// The part of a trace that is written.
 #[derive(Clone, Debug, Default, clap::Args)]
 pub struct Extract {
-    /// Every Nth row of --trace, and the last one.
+    /// Every Nth row, and the last row.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..), requires = "trace")]
     trace_every: u64,
-    /// Columns of --trace in this order, by the names of its first line.
+    /// Columns in this order, by the names of the first line.
     #[arg(long, value_name = "LIST", value_delimiter = ',', requires = "trace")]
     columns: Vec<String>,
 }
@@ -26,16 +26,16 @@ pub struct Extract {
 /// Columns that every trace has.
 const OWN: [&str; 7] = ["tick", "t_s", "n", "block", "s_mm", "v_mm_s", "a_mm_s2"];
 
-/// Where a column comes from.
+/// The source of a column.
 #[derive(Clone, Copy)]
 enum Column {
     /// Index in [`OWN`].
     Own(usize),
     /// Set point of the path.
     Path(usize),
-    /// Set point behind the filters.
+    /// Set point after the filters.
     Drive(usize),
-    /// A coordinate of the tip of the tool.
+    /// A coordinate of the tool tip.
     Tip(usize),
 }
 
@@ -46,7 +46,7 @@ pub struct Trace {
     cycle_us: u32,
     columns: Vec<Column>,
     every: u64,
-    /// The last row is not written yet.
+    /// Whether the last row is not written yet.
     is_open: bool,
 }
 
@@ -81,7 +81,7 @@ fn all(machine: &Machine) -> Vec<(String, Column)> {
 }
 
 impl Extract {
-    /// The columns that are wanted of those of a machine.
+    /// Returns the wanted columns of a machine.
     fn of(&self, machine: &Machine) -> Result<Vec<(String, Column)>, Vec<Diagnostic>> {
         let all = all(machine);
         if self.columns.is_empty() {
@@ -101,14 +101,14 @@ impl Extract {
     }
 }
 
-/// Columns of the tip of the tool.
+/// Columns of the tool tip.
 const TIP: [&str; 3] = ["tip_X", "tip_Y", "tip_Z"];
 
 impl Trace {
     /// Starts with the header. A name that ends in `.gz` is compressed.
     ///
     /// # Errors
-    /// A column that the machine does not have; inside, the file cannot be written.
+    /// A column that the machine does not have; the inner error: the file cannot be written.
     pub fn new(
         (path, file): (&Path, Box<dyn Write>),
         machine: &Machine,
@@ -133,7 +133,8 @@ impl Trace {
         }))
     }
 
-    /// One tick; `distance` without its wrap; set points of the path and those for the drives.
+    /// Writes one tick. `distance` is without wrap; set points are those of the path and those for the
+    /// drives.
     pub fn row(
         &mut self,
         tick: u64,
@@ -178,7 +179,7 @@ impl Trace {
         if self.is_open { Ok(()) } else { self.out.put(self.row.as_bytes()) }
     }
 
-    /// Writes what is still held back.
+    /// Writes the buffered data.
     pub fn finish(mut self) -> io::Result<()> {
         if self.is_open {
             self.out.put(self.row.as_bytes())?;

@@ -1,4 +1,4 @@
-//! What a job takes from machine and tools: time per tool, time with the spindle on, how fast the feed was.
+//! Usage of machine and tools by a job: time per tool, time with the spindle on, distribution of the feed.
 use crate::clock::clock;
 use crate::machine::Machine;
 use crate::program::Program;
@@ -8,13 +8,14 @@ use glidepath::tick::Telemetry;
 use serde::Serialize;
 use std::fmt::Write;
 
-/// Bars of the histogram, equal parts of the highest programmed feed; the last one has all above it.
+/// Bars of the histogram: equal parts of the highest programmed feed; the last bar includes all higher
+/// values.
 const BARS: usize = 10;
 
 /// Rows of motion at feed, by their speed.
 #[derive(Clone, Debug, Default)]
 pub struct Usage {
-    /// Which motion blocks are rapid.
+    /// Whether each motion block is rapid.
     rapid: Vec<bool>,
     /// Speed of the highest programmed feed, LSB of [`glidepath::quantity::Speed`].
     highest: i64,
@@ -39,7 +40,7 @@ pub struct Tool {
     time_s: f64,
 }
 
-/// For the summary.
+/// Values for the summary.
 #[derive(Clone, Debug, Serialize)]
 pub struct Told {
     #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -50,7 +51,7 @@ pub struct Told {
 }
 
 impl Usage {
-    /// Of a run that has not begun.
+    /// Usage before the run begins.
     pub fn new(machine: &Machine, program: &Program) -> Self {
         let feed = program.motions().filter_map(|motion| motion.feed).fold(0.0, f64::max);
         let cycle_s = machine.cycle_s();
@@ -63,19 +64,20 @@ impl Usage {
         }
     }
 
-    /// Takes in a row.
+    /// Records a row.
     pub fn add(&mut self, telemetry: &Telemetry, pause: Pause) {
         let is_feed = self.rapid.get(telemetry.block as usize) == Some(&false);
         let speed = telemetry.speed.to_bits();
         if !is_feed || pause != Pause::None || speed <= 0 || self.highest <= 0 {
             return;
         }
-        // A speed that is the end of a bar belongs to that bar; a rounding of the feed does not leave the last one.
+        // A speed at the upper end of a bar belongs to this bar; rounding of the feed does not leave the last
+        // bar.
         let bar = (i128::from(speed) - 1) * BARS as i128 / i128::from(self.highest);
         self.rows[usize::try_from(bar).unwrap_or(0).min(BARS - 1)] += 1;
     }
 
-    /// With the functions of the run and its length.
+    /// Returns the result with the functions of the run and its length.
     pub fn tell(&self, functions: &[PutOut], time_s: f64) -> Told {
         let at = |done: &PutOut| (done.tick as f64 * self.cycle_s).min(time_s);
         let step = self.feed / BARS as f64;
@@ -94,7 +96,7 @@ impl Usage {
     }
 }
 
-/// Time per tool: it changes at M6 where the program has that, else at T.
+/// Time per tool. The tool changes at M6 if the program has M6, else at T.
 fn tools(functions: &[PutOut], time_s: f64, at: impl Fn(&PutOut) -> f64) -> Vec<Tool> {
     let by_m6 = functions.iter().any(|done| done.output.function == Function::M(6));
     let mut tools: Vec<Tool> = Vec::new();

@@ -8,27 +8,28 @@ use std::io::{self, BufWriter, Write};
 /// Slots of a tick that `--slots` may name.
 pub const SLOTS: [usize; 3] = [100, 200, 400];
 
-/// The step output of a machine whose numbers of axes and slots are known at run time only.
+/// The step output of a machine whose numbers of axes and slots are known only at run time.
 type Fill = Box<dyn FnMut(&[Position], &mut Vec<u32>) -> State>;
 
-/// A dump being written.
+/// A dump while it is written.
 pub struct Vcd {
     out: BufWriter<Box<dyn Write>>,
     fill: Fill,
     words: Vec<u32>,
     slot_ns: u64,
-    /// Slots written.
+    /// Number of slots written.
     slots: u64,
     levels: Levels,
-    /// Bits of the port, and what the file calls them.
+    /// Bits of the port, and their names in the file.
     signals: Vec<(u8, char)>,
 }
 
 impl Vcd {
-    /// Starts with the header; the pins are at rest, the axes at `start`.
+    /// Starts with the header; the pins have their idle level, and the axes are at `start`.
     ///
     /// # Errors
-    /// Data of the step output that cannot work; the cycle is no multiple of the slots; the file cannot be written.
+    /// The data of the step output are not possible, the cycle is no multiple of the slots, or the file
+    /// cannot be written.
     pub fn new<const AXES: usize>(
         (file, slots): (Box<dyn Write>, usize),
         machine: &Machine,
@@ -70,7 +71,7 @@ impl Vcd {
         Ok(self)
     }
 
-    /// The words that lead to these set points.
+    /// Writes the words that move the axes to these set points.
     pub fn tick(&mut self, set_points: &[Position]) -> io::Result<()> {
         if (self.fill)(set_points, &mut self.words) == State::Stopped {
             return Err(io::Error::other("a set point jumps by more steps than a tick can put out"));
@@ -91,14 +92,14 @@ impl Vcd {
         Ok(())
     }
 
-    /// Writes what is still held back.
+    /// Writes the buffered data.
     pub fn finish(mut self) -> io::Result<()> {
         writeln!(self.out, "#{}", self.slots * self.slot_ns)?;
         self.out.flush()
     }
 }
 
-/// The step output, and the word of its pins at rest.
+/// The step output, and the word for the idle level of its pins.
 fn output<const AXES: usize, const SLOTS: usize>(
     machine: &Machine,
     start: &[Position; AXES],

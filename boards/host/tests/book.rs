@@ -1,8 +1,9 @@
-//! The papers: every command in them runs, and prints what they say that it prints.
+//! The documents: every command in them runs and prints the output in the document.
 //!
-//! A fence `nc NAME`, `toml NAME` or `text NAME` is a file. A fence `console` has commands behind `$ ` and lines of
-//! their output below; `…` stands for lines that are left out. A picture that a command draws, and that lies beside the
-//! paper, is compared with it. `ACCEPT_TABLES="why"` writes lines and pictures anew, and fails.
+//! A fence `nc NAME`, `toml NAME` or `text NAME` is a file. A fence `console` has commands after `$ ` and
+//! lines of their output below; `…` stands for left-out lines. If a command draws a picture that lies next to
+//! the document, both pictures are compared. `ACCEPT_TABLES="why"` writes lines and pictures again, and
+//! fails.
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;

@@ -1,4 +1,4 @@
-//! `check` plans nothing, and answers like `run`.
+//! `check` reports the same as `run`, without planning.
 mod common;
 
 use common::{shipped, written};

@@ -1,4 +1,4 @@
-//! The command line from outside: exit codes, messages, and files that appear or do not.
+//! The command line: exit codes, messages, and files that are or are not written.
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};

@@ -1,4 +1,4 @@
-//! The summary says how far the driven path is from the programmed one, and of how many curves it is made.
+//! The summary reports the deviation of the driven path from the programmed path, and the number of curves.
 mod common;
 
 use common::{LSB, Run, number, run, run_with, shipped, written};

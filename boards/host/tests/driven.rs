@@ -1,4 +1,4 @@
-//! The path speed and distance that a run shows are those of the set points, inside curves over time too.
+//! Path speed and distance of a run are those of the set points, inside curves over time too.
 mod common;
 use common::*;
 use serde_json::json;

@@ -1,4 +1,4 @@
-//! Runs with events: what an operator does, what comes late, and what is acknowledged.
+//! Runs with events: commands of the operator, late text, a late planner, and acknowledgements.
 mod common;
 use common::*;
 use serde_json::{Value, json};

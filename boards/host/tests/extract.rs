@@ -1,4 +1,4 @@
-//! What a trace, a summary and a picture show when less is asked for.
+//! Trace, summary and picture with a reduced content.
 mod common;
 
 use common::{number, run_with, shipped, written};

@@ -1,4 +1,4 @@
-//! Inputs of `glidepath serve`: switches, the probe, and what is pressed over the control port.
+//! Inputs of `glidepath serve`: switches, the probe, and inputs that are pressed over the control port.
 mod talk;
 
 use std::io::{BufRead, BufReader, Write};

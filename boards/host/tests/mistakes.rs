@@ -1,4 +1,4 @@
-//! All mistakes of a program in one go, in the order of its text.
+//! All mistakes of a program in one run, in the order of its text.
 mod common;
 
 use std::io::Write;

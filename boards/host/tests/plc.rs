@@ -1,4 +1,4 @@
-//! `--plc` from outside: answers, the picture, and files that are refused.
+//! `--plc`: answers, the picture, and refused files.
 use serde_json::Value;
 use std::fs;
 use std::path::Path;

@@ -1,4 +1,4 @@
-//! Runs from outside: what the files say is held against each other and against what was programmed.
+//! Runs of the command: the output files are compared with each other and with the program.
 mod common;
 use common::*;
 use serde_json::{Value, json};

@@ -1,5 +1,5 @@
-//! Seeded random programs with smoothers, slopes, weights, dwells and stops: what the summary says of standstills is
-//! what the trace shows, and the monitor finds nothing.
+//! Random programs with smoothing methods, slopes, weights, dwells and stops: the standstills in the summary
+//! are those of the trace, and the monitor finds no excess.
 mod common;
 use common::*;
 use serde_json::{Value, json};

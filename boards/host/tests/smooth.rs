@@ -1,4 +1,4 @@
-//! `--smooth`: a program without smoothing gets it where that is faster.
+//! `--smooth` smooths a program without smoothing if this makes the program faster.
 mod common;
 
 use std::process::Command;

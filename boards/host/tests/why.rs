@@ -1,4 +1,4 @@
-//! The summary says what bound the speed, and what would make the program faster.
+//! The summary names the limits that bound the speed, and the changes that make the program faster.
 mod common;
 
 use common::{number, run, run_with, shipped};

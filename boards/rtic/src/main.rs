@@ -1,10 +1,10 @@
 //! Glidepath in an RTIC application, on an STM32F405 and in QEMU's `netduinoplus2`.
 //!
-//! | task | priority | what it has | what it does |
+//! | task | priority | owns | work |
 //! |---|---|---|---|
 //! | `tick` | 4, the interrupt of TIM2 | the interpolator | one set point per axis and cycle |
-//! | `receive` | 3, the interrupt of USART1 | the feeder of the text window | hands a part of the program on when it is whole |
-//! | `functions` | 3 | the operator, shared | carries M functions out and acknowledges them |
+//! | `receive` | 3, the interrupt of USART1 | the feeder of the text window | passes on each complete part of the program |
+//! | `functions` | 3 | the operator, shared | carries out M functions and acknowledges them |
 //! | `panel` | 2 | the operator, shared | feed hold and override |
 //! | `plan` | 1 | the planner | plans ahead |
 #![no_std]
@@ -31,27 +31,27 @@ mod app {
     use glidepath::tick::{Interpolator, State};
     use stm32f4::stm32f405::{TIM2, USART1};
 
-    /// Bytes of program text on their way. The sender puts END_OF_PART behind each part of at most half of them, and sends
-    /// the next one when it has seen how far the program is.
+    /// Bytes in the buffer for received program text. The sender puts END_OF_PART after each part, which has
+    /// at most half of these bytes, and sends the next part when the program reports its progress.
     const WINDOW: usize = 512;
     const PART: usize = WINDOW / 2;
     const END_OF_PART: u8 = 3;
 
-    /// 16 MHz by 115,200 baud, and the byte that asks the sender to begin.
+    /// 16 MHz divided by 115,200 baud, and the byte that asks the sender to begin.
     const BAUD: u32 = 139;
     const READY: u16 = 0x11;
 
-    /// Clock of TIM2, MHz: QEMU's has 1 GHz. A board has 16 after reset.
+    /// Clock of TIM2, MHz: QEMU's TIM2 has 1 GHz. A board has 16 MHz after reset.
     const TIMER_MHZ: u32 = 1000;
 
-    /// Cycles that M26 takes, and that somebody holds the motion.
+    /// Cycles until M26 is acknowledged, and length of the feed hold in cycles.
     const CARRIED_OUT: u32 = 50;
     const HELD: u32 = 100;
 
-    /// Parts that arrived whole: M26 waits for one.
+    /// Number of complete parts of the program: M26 waits for a part.
     static PARTS: AtomicU32 = AtomicU32::new(0);
 
-    /// The program has ended, and all of it is with the interpolator.
+    /// The program has ended, and all motion is in the queue.
     static IS_PLANNED: AtomicBool = AtomicBool::new(false);
 
     #[shared]
@@ -76,13 +76,13 @@ mod app {
             Err(error) => panic!("machine data: {error}"),
         };
         let Handles { planner, interpolator, operator } = handles;
-        // Counter and prescaler are zero after reset, so no update event is forced.
+        // Counter and prescaler are zero after reset, so no update event is needed.
         cx.device.RCC.apb1enr().modify(|_, w| w.tim2en().set_bit());
         let timer = cx.device.TIM2;
         timer.arr().write(|w| w.arr().set(MACHINE.channel.cycle_us * TIMER_MHZ - 1));
         timer.dier().write(|w| w.uie().set_bit());
         timer.cr1().write(|w| w.cen().set_bit());
-        // The line: on, receive, transmit, an interrupt for each byte. Its pins are a matter of the board.
+        // The serial line: on, receive, transmit, an interrupt for each byte. The pins depend on the board.
         cx.device.RCC.apb2enr().modify(|_, w| w.usart1en().set_bit());
         let line = cx.device.USART1;
         line.brr().write(|w| w.div_mantissa().set((BAUD / 16) as u16).div_fraction().set((BAUD % 16) as u8));
@@ -99,7 +99,7 @@ mod app {
         }
     }
 
-    /// The timer interrupt: puts the set points of the cycle before out, then computes the next ones.
+    /// The timer interrupt: outputs the set points of the previous cycle, then computes the next ones.
     #[task(binds = TIM2, priority = 4, local = [interpolator, timer, ticks: u32 = 0, digest: Digest = Digest::new()])]
     fn tick(cx: tick::Context) {
         let tick::LocalResources { interpolator, timer, ticks, digest, .. } = cx.local;
@@ -112,13 +112,13 @@ mod app {
         } else if IS_PLANNED.load(Relaxed) {
             let _ = end::spawn(*ticks, digest.value());
         }
-        // A task that is still at work from the last cycle goes on: it is not started a second time.
+        // A task that still runs from the last cycle continues: RTIC does not start it a second time.
         let _ = functions::spawn();
         let _ = panel::spawn();
         let _ = plan::spawn();
     }
 
-    /// Plans until the queue is full. The next cycle wakes it again.
+    /// Plans until the queue is full. The next cycle wakes the task again.
     #[task(priority = 1, local = [planner])]
     async fn plan(cx: plan::Context) {
         loop {
@@ -126,13 +126,13 @@ mod app {
                 Ok(Progress::Waiting) => return,
                 Ok(Progress::Done) => return IS_PLANNED.store(true, Relaxed),
                 Ok(_) => {}
-                // The line is left out, what was planned before it stays valid.
+                // The line is left out; motion that was planned before stays valid.
                 Err(error) => hprintln!("line {}: {}", error.place().line, error),
             }
         }
     }
 
-    /// A byte arrives. The window gets a part of the program when that is whole.
+    /// A byte arrives. Each complete part of the program goes into the window.
     #[task(binds = USART1, priority = 3, local = [feeder, line, part: [u8; PART] = [0; PART], length: usize = 0])]
     fn receive(cx: receive::Context) {
         let receive::LocalResources { feeder, line, part, length, .. } = cx.local;
@@ -150,7 +150,8 @@ mod app {
         }
     }
 
-    /// Carries functions out. The motion stands at M26 until a part of the program has arrived, and 50 cycles more.
+    /// Carries out functions. At M26 the axes stand still until a part of the program has arrived, and 50
+    /// cycles more.
     #[task(priority = 3, shared = [operator], local = [at_hand: Option<(Function, u32)> = None, parts: u32 = 0])]
     async fn functions(mut cx: functions::Context) {
         let functions::LocalResources { at_hand, parts, .. } = cx.local;
@@ -176,7 +177,7 @@ mod app {
         });
     }
 
-    /// Somebody presses buttons: half the speed at N40, a feed hold at N60, and on again.
+    /// Simulates an operator: half the speed at N40, a feed hold at N60, and a resume.
     #[task(priority = 2, shared = [operator], local = [step: u8 = 0, rested: u32 = 0])]
     async fn panel(mut cx: panel::Context) {
         let panel::LocalResources { step, rested, .. } = cx.local;
@@ -199,14 +200,14 @@ mod app {
         });
     }
 
-    /// The program is executed and the axes stand.
+    /// The program is executed, and the axes stand still.
     #[task(priority = 1)]
     async fn end(_: end::Context, ticks: u32, digest: u64) {
         hprintln!("ticks {ticks} digest {digest:016x}");
         debug::exit(debug::EXIT_SUCCESS);
     }
 
-    /// Where a board writes to its drives.
+    /// A board writes to its drives here.
     fn to_the_drives(set_points: &[Position; AXES]) {
         core::hint::black_box(set_points);
     }

@@ -1,4 +1,4 @@
-//! Data that cannot work, set points beyond the limits, backlash, and two motors.
+//! Impossible data, set points beyond the limits, backlash, and two motors.
 mod oracle;
 
 use glidepath::machine::{AxisData, AxisKind, AxisName, ChannelData, MachineData};

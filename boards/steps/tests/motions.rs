@@ -1,4 +1,5 @@
-//! Random machines and random motions against an exact rational oracle, which shares nothing with the crate.
+//! Random machines and random motions, compared with an exact rational reference that shares no code with the
+//! crate.
 mod oracle;
 
 use glidepath::machine::{AxisData, AxisKind, AxisName, ChannelData, MachineData};

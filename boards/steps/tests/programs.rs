@@ -1,4 +1,4 @@
-//! NC programs of random lines and arcs through the interpolator: the steps follow its set points.
+//! NC programs of random lines and arcs through the interpolator: the steps follow the set points.
 mod oracle;
 
 use glidepath::machine::{AxisData, AxisKind, AxisName, ChannelData, MachineData};

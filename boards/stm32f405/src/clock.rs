@@ -1,8 +1,8 @@
 //! 168 MHz from a crystal of 8 MHz: AHB 168, APB1 42 (timers 84), APB2 84 MHz.
 use stm32f4::stm32f405::{FLASH, RCC};
 
-/// Starts crystal and PLL and switches over. Waits for ever if there is no crystal: without its time base
-/// this firmware must not move anything.
+/// Starts crystal and PLL, and switches the clock. Waits for ever without a crystal, because the axes must
+/// not move without the right time base.
 pub fn start(rcc: &RCC, flash: &FLASH) {
     rcc.cr().modify(|_, w| w.hseon().set_bit());
     while rcc.cr().read().hserdy().bit_is_clear() {}

@@ -1,7 +1,7 @@
 //! Machine data of this board: edit it for your machine. Units and ranges are those of `glidepath::machine`.
 use glidepath::machine::{AxisData, AxisKind, AxisName, ChannelData, MachineData};
 
-/// Blocks of look-ahead that RAM is spent on.
+/// Number of blocks in the look-ahead.
 pub const BLOCKS: usize = 120;
 
 const fn linear(letter: &str) -> AxisData {
@@ -26,8 +26,8 @@ const fn linear(letter: &str) -> AxisData {
     }
 }
 
-/// Three linear axes with slope TRAPEZ at a cycle of 1 ms. Jerk is limited at tangential joints of lines and
-/// arcs too: by default (P-CHAN-00009 = 0) it is not.
+/// Three linear axes with slope TRAPEZ at a cycle of 1 ms. Jerk is limited at tangential transitions of lines
+/// and arcs too; by default (P-CHAN-00009 = 0) it is not limited there.
 pub const MACHINE: MachineData<{ crate::AXES }> = MachineData {
     axes: [linear("X"), linear("Y"), linear("Z")],
     channel: ChannelData { cycle_us: 1000, slope_profile: 1, corr_v_trans_jerk: true, ..ChannelData::new() },

@@ -1,7 +1,7 @@
 //! Glidepath on an STM32F405: an NC program from flash moves three axes.
 //!
-//! The main loop plans, a bounded piece at a time; TIM2 interrupts it once per cycle of the machine data,
-//! writes the set points computed in the cycle before and computes the next.
+//! The main loop plans in bounded steps. TIM2 interrupts the main loop once per cycle, outputs the set points
+//! of the previous cycle, and computes the next ones.
 #![no_std]
 #![no_main]
 
@@ -27,7 +27,7 @@ use stm32f4::stm32f405::Peripherals;
 /// Number of axes of [`machine::MACHINE`].
 const AXES: usize = 3;
 
-/// The program; the environment variable `PROGRAM` names another one when building.
+/// The NC program; the environment variable `PROGRAM` selects another program at build time.
 static TEXT: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/program.nc"));
 
 static CHANNEL: ConstStaticCell<Channel<AXES, { machine::BLOCKS }>> = ConstStaticCell::new(Channel::new());
@@ -73,7 +73,7 @@ fn run(board: Peripherals, channel: &'static mut Channel<AXES, { machine::BLOCKS
             }
             Ok(Progress::Starved) => message::info!("the program text is late"),
             Ok(Progress::Working | Progress::Replanned | Progress::Deviated(_)) => {}
-            // What was planned before the error is still valid and comes to a standstill; the loop ends in
+            // Motion that was planned before the error is valid and ends in a stop; the loop then ends with
             // `Done`.
             Err(_error) => message::error!("program refused: {}", defmt::Debug2Format(&_error)),
         }
@@ -82,7 +82,7 @@ fn run(board: Peripherals, channel: &'static mut Channel<AXES, { machine::BLOCKS
     message::info!("at rest after {} ticks", motion::report().ticks);
 }
 
-/// Nothing here carries out M, H, S and T: what is to be acknowledged is so at once.
+/// This firmware carries out no M, H, S and T functions, so each function is acknowledged at once.
 fn acknowledge(operator: &Operator<'_, AXES>) {
     while let Some(output) = operator.output() {
         if output.waits {

@@ -1,5 +1,5 @@
-//! Messages by defmt where a feature brings a transport; nothing, and no argument evaluated, in the release
-//! shape.
+//! Messages by defmt, if a feature selects a transport. Without such a feature, messages do not exist and
+//! their arguments are not evaluated.
 use crate::motion::Report;
 
 #[cfg(all(feature = "rtt", not(feature = "qemu")))]
@@ -26,7 +26,7 @@ macro_rules! nothing {
 #[cfg(not(any(feature = "rtt", feature = "qemu")))]
 pub(crate) use {nothing as debug, nothing as error, nothing as info};
 
-/// The program has ended. In QEMU so does the emulator, after one line on its error output.
+/// Ends the program. In QEMU this also ends the emulator, after one line on its error output.
 pub fn end(report: Report) {
     #[cfg(feature = "qemu")]
     {

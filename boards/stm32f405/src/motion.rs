@@ -1,7 +1,7 @@
-//! The interpolator in TIM2's interrupt.
+//! The interpolator in the interrupt of TIM2.
 //!
-//! The interrupt owns what it needs in a variable of its own and takes it once from a mailbox; from then on
-//! it touches nothing that is shared but a few atomics, and no path in it can panic.
+//! The interrupt keeps its data in a local static variable, and takes the data once from a mailbox.
+//! Afterwards the interrupt uses only a few shared atomics, and contains no panicking code.
 use core::cell::Cell;
 use core::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use critical_section::Mutex;
@@ -13,27 +13,26 @@ use stm32f4::stm32f405::{Interrupt, RCC, TIM2, interrupt};
 use crate::AXES;
 use crate::output::Output;
 
-/// Clock of TIM2, MHz: 2 · APB1 at 168 MHz, or the reset clock; QEMU's model runs at 1 GHz whatever the clock
-/// tree says.
+/// Clock of TIM2, MHz: 2 · APB1 at 168 MHz, or the clock after reset. QEMU's TIM2 always runs at 1 GHz.
 const TIMER_MHZ: u32 = match (cfg!(feature = "qemu"), cfg!(feature = "hardware")) {
     (true, _) => 1000,
     (false, true) => 84,
     (false, false) => 16,
 };
 
-/// What the motion was.
+/// Statistics of the motion.
 #[derive(Clone, Copy)]
 pub struct Report {
     /// Ticks with motion or dwell.
     pub ticks: u32,
-    /// Ticks between the first and the last of them that found nothing planned.
+    /// Ticks without planned motion, between the first and the last tick with motion.
     pub starved: u32,
-    /// Ticks that came while the one before was still computed.
+    /// Ticks that came during the computation of the previous tick.
     pub missed: u32,
-    /// The longest interrupt, up to where its statistics begin: in the emulator instructions, otherwise
-    /// periods of TIM2's clock.
+    /// The longest interrupt, without its statistics. Unit: instructions in the emulator, periods of TIM2's
+    /// clock on a board.
     pub longest: u32,
-    /// Over all set points.
+    /// Digest over all set points.
     pub digest: Digest,
 }
 
@@ -48,22 +47,21 @@ static REPORT: Mutex<Cell<Report>> =
     Mutex::new(Cell::new(Report { ticks: 0, starved: 0, missed: 0, longest: 0, digest: Digest::new() }));
 static MOVING: AtomicBool = AtomicBool::new(false);
 
-/// Hands the interpolator to the interrupt and starts the timer.
+/// Passes the interpolator to the interrupt and starts the timer.
 pub fn start(interpolator: Interpolator<'static, AXES>, axes: Output, timer: TIM2, rcc: &RCC, cycle_us: u32) {
     rcc.apb1enr().modify(|_, w| w.tim2en().set_bit());
-    // Counter and prescaler are zero after reset and the reload value is not buffered: no update event is
-    // forced.
+    // Counter and prescaler are zero after reset, and the reload value is not buffered, so no update event is
+    // needed.
     timer.arr().write(|w| w.arr().set(cycle_us.wrapping_mul(TIMER_MHZ).wrapping_sub(1)));
     timer.dier().write(|w| w.uie().set_bit());
     timer.cr1().write(|w| w.cen().set_bit());
     critical_section::with(|cs| MAILBOX.borrow(cs).set(Some(Motion { interpolator, axes, timer })));
-    // SAFETY: the mailbox is full, so the interrupt finds what it needs; no critical section depends on the
-    // mask.
+    // SAFETY: the mailbox is full, so the interrupt finds its data; no critical section depends on the mask.
     unsafe { cortex_m::peripheral::NVIC::unmask(Interrupt::TIM2) };
 }
 
-/// Sleeps until a tick finds nothing to do, and does `each` behind every interrupt. Call it when everything
-/// is planned.
+/// Sleeps until a tick finds no motion, and calls `each` after every interrupt. Call this function after all
+/// motion is planned.
 pub fn wait_for_standstill(each: impl Fn()) {
     MOVING.store(true, Relaxed);
     while MOVING.load(Relaxed) {
@@ -72,7 +70,7 @@ pub fn wait_for_standstill(each: impl Fn()) {
     }
 }
 
-/// What happened so far.
+/// Returns the statistics so far.
 pub fn report() -> Report {
     critical_section::with(|cs| REPORT.borrow(cs).get())
 }
@@ -87,7 +85,8 @@ fn TIM2() {
     let Some(motion) = MOTION else { return };
     let begin = motion.timer.cnt().read().bits();
     motion.timer.sr().modify(|_, w| w.uif().clear_bit());
-    // The set points of the cycle before: their moment does not depend on how long the next ones take.
+    // Outputs the set points of the previous cycle first, so the moment of output does not depend on the
+    // computation.
     motion.axes.write(motion.interpolator.set_points());
     let state = motion.interpolator.tick();
     let took = motion.timer.cnt().read().bits().wrapping_sub(begin);

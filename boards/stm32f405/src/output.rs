@@ -1,4 +1,5 @@
-//! Where set points go: SPI frames. On a board they are sent; without hardware they are made and go nowhere.
+//! Output of set points as SPI frames. A board sends the frames; without hardware the frames are computed and
+//! dropped.
 use crate::spi::Frames;
 use stm32f4::stm32f405::{DMA2, GPIOA, RCC, SPI1};
 
@@ -7,10 +8,10 @@ use crate::spi::Spi1 as End;
 #[cfg(not(feature = "hardware"))]
 use nowhere::Nowhere as End;
 
-/// Frames.
+/// The output of frames.
 pub type Output = Frames<End>;
 
-/// Sets SPI1, its DMA and its pins up. `None` if that was done before.
+/// Sets up SPI1, its DMA and its pins. `None` if this was done before.
 pub fn axes(spi: SPI1, dma: DMA2, port: GPIOA, rcc: &RCC) -> Option<Output> {
     End::new(spi, dma, port, rcc).map(Frames::new)
 }
@@ -31,7 +32,7 @@ mod nowhere {
 
     impl Wire for Nowhere {
         fn send(&mut self, frame: &[u8; LONGEST], length: usize) {
-            // As if it were sent: the compiler leaves the work in.
+            // The buffer is treated as sent, so that the compiler keeps the computation.
             core::hint::black_box((frame, length));
         }
     }

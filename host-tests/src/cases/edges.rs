@@ -1,8 +1,8 @@
-//! Programs at the edges of what is allowed: shortest blocks, reversals, tangential and near-tangential
-//! joints, nothing but rotary motion, blocks without motion, largest coordinates.
+//! Programs at the edges of the permitted range: shortest blocks, reversals, tangential and nearly tangential
+//! transitions, rotary motion only, blocks without motion, largest coordinates.
 use super::Program;
 
-/// All edges that a three-axis machine can run.
+/// All edge programs for a three-axis machine.
 pub fn three_axes() -> Vec<Program> {
     let new = |name: &str| Program::new(name, 3);
     let mut programs = vec![
@@ -66,7 +66,7 @@ pub fn three_axes() -> Vec<Program> {
     programs
 }
 
-/// Edges of tracking axes: machine X Y Z A.
+/// Edge programs for tracking axes: machine X Y Z A.
 pub fn rotary() -> Vec<Program> {
     let new = |name: &str| Program::new(name, 4);
     vec![

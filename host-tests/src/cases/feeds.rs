@@ -9,7 +9,7 @@
 //! | factor between feeds | evenly in orders of magnitude up to a largest factor of the path, 1.5…10, up or down |
 //! | acceleration | 2000 mm/s², reached within 50 ms, for one path in four within 150 ms |
 //!
-//! Lengths are whole 0.1 µm and feeds whole mm/min, so that an NC program says exactly the same.
+//! Lengths are whole 0.1 µm and feeds whole mm/min, so that an NC program has exactly the same values.
 use super::Program;
 use super::random::Random;
 use crate::reference::optimum::{Block, Limits};
@@ -53,7 +53,7 @@ pub struct Feeds {
 }
 
 impl Feeds {
-    /// Path of a number.
+    /// The path with a number.
     pub fn new(number: u64) -> Self {
         let mut random = Random::new(SEED + number);
         let ramp = RAMPS[usize::from(random.once_in(LONG_RAMP))];

@@ -1,9 +1,10 @@
-//! Programs and machines whose axes turn back within blocks of nanometres to micrometres: their knees may be in one tick.
+//! Programs and machines whose axes reverse within blocks of nanometres to micrometres, so several corners
+//! may be in one tick.
 use super::random::Random;
 use super::{Program, machines};
 use glidepath::machine::MachineData;
 
-/// X, with the jerk for a hundredth of a millimetre within a tick, takes the slow A along.
+/// X has a jerk of a hundredth of a millimetre within a tick, and moves together with the slow axis A.
 pub fn turning(slope: u8) -> MachineData<4> {
     let mut machine = machines::machine(1000, |k, axis| {
         (axis.vb_max, axis.tr_min) = (1_000_000, 1000);
@@ -17,7 +18,7 @@ pub fn turning(slope: u8) -> MachineData<4> {
     machine
 }
 
-/// Blocks of so many millimetres of X and degrees of A.
+/// Blocks with these lengths in millimetres of X and degrees of A.
 pub fn beside(blocks: &[[f64; 2]]) -> Program {
     let mut at = [0.0; 4];
     let mut program = Program::new("beside", 4);
@@ -28,8 +29,8 @@ pub fn beside(blocks: &[[f64; 2]]) -> Program {
     program
 }
 
-/// Lines between which one axis, or two, turn back within up to five blocks of nanometres to micrometres, most of
-/// them at a steady pace.
+/// Lines between which one axis, or two, reverse within up to five blocks of nanometres to micrometres,
+/// mostly at constant speed.
 pub fn chain(seed: u64) -> (Program, MachineData<4>) {
     let mut r = Random::new(seed);
     let slope = 1 + r.bits() % 3;

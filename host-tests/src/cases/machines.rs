@@ -5,7 +5,7 @@ use glidepath::machine::{AxisData, AxisKind, AxisName, ChannelData, MODE_LINEAR,
 /// Names in the order of the axes.
 const NAMES: [&str; 6] = ["X", "Y", "Z", "A", "B", "C"];
 
-/// A machine of up to six axes: three linear, then rotary ones; every axis changed by `set`.
+/// A machine of up to six axes: three linear axes, then rotary ones; `set` changes every axis.
 pub fn machine<const AXES: usize>(cycle_us: u32, set: impl Fn(usize, &mut AxisData)) -> MachineData<AXES> {
     let axes = std::array::from_fn(|k| {
         let kind = if k < 3 { AxisKind::Linear } else { AxisKind::Rotary };
@@ -14,7 +14,8 @@ pub fn machine<const AXES: usize>(cycle_us: u32, set: impl Fn(usize, &mut AxisDa
         set(k, &mut axis);
         axis
     });
-    // Jerk is limited at tangential joints of lines and arcs too: by default (P-CHAN-00009 = 0) it is not.
+    // Jerk is limited at tangential transitions of lines and arcs too; by default (P-CHAN-00009 = 0) it is
+    // not limited there.
     let channel = ChannelData { cycle_us, slope_profile: 1, corr_v_trans_jerk: true, ..ChannelData::new() };
     MachineData { axes, channel }
 }
@@ -32,8 +33,8 @@ pub fn ramps(axis: &mut AxisData, tr: u32) {
     axis.tr_grenz = tr;
 }
 
-/// The machine of the rest-to-rest moves: a 2000 mm/s², ramps 50 ms, v 200 mm/s. The contour may cause no
-/// more acceleration and jerk than the slope: nothing is left over when both act.
+/// The machine for motions from stop to stop: a 2000 mm/s², ramps 50 ms, v 200 mm/s. The contour may cause no
+/// more acceleration and jerk than the slope, so no reserve is left when both act.
 pub fn even<const AXES: usize>(cycle_us: u32) -> MachineData<AXES> {
     machine(cycle_us, |_, axis| {
         axis.vb_max = 200_000;
@@ -83,8 +84,7 @@ pub fn mill<const AXES: usize>(cycle_us: u32) -> MachineData<AXES> {
     })
 }
 
-/// The machine with a slope of P-CHAN-00071; for STEP with two stages about the accelerations of the other
-/// slopes.
+/// The machine with a slope of P-CHAN-00071. For STEP, two stages near the accelerations of the other slopes.
 pub fn with_slope<const AXES: usize>(mut machine: MachineData<AXES>, slope: u8) -> MachineData<AXES> {
     machine.channel.slope_profile = slope;
     for axis in &mut machine.axes {
@@ -107,7 +107,7 @@ pub fn feeding<const AXES: usize>(mut machine: MachineData<AXES>, axes: &[usize]
     machine
 }
 
-/// A machine that nobody would build: every axis has its own random limits, within what the parameters allow.
+/// An unrealistic machine: every axis has its own random limits, within the ranges of the parameters.
 pub fn arbitrary<const AXES: usize>(seed: u64) -> MachineData<AXES> {
     let mut r = Random::new(seed);
     let cycle_us = [100, 250, 500, 1000, 2000, 4000, 10_000][(r.bits() % 7) as usize];

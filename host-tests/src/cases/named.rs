@@ -1,4 +1,4 @@
-//! Programs with a name: what tables and the README quote.
+//! Programs with a name, for tables and the documents.
 use super::Program;
 use std::f64::consts::TAU;
 
@@ -20,7 +20,7 @@ pub fn chords(feed: f64, axes: usize) -> Program {
     program.line(&[160.0, 0.0], feed)
 }
 
-/// The same as one arc.
+/// The same circle as one arc.
 pub fn circle(feed: f64, axes: usize) -> Program {
     Program::new("circle", axes)
         .line(&[80.0, 0.0], feed)

@@ -42,7 +42,7 @@ impl Random {
     }
 }
 
-/// What a random program may contain.
+/// Contents of a random program.
 #[derive(Clone, Copy, Debug)]
 pub struct Mix {
     /// Axes of the machine, the first three main.
@@ -63,14 +63,14 @@ pub struct Mix {
     pub radius: [f64; 2],
     /// Smallest and largest travel of a rotary axis that moves alone, degrees.
     pub turn: [f64; 2],
-    /// Most of the knees below this angle, rad; one in eight is arbitrary.
+    /// Limit of most corner angles, rad; one angle in eight is arbitrary.
     pub knee: f64,
-    /// Largest travel of a rotary axis beside main axes, degrees per mm.
+    /// Highest travel of a rotary axis together with main axes, degrees per mm.
     pub spin: f64,
 }
 
 impl Mix {
-    /// A bit of everything.
+    /// A mixture of all elements.
     pub fn general(axes: usize, blocks: usize) -> Self {
         Self {
             axes,
@@ -87,7 +87,7 @@ impl Mix {
         }
     }
 
-    /// Short blocks of a surface: small knees, one feed.
+    /// Short blocks of a surface: small corners, one feed.
     pub fn surface(axes: usize, blocks: usize) -> Self {
         Self {
             axes,
@@ -106,7 +106,7 @@ impl Mix {
 }
 
 impl Mix {
-    /// Anything, to go with [`super::machines::arbitrary`].
+    /// A mixture for [`super::machines::arbitrary`].
     pub fn arbitrary(axes: usize, seed: u64) -> Self {
         let mut r = Random::new(!seed);
         let mut mix = if r.once_in(3) { Self::surface(axes, 300) } else { Self::general(axes, 60) };
@@ -121,7 +121,8 @@ impl Mix {
     }
 }
 
-/// The random program of a seed. Two seeds differ in everything, a seed is the same program for ever.
+/// The random program of a seed. Programs of different seeds differ in all values; a seed always gives the
+/// same program.
 pub fn program(seed: u64, mix: Mix) -> Program {
     let mut r = Random::new(seed);
     let mut program = Program::new(format!("random {seed}"), mix.axes);
@@ -145,7 +146,7 @@ pub fn program(seed: u64, mix: Mix) -> Program {
             let d = if one_axis { if r.once_in(2) { 1.0 } else { -1.0 } } else { direction[k] };
             to[k] += nanometres(length * d);
         }
-        // Keep a long program near the middle of the machine.
+        // Keeps a long program near the middle of the machine.
         for nm in to.iter_mut().take(linear) {
             if nm.abs() > 500 * NM {
                 *nm = nm.signum() * nanometres(r.between(300.0, 450.0));
@@ -159,7 +160,7 @@ pub fn program(seed: u64, mix: Mix) -> Program {
                 }
             }
         }
-        // Now and then only tracking axes move.
+        // Sometimes only tracking axes move.
         if mix.axes > 3 && r.once_in(15) {
             to[..linear].copy_from_slice(&from[..linear]);
             to[3] += nanometres(r.between(mix.turn[0], mix.turn[1]));
@@ -195,8 +196,8 @@ fn arc(r: &mut Random, from: &[i64], to: &mut [i64], linear: usize, [least, most
     let start = r.between(0.0, TAU);
     let full = r.once_in(6);
     let by_radius = !full && r.once_in(3);
-    // The text rounds to nanometres: by radius, stay away from half and whole circles where the centre is
-    // ill-defined.
+    // The text rounds to nanometres, and with a radius the centre is ill-defined near half and whole circles,
+    // so these are avoided.
     let sweep = match (by_radius, r.once_in(3)) {
         (true, false) => r.between(0.1, 2.8),
         (true, true) => r.between(3.5, 5.9),

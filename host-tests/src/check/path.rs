@@ -1,9 +1,10 @@
 //! Where on the programmed contour is every set point, in order?
 //!
-//! A contour may pass the same place twice or turn back on itself, then a set point alone does not tell where
-//! it belongs. So all places are followed: a *candidate* is a point of the contour within the tolerance of
-//! the set point that can be reached from a candidate of the row before, forward, with no more than the feed.
-//! The motion is on the contour in order if a candidate of the last row is the end of the contour.
+//! A contour may pass the same place twice or turn back on itself. Then a set point alone does not show its
+//! position on the contour, so all candidates are followed. A *candidate* is a point of the contour within
+//! the tolerance of the set point. It must be reachable from a candidate of the row before, forward, with at
+//! most the feed. The motion follows the contour in order if a candidate of the last row is the end of the
+//! contour.
 use super::ROUNDING;
 use crate::reference::geometry::{Contour, Element, Shape};
 use crate::reference::limits::path_length;
@@ -30,19 +31,19 @@ struct Candidate {
     s: f64,
     main: f64,
     tracking: f64,
-    /// Candidate of the row before that it follows best: with the smallest change of speed.
+    /// Candidate of the row before with the smallest change of speed.
     before: usize,
     /// Distance from it.
     step: f64,
 }
 
-/// The length of the way: main axes, or tracking axes where they move alone.
+/// Path length: of the main axes, or of the tracking axes if these move alone.
 fn length(element: &Element) -> f64 {
     let main = element.main_length();
     if main > 0.0 { main } else { element.tracking_length() }
 }
 
-/// The length that speeds count along: the same, or that of other feed axes.
+/// The length for speeds: the same, or that of other feed axes.
 pub fn measured(element: &Element) -> f64 {
     if element.feed_axes == element.main { length(element) } else { path_length(element) }
 }
@@ -128,7 +129,7 @@ pub fn path(trace: &Trace, contour: &Contour, tolerance: f64, v_rapid: f64) -> R
         let candidate = row[at];
         course.s.push(candidate.s);
         course.element.push(candidate.element);
-        // Near a joint both elements are candidates; the distance from the contour is that from the nearer
+        // Near a transition both elements are candidates; the distance from the contour is that of the nearer
         // one.
         let least = |off: fn(&Candidate) -> f64| row.iter().map(off).fold(f64::INFINITY, f64::min);
         course.error = course.error.max(least(|c| c.main));
@@ -141,9 +142,9 @@ pub fn path(trace: &Trace, contour: &Contour, tolerance: f64, v_rapid: f64) -> R
 }
 
 impl Course {
-    /// Largest acceleration of the distance along the contour, mm/s², with the allowance that belongs to it:
-    /// what positions off by at most the measured error can pretend. A motion that leaves out or jumps over a
-    /// piece of the contour shows here, however short the piece.
+    /// Highest acceleration of the distance along the contour, mm/s², with its allowance: the effect of
+    /// position errors up to the measured error. A motion that skips a part of the contour shows here, for
+    /// every length of this part.
     pub fn acceleration(&self, cycle: f64) -> (f64, f64, usize) {
         let rest = [*self.s.last().unwrap_or(&0.0); 2];
         let padded: Vec<f64> = [0.0; 2].into_iter().chain(self.s.iter().copied()).chain(rest).collect();
@@ -167,8 +168,8 @@ struct Deviation {
 }
 
 impl Deviation {
-    /// At the point nearest in all axes, or in the main axes alone: where an axis travels far beside a short
-    /// path, the former is that of this axis.
+    /// At the point nearest in all axes, or in the main axes only. If an axis moves far while the path is
+    /// short, the first point is that of this axis.
     fn of(element: &Element, q: &[f64], near: f64, tolerance: f64) -> Self {
         let off = Self::at(element, q, element.project(q, near), tolerance);
         if off.inside || element.shape != Shape::Line || element.main_length() == 0.0 {

@@ -1,17 +1,17 @@
-//! Limits that depend on the place: inside a straight block the slope alone acts, inside an arc and beside a
-//! joint the contour too.
+//! Limits that depend on the place: inside a straight block only the slope acts; inside an arc and near a
+//! transition the contour acts too.
 use super::path::{Course, measured};
 use super::{Limits, NAMES, ROUNDING, allowance};
 use crate::reference::geometry::Contour;
 use crate::trace::Trace;
 use std::ops::RangeInclusive;
 
-/// How far from a joint (mm of path) a row may be and still be taken for the other side of it: where a line
-/// touches a circle of 60 mm, they are a nanometre apart for 11 µm.
+/// Highest distance of a row from a transition (mm of path) at which the row may count for the other side.
+/// Where a line touches a circle of 60 mm, both are within a nanometre for 11 µm.
 const NEAR: f64 = 0.02;
 
-/// Checks every axis at every tick against the limits of the place that its differences cover: `limits` of an
-/// axis and of the elements of the contour that these touch.
+/// Checks every axis at every tick against the limits of the place of its differences: `limits` of an axis
+/// and of the elements that these differences touch.
 ///
 /// # Errors
 /// The first excess.
@@ -37,7 +37,7 @@ pub fn by_place(
     };
     for (axis, column) in trace.columns.iter().enumerate() {
         let point = |row: isize| i128::from(column[row.clamp(0, rows as isize - 1) as usize]);
-        // Three rows of rest behind the last one.
+        // Three rows at standstill after the last one.
         for row in 1..rows + 3 {
             let x = [0, 1, 2, 3].map(|back| point(row as isize - back));
             let differences = [x[0] - x[1], x[0] - 2 * x[1] + x[2], x[0] - 3 * x[1] + 3 * x[2] - x[3]];

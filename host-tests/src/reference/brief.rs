@@ -1,38 +1,38 @@
-//! How fast short blocks may follow each other: 31 in a row take a tick at least.
+//! How fast short blocks may follow each other: 31 consecutive blocks take at least one tick.
 //!
-//! A block is short if it may be passed in less than the 20th part of a tick, with any override. It then
-//! takes
+//! A block is short if it may be passed in less than the 20th part of a tick, with any override. A short
+//! block then takes
 //!
 //! - next to nothing, if it is shorter than an eighth of the last one that did not, if at most ten of the
 //!   thirty before it did, and if none of them took less than a 20th part otherwise;
 //! - else the 20th part of a tick, if one of the thirty before it took next to nothing;
 //! - else the 31st part.
 
-/// Blocks looked back at.
+/// Number of earlier blocks that count.
 const BEFORE: usize = 30;
-/// Of 31 blocks so many may take next to nothing.
+/// Number of blocks among 31 that may take next to nothing.
 const MOST_BRIEF: usize = 11;
 /// Lengths per tick.
 const ALL: f64 = 31.0;
 const OTHERS: f64 = 20.0;
 const BRIEF: f64 = 262_144.0;
 
-/// How a block is held.
+/// The minimum time of a block.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Kind {
-    /// Not, or with the 20th part of a tick.
+    /// None, or the 20th part of a tick.
     Slow,
     /// With the 31st part.
     Quick,
-    /// It takes next to nothing.
+    /// Next to nothing.
     Brief,
 }
 
-/// All blocks up to the last one.
+/// State of all blocks up to the last one.
 #[derive(Clone, Debug, Default)]
 pub struct Row {
     kinds: Vec<Kind>,
-    /// Of the last one that is not brief; none yet.
+    /// Length of the last block that is not brief; none yet.
     length: Option<f64>,
 }
 

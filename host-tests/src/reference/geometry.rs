@@ -43,7 +43,7 @@ pub struct Element {
     pub feed_axes: Vec<usize>,
     /// Motion blocks it stands for.
     pub blocks: usize,
-    /// It stands for several, and is long enough.
+    /// Whether the block replaces several blocks and is long enough.
     pub long: bool,
 }
 
@@ -110,7 +110,7 @@ impl Element {
         d
     }
 
-    /// Of a line: the parameter of the point nearest to `q` in these axes.
+    /// For a line: the parameter of the point nearest to `q` in these axes.
     pub fn project_on(&self, q: &[f64], axes: &[usize]) -> f64 {
         let (mut dot, mut square) = (0.0, 0.0);
         for &k in axes {
@@ -144,7 +144,7 @@ impl Element {
 pub struct Contour {
     /// Where it starts.
     pub start: Vec<f64>,
-    /// Its blocks that move.
+    /// Its blocks with motion.
     pub elements: Vec<Element>,
 }
 

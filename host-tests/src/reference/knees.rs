@@ -1,44 +1,45 @@
-//! Knees that a tick may show together.
+//! Corners whose steps of speed may fall into one tick.
 //!
-//! A block between two knees may take less than a tick if it is shorter than two ticks at its highest speed, and than
-//! a twentieth of its jerk. The steps of speed at knees with such blocks between them are added up, for every
-//! axis those of one sign. Together they may have what one knee may have. Where they would have more, the
-//! block is passed with its length per tick at most, and the sum begins anew. Is it entered faster, or with
-//! acceleration, its end is slower instead; the sum begins anew behind a block that is entered faster.
+//! A block between two corners may take less than a tick if two conditions hold: it is shorter than two ticks
+//! at its highest speed, and shorter than a twentieth of its jerk. The steps of speed at corners with such
+//! blocks between them are added, for every axis those of one sign. The sum may have the limit of one corner.
+//! If the sum would exceed this limit, the block is passed with at most its length per tick, and the sum
+//! begins anew. If the block is entered faster or with acceleration, its end is slower instead; the sum
+//! begins anew after a block that is entered faster.
 use super::geometry::Element;
 use super::limits::{BlockLimits, Machine, Turn};
 
-/// Such a block is shorter than that part of its jerk.
+/// Such a block is shorter than this part of its jerk.
 const SHORT: f64 = 0.05;
 
-/// The library knows speeds at knees in `f32`: what is more by so little is not.
+/// The library stores speeds at corners in `f32`: a smaller excess is none.
 const ROUNDED: f64 = 1.0 + 1.0 / 1_048_576.0;
 
-/// The block before a knee.
+/// The block before a corner.
 pub struct Between<'a> {
     /// Its limits.
     pub limits: &'a mut BlockLimits,
     /// Its length.
     pub length: f64,
-    /// Speed at its start, at most.
+    /// Highest speed at its start.
     pub v_start: f64,
-    /// Acceleration may pass its start.
+    /// Whether acceleration at its start may be non-zero.
     pub through: bool,
 }
 
-/// Steps of speed at the last knees, for each axis; upward and downward.
+/// Steps of speed at the last corners, for each axis; upward and downward.
 #[derive(Clone, Debug, Default)]
 pub struct Knees {
     steps: Vec<[f64; 2]>,
 }
 
 impl Knees {
-    /// The motion stands still, or knows no knee before.
+    /// The motion stands still, or has passed no corner yet.
     pub fn clear(&mut self) {
         self.steps.clear();
     }
 
-    /// The speed at the knee between two elements that alone may be passed with `v`.
+    /// The permitted speed at the corner between two elements, for which a single corner permits `v`.
     pub fn take(&mut self, between: Between<'_>, elements: [&Element; 2], v: f64, machine: &Machine) -> f64 {
         let Between { limits, length, v_start, through } = between;
         let turns = machine.turns(elements);

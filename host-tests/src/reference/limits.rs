@@ -1,16 +1,17 @@
-//! What the axes permit along the path of one block and at its joints. Path values per tick, in f64.
+//! Limits of the axes along the path of one block and at its transitions. Path values per tick, in f64.
 //!
 //! Written from the rules of the look-ahead:
 //!
-//! - every limit of a straight block is that of the axis that reaches its own first;
-//! - an axis shows at most the jerk B = a / min(ramp time, geometric ramp time); an arc or a knee takes part
-//!   of it;
+//! - every limit of a straight block is that of the axis that reaches its limit first;
+//! - an axis has at most the jerk B = a / min(ramp time, geometric ramp time); an arc or a corner uses a part
+//!   of B;
 //! - a ramp of SIN2 has π/2 times the jerk of a linear one;
-//! - a knee with P-AXIS-00013, and without P-CHAN-00009 a step of acceleration, may have any jerk; with it,
-//!   it has the part of the joint's jerk that P-AXIS-00154 gives. Knee, curvature and slope together keep the
-//!   largest acceleration;
-//! - STEP has no jerk: a knee is a step of speed, at most what the acceleration gives in a tick and a quarter
-//!   of the largest acceleration, which lines beside it and all arcs leave to it;
+//! - a corner with P-AXIS-00013, and without P-CHAN-00009 a step of acceleration, may have unlimited jerk.
+//!   With P-CHAN-00009 the step has the part of the transition's jerk that P-AXIS-00154 gives. Corner,
+//!   curvature and slope together keep the highest acceleration;
+//! - STEP has no jerk limit: a corner is a step of speed. The step is at most the change of speed in a tick,
+//!   at a quarter of the highest acceleration. Neighbouring lines and all arcs leave this quarter to the
+//!   corner;
 //! - speeds and accelerations keep [`tolerance::SPEED_MARGIN`], jerks [`tolerance::JERK_MARGIN`];
 //! - a path distance is good to [`tolerance::DISTANCE`] δ, and each of the four that count in a second difference may be
 //!   off by it (1, 2 and 1 times): along the path 4·δ of acceleration are left to that. Of an axis that moves n times as
@@ -21,15 +22,16 @@ use crate::tolerance;
 use glidepath::machine::{AxisData, ChannelData};
 use std::f64::consts::{FRAC_PI_4, PI, TAU};
 
-/// Part of B for a joint that is not smooth; the slope beside it gets as much.
+/// Part of B for a transition that is not smooth; the slope next to the transition gets the same part.
 const JOINT: f64 = 0.4;
-/// Part of B for an acceleration along the path that turns at a joint.
+/// Part of B for an acceleration along the path whose direction changes at a transition.
 const TURN: f64 = 0.05;
-/// Beside a joint an arc has these parts of B: for the slope, for v³κ².
+/// Next to a transition an arc has these parts of B: for the slope, for v³κ².
 const ARC_SLOPE: f64 = 0.25;
 const ARC_TURN: f64 = 0.5;
-/// Parts of the speed V at which v³κ² takes all of B, with the jerks against and along the motion, in parts of B, that
-/// an arc at up to that speed leaves to a law that begins and ends without acceleration.
+/// Each row: a part of the speed V at which v³κ² takes all of B, then two jerks, against and along the
+/// motion, in parts of B. An arc at up to this speed leaves these jerks to a speed profile that begins and
+/// ends without acceleration.
 const ARC_LEVELS: [[f64; 3]; 11] = [
     [0.986, 0.0404, 0.80],
     [0.957, 0.1223, 0.95],
@@ -48,21 +50,21 @@ const ARC_HIGHEST: f64 = 0.985;
 const ARC_SPEEDS: [f64; 8] = [1.0, 0.971, 0.93, 0.88, 0.82, 0.75, 0.68, 0.6];
 const ARC_TURNS: f64 = 4.0 * PI;
 const ARC_MOST_TURNS: f64 = 64.0 * PI;
-/// Times that differ by less are one: the higher speed is taken.
+/// Times with a smaller difference are equal: the higher speed is used.
 const ARC_CLEARLY: f64 = 1.0 - 1.0 / 4096.0;
-/// Angles that differ by less are one.
+/// Angles with a smaller difference are equal.
 const ARC_NEARLY: f64 = 1.001;
 /// For rounding.
 const SURELY: f64 = 0.999;
-/// Part of the largest acceleration that a knee may show, and a ramp in ticks from which on the slope is
-/// small beside it.
+/// Part of the highest acceleration for a corner, and the ramp length in ticks above which the slope is small
+/// in comparison.
 const KNEE: f64 = 0.25;
 const LONG_RAMP: f64 = 4.0;
-/// A joint that shows less than this part of what it may is none to acceleration.
+/// A transition with less than this part of its limit does not count for acceleration.
 const SLIGHT: f64 = 1.0 / 64.0;
-/// Part of the largest acceleration that may act across the path.
+/// Part of the highest acceleration that may act perpendicular to the path.
 const ACROSS: f64 = ARC_HIGHEST * ARC_HIGHEST;
-/// A knee below this is rounding of coordinates.
+/// A smaller corner is rounding of coordinates.
 const SMOOTH: f64 = 1.0 / 20_000.0;
 /// The same for STEP.
 const STEP_SMOOTH: f64 = 1.0 / 4_194_304.0;
@@ -82,13 +84,13 @@ pub struct BlockLimits {
     pub upper: [f64; 3],
     /// Mean jerk while acceleration rises and falls, while deceleration rises and falls.
     pub j: [f64; 4],
-    /// Jerk that a block beside a joint may use.
+    /// Jerk that a block next to a transition may use.
     pub j_beside: f64,
     /// Acceleration that it may use.
     pub a_beside: f64,
-    /// Speed of an arc that leaves a joint its part; of a line none.
+    /// Speed of an arc that leaves a transition its part; a line has none.
     pub v_beside: f64,
-    /// Acceleration that may pass the ends of an arc.
+    /// Permitted acceleration at the ends of an arc.
     pub passing: f64,
 }
 
@@ -118,7 +120,7 @@ impl BlockLimits {
         }
     }
 
-    /// Leaves the joint its part of the jerk. Ramps of SIN2 keep their proportions.
+    /// Leaves the transition its part of the jerk. Ramps of SIN2 keep their proportions.
     pub fn share(&mut self) {
         if self.slope == 2 {
             let part = self.j.into_iter().map(|j| self.j_beside / j).fold(1.0, f64::min);
@@ -129,7 +131,7 @@ impl BlockLimits {
         self.lower(self.a_beside);
     }
 
-    /// Whether they are the others but for rounding.
+    /// Whether both limits are equal except for rounding.
     pub fn are(&self, other: &Self) -> bool {
         let near = |a: f64, b: f64, part: f64| (a - b).abs() <= a * part;
         let alike = |a: f64, b: f64| near(a, b, 2f64.powi(-18));
@@ -139,7 +141,7 @@ impl BlockLimits {
             && self.j.iter().zip(&other.j).all(|(a, b)| alike(*a, *b))
     }
 
-    /// What both permit; of the speeds the higher one.
+    /// The lower limits of both; of the speeds the higher one.
     pub fn with(&self, other: &Self) -> Self {
         Self {
             v: self.v.max(other.v),
@@ -192,14 +194,14 @@ pub struct AxisLimits {
     free_knee: bool,
     /// Jerk of a step of acceleration.
     bend: f64,
-    /// Acceleration of knee and curvature together, and speed gained in a tick beside them.
+    /// Acceleration of corner and curvature together, and speed gained in a tick in addition.
     beside_turn: [f64; 2],
     a_beside: f64,
     a_max: f64,
 }
 
 impl AxisLimits {
-    /// Of a machine's axis, for a cycle in µs and a slope of P-CHAN-00071.
+    /// Limits of a machine's axis, for a cycle in µs and a slope of P-CHAN-00071.
     pub fn new(axis: &AxisData, channel: &ChannelData, rapid: bool) -> Self {
         let (cycle_us, slope) = (channel.cycle_us, channel.slope_profile);
         let cycle = f64::from(cycle_us) * 1e-6;
@@ -235,7 +237,7 @@ impl AxisLimits {
         let shortest = ramps.into_iter().map(ticks).fold(f64::INFINITY, f64::min);
         let a_max = acceleration(axis.a_max);
         let jerk = shared.into_iter().fold(f64::INFINITY, f64::min);
-        // A knee that passes for rounding of coordinates shows beside the slope's acceleration.
+        // A corner that counts as rounding of coordinates acts in addition to the slope's acceleration.
         let beside = if slope == 0 { a_max } else { a_max - SMOOTH * jerk };
         let (a_up, a_down) = (a_up.min(beside), a_down.min(beside));
         let peak = if slope == 2 { std::f64::consts::FRAC_PI_2 } else { 1.0 };
@@ -421,7 +423,7 @@ impl Machine {
         axes.map(|(axis, d)| axis.v / d).fold(2.0 * v, f64::min)
     }
 
-    /// Whether a joint is none but for rounding, passed at the speed `fastest`.
+    /// Whether a transition is smooth except for rounding, if it is passed at the speed `fastest`.
     pub fn slight(&self, before: &Element, after: &Element, fastest: f64) -> bool {
         let axes = self.axes(before.feed.is_none() && after.feed.is_none());
         let (end, begin) = (direction(before, 1.0), direction(after, 0.0));
@@ -433,7 +435,7 @@ impl Machine {
         })
     }
 
-    /// Whether the acceleration `a` along the path may turn with it at a joint.
+    /// Whether the acceleration `a` along the path may change direction with the path at a transition.
     pub fn turns_little(&self, before: &Element, after: &Element, a: f64) -> bool {
         let axes = self.axes(before.feed.is_none() && after.feed.is_none());
         let (end, begin) = (direction(before, 1.0).tangent, direction(after, 0.0).tangent);
@@ -442,7 +444,8 @@ impl Machine {
             .all(|(axis, (t0, t1))| a * (t1 - t0).abs() <= TURN * axis.jerk)
     }
 
-    /// Highest speed at which the steps of speed and of acceleration at a joint never show on any axis.
+    /// Highest speed at which the steps of speed and acceleration at a transition stay unnoticeable on every
+    /// axis.
     pub fn unseen(&self, before: &Element, after: &Element) -> f64 {
         let axes = self.axes(before.feed.is_none() && after.feed.is_none());
         let (end, begin) = (direction(before, 1.0), direction(after, 0.0));
@@ -456,8 +459,8 @@ impl Machine {
         speeds.fold(f64::INFINITY, f64::min) * (1.0 - tolerance::SPEED_MARGIN)
     }
 
-    /// Highest speed at which the step of acceleration from the end of a block to the start of another one,
-    /// with less than a tick between them, has no more jerk than a joint may.
+    /// Highest speed at which the step of acceleration from the end of a block to the start of another one
+    /// keeps the jerk of a transition, if less than a tick lies between them.
     pub fn bending(&self, before: &Element, after: &Element) -> f64 {
         let axes = self.axes(before.feed.is_none() && after.feed.is_none());
         let (end, begin) = (direction(before, 1.0).curvature, direction(after, 0.0).curvature);
@@ -481,8 +484,8 @@ impl Machine {
         SMOOTH * self.axes(rapid).iter().map(|axis| axis.jerk).fold(f64::INFINITY, f64::min)
     }
 
-    /// Highest speed of a joint that neither neighbour passes faster than `fastest`, with accelerations up to
-    /// `most`; `None` if it is smooth.
+    /// Highest speed of a transition, if neither neighbouring block is faster than `fastest`, with
+    /// accelerations up to `most`; `None` if the transition is smooth.
     pub fn joint(&self, before: &Element, after: &Element, fastest: f64, most: f64) -> Option<f64> {
         let axes = self.axes(before.feed.is_none() && after.feed.is_none());
         let shorter = path_length(before).min(path_length(after));
@@ -491,7 +494,7 @@ impl Machine {
         for (k, axis) in axes.iter().enumerate() {
             let knee = (begin.tangent[k] - end.tangent[k]).abs();
             let bend = (begin.curvature[k] - end.curvature[k]).abs();
-            // Steps too small to be seen, at any speed the joint can be passed.
+            // Steps too small to be noticed, at any speed of the transition.
             let smooth = if self.slope == 0 { STEP_SMOOTH } else { SMOOTH };
             let unseen = |step: f64| step <= smooth * axis.jerk;
             let knee = if unseen(fastest * knee) { 0.0 } else { knee };
@@ -503,11 +506,11 @@ impl Machine {
                 false => JOINT * axis.jerk,
             };
             if knee > 0.0 {
-                // Alone, if no other joint follows within three ticks; else up to 2 + 2/h of them, h ticks
-                // apart.
+                // Alone, if no other transition follows within three ticks; else up to 2 + 2/h of them, h
+                // ticks apart.
                 let alone = part.min(axis.knee) / knee;
-                // With STEP speed is gained from the joint on: 3 v + 4.5 a in three ticks (of L at most, in
-                // two steps), to √(v² + aL) in the middle of a block.
+                // With STEP speed is gained from the transition on: 3 v + 4.5 a in three ticks (of L at most,
+                // in two steps), to √(v² + aL) in the middle of a block.
                 let a = if self.slope == 0 { most } else { 0.0 };
                 let slow = shorter
                     * match shorter / a {
@@ -539,7 +542,7 @@ impl Machine {
     }
 }
 
-/// How an axis turns at a joint.
+/// Change of an axis at a transition.
 #[derive(Clone, Copy, Debug)]
 pub struct Turn {
     /// Change of its direction.
@@ -568,10 +571,9 @@ fn direction(element: &Element, u: f64) -> Direction {
     Direction { tangent, curvature }
 }
 
-/// Length along which a block's speeds count: that of the feed axes, where none of them moves of the main
-/// axes, then of all others; where an axis moves more than 1024 times as far, a 1024th of its travel, beside
-/// other feed axes than the main ones a 64th. An arc whose radius changes counts as if it had the larger one
-/// throughout.
+/// Length to which a block's speeds refer: that of the feed axes; if no feed axis moves, that of the main
+/// axes, then of all others. If an axis moves more than 1024 times as far, a 1024th of its travel; if the
+/// feed axes are not the main axes, a 64th. An arc whose radius changes counts with its larger radius.
 pub fn path_length(element: &Element) -> f64 {
     let along = |axes: &[usize]| match &element.shape {
         Shape::Line => axes.iter().map(|&k| element.travel(k).powi(2)).sum::<f64>().sqrt(),

@@ -1,21 +1,20 @@
-//! Lines that go on in the same direction with the same feed count as one, as long as the one is within a
-//! tolerance of every point left out. All points are kept and looked at, each time.
+//! Merges lines with the same direction and feed, as long as the merged line is within a tolerance of every
+//! dropped point. All points are stored and checked each time.
 use super::geometry::{Contour, Element, Shape};
 use super::limits::{Machine, path_length};
 use super::planner::ways;
 use crate::tolerance;
 
-/// Longest line that grows, mm.
+/// Length above which a line does not grow, mm.
 const LONGEST: f64 = 1024.0;
 
-/// So many ways to the highest speed and from it are long enough.
+/// A merged line is long enough at this number of distances from a stop to the highest speed.
 const WAYS: f64 = 2.0;
 
-/// Longest time after which a knee is expected not to show, ticks.
+/// Longest time after which a corner is expected to be unnoticeable, ticks.
 const LONGEST_TIME: f64 = 1024.0;
 
-/// A block must not turn by more than that, and by no more than twice what the tolerance explains, times 1 +
-/// tangent.
+/// Highest angle of a block, and at most twice the angle that the tolerance explains, times 1 + tangent.
 const TURN: f64 = 0.125;
 
 /// The contour with lines merged.
@@ -39,16 +38,16 @@ pub fn merged(contour: &Contour, machine: &Machine) -> Contour {
     Contour { start: contour.start.clone(), elements }
 }
 
-/// How far the motion may be from the contour: further where any two blocks may be one. Where that is a matter of
-/// rounding ([`tolerance::MERGED_ROUNDING`]), they may.
+/// Permitted deviation of the motion from the contour, which is larger where two blocks may be merged. Where
+/// rounding decides ([`tolerance::MERGED_ROUNDING`]), both results are permitted.
 pub fn path_tolerance(contour: &Contour) -> f64 {
     let rounding = tolerance::MERGED_ROUNDING;
     let merges = contour.elements.windows(2).any(|pair| joined(&pair[0], &pair[1], &[], rounding).is_some());
     if merges { tolerance::MERGED_PATH } else { tolerance::PATH }
 }
 
-/// One line instead of two, if all `points` left out, and that between the two, permit it: on each axis within the
-/// tolerance, and `rounding` times 1 + its tangent beyond.
+/// Merges two lines, if all dropped `points` and the point between both lines permit it: on each axis within
+/// the tolerance, plus `rounding` times 1 + tangent.
 fn joined(last: &Element, next: &Element, points: &[Vec<f64>], rounding: f64) -> Option<Element> {
     let lines = last.shape == Shape::Line && next.shape == Shape::Line;
     if !lines || last.stop || last.long || last.feed != next.feed {
@@ -70,7 +69,7 @@ fn joined(last: &Element, next: &Element, points: &[Vec<f64>], rounding: f64) ->
     let direction = tangent(&line);
     let mut part = line.clone();
     let mut near = |point: &Vec<f64>| {
-        // As long a line from the start as that to the point.
+        // A line from the start with the same length as the distance to the point.
         part.to.clone_from(point);
         let to = path_length(&part);
         (0..point.len()).all(|k| {

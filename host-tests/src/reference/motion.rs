@@ -1,22 +1,22 @@
-//! Set points of a plan: the contour evaluated over the time laws of its blocks.
+//! Set points of a plan: the contour, evaluated with the speed profiles of its blocks.
 use super::geometry::Contour;
 use super::limits::path_length;
 use super::profile::Profile;
 
-/// A plan as a motion: where is every axis at any time.
+/// A plan as a motion: the position of every axis at any time.
 #[derive(Clone, Debug)]
 pub struct Motion<'a> {
     contour: &'a Contour,
     profiles: &'a [Profile],
     /// Start of each block, in the unit of time of the profiles, and the end.
     starts: Vec<f64>,
-    /// First element of each.
+    /// First element of each block.
     elements: Vec<usize>,
 }
 
 impl<'a> Motion<'a> {
-    /// Lays the laws end to end. Each belongs to as many elements as its length takes. Where the speed is
-    /// zero between two blocks, the second waits for the next multiple of `grid` (zero: does not wait).
+    /// Joins the speed profiles. Each profile belongs to the elements of its length. If the speed is zero
+    /// between two blocks, the second block waits for the next multiple of `grid` (zero: no waiting).
     pub fn new(contour: &'a Contour, profiles: &'a [Profile], grid: f64) -> Self {
         let mut starts = vec![0.0];
         let mut at = 0.0;
@@ -33,7 +33,7 @@ impl<'a> Motion<'a> {
             }
             at += profile.time();
             if profile.v_out == 0.0 && grid > 0.0 {
-                // A time that is a multiple but for rounding is one.
+                // A time that is a multiple except for rounding counts as a multiple.
                 at = (at / grid - 1e-9).ceil() * grid;
             }
             starts.push(at);

@@ -1,13 +1,14 @@
-//! The plan block by block: limits, speeds at joints, time laws. Acceleration is zero at every joint, unless
-//! both sides are alike: then the blocks have one law.
+//! The plan, block by block: limits, speeds at transitions, speed profiles. Acceleration is zero at every
+//! transition, unless both blocks have equal limits: then they have one speed profile.
 //!
-//! A block between a knee and a standstill may be *hasty*: so short beside its jerk that it takes less than two ticks.
+//! A block between a corner and a stop may be *hasty*: so short relative to its jerk that it takes less than
+//! two ticks.
 //! Then the block on its other side leaves the knee a part too. A hasty block that has left no knee a part at its
 //! start has none at its end: the motion stands still there.
 //!
-//! The ring of `depth` blocks is filled, planned down to a standstill at its end, and a quarter of it is
-//! handed on; then it is filled again; long lines fill it sooner. At the end of the program all that is left
-//! is handed on.
+//! The ring of `depth` blocks is filled, planned with a stop at its end, and a quarter of it is released;
+//! then the ring is filled again. Long lines fill the ring sooner. At the end of the program all remaining
+//! blocks are released.
 use super::brief::Row;
 use super::geometry::{Contour, Element, Shape};
 use super::knees::{Between, Knees};
@@ -17,7 +18,7 @@ use super::worth::{Worth, worth};
 use glidepath::channel::PlannedBlock;
 use glidepath::quantity::Speed;
 
-/// What the plan needs of one block.
+/// The data of one block for the plan.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Block {
     /// Length.
@@ -26,32 +27,34 @@ pub struct Block {
     pub limits: BlockLimits,
     /// Highest speed at its start; zero after a stop.
     pub v_start: f64,
-    /// It stands for several, and is long enough.
+    /// Whether the block replaces several blocks and is long enough.
     pub long: bool,
-    /// It is a line: it goes into the ring when the next block is known.
+    /// Whether the block is a line: a line goes into the ring when the next block is known.
     pub waits: bool,
     /// Acceleration may pass its start.
     pub through: bool,
 }
 
-/// A block of so many times the jerk of its steepest ramp may take less than two ticks between a knee and a standstill.
+/// A block of this number of times the jerk of its steepest ramp may take less than two ticks between a
+/// corner and a stop.
 const HASTY: f64 = 0.4;
 
 impl Block {
-    /// Whether it may take so little that what its neighbours do shows together with a knee at one end of it.
+    /// Whether a block is so short that the changes of its neighbours fall together with a corner at its end.
     fn is_hasty(&self) -> bool {
         let steepest = self.limits.j.into_iter().fold(0.0, f64::max);
         self.limits.slope != 0 && self.length < HASTY * steepest
     }
 }
 
-/// Blocks of a contour with their limits, joints included.
+/// Blocks of a contour with their limits, transitions included.
 pub fn blocks(contour: &Contour, machine: &Machine) -> Vec<Block> {
     decided(contour, machine, |_, _, standing| standing)
 }
 
-/// The same; of a corner with a tie, by the number of the block behind it and the speed of standing still,
-/// `stands` tells whether the motion stands still. It is told what this plan would do.
+/// The same, with decisions from outside. At a corner where passing and stopping take equal time, `stands`
+/// decides whether the motion stops. Its arguments are the number of the block after the corner, the speed of
+/// stopping, and the decision of this plan.
 pub fn decided(
     contour: &Contour,
     machine: &Machine,
@@ -63,7 +66,7 @@ pub fn decided(
     let mut knees = Knees::default();
     // The last one that takes more than next to nothing.
     let mut behind: Option<&Element> = None;
-    // The last one has left the joint at its start a part.
+    // The last block has left a part to the transition at its start.
     let mut left = false;
     // Radians from where the circle begins.
     let mut turn = 0.0;
@@ -102,7 +105,7 @@ pub fn decided(
                 },
                 _ => false,
             };
-            // With STEP, blocks that may pass within a tick count as joints.
+            // With STEP, blocks that may be passed within a tick count as transitions.
             let within = last.length < last.limits.v || length < limits.v;
             if standing {
                 v_start = unseen;
@@ -123,7 +126,7 @@ pub fn decided(
                 v_start = v_start.min(knees.take(between, [before, element], highest, machine));
             }
             let fastest = [limits, last.limits].iter().fold(0.0, |a: f64, l| a.max(l.a_up).max(l.a_down));
-            // A law that begins or ends with acceleration in an arc.
+            // A speed profile that begins or ends with acceleration in an arc.
             let passes =
                 arc == f64::INFINITY || !shared || limits.passing.min(last.limits.passing) >= fastest;
             through = limits.slope != 0
@@ -155,7 +158,7 @@ pub fn decided(
 /// Centres closer than that in both axes are one, mm.
 const ONE_CENTRE: f64 = 1.0 / 512.0;
 
-/// Radians from where the circle of an arc begins to its end: arcs about one centre, one behind the other, are one.
+/// Radians from the start of an arc's circle to its end: consecutive arcs about one centre count as one.
 fn turned(before: Option<&Element>, element: &Element, turn: f64) -> f64 {
     let Shape::Arc { axes, centre, sweep, .. } = &element.shape else { return 0.0 };
     let goes_on = match before.map(|before| &before.shape) {
@@ -168,8 +171,8 @@ fn turned(before: Option<&Element>, element: &Element, turn: f64) -> f64 {
     if goes_on { turn + sweep.abs() } else { sweep.abs() }
 }
 
-/// The blocks as a library decided where both ways take as long: whether its plan enters the block behind
-/// such a corner no faster than where it stands still.
+/// The blocks with the library's decisions at corners where passing and stopping take equal time. The library
+/// has stopped if its plan enters the block after the corner no faster than after a stop.
 pub fn blocks_of(contour: &Contour, machine: &Machine, planned: &[PlannedBlock]) -> Vec<Block> {
     let mut entries = vec![None; contour.elements.len()];
     let mut first = 0;
@@ -201,10 +204,10 @@ pub fn ways(limits: &BlockLimits) -> f64 {
 /// So many long lines are a full ring.
 const LONG_BLOCKS: usize = 2;
 
-/// Several blocks with one law.
+/// Several blocks with one speed profile.
 #[derive(Clone, Copy, Debug)]
 struct Span {
-    /// Numbers of its first block and of the one behind it.
+    /// Numbers of its first block and of the block after its last one.
     first: usize,
     behind: usize,
     whole: Block,
@@ -226,7 +229,7 @@ fn spans(blocks: &[Block], start: usize, anchors: &[bool]) -> Vec<Span> {
     spans
 }
 
-/// Time laws of all spans from standstill to standstill.
+/// Speed profiles of all spans, from stop to stop.
 ///
 /// # Panics
 /// If a block cannot be travelled between the speeds that the passes found: then the passes are wrong.
@@ -248,7 +251,7 @@ pub fn plan(blocks: &[Block], depth: usize) -> Vec<Profile> {
         let ends = known == blocks.len() && blocks[known - 1].waits;
         let full = (known == start + depth || long == LONG_BLOCKS) && !ends;
         if let (true, Some(last)) = (full, ring.last_mut()) {
-            // Whatever comes next may need its part of the jerk.
+            // The next block may need its part of the jerk.
             last.limits.share();
         }
         let batch = if full { start + (ring.len() / 4).max(1) } else { known };
@@ -277,8 +280,8 @@ pub fn plan(blocks: &[Block], depth: usize) -> Vec<Profile> {
     profiles
 }
 
-/// Where a span that would leave is to be cut, if its end may yet be passed faster: where its slowing down
-/// begins, or behind those blocks that leave in any case.
+/// Place at which a released span must be cut, if its end may still get a higher speed: where its braking
+/// begins, or after the blocks that are released in any case.
 fn cut(parts: &[Span], ring: &[Block], entries: &[f64], batch: usize) -> Option<usize> {
     let start = parts[0].first;
     let mut v_in = entries[start];
@@ -309,13 +312,13 @@ fn cut(parts: &[Span], ring: &[Block], entries: &[f64], batch: usize) -> Option<
     None
 }
 
-/// Raises the speeds at the starts of spans as far as the motion can still come to a standstill at the end of
-/// the last. The first one is decided.
+/// Raises the speeds at the starts of spans as far as a stop at the end of the last span stays possible. The
+/// speed of the first span is decided.
 ///
-/// With the acceleration zero at both ends, slowing down by less may take longer: from v to w the distance is
-/// proportional to (v + w)·√(v - w) where the largest acceleration is not reached, which grows with w up to
-/// v/3. So a speed that was possible with a lower one behind it may not follow from the higher one. It stays
-/// possible.
+/// With zero acceleration at both ends, braking by less may take longer. From v to w the distance is
+/// proportional to (v + w)·√(v - w) if the highest acceleration is not reached, which grows with w up to v/3.
+/// So a start speed that was possible with a lower end speed may not be found from the higher end speed,
+/// although it stays possible.
 fn raise(entries: &mut [f64], parts: &[Span]) {
     for Span { first, behind, whole } in parts.iter().skip(1).rev() {
         let highest = reach(whole.length, entries[*behind], whole.v_start, whole.limits.brake().reversed());
@@ -334,7 +337,7 @@ fn leave(block: &Block, v_in: f64, next: f64) -> f64 {
     largest(0.0, highest, |v_out| brake(v_out) <= block.length)
 }
 
-/// The time laws that go with the speeds and durations of a plan: ramps from the limits, and the rest of the
+/// The speed profiles for the speeds and durations of a plan: ramps from the limits, and the rest of the
 /// duration at the highest speed.
 pub fn laws(blocks: &[Block], contour: &Contour, planned: &[PlannedBlock]) -> Vec<Profile> {
     let mut next = 0;

@@ -1,4 +1,4 @@
-//! Time laws in closed form, or from the integral of their acceleration.
+//! Speed profiles in closed form, or from the integral of their acceleration.
 //!
 //! TRAPEZ and SIN2: a speed change from v0 up to v1 raises the acceleration to `a` within `up`, holds it and
 //! lowers it within `down`. Its area, `v1 - v0`, is `a (up + down) / 2` when the peak is just reached. Below
@@ -8,7 +8,7 @@
 //!
 //! STEP: one acceleration below the change-over speed and another above it.
 //!
-//! Units are whatever length and time the caller uses throughout.
+//! Length and time have the units of the caller.
 
 /// Steps of bisection: 2^-80 of any bracket is below the last bit of an `f64`.
 const BISECTIONS: usize = 80;
@@ -25,13 +25,13 @@ pub struct Ramps {
 }
 
 impl Ramps {
-    /// The ramps seen when time runs backward.
+    /// The ramps with time reversed.
     pub fn reversed(self) -> Self {
         Self { a: self.a, up: self.down, down: self.up }
     }
 }
 
-/// What a change of speed follows.
+/// The law of a change of speed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Slope {
     /// TRAPEZ.
@@ -49,7 +49,7 @@ impl From<Ramps> for Slope {
 }
 
 impl Slope {
-    /// The slope seen when time runs backward.
+    /// The slope with time reversed.
     pub fn reversed(self) -> Self {
         match self {
             Self::Trapez(ramps) => Self::Trapez(ramps.reversed()),
@@ -87,10 +87,10 @@ impl Section {
 /// A monotone change of speed.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Change {
-    /// Highest acceleration reached.
+    /// Highest reached acceleration.
     pub a_peak: f64,
-    /// Duration of the rising ramp, of the hold, of the falling ramp; of both stages of STEP with nothing
-    /// between.
+    /// Duration of the rising ramp, of constant acceleration, and of the falling ramp; for STEP, of both
+    /// stages with 0 between them.
     pub times: [f64; 3],
     /// Distance covered.
     pub distance: f64,
@@ -99,7 +99,7 @@ pub struct Change {
 }
 
 impl Change {
-    /// The quickest change from `v0` to `v1 >= v0`.
+    /// The fastest change from `v0` to `v1 >= v0`.
     pub fn new(v0: f64, v1: f64, slope: impl Into<Slope>) -> Self {
         let dv = v1 - v0;
         if dv <= 0.0 {
@@ -176,7 +176,7 @@ pub struct PathState {
     pub a: f64,
 }
 
-/// The time law of one block: up to a peak speed, on at that speed, down to the end speed.
+/// The speed profile of one block: up to a peak speed, constant, then down to the end speed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Profile {
     /// Speed at the start.
@@ -196,8 +196,8 @@ pub struct Profile {
 }
 
 impl Profile {
-    /// The fastest time law over `length` with speed at most `v_max`; `None` if the speeds at its ends are
-    /// too far apart for the length. `brake` gives the deceleration's rise and fall as they happen in time.
+    /// The fastest speed profile over `length` with speed at most `v_max`; `None` if the end speeds differ
+    /// too much for the length. `brake` has the rise and fall of the deceleration in the order of time.
     pub fn fastest(
         length: f64,
         v_in: f64,
@@ -213,7 +213,7 @@ impl Profile {
             (rise, fall, length - rise.distance - fall.distance)
         };
         let lowest = v_in.max(v_out);
-        // A block that just fits may miss by the rounding of the speeds it was fitted with.
+        // A block that just fits may not fit after the rounding of its end speeds.
         if through(lowest).2 < -1e-9 * length || lowest > v_max * (1.0 + 1e-12) {
             return None;
         }
@@ -223,8 +223,7 @@ impl Profile {
         Some(Self { v_in, v_peak, v_out, length, rise, cruise, fall })
     }
 
-    /// The time law with a given peak speed, whatever the rest of the length needs to be travelled at that
-    /// speed.
+    /// The speed profile with a given peak speed; the rest of the length is travelled at this speed.
     pub fn with_peak(
         length: f64,
         v_in: f64,
@@ -245,7 +244,8 @@ impl Profile {
         self.rise.time() + self.cruise + self.fall.time()
     }
 
-    /// Path values `t` after the start; at rest in the end point, or on at the end speed, outside.
+    /// Path values `t` after the start. Outside the profile: at the start or end point, or further at the end
+    /// speed.
     pub fn at(&self, t: f64) -> PathState {
         let left = self.time() - t;
         if t < self.rise.time() {

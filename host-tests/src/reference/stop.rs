@@ -1,16 +1,16 @@
-//! The shortest way to a standstill from a speed and an acceleration, in closed form.
+//! The shortest stop from a speed and an acceleration, in closed form.
 //!
 //! An acceleration above zero first falls to zero. The deceleration then rises to its peak, stays there, and
 //! falls to zero as the speed does. All three changes of acceleration are linear in time: a ramp of SIN2
 //! lasts as long and gains the same speed.
 use super::profile::Ramps;
 
-/// A standstill reached.
+/// Result of a stop.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Stop {
-    /// Time until it stands.
+    /// Time until standstill.
     pub time: f64,
-    /// Way until it stands.
+    /// Distance until standstill.
     pub way: f64,
 }
 

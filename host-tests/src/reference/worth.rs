@@ -1,22 +1,23 @@
-//! Whether a corner is passed, or the motion stands still in it: whichever takes less time over both blocks,
-//! each from rest at its other end. Passing it leaves both of them less acceleration and jerk, over all of
-//! their length.
+//! Decides whether the motion passes a corner or stops there: the choice with the shorter time over both
+//! blocks, each from a stop at its other end. Passing the corner leaves both blocks less acceleration and
+//! jerk over their whole length.
 use super::limits::BlockLimits;
 use super::profile::{Profile, reach};
 use crate::tolerance::TIE;
 
-/// What a corner is worth.
+/// The choice at a corner.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Worth {
     /// It is passed.
     Passing,
     /// The motion stands still in it.
     Standing,
-    /// Either takes as long; the first word is whether standing is quicker here.
+    /// Both take equal time; the flag says whether stopping is quicker here.
     Tie(bool),
 }
 
-/// Of a corner between two blocks of these limits and lengths that may be passed with the speed `v`.
+/// The choice at a corner between two blocks with these limits and lengths, if the corner permits the speed
+/// `v`.
 pub fn worth(blocks: [(BlockLimits, f64); 2], v: f64) -> Worth {
     let shared = blocks.map(|(mut limits, length)| {
         limits.share();
@@ -36,7 +37,8 @@ pub fn worth(blocks: [(BlockLimits, f64); 2], v: f64) -> Worth {
     }
 }
 
-/// Time from rest to the speed `v`, or what can be reached of it. It counts for slowing down to rest too.
+/// Time from a stop to the speed `v`, or to the reachable part of `v`. The same time holds for braking to a
+/// stop.
 fn time((limits, length): &(BlockLimits, f64), v: f64) -> f64 {
     let v = reach(*length, 0.0, v.min(limits.v), limits.accelerate());
     let law = Profile::fastest(*length, 0.0, v, limits.v, limits.accelerate(), limits.brake());

@@ -1,4 +1,4 @@
-//! One channel at work, tick by tick: what comes of it, and what must hold of every tick.
+//! A channel at work, tick by tick: its results, and properties of every tick.
 use super::WINDOW;
 use super::model::{Effect, Element};
 use crate::beside::{BLOCKS, OVERLAYS, Run};
@@ -16,7 +16,7 @@ use std::rc::Rc;
 
 /// Text as a whole, that may come late, or through a window.
 pub enum Source<'w> {
-    /// All of it, and whether it can be read.
+    /// The whole text, and whether it can be read.
     Text(Vec<u8>, Rc<Cell<bool>>),
     /// A stream.
     Stream(Stream<'w, WINDOW>),
@@ -59,17 +59,17 @@ impl Text for Source<'_> {
     }
 }
 
-/// Most ticks of a step, and of rest in it behind the last act.
+/// Highest number of ticks of a step, and of a standstill after its last command.
 const LONGEST: usize = 300_000;
 const RESTS: usize = 20_000;
-/// Ticks without anything to do behind which a stream has nothing for now: more than filters take to begin
-/// anew.
+/// Number of ticks without work after which a stream has no more text for now: more than filters need to
+/// start again.
 const QUIET: usize = 120;
 
-/// Why a step is given up that may be a good one.
+/// Reason to give up a step that may be without a fault.
 pub const TOO_LONG: &str = "too long";
 
-/// What came of a step.
+/// Results of a step.
 #[derive(Debug, Default)]
 pub struct Seen {
     /// Lines that were refused.
@@ -78,7 +78,7 @@ pub struct Seen {
     pub outputs: Vec<u16>,
     /// Set points of the path in every tick.
     pub rows: Vec<[i64; 3]>,
-    /// And those behind filters.
+    /// Set points after the filters.
     pub drives: Vec<[i64; 3]>,
 }
 
@@ -87,20 +87,20 @@ pub struct Bench<'a, 'w, P, I> {
     /// Half of it.
     pub planner: Planner<'a, Source<'w>, 3, BLOCKS, P, OVERLAYS>,
     interpolator: Interpolator<'a, 3, I, OVERLAYS>,
-    /// Of the one who gives commands.
+    /// The operator's handle.
     pub operator: Operator<'a, 3>,
     /// A text can be read.
     pub open: Rc<Cell<bool>>,
-    /// Of a stream: where its text goes in, and what is to come.
+    /// For a stream: its feeder and the text to come.
     pub feeder: Option<Feeder<'w, WINDOW>>,
-    /// What is to come.
+    /// The text to come.
     pub coming: VecDeque<u8>,
     /// Bytes of it before each tick.
     pub rate: usize,
     /// All ticks so far; the positions that were set are taken out.
     pub all: Run,
     shift: [i64; 3],
-    /// Where the axes stand, as they are told to.
+    /// Expected positions of the axes.
     row: [i64; 3],
     due: VecDeque<(usize, Function)>,
     ticks: usize,
@@ -292,10 +292,10 @@ pub trait Watch {
     fn see(&mut self, tick: usize, row: &[i64; 3]) -> Result<(), String>;
 }
 
-/// Nothing moves that was not told to, and it moves on the path.
+/// Checks that axes move only if commanded, and only on the path.
 pub struct Watched<'e> {
     effect: &'e Effect,
-    /// Element of the path at hand.
+    /// The current element of the path.
     at: usize,
     /// Nothing moves before this tick.
     held: Option<(usize, [i64; 3])>,
@@ -303,13 +303,14 @@ pub struct Watched<'e> {
 
 /// A filterless path is on its lines, mm: lines that are one go through points that are rounded.
 const ON_PATH: f64 = 1e-6;
-/// Beyond what lines are told, LSB 2^-32 mm: rounding of a set point, of an arc, the tolerance of #HSC.
+/// Permitted deviation from the lines, LSB 2^-32 mm: rounding of a set point, of an arc, the tolerance of
+/// #HSC.
 const ROUNDED: i64 = 2;
 const CURVED: i64 = 1 << 10;
 const SMOOTH: i64 = (1 << 32) / 10;
 
 impl<'e> Watched<'e> {
-    /// Of what lines lead to; nothing moves before `held`.
+    /// A check for the effect of lines; no axis moves before `held`.
     pub fn new(effect: &'e Effect, held: Option<(usize, [i64; 3])>) -> Self {
         Self { effect, at: 0, held }
     }

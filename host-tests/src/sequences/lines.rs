@@ -1,4 +1,4 @@
-//! Lines of programs: their text, and what comes of them.
+//! Lines of programs: their text and their effect.
 use super::model::{Effect, Modal, Model, bits, decimal, eighths};
 use crate::cases::random::Random;
 
@@ -7,7 +7,7 @@ pub const LIMIT: i32 = 200;
 
 const NAMES: [&str; 3] = ["X", "Y", "Z"];
 
-/// Lines that are refused, whatever is in force. What they would change stays as it was.
+/// Lines that are refused in every modal state. Their changes have no effect.
 const REFUSED: [&str; 22] = [
     "G91 X2 Q7",
     "G91 G54 X9999",
@@ -105,7 +105,7 @@ impl Line {
         }
     }
 
-    /// Carries it out; `false` where the program does not go on behind it.
+    /// Carries the line out; `false` if the program does not continue after it.
     pub fn apply(&self, model: &mut Model, effect: &mut Effect) -> bool {
         match self {
             Self::Move { mode, relative, zero, feed, to, .. } => {

@@ -1,4 +1,4 @@
-//! What is in force, and where the axes stand, as the lines have it.
+//! The modal state, and the positions of the axes, according to the lines.
 use crate::cases::random::Random;
 
 /// Positions are in eighths of a millimetre: exact as decimals and as set points.
@@ -28,7 +28,7 @@ pub struct Modal {
     pub zero: Option<usize>,
     /// G92, eighths.
     pub shift: [i64; 3],
-    /// There is a feed.
+    /// Whether a feed is set.
     pub feed: bool,
     /// G00, G01, G02, G03.
     pub mode: u8,
@@ -42,7 +42,7 @@ impl Modal {
         Self { relative: false, zero: None, shift: [0; 3], feed: false, mode: 1, smooth: false };
 }
 
-/// A piece of the programmed path: a line, or an arc around a centre in X and Y.
+/// A part of the programmed path: a line, or an arc around a centre in X and Y.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Element {
     /// Where it begins and ends.
@@ -67,7 +67,7 @@ impl Element {
     }
 }
 
-/// All of it.
+/// The state of the machine.
 #[derive(Clone, Debug)]
 pub struct Model {
     /// Set points.
@@ -76,11 +76,11 @@ pub struct Model {
     pub known: [bool; 3],
     /// Zero offsets, eighths.
     pub zeros: [[i64; 3]; 6],
-    /// What is in force.
+    /// Modal state.
     pub modal: Modal,
 }
 
-/// What lines lead to.
+/// The expected effect of lines.
 #[derive(Clone, Debug, Default)]
 pub struct Effect {
     /// The path, without smoothing.
@@ -89,7 +89,7 @@ pub struct Effect {
     pub reach: [[i64; 2]; 3],
     /// Numbers of M functions, and those of H functions + 1000.
     pub outputs: Vec<u16>,
-    /// Axes move beside the path.
+    /// Whether axes move independently of the path.
     pub beside: bool,
     /// Corners may be rounded.
     pub smooth: bool,

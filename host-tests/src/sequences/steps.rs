@@ -40,7 +40,7 @@ pub struct Session<'m> {
     /// Lines that were handed over and not carried out, with their numbers in the text.
     rest: VecDeque<Line>,
     ending: Ending,
-    /// What was done.
+    /// The steps so far.
     log: String,
     done: Done,
 }
@@ -202,7 +202,7 @@ impl<'m> Session<'m> {
         self.stands(bench.stands())
     }
 
-    /// What was read is forgotten, and what is in force.
+    /// Drops the read lines and the modal state.
     fn abort(&mut self) {
         self.ending = Ending::Aborted;
         self.rest.clear();
@@ -306,7 +306,7 @@ impl<'m> Session<'m> {
                 let mut follows = self.model.clone();
                 self.rest = lines::random(&mut self.random, &mut follows, single, refuses).into();
                 if !single && self.random.once_in(3) {
-                    // Another one behind it, that may be run next.
+                    // A second program after it, which may run next.
                     self.rest.extend(lines::random(&mut self.random, &mut follows, false, false));
                 }
                 let text = self.text();
@@ -324,7 +324,7 @@ impl<'m> Session<'m> {
             Begin::Next => {
                 self.model.modal = Modal::START;
                 if let Some(feeder) = &mut bench.feeder {
-                    // What is left of an aborted or refused one does not count.
+                    // The rest of an aborted or refused program does not count.
                     if self.ending != Ending::Program {
                         self.log("restart");
                         feeder.restart();
@@ -369,7 +369,7 @@ impl<'m> Session<'m> {
         self.rest.iter().map(|line| line.text() + "\n").collect()
     }
 
-    /// What the lines lead to that run now.
+    /// Expected effect of the lines that run now.
     fn carry_out(&mut self, streams: bool) -> Effect {
         let mut effect = Effect::new(&self.model);
         self.ending = if streams { Ending::Open } else { Ending::Program };
@@ -428,8 +428,8 @@ impl<'m> Session<'m> {
             let handles = memory.split(self.machine, at, source);
             self.again(start, Bench::new(handles.map_err(|e| e.to_string())?, at, open, None))
         }?;
-        // A position that was set may take a tick of its own. What rounding leaves in a filter goes on to its next
-        // motion: when its set point first moves says nothing.
+        // Setting a position may take a tick. Remainders of rounding in a filter act on its next motion, so
+        // the first tick with a changed set point is not compared.
         let moves = [seen, &again].map(|Seen { rows, drives, .. }| {
             let still = rows.iter().take_while(|row| **row == start.at).count();
             rows[still..].iter().zip(&drives[still..]).collect::<Vec<_>>()
@@ -468,7 +468,7 @@ impl<'m> Session<'m> {
     }
 }
 
-/// What was judged already.
+/// The part that was already checked.
 struct Free;
 
 impl super::bench::Watch for Free {

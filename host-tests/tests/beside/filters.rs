@@ -1,4 +1,4 @@
-//! FIR filters behind the path (D3-004, D3-223…D3-234).
+//! FIR filters of the axes (D3-004, D3-223…D3-234).
 use glidepath::fir::{FilterPlan, FilterTick, Filters};
 use glidepath::machine::{FilterData, FilterType, MachineData};
 use glidepath::quantity::Position;

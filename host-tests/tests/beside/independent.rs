@@ -1,4 +1,4 @@
-//! Independent axes: D3-271, and random programs in which axes move beside the path.
+//! Independent axes: D3-271, and random programs with independent motions.
 use glidepath::machine::{ChannelData, FilterType, MachineData};
 use host_tests::beside::{LONGEST, ONE, Run, run};
 use host_tests::cases::machines::{self, even};

@@ -1,4 +1,4 @@
-//! Axes and filters beside the path.
+//! Single axes, and filters of the axes.
 mod filters;
 mod independent;
 mod oscillation;

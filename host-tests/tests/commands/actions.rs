@@ -1,5 +1,5 @@
-//! M and H functions with synchronisation: where they come out, where the motion waits, and what an operator
-//! does meanwhile.
+//! M and H functions with synchronisation: the point of their output, the point where the motion waits, and
+//! commands in between.
 use glidepath::channel::{Channel, Handles, PlannedBlock, Progress};
 use glidepath::machine::{MachineData, Synch, SynchTable};
 use glidepath::quantity::Position;

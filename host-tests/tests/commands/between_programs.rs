@@ -1,5 +1,5 @@
-//! What happens at rest, between programs, in an order that nobody thought of: each of these was found by
-//! random sessions (`sequences.rs`).
+//! Unusual orders of events at standstill and between programs; random sessions (`sequences.rs`) found each
+//! of them.
 use glidepath::channel::{Channel, GoOnError, Handles, Progress};
 use glidepath::fir::{Bank, FilterPlan, FilterTick, Filtered, Filters};
 use glidepath::machine::{FilterType, MachineData};

@@ -1,4 +1,4 @@
-//! The contour known in advance, as a PLC reads it: by index, by distance, from another thread.
+//! The contour log as a PLC reads it: by index, by distance, from another thread.
 use glidepath::channel::{Channel, Handles, Planner, Progress};
 use glidepath::contour_log::{
     BlockType, ContourMemory, ContourReader, ControlUnit, Entry, Forgotten, ProgramDistance,

@@ -1,5 +1,5 @@
-//! Planner, interrupt and operator on a thread each, with no order between them but that of the channel's own
-//! words: limits, path, exact end and functions hold whoever is early or late.
+//! Planner, interrupt and operator on separate threads, ordered only by the words of the channel: limits,
+//! path, exact end and functions are right in every order of events.
 use host_tests::cores::{random_case, text_case};
 use host_tests::seeds::seeds;
 

@@ -1,5 +1,6 @@
-//! Commands by the dozen, for as long as a program runs: holds, overrides from 0 to 200 %, reduced speed, in lines, in
-//! corners with and without curves and in Surface. Limits of every axis at every tick, and the end.
+//! Many commands during the whole program: holds, overrides from 0 to 200 %, reduced speed, in lines, in
+//! corners with and without curves, and in Surface. Checks the limits of every axis at every tick, and the
+//! end.
 use glidepath::machine::{AxisData, AxisKind, AxisName, ChannelData, MachineData};
 use glidepath::quantity::Position;
 use host_tests::cases::random::Random;

@@ -1,4 +1,4 @@
-//! Questions about what comes, and the machine data that enable them.
+//! Questions about the coming motion, and the machine data that enable them.
 use glidepath::channel::{Channel, Handles, Inquiry};
 use glidepath::contour_log::{ContourMemory, Moment, ProgramDistance, Question, QuestionUnit, Unknown};
 use glidepath::machine::{InterpolatorData, InterpolatorFunctions as Functions, MachineData};

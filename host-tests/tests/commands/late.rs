@@ -1,5 +1,5 @@
-//! Program text that comes late, and a planner that does not keep up: the motion slows down on its slope,
-//! stands at the end of what there is, goes on, and loses nothing.
+//! Program text that comes late, and a planner that is too slow: the motion slows down with its slope, stops
+//! at the end of the known path, resumes, and loses nothing.
 use glidepath::machine::MachineData;
 use glidepath::quantity::Position;
 use host_tests::cases::random::{Mix, Random, program};

@@ -1,4 +1,4 @@
-//! The operator's commands and a planner that is late: holds, override, stops, outputs.
+//! Commands of the operator, and a late planner: holds, override, stops, outputs.
 mod actions;
 mod between_programs;
 mod contour_log;

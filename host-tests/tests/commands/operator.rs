@@ -1,4 +1,4 @@
-//! The third handle: what it shows while the motion runs, seen from another thread.
+//! The operator handle: its status during the motion, read from another thread.
 use glidepath::channel::{Channel, Handles, Progress};
 use glidepath::operator::{Operator, Status};
 use glidepath::quantity::Position;

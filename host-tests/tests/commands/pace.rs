@@ -1,5 +1,4 @@
-//! Override and reduced speed at any tick: the speed that P-CHAN-00066 asks for, inside all limits, on the
-//! path.
+//! Override and reduced speed at any tick: the speed of P-CHAN-00066, inside all limits, on the path.
 use glidepath::machine::{ChannelData, MachineData};
 use glidepath::quantity::Position;
 use host_tests::cases::{Program, machines};

@@ -1,5 +1,5 @@
-//! A call of the planner does a bounded piece of the search for a way down, whatever the operator wants at any tick.
-//! A call that waits has looked for nothing.
+//! A planner call does a bounded part of the search for a stop, for every command at every tick. A call that
+//! waits has not searched.
 use glidepath::channel::{Channel, Handles, Progress};
 use glidepath::machine::MachineData;
 use glidepath::operator::Operator;

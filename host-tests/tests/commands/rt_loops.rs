@@ -1,4 +1,4 @@
-//! Real-time loops: passes without a stop, the exit, what is refused, and what the log has of them.
+//! Real-time loops: passes without a stop, the end, refused lines, and the log.
 use glidepath::contour_log::{BlockType, Entry, ProgramDistance};
 use glidepath::machine::MachineData;
 use host_tests::cases::machines;

@@ -1,6 +1,6 @@
-//! A planner that gets no time at all: the motion slows down inside all limits before the queue runs out,
-//! stands on its path, goes on when the planner is called again, and loses nothing. What does not last as
-//! long as the queue is not felt.
+//! A planner that gets no processor time: the motion slows down inside all limits before the queue runs out,
+//! stops on its path, resumes when the planner is called again, and loses nothing. A stall shorter than the
+//! queue has no effect.
 use glidepath::channel::{Channel, Handles};
 use glidepath::machine::MachineData;
 use glidepath::quantity::Position;

@@ -1,5 +1,5 @@
-//! A change of the motion that is made and taken back, since the interrupt was faster or no way to a standstill was
-//! found in time, leaves nothing behind: what is planned later fits to the motion as it is.
+//! A change of the motion that is planned and withdrawn, because the interrupt was faster or no stop was
+//! found in time, leaves no traces: later plans fit the current motion.
 use glidepath::channel::{Channel, Handles, Progress};
 use glidepath::quantity::Position;
 use glidepath::tick::State;

@@ -1,4 +1,4 @@
-//! Ways to a standstill in reserve: what the interrupt takes out is what the planner has put in, bit by bit.
+//! Stops in the reserve: the interrupt reads exactly the data that the planner has written.
 use glidepath::quantity::{Accel, Distance, Jerk, Speed};
 use glidepath::queue::{Phase, Reserve, STOP_PIECES, Slot};
 use host_tests::cases::random::Random;

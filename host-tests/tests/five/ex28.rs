@@ -1,4 +1,4 @@
-//! EX28 of the sources: a head with C and A normal to a secant contour, with its transformation.
+//! EX28 of ISG's documents: a head with C and A normal to a secant contour, with its transformation.
 use glidepath::kinematics::{CaHead, Kinematic};
 use glidepath::machine::{AxisData, AxisKind, AxisName, ChannelData, MachineData};
 use glidepath::quantity::Position;

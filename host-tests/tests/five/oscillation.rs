@@ -1,4 +1,4 @@
-//! Axes beside the path under a transformation.
+//! Independent axes under a transformation.
 use glidepath::kinematics::{AXES, Chain, Kinematic};
 use glidepath::machine::MachineData;
 use host_tests::beside::{Run, run_transformed};

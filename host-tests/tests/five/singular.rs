@@ -1,4 +1,4 @@
-//! Close to the direction along the outer rotary axis, and through it.
+//! Near the direction along the outer rotary axis, and through it.
 use glidepath::Position;
 use glidepath::kinematics::{Reach, Vector};
 use host_tests::sphere::{Bench, bench, keeps_limits};

@@ -1,8 +1,8 @@
-//! Every order of events between planner and interrupt on two cores: the code that runs on the target, on a
-//! memory that lets the test choose before each access to a shared word which side comes next.
+//! Every order of events between planner and interrupt on two cores: the code of the target, on a memory with
+//! which the test chooses before each access to a shared word which side continues.
 //!
-//! A side runs from the beginning of its operation with the answers its accesses got before, does one access
-//! more, and is left by unwinding at the next. States that are equal are one; the paths that lead to it are
+//! A side runs from the start of its operation with the earlier results of its accesses, makes one more
+//! access, and is stopped there by unwinding. Equal states are merged; the paths that lead to a state are
 //! counted.
 mod memory;
 mod planner;

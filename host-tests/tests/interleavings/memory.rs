@@ -1,5 +1,4 @@
-//! A memory that shows every access of the code that runs on it, makes one of them in a turn, and may hold
-//! stores back.
+//! A memory that reports every access of the code, makes one access per turn, and may delay stores.
 use glidepath::quantity::{Distance, Speed};
 use glidepath::queue::word::{Memory, Place, Replay, Word};
 use glidepath::queue::{Phase, Slot};

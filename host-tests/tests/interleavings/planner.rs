@@ -1,4 +1,4 @@
-//! What the planner's side does in a scenario, by the functions that the planner itself uses.
+//! The actions of the planner's side in a scenario, by the planner's own functions.
 use crate::memory::{Model, WORLD, piece};
 use glidepath::queue::word::Memory;
 use glidepath::queue::{

@@ -1,4 +1,4 @@
-//! Programs of LinuxCNC and Grbl: what the decoder makes of them, beside an interpreter of the tests' own.
+//! Programs of LinuxCNC and Grbl: the commands of the decoder, compared with a separate interpreter.
 #[path = "dialects/corpus.rs"]
 mod corpus;
 #[path = "dialects/interpreter.rs"]

@@ -1,4 +1,4 @@
-//! Machine data at the ends of their ranges: none of them switches a limit off.
+//! Machine data at the ends of their ranges: no value switches a limit off.
 use glidepath::channel::{Channel, MachineError};
 use glidepath::dynamics::Dynamics;
 use glidepath::fir::FilterError;

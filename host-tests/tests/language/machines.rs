@@ -1,5 +1,6 @@
 //! Random machine data over their permitted ranges, random programs and an operator: every limit of every
-//! axis at every tick, the exact end. The example `machines` goes on with it, and shows the run of one seed.
+//! axis at every tick, and the exact end. The example `machines` runs more seeds, and shows the run of one
+//! seed.
 use host_tests::soak::{Outcome, soak, soak_within};
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 use std::time::{SystemTime, UNIX_EPOCH};

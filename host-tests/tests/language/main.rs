@@ -1,4 +1,4 @@
-//! What a program says: words, expressions, errors, machine data.
+//! The language of programs: words, expressions, errors, machine data.
 mod axis_names;
 mod dialects;
 mod feed_axes;

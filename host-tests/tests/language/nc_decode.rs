@@ -1,4 +1,4 @@
-//! A program in, everything the decoder says about it out.
+//! The decoder's full output for a program.
 #![allow(dead_code, reason = "every test binary uses its part")]
 use glidepath::machine::{AxisData, AxisKind, AxisName, ChannelData, MachineData};
 use glidepath::nc::{Command, Decoder, DecoderMemory, Motion, NcError, NcWarning, Setup, Step, Text};

@@ -1,4 +1,4 @@
-//! Any bytes and any heap of words: the decoder ends with commands or one error, never in a panic, and every
+//! Any bytes and any random words: the decoder ends with commands or one error, never with a panic, and every
 //! call is bounded.
 use crate::nc_decode::{Random, decode_text, decode_with, setup};
 use glidepath::nc::{Decoder, DecoderMemory, Step};

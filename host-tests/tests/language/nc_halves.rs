@@ -1,4 +1,4 @@
-//! A line with more arithmetic than one step does is taken in several: what it says stays the same.
+//! A line with more arithmetic than one step permits is decoded in several steps, with the same result.
 use crate::nc_decode::{decode, error};
 
 /// As much as two steps: its value is `value`.

@@ -1,4 +1,4 @@
-//! Which keyword goes with which method, and that commands without a function are refused where they stand.
+//! Keywords and their methods; commands without a function are refused at their place.
 use glidepath::machine::{AxisData, AxisKind, AxisName, ChannelData, MachineData};
 use glidepath::nc::{Decoder, DecoderMemory, NcErrorKind, Setup, Step};
 use glidepath::quantity::Position;

@@ -1,4 +1,4 @@
-//! Zero offsets G53…G59: machine data, calls at rest, and what programs make of them.
+//! Zero offsets G53…G59: machine data, calls at standstill, and programs.
 use crate::nc_decode::decode_with;
 use glidepath::channel::{Channel, Handles, MachineError, Planner, ZeroOffsetError};
 use glidepath::machine::{AxisData, AxisKind, AxisName, ChannelData, MachineData};

@@ -1,5 +1,5 @@
-//! Blocks of N, G00, G01, F and axes with plain decimals are understood in one pass. They mean what they mean
-//! word by word: G94, which changes nothing, behind the same words makes the decoder go the long way.
+//! Blocks of N, G00, G01, F and axes with plain decimals are decoded in one pass, with the same result as
+//! word by word. An additional G94 changes nothing, but makes the decoder read the block word by word.
 use crate::nc_decode::{Random, commands, decode_with, motions, setup};
 use glidepath::machine::AxisName;
 use glidepath::nc::{Command, Setup};

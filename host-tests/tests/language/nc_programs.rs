@@ -1,4 +1,4 @@
-//! Whole programs: what comes out, computed a second way.
+//! Whole programs: the result, computed in a second way.
 use crate::nc_decode::motions;
 use glidepath::nc::{ArcBy, MotionKind};
 

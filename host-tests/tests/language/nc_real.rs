@@ -1,5 +1,5 @@
-//! Functions of expressions against std, through the language: at most 2 ulp, and exact where the true value
-//! is simple.
+//! Functions of expressions compared with the standard library, through the language: at most 2 ulp, and
+//! exact if the true value is simple.
 use crate::nc_decode::{Random, error, value};
 use glidepath::nc::NcErrorKind;
 

@@ -1,5 +1,6 @@
-//! Late synchronisation: functions whose acknowledgement the motion needs later than in their block, MVS_SLM, MVS_SLP with
-//! #EXPL SYN, and FAW_SYNCH, behind which the program goes on when the motion has come there.
+//! Late synchronisation: functions whose acknowledgement is needed later than in their block, MVS_SLM,
+//! MVS_SLP with #EXPL SYN, and FAW_SYNCH, after which the program continues when the motion has reached this
+//! block.
 use glidepath::channel::{Channel, Handles, Progress};
 use glidepath::machine::{MachineData, Synch, SynchTable};
 use glidepath::operator::Operator;

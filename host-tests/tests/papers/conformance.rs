@@ -1,4 +1,4 @@
-//! `docs/conformance.md`: every id of the inventory once, and what its rows name exists.
+//! `docs/conformance.md`: every id of the inventory once; files, tests and words in its rows exist.
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 

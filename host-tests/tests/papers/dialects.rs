@@ -1,4 +1,4 @@
-//! docs/dialects.md lists the words that the decoder's table holds, and no others.
+//! docs/dialects.md lists exactly the words of the decoder's table.
 use glidepath::machine::Dialect;
 use glidepath::nc::{ADDRESSES, WORDS};
 use std::fmt::Write as _;

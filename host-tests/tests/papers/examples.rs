@@ -1,4 +1,4 @@
-//! The examples of the library run, and end where they say.
+//! The examples of the library run, and end at the expected position.
 #[path = "."]
 mod shipped {
     #[path = "../../../examples/beside.rs"]

@@ -1,4 +1,4 @@
-//! The documents, the examples and the requirements are true.
+//! Checks of the documents, the examples and the list of requirements.
 mod conformance;
 mod dialects;
 mod examples;

@@ -1,4 +1,4 @@
-//! The cases themselves: a program, its text, its contour and its mirror images say the same.
+//! The cases: a program, its text, its contour and its mirror images agree.
 use host_tests::cases::random::{Mix, Random, program};
 use host_tests::cases::{Program, decimal, edges, machines, named, set_point};
 use host_tests::reference::geometry::{Contour, Shape};

@@ -1,4 +1,4 @@
-//! Rows of docs/conformance.md of which a fault in the code was seen by no other test.
+//! Rows of docs/conformance.md whose faults in the code no other test had found.
 use glidepath::machine::AxisKind;
 use glidepath::nc::{Contour, ContourMethod};
 use glidepath::quantity::Position;

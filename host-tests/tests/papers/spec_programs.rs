@@ -1,10 +1,10 @@
-//! The example programs of the sources, run as files: what each must show, or how it is refused; with three
+//! The example programs of ISG's documents, run as files: the expected result or refusal of each, with three
 //! slopes at the start.
 //!
-//! They lie beside the repository, in `../shared/spec/programs`, or in the folder `spec/programs` of the one
-//! that the variable GLIDEPATH_SHARED names. Where they are not, the test says so and checks nothing. Where
-//! Python with numpy is (`python3`, or what the variable PYTHON names), `tools/check_trace.py` of the same
-//! folder judges each motion again, from the decoded lines.
+//! The programs are in `../shared/spec/programs` next to the repository, or in `spec/programs` of the folder
+//! in the variable GLIDEPATH_SHARED. If they are missing, the test prints this and checks nothing. If there
+//! is a Python with numpy (`python3`, or the variable PYTHON), `tools/check_trace.py` of the same folder
+//! checks each motion again, from the decoded lines.
 use glidepath::channel::{Channel, Handles};
 use glidepath::machine::{AxisData, AxisKind, AxisName, ChannelData, MachineData, Synch, SynchTable};
 use glidepath::nc::{Command, Decoder, DecoderMemory, MotionKind, Setup, Step};

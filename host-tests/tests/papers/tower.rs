@@ -1,4 +1,4 @@
-//! The tower of modules: which of them may use which, and how large a function and a struct may become.
+//! The order of modules: permitted imports, and the highest size of a function and a struct.
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 

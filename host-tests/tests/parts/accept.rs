@@ -1,4 +1,4 @@
-//! Accepting a table needs a reason, leaves it in the table's head, and never passes.
+//! Accepting a table needs a reason, stores the reason in the table's head, and always fails.
 use host_tests::accept::{Head, compare, compare_file};
 
 const REASON: &str = "ramps of SIN2 are shorter";

@@ -1,4 +1,5 @@
-//! Positions in messages: the text is that of the library of fixed-point numbers, which rounds to nearest, ties to even.
+//! Positions in messages: the text equals that of the library of fixed-point numbers, which rounds to
+//! nearest, ties to even.
 use glidepath::quantity::{Decimal, Position};
 
 /// splitmix64 (Steele, Lea, Flood 2014).

@@ -1,4 +1,5 @@
-//! Machines with rotary axes beside a forward transformation of matrices and the standard library's sines.
+//! Machines with rotary axes, compared with a forward transformation by matrices and the standard library's
+//! sines.
 use glidepath::Position;
 use glidepath::kinematics::{CaHead, Chain, Course, Splitter, Universal, Vector};
 use host_tests::five_axes::{Numbers, X, Z, distance, machines, universal};

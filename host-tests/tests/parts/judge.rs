@@ -1,4 +1,4 @@
-//! The judge accepts a motion that uses its limits fully, and catches each fault it claims to catch.
+//! The checker accepts a motion that uses its limits fully, and finds each kind of fault.
 use host_tests::cases::{Program, machines, named, set_point};
 use host_tests::check::{self, Limits};
 use host_tests::reference::geometry::Contour;

@@ -1,4 +1,4 @@
-//! Numbers, rings, and what judges the other tests.
+//! Number types, rings, and the checkers of the other tests.
 mod accept;
 mod decimal;
 mod five_axes;

@@ -1,5 +1,5 @@
-//! Sine, cosine and arc tangent against CORDIC in 120 fraction bits, which shares nothing with the code:
-//! shifts and additions only, its angles from Machin's formula and power series.
+//! Sine, cosine and arc tangent, compared with CORDIC in 120 fraction bits, which shares no code with the
+//! library: only shifts and additions, with angles from Machin's formula and power series.
 use glidepath::math::angle::{atan2_turns, sin_cos_fine};
 use glidepath::math::trig::sin_cos;
 

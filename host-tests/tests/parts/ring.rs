@@ -1,5 +1,5 @@
-//! The rings between planner and interrupt: what they hold, which curve a tick finds, and which it gives
-//! back.
+//! The rings between planner and interrupt: their content, the curve that a tick finds, and the curves that
+//! are taken back.
 use glidepath::path::{LONGEST, Measure, Shape, line};
 use glidepath::quantity::{Distance, Position};
 use glidepath::queue::{

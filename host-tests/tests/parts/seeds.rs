@@ -1,4 +1,4 @@
-//! Fixed seeds first, then a run's own, the same ones in all tests of a run and apart from the fixed ones.
+//! Fixed seeds first, then new seeds, which are equal in all tests of a run and differ from the fixed ones.
 use host_tests::seeds::{VARIABLE, own, seeds};
 
 #[test]

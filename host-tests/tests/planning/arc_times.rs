@@ -1,7 +1,8 @@
-//! Arcs use what the axes have: near the bound of steady motion, and never slower than standstills at their ends.
+//! Arcs use the limits of the axes: nearly the bound of steady motion, and never slower than with stops at
+//! their ends.
 //!
-//! On a circle an axis meets every direction. In steady motion its speed is at most V, the least of ∛(J·R²), √(a·R) and
-//! the feed: that is the bound.
+//! On a circle an axis moves in every direction. In steady motion its speed is at most V, the least of
+//! ∛(J·R²), √(a·R) and the feed. V is the bound.
 use glidepath::MachineData;
 use glidepath::quantity::Position;
 use host_tests::cases::machines;

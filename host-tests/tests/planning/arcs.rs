@@ -1,4 +1,4 @@
-//! Arcs as curves: from a micrometre to hundreds of metres, against the circle in f64. Ends are exact.
+//! Arcs as curves: from a micrometre to hundreds of metres, compared with the circle in f64. Ends are exact.
 use glidepath::nc::Plane;
 use glidepath::path::{Element, Measure, PathError, arc};
 use glidepath::quantity::Position;

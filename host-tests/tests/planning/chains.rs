@@ -1,7 +1,7 @@
-//! A way to a standstill that would have more pieces than there is room for: chains of short blocks with knees,
-//! where acceleration is zero at every end, and long ramps at short cycles. A planner that gets no time leaves a
-//! motion inside all limits all the same, because the motion is so slow that the way has room. It is slower, and
-//! does not stand.
+//! Stops with more pieces than the queue has room for: chains of short blocks with corners, where
+//! acceleration is zero at every end, and long ramps at short cycles. If the planner gets no time, the motion
+//! still ends inside all limits, because the planner keeps the motion so slow that the stop fits. The motion
+//! is slower, but does not stop.
 use host_tests::cases::Program;
 use host_tests::chains::{Chain, Links, chain, go_on, machine, soak, stands};
 use host_tests::operate::{Act, Operated, judge, operate};

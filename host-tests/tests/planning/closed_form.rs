@@ -1,4 +1,4 @@
-//! The reference against itself: closed forms, quadrature of their own jerk, and each other.
+//! Checks of the reference: closed forms, quadrature of their own jerk, and comparison with each other.
 use host_tests::cases::random::Random;
 use host_tests::reference::profile::{Change, Profile, Ramps, Slope, reach, rest_to_rest};
 

@@ -1,5 +1,5 @@
-//! A plan that fails while the axes move: they come to a standstill inside their limits, whatever the
-//! operator does meanwhile, and the channel lives on from the position at which they stand.
+//! A plan that fails during the motion: the axes stop inside their limits, with any commands in between. The
+//! channel continues from the position of the standstill.
 use glidepath::channel::{Channel, Error, Handles, Progress};
 use glidepath::machine::MachineData;
 use glidepath::quantity::Position;

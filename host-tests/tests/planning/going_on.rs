@@ -1,5 +1,5 @@
-//! What is left of a span goes on below the law planned for all of it, at each place, wherever that is left and however
-//! slow it is then: against closed forms in `f64`.
+//! The rest of a span after a change: its new speed profile is below the planned one, at each place and each
+//! start speed, compared with closed forms in `f64`.
 use glidepath::lookahead::{Gain, ReleasedSpan};
 use glidepath::quantity::{Speed, speed_bits};
 use glidepath::slope::limits::{Joins, Limits, Loose, SlopeLaw};

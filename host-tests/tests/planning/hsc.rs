@@ -1,5 +1,5 @@
-//! HSC: acceleration runs across the ends of blocks. Cutting a path changes nothing, and the limits hold as
-//! ever.
+//! HSC: acceleration may be non-zero at the ends of blocks. Dividing a path into blocks changes nothing, and
+//! the limits hold.
 use glidepath::machine::MachineData;
 use glidepath::quantity::Position;
 use host_tests::cases::feeds::{ACCELERATION, Feeds, PATHS, accepted};

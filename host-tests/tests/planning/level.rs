@@ -1,5 +1,5 @@
-//! The ring is planned for the override of now: the table of P-CHAN-00066 in every block, and nothing is left
-//! of an override before.
+//! The ring is planned for the current override: the table of P-CHAN-00066 in every block, and no effect of
+//! an earlier override.
 use glidepath::machine::{AxisData, AxisKind, AxisName, ChannelData, MachineData, Synch, SynchTable};
 use glidepath::quantity::Position;
 use host_tests::cases::{Program, machines};

@@ -1,4 +1,4 @@
-//! The plan: the reference's own is a permitted motion, and the library's is that of the reference.
+//! The plan: the reference's plan is a permitted motion, and the library's plan equals the reference's.
 use glidepath::machine::MachineData;
 use host_tests::cases::knees::{beside, chain, turning};
 use host_tests::cases::random::{Mix, program};

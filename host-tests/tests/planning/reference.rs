@@ -1,4 +1,4 @@
-//! Set points beside those of the reference with the same plan.
+//! Set points, compared with those of the reference for the same plan.
 use glidepath::machine::MachineData;
 use host_tests::cases::random::{Mix, program};
 use host_tests::cases::{Program, edges, machines, named};

@@ -1,4 +1,4 @@
-//! A move from rest to rest takes the closed-form optimum, rounded up to the next tick.
+//! A motion from stop to stop takes the closed-form optimum, rounded up to the next tick.
 use glidepath::machine::MachineData;
 use host_tests::cases::{Program, machines, named};
 use host_tests::properties::verify;

@@ -1,7 +1,7 @@
 //! Blocks shorter than a tick, without a straight line among them.
 //!
-//! With HSC and STEP: TRAPEZ and SIN2 lose speed within a block only, and are as slow as they must be to stop
-//! in the look-ahead.
+//! With HSC and STEP: TRAPEZ and SIN2 can only brake within a block, so they must be slow enough to stop in
+//! the look-ahead.
 use glidepath::lookahead::ReleasedSpan;
 use glidepath::machine::MachineData;
 use glidepath::quantity::{Distance, Speed};

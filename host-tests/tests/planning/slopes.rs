@@ -1,5 +1,5 @@
 //! SIN2 and STEP, and slopes that change within a program: limits at every tick, exact ends, the same motion
-//! mirrored and again.
+//! mirrored and repeated.
 use glidepath::machine::{ChannelData, MachineData};
 use glidepath::quantity::{Distance, Position, Speed};
 use glidepath::slope::limits::{Joins, Limits, Loose, SlopeLaw};

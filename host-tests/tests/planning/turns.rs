@@ -1,5 +1,5 @@
-//! #HSC [SURFACE] at turns of every size, between blocks of every length: zigzags against the same ones with
-//! standstills.
+//! #HSC [SURFACE] at corners of every angle, between blocks of every length: zigzags, compared with the same
+//! zigzags with stops.
 use glidepath::machine::MachineData;
 use glidepath::quantity::Position;
 use host_tests::trace::{Run, run_text};

@@ -1,4 +1,4 @@
-//! Axes that are nothing alike, at short cycles: a permitted jerk of some LSB per tick³.
+//! Axes that differ widely, at short cycles: a permitted jerk of a few LSB per tick³.
 use glidepath::machine::MachineData;
 use glidepath::quantity::Position;
 use host_tests::cases::machines;

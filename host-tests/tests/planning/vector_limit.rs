@@ -1,4 +1,4 @@
-//! #VECTOR LIMIT: speed and acceleration along the path, only ever lower than what the axes permit.
+//! #VECTOR LIMIT: speed and acceleration along the path, never higher than the limits of the axes.
 use glidepath::channel::Error;
 use glidepath::machine::{AccelerationUnit, MachineData};
 use glidepath::quantity::Position;

@@ -1,5 +1,5 @@
-//! G130…G134, G231…G233, G338, G339: a weighted machine is the machine with other data, block by block, and
-//! every axis stays inside what its weights of the moment permit.
+//! G130…G134, G231…G233, G338, G339: a weighted machine equals a machine with other data, block by block, and
+//! every axis keeps the limits with its current weights.
 use glidepath::channel::{Channel, Handles, Progress};
 use glidepath::machine::{AxisData, MachineData};
 use glidepath::quantity::Position;

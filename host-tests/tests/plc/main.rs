@@ -1,4 +1,4 @@
-//! The host's side of `cargo xtask hil --plc`: what the target has to show.
+//! The PC's side of `cargo xtask hil --plc`: the expected results of the target.
 use glidepath::channel::Channel;
 use hil_cases::{BLOCKS, LASER_POWER, PASSES, PlcMemory, RING_DIGEST, Unwatched, laser, ring};
 

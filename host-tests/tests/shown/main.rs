@@ -1,5 +1,4 @@
-//! What the operator is shown against what the axes drive: speed and distance, at each tick, against the differences of the
-//! set points.
+//! Speed and distance that the operator reads at each tick, compared with the differences of the set points.
 use glidepath::channel::{Channel, Handles, Progress};
 use glidepath::contour_log::{ContourMemory, ProgramDistance};
 use glidepath::machine::{ChannelData, InterpolatorData, MachineData};

@@ -1,4 +1,4 @@
-//! P-CHAN-00239: what becomes of the corners where the HSC B-spline deselects itself.
+//! P-CHAN-00239: the corners at which the HSC B-spline is off.
 use glidepath::quantity::Position;
 use host_tests::rounded::{Run, quick, run_from};
 use host_tests::walk::judge;

@@ -1,4 +1,4 @@
-//! The programs of short blocks are those they are said to be.
+//! The programs of short blocks have the described properties.
 use host_tests::cam;
 
 /// The end points of all blocks behind the head; words that are missing stay.

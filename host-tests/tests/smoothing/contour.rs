@@ -1,4 +1,4 @@
-//! Contour mode: single corners before the judge, and programs from text to set points.
+//! Contour mode: checks of single corners, and programs from text to set points.
 use glidepath::channel::{Channel, Handles, Progress};
 use glidepath::machine::MachineData;
 use glidepath::nc::{Contour, ContourMethod, NcWarning, Place};

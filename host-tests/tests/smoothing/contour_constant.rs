@@ -1,5 +1,5 @@
-//! CONST_VEL: one speed all along a curve, with every method that has it and every slope; and no crawl where such curves
-//! follow each other.
+//! CONST_VEL: constant speed along a curve, with every method that has CONST_VEL and every slope; and no
+//! crawling motion in consecutive curves.
 use glidepath::machine::MachineData;
 use glidepath::quantity::Position;
 use host_tests::cases::machines;

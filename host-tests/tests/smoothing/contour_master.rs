@@ -1,4 +1,4 @@
-//! DIST_MASTER, and the other methods where the feed counts along other axes than the main ones.
+//! DIST_MASTER, and the other methods if the feed axes are not the main axes.
 use glidepath::channel::Error;
 use glidepath::machine::{MODE_MASTER, MachineData};
 use glidepath::nc::{Contour, ContourMethod, NcWarningKind};

@@ -1,4 +1,5 @@
-//! Contour mode in rows of short blocks: the moved contour stays inside the tolerance, whatever is left out.
+//! Contour mode in runs of short blocks: the driven contour stays inside the tolerance, also with left-out
+//! blocks.
 use glidepath::nc::{Contour, ContourMethod, Value};
 use glidepath::quantity::Position;
 use host_tests::cases::machines;

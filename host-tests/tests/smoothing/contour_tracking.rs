@@ -1,4 +1,4 @@
-//! Contour mode and tracking axes: what is short, and how far they are from the contour at any place.
+//! Contour mode and tracking axes: the meaning of short blocks, and the deviation of these axes at any place.
 use glidepath::nc::{Contour, ContourMethod};
 use glidepath::quantity::Position;
 use host_tests::cases::random::Random;

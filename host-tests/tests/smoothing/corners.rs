@@ -1,5 +1,5 @@
-//! Corners do not hold the motion back: not by what is left between two curves, not by a curve that is slower
-//! than a standstill, not by jerk that is permitted and not used.
+//! Corners do not slow the motion down without need: not by the rest between two curves, not by a curve that
+//! is slower than a stop, not by permitted jerk that stays unused.
 use glidepath::machine::MachineData;
 use glidepath::quantity::Position;
 use host_tests::cam;

@@ -1,6 +1,7 @@
-//! Curves of every kind in the ring between planner and interrupt: each is found as it was put in, however much room
-//! those before it take, and with the motion block it had, however many of them a curve stands for. Runs with all
-//! functions and without them (`host-tests/without`), where the ring has less room for curves that are no lines.
+//! Curves of every kind in the ring between planner and interrupt: each curve is found unchanged, for every
+//! size of the earlier curves, and with its motion block, for every number of merged blocks. Runs with all
+//! functions and without them (`host-tests/without`), where the ring has less room for curves that are no
+//! lines.
 use glidepath::nc::Plane;
 use glidepath::path::poly::{Draft, Knot};
 use glidepath::path::{Element, End, Measure, Shape, arc, line};

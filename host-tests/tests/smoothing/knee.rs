@@ -1,4 +1,5 @@
-//! P-AXIS-00013: how fast a knee is taken. The step of each axis' speed is at most a · weight · cycle.
+//! P-AXIS-00013: the speed at a corner without a curve. The step of each axis' speed is at most a · weight ·
+//! cycle.
 use glidepath::machine::MachineData;
 use glidepath::quantity::Speed;
 use host_tests::cases::knees::{beside, chain, turning};

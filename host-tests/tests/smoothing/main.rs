@@ -1,4 +1,4 @@
-//! Curves in place of corners and chords: contour mode, Surface, B-splines.
+//! Curves instead of corners and chords: contour mode, Surface, B-splines.
 mod auto_contour;
 mod cam;
 mod contour;

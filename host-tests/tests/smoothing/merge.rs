@@ -1,5 +1,5 @@
-//! Blocks that go on in a straight line are one: as fast as the whole line, and nothing that belongs to a
-//! point between is lost.
+//! Blocks that continue in a straight line are merged: as fast as the whole line, and no function at a point
+//! between is lost.
 use glidepath::channel::{Channel, Handles, Progress};
 use glidepath::machine::MachineData;
 use glidepath::quantity::Position;

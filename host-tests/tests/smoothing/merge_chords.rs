@@ -1,4 +1,4 @@
-//! `merge_chords`: with DEV one line stands for nearly straight chords, inside a part of the tolerance.
+//! `merge_chords`: with DEV one line replaces nearly straight chords, inside a part of the tolerance.
 use glidepath::machine::{MachineData, Synch, SynchTable};
 use glidepath::nc::{Contour, ContourMethod};
 use glidepath::quantity::Position;

@@ -1,6 +1,6 @@
-//! Polynomials of the fifth degree, which are made in integers: against the same one in f64, from a micrometre
-//! to metres, shallow and bent, with axes faster than the path. Ends are exact, and no derivative is larger
-//! than the bounds say. The same of cubics, which take points and directions alone.
+//! Polynomials of the fifth degree from integers, compared with the same polynomials in f64: from a
+//! micrometre to metres, with small and large curvature, with axes faster than the path. Ends are exact, and
+//! no derivative exceeds its bound. The same for cubics, which only need points and directions.
 use glidepath::path::poly::{Draft, Knot};
 use glidepath::path::{Element, End};
 use glidepath::quantity::Position;

@@ -1,5 +1,5 @@
-//! Splines: the curves against an independent f64 reference, programs from text to set points, refusals, and
-//! random runs before the judge.
+//! Splines: the curves compared with an independent f64 reference, programs from text to set points,
+//! refusals, and checks of random runs.
 use glidepath::channel::Error;
 use glidepath::nc::{Hsc, HscMethod, NcWarningKind, Spline, SplineType, Tangent};
 use glidepath::quantity::Position;

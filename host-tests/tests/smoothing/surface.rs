@@ -1,5 +1,5 @@
-//! #HSC [SURFACE]: the path against its tolerance, the limits and the exact ends, by a judge that knows the
-//! programmed contour alone; what the commands do, and when they are refused.
+//! #HSC [SURFACE]: tolerance of the path, limits and exact ends, by a checker that knows only the programmed
+//! contour; effects of the commands, and their refusals.
 use glidepath::machine::MachineData;
 use glidepath::nc::NcWarningKind;
 use glidepath::quantity::Position;

@@ -1,5 +1,5 @@
-//! Random zigzags, with Surface and with DEV: hardly any is slower at a higher feed, or than the same one without a
-//! curve.
+//! Random zigzags, with Surface and with DEV: hardly any program is slower at a higher feed, or slower than
+//! without a curve.
 use glidepath::machine::MachineData;
 use glidepath::quantity::Position;
 use host_tests::cases::machines;

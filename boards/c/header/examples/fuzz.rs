@@ -1,6 +1,7 @@
-//! Calls of the C interface at random, right ones and wrong ones: `cargo run --release -p glidepath-c-header --example fuzz -- 10000000 1`.
-//! Arguments: number of calls, seed. The program is `tests/fuzz.c`; the library is built with checks of overflows and debug
-//! assertions, and a storage between two pages that nobody may touch.
+//! Random correct and wrong calls of the C interface:
+//! `cargo run --release -p glidepath-c-header --example fuzz -- 10000000 1`.
+//! Arguments: number of calls, seed. The program is `tests/fuzz.c`. The library is built with overflow checks
+//! and debug assertions, and the storage lies between two protected pages.
 use glidepath_c_header::{c, folder};
 use std::process::Command;
 

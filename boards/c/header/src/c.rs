@@ -9,10 +9,10 @@ pub fn root() -> PathBuf {
     folder().join("../..")
 }
 
-/// Runs a command; what it wrote.
+/// Runs a command. Returns its standard output.
 ///
 /// # Errors
-/// It does not end well, with all that it wrote.
+/// The command fails; the error has its output.
 pub fn output(command: &mut Command) -> Result<String, String> {
     let output = command.output().map_err(|e| format!("{command:?}: {e}"))?;
     let text = String::from_utf8_lossy(&output.stdout).into_owned();
@@ -24,7 +24,7 @@ pub fn output(command: &mut Command) -> Result<String, String> {
     }
 }
 
-/// The library for the host, built once. With checks of overflows and debug assertions, and quickly.
+/// The library for the PC, built once, with overflow checks and debug assertions, and low optimisation.
 fn library() -> Result<PathBuf, String> {
     static LIBRARY: OnceLock<Result<PathBuf, String>> = OnceLock::new();
     let build = || {
@@ -42,10 +42,10 @@ fn library() -> Result<PathBuf, String> {
     LIBRARY.get_or_init(build).clone()
 }
 
-/// Compiles a C program with the library; its file.
+/// Compiles a C program with the library. Returns the file.
 ///
 /// # Errors
-/// What the compilers say.
+/// The message of the compiler.
 pub fn compile(name: &str, sources: &[PathBuf]) -> Result<PathBuf, String> {
     let library = library()?;
     let program = library.with_file_name(name);

@@ -1,4 +1,4 @@
-//! The header of the C interface, made of its sources, and C programs with the library.
+//! Generates the header of the C interface from the sources, and runs C programs with the library.
 pub mod c;
 
 use std::path::{Path, PathBuf};
@@ -9,18 +9,18 @@ pub fn folder() -> PathBuf {
     here.parent().unwrap_or(here).to_path_buf()
 }
 
-/// Where the header is.
+/// The path of the header.
 pub fn file() -> PathBuf {
     folder().join("include/glidepath.h")
 }
 
-/// The header as the sources have it.
+/// Generates the header from the sources.
 ///
 /// # Errors
 /// A source that cbindgen cannot read.
 pub fn header() -> Result<String, String> {
     let config = cbindgen::Config::from_file(folder().join("cbindgen.toml"))?;
-    // The modules that it names are read along, in that order.
+    // The generator also reads the modules of these files, in this order.
     let builder = cbindgen::Builder::new().with_config(config).with_src(folder().join("src/lib.rs"));
     let mut text = Vec::new();
     builder.generate().map_err(|e| e.to_string())?.write(&mut text);

@@ -1,4 +1,4 @@
-//! The header that is checked in is the one that the sources give.
+//! Checks that the header in the repository equals the header that the sources give.
 use glidepath_c_header::{file, header};
 
 #[test]

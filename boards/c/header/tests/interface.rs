@@ -1,5 +1,5 @@
-//! The C interface on the host, from C: misuse has its answers, and the example has the set points of the Rust one. Both
-//! under valgrind where that is installed.
+//! The C interface on the PC, from C: misuse gets its results, and the example has the set points of the Rust
+//! program. Both run with valgrind if it is installed.
 use glidepath::channel::Channel;
 use glidepath::nc::Window;
 use glidepath_c_header::{c, folder};

@@ -1,4 +1,5 @@
-//! A planner that sleeps as long as it says makes the same motion as one that is called after each tick.
+//! A planner that sleeps as long as its result says makes the same motion as a planner that is called after
+//! each tick.
 use glidepath::channel::{Channel, Handles, Progress};
 use glidepath::digest::Digest;
 use glidepath::machine::MachineData;

@@ -1,23 +1,23 @@
-//! Lines: what is carried out, and what is answered.
+//! Carries out lines and answers them.
 use super::{Around, Controller, Mode};
 use crate::line::{Assembler, Line};
 use crate::motion::{Motion, Refusal, Taken};
 use crate::store::Store;
 
-/// Why the line at hand has no answer yet.
+/// Reason why the current line has no answer yet.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Waiting {
     Room,
     Homing,
 }
 
-/// What a line gets for an answer.
+/// Answer to a line.
 pub(crate) enum Reply {
     Now(Result<(), Refusal>),
-    /// `ok`, then a restart with banner.
+    /// `ok`, then a restart with the banner.
     Restart,
     Later(Waiting),
-    /// It has been answered.
+    /// The line has its answer already.
     Silent,
 }
 
@@ -32,7 +32,7 @@ impl Reply {
 /// The store has failed.
 pub(crate) const NOT_STORED: u8 = 7;
 
-/// Bytes that a poll reads at most.
+/// Highest number of bytes that a poll reads.
 const BYTES_PER_POLL: usize = 256;
 
 impl<const AXES: usize, const N: usize> Controller<'_, AXES, N> {
@@ -63,7 +63,7 @@ impl<const AXES: usize, const N: usize> Controller<'_, AXES, N> {
         }
     }
 
-    /// Carries startup lines out; whether they are done.
+    /// Carries out startup lines. Returns whether they are done.
     fn start_up<M: Motion<AXES>, S, W: embedded_io::Write>(
         &mut self,
         around: &mut Around<'_, '_, M, S, W>,
@@ -90,7 +90,7 @@ impl<const AXES: usize, const N: usize> Controller<'_, AXES, N> {
         &mut self,
         around: &mut Around<'_, '_, M, S, W>,
     ) {
-        // Taken out and put back: the command may change everything else.
+        // The line is taken out and put back, because the command may change everything else.
         let line = core::mem::replace(&mut self.line, Assembler::new(self.config.text));
         let reply = match line.stripped() {
             [] => Reply::OK,

@@ -1,28 +1,28 @@
-//! What the pins of spindle, coolant and motors show.
+//! The wanted levels of the pins of spindle, coolant and motors.
 use super::{Around, Controller, Door, Mode};
 use crate::motion::{Motion, Spindle};
 
-/// What the pins of spindle and coolant are to show.
+/// Wanted state of spindle, coolant and motors.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct Outputs {
-    /// Direction; off while it is stopped by hand, by the door, or asleep.
+    /// Direction of the spindle; off while the operator, the door or sleep stops the spindle.
     pub spindle: Spindle,
-    /// rpm with its override, inside `$31`…`$30`.
+    /// Speed in rpm with the override, between `$31` and `$30`.
     pub rpm: u32,
-    /// The same as a part of 65,535: 0 at `$31`, 65,535 at `$30`.
+    /// The speed as part of 65,535: 0 at `$31`, 65,535 at `$30`.
     pub duty: u16,
     /// Mist.
     pub mist: bool,
     /// Flood.
     pub flood: bool,
-    /// The motors have current: while something moves, and `$1` ms longer.
+    /// The motors have current: during motion, and `$1` ms longer.
     pub motors: bool,
 }
 
-/// Time for the spindle to come up behind the door, ms.
+/// Time in ms for the start of the spindle after the door closes.
 pub(super) const SPINDLE_MS: u32 = 4000;
 
-/// Time for coolant, ms.
+/// Time in ms for the start of coolant.
 pub(super) const COOLANT_MS: u32 = 1000;
 
 impl<const AXES: usize, const N: usize> Controller<'_, AXES, N> {
@@ -55,7 +55,7 @@ impl<const AXES: usize, const N: usize> Controller<'_, AXES, N> {
         };
         let span = u64::from(most.saturating_sub(least));
         let part = u64::from(rpm.saturating_sub(least)) * 65_535;
-        // Without a span there is one speed.
+        // If `$30` and `$31` are equal, there is only one speed.
         let duty = if rpm == 0 { 0 } else { part.checked_div(span).unwrap_or(65_535).min(65_535) as u16 };
         if status.is_busy || !status.is_at_rest {
             self.moved_ms = around.now_ms;

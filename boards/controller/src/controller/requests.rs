@@ -1,4 +1,4 @@
-//! Real-time bytes, pins, and what the motion side has come to: the states follow from them.
+//! Real-time bytes, pins, and results of the motion side: they determine the state.
 use super::outputs::{COOLANT_MS, SPINDLE_MS};
 use super::{Around, Controller, Door, Mode, Outputs};
 use crate::inbox::{Key, Request};
@@ -34,7 +34,7 @@ impl<const AXES: usize, const N: usize> Controller<'_, AXES, N> {
                 around.motion.hold();
                 self.mode = Mode::Hold;
             }
-            // A hold at the same look wins.
+            // If a hold and a start come in the same call, the hold acts.
             Mode::Hold if start && !hold && status.is_at_rest => {
                 self.spindle_stopped = false;
                 around.motion.resume();
@@ -101,7 +101,7 @@ impl<const AXES: usize, const N: usize> Controller<'_, AXES, N> {
         }
     }
 
-    /// What the motion side has come to.
+    /// Handles the results of the motion side.
     pub(super) fn follow<M: Motion<AXES>, S, W: embedded_io::Write>(
         &mut self,
         around: &mut Around<'_, '_, M, S, W>,
@@ -144,7 +144,7 @@ impl<const AXES: usize, const N: usize> Controller<'_, AXES, N> {
         }
     }
 
-    /// What reports call it now.
+    /// The state that reports show now.
     pub fn state(&self, status: &Status<AXES>) -> State {
         match self.mode {
             Mode::Ready if status.is_busy => State::Run,
@@ -161,17 +161,17 @@ impl<const AXES: usize, const N: usize> Controller<'_, AXES, N> {
         }
     }
 
-    /// Spindle and coolant as of the last poll.
+    /// Spindle and coolant after the last poll.
     pub const fn outputs(&self) -> Outputs {
         self.outputs
     }
 
-    /// Settings in force.
+    /// The active settings.
     pub const fn settings(&self) -> &Settings<AXES> {
         &self.config.settings
     }
 
-    /// Bytes of text that were lost because no room was left.
+    /// Number of text bytes that were lost because there was no room.
     pub fn lost(&self) -> u32 {
         self.inbox.lost()
     }

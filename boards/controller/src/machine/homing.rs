@@ -1,30 +1,30 @@
-//! The homing cycle: where the switches are.
+//! The homing cycle, which finds the positions of the switches.
 //!
-//! The third axis goes first, then the others together. Each axis seeks its switch, brakes, leaves it, and comes back
-//! slowly. The switch is where the input changed, not where the axis came to rest: the timer interrupt latches that
-//! position. So braking inside the limits costs no accuracy.
+//! The third axis goes first, then the others together. Each axis moves to its switch, brakes, pulls off, and
+//! approaches the switch again slowly. The timer interrupt latches the position at which the input changes.
+//! This latched position is the position of the switch, so the braking distance does not reduce the accuracy.
 use super::Machine;
 use crate::motion;
 use glidepath::channel::MoveError;
 use glidepath::quantity::{Feed, Position};
 use glidepath::tick::State;
 
-/// What an axis does now.
+/// The current step of an axis.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum Step {
-    /// Everything before brakes.
+    /// The previous motion brakes.
     Begin,
-    /// Toward the switch, fast or slowly.
+    /// The axis moves toward the switch, fast or slowly.
     Approach(Visit),
-    /// Off the switch, to the way `$27` in front of it.
+    /// The axis pulls off, to the distance `$27` from the switch.
     PullOff(Visit),
-    /// The interrupt takes the new coordinates.
+    /// The interrupt takes over the new coordinates.
     Take,
-    /// The axes stand for `$26` before they pull off, or before they come again.
+    /// The axes stand still for `$26` before they pull off, or before the second approach.
     Settle(Visit, bool),
 }
 
-/// The first visit finds the switch, the second one its place.
+/// The first approach finds the switch, the second approach measures its position.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum Visit {
     First,
@@ -35,26 +35,26 @@ enum Visit {
 #[derive(Clone, Copy, Debug)]
 pub struct Homing<const AXES: usize> {
     step: Step,
-    /// Axes of this pass, bit i for axis i.
+    /// Axes of the current pass, bit i for axis i.
     pass: u32,
     /// Axes of later passes.
     left: u32,
-    /// Axes of this pass that are yet to start the motion of this step.
+    /// Axes of the current pass that have not started the motion of this step.
     starts: u32,
-    /// Where the switches were seen, machine coordinates before homing.
+    /// Latched positions of the switches, in machine coordinates before homing.
     seen: [Option<Position>; AXES],
-    /// Tick from which a rest is over.
+    /// Tick at which the current pause ends.
     until: u32,
 }
 
-/// Alarm: the switch is still on behind the way off it.
+/// Alarm: the switch is still on after the pull-off.
 const STILL_ON: u8 = 8;
 
 /// Alarm: the switch was not found.
 const NOT_FOUND: u8 = 9;
 
 impl<const AXES: usize> Homing<AXES> {
-    /// All axes: the third one, then the others.
+    /// Homes all axes: the third axis, then the others.
     pub fn new() -> Self {
         let all = 1_u32.checked_shl(AXES as u32).map_or(u32::MAX, |bit| bit - 1);
         let first = all & 0b100;
@@ -67,13 +67,13 @@ impl<const AXES: usize> Homing<AXES> {
     }
 }
 
-/// A length of the settings, 0.001 mm.
+/// A length of the settings, in 0.001 mm.
 fn length(milli: u64) -> Position {
     Position::from_bits((((i128::from(milli) << 32) + 500) / 1000) as i64)
 }
 
 impl<const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Machine<'_, AXES, BLOCKS, OVERLAYS> {
-    /// One step further.
+    /// Does the next step of the cycle.
     pub(super) fn follow_homing(&mut self) {
         let Some(mut homing) = self.cycles.homing else { return };
         if let Step::Approach(_) = homing.step {
@@ -96,13 +96,13 @@ impl<const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Machine<'_, 
         self.work();
     }
 
-    /// Whether the timer interrupt takes new coordinates for axes that stand: what changes in the set points of the next
-    /// tick is no motion.
+    /// Whether the timer interrupt takes over new coordinates while the axes stand still. The change of the
+    /// set points in the next tick is then no motion.
     pub fn is_relocating(&self) -> bool {
         self.cycles.homing.is_some_and(|homing| homing.step == Step::Take)
     }
 
-    /// Axes whose switch is on brake.
+    /// Stops the axes whose switch is on.
     fn stop_at_switches(&mut self, homing: &mut Homing<AXES>) {
         for axis in homing.axes() {
             let (Some(edge), Some(seen)) = (self.inputs.limit(axis), homing.seen.get_mut(axis)) else {
@@ -115,7 +115,7 @@ impl<const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Machine<'_, 
         }
     }
 
-    /// At rest: what comes next. `true`: the cycle is done.
+    /// Chooses the next step at standstill. Returns `true` at the end of the cycle.
     fn next_step(&mut self, homing: &mut Homing<AXES>) -> Result<bool, u8> {
         match homing.step {
             Step::Begin if homing.pass == 0 => {
@@ -126,7 +126,7 @@ impl<const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Machine<'_, 
             }
             Step::Begin => self.approach(homing, Visit::First)?,
             Step::Approach(visit) => {
-                // A switch that was on from the start has its place here.
+                // If a switch was on from the start, its position is the current one.
                 self.stop_at_switches(homing);
                 if homing.axes().any(|axis| !matches!(homing.seen.get(axis), Some(Some(_)))) {
                     return Err(NOT_FOUND);
@@ -171,7 +171,7 @@ impl<const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Machine<'_, 
         left == 0 || left > TICKS / 2
     }
 
-    /// +1: the switch lies in the positive direction.
+    /// +1 if the switch lies in the positive direction, else -1.
     fn direction(&self, axis: usize) -> i64 {
         if u32::from(self.settings.homing_mask) >> axis & 1 == 1 { -1 } else { 1 }
     }
@@ -180,7 +180,7 @@ impl<const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Machine<'_, 
         (homing.seen, homing.step, homing.starts) = ([None; AXES], Step::Approach(visit), homing.pass);
         for axis in homing.axes() {
             if self.inputs.limit(axis).is_some_and(|edge| edge.is_on) {
-                // The place of its switch is where the axis stands.
+                // The position of the switch is the current position of the axis.
                 if let (Some(seen), Some(at)) = (homing.seen.get_mut(axis), self.planner.position().get(axis))
                 {
                     *seen = Some(*at);
@@ -191,13 +191,13 @@ impl<const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Machine<'_, 
         self.start(homing)
     }
 
-    /// To the way `$27` in front of the switch.
+    /// Starts the motion to the distance `$27` from the switch.
     fn pull_off(&mut self, homing: &mut Homing<AXES>, visit: Visit) -> Result<(), u8> {
         (homing.step, homing.starts) = (Step::PullOff(visit), homing.pass);
         self.start(homing)
     }
 
-    /// Starts the axes that have not started yet, one in a call of the planner.
+    /// Starts the axes that have not started yet, one axis per call of the planner.
     fn start(&mut self, homing: &mut Homing<AXES>) -> Result<(), u8> {
         let starts = homing.starts;
         for axis in (0..AXES).filter(|axis| starts >> axis & 1 == 1) {
@@ -206,7 +206,7 @@ impl<const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Machine<'_, 
             match self.planner.seek_axis(axis, target, Some(feed)) {
                 Ok(()) => homing.starts &= !(1 << axis),
                 Err(MoveError::NotAtRest) => break,
-                // The machine cannot do that way or that speed.
+                // The machine cannot move this distance or at this speed.
                 Err(_) => return Err(NOT_FOUND),
             }
         }
@@ -214,7 +214,7 @@ impl<const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Machine<'_, 
         Ok(())
     }
 
-    /// Where an axis goes in this step, and how fast, 0.001 mm/min.
+    /// Target of an axis in this step, and its speed in 0.001 mm/min.
     fn goal_of(&self, homing: &Homing<AXES>, axis: usize) -> Option<(Position, u32)> {
         let settings = &self.settings;
         let from = self.planner.position().get(axis).copied()?;
@@ -236,7 +236,7 @@ impl<const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Machine<'_, 
         Position::from_bits(way.to_bits() * self.direction(axis))
     }
 
-    /// The axes stand the way `$27` in front of their switches: that is where the machine coordinates begin.
+    /// The axes stand at the distance `$27` from their switches. Here the machine coordinates begin.
     fn set_places(&mut self, homing: &Homing<AXES>) -> Result<(), u8> {
         for axis in homing.axes() {
             let travel = self.settings.axes.get(axis).map_or(0, |axis| u64::from(axis.travel_milli));
@@ -252,5 +252,5 @@ impl<const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Machine<'_, 
     }
 }
 
-/// Ticks count modulo 2^31.
+/// Compares tick numbers, which wrap at 2^31.
 const TICKS: u32 = (1 << 31) - 1;

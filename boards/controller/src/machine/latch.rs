@@ -1,25 +1,25 @@
-//! Where the axes stood when an input changed.
+//! Latches the positions of the axes at a change of an input.
 //!
-//! The timer interrupt calls [`Latch::look`] once per tick. An interrupt of the input itself may call [`Latch::edge`]
-//! in between, with the position of that moment. The first sample that differs is kept as a candidate. The change
-//! counts after so many equal looks, and has the place of its first sample. Bounce shorter than these looks does not
-//! move that place.
+//! The timer interrupt calls [`Latch::look`] once per tick. An interrupt of the input itself may call
+//! [`Latch::edge`] in between, with the position at this moment. The latch keeps the first sample that
+//! differs. The change counts after a number of equal samples, and has the position of the first one. A
+//! bounce that is shorter does not change this position.
 use crate::state::Signals;
 use glidepath::Position;
 
 /// One input.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Edge<const AXES: usize> {
-    /// The state that counts.
+    /// The debounced state.
     pub is_on: bool,
-    /// Changes that counted; the number may wrap.
+    /// Number of counted changes; the number may wrap.
     pub changes: u8,
-    /// Machine coordinates of all axes at the last change that counted.
+    /// Machine coordinates of all axes at the last counted change.
     pub place: [Position; AXES],
     candidate: Option<[Position; AXES]>,
-    /// Looks with the other state.
+    /// Number of samples with the other state.
     other: u8,
-    /// Looks with the old state since the candidate.
+    /// Number of samples with the old state since the first different sample.
     quiet: u8,
 }
 
@@ -60,12 +60,12 @@ pub struct Latch<const AXES: usize> {
 }
 
 impl<const AXES: usize> Latch<AXES> {
-    /// All inputs are off. A change counts after `looks` equal looks, 1…255.
+    /// All inputs are off. A change counts after `looks` equal samples, 1…255.
     pub const fn new(looks: u8) -> Self {
         Self { limits: [Edge::OFF; AXES], probe: Edge::OFF, looks: if looks == 0 { 1 } else { looks } }
     }
 
-    /// A sample between two ticks: `position` is where the axes are at that moment, machine coordinates.
+    /// Takes a sample between two ticks. `position`: machine coordinates of the axes at this moment.
     pub fn edge(&mut self, signals: Signals, position: &[Position; AXES]) {
         for (edge, axis) in self.limits.iter_mut().zip(0..) {
             edge.edge(signals.has(Signals::limit(axis)), position);
@@ -73,7 +73,7 @@ impl<const AXES: usize> Latch<AXES> {
         self.probe.edge(signals.has(Signals::PROBE), position);
     }
 
-    /// The sample of a tick.
+    /// Takes the sample of a tick.
     pub fn look(&mut self, signals: Signals, position: &[Position; AXES]) {
         let looks = self.looks;
         for (edge, axis) in self.limits.iter_mut().zip(0..) {
@@ -82,17 +82,17 @@ impl<const AXES: usize> Latch<AXES> {
         self.probe.look(signals.has(Signals::PROBE), position, looks);
     }
 
-    /// The limit switch of an axis.
+    /// Latch of an axis's limit switch.
     pub fn limit(&self, axis: usize) -> Option<&Edge<AXES>> {
         self.limits.get(axis)
     }
 
-    /// The probe.
+    /// Latch of the probe.
     pub const fn probe(&self) -> &Edge<AXES> {
         &self.probe
     }
 
-    /// The inputs as they count.
+    /// The debounced inputs.
     pub fn signals(&self) -> Signals {
         let mut signals = if self.probe.is_on { Signals::PROBE } else { Signals::default() };
         for (_, axis) in self.limits.iter().zip(0..).filter(|(edge, _)| edge.is_on) {
@@ -102,7 +102,7 @@ impl<const AXES: usize> Latch<AXES> {
     }
 }
 
-/// The position at `slot` of `slots` between the set points of two ticks.
+/// The position at slot `slot` of `slots`, between the set points of two ticks.
 pub fn between<const AXES: usize>(
     from: &[Position; AXES],
     to: &[Position; AXES],

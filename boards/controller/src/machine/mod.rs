@@ -1,4 +1,4 @@
-//! Glidepath's planner, interpolator and operator as the motion side of the protocol.
+//! The motion side of the protocol, made of Glidepath's planner, interpolator and operator.
 //!
 //! ```text
 //!  lines → scan → spool → planner → queue → interpolator (timer interrupt)
@@ -6,8 +6,8 @@
 //!            └ probing, homing ←───── latch ←────┘
 //! ```
 //!
-//! The decoder of the library reads the lines, in the dialect of Grbl. This module knows of a line only what the
-//! protocol needs: whether it is answered at rest, and whether it probes.
+//! The decoder of the library reads the lines, in the dialect of Grbl. This module only checks whether a line
+//! is answered at standstill, and whether a line probes.
 mod homing;
 mod latch;
 mod offered;
@@ -38,27 +38,27 @@ use probe::ProbeCycle;
 /// Calls of the planner in a row.
 const CALLS: usize = 64;
 
-/// What the words of lines have left, beside what the decoder knows.
+/// State that the words of lines leave, in addition to the state of the decoder.
 #[derive(Clone, Copy)]
 pub struct Kept<const AXES: usize> {
     /// Modal words, F, T, G92, tool length.
     force: InForce<AXES>,
-    /// S.
+    /// Spindle speed S.
     rpm: u32,
-    /// M7.
+    /// Whether M7 is on.
     mist: bool,
-    /// M8.
+    /// Whether M8 is on.
     flood: bool,
-    /// M0, M2, M30 while they are active.
+    /// M0, M2 or M30 while the word is active.
     program: Option<u8>,
-    /// G38 is the motion word in force.
+    /// G38 is the active motion word.
     probing: Option<Probing>,
-    /// Where the last probing motion ended, and whether it was contact.
+    /// End position of the last probing motion, and whether the probe had contact.
     probe: ([Position; AXES], bool),
 }
 
 impl<const AXES: usize> Kept<AXES> {
-    /// At power-up.
+    /// The state at power-up.
     pub const START: Self = Self {
         force: InForce::START,
         rpm: 0,
@@ -70,23 +70,23 @@ impl<const AXES: usize> Kept<AXES> {
     };
 }
 
-/// What a machine hands on to the one that follows it, with other machine data.
+/// State that a machine passes to its successor with other machine data.
 #[derive(Clone, Copy)]
 pub struct Carried<const AXES: usize> {
-    /// What words have left.
+    /// State that words have left.
     pub kept: Kept<AXES>,
-    /// What G10, G28.1 and G30.1 have stored.
+    /// Values that G10, G28.1 and G30.1 have stored.
     pub stored: StoredOffsets<AXES>,
     /// Machine coordinates of the axes.
     pub position: [Position; AXES],
-    /// Settings in force.
+    /// Active settings.
     pub settings: Settings<AXES>,
-    /// Spindle and coolant as they are.
+    /// Current state of spindle and coolant.
     switched: Switched,
 }
 
 impl<const AXES: usize> Carried<AXES> {
-    /// A machine that stands at `position` at power-up. `stored` comes from the parameter store.
+    /// A machine at `position` at power-up. `stored` comes from the parameter store.
     pub const fn new(
         position: [Position; AXES],
         settings: Settings<AXES>,
@@ -96,14 +96,14 @@ impl<const AXES: usize> Carried<AXES> {
     }
 }
 
-/// What the functions of the program have switched, at their points of the path.
+/// Outputs that functions of the program have switched, at their points of the path.
 #[derive(Clone, Copy)]
 struct Switched {
     spindle: Spindle,
     rpm: u32,
     mist: bool,
     flood: bool,
-    /// M0, M1, M6 or M60 that waits for a start.
+    /// M0, M1, M6 or M60 that waits for a cycle start.
     paused: Option<u16>,
     program_ends: u8,
 }
@@ -113,32 +113,32 @@ impl Switched {
         Self { spindle: Spindle::Off, rpm: 0, mist: false, flood: false, paused: None, program_ends: 0 };
 }
 
-/// Cycles that need inputs, and what they have to tell.
+/// Cycles that need inputs, and their results.
 #[derive(Clone, Copy)]
 struct Cycles<const AXES: usize> {
     homing: Option<Homing<AXES>>,
-    /// How the last homing cycle ended.
+    /// Result of the last homing cycle.
     homed: crate::motion::Homing,
     probe: Option<ProbeCycle<AXES>>,
     alarm: Option<u8>,
-    /// A probing motion has ended, and the sender is not told yet.
+    /// A probing motion has ended, and the result is not reported yet.
     probe_ended: bool,
     is_jogging: bool,
 }
 
-/// Memory of a [`Machine`] beside the channel.
+/// Memory of a [`Machine`] in addition to the channel.
 pub struct MachineMemory<const AXES: usize> {
     spool: Spool,
     checker: DecoderMemory<AXES>,
 }
 
 impl<const AXES: usize> MachineMemory<AXES> {
-    /// Nothing is in it.
+    /// Empty memory.
     pub const fn new() -> Self {
         Self { spool: Spool::new(), checker: DecoderMemory::new() }
     }
 
-    /// The text that the channel is split with, and the rest for [`Machine::new`].
+    /// The text for `Channel::split`, and the other parts for [`Machine::new`].
     pub fn split(&mut self) -> (&Spool, &mut DecoderMemory<AXES>) {
         self.spool = Spool::new();
         (&self.spool, &mut self.checker)
@@ -151,7 +151,7 @@ impl<const AXES: usize> Default for MachineMemory<AXES> {
     }
 }
 
-/// The machine data of a build as a controller needs them: programs are Grbl's.
+/// Machine data for a controller, whose programs have the dialect of Grbl.
 #[must_use]
 pub fn controller_data<const AXES: usize>(base: &MachineData<AXES>) -> MachineData<AXES> {
     let mut data = *base;
@@ -159,7 +159,7 @@ pub fn controller_data<const AXES: usize>(base: &MachineData<AXES>) -> MachineDa
     data
 }
 
-/// Planner and operator as one thing that executes lines.
+/// Planner and operator as one object that executes lines.
 pub struct Machine<'a, const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> {
     planner: Planner<'a, &'a Spool, AXES, BLOCKS, Unfiltered, OVERLAYS>,
     operator: Operator<'a, AXES>,
@@ -167,10 +167,10 @@ pub struct Machine<'a, const AXES: usize, const BLOCKS: usize, const OVERLAYS: u
     checker: &'a mut DecoderMemory<AXES>,
     data: &'a MachineData<AXES>,
     settings: Settings<AXES>,
-    /// Other settings are to be in force: the machine is made anew.
+    /// Other settings must become active: the board makes a new machine.
     next: Option<Settings<AXES>>,
     kept: Kept<AXES>,
-    /// In force in check mode.
+    /// The active modal state in check mode.
     checked: Option<InForce<AXES>>,
     line: Offered,
     switched: Switched,
@@ -180,12 +180,13 @@ pub struct Machine<'a, const AXES: usize, const BLOCKS: usize, const OVERLAYS: u
     fits: Fits<AXES>,
 }
 
-/// Whether a board can do what settings ask for, and in words why not. The machine data are those of the settings.
+/// Checks whether a board supports settings, and returns the reason if not. The machine data belong to the
+/// settings.
 pub type Fits<const AXES: usize> = fn(&Settings<AXES>, &MachineData<AXES>) -> Result<(), Message>;
 
 impl<'a, const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Machine<'a, AXES, BLOCKS, OVERLAYS> {
-    /// Of the handles of a channel that was split for `data` with the spool of the same memory, at
-    /// `carried.position`. The interpolator comes back, for the timer interrupt.
+    /// Makes a machine from the handles of a channel, which was split for `data` with the spool of the same
+    /// memory, at `carried.position`. Returns the machine, and the interpolator for the timer interrupt.
     pub fn new(
         handles: Handles<'a, &'a Spool, AXES, BLOCKS, Unfiltered, Unfiltered, OVERLAYS>,
         (spool, checker): (&'a Spool, &'a mut DecoderMemory<AXES>),
@@ -218,14 +219,14 @@ impl<'a, const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Machine<
             overrides: Overrides::FULL,
             fits: |_, _| Ok(()),
         };
-        // Offsets out of range are left out: the store had others.
+        // Offsets out of range are left out, because the store had other data.
         let _ = machine.planner.put_stored(stored);
         machine.restore();
         (machine, interpolator)
     }
 
-    /// What the machine that follows has to know, if settings ask for one. Call it at rest, make the channel anew with
-    /// [`Settings::onto`], and make another machine.
+    /// Returns the state for the next machine, if settings need a new machine. Call `successor` at
+    /// standstill. Then make a new channel with [`Settings::onto`], and a new machine.
     pub fn successor(&mut self) -> Option<Carried<AXES>> {
         if self.is_under_way() {
             return None;
@@ -240,17 +241,18 @@ impl<'a, const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Machine<
         })
     }
 
-    /// What a board can do beside the planner: settings that it cannot have are refused with `error:12` and these words.
+    /// Sets a check of settings by the board. Settings that the board refuses give `error:12` and the words
+    /// of the check.
     pub fn set_fits(&mut self, fits: Fits<AXES>) {
         self.fits = fits;
     }
 
-    /// A fault of the drives: `ALARM:17`, and everything brakes.
+    /// Reports a fault of the drives: `ALARM:17`, and the axes brake.
     pub fn fault(&mut self) {
         self.cycles.alarm = Some(17);
     }
 
-    /// What G10, G28.1 and G30.1 have stored, for the parameter store.
+    /// Returns the values that G10, G28.1 and G30.1 have stored, for the parameter store.
     pub fn stored(&self) -> StoredOffsets<AXES> {
         self.planner.stored()
     }
@@ -259,8 +261,8 @@ impl<'a, const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Machine<
         self.data.axes.each_ref().map(|axis| axis.name)
     }
 
-    /// Lets the planner work, and looks at functions that are due and at inputs. Call it as often as the planner is to
-    /// be called. `inputs` is what the timer interrupt has latched.
+    /// Calls the planner, and handles due functions and inputs. Call `service` as often as the planner must
+    /// be called. `inputs` has the latched positions of the timer interrupt.
     pub fn service(&mut self, inputs: &Latch<AXES>) {
         self.inputs = *inputs;
         self.switch();
@@ -270,7 +272,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Machine<
         self.follow_probe();
     }
 
-    /// Functions whose point of the path is reached.
+    /// Handles functions whose point of the path is reached.
     fn switch(&mut self) {
         while let Some(output) = self.operator.output() {
             self.line.pauses &= !matches!(output.function, Function::M(0 | 1 | 6 | 60));
@@ -290,13 +292,13 @@ impl<'a, const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Machine<
                 _ => {}
             }
             if output.waits {
-                // Nothing is behind it that could fail.
+                // No later text can fail.
                 let _ = self.operator.acknowledge(output.function);
             }
         }
     }
 
-    /// Rapid motion has an override of its own; jogs, probing and homing have none.
+    /// Chooses the override: rapid motion has a separate one; jogs, probing and homing have none.
     fn choose_override(&mut self) {
         let is_rapid = self.operator.status().n & 1 == 1;
         self.set_override(is_rapid);
@@ -309,16 +311,17 @@ impl<'a, const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Machine<
             true => self.overrides.rapid,
             false => self.overrides.feed,
         };
-        // In 0.1 %.
+        // Overrides in 0.1 %.
         self.operator.set_override(u16::from(percent) * 10);
     }
 
-    /// Whether something moves, or will by lines that are taken; or the next line is not read yet.
+    /// Whether an axis moves, or will move by accepted lines, or the next line is not read yet.
     fn is_under_way(&self) -> bool {
         self.moves() || self.line.end.is_some()
     }
 
-    /// Whether something moves, or will by lines that are taken. A pause at the end of all motion is one of them.
+    /// Whether an axis moves, or will move by accepted lines. A pause at the end of all motion counts as such
+    /// a line.
     fn moves(&self) -> bool {
         let is_moving = self.operator.status().state != State::Idle || !self.planner.is_at_rest();
         is_moving || self.line.offered || self.line.pauses || self.switched.paused.is_some()
@@ -341,10 +344,10 @@ impl<'a, const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Machine<
         }
     }
 
-    /// Behind the end of a text, at rest.
+    /// Continues after the end of a text, at standstill.
     fn go_on(&mut self) {
         if self.cycles.homing.is_some() {
-            // Axes move alone.
+            // A single axis moves independently of the path.
             return;
         }
         if self.line.end.is_none() {
@@ -366,9 +369,9 @@ impl<'a, const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Machine<
         }
     }
 
-    /// What is kept is in force again.
+    /// Makes the kept state active again.
     fn restore(&mut self) {
-        // Behind a text that ended no line is at hand.
+        // After a text that ended there is no current line.
         let _ = self.planner.put_in_force(&self.kept.force);
     }
 }

@@ -1,31 +1,32 @@
-//! The line that is with the decoder.
+//! The line that the decoder is working on.
 use super::{Machine, refusal::refusal};
 use crate::motion::Taken;
 use glidepath::channel::Error;
 use glidepath::tick::State;
 
-/// Why the text at hand has come to an end.
+/// Why the current text has ended.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum End {
     /// M2, M30, `%`.
     Program,
     /// A line was refused.
     Refused,
-    /// Aborted.
+    /// The operator or a probe aborted the text.
     Aborted,
 }
 
-/// How far the line at hand is.
+/// State of the current line.
 pub struct Offered {
-    /// It is with the decoder.
+    /// The decoder is working on the line.
     pub offered: bool,
-    /// It is taken, and answered at rest: `G4`, the end of a program.
+    /// The line is decoded, and the answer comes at standstill: `G4`, the end of a program.
     pub waits: bool,
-    /// It is taken, and its pause is not put out yet.
+    /// The line is decoded, and its pause is not output yet.
     pub pauses: bool,
-    /// The decoder has come to an end, or will: no line is taken until it goes on at rest.
+    /// The text has ended or will end: the controller takes no line until the planner continues at
+    /// standstill.
     pub end: Option<End>,
-    /// What the planner said of the line.
+    /// The planner's result for the line.
     pub error: Option<Error>,
 }
 
@@ -35,7 +36,8 @@ impl Offered {
 }
 
 impl<const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Machine<'_, AXES, BLOCKS, OVERLAYS> {
-    /// Hands a line to the decoder, once. `beyond` is the number for a motion that leaves the software limits.
+    /// Passes a line to the decoder, once. `beyond` is the error number for a motion beyond the software
+    /// limits.
     pub(super) fn offer(&mut self, text: &[u8], beyond: u8) -> Taken {
         if !self.line.offered {
             if self.line.end.is_some() || !self.spool.is_read() || self.planner.in_force().is_none() {
@@ -48,7 +50,7 @@ impl<const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Machine<'_, 
         self.work();
         let stands = self.operator.status().state == State::Idle;
         if self.line.error.is_some() && self.line.end.is_some() && stands {
-            // Answered when the next line can be read, so that a sender finds the machine idle.
+            // The answer waits until the next line can be read, so that a sender finds the machine idle.
             return Taken::NotYet;
         }
         if let Some(error) = self.line.error.take() {

@@ -1,33 +1,33 @@
 //! G38.2…G38.5: a line on the path that ends at a change of the probe.
 //!
-//! The line is an ordinary motion. The change of the input aborts it: the axes brake on the path. The position of the
-//! change is the latched one, not that of the standstill.
+//! The line is a normal motion. The change of the input aborts the motion, and the axes brake on the path.
+//! The reported position is the latched position, not the position at standstill.
 use super::{Machine, Probing, Scan, offered::End};
 use crate::motion::Taken;
 use glidepath::quantity::Position;
 
-/// How far a probing motion is.
+/// State of a probing motion.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum ProbeCycle<const AXES: usize> {
-    /// It moves until the probe changes.
+    /// The axes move until the probe changes.
     Moving(Probing),
-    /// The probe has changed there; the axes brake.
+    /// The probe has changed at this position; the axes brake.
     Braking([Position; AXES]),
-    /// It has ended; the line is answered next.
+    /// The motion has ended; the line is answered next.
     Ended,
-    /// The probe was in the end state before: an alarm answers the line.
+    /// The probe was in its final state before the motion: an alarm answers the line.
     Failed,
 }
 
 impl<const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Machine<'_, AXES, BLOCKS, OVERLAYS> {
-    /// Whether a line probes: by a word of its own, or by the one in force.
+    /// Whether a line probes: by a word of the line, or by the active motion word.
     pub(super) fn probing_of(&self, scan: &Scan) -> Option<Probing> {
         let modal = self.kept.probing.filter(|_| scan.moves_by_modal_word());
         scan.probing.or(modal)
     }
 
-    /// Before a probing line goes to the decoder: everything before it is executed, and the probe is not in its end
-    /// state. Whether it may go.
+    /// Waits before a probing line until all earlier lines are executed, and checks that the probe is not in
+    /// its final state. Returns whether the line may start.
     pub(super) fn may_probe(&mut self, probing: Probing) -> bool {
         if self.is_under_way() {
             self.work();

@@ -1,4 +1,4 @@
-//! Grbl's numbers for what the decoder and the planner refuse, with their words as a message.
+//! Grbl's error numbers for refusals of decoder and planner, with their words as a message.
 use super::scan::NUMBER_BYTES;
 use crate::motion::{Message, Refusal};
 use core::fmt::Write;
@@ -7,7 +7,7 @@ use glidepath::nc::{NcError, NcErrorKind};
 use glidepath::path::PathError;
 use glidepath::plan::MotionError;
 
-/// Grbl's number.
+/// The error number of Grbl.
 fn code(error: &Error, beyond: u8) -> u8 {
     match error {
         Error::Nc(error) => code_of(error),
@@ -24,7 +24,7 @@ fn of_path(error: &PathError) -> u8 {
     if error.concerns_centre() { 34 } else { 33 }
 }
 
-/// Grbl's number for a kind of refusal.
+/// Grbl's error number for a kind of refusal.
 fn code_of(error: &NcError) -> u8 {
     use NcErrorKind as K;
     let letter = error.found.as_str().as_bytes().first().copied().unwrap_or(0);
@@ -57,7 +57,7 @@ fn code_of(error: &NcError) -> u8 {
     }
 }
 
-/// Number and words of a refusal. `beyond` is the number where an axis would leave the software limits.
+/// Number and words of a refusal. `beyond` is the number for a motion beyond the software limits.
 pub fn refusal(error: &Error, beyond: u8) -> Refusal {
     let mut message = Message::new();
     // A text that is too long is cut.
@@ -69,7 +69,7 @@ pub fn refusal(error: &Error, beyond: u8) -> Refusal {
     Refusal { code: code(error, beyond), message }
 }
 
-/// Senders take ASCII; brackets would end the message.
+/// Replaces characters that senders cannot read: they take ASCII, and brackets would end the message.
 pub struct Ascii<'a>(pub &'a mut Message);
 
 impl Write for Ascii<'_> {

@@ -1,26 +1,26 @@
-//! What the controller itself has to know of a line before the decoder reads it.
+//! Reads the facts of a line that the controller needs before the decoder reads the line.
 use crate::number::decimal;
 use glidepath::machine::AxisName;
 use heapless::Vec;
 
-/// Bytes of a line with the number that the controller gives it.
+/// Bytes of a line, including the number that the controller adds.
 pub const TEXT_BYTES: usize = 280;
 
 /// A line for the decoder.
 pub type LineForDecoder = Vec<u8, TEXT_BYTES>;
 
-/// Bytes of the number.
+/// Bytes of the added number.
 pub const NUMBER_BYTES: u32 = 10;
 
-/// Largest line number of a sender.
+/// Highest line number of a sender.
 const LAST_LINE: i64 = 9_999_999;
 
 /// A probing word.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Probing {
-    /// G38.2 and G38.3: until contact. Else until the contact is lost.
+    /// G38.2 and G38.3: the motion ends at contact. Otherwise the motion ends at loss of contact.
     pub toward: bool,
-    /// G38.2 and G38.4: no change is an alarm.
+    /// G38.2 and G38.4: if the probe does not change, an alarm follows.
     pub alarms: bool,
 }
 
@@ -36,22 +36,22 @@ impl Probing {
     }
 }
 
-/// What a line holds.
+/// Facts of a line.
 #[derive(Clone, Copy, Default, PartialEq, Eq, Debug)]
 pub struct Scan {
-    /// The line number of the sender; 0: none.
+    /// Line number of the sender; 0: none.
     pub line: u32,
-    /// The number is not one from 0 to 9,999,999.
+    /// The line number is not between 0 and 9,999,999.
     pub bad_number: bool,
     /// G38.2…G38.5.
     pub probing: Option<Probing>,
-    /// A motion word other than G38: whether it is G0.
+    /// A motion word other than G38: whether this word is G0.
     pub motion: Option<bool>,
     /// G28 or G30.
     pub is_home: bool,
-    /// A word that uses axis words otherwise: G10, G28, G30, G92, G43.1.
+    /// A word that uses axis words for another purpose than motion: G10, G28, G30, G92, G43.1.
     pub stores: bool,
-    /// Axis words.
+    /// Whether the line has axis words.
     pub has_axes: bool,
     /// G2 or G3.
     pub is_arc: bool,
@@ -59,25 +59,26 @@ pub struct Scan {
     pub plane: Option<u8>,
     /// G43.1.
     sets_tool_length: bool,
-    /// Axis words, bit i for axis i.
+    /// The axis words, bit i for axis i.
     axes: u32,
-    /// Answered at rest: G4, M0, M1, M2, M6, M30, M60.
+    /// The line is answered at standstill: G4, M0, M1, M2, M6, M30, M60.
     pub synchronises: bool,
-    /// M0, M1, M6, M60: waits for a start.
+    /// M0, M1, M6, M60: the program waits for a cycle start.
     pub pauses: bool,
     /// M2, M30 or M0, M1, M60.
     pub program: Option<u8>,
     /// S, rpm.
     pub rpm: Option<u32>,
-    /// M7, M8, M9: mist and flood as they are behind the line.
+    /// M7, M8, M9: state of mist and flood after the line.
     pub coolant: Option<(bool, bool)>,
-    /// Words that are not handed to the decoder: the line number, and the probing word.
+    /// Words that the decoder does not get: line number and probing word.
     number_at: Option<(usize, usize)>,
     probing_at: Option<(usize, usize)>,
 }
 
 impl Scan {
-    /// Reads a line without blanks and comments, in upper case. What is no word ends it: the decoder refuses that.
+    /// Reads a line without blanks and comments, in upper case. Reading ends at text that is no word; the
+    /// decoder refuses such text.
     pub fn of<const AXES: usize>(text: &[u8], names: &[AxisName; AXES], (mist, flood): (bool, bool)) -> Self {
         let mut scan = Self::default();
         let mut rest = text;
@@ -106,8 +107,8 @@ impl Scan {
         scan
     }
 
-    /// Whether an arc has no end in its plane: the motion word in force is G2 or G3, or not, and so is the plane.
-    /// Grbl takes no full circle without an end point.
+    /// Whether an arc has no end point in its plane. The arguments are the active motion word and plane. Grbl
+    /// accepts no full circle without an end point.
     pub fn lacks_end(&self, (is_arc, plane): (bool, u8)) -> bool {
         let in_plane = match self.plane.unwrap_or(plane) {
             18 => 0b101,
@@ -118,12 +119,13 @@ impl Scan {
         is_arc && self.axes & in_plane == 0
     }
 
-    /// Whether its axis words are moved by the motion word in force.
+    /// Whether the active motion word uses the axis words of the line.
     pub const fn moves_by_modal_word(&self) -> bool {
         self.has_axes && self.motion.is_none() && !self.stores
     }
 
-    /// Whether it has G43.1 with other axis words than that of the third axis: Grbl knows one tool length.
+    /// Whether the line has G43.1 with other axis words than that of the third axis. Grbl has only one tool
+    /// length.
     pub const fn has_foreign_tool_length(&self) -> bool {
         self.sets_tool_length && self.axes != 0b100
     }
@@ -162,13 +164,13 @@ impl Scan {
         }
     }
 
-    /// The line for the decoder. It begins with a number that says which line of the sender it is, and whether it is
-    /// rapid motion; the status of each tick brings that number back.
-    /// `NUMBER_BYTES` stand before it, where it begins with a word.
+    /// Writes the line for the decoder. The line begins with a number, which identifies the sender's line and
+    /// says whether it is a rapid motion. The status of each tick contains this number. `NUMBER_BYTES`
+    /// precede the line if it begins with a word.
     pub fn numbered(&self, text: &[u8], is_rapid: bool) -> Option<LineForDecoder> {
         let mut line = LineForDecoder::new();
         if !text.first().is_some_and(u8::is_ascii_uppercase) {
-            // No word: its digits would belong to the number.
+            // Text that is no word stays without a number, because its digits would extend the number.
             line.extend_from_slice(text).ok()?;
             return Some(line);
         }
@@ -180,7 +182,7 @@ impl Scan {
             line.push(b'0' + digit as u8).ok()?;
             unit /= 10;
         }
-        // Blanks do not count: words that are left out keep their columns.
+        // Blanks replace words that are left out, so columns of the other words stay the same.
         let is_in = |span: Option<(usize, usize)>, at| span.is_some_and(|(from, to)| from <= at && at < to);
         for (byte, at) in text.iter().zip(0..) {
             let place = self.probing_at.and_then(|(from, _)| usize::checked_sub(at, from));

@@ -1,4 +1,4 @@
-//! The machine as the protocol sees it.
+//! The machine as motion side of the protocol: the implementation of [`Motion`].
 use super::offered::{End, Offered};
 use super::refusal::refusal;
 use super::{Kept, Machine, ProbeCycle, Scan};
@@ -12,10 +12,10 @@ use glidepath::nc::{Decoder, InForce, Step, StoredOffsets};
 use glidepath::quantity::{Feed, Position};
 use glidepath::tick::State;
 
-/// Blocks that reports tell while a line finds room.
+/// Number of free blocks in reports while the planner has room for a line.
 const FREE_BLOCKS: u8 = 15;
 
-/// Numbers of the refusals.
+/// Error numbers of the refusals.
 const TOO_LONG: u8 = 11;
 const STEP_RATE: u8 = 12;
 const BEYOND_JOG: u8 = 15;
@@ -31,12 +31,12 @@ impl<const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Machine<'_, 
         Scan::of(line, &self.names(), (self.kept.mist, self.kept.flood))
     }
 
-    /// Whether a line moves rapidly.
+    /// Whether a line is a rapid motion.
     fn is_rapid(&self, scan: &Scan, force: &InForce<AXES>) -> bool {
         scan.is_home || scan.motion.unwrap_or(force.motion() == 0 && scan.probing.is_none())
     }
 
-    /// What Grbl refuses and the decoder takes, or has another number for.
+    /// Refuses lines that Grbl refuses and the decoder accepts, or to which the decoder gives another number.
     fn refuse(scan: &Scan, force: &InForce<AXES>) -> Result<(), Refusal> {
         let is_arc = matches!(force.motion(), 20 | 30);
         Err(Refusal::new(match scan.lacks_end((is_arc, force.plane())) {
@@ -49,7 +49,7 @@ impl<const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Machine<'_, 
         }))
     }
 
-    /// What a line that was taken leaves.
+    /// Records the state that an accepted line leaves.
     fn note(&mut self, scan: &Scan) {
         let program_has_ended = self.line.end == Some(End::Program);
         if let (false, Some(force)) = (program_has_ended, self.planner.in_force()) {
@@ -69,7 +69,7 @@ impl<const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Machine<'_, 
         self.checked = None;
     }
 
-    /// Where a jog of this axis leads, machine coordinates.
+    /// Target of an axis in a jog, in machine coordinates.
     fn goal(&self, jog: &Jog<AXES>, axis: usize, way: Position) -> Position {
         let of = |all: &[Position; AXES]| all.get(axis).copied().unwrap_or_default();
         let from = match (jog.incremental, jog.machine) {
@@ -80,7 +80,7 @@ impl<const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Machine<'_, 
         way.saturating_add(from)
     }
 
-    /// A jog as a line of the decoder.
+    /// A jog as a line for the decoder.
     fn jog_text(&self, jog: &Jog<AXES>) -> Option<heapless::String<{ super::scan::TEXT_BYTES }>> {
         let mut text = heapless::String::new();
         write!(text, "G53G90G21G94G1F{}", jog.feed).ok()?;
@@ -130,7 +130,7 @@ impl<const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Motion<AXES>
             self.cycles.probe = Some(ProbeCycle::Moving(probing));
             return Taken::NotYet;
         }
-        // M1 is nothing where its switch is off.
+        // M1 has no effect if its switch is off.
         let is_off = scan.program == Some(1) && !self.data.channel.foreign.optional_stop;
         (self.line.waits, self.line.pauses) = (scan.synchronises, scan.pauses && !is_off);
         self.answer_at_rest()
@@ -144,7 +144,7 @@ impl<const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Motion<AXES>
         let mut setup = *self.planner.setup();
         setup.start = *self.planner.position();
         let mut decoder = Decoder::new(self.checker, setup, text.as_slice());
-        // Nothing is read yet.
+        // The decoder has not read a line yet.
         let _ = decoder.put_in_force(&force);
         loop {
             match decoder.step() {
@@ -159,7 +159,7 @@ impl<const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Motion<AXES>
 
     fn jog(&mut self, jog: &Jog<AXES>) -> Taken {
         if self.line.offered {
-            // The same jog again.
+            // The controller gives the same jog again.
             let taken = self.offer(b"", BEYOND_JOG);
             self.restore_behind(&taken);
             return taken;
@@ -179,7 +179,7 @@ impl<const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Motion<AXES>
     fn resume(&mut self) {
         self.operator.resume();
         if let Some(code) = self.switched.paused.take() {
-            // It waits for this one.
+            // The next line waits for the current one.
             let _ = self.operator.acknowledge(glidepath::technology::Function::M(code));
         }
     }
@@ -215,7 +215,7 @@ impl<const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Motion<AXES>
     }
 
     fn home(&mut self) {
-        // Before the text ends: axes move alone behind it.
+        // This comes before the end of the text, because single axes move after the end.
         self.cycles.homing = Some(super::Homing::new());
         self.cycles.homed = Homing::Running;
         self.drop_all();
@@ -233,7 +233,7 @@ impl<const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Motion<AXES>
         let data = settings.onto(self.data, &self.settings);
         if let Err(error) = Channel::<AXES, BLOCKS, OVERLAYS>::check(&data) {
             let mut message = Message::new();
-            // A text that is too long is cut.
+            // The message is cut if the text is too long.
             let _ = write!(super::refusal::Ascii(&mut message), "{error}");
             return Err(Refusal { code: OUT_OF_RANGE, message });
         }
@@ -310,7 +310,7 @@ impl<const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Motion<AXES>
 }
 
 impl<const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Machine<'_, AXES, BLOCKS, OVERLAYS> {
-    /// Brakes, and forgets what is not executed.
+    /// Stops the axes, and drops all text that is not executed.
     fn drop_all(&mut self) {
         self.operator.resume();
         self.operator.abort();
@@ -321,7 +321,7 @@ impl<const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Machine<'_, 
         self.work();
     }
 
-    /// A jog leaves modal words as they are.
+    /// A jog does not change modal words.
     fn restore_behind(&mut self, taken: &Taken) {
         if *taken == Taken::Yes {
             self.restore();

@@ -1,21 +1,21 @@
-//! Lines on their way to the decoder: a ring that holds the line at hand, in one task with the planner.
+//! Lines on their way to the decoder: a ring with the current line, in the task of the planner.
 use core::cell::Cell;
 use glidepath::nc::{Text, TextError};
 
 /// Bytes of the ring: twice the longest line with its number.
 const BYTES: u32 = 1024;
 
-/// Text that grows by whole lines. The next line is put in when the decoder has read the one before.
+/// Text that grows by whole lines. The next line enters the ring when the decoder has read the line before.
 pub struct Spool {
     bytes: [Cell<u8>; BYTES as usize],
-    /// Bytes put in so far.
+    /// Number of bytes put in so far.
     put: Cell<u32>,
-    /// The decoder has come so far.
+    /// Number of bytes that the decoder has read.
     passed: Cell<u32>,
 }
 
 impl Spool {
-    /// Nothing is in it.
+    /// An empty ring.
     pub const fn new() -> Self {
         Self { bytes: [const { Cell::new(0) }; BYTES as usize], put: Cell::new(0), passed: Cell::new(0) }
     }
@@ -31,12 +31,12 @@ impl Spool {
         }
     }
 
-    /// Forgets what the decoder has not come to.
+    /// Drops the text that the decoder has not read.
     pub fn clear(&self) {
         self.passed.set(self.put.get());
     }
 
-    /// Whether the decoder has read all lines and asks for the next one.
+    /// Whether the decoder has read all lines and waits for the next line.
     pub fn is_read(&self) -> bool {
         self.passed.get() == self.put.get()
     }

@@ -1,4 +1,4 @@
-//! Flash memory in a file, for a controller on the desktop.
+//! Flash memory in a file, for a controller on the PC.
 extern crate std;
 
 use embedded_storage::nor_flash::{ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash};
@@ -7,7 +7,7 @@ use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::path::Path;
 use std::vec::Vec;
 
-/// Bytes of an erase block, and of the file.
+/// Bytes of an erase block, and of the whole file.
 const BLOCK: usize = 4096;
 const BYTES: usize = 2 * BLOCK;
 

@@ -1,15 +1,19 @@
 //! Records in flash memory that survive a power cut at any word.
 //!
-//! The memory has two halves. One of them is active: its first slot holds a valid head with the higher generation.
+//! The memory has two halves. The active half is the one whose first slot has a valid head with the higher
+//! generation.
 //!
 //! ```text
 //!  half:  [ head | record | record | record | blank | blank ]    slots of equal size
 //! ```
 //!
-//! A record goes into the first slot behind the last one that is not blank. It counts when its check sum is right; the
-//! last valid record of a kind is the one in force. A record that a power cut has torn is not valid, so the one before it
-//! stays in force. Where no slot is left, the other half is erased and gets one record of each kind. Its head is written
-//! last: until then the old half is active. The check sum covers the generation, so what an erase has left is not valid.
+//! A new record goes into the first slot after the last slot that is not blank. A record is valid if its
+//! checksum is right. The last valid record of a kind counts. A record that a power cut has interrupted is
+//! not valid, so the record before it still counts.
+//!
+//! If no slot is left, the other half is erased and gets one record of each kind. Its head is written last,
+//! so the old half stays active until then. The checksum covers the generation, so remains of an interrupted
+//! erase are not valid.
 use embedded_storage::nor_flash::NorFlash;
 
 /// Bytes of the head of a record.
@@ -21,26 +25,26 @@ const MAGIC: [u8; 2] = *b"GP";
 /// The kind of the first slot of a half.
 const HALF: u8 = 0;
 
-/// Kinds of records besides: 1…3.
+/// Kinds of the other records: 1…3.
 pub const KINDS: usize = 3;
 
 /// Bytes of the longest record with its head.
 pub const LONGEST: usize = 1024;
 
-/// Words of flash memory are at most so long, in bytes.
+/// Highest length of a flash word, in bytes.
 const LONGEST_WORD: usize = 32;
 
-/// Times that a record is written to another slot where the memory does not keep it.
+/// Number of attempts in other slots if the memory does not keep a record.
 const ATTEMPTS: u8 = 3;
 
 /// Why a memory cannot hold the store.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Unfit {
-    /// Its words are longer than 32 bytes, or no power of two.
+    /// The words of the memory are longer than 32 bytes, or their length is no power of two.
     Word,
-    /// It has not two halves of whole erase blocks, with room for eight records each.
+    /// The memory does not have two halves of whole erase blocks, with room for eight records each.
     Size,
-    /// It cannot be read.
+    /// The memory cannot be read.
     Unreadable,
 }
 
@@ -54,14 +58,14 @@ pub struct Found {
     pub length: usize,
 }
 
-/// The half that counts.
+/// The active half.
 #[derive(Clone, Copy)]
 struct Active {
     half: u32,
     generation: u32,
-    /// First slot that is blank, as are those behind it.
+    /// First slot of the blank slots at the end.
     next: u32,
-    /// Slots of the records in force, by kind - 1.
+    /// Slots of the valid records, by kind - 1.
     slots: [Option<u32>; KINDS],
 }
 
@@ -94,7 +98,7 @@ impl<F: NorFlash> Log<F> {
         Ok(log)
     }
 
-    /// The memory.
+    /// Returns the memory.
     pub fn into_flash(self) -> F {
         self.flash
     }
@@ -145,7 +149,7 @@ impl<F: NorFlash> Log<F> {
         Some((found.version, bytes.get(HEAD..HEAD + found.length)?))
     }
 
-    /// Writes a record. Until it is whole, the one before it counts.
+    /// Writes a record. Until the new record is complete, the old one counts.
     pub fn put(&mut self, kind: u8, version: u8, content: &[u8]) -> Result<(), Failed> {
         for _ in 0..ATTEMPTS {
             let written = match self.active {
@@ -161,7 +165,7 @@ impl<F: NorFlash> Log<F> {
 
     fn append(&mut self, active: Active, kind: u8, version: u8, content: &[u8]) -> Result<(), Failed> {
         let Active { half, generation, next, mut slots } = active;
-        // Whatever happens, this slot is not blank any more.
+        // From here on this slot is not blank, even if the write fails.
         self.active = Some(Active { next: next + 1, ..active });
         self.write(half, next, Label { kind, version, generation }, content)?;
         *slots.get_mut(usize::from(kind).wrapping_sub(1)).ok_or(Failed)? = Some(next);
@@ -192,13 +196,14 @@ impl<F: NorFlash> Log<F> {
         Ok(())
     }
 
-    /// Copies the record of a kind to the new half; whether there is one.
+    /// Copies the record of a kind to the new half. Returns whether such a record exists.
     fn copy(&mut self, old: Option<Active>, kind: u8, to: (u32, u32, u32)) -> Result<bool, Failed> {
         let slot = old.and_then(|old| Some((old, (*old.slots.get(usize::from(kind).wrapping_sub(1))?)?)));
         let Some((old, slot)) = slot else { return Ok(false) };
         let (half, next, generation) = to;
         let bytes = self.read(old.half, slot).map_err(|_| Failed)?;
-        // It was valid when the memory was opened: one that is not any more would be lost.
+        // The record was valid when the memory was opened. If it is no longer valid, the call fails, so that
+        // the record is not lost.
         let (_, found) = valid(bytes, old.generation).ok_or(Failed)?;
         label(bytes, Label { kind, version: found.version, generation }, found.length).ok_or(Failed)?;
         self.write_buffer(half, next, found.length)?;
@@ -213,7 +218,7 @@ impl<F: NorFlash> Log<F> {
         self.write_buffer(half, slot, content.len())
     }
 
-    /// Writes the record in the buffer, and looks whether the memory has it.
+    /// Writes the record in the buffer, and compares the memory with it.
     fn write_buffer(&mut self, half: u32, slot: u32, length: usize) -> Result<(), Failed> {
         let place = self.place(half, slot);
         let whole = (HEAD + length).next_multiple_of(F::WRITE_SIZE.max(1));
@@ -227,7 +232,7 @@ impl<F: NorFlash> Log<F> {
     }
 }
 
-/// What the head of a record says.
+/// Fields in the head of a record.
 #[derive(Clone, Copy)]
 struct Label {
     kind: u8,
@@ -250,7 +255,7 @@ fn label(bytes: &mut [u8], label: Label, length: usize) -> Option<()> {
     Some(())
 }
 
-/// The kind of a record whose check sum is right, and what is in it.
+/// Kind and content of a record, if its checksum is right.
 fn valid(bytes: &[u8], generation: u32) -> Option<(u8, Found)> {
     let (head, rest) = bytes.split_at_checked(HEAD)?;
     let (words, sum) = head.split_at_checked(HEAD - 4)?;
@@ -261,13 +266,14 @@ fn valid(bytes: &[u8], generation: u32) -> Option<(u8, Found)> {
     is_right.then_some((kind, Found { version, length }))
 }
 
-/// The generation of a half, from its first slot.
+/// Generation of a half, from its first slot.
 fn generation_of(bytes: &[u8]) -> Option<u32> {
     let generation = u32::from_le_bytes(*bytes.get(4..)?.first_chunk()?);
     matches!(valid(bytes, generation)?, (HALF, Found { length: 0, .. })).then_some(generation)
 }
 
-/// CRC-32 (polynomial 0xedb88320, reflected), half a byte at a time: the table is small, and the store is no hurry.
+/// CRC-32 (polynomial 0xedb88320, reflected), four bits at a time: the table is small, and speed does not
+/// matter here.
 const START: u32 = u32::MAX;
 
 static TABLE: [u32; 16] = {
@@ -306,7 +312,7 @@ fn check_sum(bytes: &[u8]) -> u32 {
 
 #[cfg(test)]
 mod tests {
-    /// The check value that catalogues of this CRC give.
+    /// The check value of this CRC in published catalogues.
     #[test]
     fn check_value() {
         assert_eq!(super::check_sum(b"123456789"), 0xcbf4_3926);

@@ -1,14 +1,14 @@
-//! Flash memory in RAM: for a controller whose parameters a host keeps, and for tests.
+//! Flash memory in RAM: for tests, and for a controller whose host stores the parameters.
 use embedded_storage::nor_flash::{
     ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash, check_erase, check_read, check_write,
 };
 
-/// `BYTES` of RAM that behave like flash memory: a write clears bits, an erase of 4,096 bytes sets them.
+/// `BYTES` of RAM that behave like flash memory: a write clears bits, and an erase sets 4,096 bytes.
 #[derive(Clone, Debug)]
 pub struct MemoryFlash<const BYTES: usize>(pub [u8; BYTES]);
 
 impl<const BYTES: usize> MemoryFlash<BYTES> {
-    /// Erased.
+    /// Erased memory.
     pub const fn new() -> Self {
         Self([0xff; BYTES])
     }
@@ -20,7 +20,7 @@ impl<const BYTES: usize> Default for MemoryFlash<BYTES> {
     }
 }
 
-/// A place outside the memory, or not on its grid.
+/// An address outside the memory, or not aligned.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Misplaced(pub NorFlashErrorKind);
 

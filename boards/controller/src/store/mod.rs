@@ -1,10 +1,12 @@
-//! What outlives power: settings, work offsets with stored places, startup lines with the text of `$I`.
+//! Data that survive a power cut: settings, work offsets with stored positions, startup lines with the text
+//! of `$I`.
 //!
 //! ```text
 //!  controller ─sets→ Store: Parameters ─records→ Log ─words→ flash (embedded-storage)
 //! ```
 //!
-//! What belongs together is one record, so a power cut leaves the old set or the new one, and never a mixture.
+//! Related data are one record, so after a power cut the store has the old set or the new set, never a
+//! mixture.
 #[cfg(feature = "file")]
 mod file;
 mod log;
@@ -21,15 +23,16 @@ pub use parameters::Parameters;
 use crate::settings::Settings;
 use glidepath::nc::StoredOffsets;
 
-/// A parameter store. A call returns when the data are safe; the axes are at rest meanwhile. `false`: not stored.
+/// A parameter store. A call returns after the data are stored; the axes stand still during the call.
+/// `false`: not stored.
 pub trait Store<const AXES: usize> {
-    /// Keeps all settings.
+    /// Stores all settings.
     fn settings(&mut self, settings: &Settings<AXES>) -> bool;
 
-    /// Keeps what G10, G28.1 and G30.1 have stored.
+    /// Stores the values of G10, G28.1 and G30.1.
     fn offsets(&mut self, offsets: &StoredOffsets<AXES>) -> bool;
 
-    /// Keeps both startup lines and the text of `$I`.
+    /// Stores both startup lines and the text of `$I`.
     fn texts(&mut self, startup: [&[u8]; 2], info: &[u8]) -> bool;
 }
 

@@ -9,31 +9,34 @@ use core::fmt::Write;
 use embedded_storage::nor_flash::NorFlash;
 use glidepath::nc::StoredOffsets;
 
-/// Settings, work offsets with stored places, and texts of a machine with `AXES` axes in the flash memory `F`.
+/// Stores settings, work offsets with stored positions, and texts of a machine with `AXES` axes in the flash
+/// memory `F`.
 ///
-/// Each of the three sets is one record with version and check sum. After a power cut each set is the old one or the new
-/// one. The memory needs two halves of whole erase blocks with room for eight records each: with up to five axes 4 KiB,
-/// with six to eight 8 KiB. A call takes as long as the memory needs to write a record, and now and then to erase a half.
+/// Each of the three sets is one record with version and checksum. After a power cut each set is the old one
+/// or the new one. The memory needs two halves of whole erase blocks, with room for eight records each. A
+/// half needs 4 KiB for up to five axes, and 8 KiB for six to eight. A call writes a record, and sometimes
+/// also erases a half.
 pub struct Parameters<F, const AXES: usize> {
     log: Log<F>,
 }
 
 impl<F: NorFlash, const AXES: usize> Parameters<F, AXES> {
-    /// Opens the store. A memory that holds no record is empty: it is erased at the first write.
+    /// Opens the store. A memory without records is empty: the first write erases the memory.
     ///
     /// # Errors
-    /// A memory that cannot hold it.
+    /// The memory cannot contain the store.
     pub fn open(flash: F) -> Result<Self, Unfit> {
         Ok(Self { log: Log::open(flash, record::longest(AXES))? })
     }
 
-    /// Puts settings and texts into what the controller begins with, and gives the offsets for the machine. A set that
-    /// is there but is not one of this build keeps its default; then the controller says so behind its banner.
+    /// Copies settings and texts into the start values of the controller, and returns the offsets for the
+    /// machine. If a stored set does not fit this build, the defaults stay, and the controller reports this
+    /// after its banner.
     pub fn load(&mut self, config: &mut Config<AXES>) -> StoredOffsets<AXES> {
         let mut unread = heapless::Vec::<&str, 3>::new();
         let mut read = |is_known: bool, name| {
             if !is_known {
-                // There are three.
+                // There are three sets.
                 let _ = unread.push(name);
             }
         };
@@ -58,7 +61,7 @@ impl<F: NorFlash, const AXES: usize> Parameters<F, AXES> {
         }
         if let Some((first, others)) = unread.split_first() {
             let mut notice = Message::new();
-            // A text that is too long is cut.
+            // The message is cut if the text is too long.
             let _ = write!(notice, "stored {first}");
             for other in others {
                 let _ = write!(notice, ", {other}");

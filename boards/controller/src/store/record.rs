@@ -1,4 +1,4 @@
-//! Contents of the records: sets of parameters as bytes, and back.
+//! Contents of the records: conversion of parameter sets to bytes and back.
 use crate::controller::{STORED_BYTES, Stored};
 use crate::settings::Settings;
 use crate::store::log::LONGEST;
@@ -17,7 +17,7 @@ pub const TEXTS: u8 = 3;
 /// Version of each content.
 pub const VERSION: u8 = 1;
 
-/// Bytes of the longest content for so many axes.
+/// Bytes of the longest content for this number of axes.
 pub const fn longest(axes: usize) -> usize {
     let settings = 5 * (Settings::<0>::COUNT + 4 * axes);
     let offsets = 8 * 11 * axes;
@@ -26,7 +26,8 @@ pub const fn longest(axes: usize) -> usize {
     if most > texts { most } else { texts }
 }
 
-/// Number and value of each setting. What a later build does not know, it refuses; what it has besides has its default.
+/// Number and value of each setting. A later build refuses numbers that it does not know; its additional
+/// settings keep defaults.
 pub fn settings<const AXES: usize>(settings: &Settings<AXES>) -> Option<Content> {
     let mut content = Content::new();
     settings.each_raw(|number, value| {
@@ -36,7 +37,7 @@ pub fn settings<const AXES: usize>(settings: &Settings<AXES>) -> Option<Content>
     Some(content)
 }
 
-/// The settings, if they are ones of this machine; `defaults` where the record has none.
+/// Reads the settings, if they fit this machine; settings that are not in the record keep `defaults`.
 pub fn read_settings<const AXES: usize>(bytes: &[u8], defaults: &Settings<AXES>) -> Option<Settings<AXES>> {
     let mut settings = *defaults;
     let mut words = bytes.chunks_exact(5);
@@ -47,7 +48,7 @@ pub fn read_settings<const AXES: usize>(bytes: &[u8], defaults: &Settings<AXES>)
     (words.remainder().is_empty() && settings.is_permitted()).then_some(settings)
 }
 
-/// Zero offsets, then the places of G28 and G30, as bits of positions.
+/// Zero offsets, then the positions of G28 and G30, as bits of positions.
 pub fn offsets<const AXES: usize>(offsets: &StoredOffsets<AXES>) -> Option<Content> {
     let mut content = Content::new();
     for position in offsets.zero.iter().chain(&offsets.places).flatten() {
@@ -56,7 +57,7 @@ pub fn offsets<const AXES: usize>(offsets: &StoredOffsets<AXES>) -> Option<Conte
     Some(content)
 }
 
-/// The offsets, if there are as many as this machine has and all are in range.
+/// Reads the offsets, if their number fits this machine and all are in range.
 pub fn read_offsets<const AXES: usize>(bytes: &[u8]) -> Option<StoredOffsets<AXES>> {
     let mut offsets = StoredOffsets::ZERO;
     let mut words = bytes.chunks_exact(8);
@@ -66,7 +67,7 @@ pub fn read_offsets<const AXES: usize>(bytes: &[u8]) -> Option<StoredOffsets<AXE
     (words.next().is_none() && words.remainder().is_empty() && offsets.is_in_range()).then_some(offsets)
 }
 
-/// Each text behind its length.
+/// Each text, after a byte with its length.
 pub fn texts(startup: [&[u8]; 2], info: &[u8]) -> Option<Content> {
     let mut content = Content::new();
     let [first, second] = startup;

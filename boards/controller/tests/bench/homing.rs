@@ -1,4 +1,5 @@
-//! Homing on machines at random: simulated switches with hysteresis and bounce, and a hard stop behind each.
+//! Homing on random machines: simulated switches with hysteresis and bounce, and a hard stop after each
+//! switch.
 use super::AXES;
 use super::corruption::Random;
 use super::world::{SLOTS, Switch, World, settings, with_rig};

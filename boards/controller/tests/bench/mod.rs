@@ -1,4 +1,4 @@
-//! A machine to talk to: a motion side that knows a handful of words, and a sender that keeps what it reads.
+//! A test machine: a motion side that knows a few words, and a sender that stores all answers.
 #![allow(dead_code)]
 pub mod corruption;
 pub mod homing;

@@ -1,4 +1,4 @@
-//! Hours of work at random: jobs, jogs, holds, resets, doors, homing, probing, and lines that are refused.
+//! Hours of random operation: jobs, jogs, holds, resets, doors, homing, probing, and refused lines.
 use super::corruption::Random;
 use super::world::{Rig, Switch, World, mm, settings, with_rig};
 use super::{AXES, BUFFER};

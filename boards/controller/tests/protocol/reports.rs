@@ -1,4 +1,4 @@
-//! Status reports, and overrides as they show them.
+//! Status reports, and the overrides in them.
 use crate::bench::{Talk, names, serial};
 use crate::mm;
 use glidepath_controller::{Config, Overrides, Signals};

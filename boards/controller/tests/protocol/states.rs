@@ -1,4 +1,4 @@
-//! What leads from state to state: jogs, homing, alarms, hold, door, sleep.
+//! Changes of state: jogs, homing, alarms, hold, door, sleep.
 use crate::bench::{BLOCKS, Talk};
 use crate::{in_state, mm};
 use glidepath::quantity::Feed;

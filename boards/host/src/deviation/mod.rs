@@ -1,11 +1,11 @@
-//! How far the path of the motion is from the programmed one, either way, whatever made it.
+//! The deviation between driven path and programmed path, in both directions, for every smoothing method.
 //!
-//! Takes the blocks of the decoder and points of every curve that the planner hands on; gives the largest
-//! deviation of the main axes, that of every other axis, and the places where they are. The motion runs along
-//! these curves, so nothing depends on speed, override and cycle.
+//! Takes the blocks of the decoder and points of every curve of the planner. Returns the largest deviation of
+//! the main axes, that of every other axis, and the places. The axes move along these curves, so the result
+//! does not depend on speed, override and cycle.
 //!
-//! Points a 16th of a curve apart tell where a deviation is largest; how large it is there the curve itself tells
-//! (`peak`), as between two points a deviation may have a cusp: where the nearest block is another one.
+//! Points at each 16th of a curve show the place of the largest deviation. The curve itself gives its value
+//! (`peak`), because between two points the deviation may have a cusp where the nearest block changes.
 mod peak;
 mod tell;
 
@@ -17,23 +17,23 @@ pub use tell::Told;
 
 /// Chords of a curve.
 pub const CHORDS: u32 = 16;
-/// Places that are kept, with curves around each of them.
+/// Number of stored places, with the curves around each place.
 const PLACES: usize = 3;
 const AROUND: usize = 12;
-/// Curves that are remembered: more than come between a place and the word that it is one.
+/// Number of stored curves: more than the delay until a place is recognised.
 const RECENT: usize = 96;
-/// Blocks around that of a curve that it may belong to, and as far as they are looked for.
+/// Number of blocks around the block of a curve that are searched.
 const NEAR: usize = 2;
 const FAR: usize = 64;
-/// Blocks that may lie between a curve and one that is taken back.
+/// Highest number of blocks between a curve and one that is taken back.
 const BACK: usize = 1024;
-/// Parts of a path that are shown at most.
+/// Highest number of parts of a path that are shown.
 const COLUMNS: usize = 4096;
 
-/// Places of a helix among which the nearest one is looked for first.
+/// Number of places of a helix in the first search for the nearest one.
 const PLACES_OF_A_HELIX: u32 = 32;
 
-/// A smaller deviation is rounding, mm or degrees.
+/// Smaller deviations are rounding, mm or degrees.
 pub const NOTHING: f64 = 1e-6;
 
 /// A point of the main axes.
@@ -41,13 +41,13 @@ pub type Point = [f64; 3];
 
 /// A programmed motion.
 struct Block {
-    /// All axes, where it begins and where it ends.
+    /// Start and end of all axes.
     from: Vec<f64>,
     to: Vec<f64>,
-    /// Of the main axes.
+    /// Shape in the main axes.
     ends: [Point; 2],
     arc: Option<Turn>,
-    /// Along the main axes, mm.
+    /// Length along the main axes, mm.
     length: f64,
     smoothed: bool,
     tolerance: Tolerance,
@@ -63,25 +63,25 @@ struct Turn {
     radii: [f64; 2],
 }
 
-/// A place of a block.
+/// A place on a block.
 #[derive(Clone, Copy)]
 struct Foot {
     block: usize,
-    /// 0…1 along it.
+    /// Position on the block, 0…1.
     part: f64,
     distance: f64,
 }
 
-/// How far a point of the driven path is from the programmed one.
+/// Deviation of a point of the driven path from the programmed path.
 struct Measured {
     /// The point.
     q: Point,
-    /// Where the programmed path is nearest to it.
+    /// The nearest place of the programmed path.
     seen: Foot,
-    /// Whether that is smoothed, and what is permitted.
+    /// Whether the path is smoothed there, and the tolerances.
     smoothed: bool,
     tolerance: Tolerance,
-    /// Of every axis that is no main axis.
+    /// Deviation of every axis that is no main axis.
     track: Vec<Option<f64>>,
 }
 
@@ -95,7 +95,7 @@ pub struct Largest {
 }
 
 impl Largest {
-    /// As a part of its tolerance; where there is none, of no tolerance at all.
+    /// Deviation as part of its tolerance; infinite without a tolerance.
     fn used(&self) -> f64 {
         self.tolerance.map_or(self.value * 1e-9, |tolerance| self.value / tolerance)
     }
@@ -107,12 +107,12 @@ pub struct Place {
     pub largest: Largest,
     /// Index of the motion block.
     pub block: usize,
-    /// On the programmed path, and on the driven one.
+    /// The point on the programmed path, and the point on the driven path.
     pub programmed: Point,
     pub moved: Point,
-    /// The driven path around it.
+    /// The driven path around the place.
     pub around: Vec<Point>,
-    /// Curves that are still to come.
+    /// Number of following curves that are still missing.
     missing: usize,
 }
 
@@ -123,21 +123,21 @@ impl Place {
     }
 }
 
-/// Deviations over a part of the path.
+/// Deviations in a part of the path.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Column {
     /// Path distance at its end, mm.
     pub distance: f64,
-    /// Of the main axes, and of the others.
+    /// Deviations of the main axes, and of the others.
     pub path: f64,
     pub track: f64,
-    /// As parts of their tolerances; 0 where there is none.
+    /// Deviations as parts of their tolerances; 0 without a tolerance.
     pub path_used: f64,
     pub track_used: f64,
 }
 
 impl Column {
-    /// The larger one of each, up to the end of both.
+    /// The larger value of each, up to the end of both.
     fn or(self, other: Self) -> Self {
         Self {
             distance: self.distance.max(other.distance),
@@ -152,31 +152,32 @@ impl Column {
 /// The comparison.
 pub struct Deviation {
     main: Vec<usize>,
-    /// Axes that move beside the path: what they do there is not compared.
+    /// Axes in an independent motion, which is not compared.
     beside: Vec<usize>,
     blocks: Vec<Block>,
-    /// Blocks up to so much path may be left out.
+    /// Blocks up to this length may be left out.
     relevant: f64,
-    /// Of the end of each block: its distance from the driven path, where that is, and how far along.
+    /// For the end of each block: its distance from the driven path, the nearest point, and the path distance
+    /// there.
     ends: Vec<(f64, Point, f64)>,
-    /// Ends before that one are done.
+    /// Ends before this one are done.
     done: usize,
-    /// The block of the last curve, or the one that its end is at, where its block stands for several.
+    /// The block of the last curve, or the block of its end if the curve covers several blocks.
     before: usize,
-    /// Where the last curve ends.
+    /// End of the last curve.
     last: Option<Point>,
-    /// Curves so far.
+    /// Number of curves so far.
     pub curves: u64,
-    /// Of the main axes and of each other axis.
+    /// Largest deviations of the main axes and of each other axis.
     pub path: Option<Largest>,
     pub track: Vec<Option<Largest>>,
     pub places: Vec<Place>,
-    /// Along the path, in parts of about one length.
+    /// Deviations along the path, in parts of about equal length.
     pub columns: Vec<Column>,
     step: f64,
     recent: VecDeque<Vec<Point>>,
     distance: f64,
-    /// Something is smoothed.
+    /// Whether a part of the path is smoothed.
     pub smooths: bool,
 }
 
@@ -184,7 +185,7 @@ fn apart(a: &Point, b: &Point) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
 }
 
-/// The point of the main axes; where one moves beside the path, zero.
+/// The point of the main axes; an axis in an independent motion counts as zero.
 fn point_of(all: &[f64], main: &[usize], beside: &[usize]) -> Point {
     let of = |axis: &usize| all.get(*axis).filter(|_| !beside.contains(axis)).copied();
     std::array::from_fn(|k| main.get(k).and_then(of).unwrap_or(0.0))
@@ -194,7 +195,7 @@ fn between(a: &Point, b: &Point, part: f64) -> Point {
     std::array::from_fn(|k| a[k] + (b[k] - a[k]) * part)
 }
 
-/// Where a point is nearest to a straight line, 0…1.
+/// The nearest point of a straight line, 0…1.
 fn along(q: &Point, a: &Point, b: &Point) -> f64 {
     let square = apart(a, b).powi(2);
     let product = (0..3).map(|k| (q[k] - a[k]) * (b[k] - a[k])).sum::<f64>();
@@ -202,7 +203,7 @@ fn along(q: &Point, a: &Point, b: &Point) -> f64 {
 }
 
 impl Block {
-    /// The point of the main axes at a part of it.
+    /// The point of the main axes at a position on the block.
     fn at(&self, part: f64) -> Point {
         let mut point = between(&self.ends[0], &self.ends[1], part);
         if let Some(Turn { plane, centre, first, swept, radii }) = &self.arc {
@@ -214,13 +215,14 @@ impl Block {
         point
     }
 
-    /// Whether it moves an axis to another place.
+    /// Whether the block moves an axis to another position.
     fn moves(&self, axis: usize) -> bool {
         self.from[axis] != self.to[axis]
     }
 
-    /// How far an axis, which is no main axis, is from where it was programmed around a foot: as far to both sides
-    /// as the path is off it. A full circle goes on behind its end, and in a block without length all may be meant.
+    /// Distance of another axis from its programmed values around a nearest point. The range extends to both
+    /// sides by the path's deviation. A full circle continues after its end; in a block without length all
+    /// values count.
     fn off(&self, axis: usize, value: f64, foot: &Foot) -> f64 {
         let play = (foot.distance + NOTHING) / self.length.max(NOTHING);
         let at = |part: f64| self.from[axis] + (self.to[axis] - self.from[axis]) * part.clamp(0.0, 1.0);
@@ -241,7 +243,7 @@ impl Block {
         off
     }
 
-    /// Where a point is nearest to an arc, around a part of it.
+    /// The nearest point of an arc, around a position on the arc.
     fn nearest(&self, part: f64, q: &Point) -> f64 {
         let off = |part: f64| apart(q, &self.at(part));
         let (mut part, mut step) = (part, 1.0 / 16.0);
@@ -255,11 +257,11 @@ impl Block {
         part
     }
 
-    /// Where a point is nearest to it, and how far.
+    /// The nearest point of the block, and its distance.
     fn foot(&self, block: usize, q: &Point) -> Foot {
         let part = match &self.arc {
             None => along(q, &self.ends[0], &self.ends[1]),
-            // All along a helix, then around the nearest place.
+            // First all along a helix, then around the nearest place.
             Some(Turn { plane, .. })
                 if (0..3).any(|k| !plane.contains(&k) && self.ends[0][k] != self.ends[1][k]) =>
             {
@@ -274,7 +276,7 @@ impl Block {
                 let ahead = (angle * swept.signum()).rem_euclid(turn);
                 let size = swept.abs();
                 let part = ahead / size;
-                // Behind the end or before the start, whichever is nearer.
+                // The end or the start, whichever is nearer.
                 if part <= 1.0 {
                     self.nearest(part, q)
                 } else if ahead - size < turn - ahead {
@@ -292,7 +294,7 @@ impl Block {
 }
 
 impl Deviation {
-    /// Of a program on a machine.
+    /// A comparison for a program on a machine.
     pub fn new(machine: &Machine, program: &Program) -> Self {
         let (main, beside) = (machine.main_axes(), program.axes_beside());
         let point = |all: &[f64]| point_of(all, &main, &beside);
@@ -353,7 +355,7 @@ impl Deviation {
         self.blocks.get(from..to).unwrap_or(&[]).iter().map(|block| block.ends[1]).collect()
     }
 
-    /// The programmed end points around a block, as far as they are shown, and their first one's index.
+    /// The programmed end points around a block, within the shown range, and the index of the first one.
     pub fn programmed(&self, block: usize) -> Vec<Point> {
         let from = block.saturating_sub(AROUND);
         let to = (block + AROUND).min(self.blocks.len());
@@ -367,8 +369,8 @@ impl Deviation {
         points
     }
 
-    /// Takes in a curve: its motion block, points of all axes along it, [`CHORDS`] and one, and `exact`, which gives
-    /// the point at each 2^16th of its length.
+    /// Records a curve: its motion block, [`CHORDS`] + 1 points of all axes, and `exact`, which returns the
+    /// point at each 2^16th of its length.
     pub fn curve(&mut self, block: u32, points: &[Vec<f64>], exact: &dyn Fn(u32) -> Option<Vec<f64>>) {
         self.curves += 1;
         if !self.smooths || self.blocks.is_empty() {
@@ -399,14 +401,15 @@ impl Deviation {
         self.before = at.min(block);
     }
 
-    /// Curves were taken back, as an abort does: the block that the path is at, one of the last ones.
+    /// Curves were taken back, for example by an abort. `block`: the current block of the path, one of the
+    /// last blocks.
     fn back(&self, block: usize, q: &Point) -> usize {
         let to = block.max(self.before);
         let near = (to.saturating_sub(BACK)..=to).map(|block| self.blocks[block].foot(block, q));
         near.min_by(|one, other| one.distance.total_cmp(&other.distance)).map_or(block, |foot| foot.block)
     }
 
-    /// How far a point of the driven path, with all axes, is from the programmed one.
+    /// Deviation of a point of the driven path, with all axes, from the programmed path.
     fn measure(&self, block: usize, all: &[f64]) -> Measured {
         let q = point_of(all, &self.main, &self.beside);
         let (from, to) =
@@ -423,7 +426,7 @@ impl Deviation {
         let (smoothed, tolerance) = self.around(block);
         let mut track = Vec::new();
         if smoothed {
-            // Each of them may be the one.
+            // Each of these blocks may be the nearest one.
             let last = to.max(seen.block + NEAR).min(self.blocks.len() - 1);
             let near = (from..=last).map(foot);
             let near: Vec<Foot> = near.filter(|foot| foot.distance <= seen.distance + NOTHING).collect();
@@ -432,8 +435,8 @@ impl Deviation {
         Measured { q, seen, smoothed, tolerance, track }
     }
 
-    /// The other axes: how far each is from what was programmed, at one of the feet it is nearest to; none where that
-    /// is not compared.
+    /// Deviation of each other axis from its programmed value, at one of the nearest points; none if not
+    /// compared.
     fn follow(&self, near: &[Foot], all: &[f64], tolerance: Tolerance) -> Vec<Option<f64>> {
         let of = |(axis, value): (usize, &f64)| {
             let apart = self.main.contains(&axis) || self.beside.contains(&axis);
@@ -446,7 +449,7 @@ impl Deviation {
         all.iter().enumerate().map(of).collect()
     }
 
-    /// The deviations of a point count.
+    /// Includes the deviations of a point in the results.
     fn take(&mut self, measured: &Measured, column: &mut Column) {
         let Measured { q, seen, smoothed, tolerance, track } = measured;
         if !smoothed {
@@ -467,9 +470,9 @@ impl Deviation {
         }
     }
 
-    /// Whether the path is smoothed there, and what is permitted: of the corners at both ends, the larger;
-    /// nothing where one of them is not monitored. A corner with blocks left out is that of the block before
-    /// them.
+    /// Whether the path is smoothed at a place, and the tolerance: the larger one of the corners at both
+    /// ends, or none if one corner is not monitored. A corner with left-out blocks belongs to the block
+    /// before them.
     fn around(&self, block: usize) -> (bool, Tolerance) {
         let last = (block + 1).min(self.blocks.len() - 1);
         let mut first = block.saturating_sub(1);
@@ -488,7 +491,7 @@ impl Deviation {
         (!near.is_empty(), tolerance)
     }
 
-    /// The ends of blocks that the curve passes: how near it comes.
+    /// The ends of blocks that the curve passes: the smallest distance to each.
     fn pass(&mut self, block: usize, path: &[Point], exact: &dyn Fn(u32) -> Option<Vec<f64>>) {
         let from = self.before.min(block).saturating_sub(NEAR).max(self.done);
         let to = (block + NEAR).min(self.blocks.len() - 1);
@@ -502,7 +505,7 @@ impl Deviation {
             let Some((distance, k, length)) = chords.min_by(|one, other| one.0.total_cmp(&other.0)) else {
                 continue;
             };
-            // The curve is no further from its chord than that is long.
+            // The distance between the curve and its chord is at most the length of the chord.
             if distance - length >= self.ends[index].0 {
                 continue;
             }
@@ -518,14 +521,14 @@ impl Deviation {
         self.settle(from.saturating_sub(NEAR));
     }
 
-    /// Ends before that one are passed.
+    /// Finishes all ends before this one.
     fn settle(&mut self, to: usize) {
         for index in self.done..to {
             let ((value, moved, along), block) = (self.ends[index], &self.blocks[index]);
             if block.smoothed && value.is_finite() {
                 let largest = Largest { value, tolerance: self.around(index).1.path, n: block.n };
                 let programmed = block.ends[1];
-                // The curve that comes so near ends behind there.
+                // The curve with this small distance ends after this block end.
                 let at = self.columns.partition_point(|column| column.distance <= along);
                 if let Some(column) = self.columns.get_mut(at) {
                     column.path = column.path.max(value);
@@ -538,9 +541,9 @@ impl Deviation {
         self.done = self.done.max(to);
     }
 
-    /// All curves are there.
+    /// Completes the comparison after the last curve.
     pub fn finish(&mut self) {
-        // Behind an abort no end is met.
+        // After an abort no further end is reached.
         self.settle(self.before.min(self.blocks.len().saturating_sub(1)));
         self.surround();
         self.places.sort_by(|one, other| other.largest.used().total_cmp(&one.largest.used()));
@@ -551,7 +554,7 @@ impl Deviation {
             self.path = Some(largest);
         }
         let place = || Place::new(largest, block, programmed, moved, Vec::new());
-        // One for each corner.
+        // One place for each corner.
         let near = self.places.iter_mut().find(|place| place.block.abs_diff(block) <= 1);
         if let Some(near) = near {
             if largest.used() > near.largest.used() {
@@ -570,7 +573,7 @@ impl Deviation {
         }
     }
 
-    /// The driven path around the places found.
+    /// Stores the driven path around the found places.
     fn keep(&mut self, path: Vec<Point>) {
         if self.recent.len() >= RECENT {
             self.recent.pop_front();
@@ -583,7 +586,7 @@ impl Deviation {
         self.surround();
     }
 
-    /// Places that were just found get what was driven before.
+    /// New places get the curves that were driven before.
     fn surround(&mut self) {
         for place in self.places.iter_mut().filter(|place| place.missing == usize::MAX) {
             place.around = self.recent.iter().flatten().copied().collect();

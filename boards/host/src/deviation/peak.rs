@@ -1,20 +1,21 @@
-//! How large a deviation is between the points of a curve: where it is largest, on the curve itself.
+//! The largest deviation between the points of a curve, on the curve itself.
 //!
-//! The points around which a deviation is largest are known, and those between which the nearest block changes. Around
-//! them the curve is looked at more closely, and the largest value there is enclosed by golden sections: that needs no
-//! derivative, as at a cusp there is none.
+//! The points around the largest deviation are known, and the points between which the nearest block changes.
+//! Around them the curve is evaluated at more points, and golden sections enclose the largest value. Golden
+//! sections need no derivative, which does not exist at a cusp.
 use super::{CHORDS, Deviation, Measured, NOTHING};
 
-/// Parts of a curve, of its length.
+/// A position on a curve, as part of its length.
 const WHOLE: u32 = 1 << 16;
-/// Those between two points.
+/// Number of parts between two points.
 const STEP: u32 = WHOLE / CHORDS;
-/// Places between two points among which the largest is looked for first.
+/// Number of places between two points for the first search.
 const FINER: u32 = 8;
 /// The smaller part of a golden section.
 const GOLDEN: f64 = 0.381_966_011_250_105;
 
-/// The part of the curve at which `value` is largest between two points, and one point around them, and what it is
+/// The part of the curve with the largest `value` between two points and one point around them, and this
+/// value; `None` if the curve is no longer stored.
 /// there; `None` where the curve is no longer there.
 pub fn around(first: usize, last: usize, value: impl Fn(u32) -> Option<f64>) -> Option<(u32, f64)> {
     let [low, high] = [first.saturating_sub(1), last + 1].map(|k| (k as u32).min(CHORDS) * STEP);
@@ -45,11 +46,12 @@ pub fn around(first: usize, last: usize, value: impl Fn(u32) -> Option<f64>) -> 
     Some(best)
 }
 
-/// What a deviation of a point is, looked at from one of the points of its curve; 0 where it is not compared with that.
+/// The deviation of a point, measured from a point of its curve; 0 if not compared.
 type Of<'a> = &'a dyn Fn(&Measured, &Measured) -> f64;
 
 impl Deviation {
-    /// Where a deviation of a curve is largest between its points, which are `measured`: of the main axes, and of each
+    /// Finds the largest deviations of a curve between its points `measured`: of the main axes, and of each
+    /// other axis.
     /// other one.
     pub(super) fn peaks(
         &self,
@@ -59,8 +61,8 @@ impl Deviation {
     ) -> Vec<Measured> {
         let axes = measured.first().map_or(0, |first| first.track.len());
         let mut peaks = self.peaks_of(block, measured, exact, &|one, _| one.seen.distance);
-        // The path may have several values of another axis where two of its places are as near: what is between two
-        // points counts only beside the stretch that they are at.
+        // If two places of the path are equally near, another axis may have two values. Then only the value next
+        // to the block of the measured points counts.
         for peak in &mut peaks {
             peak.track.clear();
         }
@@ -78,7 +80,7 @@ impl Deviation {
         peaks
     }
 
-    /// The same of one of them.
+    /// Finds the largest deviation of one of them.
     fn peaks_of(
         &self,
         block: usize,

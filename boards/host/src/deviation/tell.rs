@@ -5,24 +5,24 @@ use glidepath::machine::AxisKind;
 use serde::Serialize;
 use std::fmt::Write;
 
-/// For programs.
+/// Values for programs.
 #[derive(Serialize)]
 pub struct Told {
-    /// Curves of the path, and how many there are for a motion block.
+    /// Number of curves of the path, in all and per motion block.
     elements: u64,
     elements_per_block: f64,
-    /// Of the main axes; none where nothing is smoothed.
+    /// Deviation of the main axes; none if nothing is smoothed.
     #[serde(skip_serializing_if = "Option::is_none")]
     deviation: Option<Off>,
-    /// Of every other axis that leaves its programmed path.
+    /// Deviation of every other axis that leaves its programmed path.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     tracking: Vec<Off>,
-    /// Axes that move beside the path, and are not compared.
+    /// Axes in independent motions, which are not compared.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     left_out: Vec<String>,
 }
 
-/// A deviation and where it is.
+/// A deviation and its place.
 #[derive(Serialize)]
 struct Off {
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -35,7 +35,7 @@ struct Off {
 }
 
 impl Told {
-    /// Of a run with so many motion blocks.
+    /// The result of a run with this number of motion blocks.
     pub fn new(seen: &Deviation, machine: &Machine, blocks: usize) -> Self {
         let off = |axis: Option<usize>, Largest { value, tolerance, n }: Largest| {
             let data = axis.and_then(|axis| machine.axes.get(axis));
@@ -63,7 +63,7 @@ impl Told {
         }
     }
 
-    /// For people.
+    /// Text for people.
     pub fn write(&self, out: &mut String) -> std::fmt::Result {
         writeln!(out, "  elements       {}, {:.2} per motion block", self.elements, self.elements_per_block)?;
         for (index, off) in self.deviation.iter().chain(&self.tracking).enumerate() {

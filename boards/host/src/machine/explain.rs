@@ -1,11 +1,11 @@
-//! A machine file in plain words: each value with its unit, its ISG id and whether it is given or a default.
+//! Explains a machine file: each value with unit, ISG id, and the line or `default`.
 use super::load::{label, thousandths};
 use super::{Machine, limits, slope_name, words};
 use glidepath::machine::parameter::{AXIS, AXIS_FOREIGN, CHANNEL, CHANNEL_FOREIGN, Parameter};
 use glidepath::machine::{AxisKind, NO_LIMIT, Synch};
 use std::fmt::Write;
 
-/// A value in a unit that people use.
+/// A value in a common unit.
 fn plain<Target>(parameter: &Parameter<Target>, milli: i64, rotary: bool) -> String {
     if !parameter.words.is_empty() {
         let number = milli / 1000;
@@ -37,7 +37,7 @@ fn plain<Target>(parameter: &Parameter<Target>, milli: i64, rotary: bool) -> Str
     format!("{value} {unit}").trim_end().to_owned()
 }
 
-/// A number that stands for something: `1 (TRAPEZ)`.
+/// A number with a meaning: `1 (TRAPEZ)`.
 fn choice(unit: &str, milli: i64) -> String {
     let number = thousandths(milli);
     let parts = unit.split([',', ':']).map(str::trim);

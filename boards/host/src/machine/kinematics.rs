@@ -12,22 +12,22 @@ use toml::de::{DeTable, DeValue};
 pub struct Kinematics {
     /// P-CHAN-00032; 0 for none.
     pub default_id: u16,
-    /// Identifier and chain of each.
+    /// Identifier and chain of each data set.
     pub sets: Vec<(u16, Chain)>,
 }
 
 impl Kinematics {
-    /// The data sets on a machine that they fit.
+    /// Returns the data sets for a machine.
     pub fn fitted<const AXES: usize>(&self, data: &MachineData<AXES>) -> Vec<Kinematic> {
         self.sets.iter().filter_map(|(id, chain)| Kinematic::new(*id, chain, data).ok()).collect()
     }
 
-    /// The chain of an identifier.
+    /// Returns the chain with an identifier.
     pub fn chain(&self, id: u16) -> Option<&Chain> {
         self.sets.iter().find(|(own, _)| *own == id).map(|(_, chain)| chain)
     }
 
-    /// The chain that tells where the tool is: the default, or the first one.
+    /// Returns the chain for the position of the tool: the default, or the first one.
     pub fn usual(&self) -> Option<&Chain> {
         self.chain(self.default_id).or(self.sets.first().map(|(_, chain)| chain))
     }
@@ -38,7 +38,7 @@ fn unfit<const AXES: usize>(machine: &Machine, id: u16, chain: &Chain) -> Option
     Kinematic::new(id, chain, &data).err()
 }
 
-/// Keys of a data set: id and name, and the types that have it.
+/// Keys of a data set: id, name, and the types that have the key.
 const KEYS: [(&str, &str); 10] = [
     ("P-CHAN-00262", "id"),
     ("P-CHAN-00829", "type"),
@@ -52,14 +52,14 @@ const KEYS: [(&str, &str); 10] = [
     ("P-CHAN-00288", "programming_mode"),
 ];
 
-/// Types of transformations that are there.
+/// Types of transformations that exist.
 const CA_HEAD: i64 = 9;
 const UNIVERSAL: i64 = 91;
 
-/// Most axes of a chain.
+/// Highest number of axes in a chain.
 const AXES: usize = 6;
 
-/// A data set as it is read.
+/// A data set while it is read.
 struct Set {
     id: i64,
     kind: i64,
@@ -68,7 +68,7 @@ struct Set {
 }
 
 impl Loader<'_> {
-    /// `kinematik_id` or `trafo`; `false` if the name is another.
+    /// Stores `kinematik_id` or `trafo`. Returns `false` for another parameter name.
     pub(super) fn kinematics(&mut self, entry: &Entry<'_>, machine: &mut Machine) -> bool {
         match entry.name.as_str() {
             "kinematik_id" => {
@@ -88,7 +88,7 @@ impl Loader<'_> {
         true
     }
 
-    /// What of the data sets does not fit the axes, which are known now.
+    /// Reports data sets that do not fit the axes, after all axes are known.
     pub(super) fn fit_kinematics(&mut self, at: &Range<usize>, machine: &Machine) {
         for (index, (id, chain)) in machine.kinematics.sets.iter().enumerate() {
             let message = |why: &str| format!("channel.trafo[{index}]: {why}");
@@ -240,7 +240,7 @@ impl Loader<'_> {
         number
     }
 
-    /// Whole numbers, in 0.1 µm or 10^-4 degree; those left out stay as they are.
+    /// Whole numbers, in 0.1 µm or 10^-4 degree; values that are left out keep their defaults.
     fn wholes(&mut self, value: &Spanned<DeValue<'_>>, label: &str, into: &mut [i32]) {
         let given = value.get_ref().as_array();
         let numbers: Option<Vec<i32>> = given.filter(|given| given.len() <= into.len()).and_then(|given| {
@@ -270,7 +270,7 @@ impl Loader<'_> {
     }
 }
 
-/// Where the key stands that an error names.
+/// Place of the key that an error names.
 fn place_of(error: &DataError, table: &DeTable<'_>) -> Option<Range<usize>> {
     let key = table.iter().find(|(key, _)| {
         let name = key.get_ref().as_ref();

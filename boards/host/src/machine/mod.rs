@@ -1,8 +1,8 @@
 //! Machine data from a TOML file, under the ISG names.
 //!
 //! Tables are named as in the parameter path, without `getriebe[i].`: `[axis.X.dynamik]` with `a_max = 6000`.
-//! Axes take part in the order of the file. What is left out has the ISG default; what is not known is
-//! refused.
+//! The order of the axes is that of the file. A parameter that is left out has the ISG default. An unknown
+//! parameter is refused.
 
 mod explain;
 mod from;
@@ -27,7 +27,7 @@ pub use kinematics::Kinematics;
 pub use load::{Overrides, load};
 pub use new::{Options, new};
 
-/// A machine whose number of axes is known at run time only.
+/// A machine whose number of axes is known only at run time.
 pub struct Machine {
     /// The axes, in the order of the file; 1…[`MAX_AXES`].
     pub axes: Vec<AxisData>,
@@ -35,13 +35,13 @@ pub struct Machine {
     pub channel: ChannelData,
     /// The step output of each axis, for `--vcd`.
     pub steps: Vec<AxisSteps>,
-    /// What to call it: the file name.
+    /// The name for messages: the file name.
     pub name: String,
-    /// What was remarked about its data.
+    /// Warnings about its data.
     pub warnings: Vec<Diagnostic>,
-    /// The dialect of programs, as its data say.
+    /// The dialect of programs, according to its data.
     pub dialect: Choice,
-    /// What programs without smoothing begin with.
+    /// The smoothing that programs without smoothing begin with.
     pub smooth: Option<Smooth>,
     /// Its transformations.
     pub kinematics: Kinematics,
@@ -55,9 +55,9 @@ pub struct Machine {
 pub const MAX_AXES: usize = 6;
 
 impl Machine {
-    /// Three linear axes as in the examples of FCT-D3 §4 (row D3-236), at a cycle of 1 ms and with the
-    /// profile TRAPEZ, feed in mm/min. Rapid motion has the acceleration and the ramp time of the feed and
-    /// the largest speed.
+    /// Three linear axes as in the examples of FCT-D3 §4 (row D3-236), at a cycle of 1 ms, with the slope
+    /// TRAPEZ, feed in mm/min. Rapid motion has the acceleration and ramp time of the feed, and the highest
+    /// speed.
     pub fn built_in() -> Self {
         let axis = |name| AxisData {
             vb_eilgang: 1_000_000,
@@ -76,8 +76,8 @@ impl Machine {
         };
         let axes: Vec<_> = ["X", "Y", "Z"].into_iter().filter_map(AxisName::new).map(axis).collect();
         let steps = (0..axes.len()).map(steps::preset).collect();
-        // Jerk is limited at tangential joints of lines and arcs too: by default (P-CHAN-00009 = 0) it is
-        // not.
+        // Jerk is limited at tangential transitions of lines and arcs too; by default (P-CHAN-00009 = 0) it
+        // is not limited there.
         let channel =
             ChannelData { slope_profile: 1, corr_v_trans_jerk: true, surface: true, ..ChannelData::new() };
         Self {
@@ -94,7 +94,7 @@ impl Machine {
         }
     }
 
-    /// The same machine, where programs begin with that smoothing.
+    /// The same machine, with a smoothing for programs without smoothing.
     pub fn smoothed(&self, smooth: Option<Smooth>) -> Self {
         Self {
             axes: self.axes.clone(),
@@ -110,7 +110,7 @@ impl Machine {
         }
     }
 
-    /// The same for a known number of axes; `None` where it is another.
+    /// The machine data for a known number of axes; `None` if the number differs.
     pub fn data<const AXES: usize>(&self) -> Option<MachineData<AXES>> {
         let axes = <[AxisData; AXES]>::try_from(self.axes.as_slice()).ok()?;
         Some(MachineData { axes, channel: self.channel })
@@ -122,7 +122,7 @@ impl Machine {
         linear.map(|(index, _)| index).take(3).collect()
     }
 
-    /// Indices of the feed axes: P-CHAN-00011, the main axes where there are none.
+    /// Indices of the feed axes (P-CHAN-00011), or of the main axes if there are no feed axes.
     pub fn feed_axes(&self) -> Vec<usize> {
         let feed = self.axes.iter().enumerate().filter(|(_, axis)| axis.default_feed_axis);
         let feed: Vec<usize> = feed.map(|(index, _)| index).collect();
@@ -140,14 +140,14 @@ impl Machine {
     }
 }
 
-/// What the machine data allow one axis: mm/s, mm/s², mm/s³ (rotary: degrees).
+/// Limits of one axis: mm/s, mm/s², mm/s³ (rotary: degrees).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limits {
     /// P-AXIS-00212.
     pub speed: f64,
     /// P-AXIS-00209.
     pub speed_rapid: f64,
-    /// P-AXIS-00008: all accelerations together.
+    /// P-AXIS-00008: highest acceleration, tangential and normal together.
     pub accel: f64,
     /// P-AXIS-00001, or the larger stage of STEP.
     pub accel_feed: f64,
@@ -155,20 +155,21 @@ pub struct Limits {
     pub brake_feed: f64,
     /// P-AXIS-00004, or the largest stage.
     pub accel_rapid: f64,
-    /// The steepest ramp of the slope at feed.
+    /// Highest jerk of the slope at feed.
     pub ramp_feed: f64,
-    /// The steepest ramp of the slope in rapid motion.
+    /// Highest jerk of the slope in rapid motion.
     pub ramp_rapid: f64,
-    /// All jerk together at feed: with the geometric ramp time (P-AXIS-00199) where that is shorter.
+    /// Highest jerk of slope and contour together at feed: with the geometric ramp time (P-AXIS-00199) if
+    /// this is shorter.
     pub jerk_feed: f64,
     /// The same in rapid motion.
     pub jerk_rapid: f64,
-    /// The larger one of both.
+    /// The larger value of feed and rapid motion.
     pub jerk: f64,
 }
 
 impl Limits {
-    /// The larger one of each.
+    /// The larger value of each limit.
     pub fn or(self, other: Self) -> Self {
         Self {
             speed: self.speed.max(other.speed),
@@ -186,8 +187,8 @@ impl Limits {
     }
 }
 
-/// The limits of an axis: the jerk of a slope is acceleration over ramp time, times what its shape makes of
-/// it.
+/// The limits of an axis. The jerk of a slope is acceleration divided by ramp time, times a factor of its
+/// shape.
 pub fn limits(axis: &AxisData, slope: SlopeType) -> Limits {
     let [up, down] = [[axis.tr_beschl_zu, axis.tr_beschl_ab], [axis.tr_brems_zu, axis.tr_brems_ab]];
     let shortest = |ramps: [u32; 2]| ramps[0].min(ramps[1]);
@@ -200,7 +201,7 @@ pub fn limits(axis: &AxisData, slope: SlopeType) -> Limits {
         }
         // The steepest point of a · sin²(πt/2T).
         SlopeType::Sin2 => (shortest(up), shortest(down), std::f64::consts::FRAC_PI_2),
-        // Acceleration jumps.
+        // Acceleration changes in a step.
         SlopeType::Step => (0, 0, f64::INFINITY),
     };
     let over = |accel: u32, ramp: u32| f64::from(accel) * 1e6 / f64::from(ramp.max(1));
@@ -233,7 +234,7 @@ pub fn limits(axis: &AxisData, slope: SlopeType) -> Limits {
     }
 }
 
-/// What the slope is called in programs.
+/// The name of the slope in programs.
 pub fn slope_name(slope: SlopeType) -> &'static str {
     match slope {
         SlopeType::Step => "STEP",

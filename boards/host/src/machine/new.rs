@@ -1,4 +1,4 @@
-//! Machine files of the kinds that people have, from a few options.
+//! Makes machine files of common kinds from a few options.
 use super::sheet::{Axis, Sheet, Taken};
 
 /// A kind of machine.
@@ -114,7 +114,7 @@ fn preset(kind: Kind) -> Preset {
     }
 }
 
-/// What a machine file of these options says.
+/// Returns the text of the machine file for these options.
 pub fn new(options: &Options) -> String {
     let preset = preset(options.kind);
     let typical = "typical of the kind: put yours here";

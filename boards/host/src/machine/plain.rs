@@ -1,6 +1,6 @@
-//! Names in plain units that a machine file may use in place of ISG's parameters.
+//! Names with common units that a machine file may use instead of ISG's parameters.
 
-/// A name with its unit, and what it gives.
+/// A name with its unit, and the parameters that it sets.
 pub struct Plain {
     /// Its name, of a linear axis.
     pub name: &'static str,
@@ -8,7 +8,7 @@ pub struct Plain {
     pub rotary: &'static str,
     /// ISG's parameters that get its value.
     pub isg: &'static [&'static str],
-    /// ISG's units in one of its own.
+    /// Factor from its unit to ISG's unit.
     pub scale: i64,
 }
 
@@ -16,7 +16,7 @@ const fn plain(name: &'static str, rotary: &'static str, isg: &'static [&'static
     Plain { name, rotary, isg, scale }
 }
 
-/// Of an axis.
+/// Names of an axis.
 pub const AXIS: &[Plain] = &[
     plain("rapid_speed_mm_s", "rapid_speed_deg_s", &["vb_eilgang"], 1000),
     plain("max_speed_mm_s", "max_speed_deg_s", &["dynamik.vb_max"], 1000),
@@ -28,7 +28,7 @@ pub const AXIS: &[Plain] = &[
     plain("travel_max_mm", "travel_max_deg", &["kenngr.swe_pos"], 10_000),
 ];
 
-/// Of the channel.
+/// Names of the channel.
 pub const CHANNEL: &[Plain] = &[plain("cycle_ms", "cycle_ms", &["cycle_us"], 1000)];
 
 const ACCELERATIONS: &[&str] = &["slope_profil.a_beschl", "slope_profil.a_brems", "slope_profil.a_grenz"];

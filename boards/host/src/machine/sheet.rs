@@ -1,13 +1,13 @@
-//! A machine file that is written: values with a comment each, as TOML.
+//! Writes a machine file as TOML, with a comment at each value.
 use super::words;
 use glidepath::machine::parameter::{AXIS, CHANNEL, Parameter};
 
-/// A value and where it comes from.
+/// A value and its origin.
 #[derive(Clone, Debug)]
 pub struct Taken {
-    /// In the unit of the field that holds it.
+    /// Value in the unit of its field.
     pub value: f64,
-    /// For the comment.
+    /// Text of the comment.
     pub from: String,
 }
 
@@ -23,7 +23,7 @@ impl Taken {
 pub struct Axis {
     /// Its letter.
     pub name: String,
-    /// Degrees take the place of mm.
+    /// Whether the unit is degrees instead of mm.
     pub rotary: bool,
     /// mm/s.
     pub rapid: Taken,
@@ -42,7 +42,7 @@ pub struct Axis {
 /// A machine file.
 #[derive(Clone, Debug, Default)]
 pub struct Sheet {
-    /// What it is, line by line.
+    /// Description, line by line.
     pub title: Vec<String>,
     /// µs.
     pub cycle: Option<Taken>,
@@ -50,18 +50,18 @@ pub struct Sheet {
     pub dialect: Option<(&'static str, String)>,
     /// Its axes.
     pub axes: Vec<Axis>,
-    /// What could not be taken, line by line.
+    /// Settings that could not be converted, line by line.
     pub left: Vec<String>,
 }
 
-/// A value of a file: key, value in the unit of the parameter, what it means and where it comes from.
+/// A value of a file: key, value in the unit of the parameter, meaning and origin.
 struct Row {
     key: String,
     value: String,
     comment: String,
 }
 
-/// ISG's id of a parameter and what it means.
+/// ISG's id of a parameter, and its meaning.
 fn meaning<Target>(table: &[Parameter<Target>], name: &str) -> String {
     let id = table.iter().find(|parameter| parameter.name == name).map_or("", |parameter| parameter.id);
     [id, words::of(name)].into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join(" ")
@@ -123,13 +123,13 @@ impl Axis {
     }
 }
 
-/// What a value means and where it comes from, where there is something to say.
+/// Meaning and origin of a value, if there are any.
 fn joined(meaning: &str, from: &str) -> String {
     [meaning, from].into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join("; ")
 }
 
 impl Sheet {
-    /// As text.
+    /// Returns the file as text.
     pub fn text(&self) -> String {
         let mut out = String::new();
         for line in &self.title {

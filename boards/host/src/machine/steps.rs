@@ -3,23 +3,23 @@ use glidepath_steps::{AxisSteps, Motor};
 
 /// A key with its range and what it sets.
 pub struct Key {
-    /// Inside `[axis.X]`.
+    /// Name inside `[axis.X]`.
     pub name: &'static str,
-    /// Least and largest value, an integer.
+    /// Lowest and highest value, an integer.
     pub range: (i64, i64),
-    /// In words.
+    /// Description in words.
     pub unit: &'static str,
-    /// Stores a value of the range.
+    /// Stores a valid value.
     pub set: fn(&mut AxisSteps, i64),
 }
 
-/// Step output of the axis with this index where the file says nothing: 80 counts per mm, pins two by two.
+/// Default step output of the axis with this index: 80 counts per mm, and the pins 2·index and 2·index + 1.
 pub fn preset(index: usize) -> AxisSteps {
     let bit = 2 * index as u8;
     AxisSteps::new(80, 1, Motor::new(bit, bit + 1))
 }
 
-/// A pin that the file has not named.
+/// A pin that the file does not name.
 const UNNAMED: Motor = Motor::new(u8::MAX, u8::MAX);
 
 fn motor(axis: &mut AxisSteps, number: usize) -> Option<&mut Motor> {

@@ -1,4 +1,4 @@
-//! What parameters mean, in plain words.
+//! The meaning of parameters, in plain words.
 
 /// The meaning of a parameter, by its dotted name inside its table.
 pub fn of(name: &str) -> &'static str {
@@ -61,7 +61,7 @@ const ALL: &[(&str, &str)] = &[
     ("prog_start.slope.profile", "slope: how speed changes"),
     ("prog_start.slope.acceleration", "accelerations that G130 weights"),
     ("prog_start.slope.ramp_time", "ramp times that G132 weights"),
-    ("corr_v_trans_jerk", "jerk limit at tangential joints"),
+    ("corr_v_trans_jerk", "jerk limit at tangential transitions"),
     ("mode_implicite_sync_indp_asyn_axis", "motions wait for single axes"),
     ("mode_exact_stop_indp_axis", "exact stop and independent axes"),
     ("override_weight_prog_feed", "what the override weights"),

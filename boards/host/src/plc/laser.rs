@@ -1,13 +1,13 @@
-//! A PLC that sets the power of a laser from what comes: less near a sharp knee and on a small radius. `docs/plc.md` has the
-//! same rule.
+//! A PLC that sets the power of a laser from the path ahead: less power near a sharp corner and on a small
+//! radius. `docs/plc.md` has the same rule.
 use glidepath::contour_log::{ContourReader, ProgramDistance};
 
-/// Its rule.
+/// The rule.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Laser {
-    /// Path before and behind a sharp knee with less power, mm.
+    /// Length of path before and after a sharp corner with less power, mm.
     pub near_mm: f64,
-    /// A knee is sharp from this angle on, rad.
+    /// A corner is sharp from this angle on, rad.
     pub knee: f64,
     /// Arcs below this radius have less power, mm.
     pub radius_mm: f64,

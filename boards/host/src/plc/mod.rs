@@ -1,15 +1,15 @@
-//! A PLC beside a run (`--plc`): requests at given times, and its answers as JSON lines.
+//! A PLC during a run (`--plc`): requests at given times, and the answers as JSON lines.
 //!
-//! | file | what is in it |
+//! | file | content |
 //! |---|---|
 //! | `script` | the file: one request per line |
-//! | `laser` | a PLC that sets the power of a laser from what comes |
-//! | `outside` | memory for the contour, loops and variables; what the PLC writes |
+//! | `laser` | a PLC that sets the power of a laser from the path ahead |
+//! | `outside` | memory for the contour log, loops and variables; values that the PLC writes |
 //! | `variable` | names and first values of variables |
 //! | `picture` | reach and distance over time |
 //!
-//! A request acts at the first tick at or after its time. What it writes counts before the planner works in that tick; what
-//! it asks is answered when the planner has done its work, before the tick.
+//! A request acts at the first tick at or after its time. A written value acts before the planner works in
+//! this tick. A question is answered after the work of the planner, before the tick.
 mod laser;
 mod outside;
 mod picture;
@@ -34,15 +34,15 @@ use laser::Laser;
 use script::{Ask, END};
 use serde_json::{Map, Value, json};
 
-/// Entries that an answer has at most.
+/// Highest number of entries in an answer.
 const MOST: usize = 100;
 
-/// What the PLC was told.
+/// The answers to the PLC.
 #[derive(Default)]
 pub struct Told {
     /// An answer per line.
     pub answers: String,
-    /// Requests that came too late for the program.
+    /// Requests after the end of the program.
     pub unreached: Vec<Diagnostic>,
     /// Seconds, reach, distance and the power of the laser in percent: one per change.
     pub curve: Vec<(f64, f64, f64, Option<u8>)>,
@@ -63,7 +63,7 @@ pub struct Plc<'a> {
 }
 
 impl<'a> Plc<'a> {
-    /// Nothing is asked yet.
+    /// No request was made yet.
     pub fn new(
         script: &'a Script,
         (contour, outside): (ContourReader<'a>, Outside<'a>),
@@ -77,7 +77,7 @@ impl<'a> Plc<'a> {
         tick as f64 * f64::from(self.cycle_us) / 1e6
     }
 
-    /// What the PLC does before `tick`.
+    /// Handles the requests before `tick`.
     pub fn act<
         T: Text,
         F: FilterPlan<AXES>,
@@ -147,7 +147,7 @@ impl<'a> Plc<'a> {
         }
     }
 
-    /// Behind the last tick: answers what is asked at the end of the program.
+    /// After the last tick: answers the questions at the end of the program.
     pub fn end<
         T: Text,
         F: FilterPlan<AXES>,
@@ -167,7 +167,7 @@ impl<'a> Plc<'a> {
         self.act(tick, planner, operator);
     }
 
-    /// What was told.
+    /// Returns the answers.
     pub fn finish(mut self, tick: u64) -> Told {
         if let Some(last) = self.told.curve.last().copied() {
             self.told.curve.push((self.seconds(tick), last.1, last.2, last.3));
@@ -223,12 +223,12 @@ impl<'a> Plc<'a> {
     }
 }
 
-/// Asks until there is an answer: the planner has all the time it needs.
+/// Repeats a question until there is an answer; the planner gets unlimited time.
 fn forecast<T: Text, F: FilterPlan<AXES>, const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize>(
     planner: &mut Planner<'_, T, AXES, BLOCKS, F, OVERLAYS>,
     question: Question,
 ) -> Result<Moment<AXES>, Unknown> {
-    /// Calls of one answer, at most.
+    /// Highest number of calls for one answer.
     const CALLS: usize = 10_000;
     (0..CALLS)
         .map(|_| planner.forecast(question))
@@ -236,7 +236,7 @@ fn forecast<T: Text, F: FilterPlan<AXES>, const AXES: usize, const BLOCKS: usize
         .unwrap_or(Err(Unknown::Searching))
 }
 
-/// The names of C40.
+/// Names of ISG's description C40.
 fn element_of(entry: &Entry) -> Value {
     let mut element = json!({
         "block_type": entry.block_type as u8,

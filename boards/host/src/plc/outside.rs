@@ -1,5 +1,5 @@
-//! What a run has beside the path for a PLC: memory for the contour ahead and for real-time loops, and variables; and
-//! what the PLC writes.
+//! Data of a run for a PLC: memory for the contour log and for real-time loops, variables, and the values
+//! that the PLC writes.
 use super::script::{Ask, Request, Script};
 use super::variable::{all, find};
 use crate::events::ticks;
@@ -13,7 +13,7 @@ use glidepath::nc::Text;
 use glidepath::rt_loop::{LoopMemory, LoopSwitch};
 use glidepath::variable::Variable;
 
-/// Commands that a real-time loop has at most: P-STUP-00033 may allow fewer.
+/// Highest number of commands in a real-time loop; P-STUP-00033 may permit fewer.
 pub const LOOPED: usize = 1 << 12;
 
 /// The memory of a run.
@@ -24,29 +24,29 @@ pub struct Memory<const AXES: usize> {
     variables: Vec<Variable>,
 }
 
-/// What the memory is given for.
+/// Functions for which the planner gets memory.
 #[derive(Clone, Copy)]
 pub struct Wants {
-    /// The contour ahead.
+    /// The contour log.
     pub contour: bool,
     /// Real-time loops and variables.
     pub outside: bool,
 }
 
 impl Wants {
-    /// What the texts of a program need; with `--plc` the contour in any case.
+    /// Functions that the texts of a program need; with `--plc` always the contour log.
     pub fn of(files: &Files, script: Option<&Script>) -> Self {
         let contour = script.is_some() || names(files, &["LOOKAHEAD", "PROG START", "#DISTANCE"]);
         Self { contour, outside: is_from_outside(files) }
     }
 }
 
-/// Whether the course of a program may depend on what happens outside of it: variables and real-time loops.
+/// Whether the program may depend on outside values: variables and real-time loops.
 pub fn is_from_outside(files: &Files) -> bool {
     names(files, &["V.E.", "V.RTG.", "#RT"])
 }
 
-/// Whether a text of the program that was opened so far has one of these words, in upper case.
+/// Whether one of the opened texts of the program has one of these words, in upper case.
 fn names(files: &Files, words: &[&str]) -> bool {
     let has = |text: &[u8]| {
         let text = text.to_ascii_uppercase();
@@ -67,7 +67,7 @@ impl<const AXES: usize> Memory<AXES> {
         }
     }
 
-    /// Gives it to the planner. What the PLC has of it.
+    /// Passes the memory to the planner. Returns the PLC's handles.
     pub fn give<'a, T: Text, F: FilterPlan<AXES>, const BLOCKS: usize, const OVERLAYS: usize>(
         &'a mut self,
         planner: &mut Planner<'a, T, AXES, BLOCKS, F, OVERLAYS>,
@@ -88,7 +88,7 @@ impl<const AXES: usize> Memory<AXES> {
     }
 }
 
-/// What program and PLC share.
+/// Data shared by program and PLC.
 #[derive(Clone, Copy)]
 pub struct Outside<'a> {
     /// Variables V.E.
@@ -97,13 +97,13 @@ pub struct Outside<'a> {
     pub switch: LoopSwitch<'a>,
 }
 
-/// What the PLC writes, at its times.
+/// Values that the PLC writes, at their times.
 pub struct Writer<'a> {
     outside: Outside<'a>,
     requests: &'a [Request],
     next: usize,
     cycle_us: u32,
-    /// Passes at which the flag falls.
+    /// Pass at which the flag becomes false.
     last: Option<u32>,
 }
 
@@ -114,7 +114,7 @@ impl<'a> Writer<'a> {
         Self { outside, requests, next: 0, cycle_us, last: None }
     }
 
-    /// Before the planner works in `tick`.
+    /// Called before the planner works in `tick`.
     pub fn before(&mut self, tick: u64) {
         let Outside { variables, switch } = self.outside;
         while let Some(request) = self.requests.get(self.next) {
@@ -137,7 +137,7 @@ impl<'a> Writer<'a> {
         }
     }
 
-    /// Behind each call of the planner: the flag falls with the last pass that is wanted.
+    /// Called after each call of the planner: the flag becomes false with the last wanted pass.
     pub fn behind(&mut self) {
         if self.last == Some(self.outside.switch.passes()) {
             self.outside.switch.disable();
@@ -145,7 +145,7 @@ impl<'a> Writer<'a> {
         }
     }
 
-    /// Whether the flag may fall later.
+    /// Whether the flag may become false later.
     pub fn ends_loops(&self) -> bool {
         let later = self.requests.get(self.next..).unwrap_or_default();
         self.last.is_some() || later.iter().any(|r| matches!(r.ask, Ask::LoopOn(Some(_)) | Ask::LoopOff))

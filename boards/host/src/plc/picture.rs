@@ -11,7 +11,7 @@ const TOP: f64 = 40.0;
 const PATH: f64 = 270.0;
 const LASER: [f64; 2] = [310.0, 380.0];
 
-/// Draws what the PLC was told.
+/// Draws the answers to the PLC.
 pub fn draw(name: &str, told: &Told) -> String {
     let rows = &told.curve;
     let end = rows.last().map_or(1.0, |row| row.0).max(1e-3);
@@ -89,7 +89,7 @@ pub fn draw(name: &str, told: &Told) -> String {
     svg
 }
 
-/// A line in steps.
+/// A step line.
 #[derive(Default)]
 struct Steps {
     path: String,

@@ -21,10 +21,10 @@ use crate::diagnose::{Diagnostic, Source, nearest};
 use crate::events::seconds;
 use std::path::Path;
 
-/// What the PLC asks or begins.
+/// A request of the PLC.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Ask {
-    /// How far the path is known.
+    /// The reach: the known length of the path.
     Reach,
     /// Elements between two distances, mm.
     Elements {
@@ -35,19 +35,20 @@ pub enum Ask {
     },
     /// Entries from this index on.
     Log(u32),
-    /// The state in so many ns.
+    /// The state in this number of ns.
     State(u64),
     /// When the next block at feed begins.
     Feed,
-    /// Where a feed hold of now would stand.
+    /// The point where a feed hold would stop the axes now.
     Standstill,
-    /// A laser follows the contour from now on.
+    /// From now on a laser follows the contour.
     Laser(Laser),
     /// Writes a variable V.E.
     Set(&'static str, f64),
     /// The value of a variable V.E.
     Variable(&'static str),
-    /// V.RTG.LOOP.ENABLED is true from now on; with a number until so many passes are decided on.
+    /// V.RTG.LOOP.ENABLED is true from now on; with a number until the planner has decided on this number of
+    /// passes.
     LoopOn(Option<u32>),
     /// V.RTG.LOOP.ENABLED is false from now on.
     LoopOff,
@@ -80,9 +81,9 @@ pub const END: u64 = u64::MAX;
 /// A request with its time and its line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Request {
-    /// Since the first set point, ns; [`END`] is the end of the program.
+    /// Time since the first set point, ns; [`END`] is the end of the program.
     pub time_ns: u64,
-    /// What is asked.
+    /// The request.
     pub ask: Ask,
     /// Line of the file, from 1.
     pub line: usize,
@@ -110,7 +111,7 @@ impl Script {
         Self::parse(Source::read(path)?)
     }
 
-    /// Variables that the file writes or asks for.
+    /// Variables that the file writes or reads.
     pub fn variables(&self) -> impl Iterator<Item = &'static str> {
         self.requests.iter().filter_map(|request| match request.ask {
             Ask::Set(name, _) | Ask::Variable(name) => Some(name),
@@ -118,7 +119,7 @@ impl Script {
         })
     }
 
-    /// Remarks on requests that were not reached.
+    /// Warnings for requests that were not reached.
     pub fn unreached(&self, those: std::ops::Range<usize>) -> Vec<Diagnostic> {
         let late = self.requests.get(those).unwrap_or_default();
         late.iter()
@@ -171,7 +172,7 @@ impl<'a> Words<'a> {
         Self { line: line[..end].trim_ascii_end(), at: 0 }
     }
 
-    /// The next word with its column; empty behind the last one.
+    /// The next word with its column; empty after the last word.
     fn next(&mut self) -> (&'a [u8], usize) {
         let rest = &self.line[self.at..];
         let begin = self.at + rest.iter().position(|byte| !byte.is_ascii_whitespace()).unwrap_or(rest.len());
@@ -181,7 +182,7 @@ impl<'a> Words<'a> {
         (&rest[..length], begin + 1)
     }
 
-    /// A number with so many decimals at most, up to `most`, in units of the last decimal.
+    /// A number with at most `places` decimals, up to `most`, in units of the last decimal.
     fn number(&mut self, places: usize, most: u64, expected: &str) -> Result<u64, Unfit> {
         let (text, column) = self.next();
         let most = most * 10u64.pow(places as u32);

@@ -5,7 +5,7 @@ use glidepath::variable::{Access, Variable};
 /// The name of a variable as the library has it: without `V.E.` in front. Names live as long as the process.
 ///
 /// # Errors
-/// What is expected.
+/// The expected text.
 pub fn name(text: &str) -> Result<&'static str, String> {
     let short = match text.get(..4) {
         Some(front) if front.eq_ignore_ascii_case("V.E.") => &text[4..],
@@ -31,15 +31,15 @@ pub fn value(text: &str) -> Option<f64> {
 /// `NAME=VALUE` of the command line.
 ///
 /// # Errors
-/// What is expected.
+/// The expected text.
 pub fn parse(text: &str) -> Result<(&'static str, f64), String> {
     let (left, right) = text.split_once('=').ok_or("expected NAME=VALUE")?;
     let value = value(right).ok_or("expected a number, TRUE or FALSE behind =")?;
     Ok((name(left).map_err(|expected| format!("expected {expected}"))?, value))
 }
 
-/// All variables of a run: those of the machine data and the command line, the last value of each, then those that only
-/// `--plc` names, 0 at first.
+/// All variables of a run: those of the machine data and the command line, with the last value of each, then
+/// those that only `--plc` names, with the value 0.
 pub fn all(machine: &Machine, script: Option<&super::Script>) -> Vec<Variable> {
     let mut first: Vec<(&'static str, f64)> = Vec::new();
     let named = script.into_iter().flat_map(super::Script::variables).map(|name| (name, None));

@@ -1,4 +1,4 @@
-//! What is drawn on: the few operations that both file formats have.
+//! The drawing operations that both file formats have.
 
 /// A place on the canvas, from its upper left corner.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,9 +33,9 @@ impl Rect {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Colour(pub u8, pub u8, pub u8);
 
-/// Text and what matters most.
+/// Text, and the most important lines.
 pub const INK: Colour = Colour(0x1f, 0x29, 0x33);
-/// Text that explains.
+/// Explanatory text.
 pub const SOFT: Colour = Colour(0x6b, 0x77, 0x85);
 /// Grid and frames.
 pub const GRID: Colour = Colour(0xe4, 0xe8, 0xec);
@@ -47,7 +47,7 @@ pub const FEED: Colour = Colour(0x8f, 0xb8, 0xd8);
 pub const LIMIT: Colour = Colour(0xd6, 0x45, 0x45);
 /// Events from outside.
 pub const EVENT: Colour = Colour(0x7a, 0x4f, 0xa8);
-/// Rest because of them.
+/// Background of a standstill by events.
 pub const HELD: Colour = Colour(0xf2, 0xb1, 0x34);
 /// The axes of a machine.
 const AXES: [Colour; 6] = [
@@ -64,7 +64,7 @@ pub fn axis_colour(axis: usize) -> Colour {
     AXES[axis % AXES.len()]
 }
 
-/// How a line looks.
+/// Style of a line.
 #[derive(Clone, Copy, Debug)]
 pub struct Stroke {
     /// Its colour.
@@ -84,7 +84,7 @@ impl Stroke {
     }
 }
 
-/// Which part of a text stands at its place.
+/// Alignment of a text.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Anchor {
     /// Its start.
@@ -95,7 +95,7 @@ pub enum Anchor {
     End,
 }
 
-/// How a text looks.
+/// Style of a text.
 #[derive(Clone, Copy, Debug)]
 pub struct TextStyle {
     /// Font size.
@@ -124,7 +124,7 @@ pub trait Canvas {
     fn polyline(&mut self, points: &[Point], stroke: &Stroke) {
         self.polylines(std::slice::from_ref(&points.to_vec()), stroke);
     }
-    /// Several of them, of one look.
+    /// Several connected lines with one style.
     fn polylines(&mut self, lines: &[Vec<Point>], stroke: &Stroke);
     /// A filled area without an edge.
     fn polygon(&mut self, points: &[Point], colour: Colour, opacity: f64);
@@ -132,10 +132,10 @@ pub trait Canvas {
     fn fill(&mut self, area: &Rect, colour: Colour, opacity: f64);
     /// A filled circle with a white rim.
     fn dot(&mut self, centre: Point, radius: f64, colour: Colour);
-    /// A circle that hides nothing.
+    /// A ring, which hides nothing.
     fn ring(&mut self, centre: Point, radius: f64, colour: Colour);
     /// Text with its base line at `at`.
     fn text(&mut self, at: Point, text: &str, style: &TextStyle);
-    /// Limits what follows to `area`, or lifts the limit.
+    /// Clips the following operations to `area`, or ends the clipping.
     fn clip(&mut self, area: Option<&Rect>);
 }

@@ -1,12 +1,12 @@
-//! Events, and functions that are to be acknowledged, over time: a mark through all charts, its label above
-//! the first one, and a ground where the motion rests.
+//! Events, and functions that need an acknowledgement, over time: a mark through all charts, its label above
+//! the first chart, and a background where the motion stands still.
 use super::Scene;
 use super::canvas::{Anchor, Canvas, EVENT, HELD, Point, Rect, Stroke, TextStyle};
 use super::font::Font;
 use super::scale::Scale;
 use crate::events::function_name;
 
-/// Lines of labels; where these are full, a mark stays without.
+/// Lines of labels; if these are full, a mark has no label.
 const LINES: usize = 4;
 const LINE: f64 = 14.0;
 const SIZE: f64 = 10.5;
@@ -23,7 +23,7 @@ struct Mark {
 pub struct Marks {
     marks: Vec<Mark>,
     lines: usize,
-    /// From where to where an event or a missing acknowledgement makes the motion rest.
+    /// Ranges in which an event or a missing acknowledgement stops the motion.
     holds: Vec<[f64; 2]>,
 }
 
@@ -33,7 +33,7 @@ impl Marks {
         let cycle = scene.machine.cycle_s();
         let at = |tick: u64| x.at(tick as f64 * cycle);
         let font = Font::new(SIZE, false);
-        // Where labels and stems behind begin, per line.
+        // Left ends of the following labels and stems, per line.
         let mut starts = [f64::INFINITY; LINES];
         let mut marks: Vec<Mark> = Vec::new();
         let events = scene.events.iter().zip(&scene.statistics.outcomes);
@@ -42,7 +42,7 @@ impl Marks {
         let functions = functions.map(|done| (done.tick, function_name(done.output.function)));
         let mut all: Vec<(u64, String)> = events.chain(functions).collect();
         all.sort_by_key(|(tick, _)| *tick);
-        // From the last to the first: a label stands above those behind it, and its stem beside them.
+        // From the last to the first: a label stands above the following labels, and its stem next to them.
         for (tick, text) in all.into_iter().rev() {
             let x = at(tick);
             let width = font.width(&text);
@@ -62,12 +62,12 @@ impl Marks {
         Self { marks, lines, holds: holds.collect() }
     }
 
-    /// What the labels need above the first chart.
+    /// Height of the labels above the first chart.
     pub fn height(&self) -> f64 {
         self.lines as f64 * LINE
     }
 
-    /// The ground of a chart.
+    /// Draws the background of a chart.
     pub fn ground(&self, canvas: &mut dyn Canvas, frame: &Rect) {
         for [from, to] in &self.holds {
             canvas.fill(&Rect { x: *from, width: to - from, ..*frame }, HELD, 0.16);

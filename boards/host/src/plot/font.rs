@@ -1,4 +1,4 @@
-//! The font that is compiled in: widths for the layout, outlines for pixels.
+//! The compiled-in font: widths for the layout, outlines for pixels.
 use ttf_parser::{Face, GlyphId};
 
 /// A size of one of the two faces.
@@ -21,7 +21,7 @@ impl Font {
         self.scale
     }
 
-    /// Glyphs of a text with their widths; what the font lacks is its own sign for that, glyph 0.
+    /// Glyphs of a text with their widths; characters that the font does not have become glyph 0.
     pub fn glyphs(&self, text: &str) -> Vec<(GlyphId, f32)> {
         let glyph = |character| self.face.glyph_index(character).unwrap_or_default();
         let width = |glyph| f32::from(self.face.glyph_hor_advance(glyph).unwrap_or(0)) * self.scale;

@@ -1,8 +1,8 @@
-//! The places of largest deviation, seen from near: the programmed path with its ends of blocks, the driven
-//! one, and the band of the tolerance.
+//! Enlarged views of the places with the largest deviation: the programmed path with block ends, the driven
+//! path, and the tolerance band.
 //!
-//! Each place is seen in the plane of the path and of its deviation there. Where the curve is much longer
-//! than the band is wide, both directions have a scale of their own.
+//! Each place is drawn in the plane of the path and its deviation. If the curve is much longer than the band
+//! is wide, both directions have separate scales.
 use super::Scene;
 use super::canvas::{
     Anchor, Canvas, Colour, GRID, INK, LIMIT, PROGRAMMED, Point as At, Rect, SOFT, Stroke, TextStyle,
@@ -15,7 +15,7 @@ pub const HEIGHT: f64 = 214.0;
 const GAP: f64 = 18.0;
 const WIDTH: f64 = 1.5;
 const BAND: Colour = Colour(0xcf, 0xe8, 0xd6);
-/// A curve longer than that many tolerances is seen with two scales.
+/// A curve longer than this number of tolerances is drawn with two scales.
 const LONG: f64 = 6.0;
 
 /// Whether there are any.
@@ -55,7 +55,7 @@ fn unit(v: &Point) -> Option<Point> {
     (length > 1e-12).then(|| v.map(|value| value / length))
 }
 
-/// A place as it is seen: along the path, and to the side of the deviation.
+/// A place in its view: along the path, and in the direction of the deviation.
 struct View {
     origin: Point,
     along: Point,
@@ -94,7 +94,7 @@ fn off(q: [f64; 2], line: &[[f64; 2]]) -> f64 {
     line.windows(2).map(distance).fold(f64::INFINITY, f64::min)
 }
 
-/// How far along the path the deviation is more than a tenth of what it is here.
+/// The length of the path on which the deviation is more than a tenth of its largest value.
 fn reach(moved: &[[f64; 2]], programmed: &[[f64; 2]], value: f64) -> f64 {
     let from_here = |point: &[f64; 2]| point[0].hypot(point[1]);
     let Some(here) = (0..moved.len()).min_by(|&a, &b| from_here(&moved[a]).total_cmp(&from_here(&moved[b])))
@@ -129,7 +129,7 @@ fn one(canvas: &mut dyn Canvas, frame: &Rect, scene: &Scene<'_>, place: &Place) 
     canvas.fill(frame, Colour(0xf7, 0xf9, 0xfb), 1.0);
     let line: Vec<At> = programmed.iter().map(at).collect();
     if let Some(tolerance) = tolerance {
-        // Wider by the stroke of the path: what is inside the tolerance is inside the band.
+        // Wider by the stroke of the path, so that a path inside the tolerance is drawn inside the band.
         let height = tolerance * across + WIDTH / 2.0;
         if long {
             let shifted = |by: f64| line.iter().map(move |At(x, y)| At(*x, y + by));
@@ -157,7 +157,7 @@ fn one(canvas: &mut dyn Canvas, frame: &Rect, scene: &Scene<'_>, place: &Place) 
     caption(canvas, frame, place, [per_mm, across]);
 }
 
-/// What it is, above; its scales, below.
+/// The title above, and the scales below.
 fn caption(canvas: &mut dyn Canvas, frame: &Rect, place: &Place, [along, across]: [f64; 2]) {
     let small = |anchor| TextStyle { size: 11.0, anchor, ..TextStyle::new(SOFT) };
     let (value, n) = (place.largest.value, place.largest.n);

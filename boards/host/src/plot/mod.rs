@@ -1,7 +1,7 @@
-//! A picture of a run: where it went, how fast, how smoothly.
+//! A picture of a run: path, speed, acceleration and jerk.
 //!
-//! Left the path, programmed thin and grey, moved coloured by speed, and the places where both differ most;
-//! right speed, acceleration and jerk over time, and the deviation over the path.
+//! Left: the programmed path thin and grey, the driven path coloured by speed, and the places with the
+//! largest deviation. Right: speed, acceleration and jerk over time, and the deviation over the path.
 
 mod canvas;
 mod chart;
@@ -69,12 +69,12 @@ pub fn parse_target(name: &str) -> Result<Target, String> {
 
 const WIDTH: f64 = 1400.0;
 const HEIGHT: f64 = 860.0;
-/// With the row of the deviation, and the places where it is largest.
+/// The height with the row of deviation and the views of the largest deviations.
 const TALL: f64 = 1120.0;
 const MARGIN: f64 = 28.0;
 const TOP: f64 = 100.0;
 
-/// What there is to show.
+/// The data of the picture.
 pub struct Scene<'a> {
     /// The machine, for names and limits.
     pub machine: &'a Machine,
@@ -82,11 +82,11 @@ pub struct Scene<'a> {
     pub program: &'a Program,
     /// The plan.
     pub statistics: &'a Statistics,
-    /// What was recorded.
+    /// The recorded data.
     pub picture: &'a Picture,
-    /// What happened from outside.
+    /// The events from outside.
     pub events: &'a [Event],
-    /// Planes that are asked for; none: those in which something moves.
+    /// Requested planes; none: the planes with motion.
     pub planes: &'a [Plane],
 }
 

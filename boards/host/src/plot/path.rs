@@ -1,4 +1,4 @@
-//! The path: programmed thin and grey, moved coloured by speed, with equal scales.
+//! The path: programmed path thin and grey, driven path coloured by speed, with equal scales.
 use super::canvas::{Anchor, Canvas, Colour, GRID, INK, PROGRAMMED, Point, Rect, SOFT, Stroke, TextStyle};
 use super::font::Font;
 use super::record::Place;
@@ -9,16 +9,16 @@ use crate::program::Stretch;
 /// Shades of the speed scale.
 const SHADES: usize = 32;
 
-/// Points nearer to one another than that are one, and so many of a line are drawn at most.
+/// Points nearer than this distance are one point; a line has at most this number of points.
 const FINEST: f64 = 0.5;
 const MOST: usize = 12_000;
 
-/// Radius of the rings around start and end, and of the end's ring where it lies around that of the start.
+/// Radius of the rings around start and end, and of the end's ring if both rings have the same centre.
 const DOT: f64 = 4.0;
 const RING: f64 = 7.0;
 const START: Colour = Colour(0x3a, 0x9d, 0x5d);
 
-/// Width of the path: as far as lines beside each other leave room, between these.
+/// Width of the path: depends on the space between neighbouring lines, between these bounds.
 const WIDTHS: [f64; 2] = [0.5, 2.2];
 
 /// Rapid motion.
@@ -27,9 +27,9 @@ const RAPID: Stroke = Stroke { opacity: 0.9, dash: Some((4.0, 3.0)), ..Stroke::n
 /// How three coordinates become two.
 #[derive(Clone, Copy, PartialEq)]
 enum View {
-    /// One to the right, one up.
+    /// One coordinate to the right, one up.
     Plan(usize, usize),
-    /// All three, seen from the front left and above.
+    /// All three coordinates, seen from the front left and above.
     Isometric,
 }
 
@@ -42,8 +42,8 @@ impl View {
         }
     }
 
-    /// The planes that are asked for; else those in which there is something to see: the first two axes, or others if
-    /// one of these hardly moves.
+    /// The requested planes, else the planes with visible motion: the first two axes, or others if one of
+    /// these hardly moves.
     fn all(extent: [f64; 3], asked: &[Plane]) -> Vec<Self> {
         if !asked.is_empty() {
             let view = |plane: &Plane| match plane {
@@ -54,7 +54,7 @@ impl View {
             };
             return asked.iter().map(view).collect();
         }
-        // Of the largest: less is seen as a line.
+        // Part of the largest extent; a smaller extent is seen as a line.
         const HARDLY: f64 = 0.01;
         let most = extent.into_iter().fold(0.0, f64::max);
         let deep = extent.iter().all(|&extent| extent > 1e-6);
@@ -68,7 +68,7 @@ impl View {
     }
 }
 
-/// What is drawn of the path.
+/// Content of the picture.
 struct Shown<'a> {
     scene: &'a Scene<'a>,
     programmed: Vec<Stretch>,
@@ -77,7 +77,7 @@ struct Shown<'a> {
 }
 
 impl Shown<'_> {
-    /// All places, programmed and driven.
+    /// All points, programmed and driven.
     fn all(&self) -> impl Iterator<Item = [f64; 3]> {
         let programmed = self.programmed.iter().flat_map(|stretch| stretch.line.iter().copied());
         programmed.chain(self.moved.iter().map(|place| place.at))
@@ -92,7 +92,7 @@ impl Shown<'_> {
 pub fn draw(canvas: &mut dyn Canvas, area: &Rect, scene: &Scene<'_>) {
     let moved: Vec<Place> = scene.picture.path().collect();
     let programmed = scene.program.polylines(&scene.picture.axes);
-    // Rapid motion would leave one colour to all that cuts.
+    // With rapid motion in the scale, all motion at feed would have one colour.
     let top =
         |rapid| moved.iter().filter(|place| place.rapid == rapid).map(|place| place.speed).reduce(f64::max);
     let top_speed = round_up(top(false).filter(|speed| *speed > 0.0).or(top(true)).unwrap_or(0.0));
@@ -164,7 +164,7 @@ fn one(canvas: &mut dyn Canvas, frame: &Rect, view: View, shown: &Shown<'_>) {
         return;
     }
     let room = span[0].max(span[1]) * 0.06;
-    // Equal scales: the tighter direction decides, the other one is centred.
+    // Equal scales: the tighter direction decides, the other direction is centred.
     let scale = (inner.width / (span[0] + 2.0 * room)).min(inner.height / (span[1] + 2.0 * room));
     let centre = [(low[0] + high[0]) / 2.0, (low[1] + high[1]) / 2.0];
     let place = |at: [f64; 3]| {
@@ -186,7 +186,7 @@ fn one(canvas: &mut dyn Canvas, frame: &Rect, view: View, shown: &Shown<'_>) {
 
 /// The path on a picture that is so large, in square pixels.
 fn lines(canvas: &mut dyn Canvas, shown: &Shown<'_>, area: f64, place: &dyn Fn([f64; 3]) -> Point) {
-    // Rapid motion is seen as it was moved.
+    // Rapid motion is drawn along the driven path.
     for stretch in shown.programmed.iter().filter(|stretch| !stretch.rapid) {
         let line: Vec<Point> = stretch.line.iter().map(|&at| place(at)).collect();
         canvas.polyline(&thinned(&line), &Stroke::new(PROGRAMMED, 0.8));
@@ -199,21 +199,21 @@ fn lines(canvas: &mut dyn Canvas, shown: &Shown<'_>, area: f64, place: &dyn Fn([
     let width = if all > 0.0 { (0.5 * area / all).clamp(WIDTHS[0], WIDTHS[1]) } else { WIDTHS[1] };
     // A straight line has no area, and room on both sides.
     let width = if area < 1.0 { WIDTHS[1] } else { width };
-    // Slow stretches last: they are what is looked for.
+    // Slow parts are drawn last, because they are the important ones.
     for (shade, lines) in shades.iter().enumerate().rev() {
         canvas.polylines(lines, &Stroke::new(colour(shade), width));
     }
     if let (Some(first), Some(last)) = (shown.moved.first(), shown.moved.last()) {
-        // Where both are one place, the end is seen around the start.
+        // If start and end are equal, the ring of the end surrounds that of the start.
         let (first, last) = (place(first.at), place(last.at));
         canvas.ring(last, if apart(first, last) < DOT { RING } else { DOT }, INK);
         canvas.ring(first, DOT, START);
     }
 }
 
-/// The driven path: lines of each shade, one for each stretch of one shade, and those of rapid motion.
+/// The driven path: lines for each shade, one line for each part with one shade, and lines for rapid motion.
 fn by_speed(shown: &Shown<'_>, place: &dyn Fn([f64; 3]) -> Point) -> (Vec<Vec<Vec<Point>>>, Vec<Vec<Point>>) {
-    // Rapid motion behind the shades.
+    // Rapid motion is drawn before the shades.
     let mut kinds = vec![Vec::new(); SHADES + 1];
     let mut points: Vec<Point> = Vec::new();
     let mut current = None;
@@ -227,7 +227,7 @@ fn by_speed(shown: &Shown<'_>, place: &dyn Fn([f64; 3]) -> Point) -> (Vec<Vec<Ve
         {
             continue;
         }
-        // What leads to a place is of its kind.
+        // The line that leads to a point has the kind of this point.
         if current != Some(kind) {
             if let Some(current) = current {
                 let next = points.last().copied().into_iter().collect();
@@ -250,7 +250,7 @@ fn apart(a: Point, b: Point) -> f64 {
     (a.0 - b.0).hypot(a.1 - b.1)
 }
 
-/// Points that can be told apart, and no more than a picture needs.
+/// Points that can be distinguished, and no more than a picture needs.
 fn thinned(points: &[Point]) -> Vec<Point> {
     let mut finest = FINEST;
     loop {
@@ -321,7 +321,8 @@ fn speed_scale(canvas: &mut dyn Canvas, area: &Rect, shown: &Shown<'_>) {
     }
 }
 
-/// Slow is dark blue, fast is orange; between them the hues that print and colour-blind readers tell apart.
+/// Slow is dark blue, fast is orange; the hues between them can be distinguished in print and by colour-blind
+/// readers.
 fn colour(shade: usize) -> Colour {
     const STOPS: [[f64; 3]; 6] = [
         [26.0, 24.0, 110.0],

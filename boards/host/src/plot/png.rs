@@ -139,7 +139,7 @@ impl Canvas for Png {
     }
 }
 
-/// Takes glyph outlines to their place: font units go up, the page goes down.
+/// Maps glyph outlines to their place: font units go up, the page goes down.
 struct Outline {
     path: PathBuilder,
     x: f32,

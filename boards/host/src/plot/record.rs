@@ -1,4 +1,4 @@
-//! Keeps what a picture needs of a run, in bounded memory however long it takes.
+//! Records the data for a picture of a run, in bounded memory for every length of the run.
 use crate::filtered::Filtered;
 use crate::machine::Machine;
 use crate::statistics::AxisStatistics;
@@ -6,7 +6,7 @@ use glidepath::machine::AxisKind;
 use glidepath::quantity::Position;
 use glidepath::tick::Telemetry;
 
-/// Places along the path kept at most, and stretches of time.
+/// Highest number of stored points along the path, and of time intervals.
 const PLACES: usize = 12_000;
 const STRETCHES: usize = 1800;
 
@@ -29,9 +29,9 @@ pub struct Picture {
     pub moving: Vec<usize>,
     /// The unit of the axes shown.
     pub unit: &'static str,
-    /// The path, as fine as it can be seen.
+    /// The path, with the visible resolution.
     pub places: Vec<Place>,
-    /// Places nearer than this to the last one are left out.
+    /// Points nearer than this to the last one are left out.
     spacing: f64,
     low: [f64; 3],
     high: [f64; 3],
@@ -39,12 +39,12 @@ pub struct Picture {
     /// Speed of the path, then acceleration and jerk of each axis that moves, then of each axis what its filter
     /// makes of it in percent of AX_DEV, then positions of axes that move beside the path.
     pub envelope: Envelope,
-    /// How many axes have filters: all or none; and those that move beside the path.
+    /// Number of axes with filters (all or none), and of axes in independent motions.
     filtered: usize,
     alone: Vec<usize>,
     /// By motion block: rapid motion.
     rapid: Vec<bool>,
-    /// Ticks that enter another block, and that block; several may begin within a tick.
+    /// Ticks at which another block begins, and this block; several blocks may begin within a tick.
     pub entries: Vec<(u64, u32)>,
     ticks: u64,
 }
@@ -118,7 +118,7 @@ impl Picture {
         (0..self.filtered).map(move |axis| (axis, first + axis))
     }
 
-    /// Axes beside the path, and theirs.
+    /// Axes in independent motions, and their series.
     pub fn alone_series(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
         let first = 1 + 2 * self.moving.len() + self.filtered;
         self.alone.iter().enumerate().map(move |(index, axis)| (*axis, first + index))
@@ -129,7 +129,7 @@ impl Picture {
             self.low[axis] = self.low[axis].min(value);
             self.high[axis] = self.high[axis].max(value);
         }
-        // More than a picture of that size can show.
+        // More than a picture of this size can show.
         let extent = (0..3).map(|axis| self.high[axis] - self.low[axis]).fold(0.0, f64::max);
         self.spacing = self.spacing.max(extent / 1000.0);
         let near = self.places.last().is_some_and(|last| distance(last, &place) < self.spacing);
@@ -149,7 +149,7 @@ impl Picture {
         }
     }
 
-    /// The path to its very end.
+    /// Records the path to its very end.
     pub fn path(&self) -> impl Iterator<Item = Place> {
         self.places.iter().copied().chain(self.pending)
     }
@@ -164,7 +164,7 @@ fn distance(a: &Place, b: &Place) -> f64 {
     a.at.iter().zip(&b.at).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
 }
 
-/// Lowest and highest value of several series over equal stretches of time.
+/// Lowest and highest value of several series in equal time intervals.
 pub struct Envelope {
     series: usize,
     /// Ticks per stretch.
@@ -200,7 +200,7 @@ impl Envelope {
         }
     }
 
-    /// Joins stretches two by two.
+    /// Joins intervals in pairs.
     fn halve(&mut self) {
         let mut joined = Vec::with_capacity(self.spans.len());
         for pair in self.spans.chunks(2 * self.series) {
@@ -251,7 +251,7 @@ mod tests {
         let at = envelope.series(0).position(|span| span[1] == 5.0).unwrap_or(0);
         assert_eq!(at as u64, 777_777 / envelope.stride());
         assert_eq!(envelope.series(1).last().map(|span| span[0]), Some(-999_999.0));
-        // The mean of a stretch that is full: that of its magnitudes.
+        // The mean of a full interval: the mean of its magnitudes.
         let (index, stride) = (3, envelope.stride() as f64);
         let mean = envelope.series(1).nth(index).map_or(0.0, |span| span[2]);
         let expected = (index as f64 + 0.5) * stride - 0.5;

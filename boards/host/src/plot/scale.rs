@@ -1,4 +1,4 @@
-//! Values to places on the canvas, and the round numbers along an axis.
+//! Converts values to positions on the canvas, and chooses round numbers for an axis.
 
 /// A linear scale.
 #[derive(Clone, Copy, Debug)]
@@ -15,7 +15,7 @@ impl Scale {
         Self { low, per_unit: (to - from) / span, origin: from }
     }
 
-    /// Where a value stands.
+    /// The position of a value.
     pub fn at(&self, value: f64) -> f64 {
         self.origin + (value - self.low) * self.per_unit
     }
@@ -44,7 +44,7 @@ pub fn round_up(value: f64) -> f64 {
     (value / step - 1e-9).ceil() * step
 }
 
-/// A number as people write it along an axis: no needless digits, thousands set apart.
+/// A number as label of an axis: no unnecessary digits, thousands separated.
 pub fn label(value: f64) -> String {
     let value = if value == 0.0 { 0.0 } else { value };
     let magnitude = value.abs();

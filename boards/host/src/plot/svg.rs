@@ -1,4 +1,4 @@
-//! SVG: text, written as it comes.
+//! Writes SVG as text.
 use super::canvas::{Anchor, Canvas, Colour, Point, RING_WIDTH, Rect, Stroke, TextStyle};
 use std::fmt::Write;
 
@@ -38,14 +38,14 @@ fn hex(Colour(red, green, blue): Colour) -> String {
     format!("#{red:02x}{green:02x}{blue:02x}")
 }
 
-/// A coordinate to a hundredth of a pixel, without needless digits.
+/// A coordinate to a hundredth of a pixel, without unnecessary digits.
 fn short(value: f64) -> String {
     let text = format!("{value:.2}");
     text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
-/// Connected lines as path data: the first point, then steps. Each step is from the point as it was written,
-/// so that rounding does not add up.
+/// Connected lines as path data: the first point, then steps. Each step starts at the rounded point before,
+/// so that rounding errors do not add up.
 fn run(data: &mut String, points: &[Point]) {
     // Hundredths of a pixel.
     let grid = |Point(x, y): Point| [x, y].map(|value| (value * 100.0).round() as i64);
@@ -62,7 +62,7 @@ fn run(data: &mut String, points: &[Point]) {
             _ => {}
         }
         for (k, value) in step.into_iter().enumerate() {
-            // A minus sign parts two numbers as well as a space.
+            // A minus sign separates two numbers as well as a space does.
             if value >= 0 && (k > 0 || index > 1) {
                 data.push(' ');
             }

@@ -16,13 +16,13 @@ use glidepath::nc::{
 };
 use glidepath::quantity::Position;
 
-/// Refused lines, those of loops again and again, behind which the rest is not looked at.
+/// Number of refused lines, repeats in loops included, after which decoding ends.
 const REFUSALS: u32 = 10_000;
 
-/// Decodes the whole program, at most `limit` commands of lines that were carried out before.
+/// Decodes the whole program, with at most `limit` commands of repeated lines.
 ///
 /// # Errors
-/// It repeats more than `limit` commands.
+/// The program repeats more than `limit` commands.
 pub fn decode(files: &Files, machine: &Machine, limit: u64) -> Result<Program, Vec<Diagnostic>> {
     with_axes!(machine, decode_axes(files, machine, limit))
 }
@@ -47,7 +47,7 @@ fn decode_axes<const AXES: usize>(
     loop {
         let step = match decoder.step() {
             Ok(step) => step,
-            // The check tells what and where.
+            // The check reports the error and its place.
             Err(_) => {
                 reading.program.refused = true;
                 refusals += 1;
@@ -80,7 +80,7 @@ fn decode_axes<const AXES: usize>(
     }
 }
 
-/// The program so far, and what is in force for the next block.
+/// The program so far, and the modal state for the next block.
 pub(super) struct Reading<'a, const AXES: usize> {
     files: &'a Files,
     machine: &'a Machine,
@@ -89,10 +89,10 @@ pub(super) struct Reading<'a, const AXES: usize> {
     at: [Position; AXES],
     pub(super) program: Program,
     weights: Weights<AXES>,
-    /// The axes as they are weighted.
+    /// Limits of the axes with their weights.
     axes: [AxisData; AXES],
     slope: SlopeType,
-    /// No block has moved with these weights and this slope.
+    /// No block has moved with these weights and this slope yet.
     changed: bool,
     smoothing: Smoothing,
     switch: Switch<'a>,
@@ -124,7 +124,7 @@ impl<'a, const AXES: usize> Reading<'a, AXES> {
 }
 
 impl<const AXES: usize> Reading<'_, AXES> {
-    /// Takes a command; where the program stands, if that is another place now.
+    /// Handles a command. Returns the position, if the command changes it.
     pub(super) fn take(&mut self, command: &Command<AXES>) -> Option<[Position; AXES]> {
         let Self { machine, data, program, .. } = self;
         match command {
@@ -196,7 +196,7 @@ impl<const AXES: usize> Reading<'_, AXES> {
                 smoothing.contour(contour);
                 let relevant = contour.relevant_path.map_or(0.0, |path| path.to_num());
                 program.relevant = program.relevant.max(relevant);
-                // In a block that moves, the corner before it stays rounded.
+                // In a block with a motion, the corner before it stays rounded.
                 if !smoothing.is_on() && !head.in_motion {
                     program.ends_smoothing();
                 }
@@ -211,14 +211,14 @@ pub(super) fn numbers(position: &[Position]) -> Vec<f64> {
     position.iter().map(|value| value.to_num()).collect()
 }
 
-/// Centre of an arc given by its radius; the radius itself is checked where the path is made.
+/// Centre of an arc given by its radius; the planner checks the radius.
 fn centre(start: [Position; 2], end: [Position; 2], radius: Position, clockwise: bool) -> [f64; 2] {
     let bits = |value: Position| i128::from(value.to_bits());
     let [dx, dy] = [0, 1].map(|i| bits(end[i]) - bits(start[i]));
-    // Squares are exact: where half the chord is nearly the radius, rounding would move the centre.
+    // Squares are exact. If half the chord is nearly the radius, rounding would move the centre.
     let square = 4 * bits(radius) * bits(radius) - dx * dx - dy * dy;
     let chord = (dx as f64).hypot(dy as f64);
-    // From the middle of the chord to the left for G03 and less than 180°.
+    // From the middle of the chord to the left for G03 and angles below 180°.
     let left = if clockwise == (radius < Position::ZERO) { 1.0 } else { -1.0 };
     let share = left * (square.max(0) as f64).sqrt() / 2.0 / chord.max(1.0);
     let lsb = 2.0_f64.powi(-32);
@@ -227,7 +227,7 @@ fn centre(start: [Position; 2], end: [Position; 2], radius: Position, clockwise:
 }
 
 impl Program {
-    /// Takes in what axes are allowed from a block on.
+    /// Records the limits of the axes from a block on.
     fn allow(&mut self, axes: &[AxisData], slope: SlopeType, machine: &Machine) {
         let now: Vec<Limits> =
             axes.iter().map(|axis| limits(&axis.planned(&machine.channel), slope)).collect();
@@ -242,7 +242,8 @@ impl Program {
         }
     }
 
-    /// Takes in what an axis is allowed beside the path: the program's weights and slope do not count there.
+    /// Records the limits of an axis in an independent motion, on which weights and slope of the program do
+    /// not act.
     fn allow_beside(&mut self, told: &Told, axes: &[AxisData], machine: &Machine) {
         let slope = told.slope.unwrap_or(machine.slope());
         if let (Some(axis), Some(allowed)) = (axes.get(told.axis), self.limits_beside.get_mut(told.axis)) {
@@ -255,7 +256,7 @@ impl Program {
         self.free_curves |= given.unwrap_or(machine.channel.check_jerk_on_poly_path) == 0;
     }
 
-    /// Which weights and slope are in force.
+    /// The active weights and slope.
     pub(super) fn latest_dynamics(&self) -> u32 {
         self.dynamics.len().saturating_sub(1) as u32
     }
@@ -269,7 +270,7 @@ impl Program {
     ) {
         let is_arc = matches!(motion.kind, MotionKind::Arc { .. });
         if motion.target == *start && !is_arc {
-            // No motion; an exact stop then belongs to the end of the block before.
+            // A block without motion: an exact stop then belongs to the end of the block before.
             if motion.exact_stop {
                 self.stop();
             }
@@ -307,7 +308,7 @@ impl Program {
         self.motions += 1;
     }
 
-    /// The corner behind the last motion is not rounded.
+    /// The corner after the last motion is not rounded.
     fn ends_smoothing(&mut self) {
         if let Some(last) = self.segments.last_mut() {
             last.smoothed = false;

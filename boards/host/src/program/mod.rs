@@ -1,7 +1,7 @@
 //! The program as decoded, before anything is planned: for the contour, the picture and warnings.
 //!
-//! An own pass of the decoder, so that what is shown as programmed owes nothing to path, look-ahead and
-//! slope.
+//! A separate pass of the decoder makes this program, so the programmed path does not depend on path,
+//! look-ahead and slope.
 mod decode;
 mod rehearse;
 pub mod repeats;
@@ -24,7 +24,7 @@ pub use told::{refusal, remark};
 pub struct Segment {
     /// Programmed N number.
     pub n: u32,
-    /// Where that stands in the text.
+    /// Place in the text.
     pub place: Place,
     /// Shape.
     pub kind: Kind,
@@ -32,13 +32,13 @@ pub struct Segment {
     pub end: Vec<f64>,
     /// Feed in mm/min; none in rapid motion.
     pub feed: Option<f64>,
-    /// Standstill at its end is programmed.
+    /// Whether the program demands a standstill at its end.
     pub stop: bool,
-    /// The corner at its end may be rounded, or it belongs to a smoothed path.
+    /// Whether the corner at its end may be rounded, or belongs to a smoothed path.
     pub smoothed: bool,
-    /// How far the motion may leave it, where that is monitored.
+    /// Permitted deviation from the block, where it is monitored.
     pub tolerance: Tolerance,
-    /// Which of [`Program::dynamics`] it moves with.
+    /// Index into [`Program::dynamics`].
     pub dynamics: u32,
 }
 
@@ -55,11 +55,11 @@ pub enum Kind {
         /// G02.
         clockwise: bool,
     },
-    /// No motion for so many seconds.
+    /// Dwell of this number of seconds, without motion.
     Dwell(f64),
 }
 
-/// What makes an arc out of a travel.
+/// Data that turn a straight travel into an arc.
 struct Turn {
     plane: [usize; 2],
     radius: f64,
@@ -68,8 +68,8 @@ struct Turn {
 }
 
 impl Segment {
-    /// What every axis travels from `start`; of an arc, the first axis of its plane as far as the arc is long
-    /// and the second one not at all.
+    /// Travel of every axis from `start`. In an arc, the first axis of its plane has the length of the arc,
+    /// and the second axis has 0.
     fn travel(&self, start: &[f64]) -> (Vec<f64>, Option<Turn>) {
         let mut travel: Vec<f64> = self.end.iter().zip(start).map(|(to, from)| (to - from).abs()).collect();
         let Kind::Arc { plane, centre, clockwise } = self.kind else { return (travel, None) };
@@ -87,8 +87,8 @@ fn length(travel: &[f64], axes: &[usize]) -> f64 {
     axes.iter().map(|&index| travel[index].powi(2)).sum::<f64>().sqrt()
 }
 
-/// Path length: along the feed axes; where none of them moves along the main axes, then along all others. At
-/// least a 1024th of what any axis travels, a 64th beside other feed axes than the main ones.
+/// Path length: along the feed axes; if no feed axis moves, along the main axes, then along all others. The
+/// length is at least a 1024th of the travel of any axis, and a 64th if the feed axes are not the main axes.
 fn path(machine: &Machine, travel: &[f64]) -> f64 {
     let (feed, main) = (machine.feed_axes(), machine.main_axes());
     let all: Vec<usize> = (0..travel.len()).collect();
@@ -100,48 +100,48 @@ fn path(machine: &Machine, travel: &[f64]) -> f64 {
 
 /// The path speed of a block, per second.
 pub struct PathSpeed {
-    /// None in rapid motion.
+    /// Programmed speed; none in rapid motion.
     pub programmed: Option<f64>,
-    /// What the axes allow in its direction.
+    /// Speed that the axes permit in this direction.
     pub limit: f64,
 }
 
 /// A decoded program.
 pub struct Program {
-    /// Where all axes stand at first.
+    /// Start position of all axes.
     pub start: Vec<f64>,
-    /// All blocks that move or wait.
+    /// All blocks with motion or dwell.
     pub segments: Vec<Segment>,
-    /// How many of them move.
+    /// Number of blocks with motion.
     pub motions: usize,
-    /// Remarks of the decoder.
+    /// Warnings of the decoder.
     pub warnings: Vec<Diagnostic>,
-    /// What the program tells the operator.
+    /// Messages of the program to the operator.
     pub messages: Vec<Diagnostic>,
-    /// What each axis may do with the largest weights under which the program moves.
+    /// Limits of each axis with the highest weights of the program's motions.
     pub limits: Vec<Limits>,
-    /// What each axis may do with the weights and the slope of a stretch of the program, stretch by stretch.
+    /// Limits of each axis, for each part of the program with equal weights and slope.
     pub dynamics: Vec<Vec<Limits>>,
-    /// What each axis may do in each of its motions beside the path, in their order.
+    /// Limits of each axis in each of its independent motions, in their order.
     pub limits_beside: Vec<Vec<Limits>>,
-    /// #HSC or #SPLINE: curves go through points, or along them.
+    /// #HSC or #SPLINE: curves through points, or near points.
     pub through_points: bool,
-    /// Curves in corners may have any jerk: CHECK_JERK=0, P-CHAN-00110 = 0.
+    /// Whether jerk in corner curves is not limited: CHECK_JERK=0, P-CHAN-00110 = 0.
     pub free_curves: bool,
-    /// Blocks up to so much path may be left out at a corner: 32 µm, or the largest RELEVANT_PATH, mm.
+    /// Blocks up to this length may be left out at a corner: 32 µm, or the highest RELEVANT_PATH, mm.
     pub relevant: f64,
-    /// Motions of axes beside the path, in the order of the program.
+    /// Independent motions of axes, in the order of the program.
     pub beside: Vec<Told>,
-    /// Some lines are not understood; what is here is the rest.
+    /// Some lines could not be decoded; this program has only the other lines.
     pub refused: bool,
-    /// Motion blocks from which on a transformation is in force, or none (0).
+    /// Motion blocks at which the transformation changes; 0: no transformation.
     pub transformed: Vec<(usize, u16)>,
-    /// Passes of real-time loops, if the program is what a rehearsal has carried out.
+    /// Passes of real-time loops, if a rehearsal made this program.
     pub passes: Option<u32>,
 }
 
 impl Program {
-    /// One without blocks.
+    /// A program without blocks.
     pub fn empty(machine: &Machine) -> Self {
         Self {
             start: vec![0.0; machine.axes.len()],
@@ -168,7 +168,7 @@ impl Program {
         before.last().map_or(0, |(_, id)| *id)
     }
 
-    /// Axes that move beside the path.
+    /// Axes that move independently of the path.
     pub fn axes_beside(&self) -> Vec<usize> {
         let mut axes: Vec<usize> = self.beside.iter().map(|told| told.axis).collect();
         axes.sort_unstable();
@@ -176,14 +176,14 @@ impl Program {
         axes
     }
 
-    /// What the axis with this index may do, on the path or beside it.
+    /// Limits of the axis with this index, on the path or independently.
     pub fn allowed_anywhere(&self, axis: usize, machine: &Machine) -> Limits {
         let beside = self.limits_beside.get(axis).into_iter().flatten();
         beside.fold(self.allowed(axis, machine), |allowed, beside| allowed.or(*beside))
     }
 
-    /// What the resolution of the path adds to the motion of every axis on it. Beside the axes that measure
-    /// the path a curve through points is steeper than its chords in places: so much steeper at most.
+    /// Effect of the path's resolution on the motion of every axis. For axes that do not measure the path, a
+    /// curve through points may be steeper than its chords; the value includes the highest possible factor.
     pub fn resolution(&self, machine: &Machine) -> Vec<Resolution> {
         let rounds = self.through_points || self.segments.iter().any(|segment| segment.smoothed);
         let feed = machine.feed_axes();
@@ -199,13 +199,13 @@ impl Program {
         all
     }
 
-    /// What the axis with this index may do in a block.
+    /// Limits of the axis with this index in a block.
     fn allowed_in(&self, segment: &Segment, axis: usize, machine: &Machine) -> Limits {
         let dynamics = self.dynamics.get(segment.dynamics as usize).and_then(|axes| axes.get(axis));
         dynamics.copied().unwrap_or_else(|| self.allowed(axis, machine))
     }
 
-    /// What the axis with this index may do somewhere on the path.
+    /// Limits of the axis with this index anywhere on the path.
     pub fn allowed(&self, axis: usize, machine: &Machine) -> Limits {
         self.limits
             .get(axis)
@@ -213,20 +213,20 @@ impl Program {
             .unwrap_or_else(|| limits(&machine.axes[axis].planned(&machine.channel), machine.slope()))
     }
 
-    /// The blocks that move, each with where it begins: where a transformation changes, that is another place than
-    /// the end of the block before.
+    /// The blocks with motion, each with its start. After a change of the transformation the start differs
+    /// from the end of the block before.
     pub fn steps(&self) -> impl Iterator<Item = (&[f64], &Segment)> {
         let starts = std::iter::once(&self.start).chain(self.segments.iter().map(|segment| &segment.end));
         let steps = starts.map(Vec::as_slice).zip(&self.segments);
         steps.filter(|(_, segment)| !matches!(segment.kind, Kind::Dwell(_)))
     }
 
-    /// The blocks that move.
+    /// The blocks with motion.
     pub fn motions(&self) -> impl Iterator<Item = &Segment> {
         self.segments.iter().filter(|segment| !matches!(segment.kind, Kind::Dwell(_)))
     }
 
-    /// Of every motion, whether a standstill at its end is programmed, also by a dwell behind it.
+    /// For each motion, whether the program demands a standstill at its end, also by a following dwell.
     pub fn stops(&self) -> Vec<bool> {
         let mut stops: Vec<bool> = Vec::with_capacity(self.motions);
         for segment in &self.segments {
@@ -257,21 +257,22 @@ impl Program {
         speeds
     }
 
-    /// The feed of a block that begins at `start` along the main axes, mm/min: the programmed one counts
-    /// along the feed axes. Where no main axis moves, that.
+    /// The feed of a block from `start` along the main axes, mm/min. The programmed feed refers to the feed
+    /// axes. If no main axis moves, the programmed feed is returned.
     pub fn feed_in_space(machine: &Machine, start: &[f64], segment: &Segment) -> Option<f64> {
         let (travel, _) = segment.travel(start);
         let (space, path) = (length(&travel, &machine.main_axes()), path(machine, &travel));
         segment.feed.map(|feed| if space > 0.0 && space != path { feed * (space / path) } else { feed })
     }
 
-    /// The path speed that the axes allow: their speeds, and on an arc the acceleration towards its centre.
+    /// The path speed that the axes permit: by their speed limits, and on an arc by the acceleration towards
+    /// its centre.
     fn limit(&self, machine: &Machine, start: &[f64], segment: &Segment) -> f64 {
         let (mut travel, arc) = segment.travel(start);
         let path = path(machine, &travel);
         let mut limit = f64::INFINITY;
         if let Some(Turn { plane, radius, along }) = arc {
-            // At some point, or nearly, this axis too has all of the speed.
+            // Near some point of the arc, this axis moves with the whole path speed.
             travel[plane[1]] = along;
             for axis in plane {
                 let allowed = self.allowed_in(segment, axis, machine);
@@ -288,7 +289,7 @@ impl Program {
         speeds.fold(limit, f64::min)
     }
 
-    /// Up to three axes that show best what moves: the main axes, or others where no main axis moves.
+    /// Up to three axes for the picture: the main axes, or others if no main axis moves.
     pub fn shown_axes(&self, machine: &Machine) -> Vec<usize> {
         let main = machine.main_axes();
         let moves = |axis: &usize| self.motions().any(|segment| segment.end[*axis] != self.start[*axis]);
@@ -300,7 +301,7 @@ impl Program {
         if others.is_empty() { main } else { others }
     }
 
-    /// All axes that move; the main axes where there are none.
+    /// All axes that move, or the main axes if no axis moves.
     pub fn moving_axes(&self, machine: &Machine) -> Vec<usize> {
         let moves = |axis: &usize| {
             self.motions().any(|segment| match segment.kind {

@@ -1,8 +1,8 @@
-//! A rehearsal: takes a program that depends on what happens outside of it, and gives the blocks that a run has.
+//! A rehearsal: simulates a program that depends on outside values, and returns the blocks of the run.
 //!
-//! How often a real-time loop repeats, and what a program does that asks for a variable, is known when the motion is there.
-//! The rehearsal drives the program as a run does, with the same events and the same PLC, and collects each command that is
-//! carried out. A run is deterministic: the next one has the same blocks.
+//! The number of passes of a real-time loop, and the effect of a variable, are known only during the motion.
+//! The rehearsal simulates the program with the same events and the same PLC, and collects each carried-out
+//! command. A run is deterministic, so the next run has the same blocks.
 use super::Program;
 use super::decode::Reading;
 use super::repeats::Repeats;
@@ -22,7 +22,7 @@ use glidepath::quantity::Position;
 use glidepath::tick::State;
 use std::cell::Cell;
 
-/// What happens around the program.
+/// The surroundings of the program.
 #[derive(Clone, Copy, Default)]
 pub struct Around<'a> {
     /// Events from outside.
@@ -31,11 +31,11 @@ pub struct Around<'a> {
     pub acknowledge: Delay,
     /// The PLC.
     pub plc: Option<&'a plc::Script>,
-    /// Commands of lines that were carried out before, at most.
+    /// Highest number of commands of repeated lines.
     pub limit: u64,
 }
 
-/// Drives the program to its end, or until it stands still for ever.
+/// Simulates the program to its end, or until the axes stand still for ever.
 ///
 /// # Errors
 /// A line is refused; a loop or the program does not end.
@@ -82,7 +82,7 @@ fn rehearse_axes<const AXES: usize>(
     stage.drive(handles, &late)
 }
 
-/// The rehearsal at hand.
+/// The current rehearsal.
 struct Stage<'a, const AXES: usize> {
     reading: Reading<'a, AXES>,
     files: &'a Files,
@@ -95,14 +95,14 @@ struct Stage<'a, const AXES: usize> {
     warned: Warned,
     /// Loops that were left out.
     skipped: Vec<Place>,
-    /// Where the loop that was read last begins, and whether a pass of it is still to come.
+    /// Start of the loop that was read last, and whether a pass of this loop will follow.
     loop_at: Option<(Head, bool)>,
-    /// Passes decided on.
+    /// Number of passes decided on.
     passes: u32,
     tick: u64,
 }
 
-/// Ticks without anything to do, and ticks at rest in a hold, after which nothing follows.
+/// Ticks without work, and ticks at standstill in a hold, after which the rehearsal ends.
 const IDLE: u64 = 1000;
 const HELD: u64 = 1_000_000;
 
@@ -143,7 +143,7 @@ impl<const AXES: usize> Stage<'_, AXES> {
             (idle, self.tick) = (0, self.tick + 1);
             self.put_out(&operator);
             rest = if is_idle { rest + 1 } else { 0 };
-            // The run tells why nothing follows.
+            // The run reports the reason.
             let unanswered = waiting
                 && is_idle
                 && operator
@@ -160,7 +160,7 @@ impl<const AXES: usize> Stage<'_, AXES> {
         Ok(program)
     }
 
-    /// The planner works until it waits. Whether all is planned.
+    /// Calls the planner until it waits. Returns whether all motion is planned.
     fn plan(&mut self, planner: &mut Planning<'_, AXES>) -> Result<bool, Vec<Diagnostic>> {
         loop {
             let progress = planner.poll();
@@ -204,7 +204,7 @@ impl<const AXES: usize> Stage<'_, AXES> {
         Ok(())
     }
 
-    /// A loop that the flag has not let in.
+    /// A loop that was left out because its flag was false.
     fn left_out(&mut self) {
         if let Some((head, true)) = self.loop_at.take_if(|(_, is_first)| *is_first) {
             let message = "the real-time loop is left out: V.RTG.LOOP.ENABLED is false";

@@ -1,28 +1,29 @@
-//! What makes a program endless: how often lines are carried out again.
+//! Detects endless programs: counts commands of lines that are carried out again.
 use glidepath::nc::Place;
 
 /// More commands than one line can have.
 const LINE: u32 = 64;
 
-/// Counts the commands of lines that were carried out before: what makes a program endless, however long it is.
+/// Counts the commands of repeated lines, so that a program counts as endless by its repeats and not by its
+/// length.
 #[derive(Default)]
 pub struct Repeats {
-    /// Offsets of the commands so far, a bit for each byte of a file: an eighth of its text.
+    /// Offsets of the commands so far, one bit per byte of a file: an eighth of its text.
     seen: Vec<Vec<u64>>,
     last: Option<(u16, u32)>,
-    /// The line at hand is carried out for the first time.
+    /// Whether the current line is carried out for the first time.
     is_new: bool,
-    /// Commands of the place at hand, one behind the other.
+    /// Number of consecutive commands at the current place.
     row: u32,
     count: u64,
 }
 
 impl Repeats {
-    /// Takes in a command; how many are repeated up to now.
+    /// Records a command. Returns the number of repeated commands so far.
     pub fn add(&mut self, place: Place) -> u64 {
         let here = (place.file, place.offset);
         if self.last == Some(here) {
-            // Either of one line, or of a loop of one line.
+            // Either commands of one line, or of a loop of one line.
             self.row += 1;
         } else {
             (self.last, self.row) = (Some(here), 1);
@@ -32,7 +33,7 @@ impl Repeats {
         self.count
     }
 
-    /// Whether no command of that place came before.
+    /// Whether this is the first command at this place.
     fn mark(&mut self, (file, offset): (u16, u32)) -> bool {
         let (file, word, bit) = (usize::from(file), offset as usize / 64, 1_u64 << (offset % 64));
         if self.seen.len() <= file {

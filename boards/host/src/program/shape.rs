@@ -1,4 +1,4 @@
-//! The contour as lines: arcs in chords, stretches of feed and of rapid motion.
+//! The contour as lines: arcs as chords, parts at feed and parts in rapid motion.
 use super::{Kind, Program};
 
 impl Program {
@@ -30,13 +30,13 @@ impl Program {
     }
 }
 
-/// A part of the contour, all of it rapid motion or none.
+/// A part of the contour, either in rapid motion or at feed.
 pub struct Stretch {
     pub rapid: bool,
     pub line: Vec<[f64; 3]>,
 }
 
-/// Signed angle of an arc; a whole turn where start and end are one point.
+/// Signed angle of an arc; a whole turn if start and end are equal.
 pub fn sweep(start: [f64; 2], end: [f64; 2], centre: [f64; 2], clockwise: bool) -> f64 {
     let angle = |point: [f64; 2]| (point[1] - centre[1]).atan2(point[0] - centre[0]);
     let turn = std::f64::consts::TAU;

@@ -1,4 +1,4 @@
-//! Remarks and refusals of the library as messages with their place in the text.
+//! Warnings and refusals of the library as messages with their place in the text.
 use crate::diagnose::Diagnostic;
 use crate::files::Files;
 use glidepath::channel::Error;
@@ -11,12 +11,12 @@ pub fn place(diagnostic: Diagnostic, files: &Files, place: Place) -> Diagnostic 
     })
 }
 
-/// What the decoder refused.
+/// A refusal of the decoder.
 fn refused(files: &Files, error: &NcError) -> Diagnostic {
     explained(files, error.place, &error.to_string(), id(error.kind.id()))
 }
 
-/// What was expected stands beside the caret.
+/// The expected word stands next to the caret.
 fn explained(files: &Files, at: Place, text: &str, id: String) -> Diagnostic {
     let split = text.find(" expected ").map(|at| text.split_at(at));
     match split {
@@ -28,27 +28,27 @@ fn explained(files: &Files, at: Place, text: &str, id: String) -> Diagnostic {
     }
 }
 
-/// ISG's number of a message, where it has one.
+/// ISG's number of a message, if it has one.
 fn id(number: u32) -> String {
     if number == 0 { String::new() } else { number.to_string() }
 }
 
-/// What the decoder or the planner remarked.
+/// A warning of the decoder or the planner.
 pub fn remark(files: &Files, warning: &NcWarning) -> Diagnostic {
     place(Diagnostic::warning(warning.to_string()).id(id(warning.id())), files, warning.place)
 }
 
-/// What the planner refused.
+/// A refusal of the planner.
 pub fn refusal(files: &Files, error: &Error) -> Diagnostic {
     match error {
         Error::Nc(error) => refused(files, error),
         Error::ReducedTooSlow | Error::Unplannable => Diagnostic::error(error.to_string()),
-        // All others have a place.
+        // All other refusals have a place.
         _ => explained(files, error.place(), &error.to_string(), id(error.id())),
     }
 }
 
-/// Remarks that were made. Lines of loops and subroutines run again: one remark is enough.
+/// Warnings that were already given. Lines of loops and subroutines run again, so each warning is given once.
 #[derive(Default)]
 pub struct Warned(HashSet<(u16, u32, String)>);
 
@@ -65,7 +65,7 @@ pub fn endless(files: &Files, at: Place, limit: u64) -> Diagnostic {
     place(Diagnostic::error(message), files, at).expected("expected an end; --max-commands N allows for more")
 }
 
-/// What a comment tells the operator.
+/// A comment of the program for the operator.
 pub fn message(files: &Files, head: &Head) -> Diagnostic {
     let text = files.with(head.place.file, |source| {
         let from = head.place.offset as usize;

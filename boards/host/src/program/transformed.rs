@@ -1,4 +1,4 @@
-//! The transformation of the program as decoded: where it changes, positions are others.
+//! The transformation of the decoded program: a change of the transformation changes positions.
 use super::decode::numbers;
 use super::{Kind, Program, Segment};
 use crate::tolerance::Tolerance;
@@ -6,7 +6,7 @@ use glidepath::kinematics::Kinematic;
 use glidepath::nc::{Head, Kinematics};
 use glidepath::quantity::Position;
 
-/// The selection of a program. What is refused here the planner tells.
+/// The selection of a program. The planner reports refusals.
 pub(super) struct Switch<'a> {
     pub(super) sets: &'a [Kinematic],
     pub(super) selected: u16,
@@ -14,7 +14,7 @@ pub(super) struct Switch<'a> {
 }
 
 impl Switch<'_> {
-    /// A command: the transformation in force and where the program stands, if they change.
+    /// Handles a command. Returns the active transformation and the position, if they change.
     pub(super) fn take<const AXES: usize>(
         &mut self,
         command: Kinematics,
@@ -42,7 +42,7 @@ impl Switch<'_> {
 }
 
 impl Program {
-    /// The transformation changes, and positions are others from now on.
+    /// The transformation changes, and with it all later positions.
     pub(super) fn transform(&mut self, head: &Head, at: &[Position], id: u16) {
         self.transformed.push((self.motions, id));
         self.stop();

@@ -1,7 +1,7 @@
-//! `--report`: a page that shows a run, complete in one file. It opens in a browser without a network.
+//! `--report`: a page that shows a run, in one file. A browser opens the page without a network.
 //!
-//! The page holds the summary, the program text, the programmed contour and every tick. Numbers stand in columns of
-//! differences, compressed and in base64; the page adds them up.
+//! The page contains the summary, the program text, the programmed contour and every tick. Numbers are
+//! columns of differences, compressed and in base64; the page adds the differences up.
 
 mod tape;
 
@@ -34,7 +34,7 @@ const PLOT_STYLE: &str = include_str!("vendor/uPlot.min.css");
 const PLOT_SCRIPT: &str = include_str!("vendor/uPlot.iife.min.js");
 const PLOT_LICENCE: &str = include_str!("vendor/LICENSE-uPlot");
 
-/// What the page shows.
+/// The data of the page.
 pub struct Scene<'a> {
     pub files: &'a Files,
     pub machine: &'a Machine,
@@ -52,7 +52,7 @@ pub fn page(scene: &Scene<'_>) -> String {
     let text = scene.files.main.text.as_slice();
     let text = String::from_utf8_lossy(text);
     let facts = facts.to_string().replace('<', "\\u003c");
-    // One pass each: what is filled in is not searched again.
+    // Each place holder is filled in one pass, so that inserted text is not searched again.
     let parts: [(&str, &str); 8] = [
         ("{{title}}", &escape(&scene.files.main.name)),
         ("{{plot-licence}}", &PLOT_LICENCE.replace("-->", "")),
@@ -74,7 +74,7 @@ pub fn page(scene: &Scene<'_>) -> String {
     page + &rest.replace("{{script}}", SCRIPT)
 }
 
-/// All that is no column; the columns go to `columns` in the order of `"columns"`.
+/// All data except columns; the columns go to `columns` in the order of `"columns"`.
 fn describe(scene: &Scene<'_>, columns: &mut Columns) -> Value {
     let Scene { machine, program, statistics, tape, .. } = scene;
     let shown = program.shown_axes(machine);
@@ -105,7 +105,7 @@ fn describe(scene: &Scene<'_>, columns: &mut Columns) -> Value {
         let ends: Vec<i32> = motions.iter().map(|motion| steps(motion.end[axis])).collect();
         columns.differences(["bx", "by", "bz"][dimension], &ends);
     }
-    // Lines of called files are not in the text shown.
+    // Lines of called files are not in the shown text.
     let line = |place: glidepath::nc::Place| if place.file == 0 { place.line } else { 0 };
     columns.numbers("line", motions.iter().map(|motion| line(motion.place)));
     columns.numbers("n", motions.iter().map(|motion| motion.n));
@@ -138,11 +138,11 @@ fn describe(scene: &Scene<'_>, columns: &mut Columns) -> Value {
     })
 }
 
-/// Columns of numbers, one behind the other, little-endian.
+/// Columns of numbers, one after the other, little-endian.
 #[derive(Default)]
 struct Columns {
     bytes: Vec<u8>,
-    /// Name, kind (`i4` and `i2`: differences; `u4`: as they are), count.
+    /// Name, kind (`i4` and `i2`: differences; `u4`: values), count.
     names: Vec<(String, &'static str, usize)>,
 }
 
@@ -225,7 +225,7 @@ mod tests {
         let found: Vec<&str> =
             TEMPLATE.split("{{").skip(1).filter_map(|part| part.split("}}").next()).collect();
         assert_eq!(found, marks);
-        // Nothing ends a script early, and nothing asks a network.
+        // No text ends a script early, and the page requests nothing from a network.
         for script in [SCRIPT, PLOT_SCRIPT] {
             assert!(!script.contains("</script"));
         }

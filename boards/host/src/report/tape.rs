@@ -1,15 +1,16 @@
-//! Records every tick of a run for the page: path speed, set points, and what each axis does in percent of what is
-//! permitted there. Beyond [`MOST`] samples every second one is left out, and the larger value of both stays.
+//! Records every tick of a run for the page: path speed, set points, and the motion of each axis in percent
+//! of its limits. Above [`MOST`] samples every second sample is dropped, and the larger value of both is
+//! kept.
 use crate::filtered::Filtered;
 use crate::machine::Machine;
 use crate::statistics::Statistics;
 use glidepath::quantity::Position;
 use glidepath::tick::Telemetry;
 
-/// Samples kept at most.
+/// Highest number of samples.
 const MOST: usize = 1 << 21;
 
-/// Length that a set point counts in the page: mm or degrees.
+/// LSB of a set point in the page: mm or degrees.
 pub const STEP: f64 = 1e-4;
 
 /// A recorded run, column by column.
@@ -20,11 +21,11 @@ pub struct Tape {
     pub speed: Vec<i32>,
     /// By axis: set point, [`STEP`].
     pub path: Vec<Vec<i32>>,
-    /// By axis: set point behind its filter, [`STEP`]; empty without filters.
+    /// By axis: set point after the filter, [`STEP`]; empty without filters.
     pub filtered: Vec<Vec<i32>>,
-    /// By axis, then speed, acceleration, jerk: per mille of what is permitted, with the sign.
+    /// By axis, then speed, acceleration, jerk: in thousandths of the limit, signed.
     pub share: Vec<Vec<i16>>,
-    /// Samples that enter another motion block, and that block.
+    /// Samples at which another motion block begins, and this block.
     pub entries: Vec<[u32; 2]>,
     cycle_s: f64,
 }
@@ -50,7 +51,7 @@ impl Tape {
         }
     }
 
-    /// Takes in a row: set points before and behind the filters.
+    /// Records a row: set points before and after the filters.
     pub fn add(&mut self, telemetry: &Telemetry, [path, drives]: [&[Position]; 2], seen: &Statistics) {
         let tick = seen.ticks - 1;
         let mut shares = Vec::with_capacity(self.share.len());
@@ -95,7 +96,7 @@ impl Tape {
         }
     }
 
-    /// Every second sample goes.
+    /// Drops every second sample.
     fn halve(&mut self) {
         self.stride *= 2;
         let half = |column: &mut Vec<i32>| *column = column.iter().copied().step_by(2).collect();

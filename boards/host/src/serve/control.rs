@@ -6,7 +6,7 @@ use std::net::{Ipv4Addr, TcpListener, TcpStream};
 /// Bytes of the longest line.
 const LINE_BYTES: usize = 200;
 
-/// Who is connected at a time, at most.
+/// Highest number of connected clients.
 const CLIENTS: usize = 8;
 
 /// The port.
@@ -34,7 +34,7 @@ impl Control {
         Ok(format!("control {}", self.listener.local_addr()?))
     }
 
-    /// Carries out what was sent; each line is answered with `ok` or `error: …`.
+    /// Carries out received lines; each line is answered with `ok` or `error: …`.
     pub fn serve(&mut self, inputs: &mut Inputs) {
         if let Ok((stream, _)) = self.listener.accept()
             && self.clients.len() < CLIENTS
@@ -45,7 +45,7 @@ impl Control {
         self.clients.retain_mut(|(stream, line)| Self::talk(stream, line, inputs));
     }
 
-    /// Whether the client stays.
+    /// Whether the client stays connected.
     fn talk(stream: &mut TcpStream, line: &mut Vec<u8>, inputs: &mut Inputs) -> bool {
         let mut bytes = [0; LINE_BYTES];
         let count = match stream.read(&mut bytes) {

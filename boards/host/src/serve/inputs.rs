@@ -1,26 +1,26 @@
-//! Inputs of the simulated machine: limit switches, a probe, and what is pressed by hand.
+//! Inputs of the simulated machine: limit switches, a probe, and inputs that the user presses.
 //!
-//! Each axis has a switch at either end, wired to one input as on most machines. Switches and the plate of the probe
-//! stand at true places; homing changes the coordinates of the axes, and leaves the places alone.
+//! Each axis has a switch at each end, both wired to one input, as on most machines. Switches and the plate
+//! of the probe have true positions. Homing changes the coordinates of the axes, but not the true positions.
 use super::AXES;
 use glidepath::machine::{AxisName, MachineData, NO_LIMIT};
 use glidepath::quantity::Position;
 use glidepath_controller::Signals;
 use glidepath_controller::machine::{Latch, between};
 
-/// A switch opens again so far in front of the place where it closed: 20 µm.
+/// Hysteresis: a switch opens 20 µm before the position at which it closed.
 const HYSTERESIS: f64 = 0.020;
 
-/// Way between a software limit and its switch, mm.
+/// Distance between a software limit and its switch, mm.
 const BEYOND: f64 = 1.0;
 
-/// Half of the way between the switches of an axis without software limits, mm.
+/// Half the distance between the switches of an axis without software limits, mm.
 const HALF_TRAVEL: f64 = 100.0;
 
-/// Parts of a tick in which an edge is looked for.
+/// Number of parts of a tick in which an edge is searched.
 const SLOTS: u16 = 50;
 
-/// A switch that closes beyond a true place.
+/// A switch that closes beyond a true position.
 #[derive(Clone, Copy)]
 struct Switch {
     at: Position,
@@ -33,7 +33,7 @@ impl Switch {
         Self { at: Position::saturating_from_num(at), is_above, is_closed: false }
     }
 
-    /// Whether it is closed at a true place.
+    /// Whether the switch is closed at a true position.
     fn shows(&self, place: Position) -> bool {
         let beyond =
             if self.is_above { place.saturating_sub(self.at) } else { self.at.saturating_sub(place) };
@@ -41,22 +41,22 @@ impl Switch {
     }
 }
 
-/// All of them.
+/// All inputs of the machine.
 pub struct Inputs {
     names: [AxisName; AXES],
     ends: [[Switch; 2]; AXES],
-    /// Closes where the third axis comes down to it.
+    /// The probe closes where the third axis reaches this height from above.
     plate: Option<Switch>,
-    /// True place minus machine coordinate.
+    /// True position minus machine coordinate.
     shift: [Position; AXES],
-    /// Held by hand.
+    /// Inputs that the user holds pressed.
     pressed: Signals,
-    /// As of the last tick.
+    /// Inputs at the last tick.
     shown: Signals,
 }
 
 impl Inputs {
-    /// Of a machine that stands at machine coordinate 0. `plate`: height of the probe's plate, mm.
+    /// Inputs of a machine at machine coordinate 0. `plate`: height of the probe's plate, mm.
     pub fn new(machine: &MachineData<AXES>, plate: Option<f64>) -> Self {
         let ends = machine.axes.each_ref().map(|axis| {
             // 0.1 µm
@@ -78,7 +78,7 @@ impl Inputs {
         }
     }
 
-    /// What the inputs show where the axes have these machine coordinates.
+    /// The inputs when the axes have these machine coordinates.
     fn at(&self, position: &[Position; AXES]) -> Signals {
         let mut signals = self.pressed;
         let places = position.iter().zip(&self.shift).map(|(at, shift)| at.saturating_add(*shift));
@@ -93,7 +93,7 @@ impl Inputs {
         signals
     }
 
-    /// Switches that have closed stay so within their hysteresis.
+    /// Switches that have closed stay closed within their hysteresis.
     fn keep(&mut self, position: &[Position; AXES]) {
         for ((at, shift), (ends, axis)) in position.iter().zip(&self.shift).zip(self.ends.iter_mut().zip(0..))
         {
@@ -105,7 +105,8 @@ impl Inputs {
         }
     }
 
-    /// A tick from one set point to the next. An edge inside it is latched at its part of the tick.
+    /// Handles a tick from one set point to the next. An edge inside the tick is latched at its part of the
+    /// tick.
     pub fn tick(&mut self, from: &[Position; AXES], to: &[Position; AXES], latch: &mut Latch<AXES>) {
         let signals = self.at(to);
         if signals != self.shown {
@@ -119,14 +120,14 @@ impl Inputs {
         self.keep(to);
     }
 
-    /// The axes stand where they stood, and have other coordinates.
+    /// The axes keep their true positions, and have other coordinates.
     pub fn relocate(&mut self, from: &[Position; AXES], to: &[Position; AXES]) {
         for ((shift, from), to) in self.shift.iter_mut().zip(from).zip(to) {
             *shift = shift.saturating_add(from.saturating_sub(*to));
         }
     }
 
-    /// Inputs that have no latch: door, hold, reset, start.
+    /// Inputs without a latch: door, hold, reset, start.
     pub const fn others(&self) -> Signals {
         let latched = Signals::PROBE.0 | 0xff;
         Signals(self.pressed.0 & !latched)
@@ -150,7 +151,7 @@ impl Inputs {
     /// Carries out `press INPUT`, `release INPUT`, `plate MM` or `plate off`.
     ///
     /// # Errors
-    /// What is wrong, and what was expected.
+    /// The error, and the expected text.
     pub fn command(&mut self, text: &str) -> Result<(), String> {
         let words: Vec<&str> = text.split_whitespace().collect();
         match words.as_slice() {
@@ -188,7 +189,7 @@ impl Inputs {
     }
 }
 
-/// Inputs beside the limit switches.
+/// Inputs other than the limit switches.
 const BY_HAND: [(&str, Signals); 5] = [
     ("probe", Signals::PROBE),
     ("door", Signals::DOOR),

@@ -4,8 +4,9 @@ use std::io::{self, Write};
 use std::path::Path;
 use std::time::Instant;
 
-/// The file. A row is `SECONDS > BYTES` for what a sender sent, `SECONDS < BYTES` for what it got: printable bytes as they
-/// are, `\r`, `\n`, `\xNN` and `\\` for the others. Rows are as the bytes came and went, not lines of the protocol.
+/// The log file. A row is `SECONDS > BYTES` for bytes from the sender, and `SECONDS < BYTES` for bytes to the
+/// sender. Printable bytes are written unchanged, other bytes as `\r`, ` `, `\xNN` and `\\`. Rows are pieces
+/// of the stream, not lines of the protocol.
 pub struct Log {
     file: File,
     begun: Instant,
@@ -20,7 +21,7 @@ impl Log {
         Ok(Self { file: File::create(path)?, begun: Instant::now() })
     }
 
-    /// A row; no bytes, no row.
+    /// Writes a row; without bytes there is no row.
     ///
     /// # Errors
     /// The file cannot be written.

@@ -1,8 +1,7 @@
-//! `glidepath serve`: a controller on the desktop that a sender can talk to, over TCP on this machine or a pseudo
-//! terminal.
+//! `glidepath serve`: a controller on the PC for a sender, over TCP on this computer or a pseudo terminal.
 //!
-//! The protocol is [`glidepath_controller`]'s. Behind it run the planner and the interrupt of the library, in real time or
-//! faster. A sender is connected to one of them at a time.
+//! The protocol is that of [`glidepath_controller`]. Planner and interrupt of the library run in real time or
+//! faster. One sender is connected at a time.
 mod control;
 mod inputs;
 mod log;
@@ -26,7 +25,7 @@ use std::io;
 use std::time::{Duration, Instant};
 pub use wire::Wire;
 
-/// Axes that it is built for.
+/// Number of axes of this build.
 pub const AXES: usize = 3;
 
 /// Blocks of look-ahead.
@@ -35,29 +34,29 @@ const BLOCKS: usize = 120;
 /// Bytes of the serial input.
 const BUFFER: usize = 1024;
 
-/// How it runs.
+/// Options of the run.
 pub struct Options {
-    /// Times as fast as real time.
+    /// Factor of the speed, relative to real time.
     pub speed: u32,
-    /// It ends when its sender has gone.
+    /// The command ends when its sender has left.
     pub once: bool,
     /// Height of the probe's plate, mm.
     pub plate: Option<f64>,
 }
 
-/// What it is connected to.
+/// The connections.
 pub struct Lines {
     /// The sender.
     pub wire: Wire,
-    /// Who presses inputs.
+    /// Clients that press inputs.
     pub control: Option<Control>,
-    /// Who looks, and presses inputs.
+    /// Browsers that show the page and press inputs.
     pub page: Option<Page>,
-    /// Every byte.
+    /// The log of every byte.
     pub log: Option<Log>,
 }
 
-/// Ticks that go by before senders are looked after again.
+/// Ticks between two checks of the connections.
 const TICKS_PER_TURN: u64 = 200;
 
 /// Planner and operator of this build.
@@ -66,7 +65,7 @@ type Mill<'a> = Machine<'a, AXES, BLOCKS, AXES>;
 /// The timer interrupt of this build.
 type Ticks<'a> = Interpolator<'a, AXES, Unfiltered, AXES>;
 
-/// What outlives a change of the settings.
+/// Data that stay when settings change.
 struct Desk<'a> {
     options: &'a Options,
     lines: &'a mut Lines,
@@ -111,7 +110,8 @@ pub fn run(machine: &MachineData<AXES>, lines: &mut Lines, options: &Options) ->
 }
 
 impl Desk<'_> {
-    /// Runs with these machine data. What the next machine needs, if settings ask for one; `None`: the sender has gone.
+    /// Runs with these machine data. Returns the state for the next machine, if settings need one; `None`:
+    /// the sender has left.
     fn serve(
         &mut self,
         data: &MachineData<AXES>,
@@ -142,7 +142,7 @@ impl Desk<'_> {
                 self.tick(&mut interpolator, machine.is_relocating());
                 machine.service(&self.latch);
                 if self.latch.signals() != shown {
-                    // A limit switch acts in the tick that sees it, however fast the simulation is.
+                    // A limit switch acts in its tick, also in a fast simulation.
                     shown = self.poll(&mut machine, now_ms);
                 }
             }
@@ -164,7 +164,7 @@ impl Desk<'_> {
         }
     }
 
-    /// A look of the controller at everything. The latched inputs that it saw.
+    /// One call of the controller. Returns the latched inputs of the call.
     fn poll(&mut self, machine: &mut Mill<'_>, now_ms: u32) -> Signals {
         let signals = self.latch.signals().and(self.inputs.others());
         let look = Look { now_ms, signals, motion: machine, store: &mut () };
@@ -192,7 +192,7 @@ impl Desk<'_> {
         self.ticks += 1;
     }
 
-    /// What the page shows.
+    /// The data for the page.
     fn show(&mut self, machine: &Mill<'_>) {
         let Some(page) = &mut self.lines.page else { return };
         let signals = self.latch.signals().and(self.inputs.others());
@@ -210,7 +210,7 @@ impl Desk<'_> {
         });
     }
 
-    /// What the line takes of the answers.
+    /// Sends as many bytes of the answers as possible.
     fn write(&mut self) -> io::Result<()> {
         let before = self.lines.log.is_some().then(|| self.out.clone());
         self.lines.wire.write(&mut self.out)?;
@@ -220,8 +220,8 @@ impl Desk<'_> {
         Ok(())
     }
 
-    /// What the sender has sent, as much as finds room: the rest stays with its side of the line. Whether there was
-    /// something.
+    /// Reads as many bytes from the sender as there is room for. The rest stays with the connection. Returns
+    /// whether bytes were read.
     fn receive(&mut self) -> io::Result<bool> {
         let mut bytes = [0; 256];
         let room = self.receiver.room().min(bytes.len());
@@ -237,7 +237,7 @@ impl Desk<'_> {
     }
 }
 
-/// Answers that wait for the wire.
+/// Answers that wait for the connection.
 struct Text<'a>(&'a mut Vec<u8>);
 
 impl glidepath_controller::io::ErrorType for Text<'_> {

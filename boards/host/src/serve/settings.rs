@@ -1,17 +1,17 @@
-//! Settings and offsets that a machine file stands for.
+//! Settings and offsets from a machine file.
 use super::AXES;
 use glidepath::machine::{MachineData, NO_LIMIT};
 use glidepath::nc::{Setup, StoredOffsets};
 use glidepath::quantity::Position;
 use glidepath_controller::{AxisSettings, Settings};
 
-/// Travel where the machine file has no software limits, 0.001 mm.
+/// Travel if the machine file has no software limits, 0.001 mm.
 const TRAVEL: u32 = 200_000;
 
-/// Counts per mm, in thousandths: machine data of steps are not part of the file.
+/// Counts per mm, in thousandths; the machine data of steps are not used here.
 const COUNTS: u32 = 80_000;
 
-/// What `$$` shows: the machine data.
+/// The settings that `$$` shows, from the machine data.
 pub fn of_machine(machine: &MachineData<AXES>) -> Settings<AXES> {
     let mut settings = Settings::new();
     settings.soft_limits =
@@ -30,7 +30,7 @@ pub fn of_machine(machine: &MachineData<AXES>) -> Settings<AXES> {
     settings
 }
 
-/// Zero offsets and places of the file.
+/// Zero offsets and stored positions of the file.
 pub fn stored(machine: &MachineData<AXES>) -> StoredOffsets<AXES> {
     let setup = Setup::new(machine, [Position::ZERO; AXES]);
     let mut stored = StoredOffsets::ZERO;

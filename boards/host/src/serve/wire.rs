@@ -2,15 +2,15 @@
 use std::io::{self, ErrorKind, Read, Write};
 use std::net::{Ipv4Addr, TcpListener, TcpStream};
 
-/// Where a sender connects.
+/// The connection for a sender.
 pub enum Wire {
     /// TCP.
     Tcp {
         /// Waits for senders.
         listener: TcpListener,
-        /// The one that is connected.
+        /// The connected sender.
         sender: Option<TcpStream>,
-        /// One was connected, and has gone.
+        /// Whether a sender was connected and has left.
         has_gone: bool,
     },
     /// A pseudo terminal.
@@ -38,7 +38,7 @@ impl Wire {
         Ok(Self::Pty(pty::Pty::new()?))
     }
 
-    /// What a sender has to be told.
+    /// The text that a sender needs for its connection.
     ///
     /// # Errors
     /// The system does not know it.
@@ -50,7 +50,7 @@ impl Wire {
         }
     }
 
-    /// Whether a sender was there and is not any more.
+    /// Whether a sender was connected and has left.
     pub fn has_gone(&self) -> bool {
         match self {
             Self::Tcp { has_gone, .. } => *has_gone,
@@ -59,12 +59,12 @@ impl Wire {
         }
     }
 
-    /// Takes senders in. A second one is told and sent away.
+    /// Accepts senders. A second sender gets a message and is disconnected.
     fn accept(&mut self) -> io::Result<()> {
         let Self::Tcp { listener, sender, .. } = self else { return Ok(()) };
         match listener.accept() {
             Ok((mut stream, _)) if sender.is_some() => {
-                // It may have gone already.
+                // The client may have left already.
                 let _ = stream.write_all(b"[MSG:another sender is connected]\r\n");
             }
             Ok((stream, _)) => {
@@ -84,10 +84,10 @@ impl Wire {
         }
     }
 
-    /// Bytes that are there, none if there are none.
+    /// Returns the received bytes.
     ///
     /// # Errors
-    /// The connection itself fails; a sender that goes is none.
+    /// The connection fails; a sender that leaves is no error.
     pub fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
         self.accept()?;
         if bytes.is_empty() {
@@ -108,7 +108,7 @@ impl Wire {
         Ok(0)
     }
 
-    /// Writes what the line takes, and leaves the rest. Without a sender everything is dropped.
+    /// Writes as many bytes as possible, and keeps the rest. Without a sender all bytes are dropped.
     ///
     /// # Errors
     /// As [`Self::read`].
@@ -149,7 +149,7 @@ mod pty {
     /// Both ends.
     pub struct Pty {
         near: File,
-        /// Kept open: without it the near end has an error when a sender leaves.
+        /// This end is kept open; otherwise reading fails when a sender leaves.
         _far: OwnedFd,
         pub name: String,
     }

@@ -1,4 +1,4 @@
-//! What bound the speed of each joint and of each block: found, counted, and put into words.
+//! The limit that bound the speed of each transition and of each block: found, counted, and put into words.
 use super::loosen::Limit;
 use super::trial::Trial;
 use crate::course::{Course, Seen};
@@ -11,23 +11,23 @@ use glidepath::nc::SlopeType;
 use glidepath::quantity::Speed;
 use std::collections::BTreeMap;
 
-/// A place as fast as its feed but for this part is bound by the feed.
+/// If a place is slower than its feed by less than this part, the feed binds its speed.
 const AT_FEED: f64 = 0.995;
-/// A limit that makes a place faster by less than this part does not bind it. A quarter more of what binds
-/// makes 6 % of it, where speed goes with the fourth root.
+/// If a changed limit makes a place faster by less than this part, the limit does not bind the speed. A
+/// quarter more of a binding limit gives at least 6 %, because speed grows at least with its fourth root.
 const GAIN: f64 = 0.015;
-/// A place slower than this part of what it is without anything from outside.
+/// A place slower than this part of its speed without events is bound by an event.
 const SLOWED: f64 = 0.98;
-/// A change of the program time that is worth telling.
+/// Changes of the program time above this part are reported.
 const HELP: f64 = 0.005;
 
-/// A joint slower than this part of the blocks beside it is nearly a standstill.
+/// A transition slower than this part of the neighbouring blocks is nearly a standstill.
 const NEARLY: f64 = 0.02;
 
-/// What bound a place.
+/// The reason that bound the speed of a place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Bound {
-    /// A standstill that is programmed: exact stop, dwell, end of a program.
+    /// A programmed standstill: exact stop, dwell, end of the program.
     Stop,
     /// The motion waited for the acknowledgement of a function.
     Function,
@@ -35,12 +35,12 @@ pub enum Bound {
     Operator,
     /// The programmed feed.
     Feed,
-    /// A limit of the machine data, and its axis where one alone is to blame.
+    /// A limit of the machine data, and the axis if only one axis binds.
     Limit(Limit, Option<usize>),
-    /// A corner without a curve that is passed at a standstill, or nearly: its angle decides what is
-    /// permitted.
+    /// A corner without a curve that the axes pass at nearly zero speed: its angle determines the permitted
+    /// speed.
     Corner,
-    /// No limit alone: several at once.
+    /// No single limit: several limits at once.
     Several,
 }
 
@@ -63,7 +63,7 @@ impl Bound {
     }
 }
 
-/// A joint (the end of a block) or the inside of a block.
+/// A transition (the end of a block) or the inside of a block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Place {
     Joint(usize),
@@ -92,47 +92,47 @@ impl Place {
     }
 }
 
-/// How often something bound the speed.
+/// Number of places with a reason.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Count {
     pub joints: usize,
     pub blocks: usize,
 }
 
-/// What the program time is with a limit loosened.
+/// The program time with one limit changed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Help {
     pub limit: Limit,
     pub time_s: f64,
 }
 
-/// What bound the speed of a run.
+/// The reasons that bound the speed of a run.
 #[derive(Debug, Default)]
 pub struct Why {
-    /// Of the program by itself, without anything from outside.
+    /// Program time without events.
     pub time_s: f64,
-    /// By block: of the joint at its end, and inside.
+    /// By block: reason at the transition at its end, and reason inside.
     pub joints: Vec<Option<Bound>>,
     pub blocks: Vec<Option<Bound>>,
-    /// What would make it faster or lets it be slower, most first.
+    /// Changed limits that make the program faster, the largest effect first.
     pub helps: Vec<Help>,
-    /// The time with smoothing, of a program that has none.
+    /// The time with smoothing, for a program without smoothing.
     pub smoothed_s: Option<f64>,
 }
 
-/// What is known of a run.
+/// Data of a run.
 pub struct Places<'a> {
     pub machine: &'a Machine,
     pub program: &'a Program,
-    /// As it was, and without anything from outside.
+    /// The run itself, and the run without events.
     pub run: &'a Statistics,
     pub base: &'a Statistics,
-    /// With a limit loosened.
+    /// Runs with one limit changed.
     pub trials: &'a [Trial],
 }
 
 impl Places<'_> {
-    /// Finds what bound each joint and each block.
+    /// Finds the reason for each transition and each block.
     pub fn count(&self, time_s: f64) -> Why {
         let stops = self.program.stops();
         let feeds = self.feeds();
@@ -151,7 +151,7 @@ impl Places<'_> {
             if waits.contains(&block) {
                 return Some(Bound::Function);
             }
-            // Rapid motion on one side: the other one's feed, if there is one.
+            // Next to rapid motion: the feed of the other block, if there is one.
             let slower = [feed(block), feed(block + 1)].into_iter().flatten().reduce(f64::min);
             let is_corner = corners.get(block).is_some_and(|(knee, smoothed)| {
                 *knee > SHARP
@@ -184,7 +184,7 @@ impl Places<'_> {
         let mut block = 0;
         let mut found = Vec::new();
         for done in waited {
-            // The first block whose fastest tick comes later begins behind the function.
+            // The first block whose fastest tick comes later begins after the function.
             let later = |block: usize| self.run.course.top(block).is_some_and(|top| top.tick > done.tick);
             while block < self.run.course.blocks() && !later(block) {
                 block += 1;
@@ -194,8 +194,9 @@ impl Places<'_> {
         found
     }
 
-    /// Whether a corner that smoothing might round is no faster than the step of speed that every knee may show
-    /// (P-AXIS-00013). A curve needs none, and is faster. STEP permits larger ones: nothing is known of it.
+    /// Whether a corner that smoothing might round is no faster than the step of speed that every corner may
+    /// have (P-AXIS-00013). A curve needs no step, and is faster. STEP permits larger steps, so for STEP the
+    /// answer is no.
     fn is_kept(&self, block: usize, knee: f64) -> bool {
         let cycle = self.machine.cycle_s();
         let step = |axis: &AxisData| {
@@ -207,7 +208,7 @@ impl Places<'_> {
                 if axis.a_trans_weight > 0 { f64::from(axis.a_trans_weight) * 1e-3 } else { cycle / ramp };
             a * cycle * part
         };
-        // Of three axes the one that turns most has so much of it at least.
+        // Of three axes, the axis with the largest change has at least this part.
         let turn = 2.0 * (0.5 * knee.to_radians()).sin() / 3.0_f64.sqrt();
         let most = self.machine.axes.iter().map(step).fold(0.0, f64::max) / turn;
         let Some(joint) = self.base.course.joint(block) else { return false };
@@ -219,7 +220,7 @@ impl Places<'_> {
         speed.to_bits() as f64 / (1_u64 << 58) as f64 / self.machine.cycle_s()
     }
 
-    /// Whether a joint is far slower than the blocks on both sides.
+    /// Whether a transition is far slower than the blocks on both sides.
     fn nearly_stands(&self, block: usize) -> bool {
         let course = &self.base.course;
         let tops =
@@ -244,7 +245,7 @@ impl Places<'_> {
             let then = place.seen(&trial.course)?.speed;
             Some((value(then), trial.limit))
         });
-        // Of equal ones the first.
+        // Of equal values the first one.
         let best = gains
             .fold((0.0, None), |best, (then, limit)| if then > best.0 { (then, Some(limit)) } else { best });
         Some(match best {
@@ -256,7 +257,7 @@ impl Places<'_> {
 }
 
 impl Why {
-    /// All that bound the speed, most often first.
+    /// All reasons, the most frequent one first.
     pub fn counts(&self) -> Vec<(Bound, Count)> {
         let mut counts: BTreeMap<Bound, Count> = BTreeMap::new();
         for bound in self.joints.iter().flatten() {
@@ -270,7 +271,7 @@ impl Why {
         counts
     }
 
-    /// The two limits of the axes that bind most.
+    /// The two limits of the axes that bind most places.
     pub fn most(&self) -> Vec<Limit> {
         let limits = self.counts().into_iter().filter_map(|(bound, _)| match bound {
             Bound::Limit(limit, None) if limit != Limit::Path => Some(limit),
@@ -279,7 +280,7 @@ impl Why {
         limits.take(2).collect()
     }
 
-    /// Says of which axis each limit is.
+    /// Finds the axis of each limit.
     pub fn name_axes(&mut self, axis: impl Fn(Place, Limit) -> Option<usize>) {
         let most = self.most();
         let name = |place: Place, bound: &mut Option<Bound>| {
@@ -297,7 +298,7 @@ impl Why {
         }
     }
 
-    /// What changes the program time.
+    /// The changes that affect the program time.
     pub fn helps(&mut self, switched: &[Trial], compared: &[Trial]) {
         let faster = |trial: &&Trial| trial.time_s < (1.0 - HELP) * self.time_s;
         let all = compared.iter().chain(switched).filter(faster);

@@ -1,4 +1,4 @@
-//! The limits that are loosened, one by one: each changes one physical quantity alone.
+//! The limits that are raised, one by one: each change affects one physical quantity.
 use crate::machine::Machine;
 use crate::run::BLOCKS;
 use glidepath::machine::AxisData;
@@ -19,19 +19,19 @@ pub enum Limit {
     Geometric,
     /// Limits along the path.
     Path,
-    /// Blocks known ahead.
+    /// Length of the look-ahead.
     LookAhead,
-    /// Steps at joints: permitted or not.
+    /// Steps of speed at corners: permitted or not.
     Knee,
-    /// Steps of acceleration at tangential joints: permitted or not.
+    /// Steps of acceleration at tangential transitions: permitted or not.
     Tangential,
     /// Another slope.
     Hsc,
-    /// Chords that become one line: some of the tolerance, or none.
+    /// Merging of chords to one line: with a part of the tolerance, or off.
     Chords,
 }
 
-/// What is raised by a quarter. These can be compared with one another.
+/// Limits that are raised by a quarter, so that their effects are comparable.
 pub const COMPARED: [Limit; 7] = [
     Limit::Geometric,
     Limit::Ramp,
@@ -42,13 +42,13 @@ pub const COMPARED: [Limit; 7] = [
     Limit::LookAhead,
 ];
 
-/// What is permitted or not. Told, never blamed.
+/// Options that are switched. They are reported, but are never the reason.
 pub const SWITCHED: [Limit; 4] = [Limit::Knee, Limit::Tangential, Limit::Hsc, Limit::Chords];
 
-/// Percent of the tolerance for lines over several chords.
+/// Percent of the tolerance for lines that replace several chords.
 const MERGED: u8 = 50;
 
-/// A machine with one limit loosened: of all axes, or of one.
+/// A machine with one limit changed: of all axes, or of one axis.
 pub struct Loosened {
     pub machine: Machine,
     pub limit: Limit,
@@ -59,7 +59,7 @@ const fn more(value: u32) -> u32 {
     value.saturating_add(value / 4)
 }
 
-/// A time, so that what it divides grows by a quarter.
+/// Shortens a time, so that the quotient grows by a quarter.
 const fn shorter(time: u32) -> u32 {
     time - time / 5
 }
@@ -75,7 +75,7 @@ fn ramps(axis: &mut AxisData) -> [&mut u32; 5] {
 }
 
 impl Limit {
-    /// Loosens it for an axis.
+    /// Changes the limit of an axis.
     fn axis(self, axis: &mut AxisData) {
         match self {
             Self::Speed => {
@@ -99,7 +99,7 @@ impl Limit {
         }
     }
 
-    /// The machine with it loosened, of one `axis` or of all; none where there is nothing to loosen.
+    /// The machine with the limit changed, of one `axis` or of all; none if the limit does not exist.
     pub fn loosen(self, machine: &Machine, axis: Option<usize>) -> Option<Loosened> {
         let mut axes = machine.axes.clone();
         for (k, data) in axes.iter_mut().enumerate() {
@@ -129,7 +129,7 @@ impl Limit {
         (!same).then_some(Loosened { machine, limit: self, axis })
     }
 
-    /// What it is called, with its ISG parameters.
+    /// Name of the limit with its ISG parameters.
     pub fn name(self) -> &'static str {
         match self {
             Self::Speed => "axis speed (P-AXIS-00212, rapid 00209)",
@@ -140,13 +140,13 @@ impl Limit {
             Self::Path => "limit along the path (P-CHAN-00002, 00208, 00090)",
             Self::LookAhead => "look-ahead (P-STUP-00071)",
             Self::Knee => "step of speed at knees (P-AXIS-00013)",
-            Self::Tangential => "step of acceleration at tangential joints (P-CHAN-00009)",
+            Self::Tangential => "step of acceleration at tangential transitions (P-CHAN-00009)",
             Self::Hsc => "slope (P-CHAN-00071)",
             Self::Chords => "one line of nearly straight chords (merge_chords)",
         }
     }
 
-    /// What was done to it.
+    /// Description of the change.
     pub fn change(self) -> &'static str {
         match self {
             Self::Ramp | Self::Geometric => "20 % shorter",
@@ -165,7 +165,7 @@ mod tests {
     use super::*;
     use crate::machine::limits;
 
-    /// Speed, acceleration of the slope, of all, jerk of the slope, of all.
+    /// Speed; acceleration of the slope, and of slope and contour together; the same for jerk.
     fn quantities(machine: &Machine) -> [f64; 5] {
         let axis = limits(&machine.axes[1], machine.slope());
         [axis.speed, axis.accel_feed, axis.accel, axis.ramp_feed, axis.jerk]

@@ -1,9 +1,10 @@
-//! What bound the speed, joint by joint and block by block, and what would make the program faster.
+//! The limits that bound the speed, transition by transition and block by block, and changes that make the
+//! program faster.
 //!
-//! The planner itself is asked: the program runs again, without anything from outside, with one limit of the
-//! machine data loosened by a quarter and all others as they are. Where the motion is faster then, that limit
-//! bound it. No formula of the planner is repeated here, so the answer holds with every slope and with every
-//! way of smoothing, and a controller pays nothing for it.
+//! The simulator finds the limits by experiment: the program runs again, without events, with one limit of
+//! the machine data raised by a quarter. If the motion is faster then, this limit bound its speed. The
+//! experiment repeats no formula of the planner, so the answer holds for every slope and smoothing method,
+//! and costs a controller nothing.
 
 mod count;
 mod loosen;

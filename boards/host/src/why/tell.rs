@@ -1,4 +1,4 @@
-//! What bound the speed, as a part of the summary: for people and for programs.
+//! The limits that bound the speed, as a part of the summary: for people and for programs.
 use super::count::{Bound, Why};
 use crate::clock::clock;
 use crate::knee::{SHARP, knees};
@@ -9,21 +9,21 @@ use anstyle::Style;
 use serde::Serialize;
 use std::fmt::Write;
 
-/// Reasons that are shown; the others are one line.
+/// Number of reasons that are shown; the others are one line.
 const REASONS: usize = 6;
-/// What would help, as far as it is shown.
+/// Number of changes that are shown.
 const HELPS: usize = 5;
 
-/// For programs.
+/// Values for programs.
 #[derive(Serialize)]
 pub struct Told {
-    /// The program by itself, without anything from outside.
+    /// Program time without events.
     program_time_s: f64,
-    /// Most often first.
+    /// The most frequent reason first.
     bound: Vec<Reason>,
-    /// Program time with one thing loosened or permitted.
+    /// Program times with one change.
     helps: Vec<Helps>,
-    /// What to do about it, in words.
+    /// Advice in words.
     advice: Vec<String>,
 }
 
@@ -42,7 +42,7 @@ struct Helps {
 }
 
 impl Told {
-    /// Of a run.
+    /// The result of a run.
     pub fn new(why: &Why, machine: &Machine, program: &Program) -> Self {
         let counts = why.counts();
         let bound = counts.iter().map(|(bound, count)| Reason {
@@ -63,11 +63,11 @@ impl Told {
         }
     }
 
-    /// For people.
+    /// Text for people.
     pub fn write(&self, out: &mut String) -> std::fmt::Result {
         let (bold, dim) = (Style::new().bold(), Style::new().dimmed());
         writeln!(out)?;
-        writeln!(out, "  {:<58}{dim}joints    blocks{dim:#}", "what bound the speed")?;
+        writeln!(out, "  {:<53}{dim}transitions    blocks{dim:#}", "what bound the speed")?;
         for Reason { by, joints, blocks } in self.bound.iter().take(REASONS) {
             writeln!(out, "    {by:<54}{joints:>8}{blocks:>10}")?;
         }
@@ -96,7 +96,7 @@ impl Told {
     }
 }
 
-/// What the program can do, where machine data are as they are.
+/// The change in the program, without a change of machine data.
 fn advice(why: &Why, program: &Program) -> Vec<String> {
     let motions: Vec<&Segment> = program.motions().collect();
     let mut advice = Vec::new();

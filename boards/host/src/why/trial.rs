@@ -1,4 +1,4 @@
-//! Runs the program once more for every limit that may have bound it.
+//! Runs the program once more for every limit that may have bound its speed.
 use super::count::{Places, Why};
 use super::loosen::{COMPARED, Limit, Loosened, SWITCHED};
 use crate::course::Course;
@@ -13,10 +13,10 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
 
-/// Rows of a run up to which it is asked why, without the option that asks always.
+/// Highest number of rows for which the reasons are searched without the option `always`.
 const ROWS: u64 = 400_000;
 
-/// Stack of a thread that simulates: memory of a channel is made there before it comes to its place.
+/// Stack of a simulation thread: the memory of a channel is built on the stack before it moves to its place.
 const STACK: usize = 32 << 20;
 
 /// Whether to ask.
@@ -31,7 +31,7 @@ pub enum Asked {
     Never,
 }
 
-/// What became of a run with a limit loosened.
+/// Result of a run with one limit changed.
 pub struct Trial {
     pub limit: Limit,
     pub axis: Option<usize>,
@@ -39,7 +39,7 @@ pub struct Trial {
     pub course: Course,
 }
 
-/// Finds what bound the speed of a run; nothing if it is not asked for, or nothing moved.
+/// Finds the reasons that bound the speed of a run; nothing if not requested, or without motion.
 pub fn ask(
     files: &Files,
     machine: &Machine,
@@ -70,7 +70,7 @@ pub fn ask(
         trials.into_iter().partition(|trial| COMPARED.contains(&trial.limit));
     let places = Places { machine, program, run, base, trials: &compared };
     let mut why = places.count(time_s);
-    // The limits that bind most, axis by axis.
+    // The limits that bind most places, axis by axis.
     let moving: Vec<usize> = (0..machine.axes.len()).filter(|&k| base.axes[k].travel() > 0.0).collect();
     let most: Vec<Limit> = why.most().into_iter().filter(|limit| *limit != Limit::LookAhead).collect();
     if moving.len() == 1 {
@@ -92,7 +92,7 @@ fn simulate(files: &Files, machine: &Machine, program: &Program) -> Option<Stati
     run::simulate(files, machine, program, wanted).ok().map(|(statistics, _)| statistics)
 }
 
-/// Runs them all, on as many processors as there are, in their order.
+/// Runs all trials, on all processors, in their order.
 fn all(files: &Files, program: &Program, machines: Vec<Loosened>) -> Vec<Trial> {
     let bar =
         ProgressBar::with_draw_target(Some(machines.len() as u64), ProgressDrawTarget::stderr_with_hz(5));
@@ -122,7 +122,7 @@ fn all(files: &Files, program: &Program, machines: Vec<Loosened>) -> Vec<Trial> 
                     bar.inc(1);
                 }
             };
-            // Where no more threads start, those that did do all of it.
+            // If no more threads start, the started ones do all work.
             if std::thread::Builder::new().stack_size(STACK).spawn_scoped(scope, work).is_err() {
                 break;
             }

@@ -1,4 +1,4 @@
-//! Runs a program and reads what it writes.
+//! Runs a program and reads its output.
 #![allow(dead_code, reason = "every test binary uses its part")]
 use serde_json::Value;
 use std::fs;

@@ -1,4 +1,4 @@
-//! `glidepath serve` and a sender that talks to it over TCP.
+//! `glidepath serve`, and a sender that is connected over TCP.
 #![allow(dead_code)]
 use std::io::{BufRead, BufReader, Write};
 use std::net::TcpStream;

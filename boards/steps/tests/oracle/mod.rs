@@ -1,5 +1,5 @@
-//! What the words of a tick have to be, from rational numbers and the driver's times. Shares nothing with the crate
-//! but the machine data.
+//! The expected words of a tick, from rational numbers and the driver's times. This reference shares only
+//! machine data with the crate.
 #![allow(dead_code)]
 use glidepath_steps::{AxisSteps, Motor, Pin};
 

@@ -1,7 +1,7 @@
 //! The flash memory of the parameter store: sectors 2 and 3 of the chip, 16 KiB each.
 //!
-//! While a word is written or a sector is erased, the processor waits: 16 µs, and up to half a second. The store calls
-//! this at rest only. The program lies from sector 4 on.
+//! During the write of a word or the erase of a sector the processor waits: 16 µs, and up to half a second.
+//! The store calls these functions only at standstill. The firmware starts at sector 4.
 use embedded_storage::nor_flash::{ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash};
 use stm32f4::stm32f405::FLASH;
 
@@ -17,7 +17,7 @@ const KEYS: [u32; 2] = [0x4567_0123, 0xcdef_89ab];
 /// The two sectors.
 pub struct Sectors(FLASH);
 
-/// The memory refuses to write, or a place is outside of it.
+/// The memory refuses to write, or the address is outside the memory.
 #[derive(Debug)]
 pub struct Refused;
 
@@ -32,7 +32,7 @@ impl ErrorType for Sectors {
 }
 
 impl Sectors {
-    /// Takes the registers.
+    /// Takes over the registers.
     pub const fn new(flash: FLASH) -> Self {
         Self(flash)
     }
@@ -47,18 +47,18 @@ impl Sectors {
         if bad { Err(Refused) } else { Ok(()) }
     }
 
-    /// Does something with the registers unlocked and words of 32 bits, which needs 2.7 V and more.
+    /// Calls a function with unlocked registers and words of 32 bits, which need a supply of 2.7 V or more.
     fn unlocked(&mut self, what: impl FnOnce(&mut Self) -> Result<(), Refused>) -> Result<(), Refused> {
         for key in KEYS {
-            // SAFETY: the keys of the manual.
+            // SAFETY: the keys are those of the manual.
             self.0.keyr().write(|w| unsafe { w.bits(key) });
         }
-        // Marks of earlier errors go by writing ones.
+        // Flags of earlier errors are cleared by writing ones.
         // SAFETY: bits 4 to 7, as the manual has them.
         self.0.sr().write(|w| unsafe { w.bits(0xf0) });
         let done = self.wait().and_then(|()| what(self));
         self.0.cr().write(|w| w.lock().set_bit());
-        // The data cache may hold what was there before.
+        // The data cache may contain the old content.
         self.0.acr().modify(|_, w| w.dcen().clear_bit());
         self.0.acr().modify(|_, w| w.dcrst().set_bit());
         self.0.acr().modify(|_, w| w.dcrst().clear_bit());
@@ -67,7 +67,7 @@ impl Sectors {
     }
 }
 
-/// The address of a place, if all of it is inside.
+/// The address of a range, if the whole range is inside the memory.
 fn address(offset: u32, length: usize) -> Result<usize, Refused> {
     let end = (offset as usize).checked_add(length).filter(|end| *end <= BYTES);
     end.map(|_| ADDRESS + offset as usize).ok_or(Refused)
@@ -120,7 +120,7 @@ impl NorFlash for Sectors {
             flash.0.cr().write(|w| w.psize().psize32().pg().set_bit());
             for (word, at) in bytes.chunks_exact(4).zip((to..).step_by(4)) {
                 let Some(word) = word.first_chunk() else { continue };
-                // SAFETY: an aligned address inside the two sectors, where nothing of the program lies.
+                // SAFETY: an aligned address inside the two sectors, which contain no part of the firmware.
                 unsafe { (at as *mut u32).write_volatile(u32::from_le_bytes(*word)) };
                 flash.wait()?;
             }

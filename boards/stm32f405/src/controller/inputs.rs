@@ -6,7 +6,7 @@
 //! | PB15 | probe |
 //! | PB5, PB6, PB8, PB9 | cycle start, reset, door, feed hold |
 //!
-//! Limits and probe interrupt at each edge, so that the position of that moment is latched.
+//! Limits and probe cause an interrupt at each edge, which latches the position at this moment.
 use crate::machine::{CONTROLS_INVERTED, LOOKS};
 use crate::tick::Polarity;
 use core::convert::Infallible;
@@ -24,14 +24,14 @@ const PROBE: u32 = 15;
 const CONTROLS: [(u8, Signals); 4] =
     [(5, Signals::START), (6, Signals::RESET), (8, Signals::DOOR), (9, Signals::HOLD)];
 
-/// The levels of the port.
+/// Reads the levels of the port.
 #[cfg(feature = "hardware")]
 fn levels() -> u32 {
     // SAFETY: a read.
     unsafe { &*GPIOB::ptr() }.idr().read().bits()
 }
 
-/// QEMU's port reads as zero; taken are the levels of pull-ups without switches.
+/// QEMU's port reads as zero, so this function returns the levels of pull-ups without switches.
 #[cfg(not(feature = "hardware"))]
 fn levels() -> u32 {
     0xffff
@@ -63,16 +63,16 @@ impl InputPin for Pin {
     }
 }
 
-/// The control inputs, each believed after some looks.
+/// The control inputs, debounced.
 pub struct Controls([(Input<Pin>, Signals); 4]);
 
 impl Controls {
-    /// All off.
+    /// All inputs off.
     pub fn new() -> Self {
         Self(CONTROLS.map(|(pin, signal)| (Input::new(Pin(pin), !CONTROLS_INVERTED, LOOKS), signal)))
     }
 
-    /// Looks once per tick.
+    /// Samples the inputs once per tick.
     pub fn look(&mut self) -> Signals {
         let mut signals = Signals::default();
         for (input, signal) in &mut self.0 {
@@ -84,7 +84,7 @@ impl Controls {
     }
 }
 
-/// Pull-ups, and an interrupt at each edge of limits and probe.
+/// Switches on the pull-ups, and an interrupt at each edge of limits and probe.
 #[cfg(feature = "hardware")]
 pub fn start(board: &stm32f4::stm32f405::Peripherals) {
     use stm32f4::stm32f405::Interrupt;
@@ -92,7 +92,7 @@ pub fn start(board: &stm32f4::stm32f405::Peripherals) {
     board.RCC.apb2enr().modify(|_, w| w.syscfgen().set_bit());
     let pins = (LIMITS..=PROBE).chain(CONTROLS.map(|(pin, _)| u32::from(pin)));
     for pin in pins {
-        // SAFETY: two bits for each pin: pull-up; it is an input since reset.
+        // SAFETY: two bits for each pin select the pull-up; the pins are inputs since reset.
         board.GPIOB.pupdr().modify(|r, w| unsafe { w.bits(r.bits() & !(3 << (2 * pin)) | 1 << (2 * pin)) });
     }
     // SAFETY: port B for lines 12 to 15, and the bits of these lines.
@@ -109,11 +109,11 @@ pub fn start(board: &stm32f4::stm32f405::Peripherals) {
 #[cfg(not(feature = "hardware"))]
 pub fn start(_: &stm32f4::stm32f405::Peripherals) {}
 
-/// An edge of a limit or of the probe. It has the priority of the tick, so neither interrupts the other.
+/// An edge of a limit or of the probe. The priority is that of the tick, so neither interrupts the other.
 #[cfg(feature = "hardware")]
 #[interrupt]
 fn EXTI15_10() {
-    // SAFETY: this interrupt alone clears these flags, by writing ones.
+    // SAFETY: only this interrupt clears these flags, by writing ones.
     unsafe { (*stm32f4::stm32f405::EXTI::ptr()).pr().write(|w| w.bits(0xf000)) };
     crate::tick::with(|tick| tick.edge(crate::words::slot(), read));
 }

@@ -1,4 +1,5 @@
-//! The machine of this build: edit it for yours. What `$` settings can change is only a default here.
+//! The machine of this build: edit this file for your machine. Values that `$` settings can change are only
+//! defaults.
 use glidepath::channel::Channel;
 use glidepath::machine::{AxisData, AxisKind, AxisName, ChannelData, MachineData};
 use glidepath::quantity::Position;
@@ -6,24 +7,24 @@ use glidepath_controller::machine::controller_data;
 use glidepath_controller::{AxisSettings, Message, Settings};
 use glidepath_steps::{AxisSteps, Motor, StepData, Steps, Unfit};
 
-/// Axes.
+/// Number of axes.
 pub const AXES: usize = 3;
 
-/// Blocks of look-ahead that RAM is spent on.
+/// Number of blocks in the look-ahead.
 pub const BLOCKS: usize = 60;
 
-/// Slots of a tick of 1 ms: 5 µs each.
+/// Number of slots in a tick of 1 ms: 5 µs each.
 pub const SLOTS: usize = 200;
 const SLOT_NS: u32 = 5000;
 
-/// Interpolation cycle, µs. TIM1 and DMA make it of slots.
+/// Interpolation cycle, µs. TIM1 and DMA make a cycle of the slots.
 pub const CYCLE_US: u32 = 1000;
 
-/// Looks, one per tick, for which an input has to stay as it is before it counts.
+/// Number of equal samples, one per tick, after which the change of an input counts.
 pub const LOOKS: u8 = 3;
 
-/// Control inputs (door, hold, start, reset) are on where their pin is low, against ground with the pull-up of the chip.
-/// `true`: on where it is high, for a contact that opens.
+/// Whether the control inputs (door, hold, start, reset) are active high, for normally closed contacts.
+/// `false`: active low, to ground, with the pull-up of the chip.
 pub const CONTROLS_INVERTED: bool = false;
 
 /// Step and direction of X, Y, Z: pins of port C.
@@ -39,7 +40,7 @@ const fn name(letter: &str) -> AxisName {
 /// Names of the axes.
 pub const NAMES: [AxisName; AXES] = [name("X"), name("Y"), name("Z")];
 
-/// What `$RST=$` brings back: a small mill with 80 steps per mm.
+/// The settings that `$RST=$` restores: a small mill with 80 steps per mm.
 pub const DEFAULTS: Settings<AXES> = {
     let mut settings = Settings::new();
     settings.pulse_us = 5;
@@ -78,10 +79,10 @@ pub fn data(settings: &Settings<AXES>) -> MachineData<AXES> {
     controller_data(&data)
 }
 
-/// The step output of these settings, at rest at `start`.
+/// The step output for these settings, at standstill at `start`.
 ///
 /// # Errors
-/// Speeds or pulses for which a tick has no room.
+/// Speeds or pulses that do not fit into a tick.
 pub fn steps(
     settings: &Settings<AXES>,
     data: &MachineData<AXES>,
@@ -110,21 +111,21 @@ pub fn same_steps(one: &Settings<AXES>, other: &Settings<AXES>) -> bool {
     counts(one) == counts(other) && times(one) == times(other)
 }
 
-/// Whether steps can be made with these settings.
+/// Checks whether the step output supports these settings.
 ///
 /// # Errors
-/// In words, why not.
+/// The reason in words.
 pub fn check(settings: &Settings<AXES>, data: &MachineData<AXES>) -> Result<(), Message> {
     steps(settings, data, &[Position::ZERO; AXES]).map(|_| ()).map_err(|unfit| {
         use core::fmt::Write;
         let mut message = Message::new();
-        // A text that is too long is cut.
+        // The message is cut if the text is too long.
         let _ = write!(message, "{unfit}");
         message
     })
 }
 
-/// The defaults can be made: no store holds others before the first setting.
+/// The defaults are possible, so the first start needs no stored settings.
 pub fn fits(settings: &Settings<AXES>) -> bool {
     let data = data(settings);
     Channel::<AXES, BLOCKS, AXES>::check(&data).is_ok() && check(settings, &data).is_ok()

@@ -6,8 +6,9 @@
 //!  pins ──inputs→ latch (the tick, and an interrupt at each edge) ──→ machine, controller
 //! ```
 //!
-//! The main loop talks and plans. What it calls is in `boards/controller`, and what the interrupt calls is in
-//! `boards/steps` and the library; both are tested on the desktop. Here are registers, and the wiring of these parts.
+//! The main loop runs the controller and the planner. The code of the main loop is in `boards/controller`;
+//! the code of the interrupt is in `boards/steps` and the library. Both are tested on the PC. This file
+//! contains register accesses, and connects these parts.
 #![no_std]
 #![no_main]
 
@@ -53,7 +54,7 @@ use defmt_rtt as _;
 #[cfg(feature = "qemu")]
 use defmt_semihosting as _;
 
-/// Where the store keeps its records.
+/// The memory of the parameter store.
 #[cfg(feature = "hardware")]
 type Flash = flash::Sectors;
 #[cfg(not(feature = "hardware"))]
@@ -75,7 +76,7 @@ static MEMORY: ConstStaticCell<Memory> =
     ConstStaticCell::new(Memory { machine: MachineMemory::new(), data: machine::BLANK });
 static SERIAL: ConstStaticCell<Serial<BUFFER>> = ConstStaticCell::new(Serial::new());
 
-/// What outlives a change of the settings.
+/// Data that stay when settings change.
 struct Desk {
     controller: Controller<'static, AXES, BUFFER>,
     line: Line,
@@ -83,11 +84,11 @@ struct Desk {
     controls: inputs::Controls,
     outputs: outputs::OutputPins,
     watchdog: safety::Watchdog,
-    /// Inputs that are on beside limits and probe, as of the last tick.
+    /// Inputs other than limits and probe that are on, as of the last tick.
     signals: Signals,
     counts: tick::Counts,
     faults: u32,
-    /// The step output was made for these.
+    /// The settings of the current step output.
     made: Settings<AXES>,
 }
 
@@ -104,8 +105,8 @@ fn main() -> ! {
     }
 }
 
-/// Starts everything but the machine. The frame of this call is gone when the machine works, as are those of the other
-/// calls here that are not inlined.
+/// Starts everything except the machine. The stack frames of this call and of the other calls that are not
+/// inlined are free again when the machine works.
 #[inline(never)]
 fn start(board: Peripherals, serial: &'static mut Serial<BUFFER>) -> Option<(Desk, Carried<AXES>)> {
     #[cfg(feature = "hardware")]
@@ -146,7 +147,7 @@ fn start(board: Peripherals, serial: &'static mut Serial<BUFFER>) -> Option<(Des
     Some((desk, carried))
 }
 
-/// Starts the step output with the pins at rest.
+/// Starts the step output with the pins at their idle level.
 #[inline(never)]
 fn start_words(board: &Peripherals) {
     let settings = machine::DEFAULTS;
@@ -156,7 +157,7 @@ fn start_words(board: &Peripherals) {
     }
 }
 
-/// One machine after the other, for ever; in the emulator until `$SLP`.
+/// Runs one machine after the other, for ever; in the emulator until `$SLP`.
 fn serve(
     desk: &mut Desk,
     channel: &'static mut Channel<AXES, BLOCKS, AXES>,
@@ -177,7 +178,7 @@ fn serve(
     }
 }
 
-/// As at power-up, with the machine data of the settings.
+/// The state at power-up, with the machine data of the settings.
 #[inline(never)]
 fn clear(channel: &mut Channel<AXES, BLOCKS, AXES>, memory: &mut Memory, carried: &Carried<AXES>) {
     memory.data = machine::data(&carried.settings);
@@ -185,7 +186,7 @@ fn clear(channel: &mut Channel<AXES, BLOCKS, AXES>, memory: &mut Memory, carried
     *channel = const { Channel::new() };
 }
 
-/// A machine that stands where the one before has ended, and the interrupt's side.
+/// A machine at the position of the previous machine, and the data of the interrupt.
 #[inline(never)]
 fn make(
     channel: &'static mut Channel<AXES, BLOCKS, AXES>,
@@ -200,7 +201,7 @@ fn make(
     }
 }
 
-/// A machine of the handles of its channel.
+/// Makes a machine from the handles of its channel.
 #[inline(never)]
 fn joined(
     handles: Handles<'static, &'static Spool, AXES, BLOCKS, Unfiltered, Unfiltered, AXES>,
@@ -212,7 +213,8 @@ fn joined(
 }
 
 impl Desk {
-    /// Runs until settings ask for another machine. `false`: the machine data cannot be, or the emulator is to end.
+    /// Runs until settings need another machine. `false`: the machine data are not possible, or the emulator
+    /// ends.
     #[inline(never)]
     fn round(
         &mut self,
@@ -242,7 +244,7 @@ impl Desk {
         }
     }
 
-    /// Hands the interrupt its side.
+    /// Passes the interrupt its data.
     #[inline(never)]
     fn start_tick(
         &mut self,
@@ -258,7 +260,7 @@ impl Desk {
         Some(())
     }
 
-    /// One look at everything.
+    /// Runs the main loop once.
     #[inline(never)]
     fn turn(&mut self, machine: &mut Machine<'static, AXES, BLOCKS, AXES>) {
         let Some((latch, faults, counts)) = tick::with(|tick| tick.seen()) else { return };
@@ -286,7 +288,7 @@ impl Desk {
         }
     }
 
-    /// Settings of the step output alone act at rest, without another machine.
+    /// If settings change only the step output, they act at standstill, without another machine.
     #[inline(never)]
     fn change_steps(&mut self, machine: &Machine<'static, AXES, BLOCKS, AXES>, data: &MachineData<AXES>) {
         let (status, settings) = (machine.status(), self.controller.settings());
@@ -294,7 +296,7 @@ impl Desk {
             return;
         }
         self.made = *settings;
-        // They were checked before they were stored.
+        // The settings were checked before they were stored.
         if let Ok(steps) = machine::steps(settings, data, &status.position) {
             let drive = Drive::new(steps, data, status.position);
             self.faults = 0;
@@ -303,13 +305,13 @@ impl Desk {
     }
 }
 
-/// Whether settings ask for another machine; what goes on from this one is then in `carried`.
+/// Whether settings need another machine; `carried` then has the state for this machine.
 #[inline(never)]
 fn goes_on(machine: &mut Machine<'static, AXES, BLOCKS, AXES>, carried: &mut Carried<AXES>) -> bool {
     machine.successor().map(|next| *carried = next).is_some()
 }
 
-/// What the interrupt has to know of the settings.
+/// Active levels and reactions for the interrupt, from the settings.
 fn polarity(settings: &Settings<AXES>, is_homing: bool) -> Polarity {
     Polarity {
         limits_high: settings.limits_inverted,
@@ -318,7 +320,7 @@ fn polarity(settings: &Settings<AXES>, is_homing: bool) -> Polarity {
     }
 }
 
-/// The counter of cycles that the longest interrupt is measured with.
+/// The cycle counter, which measures the longest interrupt.
 #[cfg(feature = "hardware")]
 fn count_cycles() {
     if let Some(mut core) = cortex_m::Peripherals::take() {
@@ -327,7 +329,7 @@ fn count_cycles() {
     }
 }
 
-/// Ends the emulator with a line of figures.
+/// Ends the emulator after a line of figures.
 #[cfg(feature = "qemu")]
 fn report() {
     use cortex_m_semihosting::{debug, heprintln};

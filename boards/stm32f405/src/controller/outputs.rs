@@ -13,7 +13,7 @@ use glidepath_controller::Outputs;
 use glidepath_controller::pins::Tool;
 use stm32f4::stm32f405::{GPIOA, GPIOC, Peripherals, TIM4};
 
-/// 84 MHz by 5 kHz.
+/// 84 MHz divided by 5 kHz.
 const PERIOD: u16 = 16_800;
 
 /// Pins of port A.
@@ -72,12 +72,12 @@ pub struct OutputPins {
 }
 
 impl OutputPins {
-    /// Everything is off.
+    /// Switches all outputs off.
     pub fn start(board: &Peripherals) -> Self {
         let Peripherals { RCC: rcc, GPIOA: a, GPIOB: b, GPIOC: c, TIM4: timer, .. } = board;
         rcc.ahb1enr().modify(|_, w| w.gpioaen().set_bit().gpioben().set_bit().gpiocen().set_bit());
         rcc.apb1enr().modify(|_, w| w.tim4en().set_bit());
-        // SAFETY: words that switch these pins off, and the motors too.
+        // SAFETY: the words switch these pins off, and the motors too.
         unsafe {
             a.bsrr().write(|w| w.bits(0xf << 16));
             c.bsrr().write(|w| w.bits(1 << MOTORS));
@@ -88,7 +88,7 @@ impl OutputPins {
         // PWM mode 1, buffered.
         timer.ccmr1_output().modify(|_, w| w.oc2m().pwm_mode1().oc2pe().set_bit());
         timer.ccer().write(|w| w.cc2e().set_bit());
-        // The emulator would count each period, and nobody sees the pulses.
+        // The emulator would count each period, although no pulse is visible.
         timer.cr1().write(|w| w.cen().bit(cfg!(feature = "hardware")));
         b.afrl().modify(|_, w| w.afrl7().af2());
         b.moder().modify(|_, w| w.moder7().alternate());
@@ -102,7 +102,7 @@ impl OutputPins {
         Self { tool, last: None }
     }
 
-    /// Puts out what the controller wants. `motors_high`: `$4`.
+    /// Outputs the wanted state of spindle, coolant and motors. `motors_high`: `$4`.
     pub fn put(&mut self, outputs: Outputs, motors_high: bool) {
         if self.last.replace((outputs, motors_high)) == Some((outputs, motors_high)) {
             return;
@@ -115,7 +115,8 @@ impl OutputPins {
     }
 }
 
-/// Spindle and coolant off, whatever else happens. The motors keep their current: an axis that hangs must not fall.
+/// Switches spindle and coolant off, for faults. The motors keep their current, so that a vertical axis does
+/// not fall.
 pub fn all_off() {
     // SAFETY: writes that switch these pins off.
     unsafe {

@@ -1,22 +1,22 @@
-//! What happens when something fails: faults stop the steps, and the watchdog starts the chip again.
+//! Reactions to failures: faults stop the steps, and the watchdog restarts the chip.
 //!
-//! A fault stops timer, stream and spindle at once and waits. The watchdog then resets the chip. After that the controller
-//! begins locked, because the position may be lost.
+//! A fault stops timer, stream and spindle at once, and waits. The watchdog then resets the chip. Afterwards
+//! the controller begins in Alarm, because the position may be lost.
 #[cfg(feature = "hardware")]
 use stm32f4::stm32f405::IWDG;
 use stm32f4::stm32f405::Peripherals;
 
-/// About two seconds: 32 kHz by 64, 1,000 counts. An erase of a sector takes half a second at most.
+/// About two seconds: 32 kHz divided by 64, 1,000 counts. An erase of a sector takes at most half a second.
 #[cfg(feature = "hardware")]
 const RELOAD: u16 = 1000;
 
-/// Ends everything that moves.
+/// Stops the steps, the spindle and coolant.
 fn stop() {
     crate::words::stop();
     crate::outputs::all_off();
 }
 
-/// A check of the program failed.
+/// A failed check in the firmware.
 #[cfg(not(any(feature = "rtt", feature = "qemu")))]
 #[panic_handler]
 fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
@@ -45,20 +45,20 @@ unsafe fn DefaultHandler(_: i16) -> ! {
     }
 }
 
-/// Whether the watchdog has reset the chip; the mark is cleared.
+/// Whether the watchdog has reset the chip; the call clears the mark.
 pub fn was_reset_by_watchdog(board: &Peripherals) -> bool {
     let was = board.RCC.csr().read().wdgrstf().bit_is_set();
     board.RCC.csr().modify(|_, w| w.rmvf().set_bit());
     was
 }
 
-/// The watchdog. It has to be fed while ticks come and the main loop goes round.
+/// The watchdog. The main loop must reload it, and only does so while ticks come.
 pub struct Watchdog {
     ticks: u32,
 }
 
 impl Watchdog {
-    /// Starts it, for ever.
+    /// Starts the watchdog, which cannot be stopped.
     #[cfg_attr(not(feature = "hardware"), expect(unused_variables, reason = "the emulator has none"))]
     pub fn start(board: &Peripherals) -> Self {
         #[cfg(feature = "hardware")]
@@ -72,7 +72,7 @@ impl Watchdog {
         Self { ticks: 0 }
     }
 
-    /// From the main loop: it is fed if another tick has come.
+    /// Called from the main loop: reloads the watchdog if another tick has come.
     pub fn feed(&mut self, ticks: u32) {
         if core::mem::replace(&mut self.ticks, ticks) != ticks {
             #[cfg(feature = "hardware")]

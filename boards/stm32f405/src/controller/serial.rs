@@ -1,16 +1,16 @@
 //! The serial line: USART1, PA9 out and PA10 in, 115,200 baud, 8 bits, no parity.
 //!
-//! On a board DMA2 puts bytes into a ring. The tick takes them from there, and so does the interrupt of the idle line: a
-//! byte acts within a millisecond, and the line goes on while flash memory stalls the processor. QEMU has no DMA, so an
-//! interrupt takes each byte there.
+//! On a board DMA2 writes received bytes into a ring. The tick and the interrupt of the idle line read this
+//! ring, so a byte acts within a millisecond. The line continues to receive while flash memory blocks the
+//! processor. QEMU has no DMA, so there an interrupt reads each byte.
 use core::cell::RefCell;
 use critical_section::Mutex;
 use glidepath_controller::Receiver;
 
-/// Bytes of the controller's input.
+/// Bytes of the controller's input buffer.
 pub const BUFFER: usize = 1024;
 
-/// The interrupt's end of the input.
+/// The interrupt's handle of the input.
 static RECEIVER: Mutex<RefCell<Option<Receiver<'static, BUFFER>>>> = Mutex::new(RefCell::new(None));
 
 fn receive(what: impl FnOnce(&mut Receiver<'static, BUFFER>)) {
@@ -23,7 +23,7 @@ fn receive(what: impl FnOnce(&mut Receiver<'static, BUFFER>)) {
     });
 }
 
-/// Starts the line.
+/// Starts the serial line.
 pub fn start(board: &stm32f4::stm32f405::Peripherals, receiver: Receiver<'static, BUFFER>) -> Line {
     critical_section::with(|cs| {
         if let Ok(mut place) = RECEIVER.borrow(cs).try_borrow_mut() {
@@ -55,23 +55,24 @@ mod end {
     const STREAM: usize = 2;
     const CHANNEL: u8 = 4;
 
-    /// Bytes of the ring: what comes while a sector is erased, half a second, from a sender that waits for answers.
+    /// Bytes of the ring. The ring holds the bytes that arrive during the erase of a sector (half a second),
+    /// from a sender that waits for answers.
     const RING: usize = 1024;
 
-    /// 84 MHz by 115,200 baud.
+    /// 84 MHz divided by 115,200 baud.
     const BAUD: u16 = 729;
 
     struct Ring(UnsafeCell<[u8; RING]>);
 
-    // SAFETY: DMA alone writes to it.
+    // SAFETY: only DMA writes to this memory.
     unsafe impl Sync for Ring {}
 
     static BYTES: Ring = Ring(UnsafeCell::new([0; RING]));
 
-    /// Bytes of the ring that were taken, modulo its size.
+    /// Number of bytes read from the ring, modulo its size.
     static TAKEN: Mutex<RefCell<usize>> = Mutex::new(RefCell::new(0));
 
-    /// Answers that wait for the line.
+    /// Answers that wait for output.
     static ANSWERS: Mutex<RefCell<Deque<u8, 1024>>> = Mutex::new(RefCell::new(Deque::new()));
 
     pub fn start(board: &Peripherals) {
@@ -81,7 +82,7 @@ mod end {
         port.pupdr().modify(|_, w| w.pupdr10().pull_up());
         port.moder().modify(|_, w| w.moder9().alternate().moder10().alternate());
         let stream = dma.st(STREAM);
-        // SAFETY: the address of the data register, and of a ring that lives for ever.
+        // SAFETY: the address of the data register, and of a static ring.
         stream.par().write(|w| unsafe { w.bits(line.dr().as_ptr() as u32) });
         stream.m0ar().write(|w| unsafe { w.bits(BYTES.0.get() as u32) });
         stream.ndtr().write(|w| w.ndt().set(RING as u16));
@@ -93,7 +94,7 @@ mod end {
         unsafe { cortex_m::peripheral::NVIC::unmask(Interrupt::USART1) };
     }
 
-    /// Hands on what the ring has got.
+    /// Passes the received bytes to the controller's input.
     pub fn drain() {
         // SAFETY: a read.
         let left = usize::from(unsafe { &*DMA2::ptr() }.st(STREAM).ndtr().read().ndt().bits());
@@ -102,7 +103,8 @@ mod end {
             critical_section::with(|cs| {
                 let Ok(mut taken) = TAKEN.borrow(cs).try_borrow_mut() else { return };
                 while *taken != put {
-                    // SAFETY: inside the ring. DMA is ahead by less than the ring, or bytes are lost anyway.
+                    // SAFETY: the index is inside the ring. DMA is ahead by less than the ring, or bytes are
+                    // lost anyway.
                     let byte = unsafe { BYTES.0.get().cast::<u8>().add(*taken % RING).read_volatile() };
                     receiver.push(byte);
                     *taken = (*taken + 1) % RING;
@@ -111,14 +113,14 @@ mod end {
         });
     }
 
-    /// The line is idle behind bytes, or it takes the next byte of an answer.
+    /// The line is idle after bytes, or can take the next byte of an answer.
     #[interrupt]
     fn USART1() {
-        // SAFETY: registers of this interrupt; the bit for answers is changed in critical sections only.
+        // SAFETY: registers of this interrupt; only critical sections change the bit for answers.
         let line = unsafe { &*USART1::ptr() };
         let status = line.sr().read();
         if status.idle().bit_is_set() {
-            // Reading both registers clears the flag. DMA has taken the byte.
+            // Reading both registers clears the flag. DMA has already read the byte.
             let _ = line.dr().read();
             drain();
         }
@@ -138,7 +140,7 @@ mod end {
     pub struct Line;
 
     impl embedded_io::Write for Line {
-        /// Takes what has room, and waits for room where there is none.
+        /// Takes as many bytes as fit, and waits while there is no room.
         fn write(&mut self, bytes: &[u8]) -> Result<usize, Self::Error> {
             loop {
                 let count = critical_section::with(|cs| {
@@ -170,7 +172,7 @@ mod end {
     use super::receive;
     use stm32f4::stm32f405::{Interrupt, Peripherals, USART1, interrupt};
 
-    /// 16 MHz by 115,200 baud.
+    /// 16 MHz divided by 115,200 baud.
     const BAUD: u16 = 139;
 
     pub fn start(board: &Peripherals) {
@@ -183,18 +185,18 @@ mod end {
 
     #[interrupt]
     fn USART1() {
-        // SAFETY: the data register, which this interrupt alone reads.
+        // SAFETY: only this interrupt reads the data register.
         let byte = unsafe { &*USART1::ptr() }.dr().read().dr().bits() as u8;
         receive(|receiver| receiver.push(byte));
     }
 
-    /// Answers. The emulator's line takes each byte at once.
+    /// Answers. The emulator's serial line takes each byte at once.
     pub struct Line;
 
     impl embedded_io::Write for Line {
         fn write(&mut self, bytes: &[u8]) -> Result<usize, Self::Error> {
             for byte in bytes {
-                // SAFETY: a write to the data register, which the task alone writes.
+                // SAFETY: only the task writes to the data register.
                 unsafe { &*USART1::ptr() }.dr().write(|w| w.dr().set(u16::from(*byte)));
             }
             Ok(bytes.len())

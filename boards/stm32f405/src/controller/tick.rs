@@ -1,4 +1,4 @@
-//! What the timer interrupt has: interpolator, step output, latch of the inputs. No register is touched here.
+//! The work of the timer interrupt, without registers: interpolator, step output, latch of the inputs.
 use crate::machine::{AXES, LOOKS, SLOTS};
 use core::cell::RefCell;
 use critical_section::Mutex;
@@ -9,47 +9,47 @@ use glidepath_controller::Signals;
 use glidepath_controller::machine::Latch;
 use glidepath_steps::Drive;
 
-/// Levels that mean "on", as the settings have them.
+/// Active levels of the inputs, according to the settings.
 #[derive(Clone, Copy, Default)]
 pub struct Polarity {
-    /// `$5`: limits are on where their pin is high.
+    /// `$5`: the limits are active high.
     pub limits_high: bool,
-    /// `$6`: the probe.
+    /// `$6`: the probe is active high.
     pub probe_high: bool,
-    /// `$21=2`, and the axes are not homing: a limit switch cuts the steps.
+    /// `$21=2`, and the axes are not homing: a limit switch stops the steps at once.
     pub limits_cut: bool,
 }
 
-/// Counts of the interrupt.
+/// Counters of the interrupt.
 #[derive(Clone, Copy, Default)]
 pub struct Counts {
-    /// Ticks.
+    /// Number of ticks.
     pub ticks: u32,
-    /// Ticks that moved axes.
+    /// Number of ticks in which an axis moved.
     pub active: u32,
-    /// Ticks that came while the one before was computed.
+    /// Number of ticks that came during the computation of the previous tick.
     pub missed: u32,
-    /// The longest interrupt: in the emulator instructions, on a board periods of the timer's clock.
+    /// The longest interrupt: instructions in the emulator, periods of the timer's clock on a board.
     pub longest: u32,
 }
 
-/// Everything of the interrupt.
+/// All data of the interrupt.
 pub struct Tick {
     interpolator: Interpolator<'static, AXES, Unfiltered, AXES>,
     drive: Drive<AXES, SLOTS>,
     latch: Latch<AXES>,
-    /// Limits that were on.
+    /// Limits that were on at the last tick.
     limits: Signals,
-    /// Times that a limit switch has cut the steps.
+    /// Number of times that a limit switch has stopped the steps.
     cuts: u32,
-    /// What the task has set.
+    /// Data that the task writes.
     pub polarity: Polarity,
-    /// What the task reads.
+    /// Data that the task reads.
     pub counts: Counts,
 }
 
 impl Tick {
-    /// At rest; `counts` go on.
+    /// Makes the data at standstill; `counts` continue.
     pub fn new(
         interpolator: Interpolator<'static, AXES, Unfiltered, AXES>,
         drive: Drive<AXES, SLOTS>,
@@ -60,12 +60,13 @@ impl Tick {
         Self { interpolator, drive, latch, limits, cuts: 0, polarity, counts }
     }
 
-    /// Other step data, at rest.
+    /// Replaces the step data, at standstill.
     pub fn change(&mut self, drive: Drive<AXES, SLOTS>) {
         (self.drive, self.cuts) = (drive, 0);
     }
 
-    /// A tick: the words for the next one, the set points behind them, and a look at the inputs.
+    /// Does the work of a tick: computes the words of the next tick, then the next set points, and samples
+    /// the inputs.
     pub fn run(&mut self, words: &mut [u32; SLOTS], inputs: impl FnOnce(Polarity) -> Signals) {
         let done = self.drive.tick(&mut self.interpolator, words);
         self.latch.look(inputs(self.polarity), self.drive.here());
@@ -80,7 +81,7 @@ impl Tick {
         self.counts.active = self.counts.active.wrapping_add(u32::from(done.motion != State::Idle));
     }
 
-    /// An input has changed while so many slots of the words had gone out.
+    /// Latches a changed input. `slot` words of this tick are already output.
     #[cfg(feature = "hardware")]
     pub fn edge(&mut self, slot: u16, inputs: impl FnOnce(Polarity) -> Signals) {
         let at = glidepath_controller::machine::between(
@@ -92,27 +93,29 @@ impl Tick {
         self.latch.edge(inputs(self.polarity), &at);
     }
 
-    /// For the task: what was latched, and how often steps had no room. A cut by a limit switch is no such fault.
+    /// Returns the latch, and the number of ticks whose steps did not fit; for the task. A stop by a limit
+    /// switch does not count.
     pub fn seen(&self) -> (Latch<AXES>, u32, Counts) {
         (self.latch, self.drive.losses().wrapping_sub(self.cuts), self.counts)
     }
 
-    /// Steps put out by each axis, counts.
+    /// Number of steps output for each axis, counts.
     #[cfg(feature = "qemu")]
     pub fn positions(&self) -> [i64; AXES] {
         core::array::from_fn(|axis| self.drive.steps().count(axis))
     }
 }
 
-/// The interrupt's, while there is a machine. Interrupts and task borrow it inside critical sections.
+/// The data of the interrupt, while a machine exists. Interrupts and task borrow the data in critical
+/// sections.
 static TICK: Mutex<RefCell<Option<Tick>>> = Mutex::new(RefCell::new(None));
 
-/// Does something with the interrupt's side. `None`: there is no machine now.
+/// Calls a function with the data of the interrupt. `None`: there is no machine now.
 pub fn with<R>(what: impl FnOnce(&mut Tick) -> R) -> Option<R> {
     critical_section::with(|cs| TICK.borrow(cs).try_borrow_mut().ok()?.as_mut().map(what))
 }
 
-/// Hands the interrupt's side over, or takes it away.
+/// Sets or removes the data of the interrupt.
 pub fn set(tick: Option<Tick>) {
     critical_section::with(|cs| {
         if let Ok(mut place) = TICK.borrow(cs).try_borrow_mut() {
@@ -121,5 +124,5 @@ pub fn set(tick: Option<Tick>) {
     });
 }
 
-/// Machine coordinates at rest.
+/// Machine coordinates at standstill.
 pub type Place = [Position; AXES];

@@ -1,8 +1,8 @@
-//! The tick, and port words to the pins.
+//! The timer interrupt, and the output of port words to the pins.
 //!
-//! On a board TIM1 asks DMA2 for a word every 5 µs. The stream has two buffers and changes from one to the other by
-//! itself; its interrupt is the tick, and fills the buffer that has gone out. QEMU has neither, so TIM2 is the tick there
-//! and the words go nowhere.
+//! On a board TIM1 requests a word from DMA2 every 5 µs. The stream has two buffers and switches between
+//! both. The interrupt of the stream is the tick, and fills the buffer that is already output. QEMU has
+//! neither TIM1 requests nor DMA, so there the interrupt of TIM2 is the tick, and the words are dropped.
 #[cfg(not(feature = "hardware"))]
 pub use emulated::{start, stop};
 #[cfg(feature = "hardware")]
@@ -20,21 +20,22 @@ mod pins {
     const STREAM: usize = 5;
     const CHANNEL: u8 = 6;
 
-    /// 168 MHz by 5 µs.
+    /// 168 MHz, 5 µs per word.
     const PERIOD: u16 = 840;
 
     /// The pins of the motors.
     const PINS: u8 = 2 * AXES as u8;
 
-    /// The two halves: DMA reads one while the interrupt writes the other. They lie in memory that DMA reaches.
+    /// The two halves: DMA reads one half while the interrupt writes the other. The memory must be accessible
+    /// for DMA.
     struct Halves(UnsafeCell<[[u32; SLOTS]; 2]>);
 
-    // SAFETY: only the interrupt of the stream writes to it.
+    // SAFETY: only the interrupt of the stream writes to this memory.
     unsafe impl Sync for Halves {}
 
     static HALVES: Halves = Halves(UnsafeCell::new([[0; SLOTS]; 2]));
 
-    /// Starts timer and stream; `rest` is the word that brings the pins to rest before they become outputs.
+    /// Starts timer and stream; `rest` is the word for the idle level of the pins before they become outputs.
     pub fn start(board: &Peripherals, rest: u32) {
         let Peripherals { RCC: rcc, DMA2: dma, TIM1: timer, GPIOC: port, .. } = board;
         rcc.ahb1enr().modify(|_, w| w.gpiocen().set_bit().dma2en().set_bit());
@@ -48,7 +49,7 @@ mod pins {
         }
         let [first, second] = [0, 1].map(|half| HALVES.0.get() as u32 + half * 4 * SLOTS as u32);
         let stream = dma.st(STREAM);
-        // SAFETY: the addresses of the port's register and of buffers that live for ever.
+        // SAFETY: the addresses of the port's register and of static buffers.
         stream.par().write(|w| unsafe { w.bits(port.bsrr().as_ptr() as u32) });
         stream.m0ar().write(|w| unsafe { w.bits(first) });
         stream.m1ar().write(|w| unsafe { w.bits(second) });
@@ -65,30 +66,30 @@ mod pins {
         unsafe { cortex_m::peripheral::NVIC::unmask(Interrupt::DMA2_STREAM5) };
     }
 
-    /// No word goes out any more. For faults: pins stay as they are, and drivers see no edge.
+    /// Stops the output of words. For faults: pins keep their level, and drivers see no edge.
     pub fn stop() {
-        // SAFETY: writes that stop timer and stream, whatever they do.
+        // SAFETY: writes that stop timer and stream.
         let (timer, dma) = unsafe { (&*TIM1::ptr(), &*DMA2::ptr()) };
         timer.cr1().write(|w| w.cen().clear_bit());
         dma.st(STREAM).cr().write(|w| w.en().clear_bit());
     }
 
-    /// Words of this tick that have gone out.
+    /// Number of words of this tick that are already output.
     pub fn slot() -> u16 {
         // SAFETY: a read.
         let left = unsafe { &*DMA2::ptr() }.st(STREAM).ndtr().read().ndt().bits();
         (SLOTS as u16).saturating_sub(left)
     }
 
-    /// A buffer has gone out.
+    /// A buffer has been output.
     #[interrupt]
     fn DMA2_STREAM5() {
-        // SAFETY: this interrupt alone clears its flag; the others are reads.
+        // SAFETY: only this interrupt clears its flag; the other accesses are reads.
         let dma = unsafe { &*DMA2::ptr() };
         let begin = cortex_m::peripheral::DWT::cycle_count();
         dma.hifcr().write(|w| w.ctcif5().clear());
         let reads_second = dma.st(STREAM).cr().read().ct().bit_is_set();
-        // SAFETY: DMA reads the other half, and nothing else writes.
+        // SAFETY: DMA reads the other half, and no other code writes.
         let [first, second] = unsafe { &mut *HALVES.0.get() };
         let words = if reads_second { first } else { second };
         crate::serial::drain();
@@ -99,7 +100,7 @@ mod pins {
             let is_late = dma.hisr().read().tcif5().bit_is_set();
             tick.counts.missed = tick.counts.missed.wrapping_add(u32::from(is_late));
         })
-        // Without a machine nothing moves.
+        // Without a machine no axis moves.
         .unwrap_or_else(|| words.fill(0));
     }
 }
@@ -111,14 +112,14 @@ mod emulated {
     use crate::tick;
     use stm32f4::stm32f405::{Interrupt, Peripherals, TIM2, interrupt};
 
-    /// The emulator's timer has 1 GHz whatever the clock tree says, a board without crystal 16 MHz.
+    /// The emulator's timer always runs at 1 GHz; a board without a crystal has 16 MHz.
     const TIMER_MHZ: u32 = if cfg!(feature = "qemu") { 1000 } else { 16 };
 
     /// Starts the timer.
     pub fn start(board: &Peripherals, _rest: u32) {
         board.RCC.apb1enr().modify(|_, w| w.tim2en().set_bit());
         let timer = &board.TIM2;
-        // Counter and prescaler are zero after reset: no update event is forced.
+        // Counter and prescaler are zero after reset, so no update event is needed.
         timer.arr().write(|w| w.arr().set(CYCLE_US * TIMER_MHZ - 1));
         timer.dier().write(|w| w.uie().set_bit());
         timer.cr1().write(|w| w.cen().set_bit());
@@ -126,9 +127,9 @@ mod emulated {
         unsafe { cortex_m::peripheral::NVIC::unmask(Interrupt::TIM2) };
     }
 
-    /// No tick any more.
+    /// Stops the ticks.
     pub fn stop() {
-        // SAFETY: a write that stops the timer, whatever it does.
+        // SAFETY: a write that stops the timer.
         unsafe { &*TIM2::ptr() }.cr1().write(|w| w.cen().clear_bit());
     }
 
@@ -141,7 +142,7 @@ mod emulated {
         timer.sr().modify(|_, w| w.uif().clear_bit());
         tick::with(|tick| {
             tick.run(WORDS, inputs::read);
-            // As if they were sent: the compiler leaves the work in.
+            // The words are treated as sent, so that the compiler keeps the computation.
             core::hint::black_box(&*WORDS);
             let took = timer.cnt().read().bits().wrapping_sub(begin);
             tick.counts.longest = tick.counts.longest.max(took);

@@ -1,4 +1,4 @@
-//! A frame: set points in, bytes out. No hardware.
+//! Converts set points to the bytes of a frame, without hardware.
 use glidepath::quantity::Position;
 
 /// Bits of a set point below the LSB of a frame.
@@ -7,7 +7,7 @@ const SHIFT: u32 = 16;
 /// Bytes of the longest frame: 8 axes.
 pub const LONGEST: usize = 2 + 4 * 8 + 2;
 
-/// The frame with this number, and how many of the bytes it has.
+/// Returns the frame with this number, and the number of used bytes.
 pub fn frame<const AXES: usize>(number: u16, set_points: &[Position; AXES]) -> ([u8; LONGEST], usize) {
     const { assert!(4 + 4 * AXES <= LONGEST) };
     let mut frame = [0; LONGEST];
@@ -54,7 +54,7 @@ const fn next(crc: u16, byte: u8) -> u16 {
     (crc << 8) ^ TABLE[((crc >> 8) as u8 ^ byte) as usize]
 }
 
-/// The check value that catalogues of this CRC give.
+/// The check value of this CRC in published catalogues.
 const _: () = {
     let text = b"123456789";
     let (mut crc, mut i) = (START, 0);

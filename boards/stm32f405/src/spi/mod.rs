@@ -1,5 +1,4 @@
-//! Set points as SPI frames, for an FPGA, a drive or a second controller that makes pulses or currents of
-//! them.
+//! Set points as SPI frames, for an FPGA, a drive or a second controller that makes pulses or currents.
 //!
 //! | bytes | content |
 //! |---|---|
@@ -7,8 +6,8 @@
 //! | 2 + 4·i … 5 + 4·i | set point of axis i, signed, LSB 2^-16 mm (15 nm) or degree, rounded to nearest |
 //! | last 2 | CRC-16 (polynomial 0x1021, start 0xffff) over all bytes before |
 //!
-//! Little endian; select is low for the length of one frame. Three axes take 16 bytes, 12 µs at 10.5 MHz,
-//! during which the core does something else.
+//! Little endian; the select line is low during a frame. Three axes take 16 bytes, 12 µs at 10.5 MHz. The
+//! core computes during the transfer.
 mod frame;
 #[cfg(feature = "hardware")]
 mod wire;
@@ -20,9 +19,9 @@ pub use wire::Spi1;
 use glidepath::axis::Axes;
 use glidepath::quantity::Position;
 
-/// What takes a frame away.
+/// The transport of frames.
 pub trait Wire {
-    /// Begins to send the first bytes of `frame`, so many, and does not wait for it.
+    /// Starts to send the first bytes of `frame`, and does not wait for the end.
     fn send(&mut self, frame: &[u8; LONGEST], length: usize);
 }
 

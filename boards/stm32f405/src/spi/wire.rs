@@ -1,11 +1,12 @@
-//! SPI1 by DMA: PA5 clock, PA6 in, PA7 out, mode 0, 10.5 MHz; PA4 as select. Nothing waits for a byte.
+//! SPI1 with DMA: PA5 clock, PA6 in, PA7 out, mode 0, 10.5 MHz; PA4 as select. No code waits for a byte.
 //!
 //! ```text
 //!   idle -send: select low, both streams on-> sending -last byte came in: select high-> idle
 //! ```
 //!
-//! Stream 3 of DMA2 feeds the transmitter, stream 2 empties the receiver: what comes in is not used, but when
-//! the last byte of it has come the frame is through, and that stream's interrupt ends it.
+//! Stream 3 of DMA2 writes to the transmitter, and stream 2 reads from the receiver. The received bytes are
+//! not used. When the last byte has arrived, the whole frame is sent, and the interrupt of stream 2 ends the
+//! frame.
 use super::{LONGEST, Wire};
 use static_cell::ConstStaticCell;
 use stm32f4::stm32f405::{DMA2, GPIOA, Interrupt, RCC, SPI1, interrupt};
@@ -15,7 +16,7 @@ const RECEIVER: usize = 2;
 const TRANSMITTER: usize = 3;
 const CHANNEL: u8 = 3;
 
-/// What DMA reads and writes: in the memory that it reaches, which the core-coupled one is not.
+/// Memory for DMA: a static outside the core-coupled memory, which DMA cannot access.
 struct Buffers {
     frame: [u8; LONGEST],
     received: u8,
@@ -32,7 +33,8 @@ pub struct Spi1 {
 }
 
 impl Spi1 {
-    /// A master of 8 bits, most significant bit first; APB2 (84 MHz) / 8. `None` if there is one already.
+    /// Master with 8 bits, most significant bit first; clock APB2 (84 MHz) / 8. `None` if the master exists
+    /// already.
     pub fn new(spi: SPI1, dma: DMA2, port: GPIOA, rcc: &RCC) -> Option<Self> {
         let buffers = BUFFERS.try_take()?;
         rcc.ahb1enr().modify(|_, w| w.gpioaen().set_bit().dma2en().set_bit());
@@ -45,15 +47,16 @@ impl Spi1 {
         });
         let register = spi.dr().as_ptr() as u32;
         for stream in [RECEIVER, TRANSMITTER] {
-            // SAFETY: the address of the data register, of which the streams move single bytes.
+            // SAFETY: the address of the data register; the streams move single bytes.
             dma.st(stream).par().write(|w| unsafe { w.bits(register) });
         }
         let received = (&raw mut buffers.received) as u32;
-        // SAFETY: a byte that belongs to the receiver's stream alone.
+        // SAFETY: only the receiver's stream uses this byte.
         dma.st(RECEIVER).m0ar().write(|w| unsafe { w.bits(received) });
         spi.cr2().write(|w| w.rxdmaen().set_bit().txdmaen().set_bit());
         spi.cr1().write(|w| w.mstr().set_bit().ssm().set_bit().ssi().set_bit().br().div8().spe().set_bit());
-        // SAFETY: the interrupt below touches only what it may; no critical section depends on the mask.
+        // SAFETY: the interrupt below touches only its own registers; no critical section depends on the
+        // mask.
         unsafe { cortex_m::peripheral::NVIC::unmask(Interrupt::DMA2_STREAM2) };
         Some(Self { dma, spi, port, buffers })
     }
@@ -62,7 +65,7 @@ impl Spi1 {
         self.dma.st(RECEIVER).cr().read().en().bit_is_set()
     }
 
-    /// A frame that is not through after a cycle never will be.
+    /// Drops a frame that is not sent after a cycle, because such a frame will never be sent.
     fn give_up(&mut self) {
         for stream in [TRANSMITTER, RECEIVER] {
             self.dma.st(stream).cr().modify(|_, w| w.en().clear_bit());
@@ -73,21 +76,21 @@ impl Spi1 {
 
 impl Wire for Spi1 {
     fn send(&mut self, frame: &[u8; LONGEST], length: usize) {
-        // A frame that does not get through shows as a gap in the numbers at the receiver, which has to bring
-        // its drives to rest; there is nothing better to do about it on this side.
+        // The receiver sees a lost frame as a gap in the frame numbers, and must then stop its drives. The
+        // sender cannot do more.
         if self.is_sending() {
             self.give_up();
             return;
         }
         self.buffers.frame = *frame;
-        // What a frame given up has left.
+        // Clears the flags of a dropped frame.
         let _ = (self.spi.dr().read(), self.spi.sr().read());
         self.dma.lifcr().write(|w| {
             w.ctcif2().clear().chtif2().clear().cteif2().clear().cdmeif2().clear().cfeif2().clear();
             w.ctcif3().clear().chtif3().clear().cteif3().clear().cdmeif3().clear().cfeif3().clear()
         });
         let from = (&raw const self.buffers.frame) as u32;
-        // SAFETY: bytes that live for ever and are written only while the stream is off.
+        // SAFETY: static bytes, which are written only while the stream is off.
         self.dma.st(TRANSMITTER).m0ar().write(|w| unsafe { w.bits(from) });
         for stream in [RECEIVER, TRANSMITTER] {
             self.dma.st(stream).ndtr().write(|w| w.ndt().set(length as u16));
@@ -106,10 +109,10 @@ impl Wire for Spi1 {
     }
 }
 
-/// The last byte of a frame has come: it is through.
+/// The last byte of a frame has arrived, so the frame is sent.
 #[interrupt]
 fn DMA2_STREAM2() {
-    // SAFETY: registers of which each write sets or clears a bit of its own: the flag of this interrupt, the
+    // SAFETY: each write sets or clears only its own bit in a register: the flag of this interrupt, or the
     // pin.
     let (dma, port) = unsafe { (&*DMA2::ptr(), &*GPIOA::ptr()) };
     dma.lifcr().write(|w| w.ctcif2().clear());

@@ -1,20 +1,21 @@
-//! Cells of the path: where they come from and which are cut again.
+//! Cells of the path: how they begin and which cells are divided.
 //!
-//! The jerk of the optimum is at its limit or zero but for a few switches. Only a cell with a switch inside
-//! costs time, in proportion to the square of its duration, so these are cut again and the others left alone.
+//! The jerk of the optimum is at its limit or zero, and switches between these values a few times. Only a
+//! cell that contains a switch costs time, in proportion to the square of its duration. So only these cells
+//! are divided again.
 use super::interior::{Grid, Point};
 use super::{Block, Limits, Unit, anchors::Course};
 use crate::reference::profile::Profile;
 
-/// Cells at least: four jerks need that many to begin with.
+/// Lowest number of cells: four jerks need this number at first.
 const FEWEST: f64 = 40.0;
-/// Parts of a cell with a switch, and of its neighbours.
+/// Number of parts of a divided cell, and of its neighbours.
 const PARTS: [usize; 2] = [4, 2];
 /// Jerk that counts as zero or as the limit, in parts of the limit.
 const SETTLED: f64 = 0.02;
 /// Peaks of speed closer to the limit than this are looked at closely.
 const NEAR: f64 = 1e-4;
-/// Cells shorter than this stay as they are, in ramp times.
+/// Cells shorter than this are not divided, in ramp times.
 const SHORTEST: f64 = 0.003;
 
 /// Cells and the blocks they lie in.
@@ -67,7 +68,7 @@ impl Cells {
         self.blocks.push(block);
     }
 
-    /// Into how many parts each cell is to be cut.
+    /// Number of parts of each cell.
     fn parts(&self, x: &Point) -> Vec<usize> {
         let jerk: Vec<f64> = x.h.iter().zip(x.a.windows(2)).map(|(h, a)| (a[1] - a[0]) / h).collect();
         let mut parts = vec![1; x.h.len()];

@@ -142,7 +142,7 @@ struct Direction {
     multiplier: Vec<[f64; 2]>,
 }
 
-/// What a step is judged by.
+/// Values that judge a step.
 #[derive(Clone, Copy, Debug)]
 struct Merit {
     /// Time and barriers.
@@ -205,7 +205,7 @@ impl<'a> Interior<'a> {
         [d.h[k] - da, d.h[k] + da, v, -v, a, -a, -v - self.lead(k) * a]
     }
 
-    /// What is left of (1) and (2).
+    /// Residuals of (1) and (2).
     fn residual(&self, x: &Point, k: usize) -> [f64; 2] {
         let (h, v0, v1, a0, a1) = (x.h[k], x.v[k], x.v[k + 1], x.a[k], x.a[k + 1]);
         [

@@ -143,7 +143,8 @@ const GAIN: f64 = 1e-5;
 /// Parts of the mean time per inequality: barrier weights at the start of the first solution and of the
 /// others, and at their end, where all inequalities together cost at most this part of the time.
 const BARRIER: [f64; 3] = [0.1, 1e-3, 1e-6];
-/// Slower than the motion at hand to start inside all limits: the first time, later.
+/// Factors by which the start motion is slower than the given motion, so that the start is inside all limits:
+/// the first time, later.
 const SLOWER: [f64; 2] = [1.1, 1.002];
 
 /// The fastest motion; `None` if the search does not converge.

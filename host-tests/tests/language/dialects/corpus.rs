@@ -1,4 +1,4 @@
-//! Programs with the heads and tails that senders and CAM write, made up for these tests.
+//! Programs made for these tests, with typical first and last lines of senders and CAM systems.
 
 /// Name, the dialect that the text shows, and the text.
 pub type Sample = (&'static str, &'static str, &'static str);

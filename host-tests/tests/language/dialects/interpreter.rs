@@ -1,4 +1,5 @@
-//! A small interpreter of LinuxCNC's, Grbl's and Fanuc's words in f64: the judge. It shares nothing with the library.
+//! A small interpreter of LinuxCNC's, Grbl's and Fanuc's words in f64, as reference. It shares no code with
+//! the library.
 
 /// What a program makes a machine do.
 #[derive(Clone, Debug, PartialEq)]

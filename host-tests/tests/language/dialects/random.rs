@@ -1,4 +1,4 @@
-//! Random programs of words that both dialects, or LinuxCNC alone, carry out.
+//! Random programs of words that both dialects, or only LinuxCNC, have.
 use crate::nc_decode::Random;
 
 /// A program.

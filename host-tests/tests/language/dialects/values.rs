@@ -1,4 +1,5 @@
-//! Programs with parameters, expressions, loops and subroutines, each beside the plain program that it stands for.
+//! Programs with parameters, expressions, loops and subroutines, each compared with an equal program without
+//! them.
 
 /// The program, and what it comes to, worked out by hand.
 pub const VALUES: &[(&str, &str)] = &[

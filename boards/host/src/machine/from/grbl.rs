@@ -1,4 +1,4 @@
-//! Grbl's settings, as it answers `$$`.
+//! Grbl's settings, as in the answer to `$$`.
 use super::ramp;
 use crate::diagnose::{Diagnostic, Source};
 use crate::machine::sheet::{Axis, Sheet, Taken};
@@ -27,7 +27,7 @@ pub fn is_setting(line: &str) -> bool {
     parts(line).is_some()
 }
 
-/// Settings that have no place in machine data, and why: first and last number.
+/// Settings without a place in machine data, and the reason: first and last number.
 const LEFT: &[(u32, u32, &str)] = &[
     (1, 1, "a motor that is switched off stands elsewhere"),
     (4, 6, "pins of the board"),
@@ -40,10 +40,10 @@ const LEFT: &[(u32, u32, &str)] = &[
     (30, 39, "spindle and laser: S is a function of the program"),
 ];
 
-/// The machine of a list of settings.
+/// Converts a list of settings to a machine.
 ///
 /// # Errors
-/// A value is no number, or an axis has a part of its settings only.
+/// A value is no number, or an axis has only a part of its settings.
 pub fn read(source: &Source) -> Result<Sheet, Vec<Diagnostic>> {
     let mut refused = Vec::new();
     let mut settings: Vec<Setting> = Vec::new();

@@ -1,14 +1,15 @@
-//! Files of sections and keys, as LinuxCNC and Klipper have them, with the place of each value.
+//! Files of sections and keys, in the formats of LinuxCNC and Klipper, with the place of each value.
 use crate::diagnose::{Diagnostic, Source};
 use crate::machine::sheet::Taken;
 use std::cell::{Cell, RefCell};
 
-/// Whose rules a file has.
+/// The format of a file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Style {
-    /// `key = value`; of a key that is given twice the first one counts.
+    /// `key = value`; if a key is given twice, the first value counts.
     LinuxCnc,
-    /// `key: value` too, longer values indented below; the last one counts, also of those saved by `#*#`.
+    /// Also `key: value`, with longer values indented on the next lines. The last value counts, including
+    /// values saved with `#*#`.
     Klipper,
 }
 
@@ -16,7 +17,7 @@ pub enum Style {
 pub struct Entry {
     /// Without brackets.
     pub section: String,
-    /// As it stands there.
+    /// Name as written in the file.
     pub key: String,
     /// Without comment.
     pub value: String,
@@ -31,12 +32,12 @@ pub struct Ini<'a> {
     style: Style,
     entries: Vec<Entry>,
     refused: RefCell<Vec<Diagnostic>>,
-    /// Files that it includes, which are not read: line and name.
+    /// Included files, which are not read: line and name.
     pub includes: Vec<(usize, String)>,
 }
 
 impl<'a> Ini<'a> {
-    /// Reads a file; lines that are none of its kind are refused by [`Self::refusals`].
+    /// Reads a file; [`Self::refusals`] refuses lines of another format.
     pub fn read(source: &'a Source, style: Style) -> Self {
         let mut ini =
             Self { source, style, entries: Vec::new(), refused: RefCell::default(), includes: Vec::new() };
@@ -67,7 +68,7 @@ impl<'a> Ini<'a> {
             }
             return;
         }
-        // Longer values are macros and lists, which have no machine data.
+        // Longer values are macros and lists, which do not contain machine data.
         if is_klipper && saved.is_none() && line.starts_with([' ', '\t']) {
             return;
         }
@@ -96,7 +97,7 @@ impl<'a> Ini<'a> {
         });
     }
 
-    /// The value of a key, which counts as used.
+    /// Returns the value of a key, and marks the key as used.
     pub fn get(&self, section: &str, key: &str) -> Option<&Entry> {
         let is = |entry: &&Entry| {
             entry.section.eq_ignore_ascii_case(section) && entry.key.eq_ignore_ascii_case(key)
@@ -109,12 +110,12 @@ impl<'a> Ini<'a> {
         found
     }
 
-    /// Whether there is such a section with a key.
+    /// Whether the section exists and has a key.
     pub fn has(&self, section: &str) -> bool {
         self.entries.iter().any(|entry| entry.section.eq_ignore_ascii_case(section))
     }
 
-    /// The number of a key with its origin; what is none is refused.
+    /// Returns the number of a key with its origin; a text that is no number is refused.
     pub fn number(&self, section: &str, key: &str) -> Option<Taken> {
         let entry = self.get(section, key)?;
         match entry.value.parse::<f64>().ok().filter(|value| value.is_finite()) {
@@ -138,7 +139,7 @@ impl<'a> Ini<'a> {
         None
     }
 
-    /// Where a value stands, for a comment.
+    /// The place of a value, for a comment.
     pub fn origin(&self, entry: &Entry) -> String {
         format!("[{}] {} = {} (line {})", entry.section, entry.key, entry.value, entry.line)
     }
@@ -164,7 +165,7 @@ impl<'a> Ini<'a> {
         all
     }
 
-    /// What was not used of sections whose name begins so, with the reason by key; and the other sections.
+    /// Unused keys of sections with this name prefix, with the reason by key; and the other sections.
     pub fn left(&self, sections: &[&str], reasons: &[(&str, &str)]) -> Vec<String> {
         let mut left = Vec::new();
         let mut others: Vec<&str> = Vec::new();

@@ -4,7 +4,7 @@ use super::ramp;
 use crate::diagnose::{Diagnostic, Source};
 use crate::machine::sheet::{Axis, Sheet, Taken};
 
-/// Why keys of the printer and its steppers are not taken.
+/// Reasons for which keys of the printer and its steppers are not converted.
 const REASONS: &[(&str, &str)] = &[
     ("square_corner_velocity", "corners: #CONTOUR MODE [DEV PATH_DEV=…] in a program, or --smooth"),
     ("minimum_cruise_ratio", "short moves: the slope limits them here"),
@@ -18,10 +18,10 @@ const REASONS: &[(&str, &str)] = &[
     ("step_pin", "pins of the board: chosen below"),
 ];
 
-/// The machine of a configuration.
+/// Converts a configuration to a machine.
 ///
 /// # Errors
-/// A value is no number or missing, or the printer has other kinematics.
+/// A value is no number, a value is missing, or the printer has unsupported kinematics.
 pub fn read(source: &Source) -> Result<Sheet, Vec<Diagnostic>> {
     let ini = Ini::read(source, Style::Klipper);
     let kinematics = ini.get("printer", "kinematics");
@@ -54,7 +54,7 @@ pub fn read(source: &Source) -> Result<Sheet, Vec<Diagnostic>> {
             let least = ini.number(&section, "position_min");
             let least = least.unwrap_or_else(|| Taken::new(0.0, "Klipper's default of position_min"));
             let most = ini.number(&section, "position_max");
-            // Motors that drive two axes at once have no counts of one.
+            // If motors drive two axes together, no axis has counts of its own.
             let has_counts = is_direct || z;
             Some(Axis {
                 name: letter.to_uppercase(),
@@ -95,7 +95,7 @@ fn ratio(text: &str) -> Option<f64> {
     })
 }
 
-/// The step output of a stepper, and of a second one.
+/// The step output of a stepper, and of a second stepper.
 fn steps(ini: &Ini<'_>, letter: &str, index: usize) -> Vec<(&'static str, Taken)> {
     let section = format!("stepper_{letter}");
     let (Some(distance), Some(micro)) =

@@ -4,7 +4,7 @@ use super::ramp;
 use crate::diagnose::{Diagnostic, Source};
 use crate::machine::sheet::{Axis, Sheet, Taken};
 
-/// Why keys of the sections of axes are not taken.
+/// Reasons for which keys of the axis sections are not converted.
 const REASONS: &[(&str, &str)] = &[
     ("HOME", "homing"),
     ("FERROR", "position control"),
@@ -29,7 +29,7 @@ fn letters(text: &str) -> Vec<char> {
     all
 }
 
-/// The machine of an INI file.
+/// Converts an INI file to a machine.
 ///
 /// # Errors
 /// A value is no number or missing.
@@ -95,13 +95,13 @@ pub fn read(source: &Source) -> Result<Sheet, Vec<Diagnostic>> {
 /// An axis with its first joint.
 fn axis(ini: &Ini<'_>, letter: char, joint: usize, unit: f64) -> Option<Axis> {
     let (own, of_joint) = (format!("AXIS_{letter}"), format!("JOINT_{joint}"));
-    // Before version 2.8 the sections of joints were called so.
+    // Before version 2.8 the sections of joints had this name.
     let old = format!("AXIS_{joint}");
     let sections = [&own, &of_joint, &old];
     let kind = sections.iter().find_map(|section| ini.get(section, "TYPE"));
     let rotary = kind.map_or("ABC".contains(letter), |kind| kind.value.eq_ignore_ascii_case("ANGULAR"));
     let unit = if rotary { 1.0 } else { unit };
-    // The lowest of what the sections permit.
+    // The lowest value of these sections.
     let least = |key: &str, of_path: &[&str]| {
         let of_axis = sections.iter().filter_map(|section| ini.positive(section, key));
         let of_path = of_path.iter().filter(|_| !rotary).filter_map(|key| ini.positive("TRAJ", key));

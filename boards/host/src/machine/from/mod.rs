@@ -1,6 +1,6 @@
-//! Machine files from the settings of other controllers: takes their file, gives a [`Sheet`] as text.
+//! Machine files from the settings of other controllers: reads their file and returns a [`Sheet`] as text.
 //!
-//! Each value says where it comes from. What has no place in machine data is listed at the end with its reason.
+//! Each value names its origin. Settings that machine data do not have are listed at the end with the reason.
 mod grbl;
 mod ini;
 mod klipper;
@@ -11,15 +11,15 @@ use super::sheet::{Sheet, Taken};
 use super::{MAX_AXES, Overrides};
 use crate::diagnose::{Diagnostic, Source};
 
-/// Milliseconds of a ramp where a controller has none: its acceleration jumps.
+/// Ramp time in milliseconds for controllers without ramps, whose acceleration changes in steps.
 const RAMP_MS: f64 = 20.0;
 
-/// The ramp of a controller whose acceleration jumps.
+/// The ramp for a controller without ramps.
 fn ramp(controller: &str) -> Taken {
     Taken::new(RAMP_MS, format!("chosen: {controller} has no ramps. Slope STEP (profile = 0) moves like it"))
 }
 
-/// Reads the settings of a controller: the machine file.
+/// Reads the settings of a controller. Returns the text of a machine file.
 ///
 /// # Errors
 /// The text is no list of settings, or a value is missing or out of range.
@@ -45,7 +45,7 @@ pub fn from(source: &Source) -> Result<String, Vec<Diagnostic>> {
     finish(source, &sheet)
 }
 
-/// The text, if it is a machine that can run.
+/// Returns the text, if a machine with these data can run.
 fn finish(source: &Source, sheet: &Sheet) -> Result<String, Vec<Diagnostic>> {
     if sheet.axes.is_empty() || sheet.axes.len() > MAX_AXES {
         let message = format!("{}: {} axes with speed and acceleration", source.name, sheet.axes.len());

@@ -30,15 +30,15 @@ const SLOPE: &str = "prog_start.slope.profile";
 const FUNCTION: &str = "configuration.path_preparation.function";
 const FCT_ENABLE: &str = "configuration.path_preparation.fct_enable";
 
-/// Reads a machine file. What the command line sets may be anything of ISG's range there.
+/// Reads a machine file. Parameters that the command line sets may have any value of ISG's range in the file.
 ///
 /// # Errors
-/// Everything that is wrong with it, one message each.
+/// All errors of the file, one message each.
 pub fn load(path: &Path, overrides: &Overrides) -> Result<Machine, Vec<Diagnostic>> {
     read(&Source::read(path)?, overrides)
 }
 
-/// The same for a text that is at hand.
+/// The same for a text in memory.
 ///
 /// # Errors
 /// As [`load`].
@@ -62,7 +62,7 @@ pub fn read(source: &Source, overrides: &Overrides) -> Result<Machine, Vec<Diagn
     }
 }
 
-/// The table of the two that has the parameter; the first one where neither has.
+/// Returns the table that has the parameter, or the first table if neither has it.
 fn table_of<Target>(
     name: &str,
     isg: &'static [Parameter<Target>],
@@ -76,7 +76,7 @@ pub(super) struct Entry<'a> {
     pub(super) name: String,
     pub(super) key: Range<usize>,
     pub(super) value: &'a Spanned<DeValue<'a>>,
-    /// The name in plain units that stands in the file, and how many of ISG's units its unit has.
+    /// The name with a common unit in the file, and the factor to ISG's unit.
     plain: Option<(&'static str, i64)>,
 }
 
@@ -118,7 +118,7 @@ impl Loader<'_> {
                 return machine;
             }
         };
-        // The channel first: ranges of the axes depend on its cycle time.
+        // The channel comes first, because ranges of the axes depend on its cycle time.
         for (key, value) in document.get_ref() {
             match (key.get_ref().as_ref(), value.get_ref()) {
                 ("channel", DeValue::Table(table)) => {
@@ -256,7 +256,7 @@ impl Loader<'_> {
         Some(axis)
     }
 
-    /// Puts ISG's parameters in place of names in plain units, and notes what the file gives.
+    /// Replaces names with common units by ISG's parameters, and records which parameters the file has.
     fn expand<'a>(
         &mut self,
         table: &str,
@@ -301,7 +301,7 @@ impl Loader<'_> {
         all
     }
 
-    /// Without a slope the machine has STEP, which surprises.
+    /// Warns if the file has no slope, because the default is STEP.
     fn warn_of_step(&mut self, text: &str) {
         let name = format!("channel.{SLOPE}");
         if self.overrides.slope.is_some() || self.given.iter().any(|(given, _)| *given == name) {

@@ -35,7 +35,7 @@ impl Loader<'_> {
         }
     }
 
-    /// Looks a parameter up, checks type and range, stores it.
+    /// Finds a parameter, checks type and range, and stores the value.
     pub(super) fn set<Target>(
         &mut self,
         table: &str,
@@ -54,7 +54,7 @@ impl Loader<'_> {
                     known.iter().map(|parameter| parameter.name).chain(later.iter().map(|(_, name)| *name));
                 let names = names.chain(plain::names());
                 let names: Vec<&str> = names.chain(["type"]).collect();
-                // The last part of a name is often right where the table is wrong.
+                // The last part of a name is often right although the table is wrong.
                 let leaf = name.rsplit('.').next();
                 let meant = nearest(name, names.iter().copied())
                     .or_else(|| names.iter().copied().find(|other| other.rsplit('.').next() == leaf));
@@ -126,7 +126,7 @@ impl Loader<'_> {
         self.refuse(&at, message, &expected);
     }
 
-    /// Values that are not planned with as they are.
+    /// Values that the planner replaces.
     pub(super) fn remark(
         &mut self,
         table: &str,

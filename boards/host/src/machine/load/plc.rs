@@ -1,4 +1,5 @@
-//! Machine data of what the interpolator does for a PLC, by their names of the channel list and of the start-up list.
+//! Machine data of the interpolator's functions for a PLC, under their names in the channel list and the
+//! start-up list.
 use super::value::milli;
 use super::{Diagnostic, Entry, LOOK_AHEAD, Loader, flatten, label, suggestion};
 use crate::diagnose::nearest;
@@ -15,7 +16,7 @@ const FUNCTION: &str = "function";
 const FCT_ENABLE: &str = "fct_enable";
 const LOG_MAX: &str = "contour_lookahead_log_max";
 
-/// P-STUP-00070 and P-STUP-00076 stand here.
+/// P-STUP-00070 and P-STUP-00076 are in this table.
 const START_UP: &str = "configuration.channel.0.interpolator.";
 const STORAGE: &str = "fb_storage_size";
 
@@ -27,7 +28,7 @@ fn parameter(id: &str) -> &'static Parameter<ChannelData> {
     CHANNEL_PLC.iter().find(|parameter| parameter.id == id).unwrap_or(&CHANNEL_PLC[0])
 }
 
-/// Whether the file has a parameter of the channel that begins like that.
+/// Whether the file has a parameter of the channel whose name begins with this text.
 fn has(document: &Spanned<DeTable<'_>>, leaves: &[&str]) -> bool {
     let Some(DeValue::Table(channel)) = document.get_ref().get("channel").map(Spanned::get_ref) else {
         return false;
@@ -39,7 +40,8 @@ fn has(document: &Spanned<DeTable<'_>>, leaves: &[&str]) -> bool {
 }
 
 impl Loader<'_> {
-    /// A parameter of the interpolator in the table `channel`; `false` if the name is another.
+    /// Stores a parameter of the interpolator in the table `channel`. Returns `false` for another parameter
+    /// name.
     pub(super) fn interpolator(
         &mut self,
         entry: &Entry<'_>,
@@ -324,7 +326,7 @@ mod tests {
         }
     }
 
-    /// What this version does not have is refused by name. Rows: C40-063, C40-069, C40-071.
+    /// Functions that this version does not have are refused by name. Rows: C40-063, C40-069, C40-071.
     #[test]
     fn absent_functions_are_refused_by_name() {
         for name in [
@@ -354,7 +356,7 @@ mod tests {
             ("[5000, 0, 7]", 5000, 1),
         ] {
             let machine = good(&format!("[startup]\nfb_storage_size = {size}"));
-            // The file has no slope, which is told, too.
+            // The file has no slope, so a warning about the slope comes too.
             let told = machine.warnings.iter().filter(|told| told.render().contains("P-STUP-00033"));
             let got = (machine.channel.interpolator.fb_storage_size, told.count());
             assert_eq!(got, (bytes, warnings), "{size}");

@@ -1,4 +1,4 @@
-//! What the loader makes of machine files.
+//! Tests of the loader of machine files.
 use super::value::{Unfit, exact_milli};
 use super::*;
 use glidepath::machine::{
@@ -14,7 +14,7 @@ fn the_default_file_is_the_built_in_machine() {
     assert_eq!(loaded.channel, Machine::built_in().channel);
 }
 
-/// What becomes of a machine with these lines of the channel's path preparation.
+/// The result of a machine with these lines of the channel's path preparation.
 fn prepared(lines: &str) -> Result<Machine, Vec<Diagnostic>> {
     let name = format!("glidepath-enable-{}-{}", std::process::id(), lines.len());
     let file = std::env::temp_dir().join(name);
@@ -128,7 +128,7 @@ fn every_parameter_is_read() {
     let synch = [25, 26, 3, 4].map(|code| channel.m_synch.of(code));
     assert_eq!(synch, [Synch::MvsSns, Synch::MvsSvs, Synch::NoSynch, Synch::Mos]);
     assert_eq!((machine.axes, machine.channel), (vec![axis], channel));
-    // What is left out has ISG's defaults.
+    // Parameters that are left out have ISG's defaults.
     let default = ChannelData::new();
     let path = [default.vector_acceleration_milli, default.vector_deceleration_milli];
     assert_eq!((path, default.vector_velocity_milli), ([100_000_000_000; 2], 2_000_000_000_000));

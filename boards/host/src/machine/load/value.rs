@@ -1,15 +1,15 @@
-//! Values of a machine file: exact thousandths, and what a parameter may be.
+//! Values of a machine file: exact thousandths, and the permitted range of a parameter.
 use super::LOOK_AHEAD;
 use crate::run::BLOCKS;
 use glidepath::machine::parameter::Parameter;
 use toml::de::DeValue;
 
-/// What a parameter may be.
+/// The permitted range of a parameter.
 pub struct Allowed {
-    /// In thousandths.
+    /// Range in thousandths.
     pub min: i64,
     pub max: i64,
-    /// The same in words.
+    /// The range in words.
     pub words: String,
 }
 
@@ -29,7 +29,7 @@ impl Allowed {
         Self { min, max, words }
     }
 
-    /// What this simulator takes, which of some parameters is less.
+    /// The range of this simulator, which is smaller for some parameters.
     pub fn here<Target>(parameter: &Parameter<Target>) -> Self {
         match parameter.name {
             LOOK_AHEAD => Self {
@@ -42,7 +42,7 @@ impl Allowed {
     }
 }
 
-/// Why a value does not fit.
+/// Reason for which a value is refused.
 pub enum Unfit {
     /// No number.
     Type,
@@ -64,7 +64,7 @@ pub fn milli(value: &DeValue<'_>, decimals: bool) -> Result<i128, Unfit> {
     }
 }
 
-/// `12.345` in thousandths, exactly; exponents and what has no value are of the wrong type.
+/// Converts `12.345` to thousandths, exactly; exponents, and text without a value, have the wrong type.
 pub fn exact_milli(text: &str) -> Result<i128, Unfit> {
     let (negative, digits) = match text.strip_prefix('-') {
         Some(rest) => (true, rest),
@@ -94,7 +94,7 @@ pub fn label(table: &str, id: &str, name: &str) -> String {
     if id.is_empty() { format!("{table}.{name}") } else { format!("{table}.{name} ({id})") }
 }
 
-/// What may have been meant.
+/// The name that may have been meant.
 pub fn suggestion(meant: Option<&str>) -> String {
     meant.map_or_else(String::new, |name| format!("is `{name}` meant?"))
 }

@@ -17,7 +17,7 @@ const LONGEST_TOOL_UM: i128 = 10_000_000;
 const FAW_SYNCH: u32 = 0x1000_0000;
 
 impl Loader<'_> {
-    /// `slope`, by its name; `false` if the name is another.
+    /// Stores `slope`, given by name. Returns `false` for another parameter name.
     pub(super) fn slope(&mut self, entry: &Entry<'_>, channel: &mut ChannelData) -> bool {
         if entry.name != "slope" {
             return false;
@@ -59,7 +59,7 @@ impl Loader<'_> {
         }
     }
 
-    /// `dialect`, or a length of `tool_length`; `false` if the name is another.
+    /// Stores `dialect`, or a length of `tool_length`. Returns `false` for another parameter name.
     pub(super) fn dialect(&mut self, entry: &Entry<'_>, machine: &mut Machine) -> bool {
         let (span, value) = (entry.value.span(), entry.value.get_ref());
         let text = self.text(&span).to_owned();
@@ -100,7 +100,7 @@ impl Loader<'_> {
         true
     }
 
-    /// A function of `m_synch` or `h_synch`; `false` if the name is another.
+    /// Stores a function of `m_synch` or `h_synch`. Returns `false` for another parameter name.
     pub(super) fn synch(&mut self, entry: &Entry<'_>, channel: &mut ChannelData) -> bool {
         let (table, number) = entry.name.split_once('.').unwrap_or((&entry.name, ""));
         let (id, synchs) = match table {
@@ -119,7 +119,7 @@ impl Loader<'_> {
         let (span, value) = (entry.value.span(), entry.value.get_ref());
         let text = self.text(&span).to_owned();
         let number = milli(value, false).ok().map(|milli| milli / 1000);
-        // FAW_SYNCH comes beside another kind.
+        // FAW_SYNCH is combined with another kind.
         let faw = i128::from(FAW_SYNCH);
         let (word, number, flushes) = match (value.as_str(), number) {
             (Some(word), _) => match word.split_once('|').map(|(one, other)| (one.trim(), other.trim())) {
@@ -159,8 +159,8 @@ impl Loader<'_> {
         true
     }
 
-    /// P-CHAN-00605: what the channel may use, one text per mode of program start (P-CHAN-00606). Programs start in
-    /// the first one here. `false` if the name is another.
+    /// P-CHAN-00605: functions of the channel, one text per mode of program start (P-CHAN-00606). Programs
+    /// start in the first mode. Returns `false` for another parameter name.
     pub(super) fn enable(
         &mut self,
         entry: &Entry<'_>,

@@ -10,11 +10,11 @@ const WIDTH: f64 = 1.0;
 
 /// An axis that is shown.
 struct Shown {
-    /// Of the machine.
+    /// Index in the machine.
     axis: usize,
-    /// Of the record.
+    /// Index in the record.
     series: usize,
-    /// What a value is multiplied with.
+    /// Factor of a value.
     factor: f64,
     limit: f64,
 }
@@ -25,9 +25,9 @@ struct Rates<'a> {
     title: &'static str,
     unit: String,
     axes: Vec<Shown>,
-    /// Where the limit is on the scale.
+    /// Position of the limit on the scale.
     limit: f64,
-    /// Of all axes, in their unit; none where they differ.
+    /// Limit of all axes, in their unit; none if the limits differ.
     same: Option<f64>,
 }
 

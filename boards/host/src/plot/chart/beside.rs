@@ -1,5 +1,5 @@
-//! Behind the path and beside it: how far filtered axes are from their delayed path, in percent of AX_DEV, and
-//! where the axes are that move on their own.
+//! Filters and independent axes: deviation of filtered axes from their delayed path, in percent of AX_DEV,
+//! and positions of axes in independent motions.
 use super::trace::envelope;
 use super::{Canvas, LIMIT, Line, Name, Rect, Row, Scale, Scene, label};
 use crate::plot::canvas::axis_colour;

@@ -1,5 +1,5 @@
-//! How far the driven path is from the programmed one, over path distance: in percent of what is permitted,
-//! the main axes together and the others beside them; in mm where nothing is monitored.
+//! Deviation of the driven path from the programmed path, over path distance: in percent of the tolerance, or
+//! in mm if nothing is monitored. The main axes have one line, and the other axes have another one.
 use super::{Canvas, LIMIT, Line, Name, Over, Point, Rect, Row, Scale, Scene, Stroke, label};
 use crate::deviation::{Column, Largest, NOTHING};
 use crate::plot::canvas::{INK, axis_colour};
@@ -15,7 +15,7 @@ struct Deviations<'a> {
     length: f64,
 }
 
-/// The row, where something is smoothed.
+/// The row, if a part of the path is smoothed.
 pub fn row<'a>(scene: &'a Scene<'a>) -> Option<Box<dyn Row + 'a>> {
     let seen = scene.statistics.deviation.as_ref().filter(|seen| seen.smooths)?;
     let length = seen.columns.last()?.distance;
@@ -74,7 +74,7 @@ impl Row for Deviations<'_> {
         let colours = [Some(INK), self.others.as_ref().map(|(axis, _)| axis_colour(*axis))];
         for (values, colour) in self.values().iter().zip(colours) {
             let Some(colour) = colour else { continue };
-            // The highest of each column.
+            // The highest value of each column.
             let mut line: Vec<Point> = vec![Point(frame.x, y.at(0.0))];
             let mut from = frame.x;
             for (column, &value) in self.columns.iter().zip(values) {

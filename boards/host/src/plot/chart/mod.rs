@@ -1,4 +1,4 @@
-//! Charts, one below the other: each is a row of its own, with what it shows in a file of its own.
+//! Charts, one below the other: each chart is a row, and its content has a separate file.
 
 mod axes;
 mod beside;
@@ -19,11 +19,11 @@ const GAP: f64 = 52.0;
 /// Width of the line of a limit.
 const LIMIT_WIDTH: f64 = 1.1;
 
-/// What a row shows over.
+/// The horizontal axis of a row.
 #[derive(Clone, Copy, PartialEq)]
 enum Over {
     Time,
-    /// Path distance, mm, up to that.
+    /// Path distance, mm, up to this value.
     Distance(f64),
 }
 
@@ -44,17 +44,17 @@ trait Row {
     fn over(&self) -> Over {
         Over::Time
     }
-    /// What the lines are, from left to right.
+    /// The entries of the heading, from left to right.
     fn names(&self) -> Vec<Name>;
-    /// The largest magnitude that is seen, and whether there are negative ones.
+    /// The highest magnitude in the chart, and whether there are negative values.
     fn reach(&self) -> (f64, bool);
-    /// Limits: shown where they lie near what is seen.
+    /// Limits: shown if the values come near the limit.
     fn limits(&self) -> Vec<Line> {
         Vec::new()
     }
-    /// Draws what is in the frame.
+    /// Draws the content of the frame.
     fn draw(&self, canvas: &mut dyn Canvas, frame: &Rect, x: &Scale, y: &Scale);
-    /// Half the width of its strokes: limits are drawn outside of it.
+    /// Half the width of its strokes: limits are drawn outside of the strokes.
     fn stroke(&self) -> f64;
 }
 
@@ -102,7 +102,7 @@ pub fn draw(canvas: &mut dyn Canvas, area: &Rect, scene: &Scene<'_>) {
 fn one(canvas: &mut dyn Canvas, frame: &Rect, row: &dyn Row, x: &Scale, end: f64) {
     let (seen, signed) = row.reach();
     let limits = row.limits();
-    // A limit far above must not flatten what was reached.
+    // A limit far above must not flatten the values.
     let near = limits.iter().map(|line| line.value.abs()).filter(|value| *value <= seen * 1.7);
     let top = round_up(near.fold(seen, f64::max) * 1.06);
     let low = if signed { -top } else { 0.0 };
@@ -123,7 +123,7 @@ fn one(canvas: &mut dyn Canvas, frame: &Rect, row: &dyn Row, x: &Scale, end: f64
     canvas.clip(Some(&Rect { y: frame.y - 2.0, height: frame.height + 4.0, ..*frame }));
     row.draw(canvas, frame, x, &y);
     for line in limits.iter().filter(|line| line.value.abs() <= top) {
-        // What reaches the limit ends at the inner edge of its line.
+        // A value that reaches the limit ends at the inner edge of the limit's line.
         let out = (row.stroke() + LIMIT_WIDTH / 2.0) * if line.value < 0.0 { 1.0 } else { -1.0 };
         let at = y.at(line.value) + out;
         canvas.polyline(&[Point(frame.x, at), Point(frame.right(), at)], &dashed(line.colour));
@@ -137,7 +137,7 @@ fn dashed(colour: Colour) -> Stroke {
     Stroke { opacity: 0.85, dash: Some((6.0, 4.0)), ..Stroke::new(colour, LIMIT_WIDTH) }
 }
 
-/// Title on the left, what the lines are on the right, with their base line at `above`.
+/// The title on the left, and the entries of the heading on the right, with their base line at `above`.
 fn heading(canvas: &mut dyn Canvas, frame: &Rect, above: f64, row: &dyn Row) {
     let title = TextStyle { size: 13.0, bold: true, ..TextStyle::new(INK) };
     canvas.text(Point(frame.x, above), row.title(), &title);
@@ -155,14 +155,14 @@ fn heading(canvas: &mut dyn Canvas, frame: &Rect, above: f64, row: &dyn Row) {
     }
 }
 
-/// Where blocks begin.
+/// Draws the borders of blocks.
 fn borders(canvas: &mut dyn Canvas, frame: &Rect, scene: &Scene<'_>, x: &Scale) {
     let cycle = scene.machine.cycle_s();
     let entries = &scene.picture.entries;
     if entries.len() > BORDERS {
         return;
     }
-    // Every second block has a faint ground.
+    // Every second block has a faint background.
     let end = scene.picture.ticks() - 1;
     let ends = entries.iter().skip(1).map(|(tick, _)| *tick).chain([end]);
     for (index, (&(from, _), to)) in entries.iter().zip(ends).enumerate() {

@@ -1,4 +1,4 @@
-//! The speed of the path, with the programmed one and what the axes allow in its direction.
+//! Path speed, programmed speed, and the speed that the axes permit in the direction of the path.
 use super::trace::{envelope, legend};
 use super::{Canvas, Line, Name, Rect, Row, Scale, Scene, dashed};
 use crate::plot::canvas::{FEED, INK, LIMIT, Point, Stroke};
@@ -7,7 +7,7 @@ use crate::plot::canvas::{FEED, INK, LIMIT, Point, Stroke};
 const WIDTH: f64 = 1.5;
 const FEED_WIDTH: f64 = 1.6;
 
-/// A level over a stretch of time; none where there is nothing to show.
+/// A value over an interval of time; none if there is nothing to show.
 #[derive(Clone, Copy, PartialEq)]
 struct Step {
     from: f64,
@@ -23,7 +23,7 @@ pub struct PathSpeed<'a> {
 }
 
 impl<'a> PathSpeed<'a> {
-    /// Of a run.
+    /// Makes the row of a run.
     pub fn new(scene: &'a Scene<'a>) -> Self {
         let end = ((scene.picture.ticks().max(2) - 1) as f64) * scene.machine.cycle_s();
         let [programmed, limit] = steps(scene, end);
@@ -76,8 +76,8 @@ impl Row for PathSpeed<'_> {
     }
 }
 
-/// Levels as one line, broken where there is none. Of several within half a pixel the
-/// highest one counts: what stays below each of them stays below the line.
+/// Values as one line, broken where there is no value. Of several values within half a pixel the highest
+/// counts, because a speed below each value is also below this line.
 fn staircase(canvas: &mut dyn Canvas, steps: &[Step], x: &Scale, y: &Scale, out: f64, stroke: &Stroke) {
     const FINEST: f64 = 0.5;
     let mut line: Vec<Point> = Vec::new();
@@ -90,7 +90,7 @@ fn staircase(canvas: &mut dyn Canvas, steps: &[Step], x: &Scale, y: &Scale, out:
             column = f64::NEG_INFINITY;
             continue;
         };
-        // Outside of the stroke of what is limited.
+        // Outside the stroke of the limited value.
         let level = y.at(value) - out;
         match line.as_mut_slice() {
             [.., before, last] if last.1 == level => *last = Point(to, before.1),
@@ -107,8 +107,8 @@ fn staircase(canvas: &mut dyn Canvas, steps: &[Step], x: &Scale, y: &Scale, out:
     canvas.polyline(&line, stroke);
 }
 
-/// Programmed speed, none in rapid motion, and what the axes allow, over time. A path that is smoothed may
-/// already have the direction of the next block, or still that of the one before.
+/// Programmed speed (none in rapid motion) and the speed that the axes permit, over time. A smoothed path may
+/// already have the direction of the next block, or still that of the previous block.
 fn steps(scene: &Scene<'_>, end: f64) -> [Vec<Step>; 2] {
     let cycle = scene.machine.cycle_s();
     let entries = &scene.picture.entries;

@@ -1,19 +1,19 @@
-//! A quantity over time: a line where there is room for every tick, else the area between lowest and highest
-//! of every column. Where that would fill the chart, as jerk does in long runs, the area is faint, and a line shows the
-//! mean magnitude.
+//! A quantity over time: a line if there is room for every tick, else the area between lowest and highest
+//! value of every column. If the area would fill the chart, as jerk does in long runs, the area is faint, and
+//! a line shows the mean magnitude.
 use super::{Canvas, Colour, Point, Rect, SOFT, Scale, Scene, Stroke, TextStyle};
 
 /// Width of a column.
 const COLUMN: f64 = 1.0;
 
-/// What the lines are, where the areas are faint.
+/// Explanation of the lines if the areas are faint.
 pub fn legend(canvas: &mut dyn Canvas, frame: &Rect) {
     let style = TextStyle { size: 10.0, ..TextStyle::new(SOFT) };
     let text = "ground: lowest to highest, lines: mean magnitude";
     canvas.text(Point(frame.x + 6.0, frame.bottom() - 6.0), text, &style);
 }
 
-/// Draws a series of the record, each value times `factor`. Whether its area is faint.
+/// Draws a series of the record, each value times `factor`. Returns whether its area is faint.
 pub fn envelope(
     canvas: &mut dyn Canvas,
     scene: &Scene<'_>,
@@ -40,7 +40,7 @@ pub fn envelope(
         full(canvas, &columns, y, colour);
         return true;
     }
-    // The edges lie inside by half of their width: the area ends where its values end.
+    // The edges lie inside by half of their width, so the area ends at its values.
     let edge = width.min(1.0);
     let inset = |low: f64, high: f64| {
         let (top, bottom) = (y.at(high), y.at(low));
@@ -61,7 +61,8 @@ fn area(upper: &[Point], lower: &[Point]) -> Vec<Point> {
     upper.iter().copied().chain(lower.iter().rev().copied()).collect()
 }
 
-/// Whether columns are that high in the mean, beside the highest value, that their edges would fill the chart.
+/// Whether columns are so high on average, compared with the highest value, that their edges would fill the
+/// chart.
 fn is_full(columns: &[Column]) -> bool {
     const FULL: f64 = 0.3;
     let peak = columns.iter().map(|(_, [low, high, _])| high.abs().max(low.abs())).fold(0.0, f64::max);
@@ -69,8 +70,8 @@ fn is_full(columns: &[Column]) -> bool {
     sum > FULL * peak * columns.len() as f64
 }
 
-/// The reach of the values as a faint ground without edges, and over it the mean of their magnitudes as a line: on both
-/// sides of zero, where they have two signs.
+/// Draws the range of the values as a faint area without edges, and the mean magnitude as a line: on both
+/// sides of zero if the values have two signs.
 fn full(canvas: &mut dyn Canvas, columns: &[Column], y: &Scale, colour: Colour) {
     let line = |value: fn(&[f64; 3]) -> f64| -> Vec<Point> {
         columns.iter().map(|(at, column)| Point(*at, y.at(value(column)))).collect()
@@ -87,8 +88,8 @@ fn full(canvas: &mut dyn Canvas, columns: &[Column], y: &Scale, colour: Colour) 
 /// Left end, lowest and highest value, mean magnitude.
 type Column = (f64, [f64; 3]);
 
-/// Lowest and highest per column, and the mean. A column reaches to the first value of the next one, so that steep lines
-/// have no gaps. `single`: each stretch is one tick.
+/// Lowest and highest value per column, and the mean. A column extends to the first value of the next column,
+/// so that steep lines have no gaps. `single`: each interval is one tick.
 fn columns(stretches: impl Iterator<Item = Column>, single: bool) -> Vec<Column> {
     let stretches: Vec<Column> = stretches.collect();
     let wide = match stretches.as_slice() {
@@ -99,7 +100,7 @@ fn columns(stretches: impl Iterator<Item = Column>, single: bool) -> Vec<Column>
         return stretches;
     }
     let mut columns: Vec<Column> = Vec::new();
-    // Stretches in the last one.
+    // Intervals in the last column.
     let mut count = 1.0;
     for (at, [low, high, mean]) in stretches {
         match columns.last_mut() {
@@ -109,7 +110,7 @@ fn columns(stretches: impl Iterator<Item = Column>, single: bool) -> Vec<Column>
                 *all += (mean - *all) / count;
             }
             Some((_, [lowest, highest, _])) => {
-                // What lies between two columns.
+                // Values between two columns.
                 let (up, down) = (low > *highest, high < *lowest);
                 if up {
                     *highest = low;

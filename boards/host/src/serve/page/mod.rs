@@ -1,5 +1,5 @@
-//! `--page`: one page that shows state, position and path while they change, and presses inputs. Over HTTP and a
-//! websocket of this machine alone; requests that another site makes are refused.
+//! `--page`: a page that shows state, position and path during the motion, and switches inputs. The page uses
+//! HTTP and a websocket, only on this computer; requests of other sites are refused.
 mod socket;
 
 use super::AXES;
@@ -12,24 +12,24 @@ use std::io;
 use std::net::{Ipv4Addr, SocketAddr, TcpListener};
 use std::time::{Duration, Instant};
 
-/// The page, complete.
+/// The complete page.
 const PAGE: &str = include_str!("page.html");
 
 /// Time between two messages.
 const PERIOD: Duration = Duration::from_millis(50);
 
-/// Points of the path that a page gets when it is opened, at most.
+/// Highest number of path points that a page gets at its start.
 const POINTS: usize = 20_000;
 
-/// Who looks at it at a time, at most.
+/// Highest number of connected browsers.
 const CLIENTS: usize = 8;
 
-/// A point is kept where an axis has moved so far, 2^-32 mm: 0.05 mm.
+/// Distance of an axis after which a point of the path is stored, 2^-32 mm: 0.05 mm.
 const STEP: i64 = (1 << 32) / 20;
 
-/// What a message shows.
+/// Content of a message.
 pub struct Shown {
-    /// As reports name it.
+    /// Name of the state, as in reports.
     pub state: String,
     pub position: [Position; AXES],
     /// Work offset.
@@ -41,12 +41,12 @@ pub struct Shown {
     pub plate: Option<f64>,
 }
 
-/// The port and who is connected.
+/// The port and the connected browsers.
 pub struct Page {
     listener: TcpListener,
     address: SocketAddr,
     clients: Vec<Client>,
-    /// Points of the path, the newest last.
+    /// Points of the path; the newest point is the last one.
     path: VecDeque<[f64; AXES]>,
     /// Points since the last message.
     new: usize,
@@ -72,7 +72,7 @@ impl Page {
         format!("page http://{}/", self.address)
     }
 
-    /// Keeps a point of the path.
+    /// Stores a point of the path.
     pub fn mark(&mut self, position: &[Position; AXES]) {
         let ways = position.iter().zip(&self.last).map(|(at, last)| at.to_bits().abs_diff(last.to_bits()));
         if ways.max().unwrap_or(0) >= STEP as u64 {
@@ -89,18 +89,18 @@ impl Page {
         self.new = (self.new + 1).min(self.path.len());
     }
 
-    /// Homing has changed the coordinates: the path of before is another one.
+    /// Homing has changed the coordinates, so the old path is dropped.
     pub fn restart(&mut self, position: &[Position; AXES]) {
         self.path.clear();
         self.new = 0;
         self.add(position);
-        // A page that is open draws anew.
+        // An open page draws the path again.
         for client in self.clients.iter_mut().filter(|client| client.is_live) {
             client.knows_path = false;
         }
     }
 
-    /// Takes browsers in, carries out what they press, and shows what is new if that is due.
+    /// Accepts browsers, carries out their commands, and sends new data if due.
     pub fn serve(&mut self, inputs: &mut Inputs, shown: impl FnOnce(&Inputs) -> Shown) {
         if let Ok((stream, _)) = self.listener.accept()
             && self.clients.len() < CLIENTS
@@ -149,7 +149,7 @@ impl Page {
     }
 }
 
-/// Micrometres.
+/// Converts to micrometres.
 fn rounded(position: &[Position; AXES]) -> [f64; AXES] {
     position.map(|at| (at.to_num::<f64>() * 1000.0).round() / 1000.0)
 }

@@ -1,18 +1,18 @@
-//! A browser: a request over HTTP that gets the page, or one that becomes a websocket (RFC 6455).
+//! A connection of a browser: an HTTP request that gets the page, or becomes a websocket (RFC 6455).
 use crate::report::base64;
 use std::io::{ErrorKind, Read, Write};
 use std::net::{SocketAddr, TcpStream};
 
-/// Bytes of a request, and of what a browser sends, at most.
+/// Highest number of bytes of a request, and of waiting input from a browser.
 const REQUEST_BYTES: usize = 8192;
 
-/// Bytes that wait for a browser, at most: one that does not read is sent away.
+/// Highest number of bytes that wait for a browser; a browser that does not read is disconnected.
 const WAITING_BYTES: usize = 8 << 20;
 
-/// Bytes of a frame's text at most.
+/// Highest number of bytes in the text of a frame.
 const FRAME_BYTES: usize = 125;
 
-/// What the key of a websocket is joined with.
+/// The constant that is appended to the key of a websocket.
 const GUID: &[u8] = b"258EAFA5-E914-47DA-95CA-C5AB0DC85B11";
 
 /// One connection.
@@ -20,11 +20,11 @@ pub struct Client {
     stream: TcpStream,
     input: Vec<u8>,
     output: Vec<u8>,
-    /// It is a websocket.
+    /// Whether the connection is a websocket.
     pub is_live: bool,
-    /// It has all points of the path but the newest.
+    /// Whether the browser has all points of the path except the newest.
     pub knows_path: bool,
-    /// It goes when everything is written.
+    /// Whether the connection closes after all output is written.
     is_done: bool,
     has_gone: bool,
 }
@@ -35,7 +35,7 @@ impl Client {
         Self { stream, input, output, is_live: false, knows_path: false, is_done: false, has_gone: false }
     }
 
-    /// Texts that it sent. A request is answered.
+    /// Returns the received texts, and answers a request.
     pub fn receive(&mut self, address: SocketAddr, page: &str) -> Vec<String> {
         let mut bytes = [0; 1024];
         match self.stream.read(&mut bytes) {
@@ -69,7 +69,7 @@ impl Client {
         };
         let hosts = [address.to_string(), format!("localhost:{}", address.port())];
         let is_ours = head("Host").is_some_and(|host| hosts.iter().any(|known| known == host));
-        // A page of another site may open a websocket to this machine: its origin tells.
+        // A page of another site may open a websocket to this computer, so the origin is checked.
         let origin = head("Origin").and_then(|origin| origin.strip_prefix("http://"));
         let same_origin = head("Origin").is_none() || origin.is_some() && origin == head("Host");
         let path = request.split(' ').nth(1).unwrap_or_default();
@@ -96,11 +96,11 @@ impl Client {
         self.is_done = true;
     }
 
-    /// The next frame that is complete, with its text if it has one.
+    /// Returns the next complete frame, with its text if the frame has a text.
     fn frame(&mut self) -> Option<Option<String>> {
         let [first, second, ..] = *self.input.as_slice() else { return None };
         let length = usize::from(second & 0x7f);
-        // A browser masks; commands are short, and come in one piece.
+        // A browser masks its frames. Commands are short and come in one frame.
         if second & 0x80 == 0 || length > FRAME_BYTES || first & 0x80 == 0 {
             self.has_gone = true;
             return None;
@@ -121,7 +121,7 @@ impl Client {
         Some(None)
     }
 
-    /// A text for the page.
+    /// Sends a text to the page.
     pub fn send(&mut self, text: &str) {
         self.put(1, text.as_bytes());
     }
@@ -142,7 +142,7 @@ impl Client {
         self.output.extend(data);
     }
 
-    /// Writes what it takes. Whether it stays.
+    /// Writes as much output as possible. Returns whether the connection stays open.
     pub fn flush(&mut self) -> bool {
         while !self.output.is_empty() && !self.has_gone {
             match self.stream.write(&self.output) {
@@ -157,7 +157,7 @@ impl Client {
     }
 }
 
-/// RFC 3174: the handshake of a websocket needs it. It protects nothing here.
+/// RFC 3174: the handshake of a websocket needs SHA-1; it has no security purpose here.
 fn sha1(text: &[u8]) -> [u8; 20] {
     let mut message = text.to_vec();
     message.push(0x80);
