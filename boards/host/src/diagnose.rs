@@ -17,12 +17,20 @@ pub struct Source {
     pub text: Vec<u8>,
 }
 
+/// The text without the byte 0x1A at its end, by which DOS marks the end of a text.
+fn without_end_mark(mut text: Vec<u8>) -> Vec<u8> {
+    if text.last() == Some(&0x1a) {
+        text.pop();
+    }
+    text
+}
+
 impl Source {
     /// Reads a file.
     pub fn read(path: &Path) -> Result<Self, Vec<Diagnostic>> {
         let name = path.display().to_string();
         match std::fs::read(path) {
-            Ok(text) => Ok(Self { name, text }),
+            Ok(text) => Ok(Self { name, text: without_end_mark(text) }),
             Err(error) => Err(vec![Diagnostic::error(format!("cannot read {name}: {error}"))]),
         }
     }
@@ -31,7 +39,7 @@ impl Source {
     pub fn read_input() -> Result<Self, Vec<Diagnostic>> {
         let mut text = Vec::new();
         match std::io::stdin().lock().read_to_end(&mut text) {
-            Ok(_) => Ok(Self { name: "-".into(), text }),
+            Ok(_) => Ok(Self { name: "-".into(), text: without_end_mark(text) }),
             Err(error) => Err(vec![Diagnostic::error(format!("cannot read the standard input: {error}"))]),
         }
     }

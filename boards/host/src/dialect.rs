@@ -58,8 +58,13 @@ pub fn choose(choice: Choice, program: &Source) -> Result<Dialect, Vec<Diagnosti
     let found = Found::of(program);
     let traps = if found.isg.is_none() { found.traps.clone() } else { Vec::new() };
     let behind = found.end.behind.clone();
+    // Words of others beside a statement of ISG are refused: the reason for ISG is of use.
+    let own = found.isg.clone().filter(|_| found.foreign);
     match found.decide() {
         Shown::Isg => {
+            if let Some(Mark { word, line, .. }) = own {
+                anstream::eprintln!("note: dialect isg: {word} in line {line} (--dialect chooses another)");
+            }
             tell_traps(traps);
             Ok(Dialect::Isg)
         }
@@ -331,7 +336,7 @@ impl Found {
         let plain = line.text.as_str();
         if self.end.behind.is_none()
             && self.end.is_over
-            && let Some(word) = line.words.first()
+            && let Some(word) = line.words.iter().find(|word| !word.ends_again())
         {
             self.end.behind = Some(line.mark("a word", *word));
         }
@@ -371,6 +376,13 @@ struct Word {
     point: bool,
     at: usize,
     length: usize,
+}
+
+impl Word {
+    /// A line number, M2 or M30: behind M2 or M30 without effect in all dialects.
+    fn ends_again(&self) -> bool {
+        self.letter == 'N' || self.letter == 'M' && matches!(self.tenths, 20 | 300)
+    }
 }
 
 /// A line without comments and blanks, in upper case.
@@ -590,7 +602,13 @@ impl Line {
             &[200, 210, 280, 281, 300, 301, 382, 383, 384, 385, 400, 430, 431, 490, 640, 800, 911, 921];
         let store = self.any('G', &[100]).filter(|_| self.first('L').is_some());
         let dwell = self.any('G', &[40]).filter(|_| self.first('P').is_some());
-        self.any('G', CODES).or(store).or(dwell)
+        self.any('G', CODES).or(store).or(dwell).or_else(|| self.centre())
+    }
+
+    /// I, J and K in one block: ISG's arcs have the two of their plane.
+    fn centre(&self) -> Option<Mark> {
+        let all = ['I', 'J', 'K'].iter().all(|letter| self.first(*letter).is_some());
+        self.first('K').filter(|_| all).map(|word| self.mark("K beside I and J", word))
     }
 
     /// Words of 3-D printers.
@@ -761,6 +779,8 @@ mod tests {
             ("(Haas)\nO1001\nG20 G91.1\nG0 X1.\nM30", None),
             ("G64 P0.1\nM190 P1\nM2", Some(Dialect::LinuxCnc)),
             ("G21\nM190 S60", None),
+            ("G90\nG0 X1\nG2 X3 I1 J0 K0 F5\nM2", Some(Dialect::LinuxCnc)),
+            ("G21\nG0 X1\nM30\nN5 M30\n%", Some(Dialect::LinuxCnc)),
             ("(Created by Estlcam)\nG92 X0\nG1 X1 F5\nM30", Some(Dialect::LinuxCnc)),
             ("$G\nG0 X1", Some(Dialect::Grbl)),
         ] {

@@ -6,7 +6,7 @@ use crate::nc::block::Given;
 use crate::nc::interpreter::Interpreter;
 use crate::nc::line::Line;
 use crate::nc::number::Number;
-use crate::nc::{NcWarningKind, Span};
+use crate::nc::{Fault, NcErrorKind, NcWarningKind, Span};
 
 /// Whether all numbers of a line except 0 have a decimal point; G, M and N do not count. Other lines take the
 /// slow path of the decoder.
@@ -99,7 +99,21 @@ impl<const AXES: usize> Interpreter<AXES> {
             let _ = block.take(b'H');
         }
         if block.said(group::ONCE).is_some_and(|said| said.word.meaning == Meaning::Mode) {
-            let _ = (block.take(b'P'), block.take(b'Q'));
+            let _ = (block.take(b'P'), block.take(b'Q'), block.take(b'E'));
+        }
+    }
+
+    /// P of G30: 2 says what holds without it.
+    pub(super) fn second_place(&self, place: u8, block: &mut Block<AXES>) -> Result<(), Fault> {
+        if place == 0 || !self.setup.foreign.dialect.is_fanuc() {
+            return Ok(());
+        }
+        match block.take(b'P') {
+            Some(given) if given.number.real() != 2.0 => {
+                let what = "third and further reference points";
+                given.span.fault(NcErrorKind::Known { what, hint: "G30 P2" })
+            }
+            _ => Ok(()),
         }
     }
 

@@ -127,6 +127,8 @@ pub(super) struct State<const AXES: usize> {
     pub degrees: Option<Feed>,
     /// Tool number T.
     pub tool: u32,
+    /// The tool of the last M6 or M61.
+    pub loaded: u32,
 }
 
 /// An active cycle. Levels are program coordinates, or increments.
@@ -160,6 +162,7 @@ impl<const AXES: usize> State<AXES> {
         blend: None,
         degrees: None,
         tool: 0,
+        loaded: 0,
     };
 }
 
@@ -260,8 +263,8 @@ impl<const AXES: usize> Interpreter<AXES> {
         // With inverse time, F is valid only for its own block.
         let feed = self.modal.feed.filter(|_| !self.foreign.now.by_time && !self.foreign.now.per_turn);
         self.modal = Modal { mode, inch, diameter, feed, shift, zero_set: Some(0), ..Modal::BLANK };
-        let State { here, here_off, length, degrees, tool, speed, .. } = self.foreign.now;
-        self.foreign.now = State { here, here_off, length, degrees, tool, speed, ..State::START };
+        let State { here, here_off, length, degrees, tool, loaded, speed, .. } = self.foreign.now;
+        self.foreign.now = State { here, here_off, length, degrees, tool, loaded, speed, ..State::START };
         let Foreign { percent, course, tail, note, .. } = &mut self.foreign;
         (*percent, *course, *tail, *note) = (false, Course::None, None, None);
         self.foreign.behind = [None; 2];

@@ -162,11 +162,18 @@ impl<const AXES: usize> Interpreter<AXES> {
         match said.word.meaning {
             Meaning::NoLength => self.foreign.now.length = [Position::ZERO; AXES],
             Meaning::Length | Meaning::LengthMinus => {
+                let loaded = self.foreign.now.loaded;
                 let number = match block.take(b'H') {
                     Some(given) => (self.whole(given, "H", u32::MAX)?, given.span),
-                    None => (self.foreign.now.tool, said.span),
+                    None => (loaded, said.span),
                 };
                 let length = self.length_of(number, line)?;
+                // LinuxCNC's machines differ: H0 is no length, or that of the loaded tool.
+                let known = self.setup.foreign.tools.of(loaded).unwrap_or_default();
+                if number.0 == 0 && known != 0 && self.setup.foreign.dialect == Dialect::LinuxCnc {
+                    let what = "H0 with a tool that has a length";
+                    return number.1.fault(NcErrorKind::Known { what, hint: "G43 without H, or G49" });
+                }
                 self.foreign.now.length = [Position::ZERO; AXES];
                 let applicate = self.setup.main.last().copied().flatten();
                 if let Some(slot) = applicate.and_then(|axis| self.foreign.now.length.get_mut(axis)) {

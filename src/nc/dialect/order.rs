@@ -132,10 +132,17 @@ impl<const AXES: usize> Interpreter<AXES> {
         }
     }
 
-    /// Reads P and L of M98.
+    /// Reads P and L of M98. M2 and M30 would end the program before M98 or M99 go elsewhere.
     fn read_call(&mut self, block: &mut Block<AXES>) -> Result<(), Fault> {
-        let is_call = |said: &Said| functions::DIALECTS.is_built() && said.word.meaning == Meaning::Call;
-        let Some(said) = block.said(group::USER).filter(is_call) else { return Ok(()) };
+        let goes = |said: &Said| matches!(said.word.meaning, Meaning::Call | Meaning::Return);
+        let user = block.said(group::USER).filter(|_| functions::DIALECTS.is_built()).filter(goes);
+        let Some(said) = user else { return Ok(()) };
+        if block.said(group::STOP).is_some_and(|stop| stop.word.meaning == Meaning::End) {
+            return said.span.fault(NcErrorKind::Conflict("M2 or M30"));
+        }
+        if said.word.meaning == Meaning::Return {
+            return Ok(());
+        }
         let Some(given) = block.take(b'P') else {
             return said.span.fault(NcErrorKind::Missing("P, the number of the subprogram"));
         };
@@ -304,13 +311,16 @@ impl<const AXES: usize> Interpreter<AXES> {
                         return span.fault(NcErrorKind::Missing("Q, the tool"));
                     };
                     let tool = self.whole(given, "Q", 999_999_999)?;
-                    self.foreign.now.tool = tool;
+                    (self.foreign.now.tool, self.foreign.now.loaded) = (tool, tool);
                     self.push(ItemKind::Tool(tool), span)?;
                     continue;
                 }
                 _ => {}
             }
             let changes = word.meaning == Meaning::Change;
+            if changes {
+                self.foreign.now.loaded = self.foreign.now.tool;
+            }
             self.push(if changes { ItemKind::Pause(number) } else { ItemKind::M(number) }, span)?;
         }
         Ok(())
@@ -481,12 +491,20 @@ impl<const AXES: usize> Interpreter<AXES> {
         let other = single.filter(|said| !matches!(said.word.meaning, Meaning::Dwell | Meaning::Machine));
         if let Some(user) = other.or(length) {
             let moves = motion.filter(|said| said.word.meaning != Meaning::NoMotion);
-            if let Some(said) = moves {
+            // Fanuc's programs choose the next motion beside G28.
+            let straight =
+                |said: &Said| matches!(said.word.meaning, Meaning::Motion(Mode::Rapid | Mode::Line));
+            let homes = matches!(user.word.meaning, Meaning::Home(_));
+            let beside = homes && self.setup.foreign.dialect.is_fanuc();
+            if let Some(said) = moves.filter(|said| !(beside && straight(said))) {
                 return said.span.fault(NcErrorKind::Conflict("another use of its axis words"));
             }
             return match user.word.meaning {
                 Meaning::LengthNow => Ok(Course::None),
-                Meaning::Home(place) => self.home(place, block, user.span),
+                Meaning::Home(place) => {
+                    self.second_place(place, block)?;
+                    self.home(place, block, user.span)
+                }
                 _ => self.store(user, block).map(|()| Course::None),
             };
         }

@@ -386,7 +386,7 @@ const TABLE: &[WordEntry] = &[
     g(870, FULL, group::MOTION, Meaning::Later(ORIENTED), "back boring"),
     g(880, FULL, group::MOTION, Meaning::Later(ORIENTED), "bore, out by hand"),
     g(890, ALL, group::MOTION, Meaning::Cycle(CycleKind::BoreDwell), "bore with dwell P, out at feed"),
-    g(1870, FANUC, group::ONCE, Meaning::Mode, "smoothness (P): no effect"),
+    g(1870, FANUC, group::ONCE, Meaning::Mode, "smoothness (P, E): no effect"),
     g(900, ALL, group::DISTANCE, Meaning::Relative(false), "absolute coordinates"),
     g(901, LINUXCNC, group::CENTRE, Meaning::CentreAbsolute(true), "absolute arc centres"),
     g(910, ALL, group::DISTANCE, Meaning::Relative(true), "incremental coordinates"),

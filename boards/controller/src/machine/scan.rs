@@ -65,6 +65,8 @@ pub struct Scan {
     pub synchronises: bool,
     /// M0, M1, M6, M60: the program waits for a cycle start.
     pub pauses: bool,
+    /// An O word, M98 or M99: the text may go on elsewhere, and a stream cannot.
+    pub goes_elsewhere: bool,
     /// M2, M30 or M0, M1, M60.
     pub program: Option<u8>,
     /// S, rpm.
@@ -83,6 +85,7 @@ impl Scan {
         let mut scan = Self::default();
         let mut rest = text;
         while let [letter, tail @ ..] = rest {
+            scan.goes_elsewhere |= *letter == b'O';
             let Some((milli, behind)) = decimal(tail, 3) else { break };
             let at = text.len().saturating_sub(rest.len());
             let span = (at, text.len().saturating_sub(behind.len()));
@@ -104,6 +107,7 @@ impl Scan {
                 }
             }
         }
+        scan.goes_elsewhere |= calls(rest);
         scan
     }
 
@@ -152,6 +156,7 @@ impl Scan {
     fn take_m(&mut self, milli: i64, before: (bool, bool)) {
         let (mist, flood) = self.coolant.unwrap_or(before);
         self.pauses |= matches!(milli, 0 | 1000 | 6000 | 60_000);
+        self.goes_elsewhere |= matches!(milli, 98_000 | 99_000);
         match milli {
             0 | 1000 | 2000 | 30_000 | 60_000 => {
                 (self.synchronises, self.program) = (true, Some((milli / 1000) as u8));
@@ -196,4 +201,20 @@ impl Scan {
         }
         Some(line)
     }
+}
+
+/// Whether M98, M99, or M with a computed number stands in the rest of a line, behind a value that is no number.
+fn calls(rest: &[u8]) -> bool {
+    let mut rest = rest;
+    while let [letter, tail @ ..] = rest {
+        let is_call = match (tail, decimal(tail, 3)) {
+            ([b'[' | b'#', ..], _) => true,
+            (_, number) => matches!(number, Some((98_000 | 99_000, _))),
+        };
+        if *letter == b'M' && is_call {
+            return true;
+        }
+        rest = tail;
+    }
+    false
 }

@@ -18,6 +18,7 @@ const FREE_BLOCKS: u8 = 15;
 /// Error numbers of the refusals.
 const TOO_LONG: u8 = 11;
 const STEP_RATE: u8 = 12;
+const UNKNOWN: u8 = 20;
 const BEYOND_JOG: u8 = 15;
 const NO_AXES: u8 = 26;
 const LINE_NUMBER: u8 = 27;
@@ -38,6 +39,11 @@ impl<const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Machine<'_, 
 
     /// Refuses lines that Grbl refuses and the decoder accepts, or to which the decoder gives another number.
     fn refuse(scan: &Scan, force: &InForce<AXES>) -> Result<(), Refusal> {
+        if scan.goes_elsewhere {
+            let mut message = Message::new();
+            let _ = message.write_str("O words, M98 and M99 need a file: expected a line without them");
+            return Err(Refusal { code: UNKNOWN, message });
+        }
         let is_arc = matches!(force.motion(), 20 | 30);
         Err(Refusal::new(match scan.lacks_end((is_arc, force.plane())) {
             _ if scan.bad_number => LINE_NUMBER,

@@ -92,6 +92,8 @@ pub struct Machine {
     /// Level before a row of cycles.
     row: Option<f64>,
     tool: u32,
+    /// The tool of the last M6 or M61.
+    loaded: u32,
     spindle: u32,
     coolant: [bool; 2],
     blends: bool,
@@ -165,6 +167,7 @@ impl Machine {
             sticky: Sticky::default(),
             row: None,
             tool: 0,
+            loaded: 0,
             spindle: 0,
             coolant: [false; 2],
             blends: false,
@@ -276,7 +279,7 @@ impl Machine {
             self.tool_length = [0.0; 3];
         }
         if g(43.0) || g(44.0) && self.fanuc {
-            let number = v('H').map_or(self.tool, |h| h as u32);
+            let number = v('H').map_or(self.loaded, |h| h as u32);
             let sign = if g(44.0) { -1.0 } else { 1.0 };
             let length = self.lengths.iter().find(|(n, _)| *n == number).map_or(0.0, |(_, length)| *length);
             self.tool_length = [0.0, 0.0, sign * length];
@@ -347,9 +350,11 @@ impl Machine {
         self.ports(words);
         if m(61) && !self.fanuc {
             self.tool = v('Q').unwrap() as u32;
+            self.loaded = self.tool;
             self.events.push(Event::Tool(self.tool));
         }
         if m(6) {
+            self.loaded = self.tool;
             self.events.push(Event::Pause(6));
         }
         let own = if self.fanuc { 10..1000 } else { 100..200 };
@@ -583,6 +588,9 @@ impl Machine {
                 return true;
             }
             if g([28.0, 30.0][place]) {
+                for code in [0, 10].into_iter().filter(|code| g(f64::from(*code) / 10.0)) {
+                    (self.motion, self.simple, self.row, self.sticky.of) = (code, code, None, 0);
+                }
                 self.go_home(place, named);
                 return true;
             }
