@@ -307,7 +307,9 @@ fn may_rest(dialect: Dialect, letter: char, words: &[(char, String)]) -> bool {
         // Fractions of line numbers; words whose meaning is their number.
         'N' | 'O' | 'G' | 'M' => true,
         // Without axes nothing is stored.
-        'P' | 'L' => has('G', "10") && !words.iter().any(|(l, _)| matches!(l, 'X' | 'Y' | 'Z')),
+        'P' | 'L' if has('G', "10") && !words.iter().any(|(l, _)| matches!(l, 'X' | 'Y' | 'Z')) => true,
+        // P0 is the zero offset in force, here that of P1.
+        'P' => has('G', "10") && has('P', "0"),
         'Q' => has('M', "66") || has('G', "73") || has('G', "83"),
         'D' => dialect.is_fanuc() || has('G', "73"),
         'F' => has('G', "93"),
@@ -320,7 +322,7 @@ fn may_rest(dialect: Dialect, letter: char, words: &[(char, String)]) -> bool {
 
 /// Looks through lines number `first` to `first + count` of a dialect.
 pub fn search(dialect: Dialect, first: u64, count: u64) -> Found {
-    const BEHIND: &str = "G0 X7.75 Y7.5 Z7.25\nG54 X1.5 Y1.5 Z1.5\nG55 X1.5 Y1.5 Z1.5\nG56 X1.5 Y1.5\nG28 X2.5 Y2.5 Z2.5\nG30 X0.5 Y0.5 Z0.5";
+    const BEHIND: &str = "G0 X7.75 Y7.5 Z7.25\nG54 X1.5 Y1.5 Z1.5\nG55 X1.5 Y1.5 Z1.5\nG56 X1.5 Y1.5\nG57 X1.5 Y1.5 Z1.5\nG58 X1.5 Y1.5 Z1.5\nG59 X1.5 Y1.5 Z1.5\nG28 X2.5 Y2.5 Z2.5\nG30 X0.5 Y0.5 Z0.5";
     let setup = setup(dialect);
     let mut memory = DecoderMemory::new();
     let mut found = Found::default();

@@ -120,9 +120,31 @@ fn arrange(mut found: Vec<Diagnostic>, main: &str) -> Vec<Diagnostic> {
             diagnostic.message = format!("this line is text, not NC: {word}");
             diagnostic = diagnostic.expected("expected words such as G01 X10 F600, or a comment in ( )");
         }
+        let (_, column) = diagnostic.place();
+        if diagnostic.excerpt().is_some_and(|line| ends_too_early(line, column)) {
+            diagnostic = diagnostic.expected("expected no ( in a comment: a comment ends at its first )");
+        }
         told.push(diagnostic);
     }
     told
+}
+
+/// Whether a comment with another `(` in it has ended before the column: the text behind its first `)` counts.
+fn ends_too_early(line: &str, column: usize) -> bool {
+    let before = line.as_bytes().get(..column.saturating_sub(1)).unwrap_or_default();
+    let (mut open, mut nested) = (false, false);
+    for byte in before {
+        match byte {
+            b'(' => {
+                nested |= open;
+                open = true;
+            }
+            b')' if open => open = false,
+            b';' if !open => return false,
+            _ => {}
+        }
+    }
+    nested && !open
 }
 
 /// Whether a line reads as prose: at least three words of letters only, two of them with at least four
@@ -145,6 +167,19 @@ fn is_prose(line: &str) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_comment_in_a_comment_is_told() {
+        for (line, column, early) in [
+            ("(a (b) c)", 8, true),
+            ("(a) G0 (b) C1", 12, false),
+            ("G1 ((a) X1) Y", 11, true),
+            ("; (a (b) c", 8, false),
+            ("(a (b", 5, false),
+        ] {
+            assert_eq!(ends_too_early(line, column), early, "{line}");
+        }
+    }
 
     #[test]
     fn prose_is_told_from_programs() {

@@ -1,7 +1,7 @@
 //! Carries out the words of a line, in an order that all dialects share. The order in the text has no effect.
 use super::block::{Block, Said, skip_switch};
 use super::course::{Course, Spiral, Turns};
-use super::words::{Meaning, NOT_BUILT, group};
+use super::words::{Meaning, NOT_BUILT, OF_MILLS, group};
 use super::{Interpreter, Note};
 use crate::machine::{AxisKind, Dialect, functions};
 use crate::nc::block::{Given, Item, ItemKind, Words};
@@ -337,6 +337,12 @@ impl<const AXES: usize> Interpreter<AXES> {
             self.choose_surface(on, block, said.span)?;
         }
         let Some(given) = block.take(b'S') else { return Ok(()) };
+        let said = [group::SCALING, group::SPINDLE, group::MOTION].map(|group| block.said(group));
+        if let [Some(Said { span, .. }), None, None] = said {
+            // G50 S is the highest spindle speed of a lathe, whose X is a diameter.
+            return span
+                .fault(NcErrorKind::Known { what: "the highest spindle speed of a lathe", hint: OF_MILLS });
+        }
         let speed = given.number.fixed(Factor::ONE).filter(|speed| *speed >= Position::ZERO);
         let kind = NcErrorKind::Range { what: "S", min: 0, max: 2_147_483_647, unit: "1/min", above: false };
         let mut speed = speed.ok_or(Fault { span: given.span, kind })?;

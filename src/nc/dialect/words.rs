@@ -253,6 +253,8 @@ const SYNCHRONISED: &str = "a cycle without synchronisation to the spindle";
 const PLAIN: &str = "coordinates as they are to be driven";
 const ORIENTED: &str = "G85 or G89";
 const MACRO: &str = "a program without macros";
+/// What words of lathes are refused with.
+pub(super) const OF_MILLS: &str = "a program of a mill: lathes count X as a diameter";
 
 /// All words, by letter and number. A build without LinuxCNC's language has only the words of Grbl.
 pub static WORDS: &[WordEntry] = if functions::DIALECTS.is_built() { TABLE } else { &OF_GRBL };
@@ -400,11 +402,12 @@ const TABLE: &[WordEntry] = &[
     g(950, ALL, group::FEED, Meaning::PerTurn, "feed per revolution, from the programmed S"),
     g(
         960,
-        FULL,
+        LINUXCNC,
         group::SPINDLE_MODE,
         Meaning::Surface(true),
         "constant surface speed S, at most D: put out block by block",
     ),
+    g(960, FANUC, group::SPINDLE_MODE, Meaning::Later(OF_MILLS), "constant surface speed, of lathes"),
     g(970, ALL, group::SPINDLE_MODE, Meaning::Surface(false), "S in 1/min"),
     g(980, ALL, group::LEVEL, Meaning::ToLevel(false), "cycles end at the old level"),
     g(990, ALL, group::LEVEL, Meaning::ToLevel(true), "cycles end at R"),

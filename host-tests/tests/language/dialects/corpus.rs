@@ -813,4 +813,7 @@ pub const REFUSED: &[Sample] = &[
     ("fanuc", "G2 G28 Z0. R5. F5.", "G2"),
     ("fanuc", "G91 G30 P3 Z0.", "P3"),
     ("fanuc", "M98 P1 M30", "M98"),
+    ("fanuc", "G50 S2000", "G50"),
+    ("linuxcnc", "G50 S2500", "G50"),
+    ("fanuc", "G96 S180 M3", "G96"),
 ];
