@@ -195,6 +195,7 @@ impl<const AXES: usize> Interpreter<AXES> {
                 what: "a command to the controller",
                 hint: "a program without it",
             }),
+            b',' => c.expected("a decimal point, not a comma"),
             b'*' => c.rest_of_word().fault(NcErrorKind::Checksum),
             b'@' | b'^' => {
                 c.rest_of_word().fault(NcErrorKind::Known { what: "a polar coordinate", hint: "X and Y" })

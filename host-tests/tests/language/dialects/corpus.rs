@@ -816,4 +816,5 @@ pub const REFUSED: &[Sample] = &[
     ("fanuc", "G50 S2000", "G50"),
     ("linuxcnc", "G50 S2500", "G50"),
     ("fanuc", "G96 S180 M3", "G96"),
+    ("linuxcnc", "G1 X10,5 F5", "decimal point"),
 ];
