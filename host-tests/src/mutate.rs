@@ -247,6 +247,9 @@ fn meaning(memory: &mut DecoderMemory<3>, setup: Setup<3>, text: &str) -> (Optio
             Err(_) => return (None, told),
         }
     }
+    // G54 to G59 too where G91 holds behind the line, or the program has ended.
+    let zero = decoder.stored().zero;
+    made.push(format!("{:?}", zero.map(|places| places.map(|place| place.to_bits()))));
     if let Some(force) = decoder.in_force() {
         let of = |places: [Position; 3]| places.map(|place| place.to_bits());
         let (feed, speed) = (force.feed().to_bits(), force.speed().to_bits());
@@ -358,6 +361,8 @@ pub fn search(dialect: Dialect, first: u64, count: u64) -> Found {
                 continue;
             }
             let point = old.contains('.') || matches!(letter, 'X' | 'Y' | 'Z' | 'F' | 'R');
+            // The first change would give 0.75 again.
+            let value = if value == 0.75 { value + 1.0 } else { value };
             let new = if point { format!("{:.3}", value * 0.5 + 0.375) } else { format!("{}", value + 1.0) };
             let changed = format!("{}{new}{}{}", &line[..at.start], " ", &line[at.end..]);
             found.values += 1;
