@@ -410,6 +410,10 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
                 Err(Error::Loop(place, LoopError::Unclosed))
             }
             Ok(Step::End) => {
+                #[cfg(feature = "plc")]
+                if self.decoder.setup().given.late_sync_ready {
+                    self.planning.demand_all();
+                }
                 self.end();
                 Ok(Progress::Working)
             }
@@ -747,6 +751,16 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         let Held { n, function, in_motion, .. } = held;
         if self.planning.output(n, function, synch, in_motion).is_err() {
             self.held = Some(held);
+            return Progress::Working;
+        }
+        #[cfg(feature = "plc")]
+        if synch.is_shifted() {
+            let setup = self.decoder.setup();
+            self.planning.shift(match function {
+                Function::M(code) => setup.m_synch.shift(code),
+                Function::H(code) => setup.h_synch.shift(code),
+                _ => 0,
+            });
         }
         Progress::Working
     }

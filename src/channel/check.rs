@@ -43,6 +43,8 @@ pub(super) fn check<const AXES: usize, const BLOCKS: usize>(
         if let Some((code, synch)) = table.entries().find(|entry| !entry.1.is_available()) {
             return Err(MachineError::Synch(name, code, synch));
         }
+        #[cfg(feature = "plc")]
+        check_shifts(name, table, channel)?;
     }
     for (k, axis) in machine.axes.iter().enumerate() {
         if axis.kind != AxisKind::Spindle {
@@ -59,6 +61,32 @@ pub(super) fn check<const AXES: usize, const BLOCKS: usize>(
         if machine.axes.iter().skip(k + 1).any(|other| other.name == axis.name) {
             return Err(MachineError::Name(axis.name));
         }
+    }
+    Ok(())
+}
+
+/// A shift needs FCT_SHIFT_NCBL and a kind of synchronisation that is shifted.
+#[cfg(feature = "plc")]
+fn check_shifts(
+    name: &'static str,
+    table: &crate::machine::SynchTable,
+    channel: &crate::machine::ChannelData,
+) -> Result<(), MachineError> {
+    use crate::machine::{InterpolatorFunctions, SHIFT_MAX};
+    let may = channel.interpolator.has(InterpolatorFunctions::SHIFT_NCBL);
+    for (code, synch) in table.entries() {
+        let shift = table.shift(code);
+        let expected = match () {
+            () if synch.is_shifted() && !may => {
+                "FCT_SHIFT_NCBL in configuration.interpolator.function (P-CHAN-00650)"
+            }
+            () if shift > SHIFT_MAX => "a shift of 0…2000000000, in 0.1 µm",
+            () if shift != 0 && !synch.is_shifted() => {
+                "MEP_SVS or MEP_MOS beside a shift (P-CHAN-00070, P-CHAN-00107)"
+            }
+            () => continue,
+        };
+        return Err(MachineError::Shift(name, code, synch, expected));
     }
     Ok(())
 }

@@ -36,6 +36,10 @@ pub enum MachineError {
     /// P-CHAN-00650 names a wrong function. The texts are the fault and the expected value.
     #[cfg(feature = "plc")]
     Interpolator(&'static str, &'static str),
+    /// This parameter gives the function of this number a synchronisation that does not fit its shift. The text says what
+    /// is expected.
+    #[cfg(feature = "plc")]
+    Shift(&'static str, u16, Synch, &'static str),
 }
 
 impl core::fmt::Display for MachineError {
@@ -62,6 +66,10 @@ impl core::fmt::Display for MachineError {
             #[cfg(feature = "plc")]
             Self::Interpolator(said, expected) => {
                 write!(f, "configuration.interpolator.function (P-CHAN-00650): {said}; expected {expected}")
+            }
+            #[cfg(feature = "plc")]
+            Self::Shift(name, code, synch, expected) => {
+                write!(f, "{name}[{code}] = {}: expected {expected}", synch.name())
             }
         }
     }

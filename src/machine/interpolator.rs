@@ -13,6 +13,7 @@ pub const FB_STORAGE_MIN: u32 = 1024;
 /// | FCT_LOOK_AHEAD_OPT | slope HSC as with NO_OPT=0, unless the program selects otherwise |
 /// | FCT_CONTOUR_LAH | the log of the path ahead: [`crate::contour_log`] |
 /// | FCT_CALC_STATE_AT_T, FCT_CALC_TIME, FCT_CALC_POS_V_0 | questions about the coming motion |
+/// | FCT_SHIFT_NCBL | M and H functions at a distance before their place: MEP_SVS, MEP_MOS |
 /// | others | known, not available |
 pub const INTERPOLATOR_FUNCTIONS: &[&str] = &[
     "FCT_IPO_DEFAULT",
@@ -59,10 +60,13 @@ impl InterpolatorFunctions {
     /// FCT_CALC_POS_V_0.
     pub const CALC_POS_V_0: Self = Self(1 << 9);
 
+    /// FCT_SHIFT_NCBL.
+    pub const SHIFT_NCBL: Self = Self(1 << 12);
+
     /// The names that set the length of the look-ahead.
     const SIZES: u32 = 0x1F;
     /// The names that this version supports.
-    const AVAILABLE: u32 = 0x3FF;
+    const AVAILABLE: u32 = 0x13FF;
 
     /// The set with these bits.
     pub const fn of_bits(bits: u32) -> Self {
@@ -123,12 +127,19 @@ pub struct InterpolatorData {
     /// P-STUP-00033 `fb_storage_size[0]`: bytes for stored blocks. 0: no storage, no log by index, and no
     /// real-time loops. A value below [`FB_STORAGE_MIN`] counts as [`FB_STORAGE_MIN`].
     pub fb_storage_size: u32,
+    /// P-CHAN-00033 `prog_start.late_sync_ready`: at its end a program waits until functions of late synchronisation
+    /// (MVS_SLM, MVS_SLP) are acknowledged. `false`: they stay pending for the next program.
+    pub late_sync_ready: bool,
 }
 
 impl InterpolatorData {
     /// The ISG defaults: no additional function.
-    pub const ISG: Self =
-        Self { functions: InterpolatorFunctions::IPO_DEFAULT, log_max: 128, fb_storage_size: 0 };
+    pub const ISG: Self = Self {
+        functions: InterpolatorFunctions::IPO_DEFAULT,
+        log_max: 128,
+        fb_storage_size: 0,
+        late_sync_ready: false,
+    };
 
     /// All functions of this version, and storage for a log.
     pub const ALL: Self = Self {
@@ -136,7 +147,8 @@ impl InterpolatorData {
             .with(InterpolatorFunctions::CONTOUR_LAH)
             .with(InterpolatorFunctions::CALC_STATE_AT_T)
             .with(InterpolatorFunctions::CALC_TIME)
-            .with(InterpolatorFunctions::CALC_POS_V_0),
+            .with(InterpolatorFunctions::CALC_POS_V_0)
+            .with(InterpolatorFunctions::SHIFT_NCBL),
         fb_storage_size: 1 << 20,
         ..Self::ISG
     };

@@ -41,6 +41,8 @@ pub use foreign::{Dialect, ForeignAxis, ForeignChannel, MORE_OFFSETS, TOOLS, Too
 #[cfg(feature = "plc")]
 pub use interpolator::{FB_STORAGE_MIN, INTERPOLATOR_FUNCTIONS, InterpolatorData, InterpolatorFunctions};
 pub use planned::{Adjusted, SHORTEST_RAMP};
+#[cfg(feature = "plc")]
+pub use synch::SHIFT_MAX;
 pub use synch::{SYNCHRONISED, Synch, SynchTable};
 pub(crate) use travel::of_tenths;
 pub use travel::{Beyond, Travel};

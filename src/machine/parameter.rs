@@ -386,6 +386,11 @@ pub const CHANNEL_PLC: &[Parameter<ChannelData>] = &[
         get: |t| t.interpolator.fb_storage_size as i64 * 1000,
         ..plain("P-STUP-00033", "fb_storage_size", "bytes", 0, LARGEST_UNS32)
     },
+    Parameter {
+        set: |t, milli| t.interpolator.late_sync_ready = milli != 0,
+        get: |t| t.interpolator.late_sync_ready as i64 * 1000,
+        ..plain("P-CHAN-00033", "prog_start.late_sync_ready", "", 0, 1000)
+    },
 ];
 
 #[cfg(feature = "plc")]

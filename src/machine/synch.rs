@@ -30,8 +30,12 @@ pub enum Synch {
     BwdSynch,
     /// FWD_SYNCH: acknowledged in simulated forward motion too.
     FwdSynch,
-    /// MEP_SVS: output at a distance ahead.
+    /// MEP_SVS: output at the distance of [`SynchTable::with_shift`] before its place; acknowledged there, before the
+    /// motion of its block (feature `plc`, FCT_SHIFT_NCBL).
     MepSvs,
+    /// MEP_MOS: output as MEP_SVS, without acknowledgement (FCT_SHIFT_NCBL).
+    #[cfg(feature = "plc")]
+    MepMos,
     /// MET_SVS: output at a time ahead.
     MetSvs,
     /// FAW_SYNCH: the decoder waits too. It is set in addition to another kind: [`SynchTable::with_flush`].
@@ -40,7 +44,7 @@ pub enum Synch {
 
 impl Synch {
     /// All kinds, with name and value in an ISG parameter list.
-    pub const ALL: [(Self, &'static str, u32); 14] = [
+    pub const ALL: [(Self, &'static str, u32); 14 + cfg!(feature = "plc") as usize] = [
         (Self::NoSynch, "NO_SYNCH", 0),
         (Self::Mos, "MOS", 0x1),
         (Self::MvsSvs, "MVS_SVS", 0x2),
@@ -53,6 +57,8 @@ impl Synch {
         (Self::BwdSynch, "BWD_SYNCH", 0x40_0000),
         (Self::FwdSynch, "FWD_SYNCH", 0x80_0000),
         (Self::MepSvs, "MEP_SVS", 0x100_0000),
+        #[cfg(feature = "plc")]
+        (Self::MepMos, "MEP_MOS", 0x10_0000),
         (Self::MetSvs, "MET_SVS", 0x200_0000),
         (Self::FawSynch, "FAW_SYNCH", 0x1000_0000),
     ];
@@ -65,7 +71,16 @@ impl Synch {
     /// Whether Glidepath supports this kind.
     pub const fn is_available(self) -> bool {
         matches!(self, Self::NoSynch | Self::Mos | Self::MvsSvs | Self::MvsSns | Self::MnsSns)
-            || (cfg!(feature = "plc") && self.is_late())
+            || (cfg!(feature = "plc") && (self.is_late() || self.is_shifted()))
+    }
+
+    /// Whether the function is output at a distance before its place: [`SynchTable::with_shift`].
+    pub const fn is_shifted(self) -> bool {
+        #[cfg(feature = "plc")]
+        if matches!(self, Self::MepMos) {
+            return true;
+        }
+        matches!(self, Self::MepSvs)
     }
 
     /// Whether the point of the acknowledgement only becomes known later in the program.
@@ -80,15 +95,20 @@ impl Synch {
 
     /// Whether the function is output before the motion of its block.
     pub const fn is_before(self) -> bool {
-        matches!(self, Self::MvsSvs | Self::MvsSns) || (cfg!(feature = "plc") && self.is_late())
+        matches!(self, Self::MvsSvs | Self::MvsSns)
+            || (cfg!(feature = "plc") && (self.is_late() || self.is_shifted()))
     }
 
     /// Whether the motion waits for an acknowledgement.
     pub const fn waits(self) -> bool {
         matches!(self, Self::MvsSvs | Self::MvsSns | Self::MnsSns)
-            || (cfg!(feature = "plc") && self.is_late())
+            || (cfg!(feature = "plc") && (self.is_late() || matches!(self, Self::MepSvs)))
     }
 }
+
+/// Largest shift of a function, 0.1 µm: 200 m.
+#[cfg(feature = "plc")]
+pub const SHIFT_MAX: u32 = 2_000_000_000;
 
 /// Number of functions that a table can hold.
 pub const SYNCHRONISED: usize = 32;
@@ -111,6 +131,9 @@ pub struct SynchTable {
     /// FAW_SYNCH, one bit for each function of the table.
     #[cfg(feature = "plc")]
     flushes: u32,
+    /// P-CHAN-00070, P-CHAN-00107 of each function of the table, 0.1 µm.
+    #[cfg(feature = "plc")]
+    shifts: [u32; SYNCHRONISED],
 }
 
 impl SynchTable {
@@ -122,6 +145,8 @@ impl SynchTable {
         full: false,
         #[cfg(feature = "plc")]
         flushes: 0,
+        #[cfg(feature = "plc")]
+        shifts: [0; SYNCHRONISED],
     };
 
     /// An empty table.
@@ -132,6 +157,8 @@ impl SynchTable {
         full: false,
         #[cfg(feature = "plc")]
         flushes: 0,
+        #[cfg(feature = "plc")]
+        shifts: [0; SYNCHRONISED],
     };
 
     /// Adds function number `code`. Machine data with more than [`SYNCHRONISED`] functions are refused.
@@ -171,6 +198,33 @@ impl SynchTable {
             k += 1;
         }
         self
+    }
+
+    /// The same with P-CHAN-00070 `m_pre_outp[code]` or P-CHAN-00107 `h_pre_outp[code]`: function number `code` is output
+    /// so many 0.1 µm of path before its place, if its kind is [`Synch::MepSvs`] or [`Synch::MepMos`]. At most
+    /// [`SHIFT_MAX`]; another kind needs 0.
+    #[cfg(feature = "plc")]
+    #[must_use]
+    pub const fn with_shift(mut self, code: u16, shift: u32) -> Self {
+        let len = self.len as usize;
+        let mut k = 0;
+        while k < len && self.codes[k] != code {
+            k += 1;
+        }
+        if k == len {
+            self = self.with(code, Synch::Mos);
+        }
+        if k < SYNCHRONISED {
+            self.shifts[k] = shift;
+        }
+        self
+    }
+
+    /// The shift of function number `code`, 0.1 µm.
+    #[cfg(feature = "plc")]
+    pub fn shift(&self, code: u16) -> u32 {
+        let at = self.entries().position(|entry| entry.0 == code);
+        at.and_then(|k| self.shifts.get(k)).copied().unwrap_or(0)
     }
 
     /// Whether function number `code` has FAW_SYNCH.

@@ -290,6 +290,8 @@ impl<const AXES: usize> Interpreter<AXES> {
             b'H' => {
                 let (code, span) = self.code(c, mark, "H", 999)?;
                 let code = code as u16;
+                #[cfg(feature = "plc")]
+                self.check_shift(true, code, span)?;
                 let before = self.setup.h_synch.of(code).is_before();
                 put_where(&mut self.queue, before.then_some(&mut w.before), span, ItemKind::H(code))?;
             }
@@ -430,6 +432,8 @@ impl<const AXES: usize> Interpreter<AXES> {
             }
             return Ok(());
         }
+        #[cfg(feature = "plc")]
+        self.check_shift(false, code, span)?;
         let before = self.setup.m_synch.of(code).is_before();
         put_where(&mut self.queue, before.then_some(&mut w.before), span, ItemKind::M(code))
     }

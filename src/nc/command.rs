@@ -51,9 +51,26 @@ pub struct Setup<const AXES: usize> {
     pub m_synch: SynchTable,
     /// P-CHAN-00027: H functions that are output before the motion of their block.
     pub h_synch: SynchTable,
+    /// What the machine data say of synchronisation, at each program start.
+    #[cfg(feature = "plc")]
+    pub given: GivenSynch,
     /// Data that only programs of LinuxCNC and Grbl need.
     #[cfg(feature = "grbl")]
     pub foreign: ForeignSetup<AXES>,
+}
+
+/// Synchronisation of functions at program start. A program changes it by V.G.M_FCT and V.G.H_FCT.
+#[cfg(feature = "plc")]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GivenSynch {
+    /// P-CHAN-00041.
+    pub m: SynchTable,
+    /// P-CHAN-00027.
+    pub h: SynchTable,
+    /// P-CHAN-00650 has FCT_SHIFT_NCBL: MEP_SVS and MEP_MOS are there.
+    pub shifts: bool,
+    /// P-CHAN-00033.
+    pub late_sync_ready: bool,
 }
 
 impl<const AXES: usize> Setup<AXES> {
@@ -68,6 +85,13 @@ impl<const AXES: usize> Setup<AXES> {
         default_index: 0,
         m_synch: SynchTable::BLANK,
         h_synch: SynchTable::BLANK,
+        #[cfg(feature = "plc")]
+        given: GivenSynch {
+            m: SynchTable::BLANK,
+            h: SynchTable::BLANK,
+            shifts: false,
+            late_sync_ready: false,
+        },
         #[cfg(feature = "grbl")]
         foreign: ForeignSetup::ISG,
     };
@@ -90,6 +114,13 @@ impl<const AXES: usize> Setup<AXES> {
             default_index: machine.channel.default_index,
             m_synch: machine.channel.m_synch,
             h_synch: machine.channel.h_synch,
+            #[cfg(feature = "plc")]
+            given: GivenSynch {
+                m: machine.channel.m_synch,
+                h: machine.channel.h_synch,
+                shifts: machine.channel.interpolator.has(crate::machine::InterpolatorFunctions::SHIFT_NCBL),
+                late_sync_ready: machine.channel.interpolator.late_sync_ready,
+            },
             #[cfg(feature = "grbl")]
             foreign: ForeignSetup::new(machine),
         }

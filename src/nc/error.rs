@@ -173,6 +173,9 @@ pub enum NcErrorKind {
     /// A V. variable that a program may not write.
     #[cfg(feature = "plc")]
     VariableReadOnly,
+    /// A value or use of `V.G.M_FCT` or `V.G.H_FCT` that is not possible. The text says what is expected.
+    #[cfg(feature = "plc")]
+    SynchVariable(&'static str),
     /// 22073: a command that is not permitted in a real-time loop.
     #[cfg(feature = "plc")]
     InLoop,
@@ -257,12 +260,14 @@ impl fmt::Display for NcError {
             #[cfg(feature = "plc")]
             K::NoVariable => write!(
                 f,
-                "no variable {found}: expected V.E. and a name of the application (up to 8 in a line), V.P., V.L., V.RTG.LOOP.ENABLED, V.G.BLOCK_NR or V.G.FEEDRATE"
+                "no variable {found}: expected V.E. and a name of the application (up to 8 in a line), V.P., V.L., V.RTG.LOOP.ENABLED, V.G.BLOCK_NR, V.G.FEEDRATE or V.G.M_FCT[n].SYNCH"
             ),
             #[cfg(feature = "plc")]
             K::VariableReadOnly => {
                 write!(f, "variable {found} is read only: expected one that a program may write")
             }
+            #[cfg(feature = "plc")]
+            K::SynchVariable(expected) => write!(f, "{found}: expected {expected}"),
             #[cfg(feature = "plc")]
             K::InLoop => write!(
                 f,

@@ -557,8 +557,8 @@ fn variable(c: &mut Cursor<'_>, e: &mut Evaluation<'_>) -> Result<(), Fault> {
     let span = c.since(mark);
     let value = match name.place(e.looked.level.get()) {
         Some(Place::Own(index)) => e.parameters.get(index).map_err(|_| NcErrorKind::VariableUnset),
-        Some(Place::Outside(hash)) => e.looked.get(hash).ok_or(NcErrorKind::NoVariable),
-        None => Err(NcErrorKind::NoVariable),
+        Some(Place::Outside(hash)) => e.looked.get(hash).ok_or_else(|| name.missing()),
+        None => Err(name.missing()),
     };
     value.and_then(|value| e.push(value)).map_err(|kind| Fault { span, kind })
 }

@@ -54,6 +54,8 @@ mod real;
 mod restart;
 mod smoothing;
 mod stream;
+#[cfg(feature = "plc")]
+mod synch_variable;
 mod text;
 #[cfg(feature = "plc")]
 mod variable;

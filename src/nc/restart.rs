@@ -17,6 +17,8 @@ impl<const AXES: usize> Interpreter<AXES> {
         self.clear_calls();
         if !keeps {
             self.calculator.parameters.clear();
+            #[cfg(feature = "plc")]
+            self.reset_functions();
             #[cfg(feature = "grbl")]
             let kept = self.modal;
             self.modal = Modal::new(self.setup.default_index);

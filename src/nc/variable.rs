@@ -7,12 +7,14 @@
 //! | `V.L.name` | a variable of the current subroutine, or of the main program | to its return |
 //! | `V.RTG.LOOP.ENABLED` | whether real-time loops repeat | |
 //! | `V.G.BLOCK_NR`, `V.G.FEEDRATE` | N number of the block before; F in mm/min. Read only | |
+//! | `V.G.M_FCT[n]…` | synchronisation of a function: `synch_variable` | to the end of the program |
 //!
 //! V.P. and V.L. are in the table of P parameters, above all numbers. For the other variables, the decoder
 //! reads all values of a line before it interprets the line, and writes values after the line.
 use super::cursor::Cursor;
 use super::flow::hash;
 use super::interpreter::Interpreter;
+use super::synch_variable;
 use super::{Fault, NcErrorKind, Span};
 use crate::variable::{LoopFlag, Variable};
 use core::cell::Cell;
@@ -63,7 +65,17 @@ pub(super) fn name(c: &mut Cursor<'_>) -> Result<Name, Fault> {
     c.require(b'V', "V. and a name").or_else(|_| c.require(b'v', "V. and a name"))?;
     c.bump();
     let mut letters = Vec::new();
-    while c.raw().is_ascii_alphanumeric() || matches!(c.raw(), b'_' | b'.') {
+    while c.raw().is_ascii_alphanumeric() || matches!(c.raw(), b'_' | b'.' | b'[') {
+        if c.raw() == b'[' {
+            if !synch_variable::is_function(&letters) {
+                break;
+            }
+            let code = synch_variable::number(c)?;
+            let digits = [code / 100, code / 10 % 10, code % 10].map(|digit| digit as u8 + b'0');
+            let [a, b, d] = digits;
+            let _ = letters.extend_from_slice(&[b'[', a, b, d, b']']);
+            continue;
+        }
         if letters.push(c.raw().to_ascii_uppercase()).is_err() {
             return c.since(mark).fault(NcErrorKind::NameTooLong);
         }
@@ -87,10 +99,20 @@ impl Name {
         match self.letters.as_slice() {
             [b'P', b'.', _, ..] => Some(Place::Own(NAMED | self.hash() & HASH)),
             [b'L', b'.', _, ..] => Some(Place::Own(NAMED | (level + 1) << 27 | self.hash() & HASH)),
+            _ if synch_variable::parse(&self.letters).is_some() => Some(Place::Outside(self.hash())),
             [b'E', b'.', _, ..] | b"RTG.LOOP.ENABLED" | b"G.BLOCK_NR" | b"G.FEEDRATE" => {
                 Some(Place::Outside(self.hash()))
             }
             _ => None,
+        }
+    }
+
+    /// Why the variable has no value.
+    pub fn missing(&self) -> NcErrorKind {
+        if synch_variable::is_function(self.letters.get(..7).unwrap_or(&[])) {
+            synch_variable::missing(&self.letters)
+        } else {
+            NcErrorKind::NoVariable
         }
     }
 }
@@ -177,7 +199,7 @@ impl<const AXES: usize> Interpreter<AXES> {
                     Some(feed as f64 / 4_294_967_296.0)
                 }
                 [b'E', b'.', rest @ ..] => externals.find(rest).map(Variable::get),
-                _ => None,
+                letters => self.function_value(letters),
             };
             if let Some(value) = value {
                 looked.put(name.hash(), value);
@@ -192,7 +214,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         let name = name(c)?;
         let span = c.since(mark);
         let Some(place) = name.place(self.calculator.looked.level.get()) else {
-            return span.fault(NcErrorKind::NoVariable);
+            return span.fault(name.missing());
         };
         c.require(b'=', "= behind the variable")?;
         let value = match () {
@@ -227,6 +249,9 @@ impl<const AXES: usize> Interpreter<AXES> {
                 Some(_) => return span.fault(NcErrorKind::VariableReadOnly),
                 None => return span.fault(NcErrorKind::NoVariable),
             },
+            (letters, _) if synch_variable::parse(letters).is_some() => {
+                self.set_function(letters, value).map_err(|kind| Fault { span, kind })?;
+            }
             ([b'G', ..], _) => return span.fault(NcErrorKind::VariableReadOnly),
             _ => return span.fault(NcErrorKind::NoVariable),
         }

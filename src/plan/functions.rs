@@ -37,6 +37,9 @@ struct Entry {
     /// MVS_SLP: whether #EXPL SYN names that block; otherwise the block is the next motion at feed.
     #[cfg(feature = "plc")]
     explicit: bool,
+    /// The function is output so far before its place, 0.1 µm.
+    #[cfg(feature = "plc")]
+    shift: u32,
 }
 
 impl Entry {
@@ -48,7 +51,27 @@ impl Entry {
         }
         true
     }
+
+    /// The point at which the function is output, if its place is at `distance`. Functions come out in the order of the
+    /// program: not before `last`, the last one in the queue that is not due.
+    #[cfg(feature = "plc")]
+    fn point(&self, distance: Distance, last: Option<Distance>) -> Distance {
+        if self.shift == 0 {
+            return distance;
+        }
+        let shift = (i128::from(self.shift) << 44) / TENTHS_PER_MM;
+        let point = distance.to_bits().wrapping_sub(shift as i64);
+        let point = last.map_or(point, |last| {
+            let ahead = last.to_bits().wrapping_sub(point);
+            point.wrapping_add(ahead.max(0))
+        });
+        Distance::from_bits(point)
+    }
 }
+
+/// 0.1 µm in a millimetre.
+#[cfg(feature = "plc")]
+const TENTHS_PER_MM: i128 = 10_000;
 
 /// Functions and gates.
 pub(super) struct Functions {
@@ -104,8 +127,36 @@ impl Functions {
             late: synch.is_late(),
             #[cfg(feature = "plc")]
             explicit: synch.is_explicit(),
+            #[cfg(feature = "plc")]
+            shift: 0,
         };
         self.entries.push(entry).map_err(|_| ())
+    }
+
+    /// The function that was taken last is output so far before its place, 0.1 µm.
+    #[cfg(feature = "plc")]
+    pub fn shift(&mut self, shift: u32) {
+        if let Some(entry) = self.entries.last_mut() {
+            entry.shift = shift;
+        }
+    }
+
+    /// All blocks that were taken, `due`, are in the look-ahead and end at `distance`: functions that are shifted get their
+    /// point now, while it may lie ahead of the motion. Their gates come later.
+    #[cfg(feature = "plc")]
+    pub fn shift_before_end(&mut self, due: u32, distance: Distance, queue: &mut Scheduler<'_>) {
+        if self.entries.iter().any(|entry| entry.shift != 0 && !entry.placed) {
+            self.put(due, distance, queue);
+            self.tidy();
+        }
+    }
+
+    /// At the end of the program all functions of late synchronisation must be acknowledged, before motion block `number`.
+    #[cfg(feature = "plc")]
+    pub fn demand_all(&mut self, number: u32) {
+        for entry in self.entries.iter_mut().filter(|entry| entry.late) {
+            (entry.late, entry.gate) = (false, number);
+        }
     }
 
     /// Completes functions of a line after its motion. `moved`: whether the motion has a path. `rounds`:
@@ -184,9 +235,23 @@ impl Functions {
         self.last != 0
     }
 
+    /// Gives functions with at most `due` motion blocks before them their place.
+    #[cfg(feature = "plc")]
+    fn put(&mut self, due: u32, distance: Distance, queue: &mut Scheduler<'_>) {
+        for entry in self.entries.iter_mut().filter(|entry| !entry.placed && reaches(due, entry.out)) {
+            entry.placed = true;
+            let distance = entry.point(distance, queue.last_open());
+            let Entry { n, function, ticket, .. } = *entry;
+            let _ = queue.push(PlacedAction { distance, n, action: Action::Out(function, ticket) });
+        }
+    }
+
     /// Gives functions their place, and adds gates to `last`.
     fn place(&mut self, due: u32, distance: Distance, queue: &mut Scheduler<'_>) {
+        #[cfg(feature = "plc")]
+        self.put(due, distance, queue);
         for entry in &mut self.entries {
+            #[cfg(not(feature = "plc"))]
             if !entry.placed && reaches(due, entry.out) {
                 entry.placed = true;
                 let Entry { n, function, ticket, .. } = *entry;

@@ -738,6 +738,19 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         taken.map_err(|()| function)
     }
 
+    /// The function that was handed over last is output so far before its place, 0.1 µm of path.
+    #[cfg(feature = "plc")]
+    pub fn shift(&mut self, shift: u32) {
+        self.functions.shift(shift);
+    }
+
+    /// At the end of the program, functions of late synchronisation must be acknowledged. Only after
+    /// [`super::Work::Hungry`].
+    #[cfg(feature = "plc")]
+    pub fn demand_all(&mut self) {
+        self.functions.demand_all(self.intake.taken);
+    }
+
     /// Demands the acknowledgement of functions with late synchronisation before the next motion block.
     /// `explicit` selects those of #EXPL SYN; otherwise those of the change to feed. Call this function only
     /// after [`super::Work::Hungry`].

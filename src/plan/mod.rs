@@ -655,6 +655,11 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
             self.let_go();
             return Work::Working;
         }
+        #[cfg(feature = "plc")]
+        if self.task.flush {
+            let end = self.queue.segments.end();
+            self.functions.shift_before_end(self.intake.taken, end, &mut self.queue.actions);
+        }
         if self.task.flush && self.lookahead.ring.is_empty() {
             return self.come_to_rest();
         }

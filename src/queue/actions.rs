@@ -162,6 +162,12 @@ impl Scheduler<'_> {
         Some(unsafe { (*self.0.record(number)).distance })
     }
 
+    /// The path distance of the last action, if it is not due yet.
+    #[cfg(feature = "plc")]
+    pub fn last_open(&self) -> Option<Distance> {
+        self.open(self.0.put.load(Ordering::Relaxed).wrapping_sub(1))
+    }
+
     /// Withdraws the actions from `number` on. None of them may be due, or become due. Before other actions
     /// take these places, the current tick has to end ([`super::Clock::settle`]), because the tick may read
     /// them.

@@ -10,6 +10,8 @@ use glidepath::tick::State;
 use glidepath::variable::{Access, Variable};
 use host_tests::cases::machines;
 
+mod shift;
+
 /// M24 and M25 are MVS_SLM, M26 and M27 are MVS_SLP, M28 is MOS and FAW_SYNCH.
 fn machine() -> MachineData<3> {
     let mut machine = machines::with_slope(machines::even(1000), 1);
@@ -37,13 +39,22 @@ struct Now<'a> {
 fn run(
     programs: &[&str],
     variables: &[Variable],
+    each: impl FnMut(&Now<'_>, &Operator<'_, 3>),
+) -> (Vec<(u64, u16)>, [f64; 3], bool) {
+    run_on(&machine(), programs, variables, each)
+}
+
+/// The same on another machine.
+fn run_on(
+    machine: &MachineData<3>,
+    programs: &[&str],
+    variables: &[Variable],
     mut each: impl FnMut(&Now<'_>, &Operator<'_, 3>),
 ) -> (Vec<(u64, u16)>, [f64; 3], bool) {
-    let machine = machine();
     let mut channel: Box<Channel<3, 120>> = Box::new(Channel::new());
     let mut rest = programs.iter().map(|text| text.as_bytes());
     let first = rest.next().unwrap_or_default();
-    let handles = channel.split(&machine, [Position::ZERO; 3], first).expect("machine data");
+    let handles = channel.split(machine, [Position::ZERO; 3], first).expect("machine data");
     let Handles { mut planner, mut interpolator, operator } = handles;
     planner.variables(variables);
     let (mut out, mut at, mut waits) = (Vec::new(), [0.0; 3], false);
