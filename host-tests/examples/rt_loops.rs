@@ -45,6 +45,8 @@ fn main() {
         });
         assert_eq!(refused, None);
         assert_eq!(end, [6.0, 0.0, 0.0], "drift");
+        // The circle allows 33.5 mm/s. A stop at the seam would show 0.
+        assert!(passes < 60 || slowest > 33.0, "{slowest} mm/s at the seam");
         println!(
             "slope {slope}: {} passes, {ticks} ticks, {commanded} of them with commands, {off:.1e} mm off the circle, \
              slowest {slowest:.4} mm/s, digest {digest:016x}",

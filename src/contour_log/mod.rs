@@ -11,12 +11,14 @@
 //! | `recorder` | the planner's end: which entry goes into which table |
 //! | `reader` | the PLC's end: [`ContourReader::elements`], [`ContourReader::logged`], [`ContourReader::reach`] |
 //! | `question` | questions about the coming motion, and their answers |
+//! | `hli` | the structures of the control unit, under their names |
 //! | `unit` | request and response of the control unit, as in the texts of ISG |
 //!
 //! There are two tables. The *window* has the latest elements of the path, found by distance from program start
 //! (mode 2). The *log* has the elements between `#CONTOUR LOOKAHEAD LOG ON` and `OFF`, found by index (mode 1).
 mod entry;
 mod geometry;
+mod hli;
 mod question;
 mod reader;
 mod recorder;
@@ -24,6 +26,10 @@ mod table;
 mod unit;
 
 pub use entry::{BlockType, Entry, ProgramDistance};
+pub use hli::{
+    HliContourLookaheadBlock, HliContourLookaheadRequest, HliContourLookaheadResponse,
+    HliContourLookaheadState,
+};
 pub use question::{Moment, Question, QuestionUnit, Unknown};
 pub use reader::{ContourReader, Elements, Forgotten, LogState};
 pub(crate) use recorder::Passed;

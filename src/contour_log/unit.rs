@@ -38,7 +38,7 @@ pub struct UnitState {
 }
 
 /// 0.1 µm per millimetre.
-const TENTHS: f64 = 10_000.0;
+pub(super) const TENTHS: f64 = 10_000.0;
 
 /// The control unit `contour_lookahead` with room for `BLOCKS` blocks in a response (usually 20).
 ///

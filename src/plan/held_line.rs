@@ -90,6 +90,16 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         }
     }
 
+    /// Whether a PLC reads the path: each block then stays an element of its own, with its N number.
+    #[inline(always)]
+    const fn is_logged(&self) -> bool {
+        #[cfg(feature = "plc")]
+        if self.intake.plc.recorder.is_some() {
+            return true;
+        }
+        false
+    }
+
     /// Joins the line to the held line. Returns `false` if this is not possible.
     #[cfg_attr(feature = "fast", inline(always))]
     pub(super) fn join_held(
@@ -105,6 +115,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             && held.pass.feed == pass.feed
             && !held.pass.stop
             && stretch.goes_on(line)
+            && !self.is_logged()
             && !self.functions.are_open()
             && !self.queue.segments.is_crowded(pass.number)
             && self.lengthen(target, pass)

@@ -74,25 +74,31 @@ impl Checked {
     }
 }
 
-/// Checks the whole program.
+/// Checks the whole program. `plc`: the requests beside it, whose variables it knows.
 ///
 /// # Errors
 /// All its mistakes in the order of the text, as far as the bounds allow.
-pub fn check(files: &Files, machine: &Machine, bounds: Bounds) -> Result<Checked, Vec<Diagnostic>> {
-    with_axes!(machine, check_axes(files, machine, bounds))
+pub fn check(
+    files: &Files,
+    machine: &Machine,
+    bounds: Bounds,
+    plc: Option<&plc::Script>,
+) -> Result<Checked, Vec<Diagnostic>> {
+    with_axes!(machine, check_axes(files, machine, bounds, plc))
 }
 
 fn check_axes<const AXES: usize>(
     files: &Files,
     machine: &Machine,
     bounds: Bounds,
+    plc: Option<&plc::Script>,
 ) -> Result<Checked, Vec<Diagnostic>> {
     let data = machine.data::<AXES>().ok_or_else(|| vec![Diagnostic::error("wrong number of axes")])?;
     let start = [Position::ZERO; AXES];
     // On a controller the memory is static; here it is too large for some stacks.
     let mut channel = Box::new(Channel::<AXES, BLOCKS, OVERLAYS>::new());
     let mut filters = Box::new(Filters::<AXES, TAPS>::new());
-    let mut outside = plc::Memory::<AXES>::new(machine, None);
+    let mut outside = plc::Memory::<AXES>::new(machine, plc);
     let mut handles = channel
         .split_filtered(&mut filters, &data, start, files)
         .map_err(|error| vec![Diagnostic::error(format!("{}: {error}", machine.name))])?;

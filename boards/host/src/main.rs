@@ -198,6 +198,10 @@ struct Check {
     /// Plan and drive the programs too: finds where the motion would exceed a limit, a defect of the planner.
     #[arg(long)]
     plan: bool,
+    /// The requests of a PLC, as of `run`: mistakes in them, and functions that the machine data do not enable. Programs
+    /// know the variables V.E. that it names; with --plan it acts.
+    #[arg(long, value_name = "FILE")]
+    plc: Option<PathBuf>,
 }
 
 #[derive(clap::Args)]
@@ -303,6 +307,20 @@ fn parse_slots(text: &str) -> Result<usize, String> {
     slots.ok_or_else(|| "expected 100, 200 or 400".into())
 }
 
+/// The requests of a PLC. The built-in machine gets all functions for them.
+fn read_plc(
+    path: Option<&Path>,
+    input: &Input,
+    machine: &mut Machine,
+) -> Result<Option<plc::Script>, Refusal> {
+    let plc = path.map(plc::Script::read).transpose()?;
+    if plc.is_some() && input.machine.is_none() {
+        machine.channel.interpolator =
+            InterpolatorData { log_max: run::KEPT as u32, ..InterpolatorData::ALL };
+    }
+    Ok(plc)
+}
+
 fn load(input: &Input, files: &Files) -> Result<Machine, Refusal> {
     let overrides = Overrides { slope: input.slope.map(|slope| slope as u8), look_ahead: input.look_ahead };
     let mut machine = match &input.machine {
@@ -311,7 +329,9 @@ fn load(input: &Input, files: &Files) -> Result<Machine, Refusal> {
             let mut machine = Machine::built_in();
             overrides.apply(&mut machine.channel)?;
             machine.channel.interpolator = InterpolatorData {
-                functions: InterpolatorFunctions::IPO_DEFAULT.with(InterpolatorFunctions::CONTOUR_LAH),
+                functions: InterpolatorFunctions::IPO_DEFAULT
+                    .with(InterpolatorFunctions::CONTOUR_LAH)
+                    .with(InterpolatorFunctions::SHIFT_NCBL),
                 log_max: run::KEPT as u32,
                 ..InterpolatorData::ALL
             };
@@ -359,11 +379,7 @@ fn run(arguments: &Run, path: &Path) -> Result<(), Refusal> {
     let files = Files::read(path)?;
     let mut machine = load(input, &files)?;
     let script = arguments.events.as_deref().map(Script::read).transpose()?;
-    let plc = arguments.plc.as_deref().map(plc::Script::read).transpose()?;
-    if plc.is_some() && input.machine.is_none() {
-        machine.channel.interpolator =
-            InterpolatorData { log_max: run::KEPT as u32, ..InterpolatorData::ALL };
-    }
+    let plc = read_plc(arguments.plc.as_deref(), input, &mut machine)?;
     let around = Around {
         script: script.as_ref(),
         acknowledge: arguments.ack,
@@ -414,7 +430,7 @@ fn run(arguments: &Run, path: &Path) -> Result<(), Refusal> {
         quiet: false,
     };
     let (mut result, picture) = run::simulate(&files, &machine, &program, wanted)
-        .map_err(|refused| all_mistakes(&files, &machine, input, refused))?;
+        .map_err(|refused| all_mistakes(&files, &machine, (input, plc.as_ref()), refused))?;
     program.warnings.extend(result.remarks.iter().map(|warning| program::remark(&files, warning)));
     if let Some(script) = &script {
         let end = result.time_s(&machine);
@@ -589,7 +605,7 @@ fn decode(
         return program::rehearse(files, machine, around).map_err(|refused| {
             let told =
                 |all: &Refusal| all.iter().any(|one| refused.iter().any(|r| r.render() == one.render()));
-            check::check(files, machine, input.bounds()).err().filter(told).unwrap_or(refused)
+            check::check(files, machine, input.bounds(), around.plc).err().filter(told).unwrap_or(refused)
         });
     }
     match decoded {
@@ -597,16 +613,21 @@ fn decode(
         Ok(_) => Err(all_mistakes(
             files,
             machine,
-            input,
+            (input, around.plc),
             vec![Diagnostic::error("a line of the program is refused")],
         )),
-        Err(refused) => Err(all_mistakes(files, machine, input, refused)),
+        Err(refused) => Err(all_mistakes(files, machine, (input, around.plc), refused)),
     }
 }
 
 /// All that a check refuses; where it refuses nothing, `refused`.
-fn all_mistakes(files: &Files, machine: &Machine, input: &Input, refused: Refusal) -> Refusal {
-    check::check(files, machine, input.bounds()).err().unwrap_or(refused)
+fn all_mistakes(
+    files: &Files,
+    machine: &Machine,
+    (input, plc): (&Input, Option<&plc::Script>),
+    refused: Refusal,
+) -> Refusal {
+    check::check(files, machine, input.bounds(), plc).err().unwrap_or(refused)
 }
 
 impl Input {
@@ -621,13 +642,18 @@ impl Input {
 fn check(arguments: &Check, path: &Path) -> Result<(), Refusal> {
     let input = &arguments.input;
     let files = Files::read(path)?;
-    let machine = load(input, &files)?;
-    let mut checked = check::check(&files, &machine, input.bounds())?;
+    let mut machine = load(input, &files)?;
+    let plc = read_plc(arguments.plc.as_deref(), input, &mut machine)?;
+    let mut checked = check::check(&files, &machine, input.bounds(), plc.as_ref())?;
+    let missing = plc.as_ref().map_or_else(Vec::new, |plc| plc.missing(&machine.channel.interpolator));
+    checked.warnings.extend(missing);
     let mut excess = Refusal::new();
     if arguments.plan || checked.beside {
-        let around = Around { limit: input.max_commands, ..Around::default() };
+        let around = Around { limit: input.max_commands, plc: plc.as_ref(), ..Around::default() };
         let program = decode(&files, &machine, input, around)?;
-        let (result, _) = run::simulate(&files, &machine, &program, Wanted::default())?;
+        let wanted = Wanted { plc: plc.as_ref(), ..Wanted::default() };
+        let (result, _) = run::simulate(&files, &machine, &program, wanted)?;
+        checked.warnings.extend(result.plc.into_iter().flat_map(|told| told.unreached));
         let remarks = result.remarks.iter().map(|warning| program::remark(&files, warning));
         checked.remarks = remarks.collect();
         excess = result.monitor.errors(&machine);

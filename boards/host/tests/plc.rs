@@ -381,3 +381,71 @@ fn the_laser_changes_at_the_ticks_of_the_firmware() {
     let wanted: Vec<(u64, u64)> = numbers.chunks_exact(2).map(|pair| (pair[0], pair[1])).collect();
     assert_eq!(told, wanted);
 }
+
+/// `check --plc`: mistakes of the file with their place, variables that only the PLC names, and functions that the machine
+/// data do not enable. With --plan the PLC acts.
+#[test]
+fn check_reads_the_requests() {
+    let program = written("checked.nc", "G01 X10 F6000\n#FLUSH WAIT\nX[V.E.STEP]\nM30\n");
+    assert!(refused(&["check", &program]).contains("checked.nc:3:"));
+    let plc = written("checked.plc", "0 set STEP 20\n0.1 state 0.01\n0.2 log 0\n0.3 standstill\n9 feed\n");
+    let told = |more: &[&str]| {
+        let output = glidepath(&[&["check", &program, "--plc", &plc], more].concat());
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        String::from_utf8_lossy(&output.stderr).into_owned()
+    };
+    assert_eq!(told(&[]), "");
+    let late = told(&["--plan"]);
+    assert!(late.contains("checked.plc:5:1") && late.contains("ends before this request"), "{late}");
+    let machine = |text: &str| {
+        written(
+            "checked.toml",
+            &format!("{text}\n[axis.X]\ntype = \"linear\"\nv_max = 200000\na_max = 2000\n"),
+        )
+    };
+    let plain = told(&["--machine", &machine("")]);
+    for (place, name) in [
+        ("checked.plc:2:1", "FCT_CALC_STATE_AT_T"),
+        ("checked.plc:3:1", "FCT_CONTOUR_LAH"),
+        ("checked.plc:4:1", "FCT_CALC_POS_V_0"),
+        ("checked.plc:5:1", "FCT_CALC_TIME"),
+    ] {
+        assert!(plain.contains(place) && plain.contains(name), "{plain}");
+    }
+    let enabled = "channel.configuration.interpolator.function = \"FCT_IPO_DEFAULT|FCT_CONTOUR_LAH|FCT_CALC_TIME|\
+        FCT_CALC_STATE_AT_T|FCT_CALC_POS_V_0\"";
+    let stored = told(&["--machine", &machine(enabled)]);
+    assert!(stored.contains("P-STUP-00033") && stored.matches("warning").count() == 1, "{stored}");
+    let wrong = written("wrong-check.plc", "0 set STEP 20\n1 reeach\n2 elements 1\n");
+    let told = refused(&["check", &program, "--plc", &wrong]);
+    assert!(told.contains(":2:3") && told.contains("is reach meant?") && told.contains(":3:13"), "{told}");
+    assert!(refused(&["check", &program, "--plc", "no-such-file.plc"]).contains("no-such-file.plc"));
+}
+
+/// P-CHAN-00070 and P-CHAN-00033 in a machine file: M96 comes 10 mm before X40 of a run. Row: C40-064.
+#[test]
+fn a_machine_file_shifts_functions() {
+    let program = written("shift.nc", "N10 G01 X20 F6000\nN20 X40\nN30 M96\nN40 X60\nM30\n");
+    let machine = |functions: &str, tables: &str| {
+        let text = format!(
+            "[channel]\nconfiguration.interpolator.function = \"FCT_IPO_DEFAULT{functions}\"\n\
+             prog_start.late_sync_ready = 1\n{tables}[axis.X]\ntype = \"linear\"\nv_max = 200000\na_max = 2000\n"
+        );
+        written("shift.toml", &text)
+    };
+    let tables = "[channel.m_synch]\n96 = \"MEP_SVS\"\n[channel.m_pre_outp]\n96 = 100000\n";
+    let right = machine("|FCT_SHIFT_NCBL", tables);
+    let output = glidepath(&["run", &program, "--machine", &right]);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    for (functions, tables, expected) in [
+        ("", tables, "FCT_SHIFT_NCBL"),
+        ("|FCT_SHIFT_NCBL", "[channel.m_pre_outp]\n96 = 1\n", "MEP_SVS or MEP_MOS"),
+        ("|FCT_SHIFT_NCBL", "[channel.h_pre_outp]\n96 = -1\n", "shift.toml:5:6"),
+        ("|FCT_SHIFT_NCBL", "[channel.m_pre_outp]\n96 = 2000000001\n", "0…2000000000"),
+        ("|FCT_SHIFT_NCBL", "[channel.m_pre_outp]\n1000 = 1\n", "0…999"),
+        ("|FCT_SYNC", "", "FCT_SYNC"),
+    ] {
+        let told = refused(&["check", &program, "--machine", &machine(functions, tables)]);
+        assert!(told.contains(expected), "{told}");
+    }
+}

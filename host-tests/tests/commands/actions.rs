@@ -552,6 +552,7 @@ fn a_thousand_acknowledgements_are_each_waited_for() {
 fn types_that_are_known_and_not_there_are_refused() {
     for (synch, name, _) in Synch::ALL {
         let mut machine = machine(1);
+        machine.channel.interpolator = glidepath::machine::InterpolatorData::ALL;
         machine.channel.h_synch = SynchTable::NONE.with(3, Synch::Mos).with(9, synch);
         let mut channel: Box<Channel<3, 120>> = Box::new(Channel::new());
         let refused = channel.split(&machine, [Position::ZERO; 3], b"M30".as_slice()).err();

@@ -1,7 +1,8 @@
 //! The contour log as a PLC reads it: by index, by distance, from another thread.
 use glidepath::channel::{Channel, Handles, Planner, Progress};
 use glidepath::contour_log::{
-    BlockType, ContourMemory, ContourReader, ControlUnit, Entry, Forgotten, ProgramDistance,
+    BlockType, ContourMemory, ContourReader, ControlUnit, Entry, Forgotten, HliContourLookaheadBlock,
+    HliContourLookaheadRequest, ProgramDistance,
 };
 use glidepath::fir::Unfiltered;
 use glidepath::machine::{InterpolatorData, MachineData};
@@ -366,6 +367,157 @@ fn the_control_unit_answers_requests() {
             (400_000.0, 5, false)
         );
     });
+}
+
+/// C40-005, C40-012, NC-012, G-12: the structures of the HLI, with every member of an element; asked twice, and again when
+/// the motion has passed.
+///
+/// Rows: C40-022, C40-074.
+#[test]
+fn the_structures_of_the_hli() {
+    let text = "G01 F6000\n#CONTOUR LOOKAHEAD LOG ON [PARAM=2.5]\nN10 X10\nN20 G02 X12 Y2 J2\n\
+        #CONTOUR LOOKAHEAD LOG OFF\nN30 G01 Y9\n";
+    let unit = ControlUnit::<5>::new();
+    let (mut seen, mut last) = (0, 0.0);
+    run::<64, 64>(text, (&machines::even(1000), [Position::ZERO; 3]), |now| {
+        let planned = now.operator.status().planned;
+        let at = ControlUnit::<5>::dist_prog_start(&now.contour, planned).expect("kept");
+        assert!(
+            at >= last && (at / 10_000.0 - now.contour.distance(planned).expect("kept").to_mm()).abs() < 1e-9
+        );
+        last = at;
+        if now.tick < 5 {
+            return;
+        }
+        let mut ask = |start_position: f64, length: f64| {
+            unit.ask(HliContourLookaheadRequest { start_position, length }).expect("free");
+            assert!(unit.answer().is_none());
+            unit.serve(&now.contour);
+            seen += 1;
+            unit.answer().expect("answered").block
+        };
+        let block = ask(0.0, 0.0);
+        assert_eq!(block.map(|block| block.block_type), [3, 1, 2, 5, 0]);
+        assert_eq!(block.map(|block| block.block_number), [0, 10, 20, 0, 0]);
+        assert_eq!((block[0].length, block[4]), (2.5, HliContourLookaheadBlock::default()));
+        let arc = block[2];
+        assert_eq!(arc.block_count_r, block[1].block_count_r + 1);
+        let (start, length) = (100_000.0, PI * 10_000.0);
+        for (got, want) in [
+            (arc.start_position, start),
+            (arc.length, length),
+            (arc.programmed_radius, 20_000.0),
+            (arc.compensated_radius, 20_000.0),
+            (arc.circle_angle, -PI / 2.0),
+            (arc.length_min, 0.0),
+            (arc.tangent_variation, PI),
+        ] {
+            assert!((got - want).abs() < 1e-2, "{got} in place of {want}: {arc:?}");
+        }
+        assert_eq!(ask(50_000.0, 1.0).map(|block| block.block_number), [10, 0, 0, 0, 0]);
+    });
+    assert!(seen > 100);
+    assert!((last / 10_000.0 - (17.0 + PI)).abs() < 1e-6, "{last}");
+}
+
+/// C40-032: straight blocks in a row keep their N numbers, as elements of their own.
+#[test]
+fn straight_blocks_in_a_row_keep_their_numbers() {
+    let (_, elements) = logged("N10 G01 X1 F6000\nN20 X2\nN30 X3\nN40 X4 Y1\nN50 X5 Y2\nN60 Z1\n");
+    assert_eq!(elements.iter().map(|entry| entry.n).collect::<Vec<_>>(), [10, 20, 30, 40, 50, 60]);
+    assert!(elements.iter().take(3).all(|entry| entry.length == mm(1.0)), "{elements:?}");
+}
+
+/// C40-045: CLEAR with logging on and off; lines behind it wait for the standstill, as behind #FLUSH&WAIT.
+#[test]
+fn clear_with_logging_on_waits_for_the_standstill() {
+    let text = "G01 F6000\n#CONTOUR LOOKAHEAD LOG ON\nN10 X10\n#CONTOUR LOOKAHEAD LOG CLEAR\nN20 Y10\n\
+        #CONTOUR LOOKAHEAD LOG CLEAR\n#CONTOUR LOOKAHEAD LOG ON\nN30 X20\n#CONTOUR LOOKAHEAD LOG OFF\n";
+    let (log, _) = logged(text);
+    assert_eq!(log.iter().map(|entry| entry.n).collect::<Vec<_>>(), [0, 30, 0]);
+    let mut known = Vec::new();
+    run::<64, 64>(text, (&machines::even(1000), [Position::ZERO; 3]), |now| {
+        let [x, y, _] = now.operator.status().set_points.map(|point| point.to_num::<f64>());
+        let reach = now.contour.reach().to_mm();
+        if known.last().is_none_or(|(last, ..)| *last != reach) {
+            known.push((reach, x, y));
+        }
+    });
+    // The block behind CLEAR is read when the axes stand in front of it.
+    let wanted = [(10.0, 0.0, 0.0), (20.0, 10.0, 0.0), (30.0, 10.0, 10.0)];
+    for (got, want) in known.iter().rev().zip(wanted.iter().rev()) {
+        let near =
+            (got.0 - want.0).abs() < 1e-6 && (got.1 - want.1).abs() < 0.01 && (got.2 - want.2).abs() < 0.01;
+        assert!(near, "{known:?}");
+    }
+}
+
+/// C40-020: the reach grows with the buffer of the interpolator, and with the blocks that are supplied.
+#[test]
+fn reach_depends_on_buffer_and_supply() {
+    let text: String = (1..=400).map(|i| format!("N{i} G01 X{} Y{} F600\n", i / 2, i % 2)).collect();
+    let reach = |look_ahead: u32, polls: usize| {
+        let mut machine = logging(&machines::even(1000));
+        machine.channel.look_ahead = look_ahead;
+        let mut memory = Box::new(ContourMemory::<512, 8>::new());
+        let mut channel: Box<Channel<3, 190>> = Box::new(Channel::new());
+        let (recorder, contour) = memory.split();
+        let handles = channel.split(&machine, [Position::ZERO; 3], text.as_bytes()).expect("machine data");
+        let mut planner = handles.planner;
+        planner.log_contour(recorder);
+        for _ in 0..polls {
+            if planner.poll().expect("right") == Progress::Waiting {
+                break;
+            }
+        }
+        contour.reach().to_mm()
+    };
+    let [few, some, many] = [30, 120, 190].map(|blocks| reach(blocks, usize::MAX));
+    assert!(few < some && some < many, "{few} {some} {many}");
+    let [early, late] = [40, 200].map(|polls| reach(190, polls));
+    assert!(early < late && late < many, "{early} {late} {many}");
+}
+
+/// C40-016, C40-022, C40-074: inside of smoothed corners and splines the distance grows with the path that the axes drive;
+/// it is exact at both ends.
+#[test]
+fn the_distance_inside_of_polynomials_follows_the_axes() {
+    let mut all = Vec::new();
+    for smoothing in [
+        "#CONTOUR MODE [DEV PATH_DEV=1]\nG261",
+        "#CONTOUR MODE [DIST PRE_DIST=2 POST_DIST=2]\nG261",
+        "#CONTOUR MODE [DIST_SOFT PATH_DIST=2]\nG261",
+        "#HSC ON [BSPLINE PATH_DEV=0.5]",
+        "#SPLINE ON",
+    ] {
+        let text = format!(
+            "G01 F600\n{smoothing}\nN10 X10\nN20 Y10\nN30 X0 Y14\nN40 X-5\nN50 Y20\nG260\n#HSC OFF\n#SPLINE OFF\n"
+        );
+        let mut machine = machines::even(1000);
+        machine.channel.slope_profile = 1;
+        let (mut driven, mut worst, mut ends, mut curved) = (0.0, 0.0f64, 0.0f64, 0);
+        let mut last = [0.0; 3];
+        let refused = run::<256, 64>(&text, (&machine, [Position::ZERO; 3]), |now| {
+            let status = now.operator.status();
+            let at = status.set_points.map(|point| point.to_num::<f64>());
+            driven += at.iter().zip(&last).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
+            last = at;
+            let got = now.contour.distance(status.planned).expect("kept");
+            let off = (got.to_mm() - driven).abs();
+            worst = worst.max(off);
+            let here = now.contour.elements(got, EVERYTHING).next().and_then(Result::ok);
+            match here {
+                Some(entry) if entry.block_type == BlockType::Polynomial => curved += 1,
+                // Tick chords leave out a little of each curve.
+                _ => ends = ends.max(off),
+            }
+        });
+        assert_eq!(refused, None, "{smoothing}");
+        assert!(curved > 10 && ends < 2e-4, "{smoothing}: {curved} {ends}");
+        all.push((smoothing, worst));
+    }
+    println!("{all:?}");
+    assert!(all.iter().all(|(_, worst)| *worst < 0.1), "{all:?}");
 }
 
 /// C40-014, C40-045: the next program begins at 0 with an empty log; an abort takes back what will not be driven.

@@ -99,8 +99,12 @@ pub fn explain(machine: &Machine) -> String {
             let name = Synch::ALL.iter().find(|(known, ..)| *known == synch).map_or("", |(_, name, _)| name);
             let _ = writeln!(
                 out,
-                "  {table}{code} is put out as {name}{}  {}",
+                "  {table}{code} is put out as {name}{}{}  {}",
                 if synchs.flushes(code) { "|FAW_SYNCH" } else { "" },
+                match synchs.shift(code) {
+                    0 => String::new(),
+                    shift => format!(", {} mm before its place", f64::from(shift) / 1e4),
+                },
                 label("channel", id, "synchronisation")
             );
         }

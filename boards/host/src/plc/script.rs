@@ -19,6 +19,7 @@ use super::variable::{name, value};
 use crate::decimal::parse as decimal;
 use crate::diagnose::{Diagnostic, Source, nearest};
 use crate::events::seconds;
+use glidepath::machine::{InterpolatorData, InterpolatorFunctions};
 use std::path::Path;
 
 /// A request of the PLC.
@@ -130,6 +131,39 @@ impl Script {
                 Diagnostic::warning(message).at(&self.source, request.line, 1, width).expected(expected)
             })
             .collect()
+    }
+
+    /// Remarks on requests whose function the machine data do not enable.
+    pub fn missing(&self, data: &InterpolatorData) -> Vec<Diagnostic> {
+        let need = |request: &Request| {
+            let (function, name) = match request.ask {
+                Ask::Reach | Ask::Elements { .. } | Ask::Log(_) | Ask::Laser(_) => {
+                    (InterpolatorFunctions::CONTOUR_LAH, "FCT_CONTOUR_LAH")
+                }
+                Ask::State(_) => (InterpolatorFunctions::CALC_STATE_AT_T, "FCT_CALC_STATE_AT_T"),
+                Ask::Feed => (InterpolatorFunctions::CALC_TIME, "FCT_CALC_TIME"),
+                Ask::Standstill => (InterpolatorFunctions::CALC_POS_V_0, "FCT_CALC_POS_V_0"),
+                Ask::Set(..) | Ask::Variable(_) | Ask::LoopOn(_) | Ask::LoopOff => return None,
+            };
+            match request.ask {
+                _ if !data.has(function) => {
+                    Some(format!("{name} in configuration.interpolator.function (P-CHAN-00650)"))
+                }
+                Ask::Log(_) if data.fb_storage_size == 0 => {
+                    Some("startup.fb_storage_size above 0 (P-STUP-00033)".to_owned())
+                }
+                _ => None,
+            }
+        };
+        let told = self.requests.iter().filter_map(|request| Some((request, need(request)?)));
+        told.map(|(request, expected)| {
+            let message = format!("the machine data do not enable what {} needs", request.ask.word());
+            let width = self.source.line(request.line).len();
+            Diagnostic::warning(message)
+                .at(&self.source, request.line, 1, width)
+                .expected(format!("expected {expected}"))
+        })
+        .collect()
     }
 
     fn parse(source: Source) -> Result<Self, Vec<Diagnostic>> {

@@ -131,7 +131,8 @@ impl Loader<'_> {
                             || self.dialect(entry, &mut machine)
                             || self.kinematics(entry, &mut machine)
                             || self.enable(entry, &entries, &mut machine.channel)
-                            || self.interpolator(entry, &entries, &mut machine.channel);
+                            || self.interpolator(entry, &entries, &mut machine.channel)
+                            || self.shift(entry, &mut machine.channel);
                         if !is_set {
                             let known = table_of(&entry.name, CHANNEL, CHANNEL_FOREIGN);
                             self.set("channel", entry, known, later::CHANNEL, &mut machine.channel);

@@ -5,7 +5,9 @@ use super::{Diagnostic, Entry, LOOK_AHEAD, Loader, flatten, label, suggestion};
 use crate::diagnose::nearest;
 use crate::plc;
 use glidepath::machine::parameter::{CHANNEL_PLC, Parameter};
-use glidepath::machine::{ChannelData, FB_STORAGE_MIN, INTERPOLATOR_FUNCTIONS, InterpolatorFunctions};
+use glidepath::machine::{
+    ChannelData, FB_STORAGE_MIN, INTERPOLATOR_FUNCTIONS, InterpolatorFunctions, SHIFT_MAX, SYNCHRONISED,
+};
 use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
@@ -19,6 +21,7 @@ const LOG_MAX: &str = "contour_lookahead_log_max";
 /// P-STUP-00070 and P-STUP-00076 are in this table.
 const START_UP: &str = "configuration.channel.0.interpolator.";
 const STORAGE: &str = "fb_storage_size";
+const LATE: &str = "prog_start.late_sync_ready";
 
 /// Channels of a start-up list.
 const CHANNELS: usize = 12;
@@ -74,6 +77,45 @@ impl Loader<'_> {
                 let message = format!("unknown parameter channel.{}", entry.name);
                 self.refuse(&entry.key, message, &suggestion(meant.as_deref()));
             }
+        }
+        true
+    }
+
+    /// How far before its place a function comes out, and P-CHAN-00033; `false` if the name is another.
+    pub(super) fn shift(&mut self, entry: &Entry<'_>, channel: &mut ChannelData) -> bool {
+        if entry.name == LATE {
+            self.set("channel", entry, CHANNEL_PLC, &[], channel);
+            return true;
+        }
+        let (table, number) = entry.name.split_once('.').unwrap_or((&entry.name, ""));
+        let (id, synchs) = match table {
+            "m_pre_outp" => ("P-CHAN-00070", &mut channel.m_synch),
+            "h_pre_outp" => ("P-CHAN-00107", &mut channel.h_synch),
+            _ => return false,
+        };
+        let label = format!("channel.{table}[{number}] ({id})");
+        let Some(code) = number.parse::<u16>().ok().filter(|code| *code <= 999) else {
+            let message = format!("{label}: no number of a function");
+            self.refuse(
+                &entry.key,
+                message,
+                &format!("0…999, for example [channel.{table}] with 96 = 100000"),
+            );
+            return true;
+        };
+        let span = entry.value.span();
+        let shift = milli(entry.value.get_ref(), false).ok().filter(|milli| milli % 1000 == 0);
+        let shift =
+            shift.and_then(|milli| u32::try_from(milli / 1000).ok()).filter(|shift| *shift <= SHIFT_MAX);
+        let Some(shift) = shift else {
+            let message = format!("{label} = {}: no distance", self.text(&span));
+            self.refuse(&span, message, &format!("0…{SHIFT_MAX}, in 0.1 µm"));
+            return true;
+        };
+        *synchs = synchs.with_shift(code, shift);
+        if synchs.overflows() {
+            let message = format!("{label}: more than {SYNCHRONISED} functions");
+            self.refuse(&entry.key, message, "leave out those of MOS: it is the default");
         }
         true
     }
@@ -329,14 +371,8 @@ mod tests {
     /// Functions that this version does not have are refused by name. Rows: C40-063, C40-069, C40-071.
     #[test]
     fn absent_functions_are_refused_by_name() {
-        for name in [
-            "FCT_LIFT_UP_TIME",
-            "FCT_EXTENSION_EQUIDIST",
-            "FCT_DLM",
-            "FCT_SYNC",
-            "FCT_DYN_POS_LIMIT",
-            "FCT_SHIFT_NCBL",
-        ] {
+        for name in ["FCT_LIFT_UP_TIME", "FCT_EXTENSION_EQUIDIST", "FCT_DLM", "FCT_SYNC", "FCT_DYN_POS_LIMIT"]
+        {
             let said = refused(&named(&format!("FCT_IPO_DEFAULT|{name}")));
             assert!(said.contains(&format!("\": {name}")), "{said}");
             assert!(said.contains("known, not available in this version"), "{said}");
