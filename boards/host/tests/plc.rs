@@ -400,7 +400,7 @@ fn check_reads_the_requests() {
     let machine = |text: &str| {
         written(
             "checked.toml",
-            &format!("{text}\n[axis.X]\ntype = \"linear\"\nv_max = 200000\na_max = 2000\n"),
+            &format!("channel.prog_start.slope.profile = 1\n{text}\n[axis.X]\ntype = \"linear\"\n"),
         )
     };
     let plain = told(&["--machine", &machine("")]);
@@ -429,7 +429,7 @@ fn a_machine_file_shifts_functions() {
     let machine = |functions: &str, tables: &str| {
         let text = format!(
             "[channel]\nconfiguration.interpolator.function = \"FCT_IPO_DEFAULT{functions}\"\n\
-             prog_start.late_sync_ready = 1\n{tables}[axis.X]\ntype = \"linear\"\nv_max = 200000\na_max = 2000\n"
+             prog_start.late_sync_ready = 1\n{tables}[axis.X]\ntype = \"linear\"\n"
         );
         written("shift.toml", &text)
     };
@@ -448,4 +448,24 @@ fn a_machine_file_shifts_functions() {
         let told = refused(&["check", &program, "--machine", &machine(functions, tables)]);
         assert!(told.contains(expected), "{told}");
     }
+}
+
+/// The # commands of the examples run, in one program; those of the transformation in the shipped one. Row: NC-009.
+#[test]
+fn every_hash_command_of_the_examples_runs() {
+    let text = "#SLOPE [TYPE=TRAPEZ]\n#SLOPE DEFAULT\n#SET SLOPE PROFIL[1]\n#FILTER [AX_DEV=0.5]\n#FILTER OFF\n\
+        #VECTOR LIMIT ON [VEL=5000 ACC=5000 DEC=5000]\nN10 G01 X10 F6000\n#VECTOR LIMIT OFF ALL\n\
+        #CONTOUR MODE [DEV PATH_DEV=0.1]\nG261\nN20 Y10\nN30 X20\nG260\n#HSC ON [OPMODE=1 CONTERROR=0.1]\nN40 Y20\nN45 X25\n\
+        #HSC OFF\n#AKIMA TRANS [START=TANGENTIAL END=TANGENTIAL]\n#SPLINE ON\nN50 X30 Y25\nN60 X40 Y20\nN70 X50 Y25\n\
+        #SPLINE OFF\n#DISTANCE PROG START CLEAR\n#CONTOUR LOOKAHEAD LOG ON\nN80 X60\n#CONTOUR LOOKAHEAD LOG OFF\n\
+        #CONTOUR LOOKAHEAD LOG CLEAR\n#FLUSH&WAIT\nN90 X70 Y0\n#RT WHILE\nN100 X80\nN110 X70\n#RT ENDWHILE\nN120 X0\n\
+        #PUT AX [Z]\nM30\n";
+    let told = answers(&written("hash.nc", text), &written("hash.plc", "0 loop 2\nend reach\n"), &[]);
+    let distance = told[1]["distance_mm"].as_f64().expect("a number");
+    // From N80 on: 10 mm, N90, two passes of 20 mm, N120.
+    let wanted = 10.0 + 10f64.hypot(25.0) + 40.0 + 70.0;
+    assert!((distance - wanted).abs() < 1e-6, "{told:?}");
+    let machine = shipped("boards/host/machines/ca-head.toml");
+    let output = glidepath(&["run", &shipped("programs/tip.nc"), "--machine", &machine]);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
 }
