@@ -227,3 +227,12 @@ fn an_abort_takes_back_a_shifted_function() {
     assert_eq!(out.len(), 1, "{out:?}");
     assert!((at[0] - 10.0).abs() < 0.1, "{at:?}");
 }
+
+/// C40-064: before the program end the shift may be longer than what is planned: the place is known when the last block is read.
+#[test]
+fn a_long_shift_before_the_end() {
+    let row: String = (1..=400).map(|i| format!("G01 X{i} F{}\n", 3000 + i % 2)).collect();
+    let text = format!("V.G.M_FCT[97].PRE_OUTP_PATH = 100\n{row}M97\nM30\n");
+    let [(97, before, now)] = places(&text)[..] else { panic!("M97 once") };
+    assert!(before < 300.0 && 300.0 <= now, "{before} {now}");
+}
