@@ -40,9 +40,9 @@ cargo xtask COMMAND
   cores --accept  makes what is measured the accepted figures and writes docs/cores.md; also with NAMEs before it
   rtos          only the programs in an operating system and in C: RTIC, Embassy, C, FreeRTOS; digests
   rtos NAME     only that of one of them: rtic, embassy, c, freertos
-  senders       real senders stream jobs of up to 5,000 lines to `glidepath serve`: pygrbl-streamer, grbl-streamer, bCNC,
-                cncjs; the first two also to the controller's firmware in the emulator; needs Python, Node and a network for
-                the first installation
+  senders       real senders stream jobs of up to 5,000 lines to `glidepath serve` and to the controller's firmware in the
+                emulator: pygrbl-streamer, grbl-streamer, bCNC, cncjs; needs Python, Node and a network for the first
+                installation
   senders LINES  the same with another number of lines
   senders --short  the first two with 300 lines, as `test` has them; skipped where they cannot be installed
   controller    the controller's firmware in the emulator: a sender streams a job of 1,000 lines to its serial line

@@ -27,22 +27,37 @@ const JOBS: &str = "10";
 /// Lines of a job in the short form.
 const SHORT: &str = "300";
 
-/// All four to `serve`, and the two quick ones to the firmware; what cannot be installed is an error. The jobs have up to
-/// so many lines.
+/// All four to `serve` and to the firmware; what cannot be installed is an error. The jobs have up to so many lines.
 pub fn all(lines: &str) -> Result<(), String> {
     step("senders");
     let python = python(&[PYTHON.as_slice(), &BCNC].concat())?;
     let modules = node()?;
     let program = serve()?;
-    let script = |name: &str| root().join(SCRIPTS).join(name);
     quick(&python, lines, &desktop(&program))?;
-    run(Command::new(&python).arg(script("bcnc.py")).arg(&program).args([lines, JOBS]))?;
-    run(Command::new("node").arg(script("cncjs.mjs")).arg(&program).arg(modules).args([lines, JOBS]))?;
+    let mut tcp = Command::new(&program);
+    tcp.args(["serve", "--tcp", "0", "--speed", "20"]);
+    slow(&python, &modules, lines, [&tcp, &desktop(&program)])?;
     step("firmware");
     let firmware = Firmware::prepare(Place::Emulator)?;
     controller::build(&firmware)?;
     step("senders, firmware in the emulator");
-    quick(&python, lines, &firmware.at_terminal(controller::BINARY))
+    let terminal = firmware.at_terminal(controller::BINARY);
+    quick(&python, lines, &terminal)?;
+    slow(&python, &modules, lines, [&terminal, &terminal])
+}
+
+/// bCNC and cncjs, each to the controller that its command runs.
+fn slow(python: &Path, modules: &Path, lines: &str, [bcnc, cncjs]: [&Command; 2]) -> Result<(), String> {
+    let script = |name: &str| root().join(SCRIPTS).join(name);
+    let mut command = Command::new(python);
+    run(with(command.arg(script("bcnc.py")).args([lines, JOBS]), bcnc))?;
+    let mut command = Command::new("node");
+    run(with(command.arg(script("cncjs.mjs")).arg(modules).args([lines, JOBS]), cncjs))
+}
+
+/// The command with another one as its last arguments.
+fn with<'c>(command: &'c mut Command, other: &Command) -> &'c mut Command {
+    command.arg(other.get_program()).args(other.get_args())
 }
 
 /// The two quick senders with `serve`, for every run of the tests: about 10 s, and 10 s more with
@@ -73,7 +88,7 @@ fn installed(what: impl FnOnce(&Path) -> Result<(), String>) -> Result<(), Strin
 fn quick(python: &Path, lines: &str, controller: &Command) -> Result<(), String> {
     let mut command = Command::new(python);
     command.arg(root().join(SCRIPTS).join("python.py")).arg(lines);
-    run(command.arg(controller.get_program()).args(controller.get_args()))
+    run(with(&mut command, controller))
 }
 
 /// The controller on the PC, twenty times as fast as real time.

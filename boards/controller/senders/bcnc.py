@@ -1,12 +1,14 @@
-"""bCNC without a display sends jobs to `glidepath serve --tcp`: its own thread reads, counts and writes.
+"""bCNC without a display sends jobs to a controller: its own thread reads, counts and writes.
 
-python bcnc.py GLIDEPATH [LINES] [JOBS]
+python bcnc.py LINES JOBS COMMAND...
 
-Needs `pip install bCNC==0.9.16`. Ends with 0 if each job came to its end without an error, at its place, and hold, resume,
+COMMAND runs the controller. Its first output names the address or the terminal, as `glidepath serve --tcp 0` does and QEMU
+with `-serial pty`. Needs `pip install bCNC==0.9.16`. Ends with 0 if each job came to its end without an error, at its place, and hold, resume,
 overrides, jog, jog cancel and a reset in motion do what they should.
 """
 import builtins
 import os
+import re
 import subprocess
 import sys
 import tempfile
@@ -38,10 +40,20 @@ def job(lines, seed):
     return text + [f"G1 X1.5 Y2.25 Z{-0.25 * seed:.3f}", "M5"], (1.5, 2.25, -0.25 * seed)
 
 
+def start(command):
+    """The controller, and where bCNC connects to it."""
+    child = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    for line in child.stdout:
+        if found := re.search(r"tcp (\S+)", line):
+            return child, "socket://" + found.group(1)
+        if found := re.search(r"/dev/\S+", line):
+            return child, found.group()
+    raise SystemExit(f"{command}: no address")
+
+
 class Talk:
-    def __init__(self, program):
-        self.child = subprocess.Popen([program, "serve", "--tcp", "0", "--speed", "20"], stdout=subprocess.PIPE, text=True)
-        self.address = self.child.stdout.readline().split()[1]
+    def __init__(self, command):
+        self.child, address = start(command)
         self.home = tempfile.TemporaryDirectory()
         self.cnc, sender = imported(self.home.name)
 
@@ -52,7 +64,7 @@ class Talk:
 
         self.sender = Headless()
         self.sender.controllerSet("GRBL1")
-        self.sender.open("socket://" + self.address, 115200)
+        self.sender.open(address, 115200)
         self.vars = self.cnc.CNC.vars
 
     def wait(self, holds, seconds, what):
@@ -83,7 +95,7 @@ class Talk:
         s.queue.put((self.cnc.WAIT,))
         return s._runLines
 
-    def end(self, end, seconds=120):
+    def end(self, end, seconds=600):
         s = self.sender
         self.wait(lambda: s._gcount >= s._runLines and self.vars["state"] == "Idle" or self.vars["errline"], seconds, "no end")
         if self.vars["errline"]:
@@ -141,10 +153,9 @@ def functions(talk):
 
 
 def main():
-    program = sys.argv[1]
-    lines, jobs = (int(text) for text in (sys.argv[2:] + ["2000", "1"][len(sys.argv) - 2:])[:2])
+    lines, jobs = (int(text) for text in sys.argv[1:3])
     begun = time.time()
-    talk = Talk(program)
+    talk = Talk(sys.argv[3:])
     try:
         talk.state("Idle")
         sent = 0

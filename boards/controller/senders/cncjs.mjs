@@ -1,8 +1,9 @@
-// cncjs without a browser sends jobs to `glidepath serve --pty`, driven through its socket as a pendant does.
+// cncjs without a browser sends jobs to a controller at a pseudo terminal, driven through its socket as a pendant does.
 //
-// node cncjs.mjs GLIDEPATH MODULES [LINES] [JOBS]
+// node cncjs.mjs MODULES LINES JOBS COMMAND...
 //
-// MODULES is a folder in which `npm install cncjs@1.11.5 socket.io-client@2 jsonwebtoken` was run. Ends with 0 if each job
+// COMMAND runs the controller and names its terminal in its first output, as `glidepath serve --pty` does and QEMU with
+// `-serial pty`. MODULES is a folder in which `npm install cncjs@1.11.5 socket.io-client@2 jsonwebtoken` was run. Ends with 0 if each job
 // came to its end without an error, at its place, and hold, resume, overrides, jog, jog cancel and a reset in motion do
 // what they should.
 import { spawn } from "node:child_process";
@@ -12,7 +13,7 @@ import { tmpdir } from "node:os";
 import { join, resolve } from "node:path";
 import { createServer } from "node:net";
 
-const [program, modules, lines = "2000", jobs = "1"] = process.argv.slice(2);
+const [modules, lines, jobs, ...controller] = process.argv.slice(2);
 const require = createRequire(join(resolve(modules), "x.js"));
 const io = require("socket.io-client"), jwt = require("jsonwebtoken");
 const begun = Date.now(), folder = mkdtempSync(join(tmpdir(), "cncjs-"));
@@ -28,7 +29,13 @@ const wait = async (holds, what, ms = 120000) => {
 const free = () => new Promise(done => {
   const server = createServer().listen(0, "127.0.0.1", () => { const { port } = server.address(); server.close(() => done(port)); });
 });
-const firstLine = child => new Promise(done => child.stdout.once("data", text => done(String(text).split("\n")[0])));
+const terminal = child => new Promise((done, fail) => {
+  let said = "";
+  const hear = text => { said += text; const found = said.match(/(\/dev\/\S+)\s/); if (found) done(found[1]); };
+  child.stdout.on("data", hear);
+  child.stderr.on("data", hear);
+  child.once("exit", () => fail(new Error(`no terminal: ${said}`)));
+});
 const start = (command, args, options) => { const child = spawn(command, args, options); children.push(child); return child; };
 const place = () => ["x", "y", "z"].map(axis => +state.status?.mpos?.[axis]);
 const active = () => state.status?.activeState;
@@ -40,8 +47,8 @@ const job = (count, seed) => {
 };
 
 const main = async () => {
-  const serve = start(program, ["serve", "--pty", "--speed", "20"], { stdio: ["ignore", "pipe", "inherit"] });
-  const path = (await firstLine(serve)).split(" ")[1];
+  const [program, ...options] = controller;
+  const path = await terminal(start(program, options, { stdio: ["ignore", "pipe", "pipe"] }));
   const config = join(folder, "cncrc"), secret = "a secret of this run", port = await free();
   writeFileSync(config, JSON.stringify({ secret }));
   const main = join(resolve(modules), "node_modules/cncjs/bin/cncjs");
@@ -62,7 +69,7 @@ const main = async () => {
     command("gcode:start");
   };
   const ended = async end => {
-    await wait(() => sender.finishTime > 0, "no end");
+    await wait(() => sender.finishTime > 0, "no end", 600000);
     if (sender.received !== sender.total || sender.sent !== sender.total) throw new Error(`${JSON.stringify(sender)}`);
     await wait(() => active() === "Idle" && place().every((at, k) => Math.abs(at - end[k]) < 0.0006), `not at ${end}`, 5000);
     command("gcode:stop");

@@ -2,6 +2,7 @@
 mod bench;
 
 use bench::world::{World, mm, settings, with_rig};
+use glidepath_controller::{Signals, Spindle};
 
 fn rig(talk: impl FnOnce(&mut bench::world::Rig<'_>)) {
     with_rig(&settings(), World::new(1), talk);
@@ -242,4 +243,44 @@ fn two_pauses_in_a_row() {
             assert_eq!(rig.points[0], mm(2.0), "{lines}");
         });
     }
+}
+
+/// A hold and a door act at once in a dwell, as at rest: the dwell goes on to its end, and the spindle is off behind an
+/// open door.
+#[test]
+fn a_dwell_is_a_rest_for_hold_and_door() {
+    rig(|rig| {
+        assert_eq!(rig.ask("G1X2F3000M3S500"), "ok\n");
+        rig.send("G4P30\n");
+        rig.ticks(2000);
+        rig.send("!");
+        rig.ticks(2);
+        assert_eq!((rig.state().as_str(), rig.at(0)), ("Hold:0", 2.0));
+        rig.send("~");
+        rig.ticks(2);
+        assert_eq!(rig.state(), "Run");
+        rig.world.signals = Signals::DOOR;
+        rig.ticks(3);
+        assert_eq!(rig.state(), "Door:1");
+        assert_eq!(rig.controller.outputs().spindle, Spindle::Off);
+        rig.world.signals = Signals::default();
+        rig.ticks(2);
+        rig.send("~");
+        rig.ticks(2);
+        assert_eq!(rig.state(), "Door:3");
+        rig.ticks(4100);
+        assert_eq!(rig.state(), "Run");
+        rig.ticks(30_000);
+        assert_eq!(rig.read(), "ok\r\n");
+        assert_eq!(rig.state(), "Idle");
+        // A line behind a dwell that ends in a hold waits for its end.
+        rig.send("G4P0.2\nG1X1\n");
+        rig.ticks(20);
+        rig.send("!");
+        rig.ticks(2000);
+        assert_eq!((rig.state().as_str(), rig.at(0)), ("Hold:0", 2.0));
+        rig.send("~");
+        rig.until("Idle");
+        assert_eq!(rig.at(0), 1.0);
+    });
 }

@@ -345,11 +345,98 @@ fn a_file_keeps_the_sets() {
     for round in 0..40 {
         let (found, mut store) = Sets::read(FileFlash::open(&path).expect("a file"));
         assert_eq!(found, sets, "round {round}");
+        assert_eq!(store.damage(), Ok(None));
+        assert!(FileFlash::open(&path).is_err(), "two have the file at the same time");
         let set = random.below(3) as u8;
         sets.change(set, &mut random);
         assert!(sets.write(set, &mut store));
     }
-    std::fs::write(&path, vec![0; 9000]).expect("a file");
-    assert!(FileFlash::open(&path).is_err());
+    for length in [1, 4096, 8191, 8193, 9000] {
+        std::fs::write(&path, vec![0; length]).expect("a file");
+        assert!(FileFlash::open(&path).is_err(), "{length}");
+    }
     std::fs::remove_file(&path).expect("a file");
+}
+
+/// A changed bit in any byte of a store that was written whole is damage, or lies behind what counts.
+#[test]
+fn a_changed_bit_is_damage() {
+    let mut random = Random(fresh_seed());
+    let mut store = Parameters::open(MemoryFlash::<8192>::new()).expect("large enough");
+    let mut sets = Sets::new();
+    for change in 0..12 {
+        assert_eq!(store.damage(), Ok(None));
+        sets.change(change % 3, &mut random);
+        assert!(sets.write(change % 3, &mut store));
+    }
+    let flash = store.into_flash();
+    let found = |flash: &MemoryFlash<8192>| {
+        let mut store = Parameters::<_, AXES>::open(flash.clone()).expect("large enough");
+        (store.damage().expect("readable"), store.load(&mut Config::new(names())))
+    };
+    assert_eq!(found(&flash).0, None);
+    for byte in 0..8192 {
+        let bit = random.below(8);
+        let mut changed = flash.clone();
+        changed.0[byte] ^= 1 << bit;
+        let (damage, offsets) = found(&changed);
+        assert!(damage.is_some() || offsets == sets.offsets, "bit {bit} of byte {byte}");
+    }
+    // A file of another program.
+    let text = MemoryFlash(std::array::from_fn(|at| b"G1 X1\n"[at % 6]));
+    assert_eq!(found(&text).0, Some(0));
+}
+
+/// Where power is cut between two changes of a memory that takes each change whole, nothing is damaged.
+#[test]
+fn whole_changes_leave_no_damage() {
+    let mut random = Random(fresh_seed());
+    for cut in 0..60 {
+        let mut store =
+            Parameters::open(Whole { bytes: MemoryFlash::new(), left: cut }).expect("large enough");
+        let mut sets = Sets::new();
+        while store.damage() == Ok(None) && {
+            sets.change(random.below(3) as u8, &mut random);
+            sets.write(random.below(3) as u8, &mut store)
+        } {}
+        let mut after = Parameters::<_, AXES>::open(store.into_flash().bytes).expect("large enough");
+        assert_eq!(after.damage(), Ok(None), "cut {cut}");
+    }
+}
+
+/// Takes so many changes, each of them whole.
+struct Whole {
+    bytes: MemoryFlash<8192>,
+    left: u32,
+}
+
+impl ErrorType for Whole {
+    type Error = Off;
+}
+
+impl ReadNorFlash for Whole {
+    const READ_SIZE: usize = 1;
+
+    fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), Off> {
+        self.bytes.read(offset, bytes).map_err(|_| Off)
+    }
+
+    fn capacity(&self) -> usize {
+        self.bytes.capacity()
+    }
+}
+
+impl NorFlash for Whole {
+    const WRITE_SIZE: usize = 4;
+    const ERASE_SIZE: usize = 4096;
+
+    fn erase(&mut self, from: u32, to: u32) -> Result<(), Off> {
+        self.left = self.left.checked_sub(1).ok_or(Off)?;
+        self.bytes.erase(from, to).map_err(|_| Off)
+    }
+
+    fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), Off> {
+        self.left = self.left.checked_sub(1).ok_or(Off)?;
+        self.bytes.write(offset, bytes).map_err(|_| Off)
+    }
 }

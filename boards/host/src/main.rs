@@ -185,6 +185,9 @@ struct Serve {
     /// Every byte of the serial line with its time.
     #[arg(long, value_name = "FILE")]
     log: Option<PathBuf>,
+    /// Keeps `$` settings, work offsets, places of G28 and G30, and startup lines over a restart; made if missing.
+    #[arg(long, value_name = "FILE")]
+    store: Option<PathBuf>,
 }
 
 /// Where the plate is, if there is one.
@@ -553,6 +556,7 @@ fn serve(arguments: &Serve) -> Result<(), Refusal> {
         let message = format!("serve: {} has {} axes", machine.name, machine.axes.len());
         vec![Diagnostic::error(message).expected("three: `serve` is built for them")]
     })?;
+    let store = arguments.store.as_deref().map(serve::Kept::open).transpose().map_err(failed)?;
     let wire = open(arguments).map_err(failed)?;
     say(&format!("{}\n", wire.name().map_err(failed)?))?;
     let control = arguments.control.map(serve::Control::new).transpose().map_err(failed)?;
@@ -564,9 +568,10 @@ fn serve(arguments: &Serve) -> Result<(), Refusal> {
         say(&format!("{}\n", page.name()))?;
     }
     let log = arguments.log.as_deref().map(serve::Log::new).transpose().map_err(failed)?;
-    let mut lines = serve::Lines { wire, control, page, log };
+    let mut lines = serve::Lines { wire, control, page, log, store };
     let options = serve::Options { speed: arguments.speed, once: arguments.once, plate: arguments.plate.0 };
-    serve::run(&data, &mut lines, &options).map_err(failed)
+    let ticks = serve::run(&data, &mut lines, &options).map_err(failed)?;
+    say(&format!("ticks {ticks}\n"))
 }
 
 /// The requested connection.

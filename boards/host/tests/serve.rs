@@ -3,6 +3,7 @@ mod talk;
 
 use std::io::Read;
 use std::net::TcpStream;
+use std::process::Command;
 use talk::Talk;
 
 #[test]
@@ -109,4 +110,118 @@ fn a_second_sender_is_sent_away() {
     let mut told = String::new();
     second.read_to_string(&mut told).expect("it is told");
     assert_eq!(told, "[MSG:another sender is connected]\r\n");
+}
+
+/// In contour mode a block waits for the next one. Where no line comes, it is executed without; a probing line and a jog
+/// do not wait for it.
+#[test]
+fn the_last_block_in_contour_mode_is_executed() {
+    let mut talk = Talk::new();
+    for line in ["G64P0.1", "G1X5F6000", "Y5"] {
+        assert_eq!(talk.ask(line), ["ok"]);
+    }
+    let end = talk.until("<Idle|");
+    assert!(end.starts_with("<Idle|MPos:5.000,5.000,0.000|"), "{end}");
+    assert_eq!(talk.ask("X4"), ["ok"]);
+    assert_eq!(talk.ask("G38.3Z-2F5000"), ["[PRB:4.000,5.000,-2.000:0]", "ok"]);
+    assert_eq!(talk.ask("$J=G91X1F6000"), ["ok"]);
+    let end = talk.until("<Idle|");
+    assert!(end.starts_with("<Idle|MPos:5.000,5.000,-2.000|"), "{end}");
+    // In a hold the block waits for the end of the hold.
+    assert_eq!(talk.ask("G1X9"), ["ok"]);
+    talk.send(b"!");
+    talk.until("<Hold:0|");
+    std::thread::sleep(std::time::Duration::from_millis(50));
+    talk.send(b"~");
+    let end = talk.until("<Idle|");
+    assert!(end.starts_with("<Idle|MPos:9.000,5.000,-2.000|"), "{end}");
+}
+
+fn store(name: &str) -> String {
+    let path = format!("{}/{name}.store", env!("CARGO_TARGET_TMPDIR"));
+    let _ = std::fs::remove_file(&path);
+    path
+}
+
+/// What the command says where it does not begin.
+fn refused(path: &str) -> String {
+    let output = Command::new(env!("CARGO_BIN_EXE_glidepath"))
+        .args(["serve", "--tcp", "0", "--once", "--store", path])
+        .output()
+        .expect("the command starts");
+    assert_eq!((output.status.code(), output.stdout.len()), (Some(1), 0));
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+/// Settings, offsets, places, and texts come back, also where the command was killed.
+#[test]
+fn a_store_outlives_the_command() {
+    let path = store("outlives");
+    let options = ["--store", path.as_str()];
+    let mut talk = Talk::with(&options, 0);
+    let factory = talk.ask("$$");
+    for line in ["$110=3000", "$100=123.456", "$27=2.5", "G10L2P1X1Y2Z3", "G10L2P9X-7", "$I=mine"] {
+        assert_eq!(talk.ask(line), ["ok"], "{line}");
+    }
+    for line in ["G53G0X5Y6Z7", "G28.1", "G53G0X-5Y-6Z-7", "G30.1", "G4P0", "$N1=G55", "$N0=G20"] {
+        assert_eq!(talk.ask(line), ["ok"], "{line}");
+    }
+    talk.until("<Idle|");
+    let asked = ["$$", "$#", "$I", "$N"];
+    let kept = asked.map(|line| talk.ask(line));
+    assert!(kept[1].contains(&"[G28:5.000,6.000,7.000]".to_owned()), "{:?}", kept[1]);
+    // It is killed here.
+    drop(talk);
+    let mut talk = Talk::with(&options, 0);
+    let mut found = asked.map(|line| talk.ask(line));
+    // The probe has not been anywhere.
+    assert_eq!(found[1].iter().position(|line| line.starts_with("[PRB:")), Some(10));
+    assert_eq!(found, kept);
+    assert_eq!(talk.ask("$G")[0], "[GC:G0 G55 G17 G20 G90 G94 M5 M9 T0 F0 S0]");
+    // The speed is in force: 50 mm/s.
+    assert_eq!(talk.ask("G21 G0 X40"), ["ok"]);
+    let report = talk.until("<Run|");
+    assert!(report.contains("|FS:"), "{report}");
+    assert_eq!(talk.ask("G4 P0"), ["ok"]);
+    // Two commands do not share a file.
+    assert!(refused(&path).contains("another process has the file"), "{}", refused(&path));
+    // The values of the machine file again.
+    assert_eq!(talk.ask("$RST=*").last().map(String::as_str), Some("ok"));
+    assert_eq!([talk.line(), talk.line()], ["", "Grbl 1.1h ['$' for help]"]);
+    talk.until("<Idle|");
+    assert_eq!(talk.ask("$$"), factory);
+    drop(talk);
+    found = {
+        let mut talk = Talk::with(&options, 0);
+        asked.map(|line| talk.ask(line))
+    };
+    assert_eq!(found[0], factory);
+    assert_eq!(found[3], ["$N0=", "$N1=", "ok"]);
+}
+
+/// A machine that homes begins locked, and a store that is damaged or none is refused and left alone.
+#[test]
+fn a_damaged_store_is_refused() {
+    let path = store("damaged");
+    let mut talk = Talk::with(&["--store", &path], 0);
+    assert_eq!(talk.ask("$110=3000"), ["ok"]);
+    assert_eq!(talk.ask("G10L2P1X1"), ["ok"]);
+    drop(talk);
+    let whole = std::fs::read(&path).expect("it was made");
+    let used = whole.iter().rposition(|byte| *byte != 0xff).expect("records");
+    for at in [0, 5, 512, 520, 600, used] {
+        let mut changed = whole.clone();
+        changed[at] ^= 4;
+        std::fs::write(&path, &changed).expect("a file");
+        let said = refused(&path);
+        assert!(said.contains("damaged") && said.contains(&path), "{at}: {said}");
+        assert_eq!(std::fs::read(&path).expect("it is there"), changed);
+    }
+    for text in ["G1 X1\n".repeat(10), "x".repeat(8192)] {
+        std::fs::write(&path, &text).expect("a file");
+        let said = refused(&path);
+        assert!(said.contains("store has 8192") || said.contains("damaged"), "{said}");
+        assert_eq!(std::fs::read_to_string(&path).expect("it is there"), text);
+    }
+    assert!(refused(env!("CARGO_TARGET_TMPDIR")).contains("serve: "));
 }

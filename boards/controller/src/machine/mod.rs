@@ -35,6 +35,9 @@ use homing::Homing;
 use offered::{End, Offered};
 use probe::ProbeCycle;
 
+/// A sender that streams has sent the next line within this time, in microseconds.
+const LATE_US: u32 = 100_000;
+
 /// Calls of the planner in a row.
 const CALLS: usize = 64;
 
@@ -267,6 +270,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Machine<
         self.inputs = *inputs;
         self.switch();
         self.choose_override();
+        self.go_without(if self.cycles.is_jogging { 0 } else { LATE_US });
         self.work();
         self.follow_homing();
         self.follow_probe();

@@ -28,11 +28,14 @@ pub struct Offered {
     pub end: Option<End>,
     /// The planner's result for the line.
     pub error: Option<Error>,
+    /// Tick since which a block waits for the next one while the axes stand.
+    pub stands: Option<u32>,
 }
 
 impl Offered {
     /// None is at hand.
-    pub const NONE: Self = Self { offered: false, waits: false, pauses: false, end: None, error: None };
+    pub const NONE: Self =
+        Self { offered: false, waits: false, pauses: false, end: None, error: None, stands: None };
 }
 
 impl<const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Machine<'_, AXES, BLOCKS, OVERLAYS> {
@@ -63,6 +66,28 @@ impl<const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Machine<'_, 
             return Taken::Yes;
         }
         Taken::NotYet
+    }
+
+    /// In contour mode a block waits for the next one, because both share a corner. If no line has come and the axes
+    /// have stood for `us` microseconds, the block is executed without the next one, as if `G4P0` stood behind it.
+    pub(super) fn go_without(&mut self, us: u32) {
+        let (status, line) = (self.operator.status(), &self.line);
+        let is_idle =
+            status.state == State::Idle && !self.operator.commands().hold && !self.planner.is_at_rest();
+        let has_other_cause =
+            line.offered || line.waits || line.pauses || line.end.is_some() || self.cycles.homing.is_some();
+        let reads = self.spool.is_read() && self.planner.in_force().is_some();
+        if !is_idle || has_other_cause || !reads {
+            self.line.stands = None;
+            return;
+        }
+        let since = *self.line.stands.get_or_insert(status.ticks);
+        // Ticks count modulo 2^31.
+        let ticks = status.ticks.wrapping_sub(since) & (u32::MAX >> 1);
+        if ticks.saturating_mul(self.data.channel.cycle_us) >= us {
+            self.line.stands = None;
+            self.spool.push(b"G4P0");
+        }
     }
 
     /// The answer of a line that is answered at rest.

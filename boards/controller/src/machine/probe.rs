@@ -30,6 +30,7 @@ impl<const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Machine<'_, 
     /// its final state. Returns whether the line may start.
     pub(super) fn may_probe(&mut self, probing: Probing) -> bool {
         if self.is_under_way() {
+            self.go_without(0);
             self.work();
             return false;
         }

@@ -9,7 +9,7 @@ use crate::settings::Settings;
 use core::fmt::Write;
 use glidepath::channel::{Channel, Error};
 use glidepath::nc::{Decoder, InForce, Step, StoredOffsets};
-use glidepath::quantity::{Feed, Position};
+use glidepath::quantity::{Feed, Position, Speed};
 use glidepath::tick::State;
 
 /// Number of free blocks in reports while the planner has room for a line.
@@ -258,7 +258,9 @@ impl<const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Motion<AXES>
         let seen = self.operator.status();
         // mm/tick to mm/min
         let feed = seen.speed.0.to_num::<f64>() * 60e6 / f64::from(self.data.channel.cycle_us.max(1));
-        let is_at_rest = seen.state == State::Idle;
+        // In a dwell nothing moves, and nothing is planned behind: its line is answered at rest.
+        let dwells = self.line.waits && seen.speed == Speed::ZERO;
+        let is_at_rest = seen.state == State::Idle || dwells;
         Status {
             position: seen.set_points,
             is_busy: self.moves() || self.cycles.homing.is_some(),

@@ -140,6 +140,40 @@ impl<F: NorFlash> Log<F> {
         Ok(Some(active))
     }
 
+    /// Where the memory has bytes that are no whole record: the offset of the first such slot. A memory whose changes are
+    /// whole has none, wherever power is cut. In other memories a power cut leaves some.
+    pub fn damage(&mut self) -> Result<Option<u32>, Unfit> {
+        let (active, generation) = match self.active {
+            Some(active) => (Some(active.half), active.generation),
+            // Of the first change, which was cut.
+            None => (None, 0),
+        };
+        for half in [0, 1] {
+            // The other half may keep anything behind its head: it is erased before it counts.
+            let slots = if active.is_some_and(|active| active != half) { 1 } else { self.slots };
+            for slot in 0..slots {
+                let place = self.place(half, slot);
+                let bytes = self.read(half, slot)?;
+                let is_blank = bytes.iter().all(|byte| *byte == 0xff);
+                let is_whole = match slot {
+                    0 => generation_of(bytes).is_some(),
+                    _ => valid(bytes, generation).is_some(),
+                };
+                if !is_blank && !is_whole {
+                    return Ok(Some(place));
+                }
+            }
+        }
+        Ok(None)
+    }
+
+    /// Whether there is a record of a kind, 1…3.
+    pub fn has(&self, kind: u8) -> bool {
+        let slot =
+            self.active.and_then(|active| active.slots.get(usize::from(kind).wrapping_sub(1)).copied());
+        slot.flatten().is_some()
+    }
+
     /// The record of a kind, 1…3: its version and its content.
     pub fn get(&mut self, kind: u8) -> Option<(u8, &[u8])> {
         let Active { half, generation, slots, .. } = self.active?;

@@ -15,7 +15,7 @@ mod parameters;
 mod record;
 
 #[cfg(feature = "file")]
-pub use file::FileFlash;
+pub use file::{FileError, FileFlash};
 pub use log::Unfit;
 pub use memory::MemoryFlash;
 pub use parameters::Parameters;
@@ -34,6 +34,36 @@ pub trait Store<const AXES: usize> {
 
     /// Stores both startup lines and the text of `$I`.
     fn texts(&mut self, startup: [&[u8]; 2], info: &[u8]) -> bool;
+}
+
+/// A store that is elsewhere.
+impl<const AXES: usize, S: Store<AXES>> Store<AXES> for &mut S {
+    fn settings(&mut self, settings: &Settings<AXES>) -> bool {
+        (**self).settings(settings)
+    }
+
+    fn offsets(&mut self, offsets: &StoredOffsets<AXES>) -> bool {
+        (**self).offsets(offsets)
+    }
+
+    fn texts(&mut self, startup: [&[u8]; 2], info: &[u8]) -> bool {
+        (**self).texts(startup, info)
+    }
+}
+
+/// `None` is no store, as `()`.
+impl<const AXES: usize, S: Store<AXES>> Store<AXES> for Option<S> {
+    fn settings(&mut self, settings: &Settings<AXES>) -> bool {
+        self.as_mut().is_none_or(|store| store.settings(settings))
+    }
+
+    fn offsets(&mut self, offsets: &StoredOffsets<AXES>) -> bool {
+        self.as_mut().is_none_or(|store| store.offsets(offsets))
+    }
+
+    fn texts(&mut self, startup: [&[u8]; 2], info: &[u8]) -> bool {
+        self.as_mut().is_none_or(|store| store.texts(startup, info))
+    }
 }
 
 /// No store: everything is forgotten when power goes.

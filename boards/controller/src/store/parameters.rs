@@ -72,6 +72,21 @@ impl<F: NorFlash, const AXES: usize> Parameters<F, AXES> {
         offsets
     }
 
+    /// Where the memory holds something that is no whole record: the offset of the first such place, in bytes. A memory that
+    /// takes each change whole, as a file does, never has that. On a chip a power cut may leave such a place, and the
+    /// record before it is in force.
+    ///
+    /// # Errors
+    /// The memory cannot be read.
+    pub fn damage(&mut self) -> Result<Option<u32>, Unfit> {
+        self.log.damage()
+    }
+
+    /// Whether the store holds work offsets.
+    pub fn has_offsets(&self) -> bool {
+        self.log.has(record::OFFSETS)
+    }
+
     /// The memory.
     pub fn into_flash(self) -> F {
         self.log.into_flash()

@@ -7,6 +7,7 @@ mod inputs;
 mod log;
 mod page;
 mod settings;
+mod store;
 mod wire;
 
 pub use control::Control;
@@ -23,6 +24,7 @@ pub use page::Page;
 use page::Shown;
 use std::io;
 use std::time::{Duration, Instant};
+pub use store::Kept;
 pub use wire::Wire;
 
 /// Number of axes of this build.
@@ -54,6 +56,8 @@ pub struct Lines {
     pub page: Option<Page>,
     /// The log of every byte.
     pub log: Option<Log>,
+    /// What outlives the command.
+    pub store: Option<Kept>,
 }
 
 /// Ticks between two checks of the connections.
@@ -76,25 +80,31 @@ struct Desk<'a> {
     out: Vec<u8>,
     begun: Instant,
     ticks: u64,
+    /// Of them, those that were left out: the machine was too slow for that speed.
+    late: u64,
 }
 
-/// Runs until it is ended, or the sender has gone.
+/// Runs until it is ended, or the sender has gone. The ticks that went by.
 ///
 /// # Errors
-/// Machine data refused; the connection fails.
-pub fn run(machine: &MachineData<AXES>, lines: &mut Lines, options: &Options) -> io::Result<()> {
+/// Machine data refused; the stored values do not fit; the connection fails.
+pub fn run(machine: &MachineData<AXES>, lines: &mut Lines, options: &Options) -> io::Result<u64> {
     let mut data = controller_data(machine);
     let mut serial = Box::new(Serial::<BUFFER>::new());
     let (receiver, inbox) = serial.split();
     let mut config = Config::new(data.axes.map(|axis| axis.name));
-    config.settings = settings::of_machine(&data);
-    config.line_numbers = true;
-    let stored = settings::stored(&data);
+    config.defaults = settings::of_machine(&data);
+    (config.settings, config.line_numbers) = (config.defaults, true);
+    let mut stored = settings::stored(&data);
+    if let Some(store) = &mut lines.store {
+        (data, stored) = store.load(&data, &mut config)?;
+    }
     let mut carried = Carried::new([Position::ZERO; AXES], config.settings, stored);
     let controller = Controller::new(inbox, config);
     let (begun, out) = (Instant::now(), Vec::new());
     let (inputs, latch) = (Inputs::new(&data, options.plate), Latch::new(1));
-    let mut desk = Desk { options, lines, inputs, latch, receiver, controller, out, begun, ticks: 0 };
+    let mut desk =
+        Desk { options, lines, inputs, latch, receiver, controller, out, begun, ticks: 0, late: 0 };
     // Large for a stack.
     let mut memory = Box::new(MachineMemory::new());
     let mut channel = Box::new(Channel::<AXES, BLOCKS, AXES>::new());
@@ -104,7 +114,7 @@ pub fn run(machine: &MachineData<AXES>, lines: &mut Lines, options: &Options) ->
                 data = next.settings.onto(&data, &carried.settings);
                 carried = next;
             }
-            None => return Ok(()),
+            None => return Ok(desk.ticks - desk.late),
         }
     }
 }
@@ -148,7 +158,8 @@ impl Desk<'_> {
             }
             if now_us / cycle_us > self.ticks + 10 * TICKS_PER_TURN {
                 // Too slow for that speed, or asleep: what is late is not made up for.
-                self.ticks = now_us / cycle_us;
+                let on_time = now_us / cycle_us;
+                self.late += on_time - core::mem::replace(&mut self.ticks, on_time);
             }
             self.show(&machine);
             self.write()?;
@@ -167,7 +178,8 @@ impl Desk<'_> {
     /// One call of the controller. Returns the latched inputs of the call.
     fn poll(&mut self, machine: &mut Mill<'_>, now_ms: u32) -> Signals {
         let signals = self.latch.signals().and(self.inputs.others());
-        let look = Look { now_ms, signals, motion: machine, store: &mut () };
+        let mut store = self.lines.store.as_mut().map(|kept| &mut kept.parameters);
+        let look = Look { now_ms, signals, motion: machine, store: &mut store };
         let Ok(()) = self.controller.poll(look, &mut Text(&mut self.out));
         self.latch.signals()
     }

@@ -1,8 +1,9 @@
 //! `glidepath serve`, and a sender that is connected over TCP.
 #![allow(dead_code)]
 use std::io::{BufRead, BufReader, Write};
-use std::net::TcpStream;
-use std::process::{Child, Command, Stdio};
+use std::net::{Shutdown, TcpStream};
+use std::process::{Child, ChildStdout, Command, Stdio};
+use std::time::Duration;
 
 /// The command and a sender; both end with the test.
 pub struct Talk {
@@ -12,6 +13,7 @@ pub struct Talk {
     pub address: String,
     /// What the command printed behind the address: a line for each further port.
     pub ports: Vec<String>,
+    out: BufReader<ChildStdout>,
 }
 
 impl Talk {
@@ -22,7 +24,8 @@ impl Talk {
     /// With more options, which open so many ports more.
     pub fn with(options: &[&str], ports: usize) -> Self {
         let mut child = Command::new(env!("CARGO_BIN_EXE_glidepath"))
-            .args(["serve", "--tcp", "0", "--speed", "20", "--once"])
+            .args(["serve", "--tcp", "0", "--once"])
+            .args(if options.contains(&"--speed") { &[][..] } else { &["--speed", "20"] })
             .args(options)
             .stdout(Stdio::piped())
             .spawn()
@@ -36,12 +39,16 @@ impl Talk {
         }
         let address = names.remove(0).strip_prefix("tcp ").expect("an address").to_owned();
         let stream = TcpStream::connect(&address).expect("it listens");
+        // A controller that says nothing fails the test.
+        stream.set_read_timeout(Some(Duration::from_secs(120))).expect("a time");
         let lines = BufReader::new(stream.try_clone().expect("a second handle"));
-        let mut talk = Self { child, stream, lines, address, ports: names };
+        let mut talk = Self { child, stream, lines, address, ports: names, out };
         // The first banner may have gone to nobody: a sender asks for another one.
         talk.send(b"\x18");
         let said = talk.ask("$X");
-        assert!(said.ends_with(&["", "Grbl 1.1h ['$' for help]", "ok"].map(String::from)), "{said:?}");
+        // Startup lines of a store may stand between.
+        let greeted = said.iter().any(|line| line == "Grbl 1.1h ['$' for help]");
+        assert!(greeted && said.ends_with(&["ok".to_owned()]), "{said:?}");
         talk
     }
 
@@ -72,6 +79,21 @@ impl Talk {
     pub fn report(&mut self) -> String {
         self.send(b"?");
         self.line()
+    }
+
+    /// Memory of the command, pages; 0 where the system does not tell.
+    pub fn pages(&self) -> u64 {
+        let text = std::fs::read_to_string(format!("/proc/{}/statm", self.child.id())).unwrap_or_default();
+        text.split(' ').nth(1).and_then(|pages| pages.parse().ok()).unwrap_or(0)
+    }
+
+    /// The sender goes, and the command ends: its last line.
+    pub fn end(mut self) -> String {
+        let _ = self.stream.shutdown(Shutdown::Both);
+        let mut line = String::new();
+        self.out.read_line(&mut line).expect("a line");
+        assert!(self.child.wait().expect("it ends").success());
+        line.trim().to_owned()
     }
 
     /// Asks again until the report begins so.

@@ -64,16 +64,10 @@ type Flash = &'static mut glidepath_controller::store::MemoryFlash<8192>;
 static FLASH: ConstStaticCell<glidepath_controller::store::MemoryFlash<8192>> =
     ConstStaticCell::new(glidepath_controller::store::MemoryFlash([0; 8192]));
 
-/// What a machine works in beside its channel. It is made anew when settings change machine data.
-struct Memory {
-    machine: MachineMemory<AXES>,
-    data: MachineData<AXES>,
-}
-
-/// With programs of other dialects 17 of its bytes are not zero, so flash holds what it begins with.
+/// All zero, as `MEMORY`: they take no flash. Both are made anew, as are `DATA`, when settings change machine data.
 static CHANNEL: ConstStaticCell<Channel<AXES, BLOCKS, AXES>> = ConstStaticCell::new(Channel::new());
-static MEMORY: ConstStaticCell<Memory> =
-    ConstStaticCell::new(Memory { machine: MachineMemory::new(), data: machine::BLANK });
+static MEMORY: ConstStaticCell<MachineMemory<AXES>> = ConstStaticCell::new(MachineMemory::new());
+static DATA: ConstStaticCell<MachineData<AXES>> = ConstStaticCell::new(machine::BLANK);
 static SERIAL: ConstStaticCell<Serial<BUFFER>> = ConstStaticCell::new(Serial::new());
 
 /// Data that stay when settings change.
@@ -94,11 +88,11 @@ struct Desk {
 
 #[entry]
 fn main() -> ! {
-    if let (Some(board), Some(channel), Some(memory), Some(serial)) =
-        (Peripherals::take(), CHANNEL.try_take(), MEMORY.try_take(), SERIAL.try_take())
+    if let (Some(board), Some(channel), Some(memory), Some(data), Some(serial)) =
+        (Peripherals::take(), CHANNEL.try_take(), MEMORY.try_take(), DATA.try_take(), SERIAL.try_take())
         && let Some((desk, carried)) = &mut start(board, serial)
     {
-        serve(desk, channel, memory, carried);
+        serve(desk, channel, memory, data, carried);
     }
     loop {
         wfi();
@@ -161,16 +155,20 @@ fn start_words(board: &Peripherals) {
 fn serve(
     desk: &mut Desk,
     channel: &'static mut Channel<AXES, BLOCKS, AXES>,
-    memory: &'static mut Memory,
+    memory: &'static mut MachineMemory<AXES>,
+    data: &'static mut MachineData<AXES>,
     carried: &mut Carried<AXES>,
 ) {
-    let (channel, memory): (*mut _, *mut Memory) = (channel, memory);
+    let (channel, memory, data): (
+        *mut Channel<AXES, BLOCKS, AXES>,
+        *mut MachineMemory<AXES>,
+        *mut MachineData<AXES>,
+    ) = (channel, memory, data);
     loop {
         // SAFETY: `machine` of the round before is gone, and so is the interrupt's side. Nothing else refers to them.
-        let (channel, memory): (&'static mut Channel<AXES, BLOCKS, AXES>, &'static mut Memory) =
-            unsafe { (&mut *channel, &mut *memory) };
-        clear(channel, memory, carried);
-        let goes_on = desk.round(channel, memory, carried);
+        let (channel, memory, data) = unsafe { (&mut *channel, &mut *memory, &mut *data) };
+        clear(channel, data, carried);
+        let goes_on = desk.round(channel, memory, data, carried);
         tick::set(None);
         if !goes_on {
             return;
@@ -180,8 +178,8 @@ fn serve(
 
 /// The state at power-up, with the machine data of the settings.
 #[inline(never)]
-fn clear(channel: &mut Channel<AXES, BLOCKS, AXES>, memory: &mut Memory, carried: &Carried<AXES>) {
-    memory.data = machine::data(&carried.settings);
+fn clear(channel: &mut Channel<AXES, BLOCKS, AXES>, data: &mut MachineData<AXES>, carried: &Carried<AXES>) {
+    *data = machine::data(&carried.settings);
     // A constant is copied to its place at once. What a call returns is on the stack first, and has no room there.
     *channel = const { Channel::new() };
 }
@@ -219,12 +217,11 @@ impl Desk {
     fn round(
         &mut self,
         channel: &'static mut Channel<AXES, BLOCKS, AXES>,
-        memory: &'static mut Memory,
+        memory: &'static mut MachineMemory<AXES>,
+        data: &'static MachineData<AXES>,
         carried: &mut Carried<AXES>,
     ) -> bool {
-        let Memory { machine, data } = memory;
-        let data = &*data;
-        let mut made = make(channel, machine, data, carried);
+        let mut made = make(channel, memory, data, carried);
         let Some((ref mut machine, interpolator)) = made else { return false };
         if self.start_tick(interpolator, data, carried).is_none() {
             return false;
