@@ -18,6 +18,8 @@ mod direct;
 mod edged;
 mod halved;
 pub mod spline;
+#[cfg(all(feature = "kinematics", feature = "surface"))]
+mod row;
 #[cfg(not(feature = "contour"))]
 mod straight;
 pub mod surface;
@@ -318,6 +320,10 @@ impl<const AXES: usize> Smoothing<AXES> {
             Kind::Contour(contouring) if self.selected == Selected::None && self.wanted.is_none() => {
                 contouring.command(command, in_motion);
             }
+            #[cfg(all(feature = "kinematics", feature = "surface"))]
+            Kind::Surface(_) if self.selected == Selected::None && self.wanted.is_none() => {
+                self.change_row(command);
+            }
             _ => {
                 self.contour.command(command);
                 if self.selected == Selected::None && self.contour.is_on() {
@@ -558,6 +564,8 @@ impl<const AXES: usize> Smoother<AXES> for Smoothing<AXES> {
         if let Some(wanted) = self.wanted.take() {
             self.change(&wanted);
         }
+        #[cfg(all(feature = "kinematics", feature = "surface"))]
+        self.choose_row(dynamics);
         at_work!(self, kind => kind.take(block, dynamics, parting));
     }
 
