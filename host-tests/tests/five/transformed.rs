@@ -390,7 +390,7 @@ fn lines(seed: u64, start: Pose, smooth: &str, between: &[&str]) -> (String, Vec
 /// Smoothed programs: the tip inside its tolerance, the limits of every axis, with commands and without.
 fn smoothed(from: u64, count: u64) {
     let machines = five_axes::machines();
-    let mut worst = [0.0f64; SMOOTHING.len()];
+    let (mut worst, mut ticks) = ([0.0f64; SMOOTHING.len()], [0; SMOOTHING.len()]);
     for seed in from..from + count {
         let machine = &machines[(seed / 8 % 6) as usize];
         let data = axes([3, 1, 2][(seed / 3 % 3) as usize]);
@@ -400,6 +400,7 @@ fn smoothed(from: u64, count: u64) {
         let start = start_of(&mut r);
         let (text, blocks) = lines(seed, start, smooth, &[]);
         let whole = run(machine, &data, &text, &[]).unwrap_or_else(|e| panic!("seed {seed}: {e}\n{text}"));
+        ticks[method] += whole.trace.len();
         let at = |share: f64| (whole.trace.len() as f64 * share) as usize;
         let acts = [
             (at(0.4), Act::Hold),
@@ -430,7 +431,7 @@ fn smoothed(from: u64, count: u64) {
         let last = |run: &Operated| row(run, run.trace.len() - 1);
         assert_eq!(last(&whole), last(&disturbed), "seed {seed}: the end");
     }
-    println!("{count} smoothed programs: tip off by {worst:?} mm at most");
+    println!("{count} smoothed programs: tip off by {worst:?} mm at most, ticks {ticks:?}");
 }
 
 /// D3-125: corners under a transformation have their distance.

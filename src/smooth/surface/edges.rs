@@ -95,7 +95,8 @@ impl<'a> Edges<'a> {
             limits: [&limits, &limits],
             room: [0.5 * before.length, 0.5 * next.length],
         };
-        if turn > SHARP && length < ALONE * most {
+        // Under a transformation contour mode has no curve over time.
+        if dynamics.is_transformed() || turn > SHARP && length < ALONE * most {
             edge.stands((v, half))
         } else {
             edge.is_quicker(width, (v, half))
