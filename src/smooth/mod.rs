@@ -321,9 +321,7 @@ impl<const AXES: usize> Smoothing<AXES> {
                 contouring.command(command, in_motion);
             }
             #[cfg(all(feature = "kinematics", feature = "surface"))]
-            Kind::Surface(_) if self.selected == Selected::None && self.wanted.is_none() => {
-                self.change_row(command);
-            }
+            _ if self.is_row() => self.change_row(command),
             _ => {
                 self.contour.command(command);
                 if self.selected == Selected::None && self.contour.is_on() {
@@ -627,6 +625,10 @@ impl<const AXES: usize> Smoother<AXES> for Smoothing<AXES> {
     }
 
     fn gives_way(&mut self) -> bool {
+        #[cfg(all(feature = "kinematics", feature = "surface"))]
+        if self.is_row() {
+            return false;
+        }
         at_work!(self, kind => kind.gives_way())
     }
 }

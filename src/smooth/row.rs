@@ -12,6 +12,12 @@ use crate::dynamics::Dynamics;
 use crate::nc::Contour;
 
 impl<const AXES: usize> Smoothing<AXES> {
+    /// Whether Surface works for DEV. It then waits for late text, as DEV does: the path must not depend on the
+    /// arrival time of text.
+    pub(super) fn is_row(&self) -> bool {
+        matches!(self.kind, Kind::Surface(_)) && self.selected == Selected::None && self.wanted.is_none()
+    }
+
     /// Takes a command of contour mode while Surface works for DEV. Where the command changes settings, the last
     /// block ends at its programmed point.
     pub(super) fn change_row(&mut self, command: &Contour) {
@@ -22,7 +28,7 @@ impl<const AXES: usize> Smoothing<AXES> {
         }
     }
 
-    /// Chooses the smoother for the next block. Only if no block is held back, it changes.
+    /// Chooses the smoother for the next block. While a block is held back, the smoother stays.
     pub(super) fn choose_row(&mut self, dynamics: &Dynamics<AXES>) {
         if self.selected != Selected::None || self.holds() {
             return;

@@ -40,7 +40,7 @@ fn run(
 ) -> Result<Operated, String> {
     let kinematics = [Kinematic::new(9, &machine.chain(), data).map_err(|e| e.to_string())?];
     let start = [Position::ZERO; AXES];
-    operate_transformed::<AXES, BLOCKS>(text, start, data, &kinematics, (acts, 1000), 1_000_000)
+    operate_transformed::<AXES, BLOCKS>(text, start, data, &kinematics, (acts, 1000), 4_000_000)
 }
 
 /// Limits of every axis at every tick.
@@ -493,6 +493,38 @@ fn switched(from: u64, count: u64) {
         assert_eq!(end, last(&held), "seed {seed}: the end");
     }
     println!("{count} programs with commands between lines: tip off by {worst:?} mm at most");
+}
+
+/// DEV under a transformation: text that arrives late does not change the path of the tip.
+#[test]
+fn late_text_leaves_the_path_of_dev() {
+    let machine = &five_axes::machines()[0];
+    let data = axes(3);
+    for seed in [0, 1] {
+        let start = start_of(&mut Numbers(seed));
+        let (text, _) = lines(seed, start, "#CONTOUR MODE ON [DEV PATH_DEV=0.05]", &[]);
+        // Set points are close together, so the chords between them are the path.
+        let text = text.replace("F6000", "F600");
+        let tips = |acts: &[(usize, Act)]| -> (Vec<Pose>, usize) {
+            let run = run(machine, &data, &text, acts).unwrap_or_else(|e| panic!("seed {seed}: {e}"));
+            let begins = begins(machine, &run, &start);
+            let tips = (begins..run.trace.len()).map(|tick| pose(machine, &row(&run, tick))).collect();
+            (tips, run.starved.len())
+        };
+        let ((whole, _), (late, starved)) = (tips(&[]), tips(&[(0, Act::Slow(2))]));
+        assert!(starved > 0 || late.len() > whole.len() + 500, "seed {seed}: the text is not late");
+        let mut at = 0;
+        for p in &late {
+            let off = |k: &usize| {
+                let chord = Block { from: whole[*k], to: whole[(*k + 1).min(whole.len() - 1)], arc: None };
+                if chord.from == chord.to { f64::INFINITY } else { chord.off_at(p, chord.share(p)).0 }
+            };
+            let ahead = at..(at + 40).min(whole.len() - 1);
+            let Some(near) = ahead.min_by(|a, b| off(a).total_cmp(&off(b))) else { break };
+            assert!(off(&near) < 1e-3 || off(&near).is_infinite(), "seed {seed}: {} mm off", off(&near));
+            at = near;
+        }
+    }
 }
 
 /// DEV under a transformation: commands of smoothing take effect between any two lines.

@@ -251,7 +251,7 @@ fn by_speed(shown: &Shown<'_>, place: &dyn Fn([f64; 3]) -> Point) -> (Vec<Vec<Ve
     let mut kinds = vec![Vec::new(); SHADES + 1];
     let mut points: Vec<Point> = Vec::new();
     let mut current = None;
-    for &Place { at, speed, rapid } in &shown.moved {
+    for &Place { at, speed, rapid, .. } in &shown.moved {
         let shade = ((speed / shown.top_speed * SHADES as f64) as usize).min(SHADES - 1);
         let kind = if rapid { SHADES } else { shade };
         let point = place(at);
