@@ -95,8 +95,7 @@ impl<'a> Edges<'a> {
             limits: [&limits, &limits],
             room: [0.5 * before.length, 0.5 * next.length],
         };
-        // Under a transformation contour mode has no curve over time.
-        if dynamics.is_transformed() || turn > SHARP && length < ALONE * most {
+        if turn > SHARP && length < ALONE * most {
             edge.stands((v, half))
         } else {
             edge.is_quicker(width, (v, half))
