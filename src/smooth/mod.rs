@@ -17,9 +17,9 @@ pub mod contour;
 mod direct;
 mod edged;
 mod halved;
-pub mod spline;
 #[cfg(all(feature = "kinematics", feature = "surface"))]
 mod row;
+pub mod spline;
 #[cfg(not(feature = "contour"))]
 mod straight;
 pub mod surface;

@@ -424,7 +424,10 @@ fn smoothed(from: u64, count: u64) {
                 assert!(off < dev + NEAR, "seed {seed}, {smooth}: {off} mm off at tick {tick}\n{text}");
                 if method == TRACKED {
                     let used = used(&blocks, &p, [dev, TRACK_DEV]);
-                    assert!(used < 1.0 + 1e-3, "seed {seed}: {used} of both tolerances at tick {tick}\n{text}");
+                    assert!(
+                        used < 1.0 + 1e-3,
+                        "seed {seed}: {used} of both tolerances at tick {tick}\n{text}"
+                    );
                 }
             }
         }

@@ -344,7 +344,8 @@ fn speed_scale(canvas: &mut dyn Canvas, area: &Rect, shown: &Shown<'_>) {
     let mut left = bar.right() + 54.0;
     let rapid = shown.has_rapid().then_some(("rapid", RAPID));
     let tool = shown.has_tool().then_some(("tool", TOOL));
-    for (name, stroke) in [("programmed", Stroke::new(PROGRAMMED, 1.2))].into_iter().chain(rapid).chain(tool) {
+    let programmed = [("programmed", Stroke::new(PROGRAMMED, 1.2))];
+    for (name, stroke) in programmed.into_iter().chain(rapid).chain(tool) {
         canvas.polyline(&[Point(left, middle), Point(left + 22.0, middle)], &stroke);
         canvas.text(Point(left + 28.0, bar.y + 8.0), name, &small(Anchor::Start));
         left += 28.0 + Font::new(11.0, false).width(name) + 16.0;
