@@ -316,12 +316,15 @@ impl<const AXES: usize> Smoothing<AXES> {
         if rounds && self.selected == Selected::Spline {
             return Err(SplineError::InSpline);
         }
+        #[cfg(all(feature = "kinematics", feature = "surface"))]
+        if self.is_row() {
+            self.change_row(command);
+            return Ok(());
+        }
         match &mut self.kind {
             Kind::Contour(contouring) if self.selected == Selected::None && self.wanted.is_none() => {
                 contouring.command(command, in_motion);
             }
-            #[cfg(all(feature = "kinematics", feature = "surface"))]
-            _ if self.is_row() => self.change_row(command),
             _ => {
                 self.contour.command(command);
                 if self.selected == Selected::None && self.contour.is_on() {
