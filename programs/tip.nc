@@ -1,4 +1,4 @@
-; The tip of a tool with C and A goes round a circle of short blocks. The tool leans outward by 30 degrees, and C follows.
+; The tip of a tool with C and A goes round a circle of short blocks. The tool trails by 30 degrees, and C follows.
 ; Machine: ca-head.toml. The feed counts along the tip; in the circle C binds the speed.
 %tip
 N10 #KIN ID[9]

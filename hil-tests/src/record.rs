@@ -231,6 +231,22 @@ pub fn record_plc(channel: &mut Channel<3, { hil_cases::BLOCKS }>, memory: &mut 
     exit(good)
 }
 
+/// The case with a transformation.
+#[cfg(feature = "five")]
+pub fn record_five<const BLOCKS: usize>(channel: &mut Channel<5, BLOCKS>) -> ! {
+    let mut report = Report::open();
+    let counter = Counter::start();
+    let _ = writeln!(report, "unit {UNIT}");
+    let mut stacks = Stacks::default();
+    let _ = writeln!(report, "case {} axes 5 blocks {BLOCKS}", hil_cases::FIVE);
+    let mut recorder = Recorder::new(&counter, &mut report, &mut stacks);
+    let result = hil_cases::five(channel, &mut recorder);
+    let good = recorder.close(&result, Cost::default());
+    report_memory::<5, BLOCKS>(&mut report);
+    report.flush();
+    exit(good)
+}
+
 fn report_end(report: &mut Report, result: &Result<Outcome, Failure>) {
     let _ = match result {
         Ok(o) => writeln!(

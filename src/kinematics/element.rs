@@ -129,6 +129,19 @@ impl Kinematic {
         Some(workpiece)
     }
 
+    /// The direction from tip to holder along each axis of the channel, for positions of the axes: a unit vector of the
+    /// main axes, in workpiece coordinates; 0 for the others. For displays.
+    pub fn direction<const N: usize>(&self, axes: &[Position; N]) -> [f64; N] {
+        let (_, tool) = self.chain.forward(&widened(axes));
+        let mut direction = [0.0; N];
+        for (k, x) in self.main.into_iter().zip([tool.x, tool.y, tool.z]) {
+            if let Some(place) = direction.get_mut(k) {
+                *place = x;
+            }
+        }
+        direction
+    }
+
     /// The positions of all axes for the tool tip given in place of the main axes. Returns `None` beyond ±200
     /// 000 mm.
     pub fn axes<const N: usize>(&self, workpiece: &[Position; N]) -> Option<[Position; N]> {

@@ -17,6 +17,8 @@ pub mod contour;
 mod direct;
 mod edged;
 mod halved;
+#[cfg(all(feature = "kinematics", feature = "surface"))]
+mod row;
 pub mod spline;
 #[cfg(not(feature = "contour"))]
 mod straight;
@@ -314,6 +316,11 @@ impl<const AXES: usize> Smoothing<AXES> {
         if rounds && self.selected == Selected::Spline {
             return Err(SplineError::InSpline);
         }
+        #[cfg(all(feature = "kinematics", feature = "surface"))]
+        if self.is_row() {
+            self.change_row(command);
+            return Ok(());
+        }
         match &mut self.kind {
             Kind::Contour(contouring) if self.selected == Selected::None && self.wanted.is_none() => {
                 contouring.command(command, in_motion);
@@ -558,6 +565,8 @@ impl<const AXES: usize> Smoother<AXES> for Smoothing<AXES> {
         if let Some(wanted) = self.wanted.take() {
             self.change(&wanted);
         }
+        #[cfg(all(feature = "kinematics", feature = "surface"))]
+        self.choose_row(dynamics);
         at_work!(self, kind => kind.take(block, dynamics, parting));
     }
 
@@ -619,6 +628,10 @@ impl<const AXES: usize> Smoother<AXES> for Smoothing<AXES> {
     }
 
     fn gives_way(&mut self) -> bool {
+        #[cfg(all(feature = "kinematics", feature = "surface"))]
+        if self.is_row() {
+            return false;
+        }
         at_work!(self, kind => kind.gives_way())
     }
 }

@@ -117,12 +117,23 @@ impl Firmware {
     /// Builds a binary of the package in `folder` for another core, and runs it. Returns its output, or
     /// `None` if there is no library for this core.
     pub fn elsewhere(&self, core: &Core, folder: &str, name: &str) -> Result<Option<String>, String> {
+        self.elsewhere_with(core, folder, &[], name)
+    }
+
+    /// The same, with `features` of the package.
+    pub fn elsewhere_with(
+        &self,
+        core: &Core,
+        folder: &str,
+        features: &[&str],
+        name: &str,
+    ) -> Result<Option<String>, String> {
         if !self.toolchain.has(core.target) {
             eprintln!("   {}: off, no library for {} (`rustup target add`)", core.name, core.target);
             return Ok(None);
         }
         let mut command = self.toolchain.cargo(&shell::root().join(folder), "build", core.target);
-        command.args(["--bin", name]).env("HIL_MEMORY_X", core.map);
+        command.args(features).args(["--bin", name]).env("HIL_MEMORY_X", core.map);
         shell::run(&mut command)?;
         let file = toolchain::folder_of_artifacts().join(core.target).join("release").join(name);
         let mut command = emulator(&self.runner, core.machine);

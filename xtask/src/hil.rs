@@ -14,6 +14,9 @@ const TESTS: &str = "hil-tests";
 const BOARD: &str = "boards/stm32f405";
 const BOARD_BINARY: &str = "glidepath-stm32f405";
 
+/// The binary with a transformation.
+const FIVE: &str = "same_five";
+
 /// One for each configuration, in the order of [`host::run_all`]: together they have no room in the memory.
 pub const SAME: [&str; 6] = ["same", "same_four", "same_six", "short_three", "deep_three", "short_six"];
 
@@ -193,6 +196,41 @@ pub fn only_plc() -> Result<(), String> {
         let tick = &run.tick;
         let mean = tick.sum / tick.calls.max(1);
         eprintln!("   {:<16} {:016x}  tick {} at most, {mean} on average", run.name, run.digest, tick.max);
+    }
+    Ok(())
+}
+
+/// A program under a transformation only: `cargo xtask hil --five`.
+pub fn only_five() -> Result<(), String> {
+    step("firmware");
+    let firmware = Firmware::prepare(Place::Emulator)?;
+    step("a program under a transformation");
+    five(&firmware)
+}
+
+/// The program under a transformation has the host's set points, on the reference core and on the others. Its binary is
+/// built with a feature of its own.
+fn five(firmware: &Firmware) -> Result<(), String> {
+    firmware.build(TESTS, &["--features", "five", "--bin", FIVE], &[])?;
+    let report = firmware.report(FIVE)?;
+    let (runs, host) = (target::read_runs(&report)?, [host::five()?]);
+    alike(&host, &runs)?;
+    static_memory(FIVE)?;
+    for run in &runs {
+        let plan = run.plan.sum.saturating_sub(run.decode.sum);
+        eprintln!("   five.block_mean  {:>9}  instructions", plan.div_ceil(run.blocks.max(1)));
+        eprintln!("   five.poll_max    {:>9}  instructions", run.plan.max.max(run.wait.max));
+        eprintln!("   five.tick_max    {:>9}  instructions", run.tick.max);
+    }
+    for row in target::read_memory(&report)? {
+        eprintln!("   five.ram_channel {:>9}  bytes", row.channel);
+        eprintln!("   five.ram_stack   {:>9}  bytes", row.depth);
+    }
+    for core in &CORES {
+        if let Some(report) = firmware.elsewhere_with(core, TESTS, &["--features", "five"], FIVE)? {
+            eprintln!("   {}", core.name);
+            alike(&host, &target::read_runs(&report)?)?;
+        }
     }
     Ok(())
 }

@@ -99,6 +99,15 @@ fn run_session(name: &'static str) -> Result<HostRun, String> {
     Ok(HostRun { name, axes: 3, blocks: BLOCKS, set_points, outcome })
 }
 
+/// The case with a transformation.
+pub fn five() -> Result<HostRun, String> {
+    let mut set_points = Vec::new();
+    let mut channel = Box::new(Channel::<5, BLOCKS>::new());
+    let outcome = hil_cases::five(&mut channel, &mut Collector(&mut set_points))
+        .map_err(|failure| format!("{} on the host: {failure:?}", hil_cases::FIVE))?;
+    Ok(HostRun { name: hil_cases::FIVE, axes: 5, blocks: BLOCKS, set_points, outcome })
+}
+
 /// What the programs of [`crate::rtos`] do.
 pub fn tasks() -> Result<HostRun, String> {
     let mut set_points = Vec::new();

@@ -31,6 +31,7 @@ cargo xtask COMMAND
   hil           the target in the emulator: digests, interrupt, figures, panic proof
   hil --probe   the same on an STM32F405 behind a debug probe (probe-rs); figures are shown, not compared
   hil --beside  only filters and axes beside the path: digests, and what each of them costs
+  hil --five    only a program under a transformation: digests, and what it costs
   hil --slim    only the build without other functions than lines, arcs and contour mode
   hil --interrupt  only the interpolator in the timer interrupt, with a planner that keeps up and one that is late
   hil --commands  only programs with commands all the time: digests, and the largest call of each
@@ -69,6 +70,7 @@ fn main() -> ExitCode {
         ["hil", "--probe"] => hil::all(firmware::Place::Probe),
         ["hil", "--beside"] => hil::only_beside(),
         ["hil", "--plc"] => hil::only_plc(),
+        ["hil", "--five"] => hil::only_five(),
         ["hil", "--slim"] => hil::only_slim(),
         ["hil", "--interrupt"] => hil::only_interrupt(),
         ["hil", "--commands"] => hil::only_commands(),

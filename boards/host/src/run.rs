@@ -132,6 +132,7 @@ fn simulate_axes<const AXES: usize>(
     statistics.usage = Usage::new(machine, program);
     let recorder = Recorder {
         tool: None,
+        leans: None,
         chain: machine.kinematics.usual().copied(),
         statistics,
         driven: Driven::new(machine, &start),
@@ -140,7 +141,8 @@ fn simulate_axes<const AXES: usize>(
         picture: wanted.picture.then(|| {
             let (shown, moving) = (program.shown_axes(machine), program.moving_axes(machine));
             let rapid = program.motions().map(|segment| segment.feed.is_none()).collect();
-            Picture::new(machine, shown, moving, (program.axes_beside(), rapid))
+            let transformed = !program.transformed.is_empty();
+            Picture::new(machine, shown, moving, (program.axes_beside(), rapid), transformed)
         }),
         tape: wanted.report.then(|| Tape::new(machine)),
         cycle_s: machine.cycle_s(),
@@ -354,6 +356,8 @@ fn drive<const AXES: usize>(
         let along = slope.as_ref().map(|slope| &slope[..]).filter(|_| tip.is_none());
         let telemetry = recorder.driven.tick(&telemetry, path, along);
         recorder.tool = tip.map(|tip| tip.to_vec());
+        let set = kinematics.iter().find(|set| set.id == program.transformation(telemetry.block));
+        recorder.leans = set.map(|set| set.direction(path).to_vec());
         recorder.tick(&telemetry, [path, drives], slope.is_some(), pause)?;
         put_out(&operator, &mut recorder, &mut automatic, &schedule);
         if waiting
@@ -410,6 +414,8 @@ fn tip_of<const AXES: usize>(
 struct Recorder {
     /// Under a transformation: tip and angles for the positions of the axes.
     tool: Option<Vec<Position>>,
+    /// Under a transformation: the direction from tip to holder, by axis of the channel.
+    leans: Option<Vec<f64>>,
     /// Where the tool is, in every row of the trace.
     chain: Option<Chain>,
     statistics: Statistics,
@@ -469,7 +475,7 @@ impl Recorder {
                 telemetry,
                 self.tool.as_deref().unwrap_or(set_points),
                 (&statistics.axes, &off),
-                self.cycle_s,
+                (self.cycle_s, self.leans.as_deref()),
             );
         }
         if let Some(tape) = &mut self.tape {

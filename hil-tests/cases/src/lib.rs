@@ -4,6 +4,8 @@
 
 mod beside;
 mod commands;
+#[cfg(feature = "five")]
+mod five;
 mod machines;
 #[cfg(feature = "plc")]
 mod plc;
@@ -13,6 +15,8 @@ mod tasks;
 
 pub use beside::{BesideCase, CASES_BESIDE, FilterMemory, OVERLAYS, TAPS, beside};
 pub use commands::{SEEDS, commanded};
+#[cfg(feature = "five")]
+pub use five::{FIVE, five};
 pub use machines::{AXES_3, AXES_3_DEEP, AXES_3_SHORT, AXES_4, AXES_6, AXES_6_SHORT};
 #[cfg(feature = "plc")]
 pub use plc::{LASER_POWER, PASSES, PlcMemory, RING_DIGEST, laser, ring};

@@ -56,6 +56,13 @@ pub const AXES_6: MachineData<6> = MachineData {
     channel: ChannelData { ptp: true, ..CHANNEL },
 };
 
+/// X, Y, Z and the rotary axes C and A of a head, with HSC.
+#[cfg(feature = "five")]
+pub const AXES_5: MachineData<5> = MachineData {
+    axes: [linear("X"), linear("Y"), linear("Z"), rotary("C"), rotary("A")],
+    channel: ChannelData { slope_profile: 3, ..CHANNEL },
+};
+
 /// The same with a short look-ahead, which one line of several chords makes the most of.
 pub const AXES_3_SHORT: MachineData<3> =
     MachineData { channel: ChannelData { look_ahead: SHORT as _, merge_chords: 50, ..CHANNEL }, ..AXES_3 };

@@ -164,7 +164,7 @@ impl<const AXES: usize> Turning<AXES> {
 }
 
 /// Settings in force: all state that remains while no block is held back.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
     parameters: Parameters,
     on: bool,
@@ -213,6 +213,18 @@ impl Settings {
         let mut parameters = Parameters::new(Preset { check_jerk, chords: 0.0 });
         (parameters.max_angle, parameters.edges) = (1.0, true);
         Self { parameters, on: true, once: false }
+    }
+
+    /// The parameters.
+    #[cfg(all(feature = "kinematics", feature = "surface"))]
+    pub(super) const fn parameters(&self) -> &Parameters {
+        &self.parameters
+    }
+
+    /// Whether Surface may smooth rows of lines with these settings ([`super::row`]).
+    #[cfg(all(feature = "kinematics", feature = "surface"))]
+    pub(super) fn is_row(&self) -> bool {
+        self.on && !self.once && self.parameters.is_row()
     }
 
     /// Settings at program start, changed by `contour`.

@@ -254,6 +254,15 @@ impl Parameters {
         }
     }
 
+    /// Whether all that is set is DEV with tolerances and a largest angle, and perhaps CHECK_JERK.
+    #[cfg(all(feature = "kinematics", feature = "surface"))]
+    pub(super) fn is_row(&self) -> bool {
+        let Self { share, relevant_path, relevant_track, chords, .. } = *self;
+        let whole = share >= 0.5 && max(relevant_path, relevant_track) <= 0.0 && chords <= 0.0;
+        let even = self.const_vel || self.action != ContourAction::Inter;
+        self.method == ContourMethod::Dev && self.path_dev > 0.0 && whole && !even
+    }
+
     /// Whether the neighbours decide how a block is divided between its corners (DIST_WEIGHT).
     pub(super) fn weighs(&self) -> bool {
         self.dist_weight > 0.0 && matches!(self.method, ContourMethod::DistSoft | ContourMethod::DistMaster)

@@ -4,6 +4,8 @@ use crate::math::root::sqrt_f32;
 use crate::nc::Hsc;
 use crate::path::Element;
 use crate::quantity::{DISTANCE_LSB, Position};
+#[cfg(feature = "kinematics")]
+use crate::smooth::contour::Parameters as Dev;
 use crate::smooth::contour::half_sine;
 #[cfg(feature = "splines")]
 use crate::smooth::spline::Rules;
@@ -58,7 +60,7 @@ const WIDEST: f32 = 16.0;
 const CONTROLLED: f32 = 0.5;
 
 /// Tolerance of tracking axes that are not monitored, degrees.
-#[cfg(feature = "splines")]
+#[cfg(any(feature = "splines", feature = "kinematics"))]
 const NOT_MONITORED: f32 = 1e6;
 
 /// Sagitta of the chord of an arc, as a part of the tolerance.
@@ -153,6 +155,15 @@ impl Parameters {
             controlled: true,
             ..Self::new(check_jerk)
         }
+    }
+
+    /// The tolerances of DEV. Arcs stay exact, unless they are as small as the tolerance.
+    #[cfg(feature = "kinematics")]
+    pub fn of_contour(dev: &Dev) -> Self {
+        let track = if dev.track_dev > 0.0 { dev.track_dev } else { NOT_MONITORED };
+        let path_dev = dev.path_dev;
+        let max_angle = dev.max_angle;
+        Self { path_dev, track_dev: track, max_angle, cir_min_angle: 0.0, ..Self::new(dev.check_jerk) }
     }
 
     /// Whether a line of this length (mm) stays unchanged.

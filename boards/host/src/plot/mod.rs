@@ -150,6 +150,11 @@ mod tests {
 
     /// A square with one round side, run at constant speed: what matters here is that it can be drawn.
     fn scene(format: Format, ticks: u64, rounds: usize) -> Vec<u8> {
+        transformed(format, (ticks, rounds), None)
+    }
+
+    /// The same, with a direction of the tool.
+    fn transformed(format: Format, (ticks, rounds): (u64, usize), tool: Option<[f64; 3]>) -> Vec<u8> {
         let machine = Machine::built_in();
         let line = |x: f64, y: f64| Segment {
             n: 1,
@@ -175,7 +180,8 @@ mod tests {
         let program = Program { motions: segments.len(), segments, ..Program::empty(&machine) };
         let rapid = program.motions().map(|segment| segment.feed.is_none()).collect();
         let mut statistics = Statistics::new(&[Position::ZERO; 3], 0);
-        let mut picture = Picture::new(&machine, vec![0, 1, 2], vec![0, 1, 2], (Vec::new(), rapid));
+        let mut picture =
+            Picture::new(&machine, vec![0, 1, 2], vec![0, 1, 2], (Vec::new(), rapid), tool.is_some());
         for tick in 0..=ticks {
             let s = 400.0 * tick as f64 / ticks as f64;
             let at = match s {
@@ -194,7 +200,8 @@ mod tests {
                 ..Telemetry::default()
             };
             statistics.add(&telemetry, &set_points, false, Pause::None);
-            picture.add(&telemetry, &set_points, (&statistics.axes, &[]), machine.cycle_s());
+            let tool = tool.as_ref().map(|tool| &tool[..]);
+            picture.add(&telemetry, &set_points, (&statistics.axes, &[]), (machine.cycle_s(), tool));
         }
         let source = Source { name: "a & b.nc".into(), text: Vec::new() };
         let scene = Scene {
@@ -221,6 +228,19 @@ mod tests {
     fn rapid_motion_is_dashed_and_named() {
         let svg = String::from_utf8(scene(Format::Svg, 4000, 0)).unwrap_or_default();
         assert!(svg.contains(">rapid</text>") && svg.contains("stroke-dasharray=\"4 3\""));
+    }
+
+    /// Under a transformation strokes show the tool, and a row the speed of the axes.
+    #[test]
+    fn a_transformation_shows_the_tool_and_axis_speeds() {
+        let svg = |tool| String::from_utf8(transformed(Format::Svg, (4000, 0), tool)).unwrap_or_default();
+        let (without, with) = (svg(None), svg(Some([0.6, 0.0, 0.8])));
+        assert!(!without.contains(">tool</text>") && !without.contains(">Axis speed</text>"));
+        assert!(with.contains(">tool</text>") && with.contains(">Axis speed</text>"));
+        assert!(!with.contains("NaN") && !with.contains("inf"));
+        // Seen along the tool there is nothing to draw.
+        let strokes = |svg: &str| svg.matches("#4f7a8c").count();
+        assert_eq!((strokes(&without), strokes(&with) > 1), (0, true));
     }
 
     #[test]

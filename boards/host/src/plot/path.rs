@@ -24,6 +24,11 @@ const WIDTHS: [f64; 2] = [0.5, 2.2];
 /// Rapid motion.
 const RAPID: Stroke = Stroke { opacity: 0.9, dash: Some((4.0, 3.0)), ..Stroke::new(SOFT, 0.9) };
 
+/// The direction of the tool: strokes from the tip. Length and distance are parts of the picture's larger extent.
+const TOOL: Stroke = Stroke { opacity: 0.75, ..Stroke::new(Colour(0x4f, 0x7a, 0x8c), 0.8) };
+const TOOL_LENGTH: f64 = 0.07;
+const TOOL_APART: f64 = 0.02;
+
 /// How three coordinates become two.
 #[derive(Clone, Copy, PartialEq)]
 enum View {
@@ -81,6 +86,10 @@ impl Shown<'_> {
     fn all(&self) -> impl Iterator<Item = [f64; 3]> {
         let programmed = self.programmed.iter().flat_map(|stretch| stretch.line.iter().copied());
         programmed.chain(self.moved.iter().map(|place| place.at))
+    }
+
+    fn has_tool(&self) -> bool {
+        self.moved.iter().any(|place| place.tool.is_some())
     }
 
     fn has_rapid(&self) -> bool {
@@ -180,8 +189,33 @@ fn one(canvas: &mut dyn Canvas, frame: &Rect, view: View, shown: &Shown<'_>) {
         View::Isometric => tripod(canvas, &inner, &names),
     }
     canvas.clip(Some(&inner));
+    tools(canvas, shown, (inner.width.max(inner.height) / scale, scale), &place);
     lines(canvas, shown, span[0] * span[1] * scale * scale, &place);
     canvas.clip(None);
+}
+
+/// Strokes along the tool, in a picture of this size (of the axes shown) and scale (pixels). A stroke along the view is a
+/// point.
+fn tools(
+    canvas: &mut dyn Canvas,
+    shown: &Shown<'_>,
+    (size, scale): (f64, f64),
+    place: &dyn Fn([f64; 3]) -> Point,
+) {
+    let mut strokes: Vec<Vec<Point>> = Vec::new();
+    for Place { at, tool, .. } in &shown.moved {
+        let Some(tool) = tool else { continue };
+        let from = place(*at);
+        if strokes.last().is_some_and(|last| apart(last[0], from) < TOOL_APART * size * scale) {
+            continue;
+        }
+        let to = place(std::array::from_fn(|k| at[k] + TOOL_LENGTH * size * tool[k]));
+        strokes.push(vec![from, to]);
+    }
+    strokes.retain(|stroke| apart(stroke[0], stroke[1]) > FINEST);
+    if !strokes.is_empty() {
+        canvas.polylines(&strokes, &TOOL);
+    }
 }
 
 /// The path on a picture that is so large, in square pixels.
@@ -217,7 +251,7 @@ fn by_speed(shown: &Shown<'_>, place: &dyn Fn([f64; 3]) -> Point) -> (Vec<Vec<Ve
     let mut kinds = vec![Vec::new(); SHADES + 1];
     let mut points: Vec<Point> = Vec::new();
     let mut current = None;
-    for &Place { at, speed, rapid } in &shown.moved {
+    for &Place { at, speed, rapid, .. } in &shown.moved {
         let shade = ((speed / shown.top_speed * SHADES as f64) as usize).min(SHADES - 1);
         let kind = if rapid { SHADES } else { shade };
         let point = place(at);
@@ -309,7 +343,9 @@ fn speed_scale(canvas: &mut dyn Canvas, area: &Rect, shown: &Shown<'_>) {
     let middle = bar.y + 4.0;
     let mut left = bar.right() + 54.0;
     let rapid = shown.has_rapid().then_some(("rapid", RAPID));
-    for (name, stroke) in [("programmed", Stroke::new(PROGRAMMED, 1.2))].into_iter().chain(rapid) {
+    let tool = shown.has_tool().then_some(("tool", TOOL));
+    let programmed = [("programmed", Stroke::new(PROGRAMMED, 1.2))];
+    for (name, stroke) in programmed.into_iter().chain(rapid).chain(tool) {
         canvas.polyline(&[Point(left, middle), Point(left + 22.0, middle)], &stroke);
         canvas.text(Point(left + 28.0, bar.y + 8.0), name, &small(Anchor::Start));
         left += 28.0 + Font::new(11.0, false).width(name) + 16.0;

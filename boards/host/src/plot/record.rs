@@ -19,6 +19,8 @@ pub struct Place {
     pub speed: f64,
     /// In rapid motion.
     pub rapid: bool,
+    /// Direction from the tip of the tool to its holder along the axes shown, under a transformation.
+    pub tool: Option<[f64; 3]>,
 }
 
 /// A recorded run.
@@ -37,11 +39,14 @@ pub struct Picture {
     high: [f64; 3],
     pending: Option<Place>,
     /// Speed of the path, then acceleration and jerk of each axis that moves, then of each axis what its filter
-    /// makes of it in percent of AX_DEV, then positions of axes that move beside the path.
+    /// makes of it in percent of AX_DEV, then positions of axes that move beside the path, then with a transformation
+    /// the speed of each axis that moves.
     pub envelope: Envelope,
     /// Number of axes with filters (all or none), and of axes in independent motions.
     filtered: usize,
     alone: Vec<usize>,
+    /// Whether a transformation makes the axes differ from the path.
+    transformed: bool,
     /// By motion block: rapid motion.
     rapid: Vec<bool>,
     /// Ticks at which another block begins, and this block; several blocks may begin within a tick.
@@ -51,15 +56,17 @@ pub struct Picture {
 
 impl Picture {
     /// Nothing recorded yet. Axes that are shown, that move on the path, that move beside it; which blocks are rapid
-    /// motion.
+    /// motion; whether there is a transformation.
     pub fn new(
         machine: &Machine,
         axes: Vec<usize>,
         moving: Vec<usize>,
         (alone, rapid): (Vec<usize>, Vec<bool>),
+        transformed: bool,
     ) -> Self {
         let filtered = if Filtered::has(machine) { machine.axes.len() } else { 0 };
-        let envelope = Envelope::new(1 + 2 * moving.len() + filtered + alone.len());
+        let speeds = if transformed { moving.len() } else { 0 };
+        let envelope = Envelope::new(1 + 2 * moving.len() + filtered + alone.len() + speeds);
         let linear = axes.iter().all(|&index| machine.axes[index].kind == AxisKind::Linear);
         Self {
             axes,
@@ -73,6 +80,7 @@ impl Picture {
             envelope,
             filtered,
             alone,
+            transformed,
             rapid,
             entries: Vec::new(),
             ticks: 0,
@@ -85,7 +93,7 @@ impl Picture {
         telemetry: &Telemetry,
         set_points: &[Position],
         (seen, off): (&[AxisStatistics], &[f64]),
-        cycle_s: f64,
+        (cycle_s, tool): (f64, Option<&[f64]>),
     ) {
         const LSB: f64 = (1_u64 << 58) as f64;
         let speed = telemetry.speed.to_bits() as f64 / LSB / cycle_s;
@@ -97,6 +105,10 @@ impl Picture {
         values.extend((0..self.filtered).map(|axis| off.get(axis).copied().unwrap_or(0.0) as f32));
         let at = |axis: &usize| set_points.get(*axis).map_or(0.0, |position| position.to_num());
         values.extend(self.alone.iter().map(at));
+        if self.transformed {
+            let speed = |index: &usize| seen.get(*index).map_or(0.0, |axis| axis.latest(cycle_s)[0] as f32);
+            values.extend(self.moving.iter().map(speed));
+        }
         self.envelope.add(&values);
 
         if self.entries.last().is_none_or(|(_, block)| *block != telemetry.block) {
@@ -109,7 +121,19 @@ impl Picture {
             *value = set_points.get(index).map_or(0.0, |position| position.to_num());
         }
         let rapid = self.rapid.get(telemetry.block as usize).copied().unwrap_or(false);
-        self.place(Place { at, speed, rapid });
+        let along = |tool: &[f64]| {
+            let part = |k: usize| self.axes.get(k).and_then(|axis| tool.get(*axis)).copied().unwrap_or(0.0);
+            std::array::from_fn(part)
+        };
+        let tool = tool.map(along);
+        self.place(Place { at, speed, rapid, tool });
+    }
+
+    /// Axes that move, and the series of their speeds; none without a transformation.
+    pub fn speed_series(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
+        let first = 1 + 2 * self.moving.len() + self.filtered + self.alone.len();
+        let moving = self.moving.iter().filter(|_| self.transformed);
+        moving.enumerate().map(move |(index, axis)| (*axis, first + index))
     }
 
     /// Axes with filters, and their series.

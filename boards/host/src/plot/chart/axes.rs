@@ -1,5 +1,5 @@
-//! Acceleration and jerk of all axes that move, beside the limit that they have in all: of slope and contour
-//! together. Axes with one limit have its unit; axes that differ are shown in percent of their own.
+//! Acceleration and jerk of all axes that move, with a transformation their speed too, beside the limit that they have
+//! in all: of slope and contour together. Axes with one limit have its unit; axes that differ are shown in percent of their own.
 use super::trace::{envelope, legend};
 use super::{Canvas, LIMIT, Line, Name, Rect, Row, Scale, Scene, label};
 use crate::plot::canvas::axis_colour;
@@ -31,13 +31,14 @@ struct Rates<'a> {
     same: Option<f64>,
 }
 
-/// Acceleration, then jerk.
+/// Speed with a transformation, then acceleration and jerk.
 pub fn rows<'a>(scene: &'a Scene<'a>) -> Vec<Box<dyn Row + 'a>> {
     let moving = &scene.picture.moving;
+    let speeds: Vec<usize> = scene.picture.speed_series().map(|(_, series)| series).collect();
     let row = |title, order: usize, per: &str| -> Box<dyn Row + 'a> {
         let limits = moving.iter().map(|&axis| {
             let allowed = scene.program.allowed_anywhere(axis, scene.machine);
-            if order == 0 { allowed.accel } else { allowed.jerk }
+            [allowed.speed.max(allowed.speed_rapid), allowed.accel, allowed.jerk][order]
         });
         let limits: Vec<f64> = limits.collect();
         let kinds: Vec<AxisKind> = moving.iter().map(|&axis| scene.machine.axes[axis].kind).collect();
@@ -49,7 +50,7 @@ pub fn rows<'a>(scene: &'a Scene<'a>) -> Vec<Box<dyn Row + 'a>> {
         let percent = !alike && !infinite;
         let axes = moving.iter().zip(&limits).enumerate().map(|(index, (&axis, &limit))| Shown {
             axis,
-            series: 1 + 2 * index + order,
+            series: if order == 0 { speeds[index] } else { 2 * index + order },
             factor: if percent && limit > 0.0 { 100.0 / limit } else { 1.0 },
             limit,
         });
@@ -62,7 +63,12 @@ pub fn rows<'a>(scene: &'a Scene<'a>) -> Vec<Box<dyn Row + 'a>> {
             same: (!percent).then(|| limits.first().copied().unwrap_or(0.0)),
         })
     };
-    vec![row("Acceleration", 0, "/s²"), row("Jerk", 1, "/s³")]
+    let mut rows = Vec::new();
+    if !speeds.is_empty() {
+        rows.push(row("Axis speed", 0, "/s"));
+    }
+    rows.extend([row("Acceleration", 1, "/s²"), row("Jerk", 2, "/s³")]);
+    rows
 }
 
 impl Row for Rates<'_> {
