@@ -412,13 +412,12 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
                     passing = stretch.passing;
                     still = min(still, passing);
                 }
-                let by_ramps = self.intake.uniform.by_ramps;
                 let (change, ramps, begun) = (*change, *ramps, [begin.v, begun]);
                 let gains = if *gains { begin.gains } else { 0.0 };
                 let passed = Passed {
                     v,
                     rapid,
-                    by_ramps,
+                    by_ramps: self.intake.uniform.by_ramps,
                     begun,
                     change,
                     ramps,
@@ -427,6 +426,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
                     corners: knee,
                     passing: still,
                 };
+                let is_one = knee || begin.is_stepped();
                 let mut swings = Swings::NONE;
                 loop {
                     let track = self.queue.segments.recent(curve)?;
@@ -441,8 +441,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
                     }
                     let behind = start.wrapping_add(length);
                     let is_last = behind.wrapping_sub(end) >= 0;
-                    // Signs of two polynomials differ, so each counts alone.
-                    if is_last || !(knee || track.segment.is_line() || track.segment.is_arc()) {
+                    // Signs of two polynomials differ, so each counts alone. STEP and knees have no use for them.
+                    if is_last || !(is_one || track.segment.is_line() || track.segment.is_arc()) {
                         self.orders.search.spend_up_to(most, part_costs(AXES))?;
                         self.dynamics.stopping(&mut swings, &passed, braking)?;
                         swings = Swings::NONE;
