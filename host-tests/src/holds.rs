@@ -15,9 +15,13 @@
 //! 4. The ticks until the command acts come to both: [`REACTION`].
 //!
 //! On a line this is the closed form. Path distance is the one of the plan.
+//!
+//! In a curve the measure may ask for more than the axes permit: it does not count the jerk of the curve. So a hold that takes
+//! more than 1.5 times the measure is also compared with the shortest stop that a search finds ([`crate::shortest`]).
+use crate::cases::random::Random;
 use crate::check;
 use crate::every_tick::REACTION;
-use crate::never_slower::Case;
+use crate::never_slower::{Case, TOLERANCES};
 use crate::operate::{Act, Operated, operate_within};
 use crate::properties::permitted;
 use crate::reference::profile::Ramps;
@@ -26,6 +30,9 @@ use glidepath::machine::MachineData;
 
 /// Most ticks of a run without commands.
 const LONGEST: usize = 60_000;
+
+/// A ratio above that is counted.
+pub const MOST: f64 = 1.5;
 
 /// Ticks of rest that count as a standstill.
 const STANDS: usize = 3;
@@ -39,6 +46,8 @@ pub struct Held {
     pub seen: Stop,
     /// The measure.
     pub wanted: Stop,
+    /// Where it takes more than [`MOST`] times the measure: the shortest stop that a search finds ([`crate::shortest`]).
+    pub found: Option<Stop>,
     /// Seconds per tick.
     pub cycle: f64,
 }
@@ -46,8 +55,25 @@ pub struct Held {
 impl Held {
     /// Time and distance over the measure. A tick and 10 µm are not counted.
     pub fn ratios(&self) -> [f64; 2] {
+        self.against(&self.wanted)
+    }
+
+    /// Whether it takes more than [`MOST`] times the measure.
+    pub fn is_long(&self) -> bool {
+        self.ratios().into_iter().any(|ratio| ratio > MOST)
+    }
+
+    /// Whether it takes more than [`MOST`] times the measure and the shortest stop that the search finds. A stop that the
+    /// search does not find does not count.
+    pub fn is_longer_than_found(&self) -> bool {
+        let [time, way] = self.ratios();
+        let [found_time, found_way] = self.found.map_or([0.0; 2], |found| self.against(&found));
+        time.min(found_time) > MOST || way.min(found_way) > MOST
+    }
+
+    fn against(&self, other: &Stop) -> [f64; 2] {
         let ratio = |seen: f64, wanted: f64, free: f64| (seen - free).max(0.0) / wanted.max(free);
-        [ratio(self.seen.time, self.wanted.time, self.cycle), ratio(self.seen.way, self.wanted.way, 0.01)]
+        [ratio(self.seen.time, other.time, self.cycle), ratio(self.seen.way, other.way, 0.01)]
     }
 }
 
@@ -144,6 +170,42 @@ impl<'a> Track<'a> {
         longest
     }
 
+    /// Time and distance of the shortest stop that a search along the path finds for a hold before tick `at`.
+    pub fn shortest(&self, at: usize) -> Option<Stop> {
+        let before = at.checked_sub(1)?;
+        let acts = before + REACTION;
+        let measure = self.measure(at)?;
+        let limits: Vec<_> = self
+            .machine
+            .axes
+            .iter()
+            .map(|axis| permitted(axis, self.machine.channel.slope_profile, false, true, true))
+            .collect();
+        let c = self.cycle;
+        let last = self.ticks() - 2;
+        let places: Vec<_> = (acts..last.min(acts + 20_000))
+            .map(|row| {
+                (0..3)
+                    .map(|axis| {
+                        let [w, x, y, z] = [row - 1, row, row + 1, row + 2].map(|row| self.x(axis, row));
+                        [
+                            (y - w) / (2.0 * c),
+                            (y - 2.0 * x + w) / c.powi(2),
+                            (z - 3.0 * y + 3.0 * x - w) / c.powi(3),
+                        ]
+                    })
+                    .collect()
+            })
+            .collect();
+        let path = crate::shortest::Path { places: &places, limits: &limits, cycle: c };
+        let acted = (acts - before) as f64 * c;
+        let [time, ticks] = path.shortest(measure.time - acted)?;
+        let whole = ticks.floor();
+        let row = acts + whole as usize;
+        let s = self.s(row) + (ticks - whole) * (self.s(row + 1) - self.s(row));
+        Some(Stop { time: time + acted, way: s - self.s(before) })
+    }
+
     /// The measure for a hold before tick `at`, if anything moves when it acts.
     pub fn measure(&self, at: usize) -> Option<Stop> {
         let before = at.checked_sub(1)?;
@@ -178,6 +240,17 @@ pub struct Outcome {
     pub holds: Vec<Held>,
     /// Axes above a limit, and holds without a standstill.
     pub faults: Vec<String>,
+}
+
+/// The program of a seed with a slope and a method, with one tolerance, and with `count` holds at random ticks.
+///
+/// # Errors
+/// As [`holds`].
+pub fn of_seed(seed: u64, (slope, method): (usize, usize), count: u64) -> Result<Outcome, String> {
+    let mut random = Random::new(seed ^ 0x686f_6c64 ^ (slope as u64) << 40 ^ (method as u64) << 48);
+    let parts: Vec<f64> = (0..count).map(|_| random.unit()).collect();
+    let tolerance = TOLERANCES[(random.bits() % 3) as usize];
+    holds(&Case::new(seed), (slope, method), tolerance, &parts)
 }
 
 /// Runs a program with a slope and a method, then again with a hold at each of some ticks (parts of its time).
@@ -218,7 +291,11 @@ pub fn holds(
         }
         let way = (held.distances[stood] - held.distances[at - 1]) as f64 / 2.0_f64.powi(44);
         let seen = Stop { time: (stood + 1 - at) as f64 * track.cycle, way };
-        outcome.holds.push(Held { tick: at, seen, wanted, cycle: track.cycle });
+        let mut held = Held { tick: at, seen, wanted, found: None, cycle: track.cycle };
+        if held.is_long() {
+            held.found = track.shortest(at);
+        }
+        outcome.holds.push(held);
     }
     Ok(outcome)
 }

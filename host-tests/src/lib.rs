@@ -92,6 +92,8 @@ pub mod never_slower;
 
 pub mod holds;
 
+pub mod shortest;
+
 pub mod unlike;
 
 /// The examples of the papers, as tests of the documentation.

@@ -8,7 +8,7 @@ use super::{Dynamics, KNEE_PART, MARGIN};
 use crate::math::float::{max, min};
 use crate::math::root::sqrt_f32;
 use crate::nc::SlopeType;
-use crate::path::Bounds;
+use crate::path::Swings;
 use crate::slope::ramp_shape::RampShape;
 
 /// Acceleration and jerk of a stop.
@@ -96,15 +96,20 @@ impl Braking {
         *self = best;
     }
 
-    /// Lowers the jerks to those that an axis permits. The axis moves `first` times as far as the path. The
-    /// curvature leaves the jerk `budget`, and a deceleration a uses c·a of this budget.
-    fn leave(&mut self, first: f32, (budget, c): (f32, f32), passed: &Passed, peak: f32) {
+    /// Lowers the jerks to those that an axis permits on one side. A change of the deceleration moves it `firsts` times as far
+    /// as the path towards this side: while the deceleration rises, and while it falls. A curve leaves it `budget`, and takes
+    /// c·a from it; from an acceleration it takes `c_gains` as much.
+    fn leave(&mut self, firsts: [f32; 2], (budget, c, c_gains): (f32, f32, f32), passed: &Passed, peak: f32) {
         let Passed { begun: [_, begun], change: [lost, left], ramps, gains, .. } = *passed;
+        let [first, _] = firsts;
         if gains > 0.0 {
-            self.ends = min(self.ends, max(budget - c * gains, 0.0) / (first * peak));
+            self.ends = min(self.ends, max(budget - c_gains * gains, 0.0) / (max(first, TINY) * peak));
         }
-        let with_all = (budget - c * self.a[0]) / first;
-        for ((j, has), (u, begun)) in self.j.iter_mut().zip(ramps).zip([(lost, begun), (left, 0.0)]) {
+        let spared = budget - c * self.a[0];
+        let froms = [(lost, begun), (left, 0.0)];
+        for (((j, has), first), (u, begun)) in self.j.iter_mut().zip(ramps).zip(firsts).zip(froms) {
+            let first = max(first, TINY);
+            let with_all = spared / first;
             if !has || with_all >= *j {
                 continue;
             }
@@ -147,20 +152,26 @@ pub struct Passed {
 impl<const AXES: usize> Dynamics<AXES> {
     /// Lowers `braking` to the limits of a motion along a part of the path with these bounds:
     ///
-    /// |x''|·v² + |x'|·a ≤ a_max,  |x'''|·v³ + 3·|x''|·v·a + |x'|·j ≤ B,
+    /// |x″·v² − x′·d| ≤ a_max,  |x‴·v³ − 3·x″·v·d ∓ x′·j| ≤ B,
     ///
-    /// and at most to the limits of the slope. Returns `None` if no motion is possible.
+    /// with the deceleration d and its jerk j, and at most to the limits of the slope. Each side counts alone, with the
+    /// largest value of each term towards it, so terms with different signs do not add up. Near a transition they do.
+    /// `None` if no motion is possible.
     #[inline(never)]
-    pub fn stopping(&self, bounds: &Bounds<AXES>, passed: &Passed, braking: &mut Braking) -> Option<()> {
+    pub fn stopping(&self, swings: &mut Swings<AXES>, passed: &Passed, braking: &mut Braking) -> Option<()> {
+        if passed.corners || self.slope == SlopeType::Step {
+            swings.even();
+        }
+        let swings = &*swings;
         let stage = passed.stage;
         let kinds = [false, true].into_iter().filter(|kind| passed.rapid.is_none_or(|rapid| rapid == *kind));
         for rapid in kinds {
             if self.slope == SlopeType::Step {
                 let a = braking.a.get_mut(stage)?;
-                *a = min(*a, self.stage(bounds, passed, rapid));
+                *a = min(*a, self.stage(swings, passed, rapid));
                 continue;
             }
-            self.ramps(bounds, passed, rapid, braking);
+            self.ramps(swings, passed, rapid, braking);
         }
         let Braking { a: [a, b], j: [rise, fall], ends } = *braking;
         (a > LEAST && b > LEAST && rise > LEAST && fall > LEAST && ends > LEAST).then_some(())
@@ -174,35 +185,42 @@ impl<const AXES: usize> Dynamics<AXES> {
     /// - the least of three values: a, and both roots. The result is at most A = (a_max − |x″|·v²)/|x′|. Of a
     ///   and both jerks, the code lowers the value that costs the least time;
     /// - |x′|·j + c·a ≤ B − |x‴|·v³ with the current a, or with the root for this j.
+    ///
+    /// Above zero, a deceleration counts where x′ and x″ are below zero, and below zero the other way round.
     #[inline(never)]
-    fn ramps(&self, bounds: &Bounds<AXES>, passed: &Passed, rapid: bool, braking: &mut Braking) {
+    fn ramps(&self, swings: &Swings<AXES>, passed: &Passed, rapid: bool, braking: &mut Braking) {
         let Passed { v, corners, by_ramps, .. } = *passed;
         let part = if corners { 1.0 - KNEE_PART } else { 1.0 };
         let path = self.path.deceleration(rapid);
         let (mut still, mut most) = (path, path);
-        let derivatives = || bounds.first.iter().zip(&bounds.second).zip(&bounds.third);
-        // The part of B that the curvature leaves, and c.
-        let jerk = |axis: &Axis, second: f32, third: f32| {
+        // The part of B that the curve leaves on a side, and c for a deceleration and for an acceleration.
+        let jerk = |axis: &Axis, [with, against]: [f32; 2], third: f32| {
             let Set { joint, geometric_budget, ramp_budget, .. } = axis.set(rapid);
             let budget = min(joint.budget, if by_ramps { *ramp_budget } else { *geometric_budget });
-            (max(budget - third * v * v * v, 0.0), 3.0 * second * v)
+            (max(budget - third * v * v * v, 0.0), 3.0 * against * v, 3.0 * with * v)
         };
-        for (axis, ((first, second), third)) in self.axes.iter().zip(derivatives()) {
-            if *first > 0.0 {
-                self.lower(axis.set(rapid), *first, rapid, passed, braking);
+        for (axis, swing) in self.axes.iter().zip(&swings.0) {
+            let [[above, below], ..] = *swing;
+            let first = max(above, below);
+            if first > 0.0 {
+                self.lower(axis.set(rapid), first, rapid, passed, braking);
                 still = min(still, axis.set(rapid).a_down / first);
             }
-            let (budget, c) = jerk(axis, *second, *third);
-            let left = max(part * axis.a_max - second * v * v, 0.0) / max(*first, TINY);
-            most = min(most, min(left, budget / max(c, TINY)));
+            for ([_, against], second, third) in sides(swing) {
+                let (budget, c, _) = jerk(axis, second, third);
+                let left = max(part * axis.a_max - second[0] * v * v, 0.0) / max(against, TINY);
+                most = min(most, min(left, budget / max(c, TINY)));
+            }
         }
         let [still, most] = [still, most].map(less_rough);
         if braking.a[0] == f32::MAX {
             braking.a[0] = still;
         }
         braking.give_way(min(most, passed.passing * still), passed);
-        for (axis, ((first, second), third)) in self.axes.iter().zip(derivatives()) {
-            braking.leave(max(*first, TINY), jerk(axis, *second, *third), passed, self.peak_jerk());
+        for (axis, swing) in self.axes.iter().zip(&swings.0) {
+            for ([with, against], second, third) in sides(swing) {
+                braking.leave([against, with], jerk(axis, second, third), passed, self.peak_jerk());
+            }
         }
     }
 
@@ -235,11 +253,11 @@ impl<const AXES: usize> Dynamics<AXES> {
 
     /// Deceleration of STEP in this stage.
     #[inline(never)]
-    fn stage(&self, bounds: &Bounds<AXES>, passed: &Passed, rapid: bool) -> f32 {
+    fn stage(&self, swings: &Swings<AXES>, passed: &Passed, rapid: bool) -> f32 {
         let v = passed.v;
         let part = if passed.corners { 1.0 - KNEE_PART } else { MARGIN };
         let mut a = self.path.deceleration(rapid);
-        for (axis, (first, second)) in self.axes.iter().zip(bounds.first.iter().zip(&bounds.second)) {
+        for (axis, [[first, _], [second, _], _]) in self.axes.iter().zip(&swings.0) {
             let set = axis.set(rapid);
             if *first > 0.0 {
                 let upper = if v * first > set.change_over { set.upper[1] } else { f32::MAX };
@@ -251,7 +269,13 @@ impl<const AXES: usize> Dynamics<AXES> {
     }
 }
 
-/// A step lowers a value to at least this part.
+/// The derivatives of an axis on each side: the first and the second one towards this side and towards the other one, the
+/// third one towards this side.
+const fn sides([[a1, b1], [a2, b2], [a3, b3]]: &[[f32; 2]; 3]) -> [([f32; 2], [f32; 2], f32); 2] {
+    [([*a1, *b1], [*a2, *b2], *a3), ([*b1, *a1], [*b2, *a2], *b3)]
+}
+
+/// Smallest part that one step leaves.
 const LESS: f32 = 0.8;
 /// Additional relative reduction below the permitted value.
 const SURPLUS: f32 = 0.002;

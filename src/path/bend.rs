@@ -1,7 +1,7 @@
 //! Bounds of the derivatives of a part of a curve. The search for a stop uses these bounds for the path of
 //! the stop.
 use super::poly::power_of_two;
-use super::{Arc, Bounds, Curve, Passage, Shape};
+use super::{Arc, Curve, Shape};
 use crate::math::float::{magnitude, max, min, to_f32};
 use crate::math::root::sqrt_f32;
 use crate::math::trig::sin_cos;
@@ -13,42 +13,48 @@ const LSB_62: f32 = 1.0 / (1u64 << 62) as f32;
 /// Margin for rounding of `f32`.
 const ROUNDED: f32 = 1.0 + 1.0 / 1_048_576.0;
 
-impl<const AXES: usize> Bounds<AXES> {
-    /// Bounds of a straight element.
-    pub const NONE: Self = Self {
-        first: [0.0; AXES],
-        second: [0.0; AXES],
-        third: [0.0; AXES],
-        fastest: 1.0,
-        passage: Passage::Varying,
-    };
+/// The largest derivatives of the axes over path length in a part of a curve, by order: x′, x″ (1/mm), x‴ (1/mm²). Each has
+/// two values, both at least 0: above zero, and below zero.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Swings<const AXES: usize>(pub [[[f32; 2]; 3]; AXES]);
 
-    /// Raises the bounds of one axis to these derivatives.
-    fn widen(&mut self, axis: usize, derivatives: [f32; 3]) {
-        let Self { first, second, third, .. } = self;
-        for (most, value) in [first, second, third].into_iter().zip(derivatives) {
-            if let Some(most) = most.get_mut(axis) {
+impl<const AXES: usize> Swings<AXES> {
+    /// No part.
+    pub const NONE: Self = Self([[[0.0; 2]; 3]; AXES]);
+
+    /// Adds the derivatives of one axis.
+    fn widen(&mut self, axis: usize, derivatives: [[f32; 2]; 3]) {
+        let Some(swing) = self.0.get_mut(axis) else { return };
+        for (most, value) in swing.iter_mut().zip(derivatives) {
+            for (most, value) in most.iter_mut().zip(value) {
                 *most = max(*most, value * ROUNDED);
             }
+        }
+    }
+
+    /// Each derivative may have the other sign.
+    pub fn even(&mut self) {
+        for most in self.0.iter_mut().flatten() {
+            *most = [max(most[0], most[1]); 2];
         }
     }
 }
 
 impl<const AXES: usize> Shape<AXES> {
-    /// Raises `bounds` to the largest derivatives of every axis between two distances from the curve's start
-    /// (LSB 2^-44 mm). The result is exact for a line. For a polynomial it comes from the hull ([`hull`]),
-    /// for an arc from the axes of its plane.
+    /// Adds the largest derivatives of every axis between two distances from the curve's start (2^-44 mm) to
+    /// `swings`: exact for a line, by the hull for a polynomial ([`hull`]), by its axes, without sign, for an arc.
     #[inline(never)]
-    pub fn bend(&self, [from, to]: [i64; 2], bounds: &mut Bounds<AXES>) {
+    pub fn bend(&self, [from, to]: [i64; 2], swings: &mut Swings<AXES>) {
         let per_mm = power_of_two(i32::from(self.shift) - 18);
         for (axis, gain) in self.gain.iter().enumerate().filter(|(_, gain)| **gain != 0) {
             if !matches!(self.curve, Curve::Poly { .. }) {
-                bounds.widen(axis, [magnitude(to_f32(*gain)) * DISTANCE_LSB * per_mm, 0.0, 0.0]);
+                let first = magnitude(to_f32(*gain)) * DISTANCE_LSB * per_mm;
+                swings.widen(axis, [[first; 2], [0.0; 2], [0.0; 2]]);
             }
         }
         match &self.curve {
             Curve::Line => {}
-            Curve::Arc(arc) => self.bend_arc(arc, [from, to], per_mm, bounds),
+            Curve::Arc(arc) => self.bend_arc(arc, [from, to], per_mm, swings),
             Curve::Poly { power, down } => {
                 let at = |distance: i64| to_f32(self.w(distance)) * LSB_62;
                 let (start, part) = (at(from), to_f32(to.wrapping_sub(from)) * DISTANCE_LSB * per_mm);
@@ -62,13 +68,15 @@ impl<const AXES: usize> Shape<AXES> {
                     let [c2, c3, c4, c5] = power.map(|c| c as f32 * scale);
                     let whole = [to_f32(*gain) * DISTANCE_LSB, c2, c3, c4, c5];
                     let most = hull(within(&whole, start, part));
-                    let mut derivatives = hidden(&whole, per_mm);
-                    for ((sum, most), n) in
+                    let mut derivatives = hidden(&whole, per_mm).map(|hidden| [hidden; 2]);
+                    for ((sums, most), n) in
                         derivatives.iter_mut().zip(most).zip([per, per * per, per * per * per])
                     {
-                        *sum += most * n;
+                        for (sum, most) in sums.iter_mut().zip(most) {
+                            *sum += most * n;
+                        }
                     }
-                    bounds.widen(axis, derivatives);
+                    swings.widen(axis, derivatives);
                 }
             }
         }
@@ -76,7 +84,7 @@ impl<const AXES: usize> Shape<AXES> {
 
     /// Both axes of an arc are sines of the angle. In a part of the arc, each axis is at most its larger end
     /// value, divided by the cosine of half the angle between the ends.
-    fn bend_arc(&self, arc: &Arc, part: [i64; 2], per_mm: f32, bounds: &mut Bounds<AXES>) {
+    fn bend_arc(&self, arc: &Arc, part: [i64; 2], per_mm: f32, swings: &mut Swings<AXES>) {
         let Arc { a, turn, plane, .. } = *arc;
         let [p, q] = a.map(|a| to_f32(a) * DISTANCE_LSB);
         let radius = sqrt_f32(p * p + q * q);
@@ -99,7 +107,8 @@ impl<const AXES: usize> Shape<AXES> {
         let [x, y] = [x, y].map(most);
         for (axis, across, along) in [(plane[0], x, y), (plane[1], y, x)] {
             let [first, second] = [along * rate, across * rate * rate];
-            bounds.widen(usize::from(axis), [first, second, first * rate * rate]);
+            let third = first * rate * rate;
+            swings.widen(usize::from(axis), [[first; 2], [second; 2], [third; 2]]);
         }
     }
 }
@@ -114,11 +123,11 @@ fn hidden(a: &[f32; 5], per_mm: f32) -> [f32; 3] {
     [first * unit, second * unit * per_mm, third * unit * per_mm * per_mm]
 }
 
-/// Upper bounds of the first three derivatives over 0..1. They are those of the Bernstein coefficients Σ
-/// C(i,j)/C(n,j)·p_j of the powers p0…pn.
-fn hull([a1, a2, a3, a4, a5]: [f32; 5]) -> [f32; 3] {
+/// Upper bounds of the first three derivatives over 0..1, and of their negatives: those of their Bernstein coefficients Σ
+/// C(i,j)/C(n,j)·p_j of the powers p0…pn. A bound below zero is zero.
+fn hull([a1, a2, a3, a4, a5]: [f32; 5]) -> [[f32; 2]; 3] {
     const THIRD: f32 = 1.0 / 3.0;
-    let most = |x: &[f32]| x.iter().fold(0.0, |top, x| max(top, magnitude(*x)));
+    let most = |x: &[f32]| x.iter().fold([0.0; 2], |[above, below], x| [max(above, *x), max(below, -*x)]);
     let p = [a1, 2.0 * a2, 3.0 * a3, 4.0 * a4, 5.0 * a5];
     let (q1, q2, q3) = (p[1] * 0.25, p[2] * (1.0 / 6.0), p[3] * 0.25);
     let first = [

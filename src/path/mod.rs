@@ -28,6 +28,7 @@ pub mod powers;
 
 pub(crate) use arc::arc_to;
 pub use arc::{arc, centre_of_radius};
+pub use bend::Swings;
 pub use line::line;
 pub(crate) use line::{Straight, line_to, straight, straight_line};
 pub use measure::Measure;

@@ -185,7 +185,9 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         } else if self.reserve.is_made() {
             let (next, distance) = self.reserve.ahead();
             Ahead { next, distance: distance.to_bits() }
-        } else if self.task.stage == RingStage::Passing || self.reserve.behind.is_some() {
+        } else if self.task.stage == RingStage::Passing
+            || (self.reserve.behind.is_some() && !self.orders.mode.is_standing())
+        {
             Ahead::NONE
         } else {
             Ahead { next: 0, distance: self.handed.to_bits() }

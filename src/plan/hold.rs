@@ -26,12 +26,11 @@ pub const REACTION: u32 = 4;
 /// first, and only one change exists at a time.
 const NEAR: u32 = 64;
 
-/// The planner searches a shorter stop while braking, each time the speed has dropped by the first power of
-/// two. At least the second number of ticks must be left. A new stop must be shorter by the third power of
-/// two.
-const SLOWED: u32 = 3;
+/// While braking, a shorter stop is searched when the speed has dropped by this power of two since the last
+/// search, if so many ticks are left. A new stop must be shorter by this power of two.
+const SLOWED: u32 = 6;
 const WORTH: u32 = 8;
-const SHORTER: u32 = 5;
+const SHORTER: u32 = 6;
 
 /// A path shorter than this (LSB 2^-44 mm) is below the rounding of a set point.
 pub(super) const NOTHING: i64 = 1 << 10;
@@ -51,15 +50,13 @@ pub(super) struct Mode {
     pub(super) halting: bool,
     /// Whether the stop is in the queue.
     standing: bool,
-    /// The cut that may be pending, and the instant of the last try.
+    /// The cut that may be pending, and the instant of the last try: of a change, or while standing of a shorter stop.
     pub(super) cut: Option<Cut>,
     pub(super) tried: Option<u32>,
     /// The spans that a braking passes, until they are marked.
     pub(super) passed: Option<Passed>,
     /// Speed at which a shorter stop is searched: [`Planning::stand_sooner`].
     slowed: Speed,
-    /// The last instant at which the motion was compared with this speed.
-    looked: Option<u32>,
 }
 
 impl Mode {
@@ -75,7 +72,6 @@ impl Mode {
         tried: None,
         passed: None,
         slowed: Speed::ZERO,
-        looked: None,
     };
 
     /// The state after a stop that no command asked for: the commands have to be read again.
@@ -196,12 +192,11 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         let soon = || self.queue.clock.now().wrapping_add(clock::TICK * self.orders.lead);
         let at = paused.map_or_else(soon, |(at, _)| at);
         let worth = clock::is_before(at.wrapping_add(clock::TICK * WORTH), self.frontier.end);
-        if !worth || self.orders.mode.cut.is_some() || self.reserve.behind.is_some() {
+        if !worth || self.orders.mode.cut.is_some() {
             return None;
         }
-        // Finding the motion means a walk through all pieces of the stop. This call counts as work, and the
-        // next one waits.
-        if paused.is_none() && self.orders.mode.looked.replace(at) == Some(at) {
+        // Finding the motion goes through all pieces of the way. The call that does so is work, and the next one waits.
+        if paused.is_none() && self.orders.mode.tried.replace(at) == Some(at) {
             return None;
         }
         self.orders.trying = true;
@@ -222,10 +217,17 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         if descent.brake.v_out > 0 || way >= now - (now >> SHORTER) {
             return None;
         }
-        let work = self.change(k, at, Some(descent))?;
-        // The stop is completely in the queue, or none of it is valid yet.
+        // The other stop need not lead into the look-ahead.
+        let behind = self.reserve.behind.take();
+        let work = self.change(k, at, Some(descent));
+        if work.is_none() {
+            self.reserve.behind = behind;
+        }
+        let work = work?;
+        // The stop is completely in the queue, or none of it is valid.
         if self.reserve.pending.is_some() {
             self.undo();
+            self.reserve.behind = behind;
             return None;
         }
         // Spans that the other stop passed had their start at its end.

@@ -14,7 +14,7 @@ use super::{Brake, Instant, Planning, Speed};
 use crate::dynamics::{Braking, Passed};
 use crate::lookahead::ReleasedSpan;
 use crate::math::float::{max, min, to_bits, to_f32};
-use crate::path::Bounds;
+use crate::path::Swings;
 use crate::quantity::{speed_bits, speed_f32};
 use crate::slope::brake::SHORT;
 use crate::slope::limits::{Limits, SlopeLaw};
@@ -401,28 +401,6 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
             while until.wrapping_sub(at) > 0 {
                 let goes_on = until.wrapping_sub(stretch.end) > 0;
                 let end = if goes_on { stretch.end } else { *until };
-                let mut bounds = Bounds::NONE;
-                loop {
-                    let track = self.queue.segments.recent(curve)?;
-                    let block = self.queue.segments.block_of(track.segment);
-                    let is_of_now = block.wrapping_sub(self.intake.uniform.since) as i32 >= 0;
-                    is_of_now.then_some(())?;
-                    self.orders.search.spend_up_to(most, curve_costs(track.segment))?;
-                    let length = track.segment.length();
-                    let [from, to] = [at, end].map(|at| at.wrapping_sub(start));
-                    let (from, to) = (from.max(0), to.min(length));
-                    if to > from {
-                        track.bend([from, to], &mut bounds);
-                    }
-                    let behind = start.wrapping_add(length);
-                    if behind.wrapping_sub(end) >= 0 {
-                        break;
-                    }
-                    curve = self.queue.segments.after(curve);
-                    // The motion may have stopped inside the first curve before.
-                    let is_second = curve == self.queue.segments.after(begin.curve);
-                    start = if is_second { second } else { behind };
-                }
                 let (v, rapid, mut knee) = (min(*v, v_in), stretch.rapid, corners);
                 let mut still = passing;
                 if goes_on {
@@ -434,13 +412,12 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
                     passing = stretch.passing;
                     still = min(still, passing);
                 }
-                let by_ramps = self.intake.uniform.by_ramps;
                 let (change, ramps, begun) = (*change, *ramps, [begin.v, begun]);
                 let gains = if *gains { begin.gains } else { 0.0 };
                 let passed = Passed {
                     v,
                     rapid,
-                    by_ramps,
+                    by_ramps: self.intake.uniform.by_ramps,
                     begun,
                     change,
                     ramps,
@@ -449,8 +426,35 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
                     corners: knee,
                     passing: still,
                 };
-                self.orders.search.spend_up_to(most, part_costs(AXES))?;
-                self.dynamics.stopping(&bounds, &passed, braking)?;
+                let is_one = knee || begin.is_stepped();
+                let mut swings = Swings::NONE;
+                loop {
+                    let track = self.queue.segments.recent(curve)?;
+                    let block = self.queue.segments.block_of(track.segment);
+                    (block.wrapping_sub(self.intake.uniform.since) as i32 >= 0).then_some(())?;
+                    self.orders.search.spend_up_to(most, curve_costs(track.segment))?;
+                    let length = track.segment.length();
+                    let [from, to] = [at, end].map(|at| at.wrapping_sub(start));
+                    let (from, to) = (from.max(0), to.min(length));
+                    if to > from {
+                        track.bend([from, to], &mut swings);
+                    }
+                    let behind = start.wrapping_add(length);
+                    let is_last = behind.wrapping_sub(end) >= 0;
+                    // Signs of two polynomials differ, so each counts alone. STEP and knees have no use for them.
+                    if is_last || !(is_one || track.segment.is_line() || track.segment.is_arc()) {
+                        self.orders.search.spend_up_to(most, part_costs(AXES))?;
+                        self.dynamics.stopping(&mut swings, &passed, braking)?;
+                        swings = Swings::NONE;
+                    }
+                    if is_last {
+                        break;
+                    }
+                    curve = self.queue.segments.after(curve);
+                    // The motion may have stopped inside the first curve.
+                    let is_second = curve == self.queue.segments.after(begin.curve);
+                    start = if is_second { second } else { behind };
+                }
                 at = end;
             }
         }

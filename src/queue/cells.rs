@@ -10,7 +10,7 @@
 //! part and stays empty.
 #![allow(unsafe_code)]
 use crate::machine::functions;
-use crate::path::{Arc, Bent, Bounds, Linear, Shape, add_cubic, add_poly};
+use crate::path::{Arc, Bent, Linear, Shape, Swings, add_cubic, add_poly};
 use crate::quantity::{Distance, Position};
 use core::cell::UnsafeCell;
 use core::mem::{MaybeUninit, offset_of};
@@ -248,11 +248,11 @@ impl<'a, const AXES: usize> Track<'a, AXES> {
         self.shape().placed(distance, &self.segment.base)
     }
 
-    /// Adds the bend of a part of the curve to `bounds` ([`Shape::bend`]). A separate function, so that the
+    /// Adds the bend of a part of the curve to `swings` ([`Shape::bend`]). A separate function, so that the
     /// curve is not on the caller's stack.
     #[inline(never)]
-    pub fn bend(&self, part: [i64; 2], bounds: &mut Bounds<AXES>) {
-        self.shape().bend(part, bounds);
+    pub fn bend(&self, part: [i64; 2], swings: &mut Swings<AXES>) {
+        self.shape().bend(part, swings);
     }
 
     /// Travel of every axis per path distance, LSB 2^-40; only for polynomials. The value is a difference

@@ -4,7 +4,7 @@ use glidepath::machine::ChannelData;
 use glidepath::quantity::Position;
 use host_tests::cases::machines;
 use host_tests::cases::random::Random;
-use host_tests::holds::{Track, holds};
+use host_tests::holds::{Track, holds, of_seed};
 use host_tests::never_slower::{Case, METHODS, SLOPES};
 use host_tests::operate::operate_within;
 use host_tests::reference::profile::Ramps;
@@ -57,4 +57,24 @@ fn holds_of_random_programs_stay_inside_their_limits() {
         }
     }
     assert!(checked > 200, "{checked} programs ran");
+}
+
+/// Holds that took longer, each with its time before, s: because no shorter stop replaced one that led into the look-ahead,
+/// because terms of jerk with different signs added up, and because a shorter stop was searched too rarely.
+#[test]
+fn holds_in_rounded_corners_are_short() {
+    let seen = |(slope, method, seed, tick): (usize, usize, u64, usize)| {
+        let outcome = of_seed(seed, (slope, method), 4).expect("runs");
+        let held = outcome.holds.iter().find(|held| held.tick == tick);
+        held.expect("a hold at this tick").seen.time
+    };
+    for (hold, most, before) in [
+        ((2, 3, 8, 82), 0.10, 1.260),
+        ((4, 3, 11, 543), 0.12, 0.392),
+        ((2, 5, 9, 283), 0.10, 0.148),
+        ((2, 1, 8, 251), 0.13, 0.160),
+    ] {
+        let time = seen(hold);
+        assert!(time <= most, "{hold:?}: {time} s; before {before} s");
+    }
 }
