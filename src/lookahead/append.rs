@@ -284,12 +284,10 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         let gate = core::mem::take(&mut self.tail.gate);
         anchor |= gate;
         let hsc = slope == SlopeType::Hsc || limits.varies();
-        // A trial removes this anchor where one profile for both sides is faster.
         let open = !anchor && hsc;
         let tried = open && self.tail.last.differs(piece, &limits);
         anchor |= tried;
-        self.counts.untried += usize::from(tried);
-        self.counts.through += usize::from(!anchor);
+        self.count(anchor, tried);
         self.tail.pass(anchor, feed, bought);
         self.tail.span += distance;
         self.counts.spare = if limits.may_have_valleys() { self.depth / SPARE } else { 0 };
@@ -318,12 +316,15 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         (last.slope, last.timed, last.bent) = (slope, timed, bent);
         (last.trades, last.flows, last.through) = (trades, flows, through);
         last.strength = [limits.a_up, limits.a_down];
-        let mut marks = Marks::default();
-        marks.set(Marks::ANCHOR, anchor);
-        marks.set(Marks::FRESH, tried);
-        marks.set(Marks::SMOOTH, passing != Passing::NONE);
-        marks.set(Marks::GATE, gate);
-        marks.set(Marks::LONG, long);
+        let smooth = (Marks::SMOOTH, passing != Passing::NONE);
+        let marks = [
+            (Marks::ANCHOR, anchor),
+            (Marks::FRESH, tried),
+            smooth,
+            (Marks::GATE, gate),
+            (Marks::LONG, long),
+        ];
+        let marks = Marks::of(marks);
         self.counts.long += usize::from(long);
         let (numbers, law) = limits.kept();
         // There is room: the caller has checked.
@@ -340,6 +341,13 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             v_reached: Planned::NONE,
             v_old: Planned::NONE,
         });
+    }
+
+    /// Counts the transition to a new block. `tried`: a trial removes its anchor where one profile for both sides is
+    /// faster.
+    fn count(&mut self, anchor: bool, tried: bool) {
+        self.counts.untried += usize::from(tried);
+        self.counts.through += usize::from(!anchor);
     }
 
     /// Plans the transition from the last block of the ring. If the transition reserves its part of the

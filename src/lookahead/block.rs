@@ -177,6 +177,12 @@ impl Marks {
     /// The block replaces several blocks, and is twice as long as a stop needs.
     pub(super) const LONG: u8 = 128;
 
+    /// The marks that are on.
+    #[cfg_attr(feature = "fast", inline(always))]
+    pub(super) fn of(marks: [(u8, bool); 5]) -> Self {
+        Self(marks.into_iter().fold(0, |all, (mark, on)| if on { all | mark } else { all }))
+    }
+
     #[cfg_attr(feature = "fast", inline(always))]
     pub(super) const fn has(self, mark: u8) -> bool {
         self.0 & mark != 0

@@ -123,6 +123,8 @@ pub(super) enum Step {
     Search(usize, [u8; 2], Option<u8>),
     /// The anchor stays. Try to move it into the slow block: see [`super::valley`].
     Valley(valley::Step),
+    /// A removed anchor permits a higher speed at the end of its span: the forward pass runs again.
+    Faster,
 }
 
 /// Tries to remove one anchor after the other, from the front to the last anchor with a final speed.
@@ -151,8 +153,6 @@ pub(super) struct Trial {
     known: [(usize, f32, f32); KNOWN],
     /// Whether this is the first pass, which tries only anchors whose speed is below their limit.
     first: bool,
-    /// Whether a removed anchor permits a higher speed at the end of its span: the forward pass runs again.
-    pub faster: bool,
 }
 
 /// A block that is being compared.
@@ -200,7 +200,6 @@ impl Trial {
         fit: Fit { head: 0, fitting: false },
         known: [UNKNOWN; KNOWN],
         first: true,
-        faster: false,
     };
 
     /// A pass up to the anchor `last`.
@@ -264,7 +263,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
     /// Does some steps of a trial. Returns `true` when all anchors are tried, or speeds behind a removed one may rise.
     #[inline(never)]
     pub(super) fn trials(&mut self, pass: &mut Trial, valley: &mut Valley, work: &mut usize) -> bool {
-        while *work > 0 && !pass.faster {
+        while *work > 0 {
             spend(work, if matches!(pass.step, Step::Seek) { SEEK } else { TRIAL });
             match pass.step {
                 Step::Seek => {
@@ -276,9 +275,10 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
                 Step::Compare => self.compare(pass, valley),
                 Step::Search(side, between, first) => self.search(pass, side, between, first),
                 Step::Valley(step) => self.valley(pass, valley, step),
+                Step::Faster => return true,
             }
         }
-        pass.faster
+        false
     }
 
     /// The ease of the span that begins with the block `from`.
@@ -586,7 +586,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             return;
         }
         // The new profile may be faster there, and so the spans behind.
-        pass.faster = true;
+        pass.step = Step::Faster;
         if let Some(first) = self.blocks.get_mut(pass.from) {
             first.marks.set(Marks::CHECKED, false);
         }

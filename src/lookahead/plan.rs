@@ -2,7 +2,7 @@
 //!
 //! All passes share one place in memory. No data are copied with a call or when the next pass begins.
 use super::block::{Block, Marks};
-use super::ease::Trial;
+use super::ease::{Step, Trial};
 use super::law::{faster, length_mm};
 use super::planned::{Planned, settled};
 use super::ring::Ring;
@@ -131,7 +131,7 @@ impl Plan {
 
     /// The trials end: the plan is complete, or speeds behind a removed anchor rise.
     fn tried<const AXES: usize, const BLOCKS: usize>(&mut self, ring: &mut Ring<'_, AXES, BLOCKS>) {
-        if self.tries.first().is_some_and(|tries| tries.trial.faster) {
+        if self.tries.first().is_some_and(|tries| matches!(tries.trial.step, Step::Faster)) {
             ring.forward_again(self);
         } else {
             self.complete(ring);
