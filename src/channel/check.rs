@@ -1,6 +1,8 @@
 //! Checks whether a channel can work with machine data.
 use super::MachineError;
 use crate::machine::parameter::{CHANNEL, RangeError, check_all, check_axis};
+#[cfg(feature = "grbl")]
+use crate::machine::Dialect;
 use crate::machine::{AxisKind, MachineData, functions};
 use crate::path::measure::FEED_AXES;
 
@@ -30,8 +32,10 @@ pub(super) fn check<const AXES: usize, const BLOCKS: usize>(
         return Err(MachineError::Interpolator(said, expected));
     }
     #[cfg(feature = "grbl")]
-    if channel.foreign.dialect == crate::machine::Dialect::LinuxCnc {
-        functions::DIALECTS.check().map_err(MachineError::NotBuilt)?;
+    match channel.foreign.dialect {
+        Dialect::Isg => functions::ISG.check().map_err(MachineError::NotBuilt)?,
+        Dialect::LinuxCnc => functions::DIALECTS.check().map_err(MachineError::NotBuilt)?,
+        _ => {}
     }
     if channel.slope_profile == SLOPE_HSC {
         functions::HSC.check().map_err(MachineError::NotBuilt)?;
