@@ -558,18 +558,22 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
                 self.join(*axes);
             }
             Command::FlushWait(_) if isg => self.flush_and_wait(),
-            Command::Oscillation(..) | Command::Independent(..) if isg && OVERLAYS > 0 => self.hold_back(command),
+            Command::Oscillation(..) | Command::Independent(..) if isg && OVERLAYS > 0 => {
+                self.hold_back(command)
+            }
             Command::WaitIndependent(_, axes) if isg => self.wait_independent(*axes),
             // The exact stop was taken together with the motion. The other commands switch functions off that
             // this version cannot switch on.
             Command::ExactStop(..) | Command::ProgramEnd(..) => {}
-            Command::Contour(head, contour) if isg || functions::DIALECTS.is_built() => self.contour(head, contour)?,
+            Command::Contour(head, contour) if isg || functions::DIALECTS.is_built() => {
+                self.contour(head, contour)?
+            }
             Command::Spline(head, spline) if isg => return self.spline(head, spline),
             Command::Hsc(head, hsc) if isg => return self.hsc(head, hsc),
             Command::Filter(head, filter) if isg && (F::EXIST || !command.switches_off()) => {
                 return self.filter(head, filter);
             }
-            Command::Filter(..) => {}
+            Command::Filter(..) if command.switches_off() => {}
             #[cfg(feature = "kinematics")]
             Command::Kinematics(head, kinematics) => self.transform(head, *kinematics)?,
             #[cfg(not(feature = "kinematics"))]

@@ -8,6 +8,7 @@
 //! | feature | commands | without it |
 //! |---|---|---|
 //! | `isg` (always there without `grbl`) | programs of ISG's controllers | programs are those of Grbl or LinuxCNC |
+//! | `slopes` (always there without `grbl`, needed by `isg`) | the slopes STEP and SIN2: P-CHAN-00071 = 0, 2 | |
 //! | `contour` (needs `isg`) | G61, G261, `#CONTOUR MODE`, `#HSC` | blocks end at their programmed points |
 //! | `surface` (needs `contour` and `hsc`) | `#HSC [SURFACE]` | |
 //! | `splines` (needs `contour` and `hsc`) | G151, `#SPLINE`, `#AKIMA`, `#HSC [BSPLINE]`, `#HSC [OPMODE=2]` | |
@@ -64,6 +65,27 @@ pub const ISG: Function = Function {
     needs: "a program of ISG's controllers is not in this build; expected the library's feature `isg`, or \
             ChannelData::foreign.dialect",
 };
+
+/// The slopes STEP and SIN2. A build without any other language than ISG's always has them.
+pub const SLOPES: Function = Function {
+    built: cfg!(any(feature = "slopes", not(feature = "grbl"))),
+    needs: "a slope STEP or SIN2 (P-CHAN-00071 = 0, 2) is not in this build; expected the library's feature `slopes`",
+};
+
+/// Proof that the build has the slope STEP. Without STEP there is no such value, so the compiler drops what needs one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum StepBuilt {
+    /// The build has STEP.
+    #[cfg(any(feature = "slopes", not(feature = "grbl")))]
+    Yes,
+}
+
+/// The proof, if the build has STEP.
+#[cfg(any(feature = "slopes", not(feature = "grbl")))]
+pub const STEP_BUILT: Option<StepBuilt> = Some(StepBuilt::Yes);
+/// The proof, if the build has STEP.
+#[cfg(not(any(feature = "slopes", not(feature = "grbl"))))]
+pub const STEP_BUILT: Option<StepBuilt> = None;
 
 /// A constant for a feature, and the message of a build without the feature.
 macro_rules! functions {
