@@ -105,7 +105,7 @@ impl<const AXES: usize> Interpreter<AXES> {
 
     /// P of G30: 2 says what holds without it.
     pub(super) fn second_place(&self, place: u8, block: &mut Block<AXES>) -> Result<(), Fault> {
-        if place == 0 || !self.setup.foreign.dialect.is_fanuc() {
+        if place == 0 || !self.setup.foreign.dialect().is_fanuc() {
             return Ok(());
         }
         match block.take(b'P') {

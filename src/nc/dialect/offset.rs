@@ -170,7 +170,7 @@ impl<const AXES: usize> Interpreter<AXES> {
                 let length = self.length_of(number, line)?;
                 // LinuxCNC's machines differ: H0 is no length, or that of the loaded tool.
                 let known = self.setup.foreign.tools.of(loaded).unwrap_or_default();
-                if number.0 == 0 && known != 0 && self.setup.foreign.dialect == Dialect::LinuxCnc {
+                if number.0 == 0 && known != 0 && self.setup.foreign.dialect() == Dialect::LinuxCnc {
                     let what = "H0 with a tool that has a length";
                     return number.1.fault(NcErrorKind::Known { what, hint: "G43 without H, or G49" });
                 }

@@ -501,7 +501,7 @@ impl<const AXES: usize> Interpreter<AXES> {
             let straight =
                 |said: &Said| matches!(said.word.meaning, Meaning::Motion(Mode::Rapid | Mode::Line));
             let homes = matches!(user.word.meaning, Meaning::Home(_));
-            let beside = homes && self.setup.foreign.dialect.is_fanuc();
+            let beside = homes && self.setup.foreign.dialect().is_fanuc();
             if let Some(said) = moves.filter(|said| !(beside && straight(said))) {
                 return said.span.fault(NcErrorKind::Conflict("another use of its axis words"));
             }
