@@ -522,6 +522,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         let refuse = |name| Err(Error::NotAvailable(command.place(), name));
         #[cfg(feature = "kinematics")]
         self.check_under(command)?;
+        let isg = functions::ISG.is_built();
         match command {
             Command::Dwell(head, DwellTime::Seconds(time)) => {
                 let at_corner = self.planning.rounds();
@@ -543,32 +544,36 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
                 return Ok(self.output(Held::new(head, Function::Spindle(*speed))));
             }
             Command::Tool(head, tool) => return Ok(self.output(Held::new(head, Function::Tool(*tool)))),
-            Command::Slope(..) | Command::Weight(..) | Command::VectorLimit(..) => {
+            Command::Slope(..) | Command::Weight(..) | Command::VectorLimit(..) if isg => {
                 self.restrict(command)?;
             }
-            Command::PutAxes(_, axes) => {
+            Command::PutAxes(_, axes) if isg => {
                 self.released |= axes;
                 self.planning.keep_corner();
                 self.join(*axes);
             }
-            Command::CallAxes(_, axes) => {
+            Command::CallAxes(_, axes) if isg => {
                 self.released &= !axes;
                 self.planning.keep_corner();
                 self.join(*axes);
             }
-            Command::FlushWait(_) => self.flush_and_wait(),
-            Command::Oscillation(..) | Command::Independent(..) if OVERLAYS > 0 => self.hold_back(command),
-            Command::WaitIndependent(_, axes) => self.wait_independent(*axes),
+            Command::FlushWait(_) if isg => self.flush_and_wait(),
+            Command::Oscillation(..) | Command::Independent(..) if isg && OVERLAYS > 0 => {
+                self.hold_back(command)
+            }
+            Command::WaitIndependent(_, axes) if isg => self.wait_independent(*axes),
             // The exact stop was taken together with the motion. The other commands switch functions off that
             // this version cannot switch on.
             Command::ExactStop(..) | Command::ProgramEnd(..) => {}
-            Command::Contour(head, contour) => self.contour(head, contour)?,
-            Command::Spline(head, spline) => return self.spline(head, spline),
-            Command::Hsc(head, hsc) => return self.hsc(head, hsc),
-            Command::Filter(head, filter) if F::EXIST || !command.switches_off() => {
+            Command::Contour(head, contour) if isg || functions::DIALECTS.is_built() => {
+                self.contour(head, contour)?
+            }
+            Command::Spline(head, spline) if isg => return self.spline(head, spline),
+            Command::Hsc(head, hsc) if isg => return self.hsc(head, hsc),
+            Command::Filter(head, filter) if isg && (F::EXIST || !command.switches_off()) => {
                 return self.filter(head, filter);
             }
-            Command::Filter(..) => {}
+            Command::Filter(..) if command.switches_off() => {}
             #[cfg(feature = "kinematics")]
             Command::Kinematics(head, kinematics) => self.transform(head, *kinematics)?,
             #[cfg(not(feature = "kinematics"))]

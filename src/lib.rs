@@ -145,6 +145,10 @@
 //! | transition | The point where two blocks or two curves meet. |
 //! | valley | A slow block that is entered braking and left accelerating. |
 //! | way | In names of the code: a braking path, the motion to a stop. |
+#![cfg_attr(
+    all(feature = "grbl", not(feature = "slopes")),
+    allow(unreachable_patterns, reason = "nothing matches STEP in a build without it")
+)]
 #![no_std]
 // Six files of `queue` have unsafe code, and each says why: `ring`, `curves`, `reserve`, `actions`, and their memory,
 // `cells` and `word`.

@@ -1,10 +1,14 @@
 //! Checks whether a channel can work with machine data.
 use super::MachineError;
+#[cfg(feature = "grbl")]
+use crate::machine::Dialect;
 use crate::machine::parameter::{CHANNEL, RangeError, check_all, check_axis};
 use crate::machine::{AxisKind, MachineData, functions};
 use crate::path::measure::FEED_AXES;
 
-/// P-CHAN-00071: HSC.
+/// P-CHAN-00071: STEP, SIN2, HSC.
+const SLOPE_STEP: u8 = 0;
+const SLOPE_SIN2: u8 = 2;
 const SLOPE_HSC: u8 = 3;
 
 /// Checks that every parameter is in its range, and that no two parameters contradict each other.
@@ -30,8 +34,13 @@ pub(super) fn check<const AXES: usize, const BLOCKS: usize>(
         return Err(MachineError::Interpolator(said, expected));
     }
     #[cfg(feature = "grbl")]
-    if channel.foreign.dialect == crate::machine::Dialect::LinuxCnc {
-        functions::DIALECTS.check().map_err(MachineError::NotBuilt)?;
+    match channel.foreign.dialect {
+        Dialect::Isg => functions::ISG.check().map_err(MachineError::NotBuilt)?,
+        Dialect::LinuxCnc => functions::DIALECTS.check().map_err(MachineError::NotBuilt)?,
+        _ => {}
+    }
+    if matches!(channel.slope_profile, SLOPE_STEP | SLOPE_SIN2) {
+        functions::SLOPES.check().map_err(MachineError::NotBuilt)?;
     }
     if channel.slope_profile == SLOPE_HSC {
         functions::HSC.check().map_err(MachineError::NotBuilt)?;

@@ -153,6 +153,7 @@ impl Axis {
     }
 
     /// Converts the planned machine data of an axis.
+    #[cfg_attr(not(feature = "fast"), inline(never))]
     pub(super) fn new(data: &AxisData, channel: &ChannelData, slope: SlopeType) -> Self {
         let units = Units { cycle_s: channel.cycle_us as f32 * 1e-6 };
         let data = &data.planned(channel);
@@ -249,7 +250,7 @@ impl Set {
     fn new(motion: &Motion, data: &AxisData, channel: &ChannelData, slope: SlopeType) -> Self {
         let units = Units { cycle_s: channel.cycle_us as f32 * 1e-6 };
         let Motion { v, a, tr, stages } = *motion;
-        let (stepped, a_max) = (slope == SlopeType::Step, units.accel(data.a_max));
+        let (stepped, a_max) = (slope.is_step(), units.accel(data.a_max));
         let [a_up, a_down] = if stepped { [stages.a[0], stages.d[0]] } else { a }.map(|a| units.accel(a));
         let upper = [stages.a[1], stages.d[1]].map(|a| units.accel(a));
         // HSC has one ramp time: the longest.

@@ -34,6 +34,7 @@ mod vector;
 mod weights;
 
 use crate::machine::MachineData;
+use crate::machine::functions::STEP_BUILT;
 use crate::math::float::{magnitude, max, min, size_f32};
 use crate::nc::{Restriction, Slope, SlopeType, VectorLimit, Weight};
 use crate::path::{Circle, Element};
@@ -443,7 +444,7 @@ impl<const AXES: usize> Dynamics<AXES> {
 
     /// Whether the jerk of a step of curvature is limited (P-CHAN-00009, and a slope with jerk limit).
     pub fn limits_bends(&self) -> bool {
-        self.bends_have_jerk && self.slope != SlopeType::Step
+        self.bends_have_jerk && !self.slope.is_step()
     }
 
     /// The slope of the elements that follow.
@@ -454,16 +455,15 @@ impl<const AXES: usize> Dynamics<AXES> {
 
 /// The limits of a slope before any axis restricts them.
 fn law_of(slope: SlopeType, joins: Joins, change_over: f32) -> SlopeLaw {
-    match slope {
-        SlopeType::Step => {
+    match (slope, STEP_BUILT) {
+        (SlopeType::Step, Some(built)) => {
             let (a_up, a_down, still) = (f32::MAX, f32::MAX, f32::MAX);
-            SlopeLaw::Stepped { change_over, a_up, a_down, still, across: false }
+            SlopeLaw::Stepped { change_over, a_up, a_down, still, across: false, built }
         }
-        SlopeType::Sin2 => {
-            SlopeLaw::JerkLimited { shape: RampShape::SineSquare, joins: Joins::Alike, j: [f32::MAX; 4] }
+        (SlopeType::Sin2, _) => {
+            let shape = RampShape::SineSquare.built();
+            SlopeLaw::JerkLimited { shape, joins: Joins::Alike, j: [f32::MAX; 4] }
         }
-        SlopeType::Trapez | SlopeType::Hsc => {
-            SlopeLaw::JerkLimited { shape: RampShape::Linear, joins, j: [f32::MAX; 4] }
-        }
+        _ => SlopeLaw::JerkLimited { shape: RampShape::Linear, joins, j: [f32::MAX; 4] },
     }
 }

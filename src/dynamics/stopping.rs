@@ -166,7 +166,7 @@ impl<const AXES: usize> Dynamics<AXES> {
         let stage = passed.stage;
         let kinds = [false, true].into_iter().filter(|kind| passed.rapid.is_none_or(|rapid| rapid == *kind));
         for rapid in kinds {
-            if self.slope == SlopeType::Step {
+            if self.slope.is_step() {
                 let a = braking.a.get_mut(stage)?;
                 *a = min(*a, self.stage(swings, passed, rapid));
                 continue;

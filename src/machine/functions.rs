@@ -7,11 +7,13 @@
 //!
 //! | feature | commands | without it |
 //! |---|---|---|
-//! | `contour` | G61, G261, `#CONTOUR MODE`, `#HSC` | blocks end at their programmed points |
+//! | `isg` (always there without `grbl`) | programs of ISG's controllers | programs are those of Grbl or LinuxCNC |
+//! | `slopes` (always there without `grbl`, needed by `isg`) | the slopes STEP and SIN2: P-CHAN-00071 = 0, 2 | |
+//! | `contour` (needs `isg`) | G61, G261, `#CONTOUR MODE`, `#HSC` | blocks end at their programmed points |
 //! | `surface` (needs `contour` and `hsc`) | `#HSC [SURFACE]` | |
 //! | `splines` (needs `contour` and `hsc`) | G151, `#SPLINE`, `#AKIMA`, `#HSC [BSPLINE]`, `#HSC [OPMODE=2]` | |
 //! | `hsc` | the slope HSC: `#SLOPE [TYPE=HSC]`, P-CHAN-00071 = 3 | |
-//! | `expressions` | `P` parameters, operators and functions, `$` statements | words have plain numbers; subroutines stay |
+//! | `expressions` (needs `isg`) | `P` parameters, operators and functions, `$` statements | words have plain numbers; subroutines stay |
 //! | `filters` | `#FILTER`, P-AXIS-00586 | |
 //! | `beside` | `[OSC …]`, `[INDP …]`, `#WAIT INDP` | |
 //! | `grbl` (off by default) | the words of Grbl 1.1 | programs are ISG's |
@@ -56,6 +58,34 @@ impl Function {
 /// Whether this is a small build: a build without Surface and splines. A small build has less room in the
 /// queue.
 pub const IS_SMALL: bool = !SURFACE.is_built() && !SPLINES.is_built();
+
+/// Programs of ISG's controllers. A build without any other language always has them.
+pub const ISG: Function = Function {
+    built: cfg!(any(feature = "isg", not(feature = "grbl"))),
+    needs: "a program of ISG's controllers is not in this build; expected the library's feature `isg`, or \
+            ChannelData::foreign.dialect",
+};
+
+/// The slopes STEP and SIN2. A build without any other language than ISG's always has them.
+pub const SLOPES: Function = Function {
+    built: cfg!(any(feature = "slopes", not(feature = "grbl"))),
+    needs: "a slope STEP or SIN2 (P-CHAN-00071 = 0, 2) is not in this build; expected the library's feature `slopes`",
+};
+
+/// Proof that the build has the slope STEP. Without STEP there is no such value, so the compiler drops what needs one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum StepBuilt {
+    /// The build has STEP.
+    #[cfg(any(feature = "slopes", not(feature = "grbl")))]
+    Yes,
+}
+
+/// The proof, if the build has STEP.
+#[cfg(any(feature = "slopes", not(feature = "grbl")))]
+pub const STEP_BUILT: Option<StepBuilt> = Some(StepBuilt::Yes);
+/// The proof, if the build has STEP.
+#[cfg(not(any(feature = "slopes", not(feature = "grbl"))))]
+pub const STEP_BUILT: Option<StepBuilt> = None;
 
 /// A constant for a feature, and the message of a build without the feature.
 macro_rules! functions {

@@ -2,7 +2,7 @@
 #[cfg(feature = "grbl")]
 use super::dialect::ForeignSetup;
 use super::function::*;
-use crate::machine::{AxisKind, AxisName, MachineData, SynchTable, ZERO_OFFSETS, of_tenths};
+use crate::machine::{AxisKind, AxisName, MachineData, SynchTable, ZERO_OFFSETS, functions, of_tenths};
 use crate::quantity::{Feed, Position};
 #[cfg(feature = "grbl")]
 use crate::technology::{Function, InputWait};
@@ -383,6 +383,10 @@ impl<const AXES: usize> Command<AXES> {
     /// Name of the command in the language, for messages.
     pub const fn name(&self) -> &'static str {
         match self {
+            // Nothing else asks for the name of its command in a build without ISG's words.
+            #[cfg(feature = "grbl")]
+            Self::Probe(..) => "probing (G38.2 to G38.5)",
+            _ if !functions::ISG.is_built() => "a word of ISG's controllers",
             Self::Motion(motion) => match motion.kind {
                 MotionKind::Rapid => "G00",
                 MotionKind::Line => "G01",
@@ -434,8 +438,6 @@ impl<const AXES: usize> Command<AXES> {
             Self::Flush(_) => "#FLUSH",
             #[cfg(feature = "plc")]
             Self::ExplicitSynch(_) => "#EXPL SYN",
-            #[cfg(feature = "grbl")]
-            Self::Probe(..) => "probing (G38.2 to G38.5)",
         }
     }
 }

@@ -7,7 +7,7 @@ use super::interpreter::{Bounds, Gathered, Interpreter, Next, Phase, Refusal};
 use super::line::{Fill, Line, LineReader, Mark};
 use super::modal::Before;
 use super::*;
-use crate::machine::MachineData;
+use crate::machine::{MachineData, functions};
 #[cfg(feature = "grbl")]
 use crate::technology::Function;
 
@@ -183,7 +183,7 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
     /// weights, path limits.
     pub(crate) fn restricts(&self) -> bool {
         let Interpreter { gathered, warnings, .. } = &*self.interpreter;
-        if !warnings.is_empty() || self.refused {
+        if !functions::ISG.is_built() || !warnings.is_empty() || self.refused {
             return false;
         }
         if let Gathered::Single(command) = gathered {
@@ -520,6 +520,7 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
                 let path_dev = Some(deviation);
                 Command::Contour(head, Contour { switch, method, path_dev, ..Contour::default() })
             }
+            ItemKind::WeightAll(..) | ItemKind::WeightAxes(_) if !functions::ISG.is_built() => return None,
             ItemKind::WeightAll(kind, percent) => {
                 Command::Weight(head, Weight { kind, percent: [Some(percent); AXES] })
             }

@@ -3,6 +3,7 @@
 //!
 //! Lengths are in mm, angles in degrees, both with LSB 2^-32, rounded to nearest.
 use super::Place;
+use crate::machine::functions;
 use crate::quantity::Position;
 
 /// A number with its own unit (percent, seconds, Hz, 1/min), LSB 2^-32, rounded to nearest.
@@ -69,6 +70,12 @@ pub enum SlopeType {
 }
 
 impl SlopeType {
+    /// Whether this is STEP, in a build that has STEP.
+    #[inline(always)]
+    pub const fn is_step(self) -> bool {
+        functions::SLOPES.is_built() && matches!(self, Self::Step)
+    }
+
     /// The slope with this number of P-CHAN-00071.
     pub const fn of_profile(profile: u8) -> Self {
         match profile {

@@ -9,6 +9,7 @@
 #![expect(clippy::neg_cmp_op_on_partial_ord, reason = "`!(a <= b)` is meant to hold for what is no number")]
 
 use crate::math::divide::div_wide;
+use crate::math::root::sqrt_wide;
 use crate::math::wide::mul_wide;
 
 const LN2_HIGH: f64 = 0.693_147_180_369_123_8; // 33 bits, so that k·LN2_HIGH is exact for |k| < 2^20
@@ -315,6 +316,7 @@ pub(super) fn acos(x: f64) -> Option<f64> {
 }
 
 /// Square root, correctly rounded (ties cannot occur); 0 for values that are not positive.
+#[inline(never)]
 pub(super) fn sqrt(x: f64) -> f64 {
     if !(x > 0.0) {
         return 0.0;
@@ -329,10 +331,9 @@ pub(super) fn sqrt(x: f64) -> f64 {
     // x = m·2^e with e even and m of 107 or 108 bits: a root of 54 bits.
     let shift = if exponent & 1 == 0 { 54 } else { 55 };
     let m = mantissa << shift;
-    let root = m.isqrt();
-    let sticky = u64::from(root * root != m);
+    let root = sqrt_wide((m >> 64) as u64, m as u64);
+    let sticky = u64::from(u128::from(root) * u128::from(root) != m);
     let half = (exponent - shift) / 2;
-    let root = root as u64;
     // 54 bits and a sticky bit: rounded to 53 bits, to nearest.
     let rounded = (root >> 1) + (root & 1 & (sticky | (root >> 1) & 1));
     rounded as f64 * power_of_two(half + 1) * scale

@@ -48,7 +48,7 @@ pub fn is_short(profile: &Profile) -> bool {
         let ramp = |time: u64| match change.form {
             Form::JerkLimited(RampShape::SineSquare) => 8 * time.div_ceil(512),
             Form::JerkLimited(RampShape::Linear) => time.div_ceil(128),
-            Form::Stepped => time.div_ceil(512),
+            Form::Stepped(_) => time.div_ceil(512),
         };
         ramp(first) + hold.div_ceil(512) + ramp(last)
     };

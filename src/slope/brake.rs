@@ -206,7 +206,7 @@ impl Brake {
             return 0.0;
         }
         let before = mm(profile.up.length()) + size_f32(profile.cruise) * (1.0 / (1u64 << 36) as f32) * v0;
-        let stepped = matches!(down.form, Form::Stepped);
+        let stepped = matches!(down.form, Form::Stepped(_));
         // A part with constant acceleration between two speeds.
         let even = |from: f32, to: f32, time: f32| {
             time * ((from - v) / max(from - to, f32::MIN_POSITIVE)) * (0.5 * (from + v))

@@ -11,6 +11,7 @@ use super::area;
 use super::brake::Brake;
 use super::profile::{Change, Form, Profile};
 use super::ramp_shape::{RampShape, sine_node, sine_piece, sine_square};
+use crate::machine::functions;
 use crate::math::divide::reciprocal_near;
 use crate::math::wide::{mul_hi, mul_near, mul_shift, mul_u32, mul_wide};
 use crate::quantity::{Accel, Distance, Jerk, Speed, Time};
@@ -222,9 +223,11 @@ impl Slots<'_> {
     fn lay_out(&mut self, change: &Change, from: i64) -> i64 {
         let mut at = from;
         let kinds = match change.form {
-            Form::JerkLimited(RampShape::Linear) => [Kind::Rise, Kind::Hold, Kind::Fall],
-            Form::JerkLimited(RampShape::SineSquare) => [Kind::SineRise, Kind::Hold, Kind::SineFall],
-            Form::Stepped => [Kind::Hold; 3],
+            Form::JerkLimited(shape) => match shape.built() {
+                RampShape::Linear => [Kind::Rise, Kind::Hold, Kind::Fall],
+                RampShape::SineSquare => [Kind::SineRise, Kind::Hold, Kind::SineFall],
+            },
+            Form::Stepped(_) => [Kind::Hold; 3],
         };
         for (k, kind) in kinds.into_iter().enumerate() {
             // There are three parts. Builds that are optimised for size need `min` so that the compiler knows
@@ -269,7 +272,7 @@ impl Part {
         };
         if delta == 0 {
             *phase = self.cruise(t);
-        } else if matches!(self.kind, Kind::SineRise | Kind::SineFall) {
+        } else if functions::SLOPES.is_built() && matches!(self.kind, Kind::SineRise | Kind::SineFall) {
             longest = LONGEST_SINE;
             (*phase, end) = self.sine_piece(per_time, t);
             // The end is after the current tick, for any rounding.

@@ -5,6 +5,7 @@
 //! accelerations are small.
 use super::limits::{Joins, Limits, Loose, SlopeLaw, lower};
 use super::ramp_shape::RampShape;
+use crate::machine::functions::STEP_BUILT;
 use crate::math::float::{max, min};
 
 /// The numbers of limits.
@@ -89,12 +90,13 @@ impl Numbers {
     pub fn limits(&self, kind: LawKind) -> Limits {
         let (v, [a_up, a_down], [w, x, y, z]) = (self.v, self.a, self.law);
         let (stays, stepped) = (kind.stays(), kind.0 & LawKind::STEPPED != 0);
-        let law = if stepped {
+        let law = if let (true, Some(built)) = (stepped, STEP_BUILT) {
             let across = kind.0 & LawKind::LAW == LawKind::ACROSS;
-            SlopeLaw::Stepped { change_over: w, a_up: x, a_down: if stays { x } else { y }, still: z, across }
+            let (change_over, a_up, a_down) = (w, x, if stays { x } else { y });
+            SlopeLaw::Stepped { change_over, a_up, a_down, still: z, across, built }
         } else {
             let sine = kind.0 & LawKind::SINE != 0;
-            let shape = if sine { RampShape::SineSquare } else { RampShape::Linear };
+            let shape = if sine { RampShape::SineSquare.built() } else { RampShape::Linear };
             SlopeLaw::JerkLimited {
                 shape,
                 joins: kind.joins(),
@@ -140,7 +142,7 @@ impl Limits {
                 let law = if stays { [min(j[0], j[1]), min(j[2], j[3]), 0.0, a] } else { j };
                 (law, shape as u8 | joins as u8)
             }
-            SlopeLaw::Stepped { change_over, a_up, a_down, still, across } => {
+            SlopeLaw::Stepped { change_over, a_up, a_down, still, across, .. } => {
                 let kind = if across { LawKind::ACROSS } else { LawKind::STEPPED };
                 let upper = if stays { [min(a_up, a_down), a] } else { [a_up, a_down] };
                 ([change_over, upper[0], upper[1], still], kind)

@@ -2,6 +2,7 @@
 //! the ramps of these limits.
 use super::ramp::{JerkLimited, Ramp, Stepped};
 use super::ramp_shape::RampShape;
+use crate::machine::functions::StepBuilt;
 use crate::math::float::{magnitude, max, min};
 use crate::math::root::sqrt_f32;
 use crate::quantity::{Speed, speed_f32};
@@ -71,6 +72,8 @@ pub enum SlopeLaw {
         still: f32,
         /// Whether the curve's part of the acceleration is at a right angle to the path.
         across: bool,
+        /// The build has STEP.
+        built: StepBuilt,
     },
 }
 
@@ -488,8 +491,8 @@ impl Limits {
             SlopeLaw::JerkLimited { shape, j: [rise, fall, ..], .. } => {
                 Ramp::JerkLimited(JerkLimited::new(shape, self.a_up, rise, fall))
             }
-            SlopeLaw::Stepped { change_over, a_up, .. } => {
-                Ramp::Stepped(Stepped { a: [self.a_up, a_up], change_over })
+            SlopeLaw::Stepped { change_over, a_up, built, .. } => {
+                Ramp::Stepped(Stepped { a: [self.a_up, a_up], change_over, built })
             }
         }
     }
@@ -500,8 +503,8 @@ impl Limits {
             SlopeLaw::JerkLimited { shape, j: [.., rise, fall], .. } => {
                 Ramp::JerkLimited(JerkLimited::new(shape, self.a_down, fall, rise))
             }
-            SlopeLaw::Stepped { change_over, a_down, .. } => {
-                Ramp::Stepped(Stepped { a: [self.a_down, a_down], change_over })
+            SlopeLaw::Stepped { change_over, a_down, built, .. } => {
+                Ramp::Stepped(Stepped { a: [self.a_down, a_down], change_over, built })
             }
         }
     }

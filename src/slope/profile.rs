@@ -11,6 +11,7 @@
 use super::area;
 use super::ramp::{JerkLimited, Ramp, Stepped, root_of_cubic};
 use super::ramp_shape::RampShape;
+use crate::machine::functions::StepBuilt;
 use crate::math::divide::{div_shift, div_wide};
 use crate::math::float::{max, min, size_f32, to_bits, to_f32};
 use crate::math::root::sqrt_f32;
@@ -25,7 +26,7 @@ pub enum Form {
     /// Acceleration rises, is constant, and falls.
     JerkLimited(RampShape),
     /// One constant acceleration, an unused part, and another constant acceleration.
-    Stepped,
+    Stepped(StepBuilt),
 }
 
 impl Default for Form {
@@ -137,7 +138,7 @@ impl Change {
                 let time = |dv: i64, a: f32| bits(speed_f32(dv) / a);
                 let times = [time(middle - low, ramp.a[0]), 0, time(high - middle, ramp.a[1])];
                 self.speeds[1] = middle;
-                self.set(Form::Stepped, v0, v1, ordered(times));
+                self.set(Form::Stepped(ramp.built), v0, v1, ordered(times));
             }
         }
     }
@@ -149,7 +150,7 @@ impl Change {
         self.form = form;
         let shape = match form {
             Form::JerkLimited(shape) => shape,
-            Form::Stepped => return self.set_stepped(v0, v1, times),
+            Form::Stepped(_) => return self.set_stepped(v0, v1, times),
         };
         let dv = v1 - v0;
         if dv == 0 {

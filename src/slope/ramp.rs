@@ -16,6 +16,7 @@
 //! A braking is the same motion backward: the ramp at its end comes first. All values are `f32`, in ticks and
 //! mm. The planner derives the times from them; the integers of [`super::profile`] use these times.
 use super::ramp_shape::RampShape;
+use crate::machine::functions::{STEP_BUILT, StepBuilt};
 use crate::math::float::{max, min};
 use crate::math::root::{cbrt_guess, sqrt_f32};
 
@@ -30,7 +31,17 @@ pub enum Ramp {
 
 impl Ramp {
     /// No change of speed.
-    pub const NONE: Self = Self::Stepped(Stepped { a: [0.0; 2], change_over: 0.0 });
+    pub const NONE: Self = match STEP_BUILT {
+        Some(built) => Self::Stepped(Stepped { a: [0.0; 2], change_over: 0.0, built }),
+        None => Self::JerkLimited(JerkLimited {
+            shape: RampShape::Linear,
+            a: 0.0,
+            rise: 0.0,
+            fall: 0.0,
+            full: 0.0,
+            cubic: 0.0,
+        }),
+    };
 
     /// The same change of speed with linear ramps.
     pub fn linear(self) -> Self {
@@ -106,6 +117,8 @@ pub struct Stepped {
     pub a: [f32; 2],
     /// Speed at which the second acceleration follows the first.
     pub change_over: f32,
+    /// The build has STEP.
+    pub built: StepBuilt,
 }
 
 impl Stepped {
@@ -143,7 +156,7 @@ impl Stepped {
         // Length per half the square of the speed, for both ramps together.
         let both = |stage: usize| 1.0 / (1.0 / up.a[stage] + 1.0 / down.a[stage]);
         let change_over = min(up.change_over, down.change_over);
-        Self { a: [both(0), both(1)], change_over }.reach(low, length)
+        Self { a: [both(0), both(1)], change_over, built: up.built }.reach(low, length)
     }
 }
 

@@ -12,6 +12,7 @@
 //! Between the nodes, the acceleration of [`RampShape::SineSquare`] differs from sin² by at most 0.95 % of
 //! its peak. The mean speed differs by 0.26 % of the speed gained (1/2 − 2/π² for the sine). If both ends of
 //! a change have equal ramps, these errors cancel: the change takes the time and the distance of the sine.
+use crate::machine::functions;
 use crate::math::float::{max, min, to_f32};
 use crate::math::root::sqrt_f32;
 use crate::math::wide::mul_near;
@@ -90,9 +91,15 @@ pub struct Bent {
 }
 
 impl RampShape {
+    /// The shape, among those of this build.
+    #[inline(always)]
+    pub const fn built(self) -> Self {
+        if functions::SLOPES.is_built() { self } else { Self::Linear }
+    }
+
     /// Mean speed gained during the ramp, as a part of the whole gain, LSB 2^-62.
     pub const fn mean(self) -> i64 {
-        match self {
+        match self.built() {
             Self::Linear => ONE / 3,
             Self::SineSquare => {
                 let last = TABLE[PIECES - 1];
@@ -105,7 +112,7 @@ impl RampShape {
     /// q and 1/2 − q: distance of a ramp from a stop and of a mirrored ramp, divided by peak acceleration
     /// times time squared.
     pub const fn distances(self) -> [f32; 2] {
-        match self {
+        match self.built() {
             Self::Linear => [1.0 / 6.0, 1.0 / 3.0],
             Self::SineSquare => [0.149_970_8, 0.350_029_2],
         }
@@ -113,7 +120,7 @@ impl RampShape {
 
     /// Highest jerk, divided by peak acceleration over time.
     pub const fn peak_jerk(self) -> f32 {
-        match self {
+        match self.built() {
             Self::Linear => 1.0,
             Self::SineSquare => core::f32::consts::FRAC_PI_2,
         }
@@ -122,7 +129,7 @@ impl RampShape {
     /// u at which a ramp from a stop has gained the part `gained` of its speed, and the distance in the unit
     /// of [`Bent`].
     pub fn reaches(self, gained: f32) -> [f32; 2] {
-        match self {
+        match self.built() {
             Self::Linear => {
                 let u = sqrt_f32(gained);
                 [u, u * gained * (1.0 / 3.0)]

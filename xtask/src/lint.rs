@@ -17,7 +17,7 @@ const CORES: [&str; 5] = [
 ];
 
 /// Functions that a build may leave out: each function is checked alone.
-const FUNCTIONS: [&str; 14] = [
+const FUNCTIONS: [&str; 15] = [
     "contour",
     "surface",
     "splines",
@@ -26,6 +26,7 @@ const FUNCTIONS: [&str; 14] = [
     "filters",
     "beside",
     "grbl",
+    "hsc,grbl",
     "dialects",
     "fanuc",
     "kinematics",

@@ -119,7 +119,7 @@ fn host_tests() -> Result<(), String> {
         command.args(["test", "--release", "--features", features]);
         shell::run(command.env("CARGO_TARGET_DIR", shell::root().join("target")))?;
     }
-    for features in ["grbl", "dialects"] {
+    for features in ["grbl", "dialects", "grbl,hsc", "grbl,hsc,isg"] {
         let mut command = shell::cargo(&shell::root().join(WITHOUT));
         command.args(["test", "--release", "--features", features, "--test", "grbl"]);
         shell::run(command.env("CARGO_TARGET_DIR", shell::root().join("target")))?;

@@ -16,7 +16,7 @@ const TOWER: [(&str, &str); 24] = [
     ("control", "machine technology"),
     ("queue", "math quantity machine technology path control"),
     ("fir", "math quantity machine nc queue"),
-    ("slope", "math quantity queue"),
+    ("slope", "math quantity machine queue"),
     ("dynamics", "math quantity machine nc path fir slope"),
     ("single", "math quantity queue slope"),
     ("smooth", "math quantity nc path slope dynamics"),

@@ -1,5 +1,6 @@
 //! The words of Grbl 1.1 alone, feature `grbl`: they give the set points of a build with all dialects, and what such a build
 //! lacks is refused by its name. Run with `--features grbl`, and with `--features dialects`, which refuses none of it.
+//! With `--features grbl,hsc`, and with `isg` besides, the slope HSC has one digest.
 use glidepath::channel::MachineError;
 use glidepath::machine::Dialect;
 use glidepath::{
@@ -21,8 +22,14 @@ fn machine(dialect: Dialect) -> MachineData<3> {
 
 /// Where the axes stand at the end, mm, a hash of all set points (FNV-1a over their bits), and what was refused.
 fn run(program: &str) -> ([f64; 3], u64, Vec<(u32, u32, String)>) {
+    run_with(program, 1)
+}
+
+/// The same with this slope (P-CHAN-00071).
+fn run_with(program: &str, slope: u8) -> ([f64; 3], u64, Vec<(u32, u32, String)>) {
     let mut memory = Box::new(Channel::<3, 30>::new());
-    let machine = machine(Dialect::Grbl);
+    let mut machine = machine(Dialect::Grbl);
+    machine.channel.slope_profile = slope;
     let handles = memory.split(&machine, [Position::ZERO; 3], program.as_bytes()).expect("machine data");
     let Handles { mut planner, mut interpolator, operator } = handles;
     let (mut refused, mut hash) = (Vec::new(), 0xcbf2_9ce4_8422_2325_u64);
@@ -90,6 +97,46 @@ fn set_points_are_those_of_all_dialects() {
     assert_eq!(refused, []);
     assert_eq!(end[2], 5.0);
     assert_eq!(hash, HASH, "{hash:#x}, the axes end at {end:?}");
+}
+
+/// Of a build with all functions.
+#[cfg(feature = "hsc")]
+const HASH_HSC: u64 = 0x517f_680a_8978_e0f1;
+
+#[cfg(feature = "hsc")]
+#[test]
+fn set_points_of_hsc_are_those_of_all_functions() {
+    let (end, hash, refused) = run_with(PROGRAM, 3);
+    assert_eq!(refused, []);
+    assert_eq!(end[2], 5.0);
+    assert_eq!(hash, HASH_HSC, "{hash:#x}, the axes end at {end:?}");
+}
+
+/// The feature that the refusal of machine data names, if it is refused.
+fn needed(dialect: Dialect, slope: u8) -> Option<String> {
+    let mut memory = Box::new(Channel::<3, 30>::new());
+    let mut machine = machine(dialect);
+    machine.channel.slope_profile = slope;
+    match memory.split(&machine, [Position::ZERO; 3], b"M2\n".as_slice()).map(|_| ()) {
+        Ok(()) => None,
+        Err(MachineError::NotBuilt(what)) => {
+            let from = what.find("feature `").unwrap_or(0);
+            Some(what[from..].split('`').nth(1).unwrap_or(what).to_owned())
+        }
+        Err(error) => panic!("{error:?}"),
+    }
+}
+
+/// A build for Grbl's words alone says which feature has the language of ISG, and which the slopes STEP and SIN2.
+#[test]
+fn machine_data_of_what_is_left_out_is_refused_with_the_feature() {
+    let isg = cfg!(feature = "isg");
+    assert_eq!(needed(Dialect::Isg, 1), (!isg).then(|| "isg".to_owned()));
+    for slope in [0, 2] {
+        assert_eq!(needed(Dialect::Grbl, slope), (!isg).then(|| "slopes".to_owned()), "slope {slope}");
+    }
+    assert_eq!(needed(Dialect::Grbl, 1), None);
+    assert_eq!(needed(Dialect::Grbl, 3), (!cfg!(feature = "hsc")).then(|| "hsc".to_owned()));
 }
 
 #[cfg(not(feature = "dialects"))]

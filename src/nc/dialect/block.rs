@@ -101,7 +101,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         while !c.at_end() {
             let mark = c.mark();
             let letter = c.peek_upper();
-            if self.setup.foreign.dialect.is_fanuc() {
+            if self.setup.foreign.dialect().is_fanuc() {
                 no_macro(c)?;
             }
             if letter == b'#' {
@@ -109,14 +109,14 @@ impl<const AXES: usize> Interpreter<AXES> {
                 continue;
             }
             if letter == b'$'
-                && self.setup.foreign.dialect == Dialect::LinuxCnc
+                && self.setup.foreign.dialect() == Dialect::LinuxCnc
                 && !spindle
                 && self.read_spindle(c)?
             {
                 spindle = true;
                 continue;
             }
-            if letter == b'/' && self.setup.foreign.dialect.is_fanuc() {
+            if letter == b'/' && self.setup.foreign.dialect().is_fanuc() {
                 if self.setup.foreign.block_delete {
                     break;
                 }
@@ -183,7 +183,7 @@ impl<const AXES: usize> Interpreter<AXES> {
 
     /// Notes whether the number has a decimal point.
     fn note_point(&self, c: &Cursor<'_>, given: Given, letter: u8, block: &mut Block<AXES>) {
-        if self.setup.foreign.dialect.is_fanuc() && !c.part(given.span).contains(&b'.') {
+        if self.setup.foreign.dialect().is_fanuc() && !c.part(given.span).contains(&b'.') {
             block.pointless |= 1_u32.wrapping_shl(u32::from(letter.wrapping_sub(b'A')));
         }
     }
@@ -212,7 +212,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         block: &mut Block<AXES>,
     ) -> Result<(), Fault> {
         let Some(axis) = self.letters.axis(letter) else {
-            if letter == b'U' && self.setup.foreign.dialect.is_fanuc() {
+            if letter == b'U' && self.setup.foreign.dialect().is_fanuc() {
                 return self.read_letter(c, mark, letter, block);
             }
             return c.since(mark).fault(NcErrorKind::AxisNotHere);
@@ -253,7 +253,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         if matches!(c.peek_upper(), b'#' | b'[')
             || c.peek().is_ascii_alphabetic() && c.next().is_ascii_alphabetic()
         {
-            if self.setup.foreign.dialect.is_fanuc() {
+            if self.setup.foreign.dialect().is_fanuc() {
                 return c.here().fault(MACRO);
             }
             if !functions::DIALECTS.is_built() {
@@ -276,9 +276,9 @@ impl<const AXES: usize> Interpreter<AXES> {
     ) -> Result<(), Fault> {
         let given = self.read_value(c, mark)?;
         let span = given.span;
-        let unknown = Fault { span, kind: NcErrorKind::UnknownCode(self.setup.foreign.dialect.name()) };
+        let unknown = Fault { span, kind: NcErrorKind::UnknownCode(self.setup.foreign.dialect().name()) };
         let tenths = tenths(given.number).ok_or(unknown)?;
-        let word = find(self.setup.foreign.dialect, letter, tenths).ok_or(unknown)?;
+        let word = find(self.setup.foreign.dialect(), letter, tenths).ok_or(unknown)?;
         if let Err(hint) = word.is_built() {
             return span.fault(NcErrorKind::Known { what: word.text, hint });
         }

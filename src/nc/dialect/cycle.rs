@@ -30,7 +30,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         let known = self.foreign.now.cycle.filter(|cycle| cycle.kind == kind);
         let from = self.foreign.now.cycle.map_or(here, |cycle| cycle.from);
         let cycle = self.cycle_of(kind, block, (known, from, axis), span)?;
-        let fanuc = self.setup.foreign.dialect.is_fanuc();
+        let fanuc = self.setup.foreign.dialect().is_fanuc();
         let by_k = if fanuc { block.take(b'K') } else { None };
         let repeats = match by_k.or_else(|| block.take(b'L')) {
             Some(given) => {
@@ -94,7 +94,7 @@ impl<const AXES: usize> Interpreter<AXES> {
     /// Direction of the spindle after the hole.
     fn turn_of(&self, kind: CycleKind, span: Span) -> Result<u16, Fault> {
         let spindle = self.foreign.now.spindle;
-        let fanuc = self.setup.foreign.dialect.is_fanuc();
+        let fanuc = self.setup.foreign.dialect().is_fanuc();
         match kind {
             CycleKind::Tap | CycleKind::TapLeft => {
                 let (wanted, missing) = match kind {
@@ -162,7 +162,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         {
             cycle.back = self.above_zero(given, axis, "D")?;
         }
-        let fanuc = self.setup.foreign.dialect.is_fanuc();
+        let fanuc = self.setup.foreign.dialect().is_fanuc();
         if kind.dwells() || fanuc && kind.pecks() {
             let is_ms = block.is_pointless(b'P');
             let dwell = block.take(b'P').map(|given| self.seconds(given, is_ms)).transpose()?;

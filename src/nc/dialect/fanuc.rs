@@ -44,7 +44,7 @@ impl<const AXES: usize> Interpreter<AXES> {
     /// Converts numbers without a decimal point: lengths count in 0.001 mm or 0.0001 inch, angles in 0.001
     /// degrees. `inch`: unit of the block.
     pub(super) fn least_increments(&mut self, block: &mut Block<AXES>, inch: bool, line: &Line) {
-        if !self.setup.foreign.dialect.is_fanuc() || block.pointless == 0 {
+        if !self.setup.foreign.dialect().is_fanuc() || block.pointless == 0 {
             return;
         }
         let places = if inch { 4 } else { 3 };
@@ -91,7 +91,7 @@ impl<const AXES: usize> Interpreter<AXES> {
 
     /// Drops letters that Fanuc accepts without effect: D without G41, and H0.
     pub(super) fn drop_unused(&mut self, block: &mut Block<AXES>) {
-        if !self.setup.foreign.dialect.is_fanuc() {
+        if !self.setup.foreign.dialect().is_fanuc() {
             return;
         }
         let _ = block.take(b'D');
@@ -105,7 +105,7 @@ impl<const AXES: usize> Interpreter<AXES> {
 
     /// P of G30: 2 says what holds without it.
     pub(super) fn second_place(&self, place: u8, block: &mut Block<AXES>) -> Result<(), Fault> {
-        if place == 0 || !self.setup.foreign.dialect.is_fanuc() {
+        if place == 0 || !self.setup.foreign.dialect().is_fanuc() {
             return Ok(());
         }
         match block.take(b'P') {
@@ -119,7 +119,7 @@ impl<const AXES: usize> Interpreter<AXES> {
 
     /// X or U of G4, and whether the value counts milliseconds.
     pub(super) fn dwell_by_axis(&self, block: &mut Block<AXES>) -> Option<(Given, bool)> {
-        if !self.setup.foreign.dialect.is_fanuc() {
+        if !self.setup.foreign.dialect().is_fanuc() {
             return None;
         }
         for letter in [b'X', b'U'] {

@@ -32,7 +32,7 @@ use super::interpreter::{Gathered, Interpreter, Next, Phase, Refusal};
 use super::line::Line;
 use super::modal::{Before, Modal, Mode};
 use super::{DwellTime, Motion, MotionKind, NcWarningKind, Place, Span};
-use crate::machine::{AxisKind, Dialect, MORE_OFFSETS, MachineData, ToolLengths, of_tenths};
+use crate::machine::{AxisKind, Dialect, MORE_OFFSETS, MachineData, ToolLengths, functions, of_tenths};
 use crate::quantity::{Feed, Position};
 use crate::technology::Function;
 use core::cell::Cell;
@@ -61,6 +61,16 @@ pub struct ForeignSetup<const AXES: usize> {
 }
 
 impl<const AXES: usize> ForeignSetup<AXES> {
+    /// The dialect, among those of this build.
+    #[inline(always)]
+    pub(super) const fn dialect(&self) -> Dialect {
+        match self.dialect {
+            Dialect::Isg if functions::ISG.is_built() => Dialect::Isg,
+            _ if !functions::DIALECTS.is_built() => Dialect::Grbl,
+            dialect => dialect,
+        }
+    }
+
     /// The setup for ISG's language.
     pub(super) const ISG: Self = Self {
         dialect: Dialect::Isg,
@@ -236,8 +246,9 @@ impl<const AXES: usize> Foreign<AXES> {
 
 impl<const AXES: usize> Interpreter<AXES> {
     /// Whether programs are in ISG's language.
+    #[inline(always)]
     pub fn is_isg(&self) -> bool {
-        self.setup.foreign.dialect == Dialect::Isg
+        functions::ISG.is_built() && self.setup.foreign.dialect() == Dialect::Isg
     }
 
     /// Whether a plain line means the same in the current dialect.
@@ -246,7 +257,7 @@ impl<const AXES: usize> Interpreter<AXES> {
             || self.foreign.plain
                 && self.foreign.note.is_none()
                 && !self.foreign.calls.skips()
-                && (!self.setup.foreign.dialect.is_fanuc() || fanuc::has_points(line.bytes()))
+                && (!self.setup.foreign.dialect().is_fanuc() || fanuc::has_points(line.bytes()))
     }
 
     /// Sets the state at the start of a channel.
@@ -393,7 +404,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         if let Some(next) = self.end_of_called_file() {
             return Ok(next);
         }
-        if self.phase == Phase::Running && self.setup.foreign.dialect != Dialect::Grbl {
+        if self.phase == Phase::Running && self.setup.foreign.dialect() != Dialect::Grbl {
             self.warn_at(here, NcWarningKind::NoProgramEnd);
         }
         self.phase = Phase::Ended;

@@ -109,7 +109,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         {
             return given.span.fault(NcErrorKind::Known { what: "rotation", hint: "G10 without R" });
         }
-        let fanuc = self.setup.foreign.dialect.is_fanuc();
+        let fanuc = self.setup.foreign.dialect().is_fanuc();
         if fanuc && kind.0 == 20 {
             return kind.1.fault(NcErrorKind::Known { what: "further zero offsets", hint: "G10 L2" });
         }
@@ -170,7 +170,7 @@ impl<const AXES: usize> Interpreter<AXES> {
                 let length = self.length_of(number, line)?;
                 // LinuxCNC's machines differ: H0 is no length, or that of the loaded tool.
                 let known = self.setup.foreign.tools.of(loaded).unwrap_or_default();
-                if number.0 == 0 && known != 0 && self.setup.foreign.dialect == Dialect::LinuxCnc {
+                if number.0 == 0 && known != 0 && self.setup.foreign.dialect() == Dialect::LinuxCnc {
                     let what = "H0 with a tool that has a length";
                     return number.1.fault(NcErrorKind::Known { what, hint: "G43 without H, or G49" });
                 }
@@ -202,7 +202,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         match tools.of(number) {
             Some(tenths) => Ok(of_tenths(tenths)),
             None if number == 0 => Ok(Position::ZERO),
-            None if tools.is_empty() && self.setup.foreign.dialect == Dialect::Grbl => {
+            None if tools.is_empty() && self.setup.foreign.dialect() == Dialect::Grbl => {
                 let hint = "G43.1 with the length, or tool lengths in the machine data";
                 span.fault(NcErrorKind::Known { what: "tool length of H", hint })
             }

@@ -66,10 +66,10 @@ impl<const AXES: usize> Interpreter<AXES> {
                 self.foreign.note = None;
                 return Ok(Next::Line);
             }
-            if self.setup.foreign.dialect == Dialect::Grbl {
+            if self.setup.foreign.dialect() == Dialect::Grbl {
                 self.warn(line, c.here(), NcWarningKind::BlockSkip);
             }
-            if self.setup.foreign.dialect.is_fanuc() {
+            if self.setup.foreign.dialect().is_fanuc() {
                 skip_switch(&mut c);
             } else {
                 c.bump();
@@ -94,7 +94,7 @@ impl<const AXES: usize> Interpreter<AXES> {
     /// Whether the line is a command to Grbl that reports or unlocks, and moves no axis.
     fn is_report(&self, line: &Line) -> bool {
         const REPORTS: [&[u8]; 8] = [b"?", b"$", b"$$", b"$#", b"$G", b"$I", b"$N", b"$X"];
-        self.setup.foreign.dialect == Dialect::Grbl
+        self.setup.foreign.dialect() == Dialect::Grbl
             && REPORTS.iter().any(|report| {
                 let bytes = line.bytes().iter().filter(|byte| **byte != b' ');
                 bytes.map(u8::to_ascii_uppercase).eq(report.iter().copied())
@@ -148,7 +148,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         };
         let mut number = self.whole(given, "P", 1_000_000_000)?;
         let mut times = 1;
-        if self.setup.foreign.dialect.is_fanuc() {
+        if self.setup.foreign.dialect().is_fanuc() {
             (number, times) = Self::called_by(number);
         }
         if let Some(given) = block.take(b'L') {
@@ -184,7 +184,7 @@ impl<const AXES: usize> Interpreter<AXES> {
     fn carry_out(&mut self, block: &mut Block<AXES>, line: &Line) -> Result<(), Fault> {
         let converts =
             block.said(group::UNITS).is_some_and(|said| said.word.meaning != Meaning::Inch(self.modal.inch));
-        let grbl = self.setup.foreign.dialect != Dialect::LinuxCnc;
+        let grbl = self.setup.foreign.dialect() != Dialect::LinuxCnc;
         if let Some(Said { word, span, .. }) = block.said(group::FEED) {
             let (by_time, per_turn) =
                 (word.meaning == Meaning::ByTime(true), word.meaning == Meaning::PerTurn);
@@ -293,7 +293,7 @@ impl<const AXES: usize> Interpreter<AXES> {
                     continue;
                 }
                 Meaning::Spindle | Meaning::Coolant
-                    if matches!(number, 5 | 9) && self.setup.foreign.dialect.is_fanuc() =>
+                    if matches!(number, 5 | 9) && self.setup.foreign.dialect().is_fanuc() =>
                 {
                     // M5 and M9 are in different groups.
                     let [spindle, coolant] = &mut self.foreign.behind;
@@ -301,7 +301,7 @@ impl<const AXES: usize> Interpreter<AXES> {
                     continue;
                 }
                 Meaning::Orient => self.no_angle(block)?,
-                Meaning::User if self.setup.foreign.dialect == Dialect::LinuxCnc => {
+                Meaning::User if self.setup.foreign.dialect() == Dialect::LinuxCnc => {
                     if let Some(given) = block.take(b'P').or(block.take(b'Q')) {
                         self.warn(line, given.span, NcWarningKind::NoArguments);
                     }
@@ -390,7 +390,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         let Some((given, is_ms)) = by_letter.or_else(|| self.dwell_by_axis(block)) else {
             return said.span.fault(NcErrorKind::Missing("P, seconds"));
         };
-        if let (Some(first), true) = (block.first, self.setup.foreign.dialect.is_fanuc()) {
+        if let (Some(first), true) = (block.first, self.setup.foreign.dialect().is_fanuc()) {
             return first.fault(NcErrorKind::Conflict("G4"));
         }
         let time = self.seconds(given, is_ms)?;
@@ -501,7 +501,7 @@ impl<const AXES: usize> Interpreter<AXES> {
             let straight =
                 |said: &Said| matches!(said.word.meaning, Meaning::Motion(Mode::Rapid | Mode::Line));
             let homes = matches!(user.word.meaning, Meaning::Home(_));
-            let beside = homes && self.setup.foreign.dialect.is_fanuc();
+            let beside = homes && self.setup.foreign.dialect().is_fanuc();
             if let Some(said) = moves.filter(|said| !(beside && straight(said))) {
                 return said.span.fault(NcErrorKind::Conflict("another use of its axis words"));
             }
@@ -516,7 +516,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         }
         let machine = single.filter(|said| said.word.meaning == Meaning::Machine);
         if let (Some(said), Some(_)) = (machine, block.first) {
-            let fanuc = self.setup.foreign.dialect.is_fanuc();
+            let fanuc = self.setup.foreign.dialect().is_fanuc();
             if self.foreign.now.cycle.is_some()
                 || self.foreign.now.no_motion
                 || !fanuc && !matches!(self.modal.mode, Mode::Rapid | Mode::Line)
@@ -578,7 +578,7 @@ impl<const AXES: usize> Interpreter<AXES> {
             }
             Meaning::NoMotion => {
                 // Fanuc continues with the motion word from before the cycle.
-                (now.cycle, now.no_motion) = (None, !self.setup.foreign.dialect.is_fanuc());
+                (now.cycle, now.no_motion) = (None, !self.setup.foreign.dialect().is_fanuc());
                 if !now.no_motion {
                     return Ok(());
                 }
@@ -646,7 +646,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         if !arc || machine {
             // On Fanuc, G53 is rapid motion.
             let mode = self.modal.mode;
-            if machine && self.setup.foreign.dialect.is_fanuc() {
+            if machine && self.setup.foreign.dialect().is_fanuc() {
                 self.modal.mode = Mode::Rapid;
             }
             let moved = self.move_straight(&mut words, machine, line);
@@ -665,7 +665,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         // Grbl ignores the centre word outside the plane. Postprocessors write K0, which has no effect in
         // LinuxCNC either.
         let [first, second] = self.modal.plane.main_axes();
-        let grbl = self.setup.foreign.dialect == Dialect::Grbl;
+        let grbl = self.setup.foreign.dialect() == Dialect::Grbl;
         if let Some(slot) = words.centre.get_mut(3 - first - second)
             && slot.is_some_and(|given| grbl || given.number.real() == 0.0)
         {
@@ -781,7 +781,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         let difference = real::abs(to - from);
         let small = if from < to { from } else { to };
         // For a program in inches, LinuxCNC permits half a thousandth of an inch.
-        let inches = self.modal.inch && self.setup.foreign.dialect == Dialect::LinuxCnc;
+        let inches = self.modal.inch && self.setup.foreign.dialect() == Dialect::LinuxCnc;
         let least = if inches { 0.0127 } else { PIECE };
         if small > 0.0 && difference <= PIECE && difference > small / 4.0 {
             cell.set(Motion { kind: MotionKind::Line, ..motion });

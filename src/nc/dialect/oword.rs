@@ -205,7 +205,7 @@ impl<const AXES: usize> Interpreter<AXES> {
                 c.bump();
             }
         }
-        let fanuc = self.setup.foreign.dialect.is_fanuc();
+        let fanuc = self.setup.foreign.dialect().is_fanuc();
         if c.peek_upper() != b'O' && !(fanuc && c.peek() == b':') {
             c.back_to(start);
             return Ok(None);
@@ -247,7 +247,7 @@ impl<const AXES: usize> Interpreter<AXES> {
             });
         }
         let span = c.since(mark);
-        let fanuc = self.setup.foreign.dialect.is_fanuc();
+        let fanuc = self.setup.foreign.dialect().is_fanuc();
         let word = c.letters();
         let key = KEYS.into_iter().find(|key| word.is(key));
         if (fanuc || key.is_none()) && !word.bytes().is_empty() {

@@ -58,7 +58,7 @@ fn all() -> ! {
     // One program. The compiler cannot know it, as with one loaded later.
     let program = CASES_CORES_SLIM.first().map(|case| black_box(case.text));
     if let (Some(channel), Some(program)) = (channel(), program)
-        && let Ok(handles) = channel.split(&AXES_3_SHORT, [Position::ZERO; 3], program)
+        && let Ok(handles) = channel.split(black_box(&AXES_3_SHORT), [Position::ZERO; 3], program)
     {
         let Handles { mut planner, mut interpolator, operator } = handles;
         loop {
