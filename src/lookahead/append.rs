@@ -316,15 +316,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         (last.slope, last.timed, last.bent) = (slope, timed, bent);
         (last.trades, last.flows, last.through) = (trades, flows, through);
         last.strength = [limits.a_up, limits.a_down];
-        let smooth = (Marks::SMOOTH, passing != Passing::NONE);
-        let marks = [
-            (Marks::ANCHOR, anchor),
-            (Marks::FRESH, tried),
-            smooth,
-            (Marks::GATE, gate),
-            (Marks::LONG, long),
-        ];
-        let marks = Marks::of(marks);
+        let marks = Marks::of([anchor, tried, passing != Passing::NONE, gate, long]);
         self.counts.long += usize::from(long);
         let (numbers, law) = limits.kept();
         // There is room: the caller has checked.

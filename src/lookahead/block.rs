@@ -177,10 +177,11 @@ impl Marks {
     /// The block replaces several blocks, and is twice as long as a stop needs.
     pub(super) const LONG: u8 = 128;
 
-    /// The marks that are on.
+    /// The marks of a new block: anchor, fresh, smooth, gate, long.
     #[cfg_attr(feature = "fast", inline(always))]
-    pub(super) fn of(marks: [(u8, bool); 5]) -> Self {
-        Self(marks.into_iter().fold(0, |all, (mark, on)| if on { all | mark } else { all }))
+    pub(super) fn of(on: [bool; 5]) -> Self {
+        let marks = [Self::ANCHOR, Self::FRESH, Self::SMOOTH, Self::GATE, Self::LONG].into_iter().zip(on);
+        Self(marks.fold(0, |all, (mark, on)| if on { all | mark } else { all }))
     }
 
     #[cfg_attr(feature = "fast", inline(always))]
