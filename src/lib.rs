@@ -56,7 +56,7 @@
 //!
 //! # Cargo features
 //!
-//! The last six features are off by default. A build without a feature refuses the commands of that feature by name.
+//! The features from `grbl` on are off by default. A build without a feature refuses the commands of that feature by name.
 //!
 //! | feature | adds |
 //! |---|---|
@@ -72,6 +72,7 @@
 //! | `dialects` | programs in the languages of LinuxCNC and Grbl, with parameters, cycles and O words |
 //! | `fanuc` | programs in the language of Fanuc controllers |
 //! | `plc` | for a PLC: elements of the path ahead, real-time loops, `V.` variables |
+//! | `driven` | the distance that the axes drive in curves over time, for the status; `plc` enables this feature |
 //! | `kinematics` | transformations of machines with rotary axes: `#KIN ID`, `#TRAFO` |
 //! | `examine` | a check without planning, which reports what a run would refuse; for desktop tools |
 //! | `defmt` | `defmt::Format` for errors and events |
@@ -106,14 +107,14 @@
 //! | barrier | The end marker in the queue; the interrupt passes this marker only with a change of plan. |
 //! | block | A motion of the program, or a part of one, in the look-ahead. |
 //! | brief block | A block that the motion passes within a tick. |
-//! | channel | All memory of one path, for planner, interpolator and operator. |
+//! | channel | All memory for one group of axes that follow one program, for planner, interpolator and operator. |
 //! | committed span | A span that the look-ahead has released and the motion has not passed. A command may still change its profile. |
 //! | contour mode | Rounding of corners inside a tolerance (#CONTOUR MODE, G61, G261). |
 //! | corner | A transition where the direction changes. |
 //! | curve | Geometry in the queue: a line, an arc or a polynomial; a `Segment` in the code. |
 //! | cut | The tick at which the interrupt changes from one plan to another. |
 //! | dwell | A programmed pause (G04). |
-//! | ease | The margin below its limits that a span keeps, so that acceleration may pass its end. |
+//! | ease | The margin between the motion and the limits of a span, so that acceleration at its end need not be zero. |
 //! | element | A curve over its own path length, with direction and curvature at both ends. |
 //! | feed hold | A stop on the path that the operator asks for. |
 //! | frontier | The end of the planned pieces in the queue. |
@@ -122,12 +123,12 @@
 //! | joint | In names of the code: a transition. |
 //! | knee | A corner without a curve; also the step of speed that such a corner causes in an axis. |
 //! | law | In names of the code: a speed profile. |
-//! | level | The slowly following copy of the override that the look-ahead is planned for. |
+//! | level | The override for which the look-ahead is planned. It follows the operator's override with a delay. |
 //! | limits | Speed, acceleration and jerk permitted along the path. |
 //! | look-ahead | The ring of blocks whose speeds may still change. |
 //! | overlay | The motion of a single axis, as the interrupt takes it. |
 //! | path distance | Length along the path since the start. |
-//! | piece | A cubic of path distance over whole ticks; a `Phase` in the code. |
+//! | piece | The path distance as a cubic polynomial of time, for a whole number of ticks; a `Phase` in the code. |
 //! | profile | The path speed of a span over time: ramps with times and lengths. |
 //! | programmed block | A motion block as the program has it. |
 //! | ramp | A part of a profile in which acceleration rises or falls. |
@@ -143,7 +144,7 @@
 //! | stroke | A motion of a single axis from stop to stop. |
 //! | tick | One cycle of the timer interrupt. |
 //! | transition | The point where two blocks or two curves meet. |
-//! | valley | A slow block that is entered braking and left accelerating. |
+//! | valley | A slow block that the axes enter while braking and leave while accelerating. |
 //! | way | In names of the code: a braking path, the motion to a stop. |
 #![cfg_attr(
     all(feature = "grbl", not(feature = "slopes")),

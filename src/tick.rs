@@ -41,14 +41,14 @@ use crate::fir::{FilterTick, Unfiltered};
 use crate::quantity::{Accel, Distance, Position, Speed};
 use crate::queue::{OverlayReceiver, Receiver};
 
-/// The result of a tick.
+/// What the axes did in a tick; the result of [`Interpolator::tick`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum State {
     /// The axes stand still. Either nothing is planned, or the motion is stopped by a feed hold, or it waits
     /// for an acknowledgement.
     Idle,
-    /// The path stands still, but axes may move: filters settle, or single axes move.
+    /// The path stands still, but axes may still move: filters settle, or single axes have their own motion.
     Settling,
     /// The tick gave a set point of the planned motion. Dwell time counts as motion.
     Active,
@@ -57,7 +57,7 @@ pub enum State {
 /// Path values at the last set point, for traces. They are computed on demand, not in the tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Telemetry {
-    /// Programmed N number.
+    /// N number of the programmed block.
     pub n: u32,
     /// Number of the motion block, counted from 0 since the split.
     pub block: u32,
@@ -67,11 +67,11 @@ pub struct Telemetry {
     /// Path speed, mm/tick. In a curve over time, the axes are slower than this value: see
     /// [`Interpolator::path_slope`].
     pub speed: Speed,
-    /// Path acceleration.
+    /// Acceleration along the path, mm/tick².
     pub accel: Accel,
 }
 
-/// Computes set points. This handle belongs to the timer interrupt.
+/// The handle of the timer interrupt: computes the set points of one tick per call of [`Self::tick`].
 pub struct Interpolator<'a, const AXES: usize, F = Unfiltered, const OVERLAYS: usize = 0> {
     queue: Receiver<'a, AXES>,
     /// Set points of the path.
@@ -90,14 +90,15 @@ impl<'a, const AXES: usize> Interpolator<'a, AXES> {
 }
 
 impl<'a, const AXES: usize, F: FilterTick<AXES>> Interpolator<'a, AXES, F> {
-    /// As [`Self::new`], with filters of the axes.
+    /// As [`Interpolator::new`], with FIR filters of the axes after the path.
     pub fn filtered(queue: Receiver<'a, AXES>, start: [Position; AXES], filters: F) -> Self {
         Self::with_overlays(queue, start, filters, [])
     }
 }
 
 impl<'a, const AXES: usize, F: FilterTick<AXES>, const OVERLAYS: usize> Interpolator<'a, AXES, F, OVERLAYS> {
-    /// As [`Self::filtered`], with axes that may move independently of the path.
+    /// As [`Self::filtered`], with axes that may move independently of the path. `overlays`: one entry for
+    /// each axis that may do so at the same time.
     pub fn with_overlays(
         queue: Receiver<'a, AXES>,
         start: [Position; AXES],
@@ -161,7 +162,8 @@ impl<'a, const AXES: usize, F: FilterTick<AXES>, const OVERLAYS: usize> Interpol
         self.filters.set_points(&self.set_points)
     }
 
-    /// The set points of the last tick before the filters of the axes.
+    /// The set points of the last tick before the filters of the axes, mm or degrees. Without filters they
+    /// equal [`Self::set_points`].
     pub fn path_points(&self) -> &[Position; AXES] {
         &self.set_points
     }
@@ -183,7 +185,8 @@ impl<'a, const AXES: usize, F: FilterTick<AXES>, const OVERLAYS: usize> Interpol
         Distance::from_bits(self.queue.driven())
     }
 
-    /// Path values of the last set point, as planned.
+    /// N number, block number, path distance, speed and acceleration at the last set point, from the plan. In
+    /// a curve over time the axes move less than the path distance: see [`Telemetry`].
     pub fn telemetry(&self) -> Telemetry {
         let (phase, tick) = self.queue.time.at_hand();
         let n = i64::from(tick);

@@ -4,10 +4,10 @@
 //! separate motion (an overlay), and the path planner assumes at once that the axis is at its target. If the
 //! program has another command for that axis, the command waits for the end of this motion.
 //!
-//! | the program has | the oscillation |
+//! | the program has | what happens to the oscillation |
 //! |---|---|
-//! | a motion that moves the axis (P-CHAN-00451), another command for it, `#PUT AX`, `#CALL AX`, `#FLUSH&WAIT`, `#FILTER`, the program end, a refused line | ends on the second position, with its cycle |
-//! | `OFF` | the same, but the program continues |
+//! | a motion that moves the axis (P-CHAN-00451), another command for it, `#PUT AX`, `#CALL AX`, `#FLUSH&WAIT`, `#FILTER`, the program end, a refused line | finishes the current cycle and stops on the second position; the program waits |
+//! | `OFF` | the same, but the program does not wait |
 //! | `OFF FEED` | brakes, then goes to the second position |
 //! | `OFF INSTANT`, an abort | brakes, and stands there |
 //!

@@ -75,8 +75,9 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         self.filters.in_force()
     }
 
-    /// Largest deviation of every axis from its set point as delayed by the filters, mm or degrees, rounded
-    /// up. It is measured since the last change of `#FILTER`, while AX_DEV is given.
+    /// For each axis, the largest distance between the filtered set point and the unfiltered set point,
+    /// delayed by the same time. Unit: mm or degrees, rounded up. The distance is measured since the last
+    /// change of `#FILTER`, and only while AX_DEV is given.
     pub fn filter_deviation(&self) -> [Position; AXES] {
         core::array::from_fn(|axis| self.filters.deviation(axis))
     }

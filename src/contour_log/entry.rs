@@ -15,31 +15,31 @@ pub(super) const BELOW: u32 = 20;
 const PER_RADIAN: f64 = (1i64 << 28) as f64;
 
 impl ProgramDistance {
-    /// Program start.
+    /// The distance 0, at program start.
     pub const ZERO: Self = Self(0);
 
-    /// The distance from its bits.
+    /// A distance from its number of LSBs (2^-24 mm).
     pub const fn from_bits(bits: i64) -> Self {
         Self(bits)
     }
 
-    /// The bits of the distance.
+    /// The number of LSBs (2^-24 mm) of the distance.
     pub const fn to_bits(self) -> i64 {
         self.0
     }
 
-    /// From millimetres, rounded toward zero and limited to the range.
+    /// A distance from millimetres, rounded toward zero and limited to the range.
     pub const fn from_mm(mm: f64) -> Self {
         Self((mm * PER_MM) as i64)
     }
 
-    /// In millimetres.
+    /// The distance in millimetres.
     pub const fn to_mm(self) -> f64 {
         self.0 as f64 / PER_MM
     }
 }
 
-/// The kind of an entry: `block_type` of C40 with its number.
+/// The kind of an [`Entry`]. The numbers 0 to 6 are those of `block_type` in ISG's manual FCT-C40.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[repr(u8)]
 pub enum BlockType {

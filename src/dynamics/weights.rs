@@ -56,7 +56,8 @@ impl<const AXES: usize> Weights<AXES> {
         other != *self
     }
 
-    /// Takes a command: the command replaces all weights of its kind.
+    /// Applies a weight command: sets this kind of weight for all axes. An axis without a value in the
+    /// command gets 100 %.
     pub fn set(&mut self, weight: &Weight<AXES>) {
         for (axis, percent) in self.axes.iter_mut().zip(&weight.percent) {
             let weight_of = match weight.kind {

@@ -273,7 +273,7 @@ impl Block {
         self.kind.law().varies()
     }
 
-    /// Whether the motion waits for acknowledgements at the end of the block.
+    /// Whether the motion waits for acknowledgements at the start of the block.
     pub fn is_gate(&self) -> bool {
         self.is(Marks::GATE)
     }

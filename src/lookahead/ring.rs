@@ -395,7 +395,8 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
         self.scope.until = 0;
     }
 
-    /// Highest start speed of the first block for any neighbours.
+    /// Highest speed that the start of the first block permits, whatever speeds the neighbours have. 0 if the
+    /// ring is empty, or if the motion has to stop before the block.
     pub fn entry(&self) -> Speed {
         self.blocks.front().map_or(Speed::ZERO, |block| Speed::from_bits(speed_bits(block.cap())))
     }

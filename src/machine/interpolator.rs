@@ -3,14 +3,16 @@
 /// Smallest size of the storage for blocks, bytes: P-STUP-00033.
 pub const FB_STORAGE_MIN: u32 = 1024;
 
-/// Names of P-CHAN-00650, by their bit.
+/// Names of the additional functions of the interpolator that P-CHAN-00650
+/// (`configuration.interpolator.function`) enables. The index of a name is its bit in
+/// [`InterpolatorFunctions`].
 ///
 /// | name | here |
 /// |---|---|
 /// | FCT_IPO_DEFAULT, FCT_LOOK_AHEAD_STANDARD | look-ahead of 120 blocks |
 /// | FCT_LOOK_AHEAD_LOW, FCT_LOOK_AHEAD_HIGH | 30 or 190 blocks |
 /// | FCT_LOOK_AHEAD_CUSTOM | as many blocks as P-CHAN-00653 says |
-/// | FCT_LOOK_AHEAD_OPT | slope HSC as with NO_OPT=0, unless the program selects otherwise |
+/// | FCT_LOOK_AHEAD_OPT | NO_OPT=0 is the default of the slope HSC |
 /// | FCT_CONTOUR_LAH | the log of the path ahead: [`crate::contour_log`] |
 /// | FCT_CALC_STATE_AT_T, FCT_CALC_TIME, FCT_CALC_POS_V_0 | questions about the coming motion |
 /// | FCT_SHIFT_NCBL | M and H functions at a distance before their place: MEP_SVS, MEP_MOS |

@@ -167,8 +167,8 @@ impl Calculator {
         }
     }
 
-    /// End and value of the expression that begins at `start`, if it was complete before the statement was
-    /// read again.
+    /// End and value of the expression that begins at `start`, if an earlier call has completed this
+    /// expression. The decoder reads a statement again from its start when a call was not enough for it.
     pub fn recall(&self, start: usize) -> Option<(usize, f64)> {
         let known = self.known.iter().take(self.count.get()).map(Cell::get);
         known

@@ -11,8 +11,8 @@ use crate::quantity::{Feed, Position};
 use core::cell::Cell;
 
 impl<const AXES: usize> Interpreter<AXES> {
-    /// Converts the words to items in order: switches and weights, then motion or dwell, then M and H
-    /// functions.
+    /// Appends the commands of a block to the queue of the decoder. The order is: G words with a command of
+    /// their own, weights, S and T; then motion or dwell; then M and H functions.
     #[inline(never)]
     pub fn finish(&mut self, w: &mut Words<AXES>, line: &Line) -> Result<Next, Fault> {
         if let Some(given) = w.spindle.take() {

@@ -172,8 +172,8 @@ impl Functions {
     }
 
     /// Demands the acknowledgement of functions with late synchronisation before the motion block `number`.
-    /// `explicit` selects those of #EXPL SYN; otherwise those of the change to feed. Returns whether there
-    /// are any.
+    /// `explicit`: `true` for functions that `#EXPL SYN` acknowledges (MVS_SLP), `false` for functions that
+    /// are acknowledged before the next block at feed (MVS_SLM). Returns whether there are any.
     #[cfg(feature = "plc")]
     pub fn demand(&mut self, number: u32, explicit: bool) -> bool {
         let late = |entry: &&mut Entry| entry.late && entry.explicit == explicit;

@@ -464,7 +464,8 @@ impl<'a, const AXES: usize> CurveProducer<'a, AXES> {
         self.latest.load(Ordering::Relaxed)
     }
 
-    /// The word with the latest motion block, for readers that count back from it: see [`whole`].
+    /// The memory word with the number of the latest motion block. Readers need it to complete the 16-bit
+    /// block number of a curve: see [`whole`].
     pub const fn latest_word(&self) -> &'a AtomicU32 {
         self.latest
     }

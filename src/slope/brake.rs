@@ -30,11 +30,11 @@ use crate::slope::limits::{Limits, SlopeLaw};
 /// per tick² for the acceleration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Motion {
-    /// Path distance.
+    /// Path distance, LSB 2^-44 mm.
     pub distance: i64,
-    /// Speed.
+    /// Speed along the path, LSB 2^-58 mm per tick.
     pub speed: i64,
-    /// Acceleration.
+    /// Acceleration along the path, LSB 2^-58 mm per tick².
     pub accel: i64,
 }
 
@@ -54,9 +54,9 @@ pub struct Brake {
     pub over: u64,
     /// Time at the lowest speed, LSB 2^-36 tick.
     pub tail: u64,
-    /// Path distance of the braking's end.
+    /// Path distance at which the braking ends, LSB 2^-44 mm.
     pub end: i64,
-    /// Speed at the end.
+    /// Speed at the end of the braking, LSB 2^-58 mm per tick; 0 for a stop.
     pub v_out: i64,
 }
 
@@ -165,7 +165,8 @@ impl Brake {
         !(rises && v * v > 2.0 * limits.a_down * room) && Self::needs(motion, limits) <= room
     }
 
-    /// Path length of a stop from `motion`, mm. Calculated in `f32`; cheap.
+    /// Path length that a stop from `motion` needs, mm. The function calculates in `f32`, so the result is
+    /// approximate and cheap.
     pub fn needs(motion: &Motion, limits: &Limits) -> f32 {
         let v = speed_f32(motion.speed);
         let a = to_f32(motion.accel) * (1.0 / ACCEL_ONE);

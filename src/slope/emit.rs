@@ -18,7 +18,7 @@ use crate::quantity::{Accel, Distance, Jerk, Speed, Time};
 use crate::queue::{PHASES, Phase, Producer, Slot};
 use core::slice::IterMut;
 
-/// One tick, LSB 2^-36.
+/// One tick in the time unit of profiles (LSB 2^-36 tick).
 pub const TICK: u64 = 1 << 36;
 
 /// Longest pieces, ticks: with jerk, with acceleration, at constant speed. The last value also applies to a
@@ -55,7 +55,7 @@ struct Part {
     v1: i64,
 }
 
-/// Cuts profiles into pieces, one span after the other.
+/// Cuts the profile of a span into pieces for the queue, one span after the other.
 #[derive(Clone, Copy, Debug)]
 pub struct Emitter {
     parts: [Part; PARTS],
@@ -82,7 +82,7 @@ impl Default for Emitter {
 }
 
 impl Emitter {
-    /// An emitter without a profile, at a tick.
+    /// An emitter without a profile. The next profile starts at a tick.
     pub const fn new() -> Self {
         Self { parts: [IDLE; PARTS], part: 0, count: 0, next: 0, per_time: PerTime::NONE }
     }
@@ -118,18 +118,18 @@ impl Emitter {
         (self.part, self.count) = (0, slots.used());
     }
 
-    /// Continues at `time` before a tick, and drops the rest of the current profile.
+    /// Drops the rest of the current profile. The next profile starts `time` (LSB 2^-36 tick) before a tick.
     pub fn resume_at(&mut self, time: u64) {
         (self.part, self.count) = (0, 0);
         self.next = time;
     }
 
-    /// Time from the start of the next profile to the next tick.
+    /// Time from the start of the next profile to the next tick, LSB 2^-36 tick.
     pub fn next(&self) -> u64 {
         self.next
     }
 
-    /// Whether all pieces are in the queue.
+    /// Whether the emitter has written all pieces of its profile.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn is_done(&self) -> bool {
         self.part >= self.count
@@ -178,7 +178,8 @@ impl Emitter {
         false
     }
 
-    /// Writes the next piece. Call this function only after [`Self::has_piece`]. The work is bounded.
+    /// Writes the next piece into `phase`. Call this function only if [`Self::has_piece`] is true. The work
+    /// is bounded.
     pub fn step(&mut self, phase: &mut Phase) {
         if let Some((part, per_time, next)) = self.at_hand() {
             part.cut(per_time, next, phase);
@@ -195,18 +196,19 @@ impl Emitter {
         ticks
     }
 
-    /// Lets the next motion start at the next tick, while the axes stand.
+    /// Lets the next motion start exactly at the next tick. Call this function only while the axes stand
+    /// still.
     pub fn settle(&mut self) {
         self.next = 0;
     }
 
-    /// Number of ticks of the remaining pieces.
+    /// Number of ticks of the pieces that are not written yet.
     pub fn ticks(&self) -> u32 {
         let time: u64 = self.parts.iter().take(self.count).skip(self.part).map(|part| part.time).sum();
         (time.saturating_sub(self.next).saturating_add(TICK - 1) >> 36) as u32
     }
 
-    /// Time from the end of the current profile to the next tick.
+    /// Time from the end of the current profile to the next tick; less than one tick.
     pub fn wait(&self) -> Time {
         let time: u64 = self.parts.iter().take(self.count).map(|part| part.time).sum();
         Time::from_bits(self.next.wrapping_sub(time) & (TICK - 1))

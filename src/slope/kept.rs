@@ -8,7 +8,7 @@ use super::ramp_shape::RampShape;
 use crate::machine::functions::STEP_BUILT;
 use crate::math::float::{max, min};
 
-/// The numbers of limits.
+/// The numeric part of the limits of one block, as the look-ahead stores it. The other part is [`LawKind`].
 #[derive(Clone, Copy, Debug)]
 pub struct Numbers {
     /// Speed, mm/tick.
@@ -22,12 +22,13 @@ pub struct Numbers {
     law: [f32; 4],
 }
 
-/// The slope of stored limits, and whether CONST_VEL demands a constant speed.
+/// The part of stored limits that is not a number: the kind of slope, which blocks may share a span, and
+/// whether CONST_VEL demands a constant speed. It takes five bits of a byte.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LawKind(u8);
 
 impl LawKind {
-    /// Bits that are free for other uses.
+    /// Bits of the byte that this type does not use; a block stores other marks there.
     pub const FREE: u8 = !(Self::LAW | Self::JOINS | Self::STAYS);
 
     const LAW: u8 = 3;
@@ -39,31 +40,32 @@ impl LawKind {
     const VALLEYS: u8 = Joins::Valleys as u8;
     const STAYS: u8 = 16;
 
-    /// The kind in a byte; its other bits may have any value.
+    /// Takes the kind from a byte; the bits of [`Self::FREE`] are ignored.
     #[inline(always)]
     pub const fn of(byte: u8) -> Self {
         Self(byte & !Self::FREE)
     }
 
-    /// The bits.
+    /// The five bits, for the byte in which a block stores them. The bits of [`Self::FREE`] are 0.
     #[inline(always)]
     pub const fn bits(self) -> u8 {
         self.0
     }
 
-    /// As [`Limits::may_have_valleys`].
+    /// Whether the look-ahead may permit acceleration at the ends of slow blocks: see
+    /// [`Limits::may_have_valleys`].
     #[inline(always)]
     pub const fn may_have_valleys(self) -> bool {
         self.0 & Self::JOINS == Self::VALLEYS
     }
 
-    /// As [`Limits::varies`].
+    /// Whether blocks with other speeds may be in one span with this block: see [`Limits::varies`].
     #[inline(always)]
     pub const fn varies(self) -> bool {
         self.0 & Self::JOINS != 0
     }
 
-    /// Whether CONST_VEL demands a constant speed: [`Loose`].
+    /// Whether CONST_VEL demands a constant speed in the block: see [`Loose`].
     #[inline(always)]
     pub const fn stays(self) -> bool {
         self.0 & Self::STAYS != 0
@@ -82,10 +84,10 @@ impl LawKind {
 }
 
 impl Numbers {
-    /// All bits are zero.
+    /// Numbers of an unused place: all bits are zero.
     pub const NOTHING: Self = Self { v: 0.0, a: [0.0; 2], law: [0.0; 4] };
 
-    /// The limits from these numbers and the slope.
+    /// Returns the limits of the block again. `kind`: the other part from the same call of [`Limits::kept`].
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn limits(&self, kind: LawKind) -> Limits {
         let (v, [a_up, a_down], [w, x, y, z]) = (self.v, self.a, self.law);
@@ -113,7 +115,8 @@ impl Numbers {
 }
 
 impl Limits {
-    /// As [`Self::join`], with limits that are given as numbers and slope.
+    /// Lowers these limits to those of another block of the same span, as [`Self::join`]. The other block's
+    /// limits are in stored form.
     #[cfg_attr(feature = "fast", inline(always))]
     pub(crate) fn join_kept(&mut self, numbers: &Numbers, kind: LawKind) {
         let SlopeLaw::JerkLimited { j, .. } = &mut self.law else { return self.join_any(numbers, kind) };
@@ -132,7 +135,8 @@ impl Limits {
         self.join(&numbers.limits(kind));
     }
 
-    /// The limits as numbers and slope.
+    /// Returns the two parts of the limits that a block stores. [`Numbers::limits`] makes limits from them.
+    /// With CONST_VEL, only the lower jerk of each direction is kept.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn kept(&self) -> (Numbers, LawKind) {
         let stays = self.loose.is_some();

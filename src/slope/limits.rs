@@ -33,24 +33,27 @@ const PARTS: u8 = 6;
 const LOOSE: f32 = 0.25;
 /// Margin for rounding.
 const LEAVES: f32 = 1.0 - 1.0 / 1_048_576.0;
-/// The four ramps of a slope: acceleration rises, acceleration falls, deceleration rises, deceleration falls.
+/// The four ramps of a slope, one value for each: acceleration rises, acceleration falls, deceleration rises,
+/// deceleration falls. The value is a mean jerk, mm/tick³.
 pub type Ramps = [f32; 4];
 
-/// Which blocks may follow each other with acceleration at their transition.
+/// Which neighbours a block may have in one span, so that acceleration need not be zero at the transition
+/// between them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Joins {
-    /// Blocks with the same limits: TRAPEZ, SIN2.
+    /// Only blocks with the same limits. TRAPEZ and SIN2 have this rule.
     Alike = 0,
-    /// All blocks: HSC, and elements of one curve with TRAPEZ and SIN2.
+    /// Blocks with any limits. HSC has this rule, and so have the elements of one curve with TRAPEZ and SIN2.
     Any = 4,
-    /// All blocks, and acceleration may pass the ends of slow blocks: HSC with NO_OPT=0.
+    /// As [`Self::Any`]; in addition, acceleration may pass the ends of slow blocks. HSC with NO_OPT=0 has
+    /// this rule.
     Valleys = 8,
 }
 
-/// Limits of a slope in addition to speed and acceleration.
+/// The limits that depend on the slope, in addition to the speed and accelerations in [`Limits`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum SlopeLaw {
-    /// TRAPEZ, SIN2, HSC.
+    /// The slopes TRAPEZ, SIN2 and HSC: acceleration changes by ramps.
     JerkLimited {
         /// Shape of the ramps.
         shape: RampShape,
@@ -77,18 +80,20 @@ pub enum SlopeLaw {
     },
 }
 
-/// Permitted values along the path: mm/tick, mm/tick², mm/tick³.
+/// The highest permitted values along the path in one block, or in one span. Units: mm/tick, mm/tick²,
+/// mm/tick³.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limits {
-    /// Speed.
+    /// Speed, mm/tick.
     pub v: f32,
-    /// Acceleration.
+    /// Acceleration, mm/tick². With STEP, it applies below the change-over speed.
     pub a_up: f32,
-    /// Deceleration.
+    /// Deceleration, mm/tick², positive. With STEP, it applies below the change-over speed.
     pub a_down: f32,
-    /// Additional limits of the slope.
+    /// The limits that depend on the slope.
     pub law: SlopeLaw,
-    /// Accelerations at low speed in a curve of constant speed (CONST_VEL).
+    /// CONST_VEL: the accelerations that apply at low speed in a curve of constant speed. Without CONST_VEL:
+    /// [`Loose::NONE`].
     pub loose: Loose,
 }
 
@@ -101,20 +106,21 @@ pub struct Limits {
 pub struct Loose(f32);
 
 impl Loose {
-    /// No constant speed is demanded.
+    /// The curve need not have a constant speed (no CONST_VEL).
     pub const NONE: Self = Self(0.0);
 
-    /// The acceleration `a`, for profiles that begin or end at low speed.
+    /// CONST_VEL: a profile that begins or ends at low speed may use the acceleration `a`, mm/tick², in the
+    /// curve.
     pub const fn of(a: f32) -> Self {
         Self(a)
     }
 
-    /// The acceleration, mm/tick².
+    /// The acceleration given to [`Self::of`], mm/tick²; 0 for [`Self::NONE`].
     pub const fn get(self) -> f32 {
         self.0
     }
 
-    /// Whether a constant speed is demanded.
+    /// Whether CONST_VEL demands a constant speed.
     #[inline(always)]
     pub fn is_some(self) -> bool {
         self.0 > 0.0
@@ -131,19 +137,19 @@ impl Loose {
     }
 }
 
-/// A braking of STEP in two stages.
+/// A braking with the slope STEP in two stages, each with a constant deceleration. Speeds are in mm/tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fall {
-    /// Speed at the start.
+    /// Speed at the start of the braking.
     pub from: f32,
-    /// Speed at which the second stage begins.
+    /// Speed at which the first stage ends and the second one begins.
     pub change_over: f32,
-    /// Speed at the end.
+    /// Speed at the end of the braking.
     pub to: f32,
 }
 
 impl Limits {
-    /// No limit.
+    /// Limits that restrict nothing: the start value before limits are lowered.
     pub const WIDEST: Self = Self {
         v: f32::MAX,
         a_up: f32::MAX,
@@ -252,13 +258,15 @@ impl Limits {
         Self { v: min(self.v, max(high, self.lowest())), ..self.loosened() }
     }
 
-    /// Limits of a profile with the speed `low` at one end.
+    /// Limits for a profile that has the speed `low` at one end. In a curve of constant speed (CONST_VEL), a
+    /// low speed permits more acceleration; the changed limits are then in `room`.
     #[inline(always)]
     pub(crate) fn near<'a>(&'a self, low: Speed, room: &'a mut Option<Self>) -> &'a Self {
         if self.is_loose_at(low) { room.insert(self.loosened_to(0.0)) } else { self }
     }
 
-    /// Limits of a profile between two speeds, in either direction, over `length` mm.
+    /// Limits for a profile between two speeds, in either direction, over `length` mm. As [`Self::near`] for
+    /// CONST_VEL.
     #[inline(always)]
     pub(crate) fn between<'a>(
         &'a self,
@@ -302,9 +310,10 @@ impl Limits {
         LOOSE * self.v
     }
 
-    /// Limits of a stop with these decelerations and jerks at its start and at its end. With STEP, the first
-    /// deceleration acts above the speed `lower`, the second below. A positive acceleration falls to zero
-    /// with the mean jerk `ends`, or with that of these limits, whichever is higher. The ramps are linear.
+    /// Limits of a stop. `above`: the deceleration. With STEP, `above` acts above the speed `lower`, and
+    /// `below` acts below that speed. `jerks`: mean jerks at the start and at the end of the braking; they
+    /// have no effect with STEP. `ends`: least mean jerk with which a positive acceleration falls to zero; a
+    /// higher value in `self` stays. The ramps are linear.
     pub fn braked(&self, [above, below]: [f32; 2], lower: f32, jerks: [f32; 2], ends: f32) -> Self {
         let mut limits = *self;
         match &mut limits.law {
@@ -363,7 +372,8 @@ impl Limits {
         }
     }
 
-    /// For STEP: whether each deceleration is above those of the other limits.
+    /// For STEP: whether the lowest deceleration of `self` is at least the highest deceleration of `other`.
+    /// `false` with other slopes.
     pub fn brakes_above(&self, other: &Self) -> bool {
         match (&self.law, &other.law) {
             (SlopeLaw::Stepped { a_down, .. }, SlopeLaw::Stepped { a_down: above, .. }) => {
@@ -373,7 +383,7 @@ impl Limits {
         }
     }
 
-    /// Whether the slope is HSC with NO_OPT=0.
+    /// Whether the look-ahead may permit acceleration at the ends of slow blocks: HSC with NO_OPT=0.
     pub(crate) fn may_have_valleys(&self) -> bool {
         matches!(self.law, SlopeLaw::JerkLimited { joins: Joins::Valleys, .. })
     }
@@ -410,7 +420,8 @@ impl Limits {
         }
     }
 
-    /// Sets the acceleration limits of `other`; both have the same slope.
+    /// Copies the acceleration, and the jerks with which it rises and falls, from `other`. Both limits have
+    /// the same slope.
     pub const fn gain_like(&mut self, other: &Self) {
         self.a_up = other.a_up;
         if let (
@@ -422,7 +433,7 @@ impl Limits {
         }
     }
 
-    /// Jerk of a ramp; 0 for STEP.
+    /// Mean jerk of one of the four [`Ramps`], mm/tick³; `f32::MAX` for STEP. `ramp`: 0 to 3.
     pub fn jerk(&self, ramp: usize) -> f32 {
         match self.law {
             SlopeLaw::JerkLimited { j, .. } => j.get(ramp).copied().unwrap_or(0.0),
@@ -430,7 +441,7 @@ impl Limits {
         }
     }
 
-    /// Highest jerk of a ramp.
+    /// Highest mean jerk of the four ramps, mm/tick³; `f32::MAX` for STEP.
     pub fn steepest(&self) -> f32 {
         (0..4).fold(0.0, |most, ramp| max(most, self.jerk(ramp)))
     }
@@ -442,17 +453,17 @@ impl Limits {
         Some([self.v, min(self.a_up, self.a_down), j.into_iter().fold(f32::MAX, min)])
     }
 
-    /// Lowers the speed limit to the higher one of both speeds.
+    /// Lowers the speed limit to the higher one of the two end speeds of a span.
     pub(crate) fn flatten(&mut self, v_in: Speed, v_out: Speed) {
         self.v = speed_f32(v_in.max(v_out).to_bits());
     }
 
-    /// Largest acceleration or deceleration in both limits.
+    /// Largest acceleration or deceleration in `self` and `other`, mm/tick².
     pub(crate) fn fastest(&self, other: &Self) -> f32 {
         max(max(self.a_up, self.a_down), max(other.a_up, other.a_down))
     }
 
-    /// Whether these limits have clearly more acceleration or jerk.
+    /// Whether `self` permits clearly more acceleration or jerk than `other`.
     pub(crate) fn is_stronger(&self, other: &Self) -> bool {
         let jerks = (0..4).any(|ramp| self.jerk(ramp) > STRONGER * other.jerk(ramp));
         jerks || self.a_up > STRONGER * other.a_up || self.a_down > STRONGER * other.a_down
@@ -467,7 +478,7 @@ impl Limits {
         before
     }
 
-    /// The largest acceleration or deceleration at any speed.
+    /// The largest acceleration or deceleration at any speed, mm/tick².
     pub(crate) fn most(&self) -> f32 {
         let a = max(self.a_up, self.a_down);
         match self.law {
@@ -476,7 +487,7 @@ impl Limits {
         }
     }
 
-    /// The least acceleration or deceleration at any speed.
+    /// The least acceleration or deceleration at any speed, mm/tick².
     pub(crate) fn least(&self) -> f32 {
         let a = min(self.a_up, self.a_down);
         match self.law {
@@ -485,7 +496,7 @@ impl Limits {
         }
     }
 
-    /// The ramp that gains speed.
+    /// The ramp with which the speed rises inside these limits.
     pub fn speed_up(&self) -> Ramp {
         match self.law {
             SlopeLaw::JerkLimited { shape, j: [rise, fall, ..], .. } => {
@@ -497,7 +508,8 @@ impl Limits {
         }
     }
 
-    /// The ramp that loses speed, seen backward from its lower speed.
+    /// The ramp with which the speed falls inside these limits. The ramp is seen backward, from its lower
+    /// speed.
     pub fn brake(&self) -> Ramp {
         match self.law {
             SlopeLaw::JerkLimited { shape, j: [.., rise, fall], .. } => {
@@ -593,7 +605,8 @@ impl Limits {
         (v <= change_over).then(|| 0.5 * v * v * (0..PARTS).map(lost).sum::<f32>())
     }
 
-    /// STEP: sets the limits of this braking.
+    /// STEP: sets the decelerations of both stages and the change-over speed for this braking. No effect if
+    /// the braking starts above the change-over speed.
     pub fn fall_from(&mut self, fall: &Fall) {
         let SlopeLaw::Stepped { change_over, still, across, .. } = self.law else { return };
         if fall.from > change_over {

@@ -20,12 +20,13 @@ use crate::quantity::{DISTANCE_LSB, Distance, SPEED_LSB, Speed, Time, speed_bits
 use crate::slope::emit::TICK;
 use crate::slope::limits::{Limits, SlopeLaw};
 
-/// The form of the three parts of a change of speed.
+/// How the three parts of a [`Change`] divide a change of speed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Form {
-    /// Acceleration rises, is constant, and falls.
+    /// The slopes TRAPEZ, SIN2 and HSC: acceleration rises, is constant, and falls.
     JerkLimited(RampShape),
-    /// One constant acceleration, an unused part, and another constant acceleration.
+    /// The slope STEP: one constant acceleration, an unused part without duration, and another constant
+    /// acceleration.
     Stepped(StepBuilt),
 }
 
@@ -35,12 +36,12 @@ impl Default for Form {
     }
 }
 
-/// Three parts of a change of speed.
+/// A change of speed inside a profile, in three parts that follow each other in time.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct Change {
-    /// The form of the parts.
+    /// How the parts divide the change.
     pub form: Form,
-    /// Times of the parts, LSB 2^-36 tick.
+    /// Times of the three parts, LSB 2^-36 tick.
     pub times: [u64; 3],
     /// Speeds before the first part, between the parts and after the last part, LSB 2^-58 mm/tick.
     pub speeds: [i64; 4],
@@ -48,14 +49,14 @@ pub struct Change {
     pub lengths: [i64; 3],
 }
 
-/// Speed over time in one span.
+/// The path speed over time in one span: a change of speed, a part at constant speed, another change.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct Profile {
-    /// The change from `v_in` to the peak.
+    /// The change from the start speed of the span to the peak speed.
     pub up: Change,
-    /// Time at the peak, LSB 2^-36 tick.
+    /// Time at the peak speed, LSB 2^-36 tick.
     pub cruise: u64,
-    /// The change from the peak to `v_out`.
+    /// The change from the peak speed to the end speed of the span.
     pub down: Change,
 }
 
@@ -106,7 +107,7 @@ impl Change {
         self.plan(ramp, [low, high], low, high, |times| times);
     }
 
-    /// Sets the change from `high` to `low`.
+    /// Sets the change from the speed `high` to the speed `low`, LSB 2^-58 mm/tick, with the times of `ramp`.
     #[cfg_attr(feature = "fast", inline(always))]
     pub(super) fn slow_down(&mut self, ramp: &Ramp, high: i64, low: i64) {
         self.plan(ramp, [low, high], high, low, |[near, hold, far]| [far, hold, near]);
@@ -192,7 +193,7 @@ impl Change {
         self.lengths.iter().sum()
     }
 
-    /// Time of all three parts.
+    /// Time of all three parts, LSB 2^-36 tick.
     pub fn time(&self) -> u64 {
         self.times.iter().sum()
     }
@@ -347,12 +348,12 @@ impl Profile {
         if self.cruise < LONGEST { Ok(()) } else { Err(Unplannable::TooSlow) }
     }
 
-    /// Duration of the block.
+    /// Duration of the whole profile.
     pub fn time(&self) -> Time {
         Time::from_bits(self.up.time() + self.cruise + self.down.time())
     }
 
-    /// Highest speed.
+    /// Highest speed of the profile.
     pub fn peak(&self) -> Speed {
         Speed::from_bits(self.up.speeds[3])
     }

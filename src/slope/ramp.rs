@@ -20,17 +20,18 @@ use crate::machine::functions::{STEP_BUILT, StepBuilt};
 use crate::math::float::{max, min};
 use crate::math::root::{cbrt_guess, sqrt_f32};
 
-/// A ramp between two speeds, seen from the lower speed. Times are in ticks.
+/// How the speed changes between two values, in `f32`, for planning. A ramp is always seen from its lower
+/// speed. Units: mm, ticks.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Ramp {
-    /// Jerk-limited.
+    /// The slopes TRAPEZ, SIN2 and HSC.
     JerkLimited(JerkLimited),
-    /// Steps of acceleration.
+    /// The slope STEP.
     Stepped(Stepped),
 }
 
 impl Ramp {
-    /// No change of speed.
+    /// A ramp that permits no change of speed.
     pub const NONE: Self = match STEP_BUILT {
         Some(built) => Self::Stepped(Stepped { a: [0.0; 2], change_over: 0.0, built }),
         None => Self::JerkLimited(JerkLimited {
@@ -43,7 +44,7 @@ impl Ramp {
         }),
     };
 
-    /// The same change of speed with linear ramps.
+    /// The ramp with the same mean jerks and constant jerk in each part.
     pub fn linear(self) -> Self {
         match self {
             Self::JerkLimited(ramp) => Self::JerkLimited(JerkLimited::new(
@@ -72,7 +73,7 @@ impl Ramp {
         }
     }
 
-    /// Duration of the change by `dv` from `low` on.
+    /// Duration in ticks of the change by `dv` (mm/tick) from the lower speed `low` on.
     pub fn duration(&self, low: f32, dv: f32) -> f32 {
         match self {
             Self::JerkLimited(ramp) => ramp.times(dv).iter().sum(),
@@ -91,7 +92,7 @@ impl Ramp {
         }
     }
 
-    /// Largest acceleration.
+    /// Largest acceleration of the ramp, mm/tick².
     pub fn acceleration(&self) -> f32 {
         match self {
             Self::JerkLimited(ramp) => ramp.a,
@@ -99,7 +100,8 @@ impl Ramp {
         }
     }
 
-    /// Largest change of speed from `low` on within `length`, rounded down by 2^-21.
+    /// Largest change of speed (mm/tick) that the ramp reaches from the lower speed `low` on within `length`
+    /// mm, rounded down by 2^-21.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn reach(&self, low: f32, length: f32) -> f32 {
         let dv = match self {
@@ -110,12 +112,12 @@ impl Ramp {
     }
 }
 
-/// Two accelerations and the speed between them.
+/// The ramp of the slope STEP: two constant accelerations, and the speed between them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stepped {
-    /// Accelerations below and above `change_over`.
+    /// Accelerations below and above `change_over`, mm/tick².
     pub a: [f32; 2],
-    /// Speed at which the second acceleration follows the first.
+    /// Speed at which the second acceleration follows the first, mm/tick.
     pub change_over: f32,
     /// The build has STEP.
     pub built: StepBuilt,
@@ -165,7 +167,7 @@ fn gained_over(low: f32, half: f32) -> f32 {
     2.0 * half / max(low + sqrt_f32(low * low + 2.0 * half), f32::MIN_POSITIVE)
 }
 
-/// A ramp in which acceleration rises, is constant, and falls.
+/// The ramp of the slopes with jerk limit: acceleration rises, is constant (the plateau), and falls.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct JerkLimited {
     shape: RampShape,
@@ -175,7 +177,7 @@ pub struct JerkLimited {
     rise: f32,
     /// Full length of the ramp at the higher speed.
     fall: f32,
-    /// Change of speed that just reaches the plateau: a (rise + fall)/2.
+    /// Change of speed that just reaches the plateau, mm/tick: a (rise + fall)/2.
     pub full: f32,
     /// Distance of this change from a stop: a (q·rise² + rise·fall/2 + (1/2 − q)·fall²).
     pub cubic: f32,
@@ -197,7 +199,7 @@ impl JerkLimited {
         }
     }
 
-    /// Shape of both ramps.
+    /// How acceleration rises and falls: linear or by a sine square.
     pub fn shape(&self) -> RampShape {
         self.shape
     }

@@ -17,13 +17,13 @@ use crate::math::float::{max, min, to_f32};
 use crate::math::root::sqrt_f32;
 use crate::math::wide::mul_near;
 
-/// The shape of a ramp.
+/// How acceleration rises and falls in a ramp.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum RampShape {
-    /// TRAPEZ, HSC: constant jerk.
+    /// TRAPEZ and HSC: the jerk is constant.
     #[default]
     Linear,
-    /// SIN2.
+    /// SIN2: acceleration follows a sine square.
     SineSquare,
 }
 
@@ -82,7 +82,7 @@ const TABLE: [Piece; PIECES] = {
 pub struct Bent {
     /// Speed gained.
     pub speed: i64,
-    /// Distance travelled with that speed.
+    /// Path distance of a motion with that speed, from standstill.
     pub distance: i64,
     /// Half the acceleration.
     pub half_accel: i64,
@@ -118,7 +118,7 @@ impl RampShape {
         }
     }
 
-    /// Highest jerk, divided by peak acceleration over time.
+    /// Ratio of the highest jerk to the mean jerk (peak acceleration divided by time); 1 for a linear ramp.
     pub const fn peak_jerk(self) -> f32 {
         match self.built() {
             Self::Linear => 1.0,

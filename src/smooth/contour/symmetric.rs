@@ -50,7 +50,8 @@ impl<const AXES: usize> Symmetric<AXES> {
         Self { along, across, cosine, speed: 30.0 * cosine / (8.0 + 7.0 * cosine) }
     }
 
-    /// The share of its tolerances that a curve with the corner distance `c` uses.
+    /// The part of the tolerances that the curve uses: deviation divided by tolerance, the larger value of
+    /// path and tracking axes (1: all of it). `c`: distance from the corner to either end of the curve, mm.
     pub fn used(&self, main: &Main, tolerance: &Tolerance, c: f32) -> f32 {
         let off = c * (1.0 - 0.3125 * self.speed);
         let path = tolerance.path.map_or(0.0, |path| size(main, &self.across) / path);

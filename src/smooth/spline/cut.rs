@@ -60,7 +60,7 @@ pub struct Piece<const AXES: usize> {
     near: f32,
 }
 
-/// The result of a try.
+/// The result of [`Piece::cut`], which tries one element of the spline.
 #[derive(Clone, Copy, Debug)]
 pub enum Cut<const AXES: usize> {
     /// A shorter element has to be tried.

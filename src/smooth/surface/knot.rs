@@ -45,7 +45,7 @@ const NEAR_STEP: f32 = 0.4652;
 const ONE_40: f32 = (1u64 << 40) as f32;
 const ONE_32: f32 = (1u64 << 32) as f32;
 
-/// The next part of the path.
+/// The length of the next element of a Surface curve, and whether this element is straight.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Aim {
     /// Distance from the last knot, mm.
