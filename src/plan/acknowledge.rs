@@ -26,7 +26,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         Work::Working
     }
 
-    /// Whether the motion is stopped because acknowledgements have not come.
+    /// Whether the axes stand still because the operator has not acknowledged a function.
     pub fn is_waiting(&self) -> bool {
         let gate = self.lookahead.ring.first().is_some_and(|first| first.is_gate()) || self.functions.waits();
         gate && self.task.stood && self.queue.clock.now() == self.frontier.end

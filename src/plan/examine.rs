@@ -12,7 +12,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         self.lookahead.ring.begin_to_examine();
     }
 
-    /// Whether blocks are only examined.
+    /// Whether the planner only examines blocks for refusals, without a plan.
     pub fn examines(&self) -> bool {
         self.lookahead.ring.examines()
     }

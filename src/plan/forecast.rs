@@ -48,7 +48,7 @@ enum Step {
 }
 
 impl Inquiry {
-    /// An unused memory.
+    /// Memory without a question.
     pub const fn new() -> Self {
         Self { spans: CommittedSpans::new(), trial: None }
     }
@@ -61,7 +61,8 @@ impl Default for Inquiry {
 }
 
 impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
-    /// Sets the memory for the question where a hold would stop.
+    /// Gives the planner the memory that it needs to answer FCT_CALC_POS_V_0: where a feed hold would stop
+    /// the axes.
     pub fn set_inquiry(&mut self, inquiry: &'q mut Inquiry) {
         self.intake.inquiry = Some(inquiry);
     }

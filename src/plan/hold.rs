@@ -277,12 +277,12 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         }
     }
 
-    /// Whether the axes are stopped by the operator.
+    /// Whether the axes stand still because of a feed hold.
     pub fn is_holding(&self) -> bool {
         self.orders.mode.standing && self.queue.clock.now() == self.frontier.end
     }
 
-    /// Whether no motion exists or is planned.
+    /// Whether the axes stand still and no motion is planned.
     pub fn is_idle(&self) -> bool {
         let left = self.queue.clock.has_left();
         let empty = self.committed.len() == 0 && self.lookahead.ring.is_empty();

@@ -18,25 +18,25 @@ use crate::quantity::{Distance, Position};
 use crate::queue::{CurveProducer, Function, Scheduler};
 use crate::smooth::{Before, Data, Form, Parting, ProgrammedBlock, Smoothed, Smoother, SplineError};
 
-/// The reason why a motion block is refused.
+/// The reason why the planner refuses a motion block of the program.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum MotionError {
-    /// The block has no valid curve.
+    /// The path module cannot make a curve from the block, for example because the radii of an arc differ.
     Path(PathError),
-    /// The feed is zero.
+    /// The feed of the block is zero.
     NoFeed,
-    /// The block would take more than 2^26 ticks.
+    /// The block would take more than 2^26 ticks at its highest permitted speed.
     TooSlow,
-    /// A motion of a single axis would take longer than the planner permits.
+    /// The motion of a single axis would take longer than the planner permits.
     StrokeTooSlow,
-    /// The block moves an axis that has been released from the channel.
+    /// The block moves an axis that has been released from the channel, so its position is not known.
     Released,
-    /// 120254: an arc in a direct B-spline.
+    /// The block is an arc inside a direct B-spline, which permits only lines (ISG's message 120254).
     ArcInSpline,
-    /// The block leads beyond a software limit.
+    /// The block leads an axis beyond a software limit.
     Beyond(Beyond),
-    /// The curve cannot be transformed to the axes.
+    /// With an active transformation: the curve cannot become a motion of the axes.
     #[cfg(feature = "kinematics")]
     Split(SplitError),
 }
@@ -494,32 +494,32 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         self.intake.smoothing.hsc(hsc)
     }
 
-    /// The method that #HSC ON selects with this command.
+    /// The method that `#HSC ON` selects with these parameters.
     pub fn hsc_method(&self, hsc: &Hsc) -> HscMethod {
         self.intake.smoothing.method(hsc)
     }
 
-    /// Whether the main axes are the feed axes, as Surface requires.
+    /// Whether the feed refers to the main axes, as Surface requires.
     pub fn measures_space(&self) -> bool {
         self.measure.is_space()
     }
 
-    /// Whether there is a master axis for DIST_MASTER.
+    /// Whether the machine has a master axis, as DIST_MASTER requires.
     pub fn has_master(&self) -> bool {
         self.measure.master().is_some()
     }
 
-    /// Whether the end of the last block is to be rounded.
+    /// Whether contour mode is to round the end of the last block.
     pub fn rounds(&self) -> bool {
         self.intake.smoothing.rounds()
     }
 
-    /// The warning about the curve of the last motion; each warning is returned once.
+    /// The warning about the corner curve of the last motion. Each warning is returned once.
     pub fn remark(&mut self) -> Option<NcWarningKind> {
         self.intake.smoothing.remark()
     }
 
-    /// The last warning and its block, after the whole program.
+    /// The last warning about a corner curve, and its block. Call this function after the whole program.
     pub fn last_remark(&mut self) -> Option<(NcWarningKind, Place)> {
         let kind = self.remark()?;
         Some((kind, self.intake.smoothing.place().unwrap_or_default()))

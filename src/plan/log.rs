@@ -31,7 +31,7 @@ impl<const AXES: usize, const BLOCKS: usize> Entrance<'_, '_, AXES, BLOCKS> {
 }
 
 impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
-    /// Starts the log, if the machine data contain FCT_CONTOUR_LAH.
+    /// Starts the log of the path ahead, if P-CHAN-00650 enables it (FCT_CONTOUR_LAH).
     pub fn set_recorder(&mut self, mut recorder: Recorder<'q>) {
         let interpolator = &self.intake.machine.channel.interpolator;
         if !interpolator.has(InterpolatorFunctions::CONTOUR_LAH) {
@@ -43,18 +43,19 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         self.intake.plc.recorder = Some(recorder);
     }
 
-    /// Bytes for stored blocks, for a log by index and for real-time loops: P-STUP-00033.
+    /// Memory for stored blocks, in bytes, as the machine data limit it (P-STUP-00033). The log by index and
+    /// real-time loops use this memory. 0: both are refused.
     pub const fn storage(&self) -> u32 {
         let bytes = self.intake.machine.channel.interpolator.fb_storage_size;
         if bytes == 0 || bytes > FB_STORAGE_MIN { bytes } else { FB_STORAGE_MIN }
     }
 
-    /// Whether there is a log.
+    /// Whether there is a log of the path ahead.
     pub fn has_recorder(&self) -> bool {
         self.intake.plc.recorder.is_some()
     }
 
-    /// Starts a program.
+    /// Starts the log for a new program: distances count from here.
     pub fn start_log(&mut self) {
         let path = self.queue.segments.end().to_bits();
         if let Some(recorder) = &mut self.intake.plc.recorder {
@@ -92,7 +93,8 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         self.log(n, ContourLog::Clear)
     }
 
-    /// Whether CLEAR waits for a stop. Call this function only after [`super::Work::Hungry`].
+    /// Whether `#DISTANCE PROG START CLEAR` waits for a stop of the axes. Call this function only after
+    /// [`super::Work::Hungry`].
     pub fn waits_for_log(&mut self) -> bool {
         let waits = self.intake.plc.recorder.as_ref().is_some_and(Recorder::waits_for_rest);
         if waits && self.is_at_rest() {

@@ -82,26 +82,27 @@ use turning::Turning;
 /// The stage of the ring of blocks.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum RingStage {
-    /// Blocks are being taken.
+    /// The ring takes blocks.
     Filling,
-    /// The ring is being planned.
+    /// A backward pass plans the speeds of the blocks.
     Passing,
     /// This number of blocks is still to be released, span by span.
     Releasing(usize),
 }
 
-/// The result of a call.
+/// The result of one call of the planner without a channel, such as [`Planning::work`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Work {
-    /// Some work is done; there is more.
+    /// The call did some work, and there is more to do: call again.
     Working,
-    /// The queue is full: no work was done.
+    /// The queue is full: the call did no work. Call again after some ticks.
     Waiting,
-    /// A span has its speed profile: [`Planning::planned`].
+    /// A span has got its speed profile: [`Planning::planned`] returns it.
     Planned,
-    /// The last span has got another profile, which ends faster.
+    /// The span planned last has got another profile, which ends faster, because an acknowledgement came in
+    /// time.
     Replanned,
-    /// The only work left is to take the next block.
+    /// The planner needs the next block; there is no other work.
     Hungry,
     /// The motion stops at the end of the last block, because no further block is known.
     Starved,
@@ -129,7 +130,7 @@ pub struct PlanningMemory<const AXES: usize, const BLOCKS: usize> {
 }
 
 impl<const AXES: usize, const BLOCKS: usize> PlanningMemory<AXES, BLOCKS> {
-    /// An empty memory.
+    /// Memory without blocks.
     pub const fn new() -> Self {
         Self {
             lookahead: LookaheadMemory::new(),
@@ -300,25 +301,26 @@ struct Report {
     is_due: bool,
 }
 
-/// The speed profile of one span of motion blocks.
+/// The speed profile of one span, for reports and simulators. A span is a run of motion blocks with one
+/// profile.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct PlannedBlock {
-    /// The first motion block, counted from 0 since the split.
+    /// Number of the first motion block in the span, counted from 0 since the split.
     pub block: u32,
-    /// Number of blocks that begin in the span.
+    /// Number of motion blocks that begin in the span.
     pub blocks: u32,
-    /// Programmed N number of the first motion block.
+    /// N number of the first motion block in the program.
     pub n: u32,
-    /// Path length.
+    /// Path length of the span.
     pub length: Distance,
     /// Speed at the start of the span.
     pub v_in: Speed,
-    /// Highest speed.
+    /// Highest speed in the span.
     pub v_peak: Speed,
     /// Speed at the end of the span.
     pub v_out: Speed,
-    /// Duration.
+    /// Duration of the span.
     pub time: Time,
     /// Time from the stop to the tick at which the next motion may begin, if the span ends in a stop.
     pub wait: Time,
@@ -779,7 +781,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         self.report.begun = begun;
     }
 
-    /// Number of curves released since the split.
+    /// Number of curves that the planner has released to the interrupt since the split.
     pub fn curves(&self) -> u32 {
         self.queue.segments.handed()
     }

@@ -19,14 +19,14 @@ use crate::quantity::{Distance, Position};
 /// takes the pass and plans a full ring.
 const SOON: u32 = 128;
 
-/// The next action at a seam.
+/// What the caller does next at the end of a pass of a real-time loop.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Seam {
-    /// There is time: the call did no work.
+    /// The queue holds enough motion: the call did no work. Call again after a tick.
     Wait,
-    /// The call did some work; there is more.
+    /// The call did some work, and there is more to do: call again.
     Working,
-    /// The decision on the next pass is due.
+    /// The loop has to decide now whether another pass follows.
     Decide,
 }
 
@@ -65,7 +65,8 @@ impl<const AXES: usize, const BLOCKS: usize> Entrance<'_, '_, AXES, BLOCKS> {
 }
 
 impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
-    /// Works while the following blocks are unknown. Call this function only after [`super::Work::Hungry`].
+    /// Continues with the released path while it is open whether another pass of a real-time loop follows.
+    /// Call this function only after [`super::Work::Hungry`].
     pub fn seam(&mut self) -> Seam {
         // If a line continues in the next pass, its parts stay separate elements.
         self.let_go();
@@ -97,7 +98,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         Ok(())
     }
 
-    /// Whether a spline is on.
+    /// Whether a spline is on; its curve depends on later blocks.
     pub fn has_spline(&self) -> bool {
         self.intake.smoothing.has_spline()
     }

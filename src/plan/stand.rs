@@ -24,7 +24,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         !taken_in && handed_out && passed && rests && !self.queue.clock.has_left() && !self.orders.failed
     }
 
-    /// Whether a tick has shown all released motion, and a new coordinate, if set.
+    /// Whether a tick has output the end of all released motion.
     pub fn is_shown(&self) -> bool {
         !clock::is_before(self.queue.clock.now(), self.frontier.end)
     }
@@ -42,7 +42,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         &self.intake.programmed
     }
 
-    /// Exact position of the axes at a standstill.
+    /// Position of the axes at a standstill, exactly the set points: mm or degrees. With a transformation,
+    /// [`Self::position`] is that of the tool tip.
     pub fn stands(&self) -> &[Position; AXES] {
         #[cfg(feature = "kinematics")]
         if self.is_transformed() {
@@ -63,7 +64,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         self.intake.travel.line(self.stands(), &to)
     }
 
-    /// Limits of an axis that moves alone ([`crate::dynamics::Dynamics::single`]).
+    /// Limits of an axis that moves alone; parameters and result as in [`crate::dynamics::Dynamics::single`].
     pub fn single(
         &self,
         axis: usize,
@@ -74,12 +75,12 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         self.dynamics.single(self.intake.machine, axis, rapid, slope, percent)
     }
 
-    /// The speed of a feed (mm/min), mm/tick.
+    /// Converts a feed (mm/min) to a speed along the path, mm/tick.
     pub fn speed_of(&self, feed: Feed) -> f32 {
         self.dynamics.programmed(Some(to_f32(feed.to_bits()) * (1.0 / 4_294_967_296.0)))
     }
 
-    /// The operator's commands in force.
+    /// The commands of the operator that are in force now.
     pub fn commands(&self) -> Commands {
         self.queue.control.commands()
     }
@@ -89,7 +90,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         self.intake.refused.take()
     }
 
-    /// Drops an abort. At a standstill, there is no motion to end.
+    /// Drops an abort that came at a standstill, where there is no motion to end.
     pub fn forget_abort(&mut self) {
         if self.queue.control.commands().abort {
             self.queue.control.aborted();
@@ -113,7 +114,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         self.lookahead.ring.forget_exit();
     }
 
-    /// Drops the blocks that are read and not planned, after a plan that failed.
+    /// After a plan that failed: drops the blocks that are read and not planned.
     pub fn drop_ahead(&mut self) {
         self.forget_ahead();
         (self.task.flush, self.task.rest) = (false, 0);

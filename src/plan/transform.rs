@@ -18,15 +18,15 @@ use crate::path::{self, Bounds, Element, End, Passage};
 use crate::quantity::{Distance, Position};
 use crate::smooth::{Data, Form, ProgrammedBlock, Smoothed, Smoother};
 
-/// The reason why the transformation does not change.
+/// The reason why `#KIN ID` or `#TRAFO` does not change the transformation (machines with rotary axes).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum SwitchError {
-    /// 20687: the transformation with this identifier is active.
+    /// Another transformation, with this identifier, is still active (ISG's message 20687).
     Active(u16),
-    /// No data set has this identifier.
+    /// The machine data have no transformation with this identifier.
     Unknown(u16),
-    /// No transformation is selected, and there is no default.
+    /// The program has selected no transformation, and the machine data have no default (P-CHAN-00032).
     None,
 }
 
@@ -48,13 +48,13 @@ impl core::fmt::Display for SwitchError {
 
 impl core::error::Error for SwitchError {}
 
-/// Number of transformed elements and of their polynomials.
+/// How many curves of the tool tip have been transformed, and into how many curves of the axes. For reports.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Split {
-    /// Elements of the path.
+    /// Number of curves of the programmed path.
     pub elements: u32,
-    /// Polynomials of the axes.
+    /// Number of polynomials for the axes.
     pub polynomials: u32,
 }
 
@@ -204,27 +204,28 @@ enum Next<const AXES: usize> {
 }
 
 impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
-    /// Sets the data sets of the machine, and the default (P-CHAN-00032; 0 for none).
+    /// Sets the transformations of the machine, and the identifier of the default one (P-CHAN-00032; 0 for
+    /// none).
     pub fn set_kinematics(&mut self, sets: &'a [Kinematic], default_id: u16) {
         (self.intake.transform.sets, self.intake.transform.default_id) = (sets, default_id);
     }
 
-    /// Whether there are data sets.
+    /// Whether the machine has transformations.
     pub const fn has_kinematics(&self) -> bool {
         !self.intake.transform.sets.is_empty()
     }
 
-    /// Whether a transformation is active.
+    /// Whether a transformation is active: program positions are then those of the tool tip.
     pub const fn is_transformed(&self) -> bool {
         self.intake.transform.active.is_some()
     }
 
-    /// The active data set.
+    /// The active transformation.
     pub const fn kinematic(&self) -> Option<&'a Kinematic> {
         self.intake.transform.active
     }
 
-    /// Number of transformed elements and of their polynomials.
+    /// How many curves have been transformed since the split, and into how many polynomials.
     pub const fn split(&self) -> Split {
         self.intake.transform.split
     }
@@ -269,12 +270,12 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         }
     }
 
-    /// Cancels a change of the transformation.
+    /// Drops a pending change of the transformation, because its line is refused.
     pub fn forget_switch(&mut self) {
         self.intake.transform.wanted = None;
     }
 
-    /// #TRAFO OFF: the transformation ends after the blocks before the command.
+    /// `#TRAFO OFF`: ends the transformation after the blocks before the command.
     pub fn switch_off(&mut self) {
         if self.is_transformed() {
             self.intake.transform.wanted = Some(None);
@@ -468,7 +469,8 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         Some(Next::Looked)
     }
 
-    /// Returns why an element was refused; each refusal is returned once.
+    /// The place of an element that the transformation refused, and the reason. Each refusal is returned
+    /// once.
     pub fn take_unsplit(&mut self) -> Option<(Place, SplitError)> {
         self.intake.transform.refused.take()
     }

@@ -16,7 +16,8 @@ use core::sync::atomic::{AtomicU32, Ordering};
 
 const MASK: u32 = ACTIONS as u32 - 1;
 
-/// Static memory of the actions.
+/// Static memory of the actions (functions of the program at points of the path), shared by planner,
+/// interrupt and operator.
 pub struct Actions {
     put: AtomicU32,
     due: AtomicU32,
@@ -89,14 +90,14 @@ impl Record {
 // release and acquire.
 unsafe impl Sync for Actions {}
 
-/// The planner's handle: puts actions in, in the order of their points.
+/// The planner's handle: puts actions in, in the order of their points along the path.
 pub struct Scheduler<'a>(&'a Actions);
 
-/// The operator's handle: takes actions.
+/// The operator's handle: takes the actions that are due.
 pub struct Outlet<'a>(&'a Actions);
 
 impl Actions {
-    /// No actions; all bits zero.
+    /// Memory without actions; all bits are zero.
     pub const fn blank() -> Self {
         const { assert!(ACTIONS.is_power_of_two()) };
         let [put, due, taken] = [const { AtomicU32::new(0) }; 3];
@@ -123,7 +124,7 @@ impl Actions {
 }
 
 impl Scheduler<'_> {
-    /// Number of actions that fit.
+    /// Number of further actions that have room.
     pub fn room(&self) -> u32 {
         let put = self.0.put.load(Ordering::Relaxed);
         (ACTIONS as u32).wrapping_sub(put.wrapping_sub(self.0.taken.load(Ordering::Acquire)))
@@ -145,7 +146,7 @@ impl Scheduler<'_> {
         Ok(())
     }
 
-    /// The number of the first action that is not due yet.
+    /// The number of the first action that is not due yet. Actions are numbered from 0 since the split.
     pub fn first_open(&self) -> u32 {
         self.0.due.load(Ordering::Acquire)
     }
@@ -221,7 +222,7 @@ pub struct Lag {
 }
 
 impl Lag {
-    /// No actions; all bits zero.
+    /// The state before the first action; all bits are zero.
     pub const NONE: Self = Self { reached: 0, delay: 0 };
 }
 
@@ -264,7 +265,8 @@ impl Actions {
 }
 
 impl Outlet<'_> {
-    /// The oldest due action and its tick number. Only one caller takes actions.
+    /// Takes the oldest due action, with the number of the tick that made it due. `None` if no action is due.
+    /// Only one caller may take actions.
     pub fn take(&self) -> Option<(PlacedAction, u32)> {
         let taken = self.0.taken.load(Ordering::Relaxed);
         if self.0.due.load(Ordering::Acquire) == taken {

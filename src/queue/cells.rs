@@ -35,7 +35,7 @@ pub struct Segment<const AXES: usize> {
     length: i64,
     gain: [i64; AXES],
     base: [Position; AXES],
-    /// Programmed N number.
+    /// N number of the programmed block.
     pub n: u32,
     /// The lower half of the motion block's number: [`whole`].
     block: u16,
@@ -151,10 +151,10 @@ const fn part_of<const AXES: usize>(place: *const Place<AXES>) -> *const u32 {
     }
 }
 
-/// A curve in its slot.
+/// A curve of the ring, for evaluation: its slot with all its data.
 #[derive(Clone, Copy)]
 pub struct Track<'a, const AXES: usize> {
-    /// The data that every curve has; for a line, all of its data.
+    /// The data that every curve has. For a line, these are all of its data.
     pub segment: &'a Segment<AXES>,
     /// The curve's slot. Reading the slot before is permitted too.
     place: *const Place<AXES>,
@@ -276,7 +276,7 @@ impl<'a, const AXES: usize> Track<'a, AXES> {
         Some(slope)
     }
 
-    /// The shape of the curve.
+    /// The geometry of the curve, without its place in space.
     #[inline(never)]
     pub fn shape(&self) -> Shape<AXES> {
         // SAFETY: the kind says which data the curve has.
@@ -298,13 +298,13 @@ impl<const AXES: usize> Segment<AXES> {
     const BLANK: Self =
         Self { length: 0, gain: [0; AXES], base: [Position::ZERO; AXES], n: 0, block: 0, unused: 0, form: 0 };
 
-    /// Path length, LSB 2^-44 mm.
+    /// Path length of the curve, LSB 2^-44 mm.
     #[inline(always)]
     pub const fn length(&self) -> i64 {
         self.length
     }
 
-    /// The base: the point to which the curve's offsets are added.
+    /// The point to which the curve's offsets are added, mm or degrees per axis.
     pub const fn base(&self) -> &[Position; AXES] {
         &self.base
     }

@@ -34,17 +34,17 @@
 use super::word::{Memory, Ram, Word};
 use core::sync::atomic::Ordering;
 
-/// One tick, in units of an instant.
+/// The difference between two instants of neighbouring ticks.
 pub const TICK: u32 = 2;
 
 const NEVER: u32 = 1;
 
-/// One of the two reserves.
+/// One of the two stored reserves (stops that are ready): one is in force, the other may be in the making.
 #[derive(Clone, Copy, Debug, Hash, PartialEq, Eq)]
 pub enum Kept {
-    /// The first reserve.
+    /// The first of the two.
     One = 0,
-    /// The second reserve.
+    /// The second of the two.
     Other = 1,
 }
 
@@ -58,7 +58,8 @@ impl Kept {
     }
 }
 
-/// The clock that planner, interrupt and operator share.
+/// The clock that planner, interrupt and operator share. It counts ticks, and holds the change of plan and
+/// the reserves that the planner offers to the interrupt.
 pub struct Clock<M: Memory = Ram> {
     begun: M::Word,
     now: M::Word,
@@ -74,7 +75,7 @@ pub struct Clock<M: Memory = Ram> {
 }
 
 impl<M: Memory> Clock<M> {
-    /// Memory for a clock; all bits zero.
+    /// Memory for a clock; all bits are zero. Call [`Self::reset`] before use.
     pub const fn blank() -> Self {
         Self {
             begun: M::Word::ZERO,
@@ -91,7 +92,8 @@ impl<M: Memory> Clock<M> {
         }
     }
 
-    /// Resets the clock. Call this function before both sides run.
+    /// Sets all counts to zero, and removes cut and reserves. Call this function before planner and interrupt
+    /// run.
     pub fn reset(&mut self) {
         *self = Self::blank();
         self.withdraw();
@@ -101,7 +103,7 @@ impl<M: Memory> Clock<M> {
 
 /// Functions for the interrupt.
 impl<M: Memory> Clock<M> {
-    /// Begins a tick and returns its instant, in case the tick uses a piece.
+    /// Begins a tick. Returns the instant that the tick has if it uses a piece.
     #[inline(always)]
     pub fn begin(&self) -> u32 {
         let begun = self.begun.load(Ordering::Relaxed).wrapping_add(TICK);
@@ -110,13 +112,13 @@ impl<M: Memory> Clock<M> {
         self.own()
     }
 
-    /// Ends a tick that used a piece.
+    /// Ends a tick that used a piece of motion or dwell.
     #[inline(always)]
     pub fn pass(&self) {
         self.now.store(self.own().wrapping_add(TICK), Ordering::Release);
     }
 
-    /// Ends a tick that used no piece.
+    /// Ends a tick that used no piece: the path stands still.
     pub fn rest(&self) {
         self.rest_while(false);
     }
@@ -129,12 +131,12 @@ impl<M: Memory> Clock<M> {
         self.idle.store(idle.wrapping_add(TICK), Ordering::Release);
     }
 
-    /// The number of the current tick, from 0.
+    /// The number of the running tick, counted from 0 since the split.
     pub fn tick(&self) -> u32 {
         self.begun.load(Ordering::Relaxed).wrapping_sub(TICK) / TICK
     }
 
-    /// The instant of the next tick that uses a piece.
+    /// The instant of the next tick that uses a piece. For the interrupt; the planner calls [`Self::now`].
     #[inline(always)]
     pub fn own(&self) -> u32 {
         self.now.load(Ordering::Relaxed)
@@ -176,7 +178,7 @@ impl<M: Memory> Clock<M> {
         None
     }
 
-    /// Whether the interrupt may return to the queue.
+    /// Whether the planner permits the interrupt to return from the reserve to the queue.
     pub fn is_let_go(&self) -> bool {
         self.let_go.load(Ordering::Acquire) == self.left.load(Ordering::Relaxed)
     }
@@ -184,13 +186,13 @@ impl<M: Memory> Clock<M> {
 
 /// Functions for the planner.
 impl<M: Memory> Clock<M> {
-    /// The instant of the next tick that uses a piece.
+    /// The instant of the next tick that uses a piece. For the planner; the interrupt calls [`Self::own`].
     #[inline(always)]
     pub fn now(&self) -> u32 {
         self.now.load(Ordering::Acquire)
     }
 
-    /// Ticks that used no piece, in units of [`TICK`].
+    /// Number of ticks that used no piece, multiplied by [`TICK`].
     pub fn idle(&self) -> u32 {
         self.idle.load(Ordering::Acquire)
     }
@@ -214,7 +216,7 @@ impl<M: Memory> Clock<M> {
         self.settle();
     }
 
-    /// Withdraws a cut that the interrupt has taken, or whose instant has passed.
+    /// Removes the cut. The interrupt must have taken the cut, or its instant must have passed.
     pub fn withdraw(&self) {
         self.at.store(NEVER, Ordering::Relaxed);
     }
@@ -229,7 +231,7 @@ impl<M: Memory> Clock<M> {
         kept
     }
 
-    /// Withdraws a reserve. Returns `false` if the interrupt already uses it.
+    /// Withdraws a reserve. Returns `false` if the interrupt already uses this reserve.
     pub fn release(&self, kept: Kept) -> bool {
         kept.of(&self.ends).store(NEVER, Ordering::Release);
         self.settle();
@@ -240,7 +242,7 @@ impl<M: Memory> Clock<M> {
         self.ends.iter().for_each(|end| end.store(NEVER, Ordering::Release));
     }
 
-    /// Whether the interrupt has changed to a reserve.
+    /// Whether the interrupt has left the queue and uses a reserve.
     #[inline(always)]
     pub fn has_left(&self) -> bool {
         let has_left = self.left.load(Ordering::Relaxed) != self.let_go.load(Ordering::Relaxed);

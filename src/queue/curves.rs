@@ -153,7 +153,7 @@ impl Start {
     }
 }
 
-/// Static memory of the ring: `BLOCKS` curves of the look-ahead, and the released curves.
+/// Static memory of the path: the `BLOCKS` curves of the look-ahead, and the released curves before them.
 pub struct CurveRing<const AXES: usize, const BLOCKS: usize> {
     slots: Both<Place<AXES>, BLOCKS, { BEFORE + SLOTS }>,
     starts: Both<Start, BLOCKS, STARTS>,
@@ -166,7 +166,8 @@ pub struct CurveRing<const AXES: usize, const BLOCKS: usize> {
     drives: Both<Kept, BLOCKS, SLOTS>,
 }
 
-/// The planner's handle: writes curves. Curves are numbered from 0 since the split.
+/// The planner's handle: writes the curves of the path and releases them to the interrupt. Curves are
+/// numbered from 0 since the split.
 pub struct CurveProducer<'a, const AXES: usize> {
     /// The slots. The first [`BEFORE`] slots are not part of the ring.
     slots: &'a [Place<AXES>],
@@ -200,7 +201,7 @@ pub struct CurveProducer<'a, const AXES: usize> {
     measure: Option<Measure>,
 }
 
-/// The interrupt's handle: follows the curves.
+/// The interrupt's handle: finds the curve at a path distance, and gives passed curves back.
 pub struct CurveConsumer<'a, const AXES: usize> {
     taken: &'a AtomicU32,
     /// The start of the current curve, with [`BEHIND`] more starts after it, and the slot of the curve.
@@ -331,7 +332,7 @@ const fn places(starts: &[Start]) -> usize {
 }
 
 impl<'a, const AXES: usize> CurveProducer<'a, AXES> {
-    /// Largest look-ahead in blocks.
+    /// Largest look-ahead that the ring has room for, in blocks.
     pub const fn ahead(&self) -> usize {
         self.slots.len().saturating_sub(BEFORE + SLOTS)
     }
@@ -341,7 +342,7 @@ impl<'a, const AXES: usize> CurveProducer<'a, AXES> {
         self.slots.len().saturating_sub(BEFORE)
     }
 
-    /// Whether there is no room for another line.
+    /// Whether the ring has no room for another line.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn is_full(&self) -> bool {
         !self.has_room(self.taken(), 1)
@@ -382,7 +383,7 @@ impl<'a, const AXES: usize> CurveProducer<'a, AXES> {
         number.wrapping_add(u32::from(self.is_part(number)))
     }
 
-    /// The number of the next curve.
+    /// The number of the curve after the curve `number`. In a small build, curves may take two numbers.
     pub fn after(&self, number: u32) -> u32 {
         self.curve_of(self.curve_of(number).wrapping_add(1))
     }
@@ -454,7 +455,7 @@ impl<'a, const AXES: usize> CurveProducer<'a, AXES> {
         })
     }
 
-    /// Path distance at which the curve ends, LSB 2^-44 mm.
+    /// Path distance at which the curve `number` ends, LSB 2^-44 mm.
     pub fn end_of(&self, number: u32) -> i64 {
         self.start(number).wrapping_add(self.length(number))
     }
@@ -470,7 +471,8 @@ impl<'a, const AXES: usize> CurveProducer<'a, AXES> {
         self.latest
     }
 
-    /// The motion block of a curve of the ring.
+    /// The full number of the motion block to which a curve of the ring belongs, counted from 0 since the
+    /// split.
     pub fn block_of(&self, segment: &Segment<AXES>) -> u32 {
         whole(self.latest(), segment.block())
     }
@@ -553,7 +555,7 @@ impl<'a, const AXES: usize> CurveProducer<'a, AXES> {
         self.driven = drive.end(shape.length.to_bits());
     }
 
-    /// Releases `curves` more curves to the interrupt.
+    /// Releases the next `curves` curves to the interrupt.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn hand_on(&mut self, curves: u32) {
         self.handed = if IS_WHOLE {
@@ -654,12 +656,12 @@ impl<'a, const AXES: usize> CurveProducer<'a, AXES> {
         self.taken.load(Ordering::Acquire)
     }
 
-    /// Path distance at which the last curve ends.
+    /// Path distance at which the last curve of the ring ends.
     pub const fn end(&self) -> Distance {
         Distance::from_bits(self.end)
     }
 
-    /// Path distance up to which the interrupt knows the path.
+    /// Path distance up to which the interrupt can follow the path.
     pub fn known(&self) -> Distance {
         Distance::from_bits(if self.long { self.hidden } else { self.end })
     }
@@ -780,12 +782,13 @@ impl<const AXES: usize> CurveConsumer<'_, AXES> {
         Some((track, along))
     }
 
-    /// The curve that the interrupt is on, at the distance of the last tick.
+    /// The curve on which the interrupt is, at the path distance of the last tick (LSB 2^-44 mm).
     pub fn peek(&self, distance: i64) -> Option<&Segment<AXES>> {
         self.at_hand(distance).map(|(track, _)| track.segment)
     }
 
-    /// The current curve with its part, and the distance from its start.
+    /// The curve at a path distance, which the interrupt is on, and the distance from its start.
+    /// Both distances: LSB 2^-44 mm.
     pub fn at_hand(&self, distance: i64) -> Option<(Track<'_, AXES>, i64)> {
         // SAFETY: the start is in its ring.
         let start = unsafe { &*self.start.at }.get();
@@ -804,7 +807,8 @@ impl<const AXES: usize> CurveConsumer<'_, AXES> {
         self.drives.at(distance)
     }
 
-    /// The motion block of a curve of the ring.
+    /// The full number of the motion block to which a curve of the ring belongs, counted from 0 since the
+    /// split.
     pub fn block_of(&self, segment: &Segment<AXES>) -> u32 {
         whole(self.latest.load(Ordering::Relaxed), segment.block())
     }

@@ -53,18 +53,19 @@ pub const SEGMENTS: usize = if functions::IS_SMALL { 34 } else { 48 };
 /// Number of pieces in the queue. A block takes at most seven pieces, a short block two or three.
 pub const PHASES: usize = if functions::IS_SMALL { 32 } else { 128 };
 
-/// Number of actions that may be pending, from reading the program to the operator.
+/// Number of actions (functions of the program at points of the path) that may be pending: read by the
+/// planner, not yet taken by the operator.
 pub const ACTIONS: usize = if functions::IS_SMALL { 16 } else { 32 };
 
-/// An action at its point of the path.
+/// A function of the program (M, H, S or T) at the point of the path where it becomes due.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct PlacedAction {
-    /// Path distance of the action's point.
+    /// Path distance of the point at which the function becomes due.
     pub distance: Distance,
-    /// Programmed N number.
+    /// N number of the programmed block.
     pub n: u32,
-    /// The action.
+    /// The function, and whether it needs an acknowledgement.
     pub action: Action,
 }
 
@@ -73,13 +74,13 @@ pub struct PlacedAction {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C, packed(4))]
 pub struct Phase {
-    /// Path distance at the first tick of the piece.
+    /// Path distance at the first tick of the piece, mm.
     pub distance: Distance,
-    /// Speed at the first tick.
+    /// Path speed at the first tick, mm/tick.
     pub speed: Speed,
-    /// Half the acceleration at the first tick.
+    /// Half the path acceleration at the first tick, mm/tick².
     pub half_accel: Accel,
-    /// A sixth of the jerk.
+    /// A sixth of the path jerk, mm/tick³; constant in the piece.
     pub sixth_jerk: Jerk,
     /// Number of ticks. 0 is a barrier: the interrupt passes a barrier only by a cut ([`Clock`]).
     pub ticks: u16,
@@ -96,7 +97,8 @@ impl Slot for Phase {
 }
 
 impl Phase {
-    /// Moves the start of the piece by `n` ticks.
+    /// Moves the start of the piece forward by `n` ticks: the piece gets shorter, and its curve stays the
+    /// same.
     pub fn advance(&mut self, n: u16) {
         let ticks = i64::from(n);
         let (half, sixth) = (self.half_accel.to_bits(), self.sixth_jerk.to_bits());
@@ -119,7 +121,7 @@ impl Phase {
     }
 }
 
-/// Static memory of the rings, for a planner that looks `BLOCKS` blocks ahead.
+/// Static memory that planner, interrupt and operator share, for a look-ahead of `BLOCKS` blocks.
 pub struct Rings<const AXES: usize, const BLOCKS: usize> {
     segments: CurveRing<AXES, BLOCKS>,
     phases: Ring<Phase, PHASES>,
@@ -137,27 +139,27 @@ struct Shared<const AXES: usize> {
     actions: Actions,
 }
 
-/// The planner's handle.
+/// The planner's side of the shared memory; the planner writes curves, pieces and functions.
 pub struct Sender<'a, const AXES: usize> {
-    /// Curves.
+    /// Writes the curves of the path.
     pub segments: CurveProducer<'a, AXES>,
-    /// Pieces of the speed profile.
+    /// Writes the pieces of the speed profile.
     pub phases: Pieces<'a>,
-    /// The pieces of the reserve ([`Timeline`]).
+    /// Writes the pieces of the reserve, the stop that is always ready ([`Timeline`]).
     pub reserve: Keeper<'a>,
-    /// Actions.
+    /// Writes the functions of the program at their points of the path.
     pub actions: Scheduler<'a>,
-    /// Commands of the operator.
+    /// Reads the commands of the operator.
     pub control: &'a Control,
-    /// The clock and the cut.
+    /// The clock of the interrupt, and the tick of a change of plan (the cut).
     pub clock: &'a Clock,
 }
 
-/// The interrupt's handle.
+/// The interrupt's side of the shared memory.
 pub struct Receiver<'a, const AXES: usize> {
-    /// Curves.
+    /// Reads the curves of the path.
     pub segments: CurveConsumer<'a, AXES>,
-    /// Pieces of the speed profile.
+    /// Reads the pieces of the speed profile.
     pub time: Timeline<'a>,
     shared: &'a Shared<AXES>,
 }
@@ -181,19 +183,20 @@ impl<const AXES: usize> Receiver<'_, AXES> {
         Some((track, along))
     }
 
-    /// Writes the set points of a tick to the status.
+    /// Writes the set points of a tick to the status, mm or degrees.
     #[inline(always)]
     pub fn show(&self, set_points: &[Position; AXES]) {
         let Shared { clock, status, .. } = self.shared;
         status.show_points(clock.tick(), set_points);
     }
 
-    /// Writes the set points before the first tick to the status.
+    /// Writes the set points before the first tick to the status, so that the operator reads the start
+    /// position.
     pub fn show_start(&self, set_points: &[Position; AXES]) {
         [0, 1].iter().for_each(|tick| self.shared.status.show_points(*tick, set_points));
     }
 
-    /// Ends a tick that had a piece: actions that it reached become due.
+    /// Ends a tick that had a piece: functions whose point the path has reached become due.
     #[inline(always)]
     pub fn pass(&mut self) {
         let Shared { clock, status, actions } = self.shared;
@@ -211,7 +214,8 @@ impl<const AXES: usize> Receiver<'_, AXES> {
         clock.rest_while(moves);
     }
 
-    /// As [`Self::pass`], with filters after the path. `settled`: whether the axes have stopped.
+    /// As [`Self::pass`], with filters after the path: functions become due when the axes reach the point,
+    /// not the path. `settled`: whether the axes have stopped.
     #[inline(always)]
     pub fn pass_later(&mut self, lag: &mut Lag, settled: bool) {
         let Shared { clock, status, actions } = self.shared;
@@ -221,7 +225,8 @@ impl<const AXES: usize> Receiver<'_, AXES> {
         clock.pass();
     }
 
-    /// As [`Self::rest`], with filters after the path. `moves`: set points still move.
+    /// As [`Self::rest`], with filters after the path. `settled`: whether the axes have stopped. `moves`: set
+    /// points still move.
     pub fn rest_later(&mut self, lag: &mut Lag, settled: bool, moves: bool) {
         let Shared { clock, actions, .. } = self.shared;
         actions.reach_later(self.distance(), clock.tick(), lag, settled);
@@ -233,20 +238,20 @@ impl<const AXES: usize> Receiver<'_, AXES> {
         self.shared.status.distance()
     }
 
-    /// Driven distance at that path distance, LSB 2^-44 mm.
+    /// Distance that the feed axes have driven at [`Self::distance`], LSB 2^-44 mm.
     #[cfg(feature = "driven")]
     pub fn driven(&self) -> i64 {
         self.segments.driven(self.distance())
     }
 }
 
-/// The operator's handle.
+/// The operator's side of the shared memory.
 pub struct Panel<'a, const AXES: usize> {
-    /// Commands.
+    /// Writes commands of the operator.
     pub control: &'a Control,
-    /// Actions that are due.
+    /// Reads the functions that are due.
     pub actions: Outlet<'a>,
-    /// The status of the last tick.
+    /// Reads the status of the last tick.
     pub status: Display<'a, AXES>,
     /// The driven distance of each curve.
     #[cfg(feature = "driven")]
@@ -254,7 +259,7 @@ pub struct Panel<'a, const AXES: usize> {
 }
 
 impl<const AXES: usize> Panel<'_, AXES> {
-    /// The result of the last tick, and the driven distance at its end.
+    /// The status of the last tick, and the distance that the feed axes have driven at its end.
     #[cfg(feature = "driven")]
     pub fn read(&self) -> (Snapshot<AXES>, Distance) {
         let mut driven = 0;
@@ -264,7 +269,7 @@ impl<const AXES: usize> Panel<'_, AXES> {
 }
 
 impl<const AXES: usize, const BLOCKS: usize> Rings<AXES, BLOCKS> {
-    /// Memory for rings; all bits zero.
+    /// Empty memory. All bits are zero, so a static variable needs no data in flash.
     pub const fn new() -> Self {
         Self {
             segments: CurveRing::new(),
@@ -275,7 +280,7 @@ impl<const AXES: usize, const BLOCKS: usize> Rings<AXES, BLOCKS> {
         }
     }
 
-    /// Empties every ring and returns the handles.
+    /// Empties the memory and returns the handles of planner, interrupt and operator.
     pub fn split(&mut self) -> (Sender<'_, AXES>, Receiver<'_, AXES>, Panel<'_, AXES>) {
         let Self { segments, phases, reserve, control, shared } = self;
         shared.clock.reset();

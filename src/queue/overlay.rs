@@ -11,7 +11,7 @@ use super::{Clock, Consumer, Phase, Producer, Ring, Slot};
 use crate::quantity::Position;
 use core::sync::atomic::{AtomicU32, Ordering};
 
-/// Number of pieces in an overlay.
+/// Number of pieces in an overlay (the motion of a single axis that is independent of the path).
 pub const OVERLAY_PHASES: usize = 64;
 
 /// No axis.
@@ -21,17 +21,17 @@ const NONE: u32 = 0;
 /// 2^-32.
 const FINER: u32 = 12;
 
-/// A position in the format of an overlay's piece, LSB 2^-44 mm or degrees.
+/// Converts a position to the unit of an overlay's pieces: LSB 2^-44 mm or degrees.
 pub const fn fine(position: Position) -> i64 {
     position.to_bits() << FINER
 }
 
-/// The set point of a position in this format, rounded to nearest.
+/// Converts a value of an overlay's piece (LSB 2^-44 mm or degrees) to a set point, rounded to nearest.
 pub const fn set_point(fine: i64) -> Position {
     Position::from_bits((fine + (1 << (FINER - 1))) >> FINER)
 }
 
-/// Memory of an overlay, shared by planner and interrupt; all bits zero when new.
+/// Memory for the motion of a single axis, shared by planner and interrupt; all bits are zero when new.
 pub struct Overlay {
     pieces: Ring<Phase, OVERLAY_PHASES>,
     clock: Clock,
@@ -39,16 +39,16 @@ pub struct Overlay {
     axis: AtomicU32,
 }
 
-/// The planner's handle.
+/// The planner's handle of an overlay.
 pub struct OverlaySender<'a> {
-    /// Pieces of the motion.
+    /// Writes the pieces of the axis motion.
     pub pieces: Producer<'a, Phase, OVERLAY_PHASES>,
-    /// The clock of the overlay, and the cut.
+    /// The clock of the overlay, and the tick of a change of its plan (the cut).
     pub clock: &'a Clock,
     axis: &'a AtomicU32,
 }
 
-/// The interrupt's handle.
+/// The interrupt's handle of an overlay.
 pub struct OverlayReceiver<'a> {
     phase: Phase,
     pieces: Consumer<'a, Phase, OVERLAY_PHASES>,
@@ -61,7 +61,7 @@ pub struct OverlayReceiver<'a> {
 }
 
 impl Overlay {
-    /// Memory for an overlay; all bits zero.
+    /// Memory for an overlay without motion; all bits are zero.
     pub const fn new() -> Self {
         Self { pieces: Ring::new(), clock: Clock::blank(), axis: AtomicU32::ZERO }
     }

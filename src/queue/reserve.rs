@@ -20,7 +20,7 @@ use crate::quantity::{Accel, Distance, Jerk, Speed};
 /// other. Usual stops have at most twenty pieces. Stops through many close knees, or with long ramps at short
 /// cycles, have more.
 pub const STOP_PIECES: usize = if functions::IS_SMALL { 64 } else { 256 };
-/// Places of one stop, including the place of its end mark.
+/// Places for the pieces of one stop. One of them is for the end mark.
 pub const WAY_PIECES: u32 = STOP_PIECES as u32 / 2;
 const MASK: u32 = STOP_PIECES as u32 - 1;
 
@@ -85,7 +85,7 @@ fn changes(place: &Phase) -> [i64; CHANGES] {
     [distance.to_bits(), speed.to_bits(), half_accel.to_bits(), sixth_jerk.to_bits()]
 }
 
-/// Static memory of both stops.
+/// Static memory of two stops: the one in force and the one that the planner is writing.
 pub struct Reserve<M: Memory = Ram> {
     pieces: [M::Place<Phase>; STOP_PIECES],
 }
@@ -94,7 +94,7 @@ pub struct Reserve<M: Memory = Ram> {
 // says which pieces are in force, with release and acquire.
 unsafe impl<M: Memory> Sync for Reserve<M> {}
 
-/// The planner's handle: writes the pieces of stops.
+/// The planner's handle: writes the pieces of the next stop, and puts the stop in force.
 pub struct Keeper<'a, M: Memory = Ram> {
     reserve: &'a Reserve<M>,
     /// The stop in force: number of its first piece, and number of its pieces.
@@ -121,7 +121,7 @@ pub struct Taker<'a, M: Memory = Ram> {
 }
 
 impl<M: Memory> Reserve<M> {
-    /// No stop; all bits zero.
+    /// Memory without a stop; all bits are zero.
     pub const fn blank() -> Self {
         const { assert!(STOP_PIECES.is_power_of_two()) };
         Self { pieces: [const { M::Place::BLANK }; STOP_PIECES] }

@@ -9,7 +9,7 @@
 use super::word::{Memory, Place, Ram, Replay, Word};
 use core::sync::atomic::Ordering;
 
-/// An item of a ring.
+/// An item that a [`Ring`] can hold.
 pub trait Slot: Copy {
     /// The content of an unused slot; all bits zero, so a ring takes no flash.
     const BLANK: Self;
@@ -30,17 +30,17 @@ pub struct Ring<T: Slot, const N: usize, M: Memory = Ram> {
 // release and acquire.
 unsafe impl<T: Slot + Send, const N: usize, M: Memory> Sync for Ring<T, N, M> {}
 
-/// The producer's handle: puts items in.
+/// The producer's handle of a [`Ring`]: puts items in.
 pub struct Producer<'a, T: Slot, const N: usize, M: Memory = Ram> {
     ring: &'a Ring<T, N, M>,
 }
 
-/// The consumer's handle: takes items out.
+/// The consumer's handle of a [`Ring`]: takes items out.
 pub struct Consumer<'a, T: Slot, const N: usize, M: Memory = Ram> {
     ring: &'a Ring<T, N, M>,
 }
 
-/// Reports how full the ring is.
+/// A handle that only reads how full a [`Ring`] is.
 pub struct Gauge<'a, T: Slot, const N: usize, M: Memory = Ram> {
     ring: &'a Ring<T, N, M>,
 }
@@ -61,7 +61,7 @@ impl<T: Slot, const N: usize, M: Memory> Gauge<'_, T, N, M> {
 }
 
 impl<T: Slot, const N: usize> Ring<T, N> {
-    /// An empty ring.
+    /// An empty ring in ordinary memory.
     pub const fn new() -> Self {
         Self::blank()
     }
@@ -104,12 +104,12 @@ impl<T: Slot, const N: usize> Default for Ring<T, N> {
 }
 
 impl<'a, T: Slot, const N: usize, M: Memory> Producer<'a, T, N, M> {
-    /// A reader of the fill level for other contexts.
+    /// Returns a handle that reads how full the ring is, for any task, interrupt or core.
     pub const fn gauge(&self) -> Gauge<'a, T, N, M> {
         Gauge { ring: self.ring }
     }
 
-    /// Number of items that fit.
+    /// Number of further items that have room.
     #[inline(always)]
     pub fn room(&self) -> u32 {
         let put = self.ring.put.load(Ordering::Relaxed);
@@ -224,7 +224,7 @@ impl<T: Slot, const N: usize, M: Memory> Consumer<'_, T, N, M> {
         self.len() == 0
     }
 
-    /// The oldest item, in place.
+    /// The oldest item, which stays in the ring.
     #[inline(always)]
     pub fn peek(&self) -> Option<&T> {
         if self.is_empty() {
@@ -242,7 +242,7 @@ impl<T: Slot, const N: usize, M: Memory> Consumer<'_, T, N, M> {
         self.ring.taken.store(taken.wrapping_add(1), Ordering::Release);
     }
 
-    /// Takes the oldest item out.
+    /// Takes the oldest item out of the ring.
     #[inline(always)]
     pub fn pop(&mut self) -> Option<T> {
         let item = *self.peek()?;

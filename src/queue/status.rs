@@ -13,26 +13,27 @@ use super::{Clock, Gauge, PHASES, Phase};
 use crate::quantity::{Distance, Position};
 use core::sync::atomic::Ordering;
 
-/// The result of the last tick.
+/// What the interrupt did in its last tick: all values belong to the same tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Snapshot<const AXES: usize> {
-    /// Number of ended ticks, modulo 2^31.
+    /// Number of ticks that have ended since the split, modulo 2^31.
     pub ticks: u32,
-    /// Whether the last tick used a piece.
+    /// Whether the last tick used a piece: motion along the path, or dwell.
     pub moved: bool,
-    /// Whether set points moved in the last tick although it used no piece.
+    /// Whether set points moved in the last tick although the path stood still: filters settle, or single
+    /// axes move.
     pub settles: bool,
-    /// Set points after the last tick.
+    /// Set points after the last tick, mm or degrees.
     pub set_points: [Position; AXES],
-    /// Set points after the tick before.
+    /// Set points one tick earlier, mm or degrees; the difference to `set_points` is the speed.
     pub before: [Position; AXES],
-    /// Path distance.
+    /// Path distance of the last tick that used a piece.
     pub distance: Distance,
-    /// Programmed N number.
+    /// N number of the programmed block on which the axes are.
     pub n: u32,
-    /// Motion blocks since the split, counted from 0.
+    /// Number of the motion block on which the axes are, counted from 0 since the split.
     pub block: u32,
-    /// Number of pieces in the queue.
+    /// Number of pieces of the speed profile in the queue.
     pub queued: u16,
 }
 
@@ -73,7 +74,7 @@ impl<W: Word> Long<W> {
     }
 }
 
-/// The words of the snapshot. The interrupt writes them.
+/// The memory of the status. The interrupt writes it; a [`Display`] reads it.
 pub struct Words<const AXES: usize, M: Memory = Ram> {
     distance: Long<M::Word>,
     n: M::Word,
@@ -83,7 +84,7 @@ pub struct Words<const AXES: usize, M: Memory = Ram> {
     set_points: [[Long<M::Word>; AXES]; 2],
 }
 
-/// The reader's handle.
+/// The reader's handle of the status, for any task, interrupt or core.
 pub struct Display<'a, const AXES: usize, M: Memory = Ram> {
     words: &'a Words<AXES, M>,
     clock: &'a Clock<M>,
@@ -93,7 +94,7 @@ pub struct Display<'a, const AXES: usize, M: Memory = Ram> {
 }
 
 impl<const AXES: usize, M: Memory> Words<AXES, M> {
-    /// All bits zero.
+    /// Memory of a status; all bits are zero.
     pub const fn blank() -> Self {
         Self {
             distance: Long::zero(),
@@ -109,7 +110,7 @@ impl<const AXES: usize, M: Memory> Words<AXES, M> {
         self.distance.set(distance);
     }
 
-    /// The path distance that was written last. Only the interrupt calls this function.
+    /// The path distance that was written last, LSB 2^-44 mm. Only the interrupt calls this function.
     #[inline(always)]
     pub fn distance(&self) -> i64 {
         self.distance.get()
@@ -135,7 +136,7 @@ impl<const AXES: usize, M: Memory> Words<AXES, M> {
 }
 
 impl<'a, const AXES: usize, M: Memory> Display<'a, AXES, M> {
-    /// A status that reads these words.
+    /// A handle that reads the status from these words.
     pub const fn new(
         words: &'a Words<AXES, M>,
         clock: &'a Clock<M>,

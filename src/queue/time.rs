@@ -27,7 +27,7 @@
 use super::word::{Memory, Ram, Replay};
 use super::{Clock, Consumer, Keeper, PHASES, Phase, Producer, Slot, Taker};
 
-/// The planner's handle of the ring.
+/// The planner's handle for the pieces of the speed profile.
 pub type Pieces<'a, M = Ram> = Producer<'a, Phase, PHASES, M>;
 
 /// Barrier and new pieces that are being written for a cut. [`Self::commit`] or [`Self::abandon`] ends the
@@ -40,7 +40,7 @@ pub struct Change {
     has_barrier: bool,
 }
 
-/// The instant at which the interrupt leaves its old pieces, or has left them.
+/// The instant at which the interrupt changes from its old pieces to new ones, or has changed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Cut(pub u32);
 
@@ -49,12 +49,12 @@ pub struct Cut(pub u32);
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TooLate;
 
-/// The reason why new pieces are not valid. Nothing has changed.
+/// The reason why a change of plan had no effect. The old plan continues unchanged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NotNow {
-    /// The interrupt has passed the instant of the cut on its old pieces.
+    /// The interrupt has already passed the instant of the change.
     TooLate,
-    /// The interrupt has continued with the reserve.
+    /// The interrupt already uses the reserve, because the queue was empty.
     Left,
 }
 
@@ -151,7 +151,7 @@ impl Change {
         Err(not_now)
     }
 
-    /// Withdraws barrier and new pieces.
+    /// Removes the end marker and the new pieces behind it: the change of plan does not take place.
     pub fn abandon<M: Memory, const N: usize>(
         self,
         pieces: &mut Producer<'_, Phase, N, M>,
@@ -163,7 +163,7 @@ impl Change {
     }
 }
 
-/// The interrupt's handle of the profile: the current piece and the next ones.
+/// The interrupt's handle of the speed profile: the current piece and the next ones.
 pub struct Timeline<'a, M: Memory = Ram> {
     phase: Phase,
     pieces: Consumer<'a, Phase, PHASES, M>,
@@ -262,7 +262,7 @@ impl<'a, M: Memory> Timeline<'a, M> {
         self.take()
     }
 
-    /// The current piece, and the number of its tick that was evaluated last.
+    /// The current piece, and the number of the tick within the piece that was evaluated last.
     pub fn at_hand(&self) -> (&Phase, u16) {
         (&self.phase, self.done.saturating_sub(1))
     }

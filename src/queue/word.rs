@@ -8,7 +8,7 @@ use super::Slot;
 use core::cell::UnsafeCell;
 use core::sync::atomic::{self, AtomicU32, Ordering};
 
-/// A word. One side writes the word; all sides may read it.
+/// A word of shared memory. One side writes the word; all sides may read it.
 pub trait Word: Sync {
     /// The word with the value 0.
     const ZERO: Self;
@@ -20,7 +20,7 @@ pub trait Word: Sync {
     fn store(&self, value: u32, order: Ordering);
 }
 
-/// A place of a ring. Counters say who owns the place.
+/// A place of a ring in shared memory. Counters outside of it say which side owns the place.
 pub trait Place<T: Slot>: Sized {
     /// An unused place.
     const BLANK: Self;
@@ -41,7 +41,8 @@ pub trait Place<T: Slot>: Sized {
     fn get(&self) -> *mut T;
 }
 
-/// Words, places, and the ordering of accesses to them.
+/// A kind of shared memory: its words, its places, and the order of accesses. Tests have a kind that tries
+/// all orders.
 pub trait Memory {
     /// A word.
     type Word: Word;
@@ -59,7 +60,7 @@ pub trait Memory {
 /// target never has this trait.
 pub trait Replay: Memory {}
 
-/// The memory of a target: atomics and cells.
+/// The shared memory of real firmware: atomics and cells.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Ram;
 
