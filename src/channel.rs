@@ -65,7 +65,7 @@ use crate::rt_loop::LoopError;
 use crate::slope::profile::Unplannable;
 use crate::technology::Function;
 
-/// The result of one call of [`Planner::poll`].
+/// What one call of [`Planner::poll`] has done, and when to call again.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Progress {
@@ -76,9 +76,10 @@ pub enum Progress {
     Waiting,
     /// A span of motion blocks has its speed profile: [`Planner::planned`]. Call again at once.
     Planned,
-    /// The same span has a faster profile, because an acknowledgement came in time.
+    /// The span planned last has a faster profile, because an acknowledgement came in time. Call again at
+    /// once.
     Replanned,
-    /// The program contains a doubtful word. The program continues.
+    /// The program contains a doubtful word. The program continues. Call again at once.
     Warning(NcWarning),
     /// Program text is late. The axes stop at the end of the known path, and resume when text arrives. Each
     /// such stop is reported once.
@@ -298,12 +299,12 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         }
     }
 
-    /// Whether the axes are stopped by a feed hold.
+    /// Whether the axes stand still because of a feed hold.
     pub fn is_holding(&self) -> bool {
         self.planning.is_holding() && self.filters.is_settled()
     }
 
-    /// Whether the axes are stopped because a function is not acknowledged:
+    /// Whether the axes stand still because the operator has not acknowledged a function:
     /// [`Operator::awaited`](crate::operator::Operator::awaited).
     pub fn is_waiting(&self) -> bool {
         self.planning.is_waiting() && self.filters.is_settled()

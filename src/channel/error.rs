@@ -12,28 +12,29 @@ use crate::quantity::Decimal;
 #[cfg(feature = "plc")]
 use crate::rt_loop::LoopError;
 
-/// The reason why machine data are refused.
+/// The reason why [`Channel::split`](super::Channel::split) refuses machine data.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum MachineError {
-    /// A parameter of the axis with this index is out of range.
+    /// A parameter of an axis is out of range. The number is the index of the axis.
     Axis(usize, RangeError),
     /// A parameter of the channel is out of range.
     Channel(RangeError),
     /// The machine data need a function that this build leaves out. The text names the function and the
     /// feature to enable.
     NotBuilt(&'static str),
-    /// Two axes have this name.
+    /// Two axes of the machine have this name.
     Name(AxisName),
     /// The axis name begins with an address letter that has another meaning in the language.
     Reserved(AxisName),
     /// This parameter gives the function of this number a synchronisation that Glidepath does not have.
     Synch(&'static str, u16, Synch),
-    /// This parameter names too many functions.
+    /// The parameter of this name gives a synchronisation to more functions than there is room for.
     TooManySynch(&'static str),
-    /// The filter of the axis with this index is refused.
+    /// The machine data of an axis have a filter that is not possible. The number is the index of the axis.
     Filter(usize, FilterError),
-    /// P-CHAN-00650 names a wrong function. The texts are the fault and the expected value.
+    /// P-CHAN-00650 names a function that does not exist or is not available. The texts are the fault and the
+    /// expected value.
     #[cfg(feature = "plc")]
     Interpolator(&'static str, &'static str),
     /// This parameter gives the function of this number a synchronisation that does not fit its shift. The text says what
@@ -77,17 +78,18 @@ impl core::fmt::Display for MachineError {
 
 impl core::error::Error for MachineError {}
 
-/// The reason why a program is refused.
+/// The reason why [`Planner::poll`](super::Planner::poll) refuses a line of the program, or ends the program.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Error {
-    /// The text is not a program.
+    /// The text of the line is not correct in the language.
     Nc(NcError),
-    /// The language has this command, Glidepath does not. Place and name of the command.
+    /// The word is correct in the language, but Glidepath does not have this function. Place and name of the
+    /// word.
     NotAvailable(Place, &'static str),
     /// The machine data do not enable this function. Place, and the parameter that the function needs.
     NotEnabled(Place, &'static str),
-    /// A motion block has no path or no speed.
+    /// The motion of a line has no path or no permitted speed.
     Motion(Place, MotionError),
     /// A motion block, or the curve of the corner before the block, leads this axis beyond its software
     /// limit.
@@ -96,14 +98,14 @@ pub enum Error {
     /// reason.
     #[cfg(feature = "kinematics")]
     NoTransformation(Place, AxisName, SplitError),
-    /// The transformation cannot change here.
+    /// `#KIN ID` or `#TRAFO` cannot change the transformation here.
     #[cfg(feature = "kinematics")]
     Transformation(Place, SwitchError),
-    /// `#FILTER` fails for this axis.
+    /// The filter that `#FILTER` selects for this axis is not possible.
     Filter(Place, AxisName, FilterError),
-    /// A spline command is not permitted here.
+    /// A spline command, or a command within a spline, is not permitted here.
     Spline(Place, SplineError),
-    /// A real-time loop is refused.
+    /// A command of a real-time loop is not permitted here, or the loop has no room in memory.
     #[cfg(feature = "plc")]
     Loop(Place, LoopError),
     /// ACC or DEC of #VECTOR LIMIT is below 1 mm/s², or VEL is 0.

@@ -6,10 +6,11 @@ use crate::fir::FilterPlan;
 use crate::nc::{COORDINATE_MAX, Text};
 use crate::quantity::Position;
 
-/// The planner did not take a text because the channel is not at rest.
+/// The error of a planner that did not take a program text: the channel is not at rest. It gives the text
+/// back.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Busy<T> {
-    /// The refused text.
+    /// The text that was not taken.
     pub text: T,
 }
 
@@ -21,13 +22,13 @@ impl<T> core::fmt::Display for Busy<T> {
 
 impl<T: core::fmt::Debug> core::error::Error for Busy<T> {}
 
-/// The reason why [`Planner::go_on`] did nothing.
+/// The reason why [`Planner::go_on`] did not continue the program after a refused line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum GoOnError {
-    /// Axes move, or some commands read so far are not carried out.
+    /// Axes still move, or some commands that were read are not carried out yet.
     NotAtRest,
-    /// No line was refused, or the program was aborted afterwards.
+    /// There is nothing to continue: no line was refused, or the program was aborted afterwards.
     NothingRefused,
 }
 
@@ -42,11 +43,11 @@ impl core::fmt::Display for GoOnError {
 
 impl core::error::Error for GoOnError {}
 
-/// The reason why a position was not set.
+/// The reason why the planner did not set a new position of an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum PositionError {
-    /// Axes move, or some commands read so far are not carried out.
+    /// Axes still move, or some commands that were read are not carried out yet.
     NotAtRest,
     /// The machine has no such axis, or the position is outside of ±100 000 mm or degrees.
     Range,
@@ -63,11 +64,11 @@ impl core::fmt::Display for PositionError {
 
 impl core::error::Error for PositionError {}
 
-/// The reason why a zero offset was not set.
+/// The reason why the planner did not set a zero offset.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum ZeroOffsetError {
-    /// Axes move, or some commands read so far are not carried out.
+    /// Axes still move, or some commands that were read are not carried out yet.
     NotAtRest,
     /// The set is not 0…5, the machine has no such axis, or the offset is outside of ±100 000 mm or degrees.
     Range,

@@ -7,42 +7,42 @@ use super::unit::Pending;
 use crate::quantity::{Distance, Position, Speed};
 use core::sync::atomic::{AtomicU32, Ordering};
 
-/// A question of a PLC.
+/// A question of a PLC about the coming motion. P-CHAN-00650 enables each kind of question.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Question {
     /// FCT_CALC_STATE_AT_T: the state at the tick `n` ticks ahead; 1 is the next tick.
     StateAt(u32),
-    /// FCT_CALC_TIME: the time at which the next motion block at feed begins.
+    /// FCT_CALC_TIME: at which tick the next motion block at feed begins.
     NextFeed,
-    /// FCT_CALC_POS_V_0: place and time at which a feed hold would stop the axes now.
+    /// FCT_CALC_POS_V_0: where and when the axes would stop if a feed hold came now.
     Standstill,
 }
 
 /// A future moment: the values that [`crate::Status`] will show if no command comes before.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Moment<const AXES: usize> {
-    /// Number of the tick, as in [`crate::Output::tick`].
+    /// Number of the tick, counted as in [`crate::Output::tick`].
     pub tick: u32,
     /// Ticks from now to this tick; 1 is the next tick.
     pub ticks: u32,
-    /// The set point of every axis, before filters.
+    /// The set point of every axis before its filters, mm or degrees.
     pub set_points: [Position; AXES],
-    /// Programmed N number.
+    /// N number of the programmed block.
     pub n: u32,
-    /// Number of motion blocks since the split.
+    /// Number of the motion block, counted from 0 since the split.
     pub block: u32,
-    /// Path distance as planned.
+    /// Path distance of the plan.
     pub distance: Distance,
-    /// Mean speed of the set points over the tick, along the feed axes.
+    /// Mean speed of the set points over the tick, along the feed axes, mm/tick.
     pub speed: Speed,
 }
 
-/// The reason why there is no answer.
+/// The reason why the planner has no answer to a [`Question`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unknown {
-    /// The machine data do not have this function (P-CHAN-00650).
+    /// P-CHAN-00650 does not enable this kind of question. The text is the name of the function.
     NotEnabled(&'static str),
-    /// The planned motion is shorter than the question demands.
+    /// The question is about a tick beyond the planned motion.
     Beyond {
         /// Number of planned ticks.
         ticks: u32,
@@ -51,7 +51,7 @@ pub enum Unknown {
     Busy,
     /// The search for the answer continues: ask again at once.
     Searching,
-    /// The answer depends on blocks that are not planned yet.
+    /// The answer depends on blocks that are not planned yet: ask again later.
     NotPlanned,
 }
 

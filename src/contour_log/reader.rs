@@ -11,10 +11,10 @@ pub struct ContourReader<'a> {
     log: Table<'a>,
 }
 
-/// The requested elements are no longer in the window.
+/// The error of a request for elements that the window does not contain any more.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Forgotten {
-    /// The first distance in the window; earlier elements are dropped.
+    /// The first distance that the window still contains.
     pub first: ProgramDistance,
 }
 
@@ -27,16 +27,16 @@ impl core::fmt::Display for Forgotten {
 
 impl core::error::Error for Forgotten {}
 
-/// State of the log of mode 1.
+/// State of the log by index (mode 1), which the program switches on and off.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LogState {
-    /// Number of entries in the log: count_logged_blocks.
+    /// Number of entries in the log; ISG's count_logged_blocks.
     pub entries: u32,
     /// Number of entries that had no room; use a larger `LOG` in [`super::ContourMemory`].
     pub without_room: u32,
-    /// Whether LOG ON was read and LOG OFF was not: f_log_is_active.
+    /// Whether the program has switched the log on and not off again; ISG's f_log_is_active.
     pub active: bool,
-    /// Whether LOG OFF was read. Another LOG ON has no effect before CLEAR.
+    /// Whether the program has switched the log off. Another LOG ON has no effect before CLEAR.
     pub closed: bool,
 }
 
@@ -73,7 +73,7 @@ impl<'a> ContourReader<'a> {
         (self.log.row().first == row.first).then_some(entry)
     }
 
-    /// The state of the log.
+    /// Number of entries and state of the log by index.
     pub fn log_state(&self) -> LogState {
         let row = self.log.row();
         LogState {
@@ -124,7 +124,7 @@ const fn newest(row: &Row) -> u32 {
     if marked < kept { row.mark } else { row.first }
 }
 
-/// Elements in an interval of distances, in order.
+/// Iterator over the elements in an interval of distances, in the order of the path.
 pub struct Elements<'a> {
     window: Table<'a>,
     next: u32,

@@ -7,7 +7,7 @@
 use super::entry::Entry;
 use core::sync::atomic::{AtomicU32, Ordering, fence};
 
-/// An entry in memory.
+/// Memory of one [`Entry`].
 pub struct Slot([AtomicU32; Entry::WORDS]);
 
 impl Slot {
@@ -26,16 +26,16 @@ impl Slot {
     }
 }
 
-/// Data of the whole table.
+/// Which entries a table contains, and where the path of the table ends.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Row {
-    /// Number of the first entry.
+    /// Number of the first valid entry.
     pub first: u32,
-    /// Number after the last entry.
+    /// Number after the last valid entry.
     pub end: u32,
-    /// Program distance of the table's end.
+    /// Distance from program start to the end of the table, LSB 2^-24 mm.
     pub reach: i64,
-    /// Path distance of the table's end.
+    /// Path distance at the end of the table, LSB 2^-44 mm.
     pub path: i64,
     /// For the window: the number after the last `#DISTANCE PROG START CLEAR`. For the log: number of entries
     /// without room.
@@ -103,7 +103,7 @@ impl Head {
     }
 }
 
-/// A table, for its writer and its readers.
+/// A table of entries, for one writer and any number of readers.
 #[derive(Clone, Copy)]
 pub struct Table<'a> {
     head: &'a Head,
@@ -115,12 +115,12 @@ impl<'a> Table<'a> {
         Self { head, slots }
     }
 
-    /// Number of entries that fit.
+    /// Number of entries that have room.
     pub const fn room(&self) -> usize {
         self.slots.len()
     }
 
-    /// The valid entries.
+    /// Which entries are valid now.
     pub fn row(&self) -> Row {
         self.head.row()
     }

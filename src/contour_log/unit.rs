@@ -14,7 +14,7 @@ use super::reader::ContourReader;
 use super::table::Slot;
 use core::sync::atomic::{AtomicU32, Ordering};
 
-/// The previous request is not answered yet.
+/// The error of a request while the previous request is not answered yet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Pending;
 
@@ -26,14 +26,14 @@ impl core::fmt::Display for Pending {
 
 impl core::error::Error for Pending {}
 
-/// `state` of the control unit.
+/// The state of the log, as ISG's control unit `contour_lookahead` shows it to a PLC.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct UnitState {
-    /// max_dist_prog_start, 0.1 µm.
+    /// Distance at which the known path ends (max_dist_prog_start), 0.1 µm.
     pub max_dist_prog_start: f64,
-    /// Number of entries in the log of mode 1.
+    /// Number of entries in the log by index (mode 1).
     pub count_logged_blocks: u32,
-    /// Whether LOG ON was read and LOG OFF was not.
+    /// Whether the program has switched the log on and not off again.
     pub f_log_is_active: bool,
 }
 

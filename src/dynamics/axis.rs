@@ -13,7 +13,7 @@ const SLIGHT_KNEE: f32 = KNEE_PART * SLIGHT;
 /// Ramps of at least this number of ticks count as long.
 const LONG_RAMP: f32 = 4.0;
 
-/// Limits of one axis in one kind of motion (feed or rapid), per tick.
+/// Limits of one axis in one kind of motion (feed or rapid). Units: mm or degrees, and ticks.
 #[derive(Clone, Copy, Debug)]
 pub struct Set {
     pub v: f32,
@@ -22,7 +22,7 @@ pub struct Set {
     /// STEP: accelerations above the change-over speed, and the change-over speed.
     pub upper: [f32; 2],
     pub change_over: f32,
-    /// Slopes other than STEP: mean jerks of the ramps.
+    /// Slopes other than STEP: mean jerks of the four ramps, units per tick³.
     pub j: Ramps,
     pub joint: TransitionLimits,
     /// The lowest acceleration divided by its ramp time; at most `B`.
@@ -30,18 +30,18 @@ pub struct Set {
     /// The lowest acceleration divided by the geometric ramp time. This value is `B`, or less if the
     /// geometric ramp time is longer than the ramp times.
     pub geometric_budget: f32,
-    /// Acceleration left to the speed profile at a knee.
+    /// Acceleration that is left to the speed profile at a knee (a corner without a curve).
     pub a_shared: f32,
-    /// Acceleration left to the speed profile at a knee where the acceleration is zero.
+    /// As `a_shared`, for a knee at which the acceleration of the profile is zero.
     pub a_resting: f32,
 }
 
-/// Limits of one axis at a transition.
+/// What one axis may do at the transition between two blocks.
 #[derive(Clone, Copy, Debug)]
 pub struct TransitionLimits {
-    /// `B`.
+    /// Jerk `B` of the axis: see the documentation of [`mod@crate::dynamics`].
     pub budget: f32,
-    /// Permitted step of speed at a knee (P-AXIS-00013).
+    /// Permitted step of speed of the axis at a knee (P-AXIS-00013).
     pub knee: f32,
     /// Whether P-AXIS-00013 is given; the jerk of a step of speed at a knee is then not limited.
     pub is_weighted: bool,

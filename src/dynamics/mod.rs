@@ -106,15 +106,17 @@ pub struct Dynamics<const AXES: usize> {
     is_transformed: bool,
 }
 
-/// Limits of an element: along the path, at its transitions, and with an override.
+/// Limits of an element: along the path, what its transitions leave to the speed profile, and how an override
+/// changes the speed.
 pub type Permitted = (Limits, Share, OverrideRange);
 
-/// Limits of an element, kept for reuse while the dynamics do not change.
+/// Limits of an element with the state of the dynamics for which they were computed. The planner uses them
+/// again while that state does not change.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Known {
     /// [`Dynamics::changes`] when the limits were computed.
     changes: u32,
-    /// See [`Dynamics::element`].
+    /// The limits, as [`Dynamics::element`] returns them.
     pub permitted: Permitted,
 }
 
@@ -131,7 +133,7 @@ const fn optimises<const AXES: usize>(_: &MachineData<AXES>) -> bool {
 }
 
 impl<const AXES: usize> Dynamics<AXES> {
-    /// Converts the machine data.
+    /// Converts the machine data of all axes to limits per tick.
     pub fn new(machine: &MachineData<AXES>) -> Self {
         let cycle_s = machine.channel.cycle_us as f32 * 1e-6;
         let slope = SlopeType::of_profile(machine.channel.slope_profile);
@@ -158,7 +160,7 @@ impl<const AXES: usize> Dynamics<AXES> {
         new
     }
 
-    /// Sets whether a transformation lies between smoothers and axes.
+    /// Sets whether a transformation for rotary axes lies between the smoothing stage and the axes.
     #[cfg(feature = "kinematics")]
     pub fn set_transformed(&mut self, is_transformed: bool) {
         self.is_transformed = is_transformed;
@@ -172,7 +174,7 @@ impl<const AXES: usize> Dynamics<AXES> {
         self.is_transformed
     }
 
-    /// Always false in a build without transformations.
+    /// Whether a transformation is active; always `false` in a build without transformations.
     #[cfg(not(feature = "kinematics"))]
     #[inline(always)]
     pub const fn is_transformed(&self) -> bool {
@@ -287,7 +289,7 @@ impl<const AXES: usize> Dynamics<AXES> {
         law_of(self.slope, self.joins, change_over)
     }
 
-    /// Sets the planned override (1…2) for the elements that follow.
+    /// Sets the planned override for the elements that follow; 1 is 100 %, range 1 to 2.
     pub fn set_level(&mut self, level: f32) {
         if level != self.level {
             self.level = level;
@@ -447,7 +449,7 @@ impl<const AXES: usize> Dynamics<AXES> {
         self.bends_have_jerk && !self.slope.is_step()
     }
 
-    /// The slope of the elements that follow.
+    /// The slope (kind of speed profile) of the elements that follow.
     pub fn slope(&self) -> SlopeType {
         self.slope
     }

@@ -20,7 +20,8 @@ const EVEN: u16 = 1 << 15;
 const WHOLE: u16 = u16::MAX;
 
 impl OverrideRange {
-    /// Machine and feed permit the same speed.
+    /// The range of a block whose machine limit and feed permit the same speed, and which is not slower at
+    /// reduced speed.
     pub const NONE: Self = Self { over: EVEN, reduced: WHOLE };
 
     /// For no block; all bits zero.

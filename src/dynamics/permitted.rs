@@ -20,14 +20,15 @@ pub(crate) const SURELY: f32 = 0.999;
 /// Two change-over speeds whose ratio is below this value count as equal.
 const SAME: f32 = 1.0 + 1.0 / 1_048_576.0;
 
-/// Limits that a transition leaves to the speed profile.
+/// The limits along the path that a transition between two blocks leaves to the speed profile. The transition
+/// itself uses the rest.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Share {
-    /// Jerk, mm/tick³.
+    /// Jerk that is left, mm/tick³.
     pub j: f32,
-    /// Acceleration if the acceleration passes the transition, mm/tick².
+    /// Acceleration that is left if the profile has an acceleration at the transition, mm/tick².
     pub a: f32,
-    /// Acceleration if the acceleration is zero at the transition, mm/tick².
+    /// Acceleration that is left if the acceleration of the profile is zero at the transition, mm/tick².
     pub a_resting: f32,
     /// Speed of an arc at which the transition uses its part of the limits, mm/tick; `f32::MAX` for other
     /// elements.
@@ -53,7 +54,7 @@ pub(super) fn less_rough(a: f32) -> f32 {
 }
 
 impl Joins {
-    /// `optimised`: NO_OPT=0, which only HSC has.
+    /// The rule of a slope for blocks in one span. `optimised`: NO_OPT=0, which only HSC has.
     pub fn of(slope: SlopeType, optimised: bool) -> Self {
         match slope {
             _ if !functions::HSC.is_built() => Self::Alike,

@@ -65,9 +65,9 @@ pub struct Curving {
     /// CHECK_JERK: the jerk that the curvature may cause. 0: no limit, 1: by the geometric ramp time, 2: by
     /// the ramp times.
     pub jerk: u8,
-    /// CONST_VEL: the speed is constant inside the curve.
+    /// CONST_VEL: the speed is constant inside the curve. `None` without CONST_VEL.
     pub constant: Option<Steady>,
-    /// A sharp turn in the same curve.
+    /// The nearest sharp turn in the same curve, which limits the speed around it.
     pub near: Near,
 }
 
@@ -81,7 +81,7 @@ pub struct Near {
 }
 
 impl Near {
-    /// No sharp turn.
+    /// No sharp turn is near, so there is no limit.
     pub const NONE: Self = Self { v: f32::MAX, way: f32::MAX };
 
     /// Highest speed of an element under a speed profile with jerk `jerk`. In the turn, the acceleration is
@@ -92,17 +92,17 @@ impl Near {
     }
 }
 
-/// One speed for a whole curve.
+/// CONST_VEL: the common speed of all elements of a curve.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Steady {
-    /// Highest speed that every element permits, mm/tick.
+    /// Highest speed that every element of the curve permits, mm/tick.
     pub v: f32,
-    /// Path length of all elements, mm.
+    /// Path length of all elements of the curve, mm.
     pub length: f32,
 }
 
 impl Steady {
-    /// No common speed: the element stands alone.
+    /// An element without a common speed, which stands alone.
     pub const FREE: Self = Self { v: f32::MAX, length: f32::MAX };
 }
 

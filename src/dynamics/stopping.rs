@@ -11,19 +11,19 @@ use crate::nc::SlopeType;
 use crate::path::Swings;
 use crate::slope::ramp_shape::RampShape;
 
-/// Acceleration and jerk of a stop.
+/// Deceleration and jerk with which a motion stops along a part of the path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Braking {
     /// Deceleration, mm/tick². STEP has two decelerations: the second acts below a lower speed.
     pub a: [f32; 2],
     /// Jerk with which the deceleration rises, and jerk with which it falls, mm/tick³.
     pub j: [f32; 2],
-    /// Mean jerk with which an acceleration falls before the braking.
+    /// Mean jerk with which a positive acceleration falls to zero before the braking, mm/tick³.
     pub ends: f32,
 }
 
 impl Braking {
-    /// No limits.
+    /// Limits that restrict nothing: the start value before limits are lowered.
     pub const WIDEST: Self = Self { a: [f32::MAX; 2], j: [f32::MAX; 2], ends: f32::MAX };
 
     /// Returns lower limits for the next try, or `None` if the axes permit `self`. `left`: the limits that
@@ -126,7 +126,7 @@ impl Braking {
 /// A part of the path through which a motion brakes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Passed {
-    /// Highest speed, mm/tick.
+    /// Highest speed in this part, mm/tick.
     pub v: f32,
     /// Whether this part is rapid motion; `None` if it has feed motion and rapid motion.
     pub rapid: Option<bool>,

@@ -231,9 +231,9 @@ fn max_size(a: i64, b: i64) -> u64 {
 pub struct Passing(u8);
 
 impl Passing {
-    /// All of the deceleration passes.
+    /// All of the deceleration may pass the transition.
     pub const ALL: Self = Self(0);
-    /// No deceleration passes: it ends before the transition.
+    /// No deceleration may pass: it is zero at the transition.
     pub const NONE: Self = Self(4);
     /// The parts, and the number of none.
     const PARTS: [f32; 4] = [1.0, 15.0 / 16.0, 3.0 / 4.0, 1.0 / 2.0];
@@ -248,12 +248,12 @@ impl Passing {
         if most >= a { Self::ALL } else { Self::of(most / a) }
     }
 
-    /// The smaller part.
+    /// The smaller one of two parts.
     pub fn least(self, other: Self) -> Self {
         Self(self.0.max(other.0))
     }
 
-    /// The part with a number from [`Self::number`].
+    /// The part with this number; the reverse of [`Self::number`].
     pub const fn numbered(number: u8) -> Self {
         Self(number)
     }
@@ -263,7 +263,7 @@ impl Passing {
         if self.0 < 3 { self.0 } else { 3 }
     }
 
-    /// The part.
+    /// The part as a factor, 0 to 1.
     pub fn part(self) -> f32 {
         Self::PARTS.get(usize::from(self.0)).copied().unwrap_or(0.0)
     }

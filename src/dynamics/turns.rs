@@ -20,9 +20,9 @@ const DISTANCE_LSB: f32 = 1.0 / (1u64 << 44) as f32;
 
 /// Limits of an arc on a circle that has already turned twice.
 pub struct Turns {
-    /// Limits without the end.
+    /// Limits of the arc without its end.
     pub steady: Permitted,
-    /// Limits of the end.
+    /// Limits of the end of the arc, which may be the end of the circle.
     pub end: Permitted,
     /// Length of the end, LSB 2^-44 mm: less than half of the arc.
     pub run_out: i64,

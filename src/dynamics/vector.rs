@@ -31,7 +31,7 @@ impl PathLimit {
     const NONE: Self = Self { v: f32::MAX, a_up: f32::MAX, a_down: f32::MAX };
 }
 
-/// The limits in force, and the units of a command.
+/// The limits along the path that `#VECTOR LIMIT` has set, for feed and rapid motion.
 #[derive(Clone, Copy, Debug)]
 pub struct PathLimits {
     feed: PathLimit,
@@ -48,7 +48,7 @@ pub struct PathLimits {
 }
 
 impl PathLimits {
-    /// No limits along the path are in force.
+    /// The state at program start: only the limits of the machine data are in force.
     pub fn new(channel: &ChannelData) -> Self {
         let cycle_s = channel.cycle_us as f32 * 1e-6;
         let least = cycle_s * cycle_s;
@@ -114,22 +114,23 @@ impl PathLimits {
         if rapid { &self.rapid } else { &self.feed }
     }
 
-    /// VEL, mm/tick.
+    /// Highest path speed (VEL), mm/tick; `f32::MAX` without a limit.
     pub fn speed(&self, rapid: bool) -> f32 {
         self.of(rapid).v
     }
 
-    /// ACC, mm/tick².
+    /// Highest path acceleration (ACC), mm/tick²; `f32::MAX` without a limit.
     pub fn acceleration(&self, rapid: bool) -> f32 {
         self.of(rapid).a_up
     }
 
-    /// DEC, mm/tick².
+    /// Highest path deceleration (DEC), mm/tick²; `f32::MAX` without a limit.
     pub fn deceleration(&self, rapid: bool) -> f32 {
         self.of(rapid).a_down
     }
 
-    /// Lowers accelerations, and the jerks of their ramps in the same ratio.
+    /// Lowers accelerations of a block to ACC and DEC, and the jerks of their ramps in the same ratio. `arc`:
+    /// whether the block is an arc, for which P-CHAN-00350 may switch ACC off.
     pub fn lower(&self, limits: &mut Limits, rapid: bool, arc: bool) {
         let path = self.of(rapid);
         let a_up = if !arc || self.arcs { path.a_up } else { f32::MAX };

@@ -30,7 +30,8 @@ struct AxisWeights {
     geometric_ramp: u32,
 }
 
-/// The weights of all axes.
+/// The weights of G130…G134, G231…G233, G338 and G339 for all axes: accelerations and ramp times in percent
+/// of the machine data.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Weights<const AXES: usize> {
     axes: [AxisWeights; AXES],
@@ -73,7 +74,7 @@ impl<const AXES: usize> Weights<AXES> {
         }
     }
 
-    /// The data of the axis with this index, weighted.
+    /// The machine data of one axis with its weights. `axis`: index of the axis.
     pub fn apply(&self, axis: usize, data: &AxisData, channel: &ChannelData) -> AxisData {
         let mut out = *data;
         let Some(weights) = self.axes.get(axis) else { return out };
