@@ -44,9 +44,9 @@ use core::marker::PhantomData;
 /// The result of the last tick. All fields belong to the same tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Status<const AXES: usize> {
-    /// The set point of every axis.
+    /// The set point of every axis after the last tick, mm or degrees.
     pub set_points: [Position; AXES],
-    /// Programmed N number.
+    /// N number of the programmed block on which the axes are.
     pub n: u32,
     /// Number of the motion block, counted from 0 since `Channel::split`.
     pub block: u32,

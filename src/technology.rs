@@ -28,17 +28,17 @@
 //! ```
 use crate::quantity::Position;
 
-/// A technology function of the program.
+/// A function of the program that a PLC or the application carries out: M, H, S, T.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Function {
-    /// M function.
+    /// An M function with its number.
     M(u16),
-    /// H function.
+    /// An H function with its number.
     H(u16),
-    /// S: spindle speed, 1/min.
+    /// The word S: spindle speed, 1/min.
     Spindle(#[cfg_attr(feature = "defmt", defmt(Debug2Format))] Position),
-    /// T: tool number.
+    /// The word T: tool number.
     Tool(u32),
     /// M62 to M65 of LinuxCNC: digital output with this port number, switched on or off.
     #[cfg(feature = "grbl")]
@@ -57,7 +57,7 @@ pub enum Function {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct InputWait {
-    /// Number of the input.
+    /// Number of the input, as in the program.
     pub port: u8,
     /// `true`: an analogue input (word E). `false`: a digital input (word P).
     pub is_analog: bool,
@@ -96,7 +96,7 @@ pub enum Action {
 pub struct Output {
     /// The number of the tick that reached the point. Ticks count from 0 since `Channel::split`, modulo 2^31.
     pub tick: u32,
-    /// Programmed N number.
+    /// N number of the block that programs the function.
     pub n: u32,
     /// The function.
     pub function: Function,

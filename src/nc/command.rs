@@ -33,14 +33,14 @@ impl Place {
 pub struct Setup<const AXES: usize> {
     /// Axis names in the order of the coordinates.
     pub names: [AxisName; AXES],
-    /// Axis types.
+    /// Whether each axis is linear or rotary.
     pub kinds: [AxisKind; AXES],
     /// The main axes: abscissa, ordinate and applicate of G17.
     pub main: [Option<usize>; 3],
     /// P-CHAN-00108, in thousandths. 100 000: F in mm/min; 100: F in m/min. The factor of F is 100 000
     /// divided by this value.
     pub feedrate_factor_milli: u32,
-    /// Axis positions before the first block.
+    /// Positions of the axes before the first block, mm or degrees.
     pub start: [Position; AXES],
     /// P-ZERO-00003: zero offsets of G54…G59.
     pub zero_offsets: [[Position; AXES]; ZERO_OFFSETS],
@@ -161,20 +161,20 @@ pub enum ArcBy {
     Radius(Position),
 }
 
-/// G word of a motion block.
+/// The kind of a motion, which the G word of its block selects.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MotionKind {
-    /// G00.
+    /// G00: rapid motion on a straight line.
     Rapid,
-    /// G01.
+    /// G01: straight motion at feed.
     Line,
     /// G02 (clockwise) and G03; a helix if the third main axis moves too.
     Arc {
         /// G17, G18 or G19.
         plane: Plane,
-        /// G02.
+        /// `true`: G02, clockwise. `false`: G03.
         clockwise: bool,
-        /// Centre or radius.
+        /// Whether the block gives the centre or the radius of the arc.
         by: ArcBy,
     },
 }
@@ -182,16 +182,16 @@ pub enum MotionKind {
 /// A motion block. Its end is in absolute machine coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Motion<const AXES: usize> {
-    /// Programmed block number, 0 if none.
+    /// N number of the block in the program; 0 without one.
     pub n: u32,
     /// First word of the motion in the text.
     pub place: Place,
     /// Place of R, or of I, J and K, in the text. It is [`Self::place`] if the block has none of them (R
     /// stays in force).
     pub centre: Place,
-    /// Rapid, line or arc.
+    /// Rapid motion, line or arc.
     pub kind: MotionKind,
-    /// End point of every axis, including offsets.
+    /// End point of every axis in machine coordinates, including offsets; mm or degrees.
     pub target: [Position; AXES],
     /// Feed, mm/min; unused for [`MotionKind::Rapid`].
     pub feed: Feed,
@@ -208,63 +208,63 @@ pub struct Motion<const AXES: usize> {
 /// dwell, the other M and H functions, and the program end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Command<const AXES: usize> {
-    /// G00…G03.
+    /// A motion: G00, G01, G02 or G03.
     Motion(Motion<AXES>),
-    /// G04, #TIME.
+    /// A dwell: G04 or `#TIME`.
     Dwell(Head, DwellTime),
-    /// M0…M999 but M02, M17, M29, M30.
+    /// An M function, 0 to 999, that is output. M02, M17, M29 and M30 end a program or a subroutine.
     M(Head, u16),
-    /// H0…H999.
+    /// An H function, 0 to 999, that is output.
     H(Head, u16),
-    /// S, 1/min.
+    /// Word S: spindle speed, 1/min.
     Spindle(Head, Value),
-    /// T.
+    /// Word T: tool number.
     Tool(Head, u32),
-    /// D.
+    /// Word D: number of a tool offset.
     ToolOffset(Head, u32),
-    /// G93, G95, G194.
+    /// G93, G95 or G194: the meaning of the word F.
     FeedMode(Head, FeedMode),
-    /// E.
+    /// Word E: feed at the end of the block.
     EndFeed(Head),
-    /// G60, G359, G360.
+    /// G60, G359 or G360: exact stop at the end of blocks.
     ExactStop(Head, ExactStop),
-    /// #SLOPE, #SET SLOPE PROFIL.
+    /// `#SLOPE` or `#SET SLOPE PROFIL`: the kind of speed profile.
     Slope(Head, Slope),
-    /// #CONTOUR MODE, G61, G260, G261.
+    /// `#CONTOUR MODE`, G61, G260 or G261: rounding of corners.
     Contour(Head, Contour),
-    /// #HSC.
+    /// `#HSC`: smoothing of short blocks.
     Hsc(Head, Hsc),
-    /// #FILTER.
+    /// `#FILTER`: FIR filters of the axes.
     Filter(Head, Filter),
-    /// #VECTOR LIMIT.
+    /// `#VECTOR LIMIT`: limits along the path.
     VectorLimit(Head, VectorLimit),
-    /// G150, G151, #SPLINE, #AKIMA.
+    /// G150, G151, `#SPLINE` or `#AKIMA`: direct splines.
     Spline(Head, Spline<AXES>),
-    /// G130…G134, G231…G233, G338, G339.
+    /// G130…G134, G231…G233, G338 or G339: accelerations and ramp times in percent.
     Weight(Head, Weight<AXES>),
-    /// #KIN ID, #TRAFO.
+    /// `#KIN ID` or `#TRAFO`: transformation of a machine with rotary axes.
     Kinematics(Head, Kinematics),
-    /// #PUT AX: bit i for axis i.
+    /// `#PUT AX`: releases axes from the channel; bit i for axis i.
     PutAxes(Head, u32),
-    /// #CALL AX: bit i for axis i.
+    /// `#CALL AX`: takes axes into the channel; bit i for axis i.
     CallAxes(Head, u32),
-    /// #RT WHILE; `true` with MODULO.
+    /// `#RT WHILE`: begins a real-time loop; `true` with MODULO.
     RtWhile(Head, bool),
-    /// #RT ENDWHILE.
+    /// `#RT ENDWHILE`: ends a real-time loop.
     RtEndWhile(Head),
-    /// #CONTOUR LOOKAHEAD LOG.
+    /// `#CONTOUR LOOKAHEAD LOG`: switches or marks the log of the path ahead.
     ContourLog(Head, ContourLog),
-    /// #DISTANCE PROG START CLEAR.
+    /// `#DISTANCE PROG START CLEAR`: distances of the log count from here.
     DistanceClear(Head),
-    /// #FLUSH&WAIT.
+    /// `#FLUSH&WAIT`: the program waits until the axes stand still.
     FlushWait(Head),
-    /// `X[OSC …]`.
+    /// `X[OSC …]`: oscillation of a single axis.
     Oscillation(Head, Oscillation),
-    /// `X[INDP_… …]`.
+    /// `X[INDP_… …]`: motion of a single axis, independent of the path.
     Independent(Head, Independent),
-    /// #WAIT INDP: bit i for axis i.
+    /// `#WAIT INDP`: the program waits for independent motions; bit i for axis i.
     WaitIndependent(Head, u32),
-    /// M02, M30.
+    /// M02 or M30: the end of the program.
     ProgramEnd(Head, u16),
     /// M0, M1, M6 and M60 of LinuxCNC and Grbl: the axes stop until the operator acknowledges this M
     /// function.
@@ -371,7 +371,7 @@ impl<const AXES: usize> Command<AXES> {
         }
     }
 
-    /// Programmed block number, 0 if none.
+    /// N number of the block in the program; 0 without one.
     pub const fn n(&self) -> u32 {
         match (self, self.head()) {
             (Self::Motion(motion), _) => motion.n,

@@ -9,36 +9,36 @@ use crate::quantity::Position;
 /// A number with its own unit (percent, seconds, Hz, 1/min), LSB 2^-32, rounded to nearest.
 pub type Value = fixed::types::I32F32;
 
-/// The origin of a command.
+/// The block and the word from which a command comes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Head {
-    /// Programmed block number, 0 if none.
+    /// N number of the block in the program; 0 without one.
     pub n: u32,
-    /// The word in the text.
+    /// Place of the command's word in the text.
     pub place: Place,
     /// Whether the block also holds a motion. The motion comes after switches and weights, before M and H.
     pub in_motion: bool,
 }
 
-/// G04, #TIME.
+/// The length of a dwell (G04, `#TIME`).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum DwellTime {
     /// Seconds, 0…100 000.
     Seconds(Value),
-    /// Revolutions of the spindle.
+    /// A number of revolutions of the spindle.
     Revolutions(Value),
 }
 
-/// Feed words except G94.
+/// The meaning of the word F, if it is not a speed (G94).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum FeedMode {
-    /// G93: F is a time.
+    /// G93: F is the time for the block.
     Time,
-    /// G95: F per revolution.
+    /// G95: F is the feed per revolution of the spindle.
     PerRevolution,
-    /// G194: F in percent.
+    /// G194: F is a percentage.
     Percent,
 }
 
@@ -49,23 +49,23 @@ pub enum FeedMode {
 pub enum ExactStop {
     /// G60: at the end of this block.
     Block,
-    /// G360.
+    /// G360: at the end of each block from here on.
     On,
-    /// G359.
+    /// G359: no exact stop from here on.
     Off,
 }
 
-/// Profile types.
+/// The kind of speed profile (slope), which decides how acceleration changes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum SlopeType {
-    /// Step-shaped acceleration.
+    /// STEP: acceleration changes in steps, without a jerk limit.
     Step,
-    /// Trapezoidal acceleration.
+    /// TRAPEZ: acceleration rises and falls linearly, with constant jerk.
     Trapez,
-    /// Sine-square acceleration.
+    /// SIN2: acceleration rises and falls as a sine square.
     Sin2,
-    /// Acceleration across blocks.
+    /// HSC: as TRAPEZ, and acceleration may continue from block to block.
     Hsc,
 }
 
@@ -87,12 +87,12 @@ impl SlopeType {
     }
 }
 
-/// #SLOPE, #SLOPE DEFAULT, #SET SLOPE PROFIL.
+/// A command that selects the slope: `#SLOPE`, `#SLOPE DEFAULT`, `#SET SLOPE PROFIL`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Slope {
-    /// DEFAULT: the type of P-CHAN-00071.
+    /// DEFAULT: selects the slope of the machine data (P-CHAN-00071).
     pub default: bool,
-    /// TYPE.
+    /// TYPE: the slope to select.
     pub kind: Option<SlopeType>,
     /// NO_OPT: `true` switches the optimised use of jerk off \[true\].
     pub no_opt: Option<bool>,
@@ -102,11 +102,11 @@ pub struct Slope {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum ContourMethod {
-    /// Corner deviation \[default\].
+    /// DEV: limits the distance between curve and corner \[default\].
     Dev,
-    /// Corner distances.
+    /// DIST: gives the distances from the corner at which the curve begins and ends.
     Dist,
-    /// Interim point.
+    /// POS: gives a point that the curve passes.
     Pos,
     /// DIST_SOFT: the dynamics of the axes determine the curve.
     DistSoft,
@@ -136,46 +136,46 @@ pub enum ContourAction {
     Post,
 }
 
-/// Switches of contour mode.
+/// How long contour mode rounds corners.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum ContourSwitch {
-    /// G61: the end of this block.
+    /// G61: only the corner at the end of this block.
     Block,
-    /// G261, #CONTOUR MODE ON.
+    /// G261 or `#CONTOUR MODE ON`: every corner from here on.
     On,
-    /// G260, #CONTOUR MODE OFF.
+    /// G260 or `#CONTOUR MODE OFF`: no corner from here on.
     Off,
 }
 
 /// `#CONTOUR MODE`, G61, G261, G260. `switch: Some(ContourSwitch::Off)` switches contour mode off.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Contour {
-    /// On or off.
+    /// Switches contour mode on or off.
     pub switch: Option<ContourSwitch>,
-    /// DEV, DIST, POS, DIST_SOFT, DIST_MASTER, PTP.
+    /// The method: DEV, DIST, POS, DIST_SOFT, DIST_MASTER or PTP.
     pub method: Option<ContourMethod>,
-    /// PRE_ACTION, INTER_ACTION, POST_ACTION.
+    /// Where functions of the corner are output: PRE_ACTION, INTER_ACTION or POST_ACTION.
     pub action: Option<ContourAction>,
-    /// PATH_DEV \[1 mm\].
+    /// PATH_DEV: largest distance of the main axes from the corner \[1 mm\].
     pub path_dev: Option<Position>,
-    /// TRACK_DEV \[0°\].
+    /// TRACK_DEV: largest deviation of each tracking axis; 0: not monitored \[0°\].
     pub track_dev: Option<Position>,
     /// RELEVANT_PATH \[0 mm\], as programmed (contour mode uses at least 0.032 mm).
     pub relevant_path: Option<Position>,
-    /// RELEVANT_TRACK \[0°\].
+    /// RELEVANT_TRACK: as RELEVANT_PATH, for tracking axes \[0°\].
     pub relevant_track: Option<Position>,
-    /// REMAIN_PART, percent \[0\].
+    /// REMAIN_PART: the part of a block that corner curves leave, percent \[0\].
     pub remain_part: Option<Value>,
     /// CHECK_JERK, 0…2 \[P-CHAN-00110\].
     pub check_jerk: Option<u8>,
-    /// MAX_ANGLE \[178°\].
+    /// MAX_ANGLE: a corner with a larger change of direction stays sharp \[178°\].
     pub max_angle: Option<Position>,
-    /// CONST_VEL \[false\].
+    /// CONST_VEL: the path speed is constant in the curve \[false\].
     pub const_vel: Option<bool>,
-    /// PRE_DIST \[1 mm\].
+    /// PRE_DIST: distance from the start of the curve to the corner \[1 mm\].
     pub pre_dist: Option<Position>,
-    /// POST_DIST \[1 mm\].
+    /// POST_DIST: distance from the corner to the end of the curve \[1 mm\].
     pub post_dist: Option<Position>,
     /// X, Y, Z of POS: the interim point on the three main axes, including offsets.
     pub point: [Option<Position>; 3],
@@ -197,24 +197,24 @@ pub struct Contour {
     pub merge: Option<bool>,
 }
 
-/// Methods of #HSC.
+/// The method with which `#HSC` smooths the path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum HscMethod {
-    /// SURFACE.
+    /// SURFACE: one smooth curve through many short blocks.
     Surface,
-    /// BSPLINE.
+    /// BSPLINE: a B-spline inside a tolerance.
     Bspline,
-    /// OPMODE 1 or 2.
+    /// OPMODE 1 (contour mode) or 2 (a spline through the points).
     Op(u8),
 }
 
 /// `#HSC`. `switch: Some(false)` switches it off.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Hsc {
-    /// ON, OFF.
+    /// ON or OFF; `None` if the command only gives parameters.
     pub switch: Option<bool>,
-    /// SURFACE, BSPLINE, OPMODE.
+    /// The method: SURFACE, BSPLINE or OPMODE.
     pub method: Option<HscMethod>,
     /// PATH_DEV \[0.2 mm\]; Surface: above 0, B-spline: 0 is not monitored.
     pub path_dev: Option<Position>,
@@ -262,7 +262,7 @@ impl Hsc {
 /// `#FILTER`. `switch: Some(false)` switches the filters off.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Filter {
-    /// ON, OFF.
+    /// ON or OFF; `None` if the command only gives parameters.
     pub switch: Option<bool>,
     /// HSC: the old form #FILTER ON \[HSC\].
     pub hsc: bool,
@@ -294,15 +294,15 @@ pub enum Limit {
 /// `#VECTOR LIMIT ON` or `OFF`, with the named limits. `on: false` switches them off.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct VectorLimit {
-    /// ON (true) or OFF.
+    /// `true`: ON. `false`: OFF.
     pub on: bool,
-    /// ALL.
+    /// ALL: every limit gets the value of the machine data.
     pub all: bool,
-    /// ACC.
+    /// ACC: limit of the path acceleration.
     pub acc: Option<Limit>,
-    /// DEC.
+    /// DEC: limit of the path deceleration.
     pub dec: Option<Limit>,
-    /// VEL.
+    /// VEL: limit of the path speed.
     pub vel: Option<Limit>,
     /// RADIAL_ACC.
     pub radial_acc: Option<Limit>,
@@ -318,25 +318,25 @@ pub struct VectorLimit {
     pub rapid: bool,
 }
 
-/// Kinds of splines.
+/// The kind of a direct spline.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum SplineType {
-    /// The curve passes the points \[default\].
+    /// AKIMA: the curve passes through the programmed points \[default\].
     Akima,
-    /// The points control the curve.
+    /// BSPLINE: the programmed points are control points; the curve passes near them.
     Bspline,
 }
 
-/// Ends of an Akima spline.
+/// What decides the direction at an end of an Akima spline.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Tangent {
-    /// From the points \[default\].
+    /// AUTO: the points of the spline \[default\].
     Auto,
-    /// Tangential to the neighbour block.
+    /// TANGENTIAL: the neighbour block, whose direction the spline continues.
     Tangential,
-    /// From #AKIMA STARTVECTOR or ENDVECTOR.
+    /// USER: the vector of `#AKIMA STARTVECTOR` or `#AKIMA ENDVECTOR`.
     User,
 }
 
@@ -351,18 +351,18 @@ pub enum Spline<const AXES: usize> {
     Type(SplineType),
     /// #AKIMA TRANS, #SET ASPLINE MODE.
     Transition {
-        /// START.
+        /// START: what decides the direction at the start.
         start: Option<Tangent>,
-        /// END.
+        /// END: what decides the direction at the end.
         end: Option<Tangent>,
     },
-    /// #AKIMA STARTVECTOR.
+    /// `#AKIMA STARTVECTOR`: the direction at the start, one component per axis.
     StartVector([Option<Value>; AXES]),
-    /// #AKIMA ENDVECTOR.
+    /// `#AKIMA ENDVECTOR`: the direction at the end, one component per axis.
     EndVector([Option<Value>; AXES]),
 }
 
-/// The values that a weight changes.
+/// Which machine data a weight word changes: acceleration or ramp time, at feed or in rapid motion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum WeightKind {
@@ -433,7 +433,7 @@ impl WeightKind {
 pub struct Weight<const AXES: usize> {
     /// The values that the weights change.
     pub kind: WeightKind,
-    /// Percent.
+    /// The weight of each axis in percent.
     pub percent: [Option<Value>; AXES],
 }
 
@@ -451,46 +451,46 @@ pub enum Kinematics {
     Off,
 }
 
-/// #CONTOUR LOOKAHEAD \[LOG\] ….
+/// A command for the log of the path ahead: `#CONTOUR LOOKAHEAD [LOG]`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ContourLog {
-    /// ON, with PARAM.
+    /// ON: starts the log; with the value of PARAM, if given.
     On(Option<f64>),
-    /// OFF, with PARAM.
+    /// OFF: ends the log; with the value of PARAM, if given.
     Off(Option<f64>),
     /// PARAM only: an entry of its own.
     Parameter(f64),
-    /// CLEAR.
+    /// CLEAR: removes all entries of the log.
     Clear,
 }
 
-/// Speed of an oscillation.
+/// The speed of an oscillation, in one of three forms.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum OscillationSpeed {
-    /// FEED, mm/min (P-CHAN-00108).
+    /// FEED: speed of the axis, mm/min (the unit depends on P-CHAN-00108).
     Feed(Value),
-    /// FREQ, Hz.
+    /// FREQ: number of oscillations per second, Hz.
     Frequency(Value),
-    /// TIME, period in s.
+    /// TIME: duration of one oscillation, s.
     Period(Value),
 }
 
 /// `X[OSC …]`. Reversal positions are machine coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum OscillationAction {
-    /// ON.
+    /// ON: the axis oscillates between two positions.
     On {
-        /// 1ST_POS, or ZERO_POS - EXCUR.
+        /// First reversal position: 1ST_POS, or ZERO_POS − EXCUR.
         first: Position,
-        /// 2ND_POS, or ZERO_POS + EXCUR.
+        /// Second reversal position: 2ND_POS, or ZERO_POS + EXCUR.
         second: Position,
-        /// FEED, FREQ or TIME.
+        /// The speed: FEED, FREQ or TIME.
         speed: OscillationSpeed,
-        /// 1ST_DELT, s \[0\].
+        /// 1ST_DELT: dwell at the first position, s \[0\].
         first_wait: Value,
-        /// 2ND_DELT, s \[0\].
+        /// 2ND_DELT: dwell at the second position, s \[0\].
         second_wait: Value,
-        /// NBR_OSC \[endless\].
+        /// NBR_OSC: number of oscillations \[endless\].
         count: Option<u32>,
         /// SHORT.
         short: bool,
@@ -503,40 +503,40 @@ pub enum OscillationAction {
     OffInstant,
 }
 
-/// An oscillation command.
+/// A command for the oscillation of a single axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Oscillation {
-    /// Index of the axis.
+    /// Index of the axis, from 0.
     pub axis: usize,
-    /// The action.
+    /// Starts the oscillation, or ends it in one of three ways.
     pub action: OscillationAction,
 }
 
 /// `X[INDP_SYN …]`, `X[INDP_ASYN …]`: motion of an independent axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Independent {
-    /// Index of the axis.
+    /// Index of the axis, from 0.
     pub axis: usize,
     /// Whether the path waits for the motion (INDP_SYN).
     pub synchronous: bool,
-    /// G00 instead of G01.
+    /// `true`: rapid motion (G00). `false`: motion at feed (G01).
     pub rapid: bool,
-    /// G91 instead of G90.
+    /// `true`: the position is relative (G91). `false`: it is absolute (G90).
     pub relative: bool,
     /// POS, POSITION: the target, machine coordinates.
     pub position: Option<Position>,
-    /// FEED, mm/min.
+    /// FEED: speed of the axis, mm/min.
     pub feed: Option<Value>,
-    /// TIME, s.
+    /// TIME: duration of the motion, s.
     pub time: Option<Value>,
     /// FEED_MAX_WEIGHT: speed in % of P-AXIS-00212, below 100.
     pub weight: Option<Value>,
     /// ACC_WEIGHT with G01, RAPID_ACC_WEIGHT with G00, % \[100\].
     pub acceleration: Option<Value>,
-    /// M: output before the motion.
+    /// M: number of an M function that is output before the motion.
     pub m: Option<u32>,
-    /// H: output before the motion.
+    /// H: number of an H function that is output before the motion.
     pub h: Option<u32>,
-    /// SLOPE_TYPE.
+    /// SLOPE_TYPE: the slope of this motion.
     pub slope: Option<SlopeType>,
 }

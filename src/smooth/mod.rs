@@ -51,7 +51,7 @@ use spline::{HscParameters, Mode};
 /// The programmed form of a block, from which its rest can be computed again.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Form {
-    /// Straight.
+    /// A straight line.
     Line,
     /// An arc about a centre.
     Arc {
@@ -64,16 +64,16 @@ pub enum Form {
     },
 }
 
-/// Data of a block.
+/// What later stages need to know of a programmed block, besides its geometry.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Data {
     /// Feed, mm/min; `None` for rapid motion.
     pub feed: Option<f32>,
-    /// Programmed N number.
+    /// N number of the block in the program.
     pub n: u32,
     /// Place of the block in the text.
     pub place: Place,
-    /// Number of motion blocks before the block.
+    /// Number of motion blocks before the block, since the split.
     pub number: u32,
     /// Whether the block ends in an exact stop.
     pub stop: bool,
@@ -90,29 +90,29 @@ impl Data {
     };
 }
 
-/// A block as it was programmed.
+/// A motion block before smoothing: its geometry and how it was programmed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ProgrammedBlock<const AXES: usize> {
-    /// The curve of the block.
+    /// The geometry of the block: a line or an arc.
     pub element: Element<AXES>,
-    /// Start of the curve.
+    /// Start of the block, mm or degrees.
     pub from: [Position; AXES],
-    /// End of the curve.
+    /// End of the block, mm or degrees.
     pub to: [Position; AXES],
-    /// How the block was programmed.
+    /// The programmed form, from which a part of the block can be computed.
     pub form: Form,
-    /// Data of the block.
+    /// Feed, number and place of the block.
     pub data: Data,
 }
 
-/// An element for the look-ahead.
+/// The result of smoothing: an element of the path for the look-ahead.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Smoothed<'a, const AXES: usize> {
-    /// The curve.
+    /// The geometry of the element.
     pub element: &'a Element<AXES>,
     /// Exact end of the element, if known.
     pub end: Option<&'a [Position; AXES]>,
-    /// Data of the element's block.
+    /// Feed, number and place of the block to which the element belongs.
     pub data: &'a Data,
     /// Set for a part of a corner's curve.
     pub curving: Option<Curving>,

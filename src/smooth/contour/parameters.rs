@@ -9,23 +9,23 @@ use crate::quantity::Position;
 
 const LSB_32: f32 = 1.0 / (1u64 << 32) as f32;
 
-/// Presets of the machine data.
+/// Values of the machine data for contour mode.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Preset {
-    /// P-CHAN-00110.
+    /// P-CHAN-00110: default of CHECK_JERK, 0 to 2.
     pub check_jerk: u8,
-    /// `merge_chords`, as a share of the tolerance.
+    /// `merge_chords`: the part of the tolerance that merged chords may use, 0 to 1.
     pub chords: f32,
 }
 
-/// The parameters, in mm and degrees.
+/// The parameters of contour mode in force. Lengths are in mm, angles in degrees.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Parameters {
     /// The method, which selects the parameters that count.
     pub method: ContourMethod,
-    /// PATH_DEV.
+    /// PATH_DEV: largest distance of the main axes from the corner, mm.
     pub path_dev: f32,
-    /// TRACK_DEV; 0: not monitored.
+    /// TRACK_DEV: largest deviation of each tracking axis, degrees; 0: not monitored.
     pub track_dev: f32,
     /// RELEVANT_PATH.
     pub relevant_path: f32,
@@ -43,9 +43,9 @@ pub struct Parameters {
     chords: f32,
     /// Sine of half of MAX_ANGLE.
     pub max_angle: f32,
-    /// CONST_VEL.
+    /// CONST_VEL: whether the path speed is constant in the curve.
     pub const_vel: bool,
-    /// PRE_DIST and POST_DIST.
+    /// PRE_DIST and POST_DIST: distances from the corner to both ends of the curve, mm.
     pub dist: [f32; 2],
     /// PATH_DIST and TRACK_DIST; negative: not monitored. TRACK_DIST equals PATH_DIST until it is set.
     pub path_dist: f32,
@@ -55,7 +55,7 @@ pub struct Parameters {
     pub sym_dist: f32,
     /// ACC_MIN and ACC_MAX, as shares of the axes' acceleration.
     pub acc: [f32; 2],
-    /// RAMP_TIME, factor.
+    /// RAMP_TIME: factor for the ramp times of the axes in the curve; 1 is 100 %.
     pub ramp_time: f32,
     /// DIST_WEIGHT, as a part.
     pub dist_weight: f32,

@@ -20,9 +20,9 @@ const CONTERROR: Position = Position::from_bits((1 << 32) / 10);
 /// Direct splines: #SPLINE TYPE, #AKIMA TRANS, STARTVECTOR, ENDVECTOR.
 #[derive(Clone, Copy, Debug)]
 pub struct DirectParameters<const AXES: usize> {
-    /// AKIMA without a command.
+    /// The kind of the spline; AKIMA without a command.
     pub kind: SplineType,
-    /// START and END.
+    /// What decides the direction at the start and at the end.
     pub ends: [Tangent; 2],
     vectors: [[Option<Value>; AXES]; 2],
     /// Number of motion blocks before the type was chosen, if it was chosen.
@@ -83,11 +83,11 @@ impl<const AXES: usize> DirectParameters<AXES> {
 /// Parameters of `#HSC`, except those that only Surface has.
 #[derive(Clone, Copy, Debug)]
 pub struct HscParameters {
-    /// The method named last.
+    /// The method of `#HSC` that the program named last.
     pub method: HscMethod,
-    /// Rules of the B-spline.
+    /// Tolerances and rules of the HSC B-spline.
     pub rules: Rules,
-    /// CONTERROR of OPMODE.
+    /// CONTERROR of OPMODE: the tolerance of the curve.
     pub conterror: Position,
 }
 
