@@ -71,7 +71,7 @@ impl Control {
     /// The planner's word with full override and no command.
     pub(crate) const NORMAL: u32 = FULL_OVERRIDE as u32;
 
-    /// 100 % override, no hold.
+    /// The state without commands: 100 % override, no hold.
     pub(crate) const fn new() -> Self {
         let [given, seen] = [const { AtomicU32::new(Self::NORMAL) }; 2];
         Self { given, seen, ..Self::blank() }
@@ -100,7 +100,7 @@ impl Control {
 
 /// Functions for the operator.
 impl Control {
-    /// Feed override, LSB 0.1 %.
+    /// Sets the feed override, LSB 0.1 %.
     pub(crate) fn set_override(&self, feed: u16) {
         self.give(FEED, feed.min(MAX_OVERRIDE).into());
     }

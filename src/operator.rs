@@ -60,7 +60,8 @@ pub struct Status<const AXES: usize> {
     /// Mean speed of the set points over the last tick, along the feed axes; 0 at standstill. If no feed axis
     /// moves, the main axes count; if no main axis moves, all axes count. Resolution 2^-44 mm per tick.
     pub speed: Speed,
-    /// The state that the last tick has returned.
+    /// Whether the axes moved in the last tick: the result of
+    /// [`Interpolator::tick`](crate::tick::Interpolator::tick).
     pub state: State,
     /// Number of planned pieces of the speed profile that are still unused, 0…128 (0…32 in a small build).
     /// While the planner adds pieces, the count may be two too low.

@@ -19,12 +19,12 @@ use core::sync::atomic::Ordering;
 /// Shift from LSB 2^-32 mm to the LSB of the deviation words, 2^-22 mm.
 pub(super) const COARSE: u32 = 10;
 
-/// The effect of a `#FILTER` command.
+/// What a `#FILTER` command changes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Fate {
-    /// Nothing changes.
+    /// The filters stay as they are; the motion need not stop.
     Same,
-    /// The coefficients change, at a stop.
+    /// The coefficients of the filters change, for which the axes have to stop.
     Changes,
     /// As `Changes`, but the command gives no order, so no axis is filtered.
     NoOrder,

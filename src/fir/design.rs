@@ -4,7 +4,7 @@ use crate::math::float::to_f32;
 use crate::nc::{self, Value};
 use crate::quantity::Position;
 
-/// The reason why filters are refused.
+/// The reason why the filters of the machine data, or of `#FILTER`, are not possible.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum FilterError {
@@ -24,7 +24,7 @@ pub enum FilterError {
 }
 
 impl FilterError {
-    /// The axis of the error.
+    /// Index of the axis that causes the error; `None` if the error is not about one axis.
     pub const fn axis(&self) -> Option<usize> {
         match self {
             Self::Order(axis, ..) | Self::Acceleration(axis) | Self::NoTransitionWeight(axis) => Some(*axis),
@@ -59,13 +59,13 @@ impl core::fmt::Display for FilterError {
 
 impl core::error::Error for FilterError {}
 
-/// The filter of one axis.
+/// The filter of one axis, from machine data and `#FILTER`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Design {
     pub kind: FilterType,
     /// Order; 0: the axis is not filtered.
     pub order: u32,
-    /// Effectiveness, 0…1.
+    /// Effectiveness of the filter, 0 to 1; 1 filters completely.
     pub share: f32,
     /// Cut-off frequency times cycle.
     pub cut_off: f32,

@@ -70,12 +70,12 @@ use step::State;
 /// Sum of the taps of a kernel: one.
 pub const ONE: i32 = 1 << 15;
 
-/// Highest order (P-AXIS-00587).
+/// Highest order of a filter (P-AXIS-00587).
 pub const MAX_ORDER: u32 = 200;
-/// Highest order of a time delay (type 4).
+/// Highest order of a time delay (type 4): the delay in ticks.
 pub const MAX_DELAY: u32 = 100;
 
-/// The interrupt's handle of the filters.
+/// The filters as the interrupt uses them: once per tick, after the path.
 pub trait FilterTick<const AXES: usize> {
     /// Filters one tick: set points of all axes, path distance (LSB 2^-44 mm), and whether a single axis
     /// moves.
@@ -84,7 +84,7 @@ pub trait FilterTick<const AXES: usize> {
     /// Handles a tick in which no axis moves. Returns whether set points may still move.
     fn rest(&mut self, path: &[Position; AXES]) -> bool;
 
-    /// The set points for the drives.
+    /// The filtered set points of the last tick, for the drives; mm or degrees.
     fn set_points<'b>(&'b self, path: &'b [Position; AXES]) -> &'b [Position; AXES];
 
     /// Delay of actions compared with the path, and whether the filters have settled; `None` without filters.
@@ -145,7 +145,7 @@ pub trait FilterPlan<const AXES: usize> {
     fn deviation(&self, axis: usize) -> Position;
 }
 
-/// A channel without filters.
+/// The filters of a channel that has none: set points stay as they are.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Unfiltered;
 

@@ -154,17 +154,17 @@ impl Law {
         self.firm
     }
 
-    /// Speeds at both ends of the span.
+    /// Speeds at both ends of the span, mm/tick.
     pub fn ends(&self) -> [f32; 2] {
         [self.v_in, self.v_out]
     }
 
-    /// Highest speed.
+    /// Highest speed of the profile, mm/tick.
     pub fn peak(&self) -> f32 {
         self.peak
     }
 
-    /// Duration, ticks.
+    /// Duration of the profile, ticks.
     pub fn time(&self) -> f32 {
         let [gained, lost] = [self.peak - self.v_in, self.peak - self.v_out];
         let way = self.up.distance(self.v_in, gained)[0] + self.down.distance(self.v_out, lost)[0];

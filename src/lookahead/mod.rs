@@ -70,7 +70,7 @@ pub struct LookaheadMemory<const BLOCKS: usize> {
 }
 
 impl<const BLOCKS: usize> LookaheadMemory<BLOCKS> {
-    /// An empty memory.
+    /// Memory without blocks.
     pub const fn new() -> Self {
         Self { blocks: Blocks::new(), plan: MaybeUninit::uninit() }
     }
@@ -82,9 +82,9 @@ impl<const BLOCKS: usize> Default for LookaheadMemory<BLOCKS> {
     }
 }
 
-/// The ring and its plan.
+/// The blocks whose speeds may still change, and the plan of their speeds.
 pub struct Lookahead<'a, const AXES: usize, const BLOCKS: usize> {
-    /// The blocks.
+    /// The ring of blocks.
     pub ring: Ring<'a, AXES, BLOCKS>,
     plan: &'a mut Plan,
 }
@@ -95,7 +95,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Lookahead<'a, AXES, BLOCKS> {
         Self { ring: Ring::new(&mut memory.blocks, depth), plan: memory.plan.write(Plan::NONE) }
     }
 
-    /// Drops all blocks.
+    /// Drops all blocks and the plan.
     pub fn clear(&mut self) {
         self.ring.clear();
         *self.plan = Plan::NONE;

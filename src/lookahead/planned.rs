@@ -27,9 +27,9 @@ pub(super) const fn settled(v: Speed) -> Speed {
 }
 
 impl Planned {
-    /// No speed; all bits zero.
+    /// The value for a block without a planned speed; all bits zero.
     pub const NONE: Self = Self(0);
-    /// A stop.
+    /// The speed 0: the motion stops.
     pub const ZERO: Self = Self::below(Speed::ZERO);
 
     /// The highest storable speed that is at most `v`; none for a negative `v`.
@@ -65,7 +65,7 @@ impl Planned {
         self.speed()
     }
 
-    /// Whether there is a speed.
+    /// Whether a speed is planned.
     pub const fn is_some(self) -> bool {
         self.0 != 0
     }

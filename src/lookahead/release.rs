@@ -9,12 +9,13 @@ use crate::math::float::{max, min, to_f32};
 use crate::quantity::{DISTANCE_LSB, Distance, Speed, speed_f32};
 use crate::slope::limits::{Limits, ROUNDED};
 
-/// The span at the front of the ring.
+/// The span (run of blocks with one speed profile) that leaves the look-ahead next, with all that its profile
+/// needs.
 #[derive(Clone, Copy, Debug)]
 pub struct ReleasedSpan {
-    /// Number of blocks.
+    /// Number of blocks in the span.
     pub blocks: u16,
-    /// Path length.
+    /// Path length of the span.
     pub length: Distance,
     /// Limits that all blocks permit, with the highest of the block speeds.
     pub limits: Limits,
@@ -35,9 +36,9 @@ pub struct ReleasedSpan {
     pub override_range: OverrideRange,
     /// The block after the span.
     pub next: Behind,
-    /// Highest speed while the speed is reduced.
+    /// Highest speed of the span while reduced speed is on, mm/tick.
     pub v_reduced: f32,
-    /// The planned override of all planned speeds.
+    /// The planned override for which the look-ahead planned the speeds; 1 is 100 %.
     pub level: f32,
 }
 
@@ -144,7 +145,7 @@ impl SpanMarks {
 /// Speeds that all blocks of a span permit.
 #[derive(Clone, Copy, Debug)]
 pub struct Slow {
-    /// The lowest of the block speeds.
+    /// The lowest permitted speed of a block in the span, mm/tick.
     pub least: f32,
     /// The lowest speed of the span's blocks, and of slow blocks with a part in the span. Set only for
     /// several blocks.
@@ -179,7 +180,7 @@ pub enum Gain {
 /// The block after a span.
 #[derive(Clone, Copy, Debug)]
 pub struct Behind {
-    /// Speed of that block; 0 at a stop.
+    /// Permitted speed of that block, mm/tick; 0 at a stop.
     pub v: f32,
     /// How that speed follows the override.
     pub override_range: OverrideRange,

@@ -14,7 +14,7 @@ use crate::path::End;
 use crate::quantity::{Speed, speed_bits};
 use crate::slope::limits::ROUNDED;
 
-/// The ring.
+/// The ring of blocks of the look-ahead, in the order of the path.
 pub struct Ring<'a, const AXES: usize, const BLOCKS: usize> {
     pub(super) blocks: &'a mut Blocks<BLOCKS>,
     /// Number of places for blocks that are used.
@@ -227,7 +227,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
         self.examines = true;
     }
 
-    /// Whether blocks are only examined.
+    /// Whether blocks are only examined for refusals, without a plan.
     #[cfg(feature = "examine")]
     pub fn examines(&self) -> bool {
         self.examines
@@ -369,7 +369,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
         (self.blocks.len() / 4).max(1)
     }
 
-    /// Demands a stop before the next block.
+    /// Demands that the motion stops at the end of the last block.
     pub fn stop_here(&mut self) {
         self.tail.stop = true;
     }
@@ -435,7 +435,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
         Some(index)
     }
 
-    /// The first block.
+    /// The first block of the ring, which leaves the ring next.
     pub fn first(&self) -> Option<&Block> {
         self.blocks.front()
     }

@@ -76,7 +76,7 @@ impl AxisName {
         b"DEFGHIJKLMNPRST".contains(&self.0[0])
     }
 
-    /// The name as text.
+    /// The name as text, one to four letters and digits.
     pub fn as_str(&self) -> &str {
         let mut len = 0;
         while len < 4 && self.0[len] != 0 {
@@ -105,9 +105,9 @@ pub enum AxisKind {
 /// time in which acceleration rises from zero to its limit: jerk = acceleration / ramp time.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct AxisData {
-    /// Name in programs and traces.
+    /// Name of the axis in programs and traces.
     pub name: AxisName,
-    /// Axis type.
+    /// Whether the axis is linear, rotary or a spindle.
     pub kind: AxisKind,
     /// P-AXIS-00209 `vb_eilgang`: rapid speed.
     pub vb_eilgang: u32,
@@ -260,11 +260,11 @@ pub const MODE_MASTER: u32 = 0x1000_0000;
 /// Limits of the slope STEP for one axis, at feed or in rapid motion.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Stages {
-    /// Accelerations below and above `change_over`.
+    /// Accelerations below and above `change_over`, mm/s² (rotary: °/s²).
     pub a: [u32; 2],
-    /// Decelerations below and above `change_over`.
+    /// Decelerations below and above `change_over`, mm/s² (rotary: °/s²).
     pub d: [u32; 2],
-    /// Speed between the two stages.
+    /// Speed at which the second stage begins, µm/s (rotary: 0.001°/s).
     pub change_over: u32,
 }
 
@@ -475,9 +475,9 @@ impl Default for ChannelData {
 /// along the feed axes (P-CHAN-00011).
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct MachineData<const AXES: usize> {
-    /// The axes.
+    /// Machine data of each axis, in the order of the set points.
     pub axes: [AxisData; AXES],
-    /// The channel.
+    /// Machine data for all axes together.
     pub channel: ChannelData,
 }
 

@@ -422,7 +422,7 @@ const fn plain<Target>(
     }
 }
 
-/// A value out of its range.
+/// A parameter of the machine data has a value outside of its range.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct RangeError {
@@ -430,13 +430,13 @@ pub struct RangeError {
     pub id: &'static str,
     /// Name of the parameter.
     pub name: &'static str,
-    /// The value given.
+    /// The value in the machine data, in the unit of its field.
     pub value: i64,
-    /// The smallest value allowed.
+    /// The smallest permitted value.
     pub min: i64,
-    /// The largest value allowed.
+    /// The largest permitted value.
     pub max: i64,
-    /// The parameter or the reason that sets the bound.
+    /// What sets the range: another parameter, or a reason in words.
     pub because: &'static str,
 }
 

@@ -15,25 +15,25 @@ pub const SHORTEST_RAMP: u32 = 1;
 /// Speeds and accelerations per tick have six integer bits with sign. Half of this range is left for sums.
 const LARGEST: u64 = 16;
 
-/// A value of machine data that the planner replaces.
+/// A parameter for which the planner uses another value than the machine data give.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Adjusted {
-    /// ISG id.
+    /// ISG's id of the parameter, `P-AXIS-…`.
     pub id: &'static str,
     /// Name of the parameter.
     pub name: &'static str,
     /// Unit of both values.
     pub unit: &'static str,
-    /// The value given.
+    /// The value in the machine data.
     pub value: i64,
-    /// The value used.
+    /// The value that the planner uses.
     pub used: i64,
-    /// The reason for the bound.
+    /// The reason why the planner uses another value.
     pub because: &'static str,
 }
 
 impl AxisData {
-    /// The machine data that the planner uses.
+    /// Returns the machine data that the planner uses: values that the tick cannot use are replaced.
     pub fn planned(&self, channel: &ChannelData) -> Self {
         let cycle = u64::from(channel.cycle_us);
         let by_cycle = |micro: u64| micro.checked_div(cycle).unwrap_or(u64::MAX);

@@ -11,7 +11,7 @@ use crate::quantity::Position;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Beyond {
-    /// Index of the axis.
+    /// Index of the axis, from 0.
     pub axis: usize,
     /// The position that the axis would reach: machine coordinates, LSB 2^-32 mm or degrees.
     pub position: i64,
@@ -20,13 +20,13 @@ pub struct Beyond {
 }
 
 impl Beyond {
-    /// Whether the limit is the positive one.
+    /// Whether the axis would exceed its positive limit, and not its negative one.
     pub const fn is_positive(&self) -> bool {
         self.position > self.limit
     }
 }
 
-/// The software limits of a machine.
+/// The software limits of all axes, for checks of the path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Travel<const AXES: usize> {
     /// Negative and positive limit.

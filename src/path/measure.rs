@@ -43,7 +43,7 @@ impl Main {
         self.0.get(i).filter(|k| **k != Self::NONE).map(|k| usize::from(*k))
     }
 
-    /// Indices of the axes, `None` where there is none.
+    /// Indices of the three main axes; `None` for a missing axis.
     pub fn places(&self) -> [Option<usize>; 3] {
         [self.get(0), self.get(1), self.get(2)]
     }

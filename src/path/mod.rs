@@ -46,9 +46,9 @@ use core::hint::black_box;
 /// Direction and curvature of every axis over the path length, at one end of an element.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct End<const AXES: usize> {
-    /// dx/ds, LSB 2^-40.
+    /// Direction of each axis: travel per path length (dx/ds), LSB 2^-40.
     pub tangent: [i64; AXES],
-    /// d²x/ds², 1/mm.
+    /// Curvature of each axis: d²x/ds², 1/mm.
     pub curvature: [f32; AXES],
 }
 
@@ -64,10 +64,10 @@ impl<const AXES: usize> End<AXES> {
     }
 }
 
-/// The circle of an arc, for limits.
+/// The circle of an arc, from which the limits of the arc are computed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Circle {
-    /// Axes of the circle's plane.
+    /// Indices of the two axes of the circle's plane.
     pub plane: [usize; 2],
     /// The smaller of start and end radius, mm.
     pub radius: f32,
@@ -80,15 +80,15 @@ pub struct Circle {
 /// A block as a curve: the output of this module.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Element<const AXES: usize> {
-    /// The curve.
+    /// The position of every axis over the path length.
     pub shape: Shape<AXES>,
     /// Direction and curvature at the first point.
     pub entry: End<AXES>,
     /// Direction and curvature at the last point.
     pub exit: End<AXES>,
-    /// Data of an arc; `None` for other curves.
+    /// The circle of an arc; `None` for other curves.
     pub circle: Option<Circle>,
-    /// Data of a polynomial; `None` for other curves.
+    /// Largest derivatives of a polynomial, for its limits; `None` for other curves.
     pub bounds: Option<Bounds<AXES>>,
 }
 
@@ -134,13 +134,13 @@ impl<const AXES: usize> Element<AXES> {
     }
 }
 
-/// The reason why a block has no curve.
+/// The reason why a motion block has no valid path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum PathError {
-    /// The path is longer than 2^18 mm.
+    /// The path of the block is longer than 2^18 mm (262 m).
     TooLong,
-    /// The machine has no such main axis.
+    /// The machine lacks a main axis that the plane of the arc needs.
     NoPlane(Plane),
     /// An axis of the plane is not a feed axis.
     NoFeedPlane(Plane),
@@ -153,7 +153,7 @@ pub enum PathError {
     },
     /// R needs an end point that differs from the start.
     RadiusWithoutEnd,
-    /// The start or the end is at the centre.
+    /// The start or the end of the arc is at its centre, so the arc has no radius.
     NoRadius,
     /// Distances of start and end from the centre differ too much: LSB 2^-32 mm.
     RadiusDiffers {
@@ -217,7 +217,7 @@ const HALF: i32 = 1 << (GUARD - 1);
 /// A curve over its path length, ready for the tick. See the module for the formula.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shape<const AXES: usize> {
-    /// Path length, above 0.
+    /// Path length of the curve, above 0.
     pub length: Distance,
     /// Linear part: LSB 2^-42 mm per 2^64 units of `w`.
     gain: [i64; AXES],

@@ -14,10 +14,10 @@ use crate::math::root::sqrt_f32;
 use crate::math::wide::{mul_near, mul_shift};
 use crate::quantity::{Distance, Position};
 
-/// A point of the path with the data for a smooth continuation.
+/// A point of the path, with the direction and curvature that neighbouring curves share there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Knot<const AXES: usize> {
-    /// Position of the point.
+    /// Position of every axis at the point, mm or degrees.
     pub position: [Position; AXES],
     /// Direction and curvature at the point.
     pub end: End<AXES>,
@@ -33,11 +33,11 @@ impl<const AXES: usize> Knot<AXES> {
 /// where the next derivative is zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounds<const AXES: usize> {
-    /// |dx/ds|.
+    /// Largest travel of each axis per path length, |dx/ds|.
     pub first: [f32; AXES],
-    /// |d²x/ds²|, 1/mm.
+    /// Largest second derivative of each axis, |d²x/ds²|, 1/mm.
     pub second: [f32; AXES],
-    /// |d³x/ds³|, 1/mm².
+    /// Largest third derivative of each axis, |d³x/ds³|, 1/mm².
     pub third: [f32; AXES],
     /// Ratio of the speed along the curve to the path speed: 1, or more if the parameter is shorter than the
     /// arc length.
@@ -285,12 +285,12 @@ impl<const AXES: usize> Draft<AXES> {
         Self { is_cubic: true, ..self }
     }
 
-    /// Start of the curve.
+    /// Start of the curve, mm or degrees.
     pub fn from(&self) -> &[Position; AXES] {
         &self.ends[0]
     }
 
-    /// End of the curve.
+    /// End of the curve, mm or degrees.
     pub fn to(&self) -> &[Position; AXES] {
         &self.ends[1]
     }

@@ -89,10 +89,10 @@ struct Swing {
     share: u64,
 }
 
-/// An oscillation.
+/// The data of an oscillation: a single axis moves between two positions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Oscillating {
-    /// First and second reversal position.
+    /// First and second reversal position, mm or degrees.
     pub ends: [Position; 2],
     /// Dwell at both positions, in ticks, LSB 2^-32.
     pub waits: [u64; 2],
@@ -102,7 +102,7 @@ pub struct Oscillating {
     pub count: Option<u32>,
 }
 
-/// The demanded speed or duration of a motion.
+/// How fast a single axis has to move: its speed, or the duration of its motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Pace {
     /// Speed of the axis, mm/tick or degrees/tick.
@@ -111,12 +111,12 @@ pub enum Pace {
     Time(u64),
 }
 
-/// Limits of one axis.
+/// Limits of an axis that moves alone.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AxisLimits {
-    /// Speed, accelerations, jerks.
+    /// Speed, accelerations and jerks, per tick.
     pub limits: Limits,
-    /// Reduced speed (P-AXIS-00214).
+    /// Reduced speed (P-AXIS-00214), mm/tick or degrees/tick.
     pub v_reduced: f32,
 }
 
