@@ -13,7 +13,7 @@ impl Default for Digest {
 }
 
 impl Digest {
-    /// The digest without set points.
+    /// The digest before the first set point.
     pub const fn new() -> Self {
         Self(0xcbf2_9ce4_8422_2325)
     }
@@ -28,7 +28,7 @@ impl Digest {
         }
     }
 
-    /// The value of the digest.
+    /// The checksum over all set points added so far.
     pub const fn value(self) -> u64 {
         self.0
     }

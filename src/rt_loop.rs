@@ -59,7 +59,7 @@ pub struct LoopMemory<const AXES: usize, const COMMANDS: usize> {
 }
 
 impl<const AXES: usize, const COMMANDS: usize> LoopMemory<AXES, COMMANDS> {
-    /// Size of the memory for commands, bytes.
+    /// Size of the memory for the commands of a loop, bytes.
     pub const BYTES: usize = COMMANDS * Self::COMMAND_BYTES;
     /// Size of one command, bytes.
     pub const COMMAND_BYTES: usize = size_of::<Stored<AXES>>();
@@ -117,7 +117,7 @@ impl LoopSwitch<'_> {
     }
 }
 
-/// The planner's handle: the commands of a loop.
+/// The planner's handle of the loop memory: stores the commands of a loop and returns them again.
 pub struct LoopStore<'a, const AXES: usize> {
     commands: &'a mut VecView<Stored<AXES>>,
     /// Number of commands that P-STUP-00033 permits.
@@ -141,7 +141,7 @@ impl<'a, const AXES: usize> LoopStore<'a, AXES> {
         self.commands.clear();
     }
 
-    /// V.RTG.LOOP.ENABLED.
+    /// Whether `V.RTG.LOOP.ENABLED` is true.
     pub(crate) fn is_enabled(&self) -> bool {
         self.shared.flag.get()
     }
@@ -217,15 +217,15 @@ impl<'a, const AXES: usize> LoopStore<'a, AXES> {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum LoopError {
-    /// 22073: a loop cannot have this command.
+    /// 22073: a real-time loop cannot contain this command. The text is its name.
     NotInside(&'static str),
-    /// 22181: a loop inside another loop.
+    /// 22181: the loop is inside another loop.
     Nested,
-    /// 22128: a spline is on where the loop begins.
+    /// 22128: a spline is on at the beginning of the loop.
     SplineBefore,
-    /// 22129: a spline is on where the loop ends.
+    /// 22129: a spline is on at the end of the loop.
     SplineBehind,
-    /// 50991: the loop does not end where it begins.
+    /// 50991: the end point of the loop differs from its start point.
     NotClosed,
     /// No axis moves in the loop.
     NoMotion,

@@ -15,7 +15,7 @@
 //! ```
 use core::sync::atomic::{AtomicBool, AtomicU32, Ordering, fence};
 
-/// The access that a program has to a variable.
+/// Whether a program may write a variable of the application.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Access {
     /// The program may read the variable.

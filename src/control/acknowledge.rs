@@ -30,7 +30,7 @@ const FUNCTION: u32 = 0xffff << CODE | OF_H;
 const INDEX: u32 = 19;
 const SEQUENCE: u32 = 24;
 
-/// No output of the function waits for this acknowledgement.
+/// The error of an acknowledgement for which no function waits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Unexpected;

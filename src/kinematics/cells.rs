@@ -258,7 +258,7 @@ impl Cell {
     }
 }
 
-/// Divides a curve into cells.
+/// Divides a curve of the tool tip into cells, and returns a polynomial of the axes for each cell.
 #[derive(Clone, Copy, Debug)]
 pub struct Splitter<'a> {
     chain: &'a Chain,

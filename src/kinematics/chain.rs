@@ -39,7 +39,7 @@ pub(super) struct Rotary {
 /// Rotary axes in the order of the chain.
 pub(super) type Rotaries = [Option<Rotary>; ROTARIES];
 
-/// A machine with checked data.
+/// The serial chain of axes from the workpiece to the tool, from checked machine data.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Chain {
     linear: [Linear; 3],

@@ -2,17 +2,17 @@
 use super::vector::Vector;
 use core::fmt;
 
-/// Refused machine data.
+/// The reason why the machine data of a transformation are refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct DataError {
-    /// Id and name of the parameter.
+    /// Id and name of the refused parameter.
     pub parameter: &'static str,
     /// Index of the axis, or of the place in the chain, if the parameter has an index.
     pub index: Option<u8>,
     /// The value found, if it is a whole number.
     pub found: Option<i64>,
-    /// The expected value.
+    /// What was expected, in words.
     pub expected: &'static str,
 }
 
@@ -86,7 +86,7 @@ pub struct Universal {
     pub number_of_axes: u8,
     /// P-CHAN-00290 chain: indices of the axes from the workpiece to the tool, each once.
     pub chain: [u8; 6],
-    /// The axes by their index.
+    /// The axes of the chain, by their index in the channel.
     pub axis: [UniversalAxis; 6],
     /// P-CHAN-00285 zero_orientation: direction from the tool tip to the holder with all axes at 0. Any
     /// length but 0.

@@ -16,9 +16,9 @@ use core::fmt;
 /// keeps it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Kinematic {
-    /// P-CHAN-00262 trafo\[\].id.
+    /// P-CHAN-00262 `trafo[].id`: the number with which `#KIN ID` selects this transformation.
     pub id: u16,
-    /// The chain.
+    /// The axes from the workpiece to the tool.
     pub chain: Chain,
     /// Channel axes of the tool tip's X, Y and Z.
     main: [usize; 3],
@@ -26,13 +26,13 @@ pub struct Kinematic {
     axes: u32,
 }
 
-/// The reason why a channel does not fit a chain.
+/// The reason why the axes of a channel do not fit the transformation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Unfit {
-    /// The identifier is 0.
+    /// The identifier of the transformation is 0.
     Id,
-    /// The channel has not three main axes.
+    /// The channel does not have three main axes.
     Main,
     /// The channel has more than six axes.
     Axes,

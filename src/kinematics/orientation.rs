@@ -5,7 +5,7 @@ use crate::math::angle::atan2_turns;
 use crate::quantity::Position;
 use core::fmt;
 
-/// The reason why a direction has no angles.
+/// The reason why no angles of the rotary axes give a tool direction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Reach {

@@ -47,7 +47,7 @@ impl Vector {
         Self::new(self.y * b.z - self.z * b.y, self.z * b.x - self.x * b.z, self.x * b.y - self.y * b.x)
     }
 
-    /// The length.
+    /// Length of the vector.
     pub fn length(self) -> f64 {
         sqrt(self.dot(self))
     }
@@ -105,18 +105,18 @@ pub fn turns(degrees: Position) -> u64 {
 /// An angle with its first and second derivative by the parameter of the curve.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spin {
-    /// Sine.
+    /// Sine of the angle.
     pub sin: f64,
-    /// Cosine.
+    /// Cosine of the angle.
     pub cos: f64,
-    /// First derivative, radians.
+    /// First derivative of the angle, radians.
     pub first: f64,
-    /// Second derivative, radians.
+    /// Second derivative of the angle, radians.
     pub second: f64,
 }
 
 impl Spin {
-    /// A constant angle.
+    /// An angle that does not change: its derivatives are 0.
     pub fn at(degrees: Position) -> Self {
         const LSB: f64 = 1.0 / (1u64 << 62) as f64;
         let (sin, cos) = sin_cos_fine(turns(degrees));
@@ -144,16 +144,16 @@ impl Spin {
 /// A point with its first and second derivative by the parameter of the curve.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Jet {
-    /// The point, mm.
+    /// Position of the point, mm.
     pub point: Vector,
-    /// First derivative.
+    /// First derivative of the position.
     pub first: Vector,
-    /// Second derivative.
+    /// Second derivative of the position.
     pub second: Vector,
 }
 
 impl Jet {
-    /// A constant point.
+    /// A point that does not move: its derivatives are 0.
     pub const fn at(point: Vector) -> Self {
         Self { point, first: Vector::ZERO, second: Vector::ZERO }
     }

@@ -27,7 +27,7 @@ pub enum Step<const AXES: usize> {
     Working,
     /// A command, in program order.
     Command(Command<AXES>),
-    /// A warning. The program continues.
+    /// A warning about a word of the program. The program continues.
     Warning(NcWarning),
     /// Program text has not arrived yet: call again later.
     Late,
@@ -221,7 +221,7 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
         calculator.has_done_no_more_than(if waits { LITTLE_LINE } else { LITTLE })
     }
 
-    /// The data of the machine that the decoder uses.
+    /// The data of the machine that the decoder uses: names and kinds of axes, zero offsets.
     pub fn setup(&self) -> &Setup<AXES> {
         &self.interpreter.setup
     }

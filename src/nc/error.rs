@@ -9,9 +9,9 @@ use heapless::String;
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct NcError {
-    /// Place of the refused word.
+    /// Place of the refused word in the program text.
     pub place: Place,
-    /// The reason of the refusal.
+    /// Why the word is refused, and what was expected.
     pub kind: NcErrorKind,
     /// The word itself, cut to 24 bytes.
     pub found: String<24, u8>,
@@ -19,53 +19,53 @@ pub struct NcError {
     pub axes: String<24, u8>,
 }
 
-/// Reasons of a refusal. Numbers in the descriptions are those of ISG's messages.
+/// Why a word of the program is refused. Numbers in the descriptions are those of ISG's messages.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum NcErrorKind {
-    /// The text source failed.
+    /// The source of the program text failed.
     Unreadable,
     /// A jump back, a call, or a line that needs text which the window of a stream no longer holds.
     BehindWindow,
-    /// A control byte, for example NUL.
+    /// The text contains a control byte, for example NUL.
     ControlByte(u8),
-    /// A byte above 127 outside of a comment.
+    /// The text contains a byte above 127 outside of a comment.
     ForeignByte(u8),
-    /// Logical line longer than [`super::LINE_BYTES`].
+    /// The logical line is longer than [`super::LINE_BYTES`].
     LineTooLong,
-    /// More continuation lines than the decoder can keep places for.
+    /// The logical line has more continuation lines than the decoder can keep places for.
     TooManyContinuations,
-    /// Syntax: the expected text.
+    /// The syntax is wrong. The text says what was expected.
     Expected(&'static str),
-    /// A part of the language that this version does not have.
+    /// Glidepath does not have this part of the language. The text is its name.
     NotAvailable(&'static str),
     /// A function that this build leaves out. The text names the function and the feature to enable.
     NotBuilt(&'static str),
-    /// A usual axis name that this machine does not have.
+    /// The word is a usual axis name, but the machine has no such axis.
     AxisNotHere,
-    /// A letter that is not an address.
+    /// The letter is not an address of the language.
     UnknownWord,
-    /// G number outside of the language.
+    /// The language has no such G number.
     UnknownG,
     /// M, H, T, D or S number.
     UnknownHash,
-    /// `$` statement outside of the language.
+    /// The language has no such `$` statement.
     UnknownDollar,
-    /// A keyword that the command does not have.
+    /// The command has no such keyword.
     UnknownKeyword {
         /// Command.
         command: &'static str,
         /// Its keywords.
         keywords: &'static [&'static str],
     },
-    /// A keyword that does not fit the method or switch of the same command.
+    /// The keyword does not fit the method or switch of the same command.
     KeywordMismatch {
         /// The method or switch.
         with: &'static str,
     },
-    /// Function name outside of the language.
+    /// The language has no function with this name.
     UnknownFunction,
-    /// Number outside its range.
+    /// The number is outside of its range.
     Range {
         /// Quantity.
         what: &'static str,
@@ -78,43 +78,43 @@ pub enum NcErrorKind {
         /// Whether the least value itself is refused.
         above: bool,
     },
-    /// A whole number was expected.
+    /// The number has decimals, but a whole number is expected. The text names the word.
     NotWhole(&'static str),
-    /// 20013: the same word twice in a block.
+    /// 20013: the block has the same word twice. The text names the word.
     Twice(&'static str),
-    /// Two words that exclude each other.
+    /// The block has two words that exclude each other. The text names the other word.
     Conflict(&'static str),
-    /// G01, G02 or G03 without F so far.
+    /// G01, G02 or G03 needs a feed, and no F was programmed so far.
     NoFeed,
-    /// 20003: G60 without motion.
+    /// 20003: the block has G60 and no motion.
     ExactStopAlone,
-    /// I, J, K or R missing.
+    /// The arc has neither I, J, K nor R.
     ArcUndefined,
-    /// 21024: I, J, K and R.
+    /// 21024: the arc has R in addition to I, J or K.
     ArcTwice,
-    /// 20034: full circle by R.
+    /// 20034: a full circle cannot be given by R.
     FullCircleByRadius,
-    /// I, J or K outside of the plane.
+    /// I, J or K is the word of an axis that is not in the plane of the arc.
     OutsidePlane,
-    /// I, J, K or R without G02/G03.
+    /// The block has I, J, K or R, but no arc (G02, G03).
     ArcWordAlone,
-    /// A main axis that the machine does not have.
+    /// The command needs a main axis that the machine does not have.
     NoMainAxis,
-    /// Division by zero in an expression.
+    /// An expression divides by zero.
     DivisionByZero,
-    /// Argument outside the domain of a function.
+    /// The argument of a function is outside of its domain. The text names the function.
     Domain(&'static str),
     /// The result of an expression is too large.
     Overflow,
-    /// Expression deeper than [`super::EXPRESSION_DEPTH`].
+    /// The expression is nested deeper than [`super::EXPRESSION_DEPTH`].
     ExpressionTooDeep,
-    /// 20400: parameter index not above 0.
+    /// 20400: the index of a P parameter is not above 0.
     ParameterIndex,
-    /// Parameter read before it was written.
+    /// The program reads the parameter with this index before it has a value.
     ParameterUnset(u32),
-    /// More parameters than [`super::PARAMETERS`].
+    /// The program uses more parameters than [`super::PARAMETERS`].
     TooManyParameters,
-    /// 20227: counter of $FOR is no parameter.
+    /// 20227: the counter of `$FOR` is not a parameter.
     ForCounter,
     /// Closing word without its opening word (20232 for $ENDFOR).
     Unopened {
@@ -126,41 +126,41 @@ pub enum NcErrorKind {
         /// Closing word.
         closing: &'static str,
     },
-    /// Control blocks nested deeper than [`super::NESTING`].
+    /// Control blocks are nested deeper than [`super::NESTING`].
     NestingTooDeep,
-    /// Subroutines nested deeper than [`super::CALL_DEPTH`].
+    /// Subroutine calls are nested deeper than [`super::CALL_DEPTH`].
     CallTooDeep,
-    /// $BREAK or $CONTINUE outside of a loop.
+    /// `$BREAK` or `$CONTINUE` is outside of a loop.
     NoLoop,
-    /// More than [`super::QUIET_LINES`] lines without a command.
+    /// The program has carried out more than [`super::QUIET_LINES`] lines without a command: an endless loop.
     Endless,
     /// A number with an exponent, `1e10`.
     Exponent,
-    /// Label of $GOTO not found in this program.
+    /// The label of `$GOTO` is not in this program.
     NoLabel,
-    /// No program head except those of local subroutines.
+    /// The text has no main program, only local subroutines.
     NoMainProgram,
     /// LL with a name that no %L of this file or its callers declares.
     NoSubroutine,
     /// L with a name for which the text source has no file.
     NoFile,
-    /// Name declared twice.
+    /// Two subroutines have the same name.
     SubroutineTwice,
-    /// More local subroutines than [`super::SUBROUTINES`].
+    /// The text has more local subroutines than [`super::SUBROUTINES`].
     TooManySubroutines,
-    /// Name longer than 83 characters.
+    /// The name is longer than 83 characters.
     NameTooLong,
-    /// Words in a block that must stand alone.
+    /// The block has other words beside a word that must stand alone. The text names this word.
     NotAlone(&'static str),
-    /// More M and H words, or G words, than a block holds.
+    /// The block has more M and H words, or more G words, than a block holds.
     BlockTooFull,
-    /// 50593: oscillation without FEED, FREQ or TIME.
+    /// 50593: the oscillation has neither FEED, FREQ nor TIME.
     OscillationSpeed,
-    /// 22277: modulo axis positions outside 0…360°.
+    /// 22277: a position of a modulo axis is outside of 0 to 360°.
     OscillationModulo,
     /// 50603: contradictory words of an independent axis. The text says which words fit.
     Independent(&'static str),
-    /// A word is missing.
+    /// The block lacks a word. The text names the word.
     Missing(&'static str),
     /// `*nn` at the end of a numbered line: a checksum of serial transmission.
     Checksum,
@@ -390,17 +390,17 @@ impl fmt::Display for NcError {
 
 impl core::error::Error for NcError {}
 
-/// A warning. The program continues.
+/// A warning about a word of the program. The program continues.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct NcWarning {
-    /// Place of the word.
+    /// Place of the word in the program text.
     pub place: Place,
-    /// The reason.
+    /// What the warning is about.
     pub kind: NcWarningKind,
 }
 
-/// Reasons of warnings. Numbers in the descriptions are those of ISG's messages.
+/// What a warning is about. Numbers in the descriptions are those of ISG's messages.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum NcWarningKind {

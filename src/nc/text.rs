@@ -74,7 +74,7 @@ impl Text for &[u8] {
 /// A main program and the files that it may call, all in memory (flash).
 #[derive(Clone, Copy, Debug)]
 pub struct Library<'a> {
-    /// The main program.
+    /// The text of the main program.
     pub main: &'a [u8],
     /// Name and text of the other files. `L name` calls the file `name`, or `name.nc` if there is no `name`.
     pub files: &'a [(&'a str, &'a [u8])],

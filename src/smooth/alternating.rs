@@ -27,7 +27,7 @@ enum Turn<const AXES: usize> {
     Corner(Contouring<AXES>),
 }
 
-/// The smoothing stage.
+/// The smoothing stage of the HSC B-spline with contour mode at points that the spline passes exactly.
 #[derive(Clone, Copy, Debug)]
 pub struct Alternating<const AXES: usize> {
     measure: Measure,

@@ -24,7 +24,7 @@ enum Turn<const AXES: usize> {
     Corner(Contouring<AXES>),
 }
 
-/// The smoothing stage.
+/// The smoothing stage of `#HSC [SURFACE]` with contour mode at sharp corners.
 #[derive(Debug)]
 pub struct Edged<const AXES: usize> {
     measure: Measure,

@@ -70,9 +70,9 @@ fn segment_distance<const AXES: usize>(main: &Main, end: &[f32; AXES], point: &[
 pub struct Site<const AXES: usize> {
     /// Offset from the corner, mm.
     pub offset: [f32; AXES],
-    /// dx/ds.
+    /// Direction: dx/ds of every axis.
     pub tangent: [f32; AXES],
-    /// d²x/ds², 1/mm.
+    /// Curvature: d²x/ds² of every axis, 1/mm.
     pub curvature: [f32; AXES],
 }
 
@@ -132,7 +132,7 @@ impl<const AXES: usize> Side<AXES> {
         &self.curvature
     }
 
-    /// The point at distance `s`.
+    /// The point at the distance `s` (mm) from the corner.
     pub fn at(&self, s: f32) -> Site<AXES> {
         let offset = self.tangent.map(|t| t * s);
         let mut site = Site { offset, tangent: self.tangent, curvature: self.curvature };

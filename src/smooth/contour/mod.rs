@@ -193,7 +193,7 @@ impl Settings {
         self.on || self.once
     }
 
-    /// Settings at program start.
+    /// The settings of contour mode at program start.
     pub fn restarted(&self) -> Self {
         Self::off(self.parameters.preset())
     }
@@ -203,7 +203,7 @@ impl Settings {
         Self { parameters: Parameters::new(preset), on: false, once: false }
     }
 
-    /// P-CHAN-00110.
+    /// The default of CHECK_JERK in the machine data (P-CHAN-00110), 0 to 2.
     pub const fn check_jerk_of_channel(&self) -> u8 {
         self.parameters.preset().check_jerk
     }
@@ -406,7 +406,7 @@ impl<const AXES: usize> Contouring<AXES> {
         Settings { parameters: self.parameters, on: self.on, once: self.once } = *settings;
     }
 
-    /// Settings in force.
+    /// The settings of contour mode that are in force.
     pub fn settings(&self) -> Settings {
         let Self { parameters, on, once, .. } = *self;
         Settings { parameters, on, once }

@@ -44,7 +44,7 @@ pub struct Rise {
     /// Time of a ramp, and time of the constant acceleration.
     ramp: f32,
     hold: f32,
-    /// The speed.
+    /// The speed that the motion reaches, mm/tick.
     pub v: f32,
 }
 
@@ -153,12 +153,13 @@ impl Rise {
 /// Margin for rounding.
 const SHORTER: f32 = 1.0 - 1.0 / 1_048_576.0;
 
-/// Two overlapping motions.
+/// A curve over time as two motions: one brakes on the first line, the other starts on the second line before
+/// the first has ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Overlap {
     /// Both rises have this shape; the first motion runs it backward.
     pub rise: Rise,
-    /// Common time of both motions.
+    /// Time in which both motions overlap, ticks.
     pub time: f32,
 }
 
@@ -477,7 +478,7 @@ impl<const AXES: usize> Timed<AXES> {
         self.done >= 2 * self.count
     }
 
-    /// End of the last element.
+    /// End of the last emitted element, mm or degrees.
     pub fn stands(&self) -> &[Position; AXES] {
         &self.from.position
     }

@@ -94,7 +94,7 @@ impl Tried {
 /// whether the end of the run is known.
 type Waits = Option<(usize, f32, bool)>;
 
-/// The smoothing stage.
+/// The smoothing stage of `#HSC [SURFACE]`.
 #[derive(Debug)]
 pub struct Surface<const AXES: usize> {
     measure: Measure,

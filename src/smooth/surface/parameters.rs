@@ -12,7 +12,7 @@ use crate::smooth::spline::Rules;
 
 const LSB_32: f32 = 1.0 / (1u64 << 32) as f32;
 
-/// The parameters, in mm and degrees.
+/// The parameters of `#HSC [SURFACE]` in force. Lengths are in mm, angles in degrees.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Parameters {
     /// PATH_DEV.
@@ -208,7 +208,7 @@ impl Parameters {
         self.merge = hsc.merge.unwrap_or(self.merge);
     }
 
-    /// CHECK_JERK.
+    /// CHECK_JERK: which ramp time limits the jerk of the curvature, 0 to 2.
     pub const fn check_jerk(&self) -> u8 {
         self.check_jerk
     }

@@ -12,7 +12,7 @@ use crate::path::Measure;
 use crate::quantity::Position;
 use heapless::Deque;
 
-/// Vertices of the window.
+/// Largest number of vertices in the window.
 pub const VERTICES: usize = 64;
 
 const LSB_32: f32 = 1.0 / (1u64 << 32) as f32;
@@ -22,16 +22,16 @@ const LSB_32: f32 = 1.0 / (1u64 << 32) as f32;
 pub struct Programmed {
     /// Feed, mm/min; rapid without.
     pub feed: Option<f32>,
-    /// N number.
+    /// N number of the block in the program.
     pub n: u32,
-    /// Number of motion blocks before it.
+    /// Number of motion blocks before the block, since the split.
     pub number: u32,
 }
 
-/// A vertex.
+/// A point of the programmed contour in the window, with the data for its smoothing curve.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Vertex<const AXES: usize> {
-    /// The vertex on the programmed contour.
+    /// Position of the point, mm or degrees.
     pub at: [Position; AXES],
     /// Offset from the vertex to the point of the control polygon, mm.
     pub offset: [f32; AXES],
@@ -44,7 +44,7 @@ pub struct Vertex<const AXES: usize> {
     pub moved_length: f32,
     /// Distance from the start of the run, LSB 2^-20 mm; only differences are used.
     pub distance: u32,
-    /// Half width of the vertex's kernel, mm.
+    /// Half width of the smoothing curve (kernel) around the vertex, mm of path.
     pub width: f32,
     /// Part of the deviation by which the point moves out: 1 where the contour is smooth, 0 at an edge.
     pub gain: f32,
