@@ -60,6 +60,8 @@
 //!
 //! | feature | adds |
 //! |---|---|
+//! | `isg` | programs in the language of ISG controllers; a build without `grbl` always has this language |
+//! | `slopes` | the slopes STEP and SIN2; a build without `grbl` always has them |
 //! | `contour` | curves at corners: G61, G261, `#CONTOUR MODE` |
 //! | `surface` | `#HSC [SURFACE]`: one smooth curve through many short blocks |
 //! | `splines` | Akima, B-spline, HSC B-spline |

@@ -18,51 +18,52 @@ use super::reader::{ContourReader, Forgotten};
 use super::unit::{ControlUnit, Pending, TENTHS, UnitState};
 use crate::quantity::Distance;
 
-/// HLI_CONTOUR_LOOKAHEAD_REQUEST.
+/// The request of a PLC for entries of the log: ISG's HLI_CONTOUR_LOOKAHEAD_REQUEST.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[repr(C)]
 pub struct HliContourLookaheadRequest {
-    /// Mode 1: index of the first entry. Mode 2: first distance.
+    /// By index (mode 1): index of the first entry. By distance (mode 2): the first distance, 0.1 µm.
     pub start_position: f64,
-    /// 0: mode 1. Else mode 2: elements up to `start_position + length`.
+    /// 0: by index. Otherwise by distance: elements up to `start_position + length`, 0.1 µm.
     pub length: f64,
 }
 
-/// HLI_CONTOUR_LOOKAHEAD_BLOCK.
+/// One entry of the answer: ISG's HLI_CONTOUR_LOOKAHEAD_BLOCK.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[repr(C)]
 pub struct HliContourLookaheadBlock {
     /// 0 none, 1 line, 2 arc, 3 LOG ON, 4 LOG \[PARAM\], 5 LOG OFF, 6 polynomial.
     pub block_type: u32,
-    /// Programmed N number.
+    /// N number of the block in the program.
     pub block_number: u32,
     /// Number of the motion block, as `block` of [`crate::Status`].
     pub block_count_r: u32,
-    /// Distance from program start, or from the last `#DISTANCE PROG START CLEAR`.
+    /// Distance from program start, or from the last `#DISTANCE PROG START CLEAR`, to the start of the entry,
+    /// 0.1 µm.
     pub start_position: f64,
-    /// Length of an element; PARAM of a mark.
+    /// Length of an element, 0.1 µm; for a mark of the log, its PARAM.
     pub length: f64,
-    /// Programmed radius of an arc.
+    /// Programmed radius of an arc, 0.1 µm.
     pub programmed_radius: f64,
-    /// The same: there is no tool radius compensation.
+    /// The same value as `programmed_radius`: Glidepath has no tool radius compensation.
     pub compensated_radius: f64,
-    /// Angle of an arc: clockwise −2π to 0, counter-clockwise 0 to 2π.
+    /// Angle of an arc, radians: clockwise −2π to 0, counter-clockwise 0 to 2π.
     pub circle_angle: f64,
-    /// 0: there is no sink erosion, and so no scaled contour.
+    /// Always 0: Glidepath has no sink erosion, and so no scaled contour.
     pub length_min: f64,
-    /// Knee to the element before, 0 to π.
+    /// Change of direction from the element before, radians, 0 to π.
     pub tangent_variation: f64,
 }
 
-/// HLI_CONTOUR_LOOKAHEAD_RESPONSE.
+/// The answer to a request: ISG's HLI_CONTOUR_LOOKAHEAD_RESPONSE.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C)]
 pub struct HliContourLookaheadResponse<const BLOCKS: usize> {
-    /// The blocks; those behind the last one have type 0.
+    /// The entries in the order of the path. Unused places after the last entry have type 0.
     pub block: [HliContourLookaheadBlock; BLOCKS],
 }
 
-/// HLI_CONTOUR_LOOKAHEAD_STATE.
+/// The state of the log: ISG's HLI_CONTOUR_LOOKAHEAD_STATE.
 pub type HliContourLookaheadState = UnitState;
 
 impl From<Entry> for HliContourLookaheadBlock {

@@ -53,7 +53,7 @@ use vector::PathLimits;
 pub use vector::TooLow;
 pub use weights::Weights;
 
-/// Factor for speeds and accelerations.
+/// Factor for speeds and accelerations, a margin for rounding.
 pub(super) const MARGIN: f32 = 1.0 - 1.0 / 524_288.0;
 /// Acceleration along the path that rounding can cause, mm/tick². A path distance is accurate to 2^-37 mm,
 /// and this error counts four times in a second difference. [`MARGIN`] does not cover this error for small

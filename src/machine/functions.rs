@@ -99,17 +99,17 @@ macro_rules! functions {
 }
 
 functions! {
-    /// Corners of contour mode.
+    /// Contour mode: curves at corners.
     CONTOUR = "contour": "contouring (#CONTOUR MODE, G61, G261, #HSC)";
-    /// HSC Surface.
+    /// HSC Surface: one smooth curve through many short blocks.
     SURFACE = "surface": "#HSC [SURFACE]";
     /// Akima splines and B-splines, also those of `#HSC`.
     SPLINES = "splines": "a spline (G151, #SPLINE, #AKIMA, #HSC [BSPLINE], #HSC [OPMODE=2])";
-    /// The slope HSC.
+    /// The slope HSC: acceleration may continue from block to block.
     HSC = "hsc": "slope HSC (#SLOPE [TYPE=HSC], P-CHAN-00071 = 3)";
     /// Expressions, P parameters and `$` statements.
     EXPRESSIONS = "expressions": "an expression (P parameters, operators, functions, $ statements)";
-    /// Filters of the axes.
+    /// FIR filters of the axes (`#FILTER`).
     FILTERS = "filters": "#FILTER";
     /// Axes that move independently of the path.
     BESIDE = "beside": "an axis beside the path ([OSC], [INDP], #WAIT INDP)";

@@ -1,6 +1,6 @@
 //! Machine data of the interpolator (feature `plc`): its additional functions, and the memory for them.
 
-/// Smallest size of the storage for blocks, bytes: P-STUP-00033.
+/// Smallest size of the storage for blocks (P-STUP-00033), bytes, if it is not 0.
 pub const FB_STORAGE_MIN: u32 = 1024;
 
 /// Names of the additional functions of the interpolator that P-CHAN-00650
@@ -36,33 +36,33 @@ pub const INTERPOLATOR_FUNCTIONS: &[&str] = &[
     "FCT_DLM",
 ];
 
-/// A set of [`INTERPOLATOR_FUNCTIONS`].
+/// A set of additional functions of the interpolator: one bit for each name of [`INTERPOLATOR_FUNCTIONS`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct InterpolatorFunctions(u32);
 
 impl InterpolatorFunctions {
-    /// FCT_IPO_DEFAULT.
+    /// FCT_IPO_DEFAULT: the usual functions, with a look-ahead of 120 blocks.
     pub const IPO_DEFAULT: Self = Self(1);
-    /// FCT_LOOK_AHEAD_LOW.
+    /// FCT_LOOK_AHEAD_LOW: a look-ahead of 30 blocks.
     pub const LOOK_AHEAD_LOW: Self = Self(1 << 1);
-    /// FCT_LOOK_AHEAD_STANDARD.
+    /// FCT_LOOK_AHEAD_STANDARD: a look-ahead of 120 blocks.
     pub const LOOK_AHEAD_STANDARD: Self = Self(1 << 2);
-    /// FCT_LOOK_AHEAD_HIGH.
+    /// FCT_LOOK_AHEAD_HIGH: a look-ahead of 190 blocks.
     pub const LOOK_AHEAD_HIGH: Self = Self(1 << 3);
-    /// FCT_LOOK_AHEAD_CUSTOM.
+    /// FCT_LOOK_AHEAD_CUSTOM: a look-ahead of as many blocks as P-CHAN-00653 says.
     pub const LOOK_AHEAD_CUSTOM: Self = Self(1 << 4);
-    /// FCT_LOOK_AHEAD_OPT.
+    /// FCT_LOOK_AHEAD_OPT: NO_OPT=0 is the default of the slope HSC.
     pub const LOOK_AHEAD_OPT: Self = Self(1 << 5);
-    /// FCT_CONTOUR_LAH.
+    /// FCT_CONTOUR_LAH: the log of the path ahead.
     pub const CONTOUR_LAH: Self = Self(1 << 6);
-    /// FCT_CALC_STATE_AT_T.
+    /// FCT_CALC_STATE_AT_T: questions about the state at a later tick.
     pub const CALC_STATE_AT_T: Self = Self(1 << 7);
-    /// FCT_CALC_TIME.
+    /// FCT_CALC_TIME: questions about the time of the next block at feed.
     pub const CALC_TIME: Self = Self(1 << 8);
-    /// FCT_CALC_POS_V_0.
+    /// FCT_CALC_POS_V_0: questions about the place where a feed hold would stop the axes.
     pub const CALC_POS_V_0: Self = Self(1 << 9);
 
-    /// FCT_SHIFT_NCBL.
+    /// FCT_SHIFT_NCBL: M and H functions at a distance before their place.
     pub const SHIFT_NCBL: Self = Self(1 << 12);
 
     /// The names that set the length of the look-ahead.
@@ -70,7 +70,7 @@ impl InterpolatorFunctions {
     /// The names that this version supports.
     const AVAILABLE: u32 = 0x13FF;
 
-    /// The set with these bits.
+    /// The set with these bits; bit k stands for name k of [`INTERPOLATOR_FUNCTIONS`].
     pub const fn of_bits(bits: u32) -> Self {
         Self(bits)
     }
@@ -117,7 +117,7 @@ impl InterpolatorFunctions {
     }
 }
 
-/// Machine data of the interpolator.
+/// Machine data for a PLC: additional functions of the interpolator, and the memory for them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InterpolatorData {
     /// P-CHAN-00650 `configuration.interpolator.function` (P-STUP-00070): functions of the interpolator. The length of

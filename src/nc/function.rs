@@ -98,7 +98,7 @@ pub struct Slope {
     pub no_opt: Option<bool>,
 }
 
-/// Methods of #CONTOUR MODE.
+/// The method of contour mode, which decides the curve of a corner.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum ContourMethod {

@@ -69,7 +69,7 @@ impl<const N: usize> Window<N> {
         N as u32
     };
 
-    /// An empty window.
+    /// A window without text.
     pub const fn new() -> Self {
         let [put, start, kept] = [const { AtomicU32::new(0) }; 3];
         Self { bytes: [const { AtomicU8::new(0) }; N], put, start, ended: AtomicBool::new(false), kept }

@@ -27,7 +27,7 @@ impl<const AXES: usize> Straight<AXES> {
         self.settings = settings.restarted();
     }
 
-    /// Settings in force.
+    /// The settings of contour mode that are in force.
     pub const fn settings(&self) -> Settings {
         self.settings
     }

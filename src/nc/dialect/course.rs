@@ -6,7 +6,7 @@ use crate::nc::compose::carry;
 use crate::nc::{ArcBy, MotionKind, Plane, real};
 use crate::quantity::Position;
 
-/// Canned cycles.
+/// The kind of a canned drilling cycle.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 #[repr(u8)]
 pub enum CycleKind {

@@ -103,7 +103,7 @@ impl<const AXES: usize> InForce<AXES> {
         self.now.per_turn
     }
 
-    /// Spindle speed S, 1/min.
+    /// Programmed spindle speed (word S), 1/min.
     pub const fn speed(&self) -> Position {
         self.now.speed
     }
@@ -113,7 +113,7 @@ impl<const AXES: usize> InForce<AXES> {
         [self.now.coolant & 1 != 0, self.now.coolant & 2 != 0]
     }
 
-    /// Tool number T.
+    /// Programmed tool number (word T).
     pub const fn tool(&self) -> u32 {
         self.now.tool
     }
@@ -135,7 +135,7 @@ impl<const AXES: usize> InForce<AXES> {
 }
 
 impl<const AXES: usize> Interpreter<AXES> {
-    /// The current modal state.
+    /// The modal state that is in force after the lines read so far.
     pub fn in_force(&self) -> InForce<AXES> {
         InForce { modal: self.modal, now: self.foreign.now }
     }

@@ -4,7 +4,7 @@ use crate::machine::{Dialect, functions};
 use crate::nc::Plane;
 use crate::nc::modal::Mode;
 
-/// The effect of a word.
+/// What a G or M word of a dialect does.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Meaning {
     /// G0…G3.
@@ -151,7 +151,7 @@ pub mod group {
     pub const COUNT: usize = 30;
 }
 
-/// A word of a dialect.
+/// An entry of the table of G and M words.
 #[derive(Clone, Copy)]
 pub struct WordEntry {
     /// `G` or `M`.
@@ -463,7 +463,7 @@ const TABLE: &[WordEntry] = &[
     USER,
 ];
 
-/// A letter with a value.
+/// An entry of the table of letters with values.
 #[derive(Clone, Copy)]
 pub struct AddressEntry {
     /// The letter.

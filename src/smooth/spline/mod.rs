@@ -60,16 +60,16 @@ const LEAST_PART: f32 = 1.0 / 256.0;
 /// Points that are left out move the path by at most this part of PATH_DEV, all together.
 const MERGED: f32 = 1.0 / 128.0;
 
-/// Kinds of curves.
+/// The kind of curve that the spline stage makes from points.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Mode {
-    /// Akima.
+    /// An Akima spline, which passes through the points.
     Akima,
-    /// Direct B-spline.
+    /// A direct B-spline, which the points control.
     Direct,
-    /// HSC B-spline.
+    /// The B-spline of `#HSC`, with its tolerances.
     Control(Rules),
-    /// HSC OPMODE 2, with its CONTERROR, mm.
+    /// The spline of `#HSC [OPMODE=2]`, with its tolerance CONTERROR in mm.
     Interpolating(f32),
 }
 
