@@ -133,7 +133,8 @@ impl Functions {
         self.entries.push(entry).map_err(|_| ())
     }
 
-    /// The function that was taken last is output so far before its place, 0.1 µm.
+    /// Lets the function that was taken last be output before its place. `shift`: path distance from the
+    /// output to the place, 0.1 µm.
     #[cfg(feature = "plc")]
     pub fn shift(&mut self, shift: u32) {
         if let Some(entry) = self.entries.last_mut() {
@@ -141,8 +142,9 @@ impl Functions {
         }
     }
 
-    /// All blocks that were taken, `due`, are in the look-ahead and end at `distance`: functions that are shifted get their
-    /// point now, while it may lie ahead of the motion. Their gates come later.
+    /// Gives functions that are output before their place their point of the path, while this point may still
+    /// be ahead of the motion. `due`: number of all blocks that were taken; all of them are in the look-ahead
+    /// and end at `distance`. The gates of these functions get their places later.
     #[cfg(feature = "plc")]
     pub fn shift_before_end(&mut self, due: u32, distance: Distance, queue: &mut Scheduler<'_>) {
         if self.entries.iter().any(|entry| entry.shift != 0 && !entry.placed) {
@@ -151,7 +153,8 @@ impl Functions {
         }
     }
 
-    /// At the end of the program all functions of late synchronisation must be acknowledged, before motion block `number`.
+    /// Demands the acknowledgement of all functions with late synchronisation at the end of the program,
+    /// before the motion block `number`.
     #[cfg(feature = "plc")]
     pub fn demand_all(&mut self, number: u32) {
         for entry in self.entries.iter_mut().filter(|entry| entry.late) {

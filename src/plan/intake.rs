@@ -32,7 +32,7 @@ pub enum MotionError {
     StrokeTooSlow,
     /// The block moves an axis that has been released from the channel, so its position is not known.
     Released,
-    /// The block is an arc inside a direct B-spline, which permits only lines (ISG's message 120254).
+    /// The block is an arc inside a direct B-spline, which takes only lines (ISG's message 120254).
     ArcInSpline,
     /// The block leads an axis beyond a software limit.
     Beyond(Beyond),
@@ -738,14 +738,15 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         taken.map_err(|()| function)
     }
 
-    /// The function that was handed over last is output so far before its place, 0.1 µm of path.
+    /// Lets the function of the last [`Self::output`] be output before its place. `shift`: path distance from
+    /// the output to the place, 0.1 µm.
     #[cfg(feature = "plc")]
     pub fn shift(&mut self, shift: u32) {
         self.functions.shift(shift);
     }
 
-    /// At the end of the program, functions of late synchronisation must be acknowledged. Only after
-    /// [`super::Work::Hungry`].
+    /// Demands the acknowledgement of all functions with late synchronisation at the end of the program. Call
+    /// this function only after [`super::Work::Hungry`].
     #[cfg(feature = "plc")]
     pub fn demand_all(&mut self) {
         self.functions.demand_all(self.intake.taken);

@@ -34,7 +34,7 @@
 use super::word::{Memory, Ram, Word};
 use core::sync::atomic::Ordering;
 
-/// The difference between two instants of neighbouring ticks.
+/// The difference between the instants of two successive ticks that use a piece.
 pub const TICK: u32 = 2;
 
 const NEVER: u32 = 1;
