@@ -72,7 +72,7 @@ pub struct Status<const AXES: usize> {
 }
 
 /// Gives commands to a channel and shows the state of the motion. The handle is `Send` and not `Sync`: only
-/// one context at a time owns it.
+/// one task or interrupt at a time owns it.
 ///
 /// A task calls [`Self::output`] as often as it can and acknowledges the functions that wait. An application without
 /// such a task moves the operator into the timer interrupt and calls [`Self::deliver`] after every tick.

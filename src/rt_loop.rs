@@ -87,8 +87,8 @@ impl<const AXES: usize, const COMMANDS: usize> Default for LoopMemory<AXES, COMM
     }
 }
 
-/// The PLC's handle. It is `Copy`, `Send` and `Sync`; only one context may call [`Self::enable`] and
-/// [`Self::disable`].
+/// The PLC's handle of a real-time loop: decides whether the loop repeats. The handle is `Copy`, `Send` and
+/// `Sync`. Only one task or interrupt may call [`Self::enable`] and [`Self::disable`].
 #[derive(Clone, Copy)]
 pub struct LoopSwitch<'a> {
     shared: &'a Shared,

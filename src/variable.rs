@@ -1,8 +1,8 @@
 //! Variables that a program shares with the application: `V.E.name` and `V.RTG.LOOP.ENABLED`.
 //!
 //! The application declares its variables, and passes them to the planner once
-//! ([`Planner::variables`](crate::Planner::variables)). Any context may read them. The PLC writes one copy
-//! and the program another; the value that was written last is valid.
+//! ([`Planner::variables`](crate::Planner::variables)). Any task, interrupt or core may read them. The PLC
+//! writes one copy and the program another; the value that was written last is valid.
 //!
 //! ```
 //! use glidepath::variable::{Access, Variable};
@@ -90,8 +90,8 @@ impl Variable {
         self.name
     }
 
-    /// Writes the variable. Only one context of the PLC at a time may call this function. A program sees the
-    /// value in the lines that the planner reads from now on.
+    /// Writes the variable. Only one task or interrupt of the PLC at a time may call this function. A program
+    /// sees the value in the lines that the planner reads from now on.
     pub fn set(&self, value: f64) {
         self.write(&self.plc, value);
     }

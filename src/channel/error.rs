@@ -37,8 +37,8 @@ pub enum MachineError {
     /// expected value.
     #[cfg(feature = "plc")]
     Interpolator(&'static str, &'static str),
-    /// This parameter gives the function of this number a synchronisation that does not fit its shift. The text says what
-    /// is expected.
+    /// The parameter of this name lets the function of this number be output before its place, but the function's
+    /// synchronisation does not permit this. The text says what is expected.
     #[cfg(feature = "plc")]
     Shift(&'static str, u16, Synch, &'static str),
 }

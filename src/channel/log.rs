@@ -38,7 +38,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         self.planning.forecast(question)
     }
 
-    /// Answers the question of another context, if there is one. Returns whether a question was answered.
+    /// Answers the question of a PLC, if there is one. Returns whether a question was answered.
     /// [`Unknown::Searching`] is no answer: the next call continues the search.
     pub fn answer(&mut self, unit: &QuestionUnit<AXES>) -> bool {
         let Some(question) = unit.pending() else { return false };

@@ -32,7 +32,7 @@ pub struct Channel<const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize
     singles: MaybeUninit<[Single; OVERLAYS]>,
 }
 
-/// The three handles of a channel. Each handle belongs to one context; all are `Send`.
+/// The three handles of a channel. Each handle belongs to one task or interrupt; all are `Send`.
 pub struct Handles<
     'a,
     T: Text,
@@ -47,7 +47,7 @@ pub struct Handles<
     /// Handle for the timer interrupt. That interrupt has a higher priority than the planner, or runs on
     /// another core.
     pub interpolator: Interpolator<'a, AXES, I, OVERLAYS>,
-    /// Handle for the context that gives commands and carries out functions: a PLC task, a serial task,
+    /// Handle for the task that gives commands and carries out functions: a PLC task, a serial task, or
     /// another core.
     pub operator: Operator<'a, AXES>,
 }

@@ -106,7 +106,8 @@ impl<const BLOCKS: usize> ControlUnit<BLOCKS> {
         Some(HliContourLookaheadResponse { block })
     }
 
-    /// `bahn_state.dist_prog_start`, 0.1 µm: [`ContourReader::distance`] of `planned` of [`crate::Status`].
+    /// ISG's `bahn_state.dist_prog_start`, 0.1 µm: the distance that the axes have reached in the program.
+    /// `planned`: the field of [`crate::Status`]. See [`ContourReader::distance`].
     ///
     /// # Errors
     /// The element there is no longer in the window.

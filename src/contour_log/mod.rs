@@ -1,7 +1,7 @@
 //! The path ahead, for a PLC: elements of the path before the axes reach them.
 //!
-//! The planner writes an entry for each curve that enters the look-ahead. Any other context reads the entries: a
-//! thread, an interrupt, another core. No context waits for another.
+//! The planner writes an entry for each curve that enters the look-ahead. Any thread, interrupt or core may read the
+//! entries. Neither side waits for the other.
 //!
 //! | file | content |
 //! |---|---|

@@ -1,8 +1,8 @@
-//! Questions about the coming motion, from any context to the planner: one request and its answer, as in the
-//! control unit.
+//! Questions about the coming motion, from a PLC to the planner: one request and its answer, as in the control
+//! unit.
 //!
 //! The PLC asks with [`QuestionUnit::ask`]. The planner's task calls [`crate::Planner::answer`] between two polls. The
-//! PLC then reads [`QuestionUnit::answer`]. No context waits for another.
+//! PLC then reads [`QuestionUnit::answer`]. Neither side waits for the other.
 use super::unit::Pending;
 use crate::quantity::{Distance, Position, Speed};
 use core::sync::atomic::{AtomicU32, Ordering};
@@ -111,7 +111,7 @@ const WORDS: usize = 9;
 /// A request and its answer, between a PLC and the planner. It may be a static, because all bits are zero
 /// when new.
 ///
-/// One context asks; the planner's context answers.
+/// One task or interrupt asks; the planner's task answers.
 pub struct QuestionUnit<const AXES: usize> {
     /// 0: none, 1: asked, 2: answered.
     state: AtomicU32,

@@ -4,7 +4,8 @@ use super::recorder::{ACTIVE, CLOSED};
 use super::table::{Row, Table};
 use crate::quantity::Distance;
 
-/// Reads the log. The type is `Copy`, `Send` and `Sync`: any number of contexts may read, also interrupts.
+/// The PLC's handle of the log. The type is `Copy`, `Send` and `Sync`: any number of tasks, interrupts and
+/// cores may read at the same time.
 #[derive(Clone, Copy)]
 pub struct ContourReader<'a> {
     window: Table<'a>,

@@ -7,8 +7,8 @@
 //! | `response.block[i]` | [`ControlUnit::response`] |
 //! | `state` (HLI_CONTOUR_LOOKAHEAD_STATE) | [`ControlUnit::state`] |
 //!
-//! Distances are in 0.1 µm, as in ISG's interface. One context makes requests, and another one serves them;
-//! both may be the same context.
+//! Distances are in 0.1 µm, as in ISG's interface. One task makes requests, and the planner's task serves
+//! them; both may be the same task.
 use super::entry::{BlockType, Entry, ProgramDistance};
 use super::reader::ContourReader;
 use super::table::Slot;

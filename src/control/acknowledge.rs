@@ -7,7 +7,7 @@
 //! | `answered` | the operator, who acknowledges | the last ticket acknowledged |
 //!
 //! A function is *open* while it is planned, output, and not acknowledged. A ticket holds function and
-//! sequence number, and the code compares whole words. So no order of contexts confuses two acknowledgements,
+//! sequence number, and the code compares whole words. So no order of accesses confuses two acknowledgements,
 //! neither an early one, nor a repeated one, nor one for a function that an abort has dropped. No write
 //! depends on the current value of a word: such a write would need compare-and-swap, which small cores lack.
 //!

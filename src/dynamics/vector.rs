@@ -79,7 +79,7 @@ impl PathLimits {
         other.set(command).is_err() || other.feed != self.feed || other.rapid != self.rapid
     }
 
-    /// Takes a command.
+    /// Applies a `#VECTOR LIMIT` command: sets or removes the limits that it names.
     ///
     /// # Errors
     /// An acceleration is too low or a speed is 0; nothing has changed.

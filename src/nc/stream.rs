@@ -1,12 +1,12 @@
 //! Program text that arrives byte by byte: a window of `N` bytes between a serial task and the decoder.
 //!
 //! ```text
-//!  serial task, any context                                             planner
+//!  serial task or interrupt                                             planner
 //!  Feeder::push → [ kept: up to N/2 bytes | current line, text ahead ] → Stream (a Text)
 //! ```
 //!
-//! Both handles may be used in different contexts or on different cores. Each word of the window has one
-//! writer, so the window needs no lock and no compare-and-swap.
+//! Different tasks, interrupts or cores may own the two handles. Each word of the window has one writer, so
+//! the window needs no lock and no compare-and-swap.
 //!
 //! The window drops text that is more than `N`/2 bytes before the furthest line that the decoder has reached.
 //! So only the text decides whether a loop, a jump back or a subroutine call finds its target; the arrival

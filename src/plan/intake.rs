@@ -753,8 +753,9 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
     }
 
     /// Demands the acknowledgement of functions with late synchronisation before the next motion block.
-    /// `explicit` selects those of #EXPL SYN; otherwise those of the change to feed. Call this function only
-    /// after [`super::Work::Hungry`].
+    /// `explicit`: `true` for functions that `#EXPL SYN` acknowledges (MVS_SLP), `false` for functions that are
+    /// acknowledged before the next block at feed (MVS_SLM). Call this function only after
+    /// [`super::Work::Hungry`].
     #[cfg(feature = "plc")]
     pub fn demand(&mut self, explicit: bool) {
         if self.functions.are_late(explicit) {

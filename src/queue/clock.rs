@@ -39,7 +39,8 @@ pub const TICK: u32 = 2;
 
 const NEVER: u32 = 1;
 
-/// One of the two stored reserves (stops that are ready): one is in force, the other may be in the making.
+/// One of the two stored reserves (stops that are ready): one is in force, and the planner may be writing the
+/// other one.
 #[derive(Clone, Copy, Debug, Hash, PartialEq, Eq)]
 pub enum Kept {
     /// The first of the two.

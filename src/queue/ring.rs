@@ -46,7 +46,8 @@ pub struct Gauge<'a, T: Slot, const N: usize, M: Memory = Ram> {
 }
 
 impl<T: Slot, const N: usize, M: Memory> Gauge<'_, T, N, M> {
-    /// Number of items in the ring, from any context. The call reads both counters one after the other.
+    /// Number of items in the ring. Any task, interrupt or core may call this function. The call reads both
+    /// counters one after the other.
     pub fn len(&self) -> u32 {
         let taken = self.ring.taken.load(Ordering::Relaxed);
         let len = self.ring.put.load(Ordering::Relaxed).wrapping_sub(taken);

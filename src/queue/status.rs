@@ -1,4 +1,4 @@
-//! The status of every tick. Any other context reads a snapshot of one tick, without a lock.
+//! The status of every tick. Any task, interrupt or core reads a snapshot of one tick, without a lock.
 //!
 //! The interrupt writes whole words, so no word is ever half written. The words of a snapshot belong together
 //! if no tick has begun during the read. The clock shows this ([`Clock::ended`], [`Clock::is_at`]), and the
