@@ -12,7 +12,7 @@ pub struct Straight<const AXES: usize> {
 }
 
 impl<const AXES: usize> Straight<AXES> {
-    /// Off.
+    /// Contour mode that stays off.
     pub fn new(_: Measure, preset: Preset) -> Self {
         Self { settings: Settings::off(preset) }
     }

@@ -26,7 +26,7 @@ const TRIALS_PER_CALL: usize = 4;
 
 /// The two blocks of a corner. Offsets count from the end of the first block.
 pub struct Corner<'a, const AXES: usize> {
-    /// Main axes.
+    /// The main axes, in whose space the corner lies.
     pub main: &'a Main,
     /// The block before the corner.
     pub before: Side<AXES>,
@@ -47,7 +47,7 @@ const SHARP: f32 = -0.207_912;
 pub struct Tolerance {
     /// Tolerance of the main axes; `None` if distances are given.
     pub path: Option<f32>,
-    /// Tolerance of each other axis.
+    /// Tolerance of each other axis, mm or degrees.
     pub track: f32,
 }
 
@@ -343,7 +343,7 @@ impl<const AXES: usize> Reach<AXES> {
     }
 }
 
-/// Directions before and after a corner.
+/// The change of direction at a corner.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Turn {
     /// Sine and cosine of half the angle of the turn, over the main axes.

@@ -65,7 +65,7 @@ fn segment_distance<const AXES: usize>(main: &Main, end: &[f32; AXES], point: &[
     size(main, &plus(point, -foot(main, end, point), end))
 }
 
-/// A point with direction and curvature.
+/// A point of a corner curve, with direction and curvature, relative to the corner.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Site<const AXES: usize> {
     /// Offset from the corner, mm.

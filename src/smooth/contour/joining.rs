@@ -120,7 +120,7 @@ impl JoinStep {
     }
 }
 
-/// A corner between two blocks.
+/// The work on the corner between two blocks, one piece of work per call.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Joining {
     stage: JoinStep,
@@ -138,7 +138,7 @@ fn corner<'a, const AXES: usize>(
 }
 
 impl Joining {
-    /// A joining without blocks.
+    /// The state without a corner.
     #[inline(always)]
     pub const fn new() -> Self {
         Self { stage: JoinStep::Sharp }

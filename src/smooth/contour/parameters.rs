@@ -27,12 +27,12 @@ pub struct Parameters {
     pub path_dev: f32,
     /// TRACK_DEV: largest deviation of each tracking axis, degrees; 0: not monitored.
     pub track_dev: f32,
-    /// RELEVANT_PATH.
+    /// RELEVANT_PATH: a block that is shorter than this, mm, may be left out at a corner.
     pub relevant_path: f32,
     /// Whether the corners are edges of `#HSC \[SURFACE\]`. Then no block is left out, and a curve over time
     /// is preferred to a curve over arc length.
     pub edges: bool,
-    /// RELEVANT_TRACK.
+    /// RELEVANT_TRACK: as RELEVANT_PATH, for the tracking axes, degrees.
     pub relevant_track: f32,
     /// Largest share of a block that one corner takes, from REMAIN_PART.
     pub share: f32,
@@ -51,7 +51,8 @@ pub struct Parameters {
     pub path_dist: f32,
     /// See `path_dist`.
     pub track_dist: Option<f32>,
-    /// SYM_DIST, of DIST_MASTER.
+    /// SYM_DIST of DIST_MASTER: distance from the corner to both ends of the curve, mm; negative: not
+    /// monitored.
     pub sym_dist: f32,
     /// ACC_MIN and ACC_MAX, as shares of the axes' acceleration.
     pub acc: [f32; 2],

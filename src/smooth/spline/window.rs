@@ -27,7 +27,7 @@ pub struct Vertex<const AXES: usize> {
 pub struct Leg<const AXES: usize> {
     /// Travel of every axis, mm.
     pub travel: [f32; AXES],
-    /// dx/ds of every axis.
+    /// Direction: dx/ds of every axis.
     pub slope: [f32; AXES],
     /// Path length, mm.
     pub length: f32,
@@ -51,7 +51,7 @@ pub fn travel<const AXES: usize>(from: &[Position; AXES], to: &[Position; AXES])
     travel
 }
 
-/// The known points of the curve.
+/// The points of a spline that are known so far, around the leg that becomes a curve next.
 #[derive(Clone, Copy, Debug)]
 pub struct Window<const AXES: usize> {
     points: [Vertex<AXES>; POINTS],
