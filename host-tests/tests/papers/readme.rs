@@ -189,7 +189,7 @@ fn front(text: &mut String) {
             ["total.tick_max_3_axes", "total.tick_max_4_axes", "total.tick_max_6_axes"],
         ),
         (
-            "worst planner call without commands, instructions",
+            "worst planner call while the operator gives no command, instructions",
             ["total.poll_max_3_axes", "total.poll_max_4_axes", "total.poll_max_6_axes"],
         ),
         (
@@ -201,7 +201,7 @@ fn front(text: &mut String) {
     }
     let _ = writeln!(
         text,
-        "\nFlash for 3 axes: {} bytes with all functions, {} for lines, arcs and contour mode compiled for size.",
+        "\nFlash for 3 axes: {} bytes with all functions; {} with lines, arcs and contour mode alone, compiled for size.",
         get("flash.reference"),
         get("slim.flash")
     );

@@ -115,7 +115,7 @@ impl<const AXES: usize> InForce<AXES> {
 
     /// Programmed tool number (word T).
     pub const fn tool(&self) -> u32 {
-        self.now.tool
+        self.now.tool.selected
     }
 
     /// Spindle word: 3 or 4; 0 if the spindle is off.

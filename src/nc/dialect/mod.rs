@@ -135,9 +135,15 @@ pub(super) struct State<const AXES: usize> {
     pub blend: Option<Position>,
     /// F in degrees per minute. With inches, the length unit scales F for lengths, but not for degrees.
     pub degrees: Option<Feed>,
-    /// Tool number T.
-    pub tool: u32,
-    /// The tool of the last M6 or M61.
+    pub tool: Tools,
+}
+
+/// Tool numbers.
+#[derive(Clone, Copy)]
+pub(super) struct Tools {
+    /// Tool of the last T.
+    pub selected: u32,
+    /// Tool of the last M6 or M61.
     pub loaded: u32,
 }
 
@@ -171,8 +177,7 @@ impl<const AXES: usize> State<AXES> {
         coolant: 0,
         blend: None,
         degrees: None,
-        tool: 0,
-        loaded: 0,
+        tool: Tools { selected: 0, loaded: 0 },
     };
 }
 
@@ -274,8 +279,8 @@ impl<const AXES: usize> Interpreter<AXES> {
         // With inverse time, F is valid only for its own block.
         let feed = self.modal.feed.filter(|_| !self.foreign.now.by_time && !self.foreign.now.per_turn);
         self.modal = Modal { mode, inch, diameter, feed, shift, zero_set: Some(0), ..Modal::BLANK };
-        let State { here, here_off, length, degrees, tool, loaded, speed, .. } = self.foreign.now;
-        self.foreign.now = State { here, here_off, length, degrees, tool, loaded, speed, ..State::START };
+        let State { here, here_off, length, degrees, tool, speed, .. } = self.foreign.now;
+        self.foreign.now = State { here, here_off, length, degrees, tool, speed, ..State::START };
         let Foreign { percent, course, tail, note, .. } = &mut self.foreign;
         (*percent, *course, *tail, *note) = (false, Course::None, None, None);
         self.foreign.behind = [None; 2];

@@ -162,7 +162,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         match said.word.meaning {
             Meaning::NoLength => self.foreign.now.length = [Position::ZERO; AXES],
             Meaning::Length | Meaning::LengthMinus => {
-                let loaded = self.foreign.now.loaded;
+                let loaded = self.foreign.now.tool.loaded;
                 let number = match block.take(b'H') {
                     Some(given) => (self.whole(given, "H", u32::MAX)?, given.span),
                     None => (loaded, said.span),

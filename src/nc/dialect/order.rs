@@ -2,7 +2,7 @@
 use super::block::{Block, Said, skip_switch};
 use super::course::{Course, Spiral, Turns};
 use super::words::{Meaning, NOT_BUILT, OF_MILLS, group};
-use super::{Interpreter, Note};
+use super::{Interpreter, Note, Tools};
 use crate::machine::{AxisKind, Dialect, functions};
 use crate::nc::block::{Given, Item, ItemKind, Words};
 use crate::nc::compose::in_range;
@@ -267,8 +267,8 @@ impl<const AXES: usize> Interpreter<AXES> {
     fn functions(&mut self, block: &mut Block<AXES>, line: &Line) -> Result<(), Fault> {
         self.speed(block, line)?;
         if let Some(given) = block.take(b'T') {
-            self.foreign.now.tool = self.whole(given, "T", 999_999_999)?;
-            self.push(ItemKind::Tool(self.foreign.now.tool), given.span)?;
+            self.foreign.now.tool.selected = self.whole(given, "T", 999_999_999)?;
+            self.push(ItemKind::Tool(self.foreign.now.tool.selected), given.span)?;
         }
         self.outputs(block)?;
         if let Some(said) = block.said(group::OVERRIDE).filter(|said| said.word.meaning == Meaning::Override)
@@ -311,7 +311,7 @@ impl<const AXES: usize> Interpreter<AXES> {
                         return span.fault(NcErrorKind::Missing("Q, the tool"));
                     };
                     let tool = self.whole(given, "Q", 999_999_999)?;
-                    (self.foreign.now.tool, self.foreign.now.loaded) = (tool, tool);
+                    self.foreign.now.tool = Tools { selected: tool, loaded: tool };
                     self.push(ItemKind::Tool(tool), span)?;
                     continue;
                 }
@@ -319,7 +319,7 @@ impl<const AXES: usize> Interpreter<AXES> {
             }
             let changes = word.meaning == Meaning::Change;
             if changes {
-                self.foreign.now.loaded = self.foreign.now.tool;
+                self.foreign.now.tool.loaded = self.foreign.now.tool.selected;
             }
             self.push(if changes { ItemKind::Pause(number) } else { ItemKind::M(number) }, span)?;
         }

@@ -149,7 +149,7 @@ impl<const AXES: usize> Interpreter<AXES> {
                 };
                 of(places, at)
             }
-            5400 => Some(f64::from(foreign.loaded)),
+            5400 => Some(f64::from(foreign.tool.loaded)),
             5401..=5409 => of(&foreign.length, number - 5401),
             5420..=5428 => self.place_along(letter(number - 5420)?),
             _ => None,
@@ -198,8 +198,8 @@ impl<const AXES: usize> Interpreter<AXES> {
             b"_CALL_LEVEL" => Some(self.foreign.calls.level() as f64),
             b"_VALUE" => Some(self.foreign.calls.value),
             b"_VALUE_RETURNED" => truth(self.foreign.calls.returned),
-            b"_CURRENT_TOOL" | b"_CURRENT_POCKET" => Some(f64::from(now.loaded)),
-            b"_SELECTED_TOOL" | b"_SELECTED_POCKET" => Some(f64::from(now.tool)),
+            b"_CURRENT_TOOL" | b"_CURRENT_POCKET" => Some(f64::from(now.tool.loaded)),
+            b"_SELECTED_TOOL" | b"_SELECTED_POCKET" => Some(f64::from(now.tool.selected)),
             b"_VMAJOR" => Some(2.9),
             b"_VMINOR" => Some(0.0),
             [b'_', letter] if AXES_IN_ORDER.contains(letter) => self.place_along(*letter),
