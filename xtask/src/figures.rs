@@ -12,7 +12,7 @@ use std::path::PathBuf;
 /// Hard limits of the project, also for accepted figures: key, highest value.
 pub(crate) const LIMITS: [(&str, u64); 46] = [
     ("total.block_mean_plain_3_axes", 7850),
-    ("total.block_mean_3_axes", 13_000),
+    ("total.block_mean_3_axes", 13_100),
     ("case.surface.block_mean", 20_000),
     ("case.splines.block_mean", 60_000),
     ("case.cam_dev.block_mean", 36_100),
@@ -43,7 +43,7 @@ pub(crate) const LIMITS: [(&str, u64); 46] = [
     ("slim.ram_total_3x120", 44 * 1024),
     ("slim.ram_bytes_per_block", 136),
     ("slim.stack_bound_start", 4352),
-    ("slim.stack_bound_poll", 4096),
+    ("slim.stack_bound_poll", 4128),
     ("slim.stack_bound_interrupt", 1024),
     ("stack.bound_tick_3_axes", 1024),
     ("stack.bound_tick_6_axes", 1024),
