@@ -444,43 +444,34 @@ gp_result gp_machine_defaults(gp_machine *machine);
 // may be NULL.
 //
 // Context: any task; about 1 KB of stack. Returns GP_RESULT_NULL, GP_RESULT_MACHINE_DATA.
-gp_result gp_check(const gp_machine *machine,
-                   int32_t *axis,
-                   char *message,
-                   size_t size);
+gp_result gp_check(const gp_machine *machine, int32_t *axis, char *message, size_t size);
 
 // Copies the set points of the last tick, GP_AXES of them, LSB 2^-32 mm or degrees.
 //
 // Context: the timer interrupt. Write the set points to the drives first, then call `gp_tick`; then
 // the moment of output does not depend on the duration of the computation. Returns GP_RESULT_NULL,
 // CLOSED, IN_USE.
-gp_result gp_set_points(gp_interpolator *interpolator,
-                        int64_t *set_points);
+gp_result gp_set_points(gp_interpolator *interpolator, int64_t *set_points);
 
 // Computes the next set points. `state` returns the state after the tick; `state` may be NULL.
 //
 // Context: the timer interrupt, once per cycle. Its priority must be above that of the planner's task,
 // or it runs on another core. Bounded time. Returns GP_RESULT_NULL, CLOSED, IN_USE; then the set
 // points do not change.
-gp_result gp_tick(gp_interpolator *interpolator,
-                  gp_state *state);
+gp_result gp_tick(gp_interpolator *interpolator, gp_state *state);
 
 // Loads a program of `length` bytes. The program begins at the position of the axes, with the modal
 // state of program start. The text must stay in memory until another text is loaded.
 //
 // Context: the planner's task. Returns GP_RESULT_NULL, CLOSED, IN_USE, RANGE (more than 2^31 bytes),
 // NOT_AT_REST.
-gp_result gp_load(gp_planner *planner,
-                  const char *program,
-                  size_t length);
+gp_result gp_load(gp_planner *planner, const char *program, size_t length);
 
 // Takes single lines (MDI): as `gp_load`, but the modal state of the last text stays active. After an
 // abort the modal state is that of program start.
 //
 // Context: the planner's task. Returns the same as `gp_load`.
-gp_result gp_continue_with(gp_planner *planner,
-                           const char *lines,
-                           size_t length);
+gp_result gp_continue_with(gp_planner *planner, const char *lines, size_t length);
 
 // Loads the program that arrives by `gp_feed`. The program begins at the last call of
 // `gp_feed_restart`.
@@ -504,41 +495,31 @@ gp_result gp_go_on(gp_planner *planner);
 // Context: the planner's task; the tick must be able to interrupt this task, never the other way
 // round. Returns GP_RESULT_NULL, CLOSED, IN_USE, REFUSED: a line is left out, and `gp_message` returns
 // the reason. Continue to call: the earlier motion ends in a stop.
-gp_result gp_poll(gp_planner *planner,
-                  gp_progress *progress);
+gp_result gp_poll(gp_planner *planner, gp_progress *progress);
 
 // Returns the last refusal or warning of `gp_poll`: its word, and a text of at most `size` bytes with
 // its NUL. Both pointers may be NULL.
 //
 // Context: the planner's task; about 1 KB of stack. Returns GP_RESULT_NOTHING, NULL, CLOSED, IN_USE.
-gp_result gp_message(gp_planner *planner,
-                     gp_place *place,
-                     char *message,
-                     size_t size);
+gp_result gp_message(gp_planner *planner, gp_place *place, char *message, size_t size);
 
 // Whether the axes stand still and all lines read so far are executed: 1, else 0. Only then the
 // planner accepts programs, positions and offsets.
 //
 // Context: the planner's task. Returns GP_RESULT_NULL, CLOSED, IN_USE.
-gp_result gp_is_at_rest(gp_planner *planner,
-                        uint32_t *is_at_rest);
+gp_result gp_is_at_rest(gp_planner *planner, uint32_t *is_at_rest);
 
 // Sets the machine coordinate of an axis to `position`, LSB 2^-32 mm or degrees, without motion. The
 // set point changes to this value with the next tick.
 //
 // Context: the planner's task. Returns GP_RESULT_NULL, CLOSED, IN_USE, NOT_AT_REST, RANGE.
-gp_result gp_set_position(gp_planner *planner,
-                          uint32_t axis,
-                          int64_t position);
+gp_result gp_set_position(gp_planner *planner, uint32_t axis, int64_t position);
 
 // Sets the offset of an axis in zero offset `set`, 0…5 for G54…G59, LSB 2^-32 mm or degrees. The
 // offset acts from the next line on.
 //
 // Context: the planner's task. Returns GP_RESULT_NULL, CLOSED, IN_USE, NOT_AT_REST, RANGE.
-gp_result gp_set_zero_offset(gp_planner *planner,
-                             uint32_t set,
-                             uint32_t axis,
-                             int64_t offset);
+gp_result gp_set_zero_offset(gp_planner *planner, uint32_t set, uint32_t axis, int64_t offset);
 
 // Moves a single axis for a jog or for homing, at standstill of the path. `target` is a machine
 // coordinate, LSB 2^-32 mm or degrees. `feed` has LSB 2^-32 mm/min or degrees/min; 0: speed of rapid
@@ -547,25 +528,20 @@ gp_result gp_set_zero_offset(gp_planner *planner,
 //
 // Context: the planner's task. Returns GP_RESULT_NULL, CLOSED, IN_USE, NOT_AT_REST (also: this axis
 // moves), RANGE, LIMIT, FULL.
-gp_result gp_move_axis(gp_planner *planner,
-                       uint32_t axis,
-                       int64_t target,
-                       int64_t feed);
+gp_result gp_move_axis(gp_planner *planner, uint32_t axis, int64_t target, int64_t feed);
 
 // Stops the axis that `gp_move_axis` moves. The axis stays at the position of its standstill. The call
 // has no effect if the axis does not move.
 //
 // Context: the planner's task. Returns GP_RESULT_NULL, CLOSED, IN_USE, RANGE.
-gp_result gp_stop_axis(gp_planner *planner,
-                       uint32_t axis);
+gp_result gp_stop_axis(gp_planner *planner, uint32_t axis);
 
 // Returns the number of ticks after which `gp_poll` should be called again, after GP_PROGRESS_WAITING.
 // A task may sleep for this time. 0: the axes stand still, and only a command, an acknowledgement or
 // text continues the motion. The sender of these must wake the task.
 //
 // Context: the planner's task. Returns GP_RESULT_NULL, CLOSED, IN_USE.
-gp_result gp_wakes_after(gp_planner *planner,
-                         uint32_t *ticks);
+gp_result gp_wakes_after(gp_planner *planner, uint32_t *ticks);
 
 // Sets the feed override, LSB 0.1 %, 0…2000; a higher value counts as 2000. With 0 the axes stop on
 // the path.
@@ -597,8 +573,7 @@ gp_result gp_abort(gp_operator *op);
 // GP_RESULT_NOTHING: without room for more functions the axes stop.
 //
 // Context: any, one call at a time; never waits. Returns GP_RESULT_NOTHING, NULL, CLOSED, IN_USE.
-gp_result gp_output(gp_operator *op,
-                    gp_due *output);
+gp_result gp_output(gp_operator *op, gp_due *output);
 
 // Acknowledges a function that `gp_output` returned with `waits`. If the function was output more than
 // once, the first output is acknowledged.
@@ -606,8 +581,7 @@ gp_result gp_output(gp_operator *op,
 // Context: any, one call at a time; never waits. Returns GP_RESULT_NULL, CLOSED, IN_USE, RANGE (no
 // such kind, or number of an M or H function above 65535), UNEXPECTED (no such function waits; the
 // call has no effect).
-gp_result gp_acknowledge(gp_operator *op,
-                         const gp_function *function);
+gp_result gp_acknowledge(gp_operator *op, const gp_function *function);
 
 // Returns the state after the last tick.
 //
@@ -620,10 +594,7 @@ gp_result gp_status(gp_operator *op, gp_status_data *status);
 //
 // Context: any, one call at a time: a task, or the interrupt of a serial line. Time in proportion to
 // `length`. Returns GP_RESULT_NULL, CLOSED, IN_USE, RANGE (more than 2^31 bytes).
-gp_result gp_feed(gp_feeder *feeder,
-                  const uint8_t *bytes,
-                  size_t length,
-                  size_t *taken);
+gp_result gp_feed(gp_feeder *feeder, const uint8_t *bytes, size_t length, size_t *taken);
 
 // Marks the text as complete: the program ends after the last byte.
 //
