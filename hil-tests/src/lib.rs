@@ -9,9 +9,9 @@ pub mod stack;
 use glidepath_copy as _;
 
 pub use counter::{Counter, UNIT};
-#[cfg(feature = "plc")]
-pub use record::record_plc;
 #[cfg(feature = "five")]
 pub use record::record_five;
+#[cfg(feature = "plc")]
+pub use record::record_plc;
 pub use record::{record_all, record_beside, record_commanded, record_sessions, report_memory};
 pub use report::{Report, exit};
