@@ -1,8 +1,8 @@
 //! The most expensive planner call while an operator gives commands at any tick, and the most expensive one
 //! that waits. The programs are those of the target's tests and random ones, with random commands every 1 to
 //! 50 ticks.
-//! `cargo run --release -p host-tests --example calls -- FIRST_SEED LAST_SEED [random|steady|alone]`; `steady` has the
-//! commands of the target's own case, `alone` has none.
+//! `cargo run --release -p host-tests --example calls -- FIRST_SEED LAST_SEED [random|steady|alone|programs]`; `steady` has
+//! the commands of the target's own case, `alone` has none, `programs` leaves the target's programs out.
 //!
 //! The cost is the number of executed basic blocks of the PC's code, which is the same in each run. The
 //! special build below counts the blocks, in a separate folder. In other builds the cost is the time in
@@ -11,7 +11,10 @@
 //! ```text
 //! CARGO_INCREMENTAL=0 CARGO_TARGET_DIR=target/counted RUSTFLAGS="-Cpasses=sancov-module -Ccodegen-units=8
 //!   -Cllvm-args=-sanitizer-coverage-level=3 -Cllvm-args=-sanitizer-coverage-trace-pc"
+//!   cargo run --release --target x86_64-unknown-linux-gnu -p host-tests --example calls -- 0 5000
 //! ```
+//!
+//! The option `--target` keeps these flags away from build scripts, which would not link with them.
 //!
 //! In the search for a stop, one basic block is 9 to 12 instructions of a Cortex-M4.
 use glidepath::channel::{Channel, Handles, Progress};
@@ -22,6 +25,7 @@ use glidepath::tick::State;
 use hil_cases::{AXES_3, AXES_4, AXES_6, CASES_3, CASES_4, CASES_6, Case};
 use host_tests::cases::random::Random;
 use host_tests::cases::set_point;
+use host_tests::never_slower::{Case as Rounded, METHODS, SLOPES};
 use host_tests::operate::{Act, random_setup};
 use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -203,15 +207,23 @@ fn main() {
     let seed = |k: usize, other: u64| arguments.get(k).map_or(other, |a| a.parse().expect("a seed"));
     let seeds = seed(0, 0)..seed(1, 20);
     let schedule = match arguments.get(2).map(String::as_str) {
-        None | Some("random") => Schedule::Random,
+        None | Some("random" | "programs") => Schedule::Random,
         Some("steady") => Schedule::Steady,
         Some("alone") => Schedule::Alone,
-        Some(other) => panic!("{other}: random, steady or alone"),
+        Some(other) => panic!("{other}: random, steady, alone or programs"),
     };
-    let each = if schedule == Schedule::Random { seeds.clone() } else { 0..1 };
+    let only_programs = arguments.get(2).is_some_and(|word| word == "programs");
+    let each = if only_programs { 0..0 } else if schedule == Schedule::Random { seeds.clone() } else { 0..1 };
     cases(CASES_3, &AXES_3, schedule, &each);
     cases(CASES_4, &AXES_4, schedule, &each);
     cases(CASES_6, &AXES_6, schedule, &each);
+    // With each slope and each smoother in turn.
+    search("random smoothing", seeds.clone(), |seed| {
+        let rounded = Rounded::new(seed);
+        let [slope, method] = [SLOPES.len(), METHODS.len()].map(|count| seed as usize % count);
+        let text = rounded.program(slope, method, 1.0);
+        run((text.as_bytes(), rounded.start()), &rounded.machine(slope), schedule, seed)
+    });
     search("random programs", seeds, |seed| {
         let (program, machine, _) = random_setup(seed);
         let start = std::array::from_fn(|k| Position::from_bits(set_point(program.start[k])));
