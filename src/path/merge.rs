@@ -31,8 +31,8 @@ pub(crate) const TOLERANCE_MM: f32 = TOLERANCE as f32 / 4_294_967_296.0 * (1.0 -
 /// five-hundredth of the tolerance.
 const LONGEST: i64 = 1 << 54;
 
-/// Half of the largest change of the tangent on a feed axis. Second value: additional change beyond the
-/// interval of the points.
+/// Half of the largest change of the tangent on a feed axis. Below: the factor by which [`Stretch::goes_on`]
+/// widens its bound.
 const TURN: f32 = 0.125;
 const LOOSE: f32 = 2.0;
 
@@ -43,13 +43,13 @@ pub(crate) struct Stretch<const AXES: usize> {
     line: Straight<AXES>,
     /// Whether the line consists of a single block.
     alone: bool,
-    /// Permitted tangents for several blocks, LSB 2^-40.
+    /// Smallest and largest tangents that all points left out permit, LSB 2^-40; valid for several blocks.
     low: [i64; AXES],
     high: [i64; AXES],
 }
 
 impl<const AXES: usize> Stretch<AXES> {
-    /// No line.
+    /// An empty line.
     pub(crate) const BLANK: Self = Self {
         start: [Position::ZERO; AXES],
         line: Straight::BLANK,
@@ -89,8 +89,8 @@ impl<const AXES: usize> Stretch<AXES> {
         true
     }
 
-    /// The line to `target`, the end of `next`, if this line may replace all blocks. In this case, call
-    /// [`Self::become_line`] afterwards; otherwise begin a new line. Call this function only if
+    /// The line to `target`, the end of `next`, if this line may replace all blocks. Call
+    /// [`Self::become_line`] with the result; without a result, begin a new line. Call this function only if
     /// [`Self::goes_on`] returns `true` for the block.
     #[cfg_attr(feature = "fast", inline(always))]
     pub(crate) fn with(&mut self, target: &[Position; AXES], measure: &Measure) -> Option<Straight<AXES>> {
