@@ -165,8 +165,8 @@ impl<const AXES: usize> Interpreter<AXES> {
         Units { length: self.axis_factor(axis), feed: Factor { numerator: 100_000, denominator } }
     }
 
-    /// Reads a command in brackets after an axis name into `single`, if there is one; otherwise the cursor
-    /// stays. Returns whether there was a command.
+    /// Reads a command in brackets after an axis name into `single`, if there is one. Returns whether there
+    /// was a command; without one, the cursor stays.
     pub fn axis_command(
         &mut self,
         c: &mut Cursor<'_>,
@@ -343,7 +343,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         })
     }
 
-    /// The origin of a command that begins at `span`.
+    /// Block number and place of a command that begins at `span`.
     pub fn head_of(&self, line: &Line, span: Span) -> Head {
         Head { n: self.n, place: line.place(span), in_motion: false }
     }

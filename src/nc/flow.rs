@@ -5,7 +5,7 @@ use super::{NcErrorKind, Place};
 use crate::machine::functions;
 use heapless::Vec;
 
-/// Number of control blocks that may be open at the same time, over all calls.
+/// Number of control blocks that may be open at the same time, counted over all calls.
 pub const NESTING: usize = functions::EXPRESSIONS.room(20);
 /// Number of subroutine calls that may be open at the same time: 10; 6 in a small build.
 pub const CALL_DEPTH: usize = if functions::IS_SMALL { 6 } else { 10 };
@@ -95,7 +95,7 @@ pub(super) enum Passing {
     No,
     /// To the next $ELSEIF, $ELSE or $ENDIF.
     Branch,
-    /// To the next $CASE, $DEFAULT or $ENDSWITCH.
+    /// To the closing word, after which the block is left.
     Case,
     /// To the closing word, and out of the block.
     Out,

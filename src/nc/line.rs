@@ -24,7 +24,7 @@ const BYTE_ORDER_MARK: [u8; 3] = [0xef, 0xbb, 0xbf];
 /// Gaps of up to this number of bytes are kept as blanks. A longer gap becomes one blank and an anchor.
 const GAP: u32 = 16;
 
-/// The bytes of the line from `index` on are those of the text from `offset` on.
+/// The place of a part of the line: its bytes from `index` on are those of the text from `offset` on.
 #[derive(Clone, Copy, Debug, Default)]
 struct Anchor {
     index: u16,

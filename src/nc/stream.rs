@@ -9,10 +9,10 @@
 //! the window needs no lock and no compare-and-swap.
 //!
 //! The window drops text that is more than `N`/2 bytes before the furthest line that the decoder has reached.
-//! So only the text decides whether a loop, a jump back or a subroutine call finds its target; the arrival
-//! times of bytes have no effect. A line whose target was dropped is refused
-//! ([`super::NcErrorKind::BehindWindow`]). A line of more than `N`/2 bytes, with its comments, is also
-//! refused.
+//! So only the text decides whether a loop, a jump back or a subroutine call finds its target. The arrival
+//! times of bytes have no effect. The decoder refuses a line whose target was dropped
+//! ([`super::NcErrorKind::BehindWindow`]). It also refuses a line of more than `N`/2 bytes, comments
+//! included.
 use super::{Text, TextError};
 use core::sync::atomic::{AtomicBool, AtomicU8, AtomicU32, Ordering};
 
@@ -123,9 +123,9 @@ impl<const N: usize> Feeder<'_, N> {
         self.window.ended.store(true, Ordering::Release);
     }
 
-    /// Announces another program: bytes that were written and not read are dropped. Call `restart` after an abort,
-    /// before the stream is loaded again. It acts at the next [`crate::channel::Planner::load_next`], or when the
-    /// stream is loaded by [`crate::channel::Planner::load`].
+    /// Announces another program: bytes that were written and not read are dropped. Call `restart` after an
+    /// abort, before the stream is loaded again. It acts at the next [`crate::channel::Planner::load_next`]
+    /// or [`crate::channel::Planner::load`] of the stream.
     pub fn restart(&mut self) {
         self.window.ended.store(false, Ordering::Relaxed);
         self.window.start.store(self.window.put.load(Ordering::Relaxed), Ordering::Release);

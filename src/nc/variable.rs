@@ -40,7 +40,7 @@ pub(super) struct Name {
     letters: Vec<u8, NAME>,
 }
 
-/// Where a variable is stored.
+/// Where the value of a variable is stored.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Place {
     /// In the table of parameters.
@@ -127,7 +127,7 @@ pub(crate) struct Externals<'a> {
 impl<'a> Externals<'a> {
     pub const NONE: Self = Self { variables: &[], flag: None };
 
-    /// Whether there are any outside variables.
+    /// Whether the application has given any outside variables.
     pub const fn exist(&self) -> bool {
         !self.variables.is_empty() || self.flag.is_some()
     }

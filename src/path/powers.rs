@@ -138,7 +138,7 @@ impl<const AXES: usize> Element<AXES> {
     }
 
     /// Sets the powers of all axes and their bounds. `per`: 1 mm divided by the path length; `fastest_of` as
-    /// above.
+    /// `fastest` in [`Bounds`].
     fn bend(&mut self, axes: &[Quintic; AXES], (per, fastest_of): (f32, f32)) -> Option<()> {
         let shape = &mut self.shape;
         let (end_w, reciprocal) = (shape.end_w(), shape.reciprocal());
