@@ -194,7 +194,8 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
         self.interpreter.front().is_some_and(weighs)
     }
 
-    /// This command without its place. Returns `None` if [`Self::restricts`] is false.
+    /// The command that [`Self::restricts`] announces, without its place. Returns `None` if
+    /// [`Self::restricts`] is false.
     #[cold]
     #[inline(never)]
     pub(crate) fn restriction(&self) -> Option<Restriction<AXES>> {

@@ -33,7 +33,7 @@ pub enum NcErrorKind {
     ForeignByte(u8),
     /// The logical line is longer than [`super::LINE_BYTES`].
     LineTooLong,
-    /// The logical line has more continuation lines than the decoder can keep places for.
+    /// The logical line has more than [`super::CONTINUATIONS`] continuation lines and long gaps.
     TooManyContinuations,
     /// The syntax is wrong. The text says what was expected.
     Expected(&'static str),
@@ -413,7 +413,7 @@ pub enum NcWarningKind {
     EndInSubroutine,
     /// A comment without `)`: it ends at the end of the line.
     UnclosedComment,
-    /// An arc deselects contour mode by PTP.
+    /// An arc switches `#CONTOUR MODE [PTP]` off.
     PtpArc,
     /// DIST_SOFT at a corner with an arc: only the distance determines the curve.
     SoftArc,

@@ -207,7 +207,8 @@ impl Flow {
         functions::EXPRESSIONS.is_built() && self.passing != Passing::No
     }
 
-    /// Begins to skip lines. `depth`: number of blocks opened inside the relevant one.
+    /// Begins to skip lines. `depth`: number of open control blocks inside the block whose words end the
+    /// skipping.
     pub fn pass(&mut self, passing: Passing, depth: u16, origin: Place) {
         self.passing = passing;
         self.depth = depth;

@@ -29,7 +29,7 @@ pub const QUIET_LINES: u32 = 1_000_000;
 pub(super) enum Phase {
     /// Before the first program head.
     Start,
-    /// Among local subroutines, before the main program.
+    /// The text begins with local subroutines, and the main program has not come yet.
     Heads,
     Running,
     /// The last commands are being returned; no line follows.

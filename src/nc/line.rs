@@ -112,7 +112,8 @@ impl Line {
         words
     }
 
-    /// Marks that the following bytes come from `place` on. Returns `false` if there is no room.
+    /// Notes that the following bytes are those from `place` on in the text. Returns `false` if there is no
+    /// room.
     fn anchor(&mut self, place: &Place) -> bool {
         let Place { line, column, offset, file, .. } = *place;
         self.anchors.push(Anchor { index: self.len as u16, line, column, offset, file }).is_ok()
@@ -488,7 +489,7 @@ impl<T: Text> LineReader<T> {
         }
     }
 
-    /// The first comment of the last line without a closing parenthesis.
+    /// The first comment of the last line that lacks a closing parenthesis.
     pub const fn unclosed(&self) -> Option<Place> {
         self.logical.unclosed
     }

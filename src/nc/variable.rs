@@ -29,7 +29,7 @@ const READS: usize = 8;
 /// First index of V.P. and V.L. in the table of parameters.
 pub(super) const NAMED: u32 = 1 << 31;
 
-/// Bits of a name's hash. A program has some ten names, so two names with equal hashes are not expected.
+/// Bits of a name's hash. A program has about ten names, so two names with equal hashes are not expected.
 const HASH: u32 = (1 << 27) - 1;
 
 /// Largest number of open subroutine calls, including the main program. V.P. uses the next number.

@@ -250,7 +250,7 @@ enum Curve<const AXES: usize> {
 pub(crate) struct Arc {
     /// Radius vector at the start, LSB 2^-44 mm.
     a: [i64; 2],
-    /// Angle: 2^-59 revolutions per 2^64 units of `w`.
+    /// The angle by which the radius vector turns: 2^-59 revolutions per 2^64 units of `w`.
     turn: i64,
     /// Growth of the radius vector `a`: 2^-44 mm per 2^51 units of `w`.
     grow: [i32; 2],
