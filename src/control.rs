@@ -169,7 +169,7 @@ impl Control {
         self.answers.load(Ordering::Relaxed) != self.heard.load(Ordering::Relaxed)
     }
 
-    /// The tickets that have been acknowledged, one bit each. These tickets become free.
+    /// The tickets that have been acknowledged, one bit for each ticket. The call makes these tickets free.
     pub(crate) fn take_answers(&self) -> u32 {
         self.heard.store(self.answers.load(Ordering::Acquire), Ordering::Relaxed);
         self.look();

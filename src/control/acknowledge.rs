@@ -176,7 +176,7 @@ impl Acknowledgements {
         if ticket.waits() { self.places.get(index) } else { None }
     }
 
-    /// The bits of answered tickets. These tickets become free. Only the planner calls this function.
+    /// The bits of answered tickets. The call makes these tickets free. Only the planner calls this function.
     pub fn take_answers(&self) -> u32 {
         let mut answers = 0;
         for (index, place) in self.places.iter().enumerate() {

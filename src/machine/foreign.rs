@@ -1,5 +1,5 @@
-//! Machine data for programs of LinuxCNC, Grbl and Fanuc. These parameters are Glidepath's own and have no
-//! ISG ids.
+//! Machine data for programs of LinuxCNC, Grbl and Fanuc. These parameters are Glidepath's own, without ISG
+//! ids.
 
 /// The dialect: the language in which programs are written.
 ///

@@ -300,7 +300,7 @@ pub const CHANNEL: &[Parameter<ChannelData>] = &[
     },
 ];
 
-/// Axis parameters for dialects other than ISG's. They are no ISG parameters.
+/// Axis parameters for dialects other than ISG's; they have no ISG ids.
 #[cfg(feature = "grbl")]
 pub const AXIS_FOREIGN: &[Parameter<AxisData>] = &[
     Parameter {
@@ -336,7 +336,7 @@ const fn place(name: &'static str) -> Parameter<AxisData> {
     plain("", name, "0.1 µm or 0.0001°", -ZERO_OFFSET_MAX * 1000, ZERO_OFFSET_MAX * 1000)
 }
 
-/// Channel parameters for dialects other than ISG's. They are no ISG parameters.
+/// Channel parameters for dialects other than ISG's; they have no ISG ids.
 #[cfg(feature = "grbl")]
 pub const CHANNEL_FOREIGN: &[Parameter<ChannelData>] = &[
     Parameter {
@@ -356,8 +356,8 @@ pub const CHANNEL_FOREIGN: &[Parameter<ChannelData>] = &[
     },
 ];
 
-/// Channel parameters of the interpolator's functions for a PLC. Their second names are those of ISG's
-/// start-up data.
+/// Channel parameters of the interpolator's functions for a PLC. The second names of these parameters are
+/// those of ISG's start-up data.
 #[cfg(feature = "plc")]
 pub const CHANNEL_PLC: &[Parameter<ChannelData>] = &[
     Parameter {

@@ -30,15 +30,17 @@ pub enum Synch {
     BwdSynch,
     /// FWD_SYNCH: acknowledged in simulated forward motion too.
     FwdSynch,
-    /// MEP_SVS: output at the distance of [`SynchTable::with_shift`] before its place; acknowledged there, before the
-    /// motion of its block (feature `plc`, FCT_SHIFT_NCBL).
+    /// MEP_SVS: output before its place, at the distance of [`SynchTable::with_shift`]. The motion waits for
+    /// the acknowledgement at the place itself, before the motion of its block (feature `plc`,
+    /// FCT_SHIFT_NCBL).
     MepSvs,
     /// MEP_MOS: output as MEP_SVS, without acknowledgement (FCT_SHIFT_NCBL).
     #[cfg(feature = "plc")]
     MepMos,
     /// MET_SVS: output a programmed time before its place.
     MetSvs,
-    /// FAW_SYNCH: the decoder waits too. It is set together with another kind: [`SynchTable::with_flush`].
+    /// FAW_SYNCH: the decoder waits too. A function has this kind in addition to another one:
+    /// [`SynchTable::with_flush`].
     FawSynch,
 }
 

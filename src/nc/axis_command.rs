@@ -324,8 +324,8 @@ impl<const AXES: usize> Interpreter<AXES> {
         if first == second {
             return span.fault(NcErrorKind::Missing("two different positions"));
         }
-        // The decoder does not know whether an axis is a modulo axis. It only knows that a linear axis does
-        // not count turns.
+        // The decoder does not know whether an axis is a modulo axis. The decoder only knows that a linear
+        // axis does not count turns.
         if w.short && self.setup.kinds.get(axis) == Some(&AxisKind::Rotary) {
             let turn = Position::const_from_int(360);
             if [first, second].iter().any(|p| *p < Position::ZERO || *p > turn) {

@@ -12,7 +12,7 @@ use crate::quantity::{Feed, Position};
 use core::cell::Cell;
 use heapless::Deque;
 
-/// One result of a block. Packed, because there are many.
+/// One result of a block: a command or a motion. Packed to save memory, because there are many.
 #[derive(Clone, Copy)]
 #[repr(C, packed(4))]
 pub(super) struct Item {
@@ -327,8 +327,8 @@ impl<const AXES: usize> Interpreter<AXES> {
         Ok(None)
     }
 
-    /// Carries out an assignment to a V. variable, if there is one. A real-time loop must not contain
-    /// assignments to V. variables or P parameters, or returns, because its lines are read only once.
+    /// Carries out an assignment to a V. variable, if there is one. The lines of a real-time loop are read
+    /// only once. So the loop must not contain assignments to V. variables or P parameters.
     #[cfg(feature = "plc")]
     #[inline(never)]
     fn is_calculation(&mut self, c: &mut Cursor<'_>) -> Result<bool, Fault> {

@@ -150,7 +150,7 @@ impl Calculator {
         self.aside_start.get() == start
     }
 
-    /// Returns the stored expression. Its next step may have any cost.
+    /// Returns the stored expression. The next step of this expression may have any cost.
     #[inline(never)]
     pub fn take_aside(&self) -> Option<Aside> {
         self.aside_start.set(NOWHERE);

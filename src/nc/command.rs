@@ -353,7 +353,8 @@ impl<const AXES: usize> Command<AXES> {
         }
     }
 
-    /// Whether the command only switches a function off. It then has no effect while the function is off.
+    /// Whether the command only switches a function off. Such a command has no effect while the function is
+    /// off.
     pub const fn switches_off(&self) -> bool {
         match self {
             Self::ExactStop(_, switch) => matches!(switch, ExactStop::Off),

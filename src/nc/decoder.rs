@@ -54,7 +54,7 @@ const BYTES: u32 = 2;
 const LITTLE: u32 = 30;
 const LITTLE_LINE: u32 = 120;
 
-/// The buffers of a [`Decoder`]. They are all zero when new, so in a `static` they take no flash.
+/// The buffers of a [`Decoder`]. All bits are zero when new, so a `static` with these buffers takes no flash.
 pub struct DecoderMemory<const AXES: usize> {
     line: Line,
     interpreter: Interpreter<AXES>,
@@ -328,8 +328,8 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
         self.interpreter.stored()
     }
 
-    /// Restores zero offsets and stored positions. They are valid from the next line on. Returns `false`, and
-    /// changes nothing, if a value is beyond ±100 000 mm.
+    /// Restores zero offsets and stored positions, valid from the next line on. Returns `false`, and changes
+    /// nothing, if a value is beyond ±100 000 mm.
     #[cfg(feature = "grbl")]
     #[must_use]
     pub fn put_stored(&mut self, stored: &super::StoredOffsets<AXES>) -> bool {

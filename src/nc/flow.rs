@@ -80,7 +80,8 @@ pub(super) struct Frame {
     pub blocks: u8,
 }
 
-/// A local subroutine: hash of its name, and first line of its text. Packed, because there are many.
+/// A local subroutine: hash of its name, and first line of its text. Packed to save memory, because there are
+/// many.
 #[derive(Clone, Copy)]
 #[repr(C, packed(4))]
 pub(super) struct Subroutine {
@@ -177,8 +178,8 @@ impl Flow {
         self.passing = Passing::No;
     }
 
-    /// The local subroutine with this name. It is searched in the running file, then in its callers, the
-    /// nearest first.
+    /// The local subroutine with this name. The search begins in the running file and continues in its
+    /// callers, the nearest first.
     pub fn subroutine(&self, name: u64) -> Option<Subroutine> {
         let callers = self.frames.iter().rev().map(|frame| frame.program.file);
         core::iter::once(self.program.file)
@@ -216,8 +217,8 @@ impl Flow {
         self.origin = origin;
     }
 
-    /// Leaves control blocks until a loop (or a switch) is the innermost one. Returns their number, or `None`
-    /// if there is no loop.
+    /// Leaves control blocks until the innermost one is a loop, or also a switch if `or_switch` is true.
+    /// Returns the number of blocks left, or `None` if there is no loop.
     pub fn leave_to_loop(&mut self, or_switch: bool) -> Option<u16> {
         let base = self.base();
         let mut left = 0;

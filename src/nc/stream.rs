@@ -42,7 +42,7 @@ pub struct Window<const N: usize> {
     kept: AtomicU32,
 }
 
-/// The writer's handle of a [`Window`]. It may move to another task, an interrupt, or another core.
+/// The writer's handle of a [`Window`]. The handle may move to another task, an interrupt, or another core.
 pub struct Feeder<'a, const N: usize> {
     window: &'a Window<N>,
 }
@@ -55,7 +55,7 @@ pub struct Stream<'a, const N: usize> {
     start: u32,
 }
 
-/// Whether the offset `a` is before `b`. Both must be less than 2^31 apart.
+/// Whether the offset `a` is before `b`. The offsets must be less than 2^31 apart.
 const fn is_before(a: u32, b: u32) -> bool {
     (a.wrapping_sub(b) as i32) < 0
 }
@@ -124,8 +124,8 @@ impl<const N: usize> Feeder<'_, N> {
     }
 
     /// Announces another program: bytes that were written and not read are dropped. Call `restart` after an
-    /// abort, before the stream is loaded again. It acts at the next [`crate::channel::Planner::load_next`]
-    /// or [`crate::channel::Planner::load`] of the stream.
+    /// abort, before the stream is loaded again. The announcement acts when
+    /// [`crate::channel::Planner::load_next`] or [`crate::channel::Planner::load`] loads the stream.
     pub fn restart(&mut self) {
         self.window.ended.store(false, Ordering::Relaxed);
         self.window.start.store(self.window.put.load(Ordering::Relaxed), Ordering::Release);

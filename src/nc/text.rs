@@ -34,8 +34,8 @@ pub trait Text {
         true
     }
 
-    /// Offset of the main program's first byte when the text is loaded. It is 0, except in a stream that held
-    /// other programs before. A wrapper around a stream must forward this call.
+    /// Offset of the main program's first byte when the text is loaded. The offset is 0, except in a stream
+    /// that held other programs before. A wrapper around a stream must forward this call.
     fn start(&mut self) -> u32 {
         0
     }

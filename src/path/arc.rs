@@ -274,8 +274,8 @@ impl Ends {
     }
 }
 
-/// Path length along the feed axes, LSB 2^-44 mm. It has three parts: `along` the circle, the `difference` of
-/// both radii, and the travel of the axes `outside` the plane, if there is any.
+/// Path length along the feed axes, LSB 2^-44 mm. The length has three parts: `along` the circle, the
+/// `difference` of both radii, and the travel of the axes `outside` the plane, if there is any.
 #[cfg_attr(feature = "fast", inline(always))]
 fn travelled<const AXES: usize>(
     along: i64,

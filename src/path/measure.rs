@@ -181,9 +181,9 @@ impl Measure {
         travelled(self.main.of::<AXES>().filter_map(|k| travel.get(k)).copied())
     }
 
-    /// Path length of these travels (LSB of a position). It counts along the feed axes, if one of them moves;
-    /// otherwise along the main axes, if one of them moves; otherwise along all axes. Exact to an LSB, and
-    /// limited to the range of a distance.
+    /// Path length of these travels (LSB of a position): along the feed axes, if one of them moves; otherwise
+    /// along the main axes, if one of them moves; otherwise along all axes. The length is exact to an LSB,
+    /// and limited to the range of a distance.
     pub fn path<const AXES: usize>(&self, travel: &[i64; AXES]) -> Distance {
         path_length(self.travelled(travel), travel).unwrap_or(Distance::from_bits(i64::MAX))
     }

@@ -1,27 +1,27 @@
 //! Merges blocks that continue in a straight line. A line cut into pieces is then as fast as the whole line,
 //! and the look-ahead covers as much path.
 //!
-//! One line from the start `P0` of the first block to the end `Pn` of the last block may replace all of them,
+//! One line from the start `P0` of the first block to the end `Pn` of the last block may replace all blocks,
 //! if every point left out is within a tolerance. This check does not need the points themselves. Every `Pi`
 //! was an end before it was left out: `Pi = P0 + Ti·si`, with path length `si` and tangent `Ti` of the line
 //! up to `Pi`. At the path distance `si`, the line with the tangent `T` is `|T − Ti|·si` away from `Pi`, axis
 //! by axis. So each point permits the tangents within `tolerance/si` of `Ti`. For all points together, this
 //! is an interval per axis. Only this interval is stored.
 //!
-//! A tracking axis that moves `t` times as far as the path has `1 + t` times the tolerance, because the place
-//! of a point along the path is only known to the tolerance. Main axes have the tolerance alone, for any feed
-//! axes.
+//! The place of a point along the path is only known to the tolerance. So a tracking axis that moves `t`
+//! times as far as the path has `1 + t` times the tolerance. Main axes have the tolerance alone, whatever the
+//! feed axes are.
 //!
-//! The order of the points is kept. The path length grows with every block. A block turns by less than a
-//! quarter of a unit on every feed axis, so no block goes back.
+//! The order of the points stays the same. The path length grows with every block. The tangent changes by
+//! less than 1/4 on every feed axis, so no block goes back.
 use super::Measure;
 use super::line::{Straight, straight};
 use crate::math::float::{to_bits, to_f32};
 use crate::quantity::{DISTANCE_LSB, Distance, Position};
 
 /// Permitted distance of a point from the line, LSB of a position: 1.14 nm on every axis, less than 2 nm on
-/// three axes. Points of a straight line that are rounded to six decimals (0.5 nm each) are up to 1.37 nm
-/// away from each other's lines, usually less than half of that.
+/// three axes. Points that are rounded to six decimals have errors of 0.5 nm. On a straight line, they are up
+/// to 1.37 nm away from lines through the other points, usually less than half of that.
 const TOLERANCE: i64 = 4900;
 
 /// [`TOLERANCE`] in mm, reduced by the rounding of derived values.

@@ -400,7 +400,7 @@ pub(super) struct Scale {
     up: i32,
     /// τ at the end, times 2^62.
     end_w: i64,
-    /// Second to fifth power of 1/τ at the end, each in 1..2. They have 60, 58, 56 and 54 fraction bits.
+    /// Second to fifth power of 1/τ at the end, each in 1..2, with 60, 58, 56 and 54 fraction bits.
     powers: [i64; 4],
 }
 
@@ -466,7 +466,8 @@ impl Scale {
         Some(Quintic { coefficients, down, bent, bounds: [fastest(v0, powers), second, third] })
     }
 
-    /// The polynomial of the third degree for one axis, in the same way.
+    /// The polynomial of the third degree for one axis, and its bound over 0..1. Returns `None` if the
+    /// formats cannot hold it.
     #[inline(never)]
     fn cubic(&self, travel: i64, tangents: [i64; 2]) -> Option<Cubic> {
         let slopes = self.slopes(tangents);

@@ -183,7 +183,7 @@ impl<const AXES: usize> Turns<AXES> {
     }
 }
 
-/// An arc whose radius changes linearly with its angle. It is carried out as several arcs.
+/// An arc whose radius changes linearly with its angle, carried out as several arcs.
 #[derive(Clone, Copy)]
 pub struct Spiral<const AXES: usize> {
     /// The arc as it was programmed.

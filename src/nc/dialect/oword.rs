@@ -31,7 +31,7 @@ pub(super) enum Skip {
     EndIf(Label),
     /// Up to the end of a loop that the program leaves.
     Out(Label),
-    /// Up to the `while` at the end of a `do` loop. This `while` is then carried out.
+    /// Up to the `while` at the end of a `do` loop; the decoder then carries out this `while`.
     Round(Label),
     /// Up to the subprogram with this number.
     Program(Label),
