@@ -469,7 +469,7 @@ pub enum NcWarningKind {
     /// G4 with more than a minute: the value may be meant in milliseconds.
     #[cfg(feature = "grbl")]
     LongDwell,
-    /// F in the block of a G20 or G21 that changes the unit: F counts in the unit before.
+    /// F in the block of a G20 or G21 that changes the unit: F counts in the unit from before the change.
     #[cfg(feature = "grbl")]
     FeedBeforeUnit,
     /// The program of LinuxCNC ends without M2, M30 or %: modal state stays in force.

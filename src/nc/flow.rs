@@ -96,9 +96,9 @@ pub(super) enum Passing {
     No,
     /// To the next $ELSEIF, $ELSE or $ENDIF.
     Branch,
-    /// To the closing word, after which the block is left.
+    /// To the next $CASE, $DEFAULT or $ENDSWITCH.
     Case,
-    /// To the closing word, and out of the block.
+    /// To the closing word, after which the block is left.
     Out,
     /// To the closing word of a loop, which is then carried out ($CONTINUE).
     Round,

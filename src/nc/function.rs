@@ -94,7 +94,8 @@ pub struct Slope {
     pub default: bool,
     /// TYPE: the slope to select.
     pub kind: Option<SlopeType>,
-    /// NO_OPT: `true` switches the optimised use of jerk off (slope HSC) \[true\].
+    /// NO_OPT, for the slope HSC. `false`: the axes may enter a slow block while braking, and leave it while
+    /// accelerating \[true\].
     pub no_opt: Option<bool>,
 }
 
@@ -199,8 +200,8 @@ pub struct Contour {
     pub acc_min: Option<Value>,
     /// RAMP_TIME: ramp time in a curve of DIST_SOFT or DIST_MASTER, percent of the axes' ramp time \[100\].
     pub ramp_time: Option<Value>,
-    /// DIST_WEIGHT: how much the neighbours decide which part of a block a corner may take, percent. 0: each
-    /// corner takes up to half \[0\].
+    /// DIST_WEIGHT: how much the lengths of the neighbours decide which part of a block each corner may take,
+    /// percent. 0: each corner may take up to half of the block \[0\].
     pub dist_weight: Option<Value>,
     /// MERGE: PTP makes one block of blocks that continue straight \[true\].
     pub merge: Option<bool>,
