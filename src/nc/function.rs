@@ -277,7 +277,7 @@ impl Hsc {
 pub struct Filter {
     /// ON or OFF; `None` if the command only gives parameters.
     pub switch: Option<bool>,
-    /// HSC: the old form #FILTER ON \[HSC\].
+    /// HSC: whether the command has the old form `#FILTER ON [HSC]`.
     pub hsc: bool,
     /// ORDER: order of the filters, 0…200.
     pub order: Option<u8>,
@@ -357,13 +357,13 @@ pub enum Tangent {
 /// Commands of direct splines. [`Spline::Off`] switches the spline off.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Spline<const AXES: usize> {
-    /// G151, #SPLINE ON, #SET SPLINE ON.
+    /// G151, #SPLINE ON, #SET SPLINE ON: the spline begins.
     On,
-    /// G150, #SPLINE OFF, #SET SPLINE OFF.
+    /// G150, #SPLINE OFF, #SET SPLINE OFF: the spline ends.
     Off,
-    /// #SPLINE TYPE, #SET SPLINETYPE.
+    /// #SPLINE TYPE, #SET SPLINETYPE: selects the kind of spline.
     Type(SplineType),
-    /// #AKIMA TRANS, #SET ASPLINE MODE.
+    /// #AKIMA TRANS, #SET ASPLINE MODE: selects what decides the directions at the ends.
     Transition {
         /// START: what decides the direction at the start.
         start: Option<Tangent>,
@@ -457,11 +457,11 @@ pub struct Weight<const AXES: usize> {
 pub enum Kinematics {
     /// `#KIN ID`: selects the data set for the next `#TRAFO ON`.
     Select(u16),
-    /// #TRAFO ON.
+    /// #TRAFO ON: switches the transformation on.
     On,
     /// `#TRAFO[n]`: selects a data set and switches the transformation on.
     OnWith(u16),
-    /// #TRAFO OFF.
+    /// #TRAFO OFF: switches the transformation off.
     Off,
 }
 
@@ -545,7 +545,7 @@ pub struct Independent {
     pub time: Option<Value>,
     /// FEED_MAX_WEIGHT: speed in % of P-AXIS-00212, below 100.
     pub weight: Option<Value>,
-    /// ACC_WEIGHT with G01, RAPID_ACC_WEIGHT with G00, % \[100\].
+    /// ACC_WEIGHT (with G01) or RAPID_ACC_WEIGHT (with G00): acceleration in % of the machine data \[100\].
     pub acceleration: Option<Value>,
     /// M: number of an M function that is output before the motion.
     pub m: Option<u32>,

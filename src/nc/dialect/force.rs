@@ -21,9 +21,9 @@ const SETS: usize = ZERO_OFFSETS + MORE_OFFSETS;
 /// Values that G10, G28.1 and G30.1 store, in machine coordinates.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct StoredOffsets<const AXES: usize> {
-    /// G54…G59.3.
+    /// Zero offsets of G54…G59.3, by set and axis.
     pub zero: [[Position; AXES]; SETS],
-    /// The positions of G28 and G30.
+    /// Positions of G28 and G30, in this order.
     pub places: [[Position; AXES]; 2],
 }
 
