@@ -20,7 +20,7 @@ use crate::quantity::Position;
 
 /// Output of set points: step pulses, counts of a drive, or a fieldbus frame.
 pub trait Axes<const AXES: usize> {
-    /// Outputs one set point per axis, in mm or degrees. The timer interrupt calls `write` first, so the moment of
-    /// output does not vary. `write` must take bounded time.
+    /// Outputs one set point per axis, in mm or degrees. The board calls `write` at the start of its timer
+    /// interrupt, so the moment of output does not vary. `write` must take bounded time.
     fn write(&mut self, set_points: &[Position; AXES]);
 }

@@ -1,5 +1,5 @@
-//! The memory words of the operator's commands and acknowledgements: override, feed hold, resume, abort,
-//! reduced speed.
+//! The memory words for commands and acknowledgements of the operator. The commands are override, feed hold,
+//! resume, abort and reduced speed.
 //!
 //! [`crate::operator::Operator`] writes the commands. Each word has one writer, the operator or the planner.
 //! So the operator may give a command at any time, without a lock and without waiting. The words do not need
@@ -20,14 +20,14 @@ pub const MAX_OVERRIDE: u16 = 2000;
 /// Override of 100 %, LSB 0.1 %.
 pub const FULL_OVERRIDE: u16 = 1000;
 
-/// Commands share one word. The override is in the lower half of this word.
+/// Fields of the word that holds all commands. The override is in the lower half.
 const FEED: u32 = 0xffff;
 const HOLD: u32 = 1 << 16;
 const ABORT: u32 = 2 << 16;
 const REDUCED: u32 = 4 << 16;
-/// Marks that an acknowledgement has come and the planner has not read it.
+/// An acknowledgement has come that the planner has not read yet.
 const ANSWERED: u32 = 8 << 16;
-/// Number of aborts given: in the operator's word, these bits replace [`ABORT`].
+/// Number of aborts given. In the operator's word, these bits replace [`ABORT`].
 const ABORTS: u32 = 0xff << 24;
 const ONE_ABORT: u32 = 1 << 24;
 
@@ -35,13 +35,13 @@ const ONE_ABORT: u32 = 1 << 24;
 pub struct Control {
     /// The commands. The operator writes this word and the next two.
     given: AtomicU32,
-    /// Acknowledgements given.
+    /// Number of acknowledgements given.
     answers: AtomicU32,
     /// Number of changes of the two words above.
     changes: AtomicU32,
     /// Number of changes that the planner has read. The planner writes this word and the next three.
     looked: AtomicU32,
-    /// Acknowledgements that the planner has read.
+    /// Number of acknowledgements that the planner has read.
     heard: AtomicU32,
     /// Number of aborts carried out, in the format of `given`.
     aborted: AtomicU32,
@@ -56,28 +56,28 @@ pub struct Control {
 pub struct Commands {
     /// Feed override, 0…2000, LSB 0.1 %.
     pub feed: u16,
-    /// Whether the motion has to stop on the path.
+    /// Whether the motion has to stop on the path (feed hold).
     pub hold: bool,
-    /// Whether the rest of the program has to be dropped.
+    /// Whether the rest of the program has to be dropped (abort).
     pub abort: bool,
     /// Whether every axis keeps its reduced speed (P-AXIS-00214).
     pub reduced: bool,
 }
 
 impl Control {
-    /// The bits of commands in the planner's word.
+    /// The bits of the planner's word that hold commands.
     pub(crate) const COMMANDS: u32 = !ANSWERED;
 
-    /// The planner's word with full override and no command.
+    /// The planner's word while the override is 100 % and no command is in force.
     pub(crate) const NORMAL: u32 = FULL_OVERRIDE as u32;
 
-    /// The state without commands: 100 % override, no hold.
+    /// The memory before the first command: override 100 %, no feed hold.
     pub(crate) const fn new() -> Self {
         let [given, seen] = [const { AtomicU32::new(Self::NORMAL) }; 2];
         Self { given, seen, ..Self::blank() }
     }
 
-    /// Blank memory for the words; all bits zero.
+    /// Empty memory: all bits are zero.
     pub(crate) const fn blank() -> Self {
         let [given, answers, changes, looked, heard, aborted, seen] = [const { AtomicU32::new(0) }; 7];
         let acknowledgements = Acknowledgements::new();
@@ -147,7 +147,8 @@ impl Control {
 
 /// Functions for the planner.
 impl Control {
-    /// All commands and acknowledgements in one word. A changed value means a new command or acknowledgement.
+    /// All commands, and whether an acknowledgement is unread. A change of this word means that a command or
+    /// an acknowledgement has come.
     #[inline(always)]
     pub(crate) fn word(&self) -> u32 {
         if self.changes.load(Ordering::Relaxed) != self.looked.load(Ordering::Relaxed) {
@@ -168,7 +169,7 @@ impl Control {
         self.answers.load(Ordering::Relaxed) != self.heard.load(Ordering::Relaxed)
     }
 
-    /// The tickets that have been acknowledged, one bit each. These tickets become free.
+    /// The tickets that have been acknowledged, one bit for each ticket. The call makes these tickets free.
     pub(crate) fn take_answers(&self) -> u32 {
         self.heard.store(self.answers.load(Ordering::Acquire), Ordering::Relaxed);
         self.look();

@@ -1,7 +1,7 @@
 //! A checksum over the set points of all ticks, to compare host and target.
 use crate::quantity::Position;
 
-/// FNV-1a, 64 bits, over the 32-bit halves of every set point, low half first.
+/// A checksum over set points: FNV-1a, 64 bits, over the 32-bit halves of each set point, low half first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Digest(u64);

@@ -1,7 +1,7 @@
 //! Glidepath reads an NC program and computes one set point per axis and timer tick, with the same bits on every machine.
 //!
-//! The library has no heap and no `std`. The timer interrupt calculates in integers. The planner also uses IEEE
-//! + − × ÷ √, and checks its results in integers.
+//! The library uses no heap and no `std`. The timer interrupt calculates in integers. The planner also uses
+//! floating point, but only the IEEE operations + − × ÷ √, and checks its results in integers.
 //!
 //! ```text
 //!         planner: a task or the main loop, bounded work per call                   |  interrupt: bounded work per tick
@@ -28,13 +28,13 @@
 //! let machine = MachineData { axes: [axis("X"), axis("Y"), axis("Z")], channel };
 //! let program: &[u8] = b"N10 G01 X10 Y5 F1000\nM30\n";
 //!
-//! // On a controller a static variable: all of the memory is in it.
+//! // On a controller, make this a static variable. It holds all of the memory.
 //! let mut memory = Channel::<3, 120>::new();
 //! let handles = memory.split(&machine, [Position::ZERO; 3], program).unwrap();
 //! let Handles { mut planner, mut interpolator, operator } = handles;
 //! let mut planned = false;
 //! loop {
-//!     // In the main loop or a task: until the queue is full, or everything is in it.
+//!     // In the main loop or a task: plan until the queue is full, or until the whole program is planned.
 //!     while !planned {
 //!         match planner.poll().unwrap() {
 //!             Progress::Done => planned = true,
@@ -49,7 +49,7 @@
 //!         break;
 //!     }
 //! }
-//! // In a PLC or serial task: commands, functions that are due, acknowledgements, and what happens now.
+//! // In a PLC or serial task: take due functions, acknowledge them, give commands, read the status.
 //! assert_eq!((operator.output(), operator.status().n), (None, 10));
 //! assert_eq!(interpolator.set_points().map(|axis| axis.to_num::<f64>()), [10.0, 5.0, 0.0]);
 //! ```
@@ -74,7 +74,7 @@
 //! | `dialects` | programs in the languages of LinuxCNC and Grbl, with parameters, cycles and O words |
 //! | `fanuc` | programs in the language of Fanuc controllers |
 //! | `plc` | for a PLC: elements of the path ahead, real-time loops, `V.` variables |
-//! | `driven` | the distance that the axes drive in curves over time, for the status; `plc` enables this feature |
+//! | `driven` | the status counts the distance that the axes really drive, also in curves that are planned over time; `plc` enables this feature |
 //! | `kinematics` | transformations of machines with rotary axes: `#KIN ID`, `#TRAFO` |
 //! | `examine` | a check without planning, which reports what a run would refuse; for desktop tools |
 //! | `defmt` | `defmt::Format` for errors and events |

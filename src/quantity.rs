@@ -9,18 +9,18 @@
 //! assert_eq!(speed.0.to_num::<f64>() * 1000.0, 500.0);
 //! ```
 //!
-//! | type | unit | bits | LSB | range | made by, rounded |
+//! | type | unit | bits | LSB | range | rounding |
 //! |---|---|---|---|---|---|
-//! | [`Position`] | mm, degree | I32F32 | 2^-32 (0.23 pm) | ±2^31, programs ±100 000 | decimals: to nearest, ties away from zero; set points: to nearest, ties up |
-//! | [`Feed`] | mm/min, degree/min | I32F32 | 2^-32 | 0…2^31 | decimals: to nearest |
+//! | [`Position`] | mm, degree | I32F32 | 2^-32 (0.23 pm) | ±2^31; in programs ±100 000 | decimals of a program: to nearest, ties away from zero; set points: to nearest, ties up |
+//! | [`Feed`] | mm/min, degree/min | I32F32 | 2^-32 | 0…2^31 | decimals of a program: to nearest |
 //! | [`Distance`] | mm of path | I20F44 | 2^-44 (0.06 fm) | ±2^19, wraps | to nearest |
-//! | [`Speed`] | mm/tick | I6F58 | 2^-58 | ±32 | limits down |
-//! | [`Accel`] | mm/tick² | I6F58 | 2^-58 | ±32 | limits down |
-//! | [`Jerk`] | mm/tick³ | I6F58 | 2^-58 | ±32 | limits down |
-//! | [`Time`] | ticks | U28F36 | 2^-36 | 0…2^28 | down, what is left goes to the cruise |
+//! | [`Speed`] | mm/tick | I6F58 | 2^-58 | ±32 | limits: down |
+//! | [`Accel`] | mm/tick² | I6F58 | 2^-58 | ±32 | limits: down |
+//! | [`Jerk`] | mm/tick³ | I6F58 | 2^-58 | ±32 | limits: down |
+//! | [`Time`] | ticks | U28F36 | 2^-36 | 0…2^28 | down; the time of constant speed gets the remainder |
 //!
-//! Speeds are per tick, so the interrupt needs no multiplication by time. For a block that moves no main
-//! axis, degrees replace millimetres.
+//! Speeds are per tick, so the interrupt needs no multiplication by time. In a block that moves no main axis,
+//! degrees replace millimetres.
 use crate::math::float::{to_bits, to_f32};
 use fixed::types::{I6F58, I20F44, I32F32, U28F36};
 
@@ -40,12 +40,12 @@ macro_rules! quantity {
             /// The value zero.
             pub const ZERO: Self = Self(<$repr>::ZERO);
 
-            /// From the raw bits, see the table above for the LSB.
+            /// The value with these raw bits. The table of [the module](crate::quantity) gives the LSB.
             pub const fn from_bits(bits: $bits) -> Self {
                 Self(<$repr>::from_bits(bits))
             }
 
-            /// The raw bits.
+            /// The raw bits: the value as a multiple of the LSB.
             pub const fn to_bits(self) -> $bits {
                 self.0.to_bits()
             }
@@ -77,27 +77,29 @@ quantity!(
     /// Duration or time, ticks, LSB 2^-36.
     Time, U28F36, u64);
 
-/// An LSB of a [`Distance`], mm.
+/// The LSB of a [`Distance`], 2^-44, in mm.
 pub const DISTANCE_LSB: f32 = 1.0 / (1u64 << 44) as f32;
 
-/// The LSB of [`Speed`], [`Accel`] and [`Jerk`], 2^-58, as a factor.
+/// The LSB of [`Speed`], [`Accel`] and [`Jerk`], 2^-58, in mm per tick, tick² and tick³.
 pub const SPEED_LSB: f32 = 1.0 / (1u64 << 58) as f32;
 
-/// Speed in units of 2^-58, rounded down to an integer.
+/// Converts a speed from mm/tick to units of 2^-58 mm/tick, rounded down. A negative speed gives 0. A speed
+/// above the range gives the largest value.
 pub fn speed_bits(v: f32) -> i64 {
     to_bits::<58>(v)
 }
 
-/// Speed as `f32`.
+/// Converts a speed from units of 2^-58 mm/tick to mm/tick.
 pub fn speed_f32(bits: i64) -> f32 {
     to_f32(bits) * SPEED_LSB
 }
 
-/// A position with a fixed number of decimals, at most 18, for output. It is rounded to nearest, ties to
-/// even. `Display` of the `fixed` crate contains an index that could panic.
+/// A position that `Display` writes with a fixed number of decimals, at most 18. The output is rounded to
+/// nearest, ties to even. `Display` of the `fixed` crate is not used, because it contains an index that could
+/// panic.
 #[doc(hidden)]
 pub struct Decimal {
-    /// LSB 2^-32.
+    /// The position, LSB 2^-32 mm or degrees.
     pub bits: i64,
     /// Digits after the decimal point.
     pub decimals: usize,

@@ -1,8 +1,8 @@
-//! Technology functions M, H, S and T. The planner places each function at a point of the path; the operator
-//! outputs the function when the motion reaches that point.
+//! Technology functions M, H, S and T. The planner places each function at a point of the path. When the
+//! motion reaches that point, [`Operator::output`](crate::operator::Operator::output) returns the function.
 //!
-//! An application reads due functions by [`Operator::output`](crate::operator::Operator::output), or
-//! implements [`Technology`]:
+//! An application calls `output` itself. Or it implements [`Technology`], and calls
+//! [`Operator::deliver`](crate::operator::Operator::deliver), which passes all due functions:
 //!
 //! ```
 //! use glidepath::{Function, Output, Technology};
@@ -40,10 +40,10 @@ pub enum Function {
     Spindle(#[cfg_attr(feature = "defmt", defmt(Debug2Format))] Position),
     /// The word T: tool number.
     Tool(u32),
-    /// M62 to M65 of LinuxCNC: digital output with this port number, switched on or off.
+    /// M62 to M65 of LinuxCNC, a digital output: the port number, and whether the output is switched on.
     #[cfg(feature = "grbl")]
     Digital(u8, bool),
-    /// M67 and M68 of LinuxCNC: analogue output with this port number, and the value.
+    /// M67 and M68 of LinuxCNC, an analogue output: the port number, and the value.
     #[cfg(feature = "grbl")]
     Analog(u8, #[cfg_attr(feature = "defmt", defmt(Debug2Format))] Position),
     /// M66 of LinuxCNC: the axes stand still until this function is acknowledged.
@@ -51,8 +51,8 @@ pub enum Function {
     Input(InputWait),
 }
 
-/// The condition of M66. The application acknowledges the function when the input meets the condition, or
-/// when the time is over.
+/// What M66 waits for. The application acknowledges the function when the input meets the condition, or when
+/// the time is over.
 #[cfg(feature = "grbl")]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]

@@ -1,8 +1,8 @@
 //! Variables that a program shares with the application: `V.E.name` and `V.RTG.LOOP.ENABLED`.
 //!
 //! The application declares its variables, and passes them to the planner once
-//! ([`Planner::variables`](crate::Planner::variables)). Any task, interrupt or core may read them. The PLC
-//! writes one copy and the program another; the value that was written last is valid.
+//! ([`Planner::variables`](crate::Planner::variables)). Any task, interrupt or core may read a variable. The
+//! PLC and the program each write a copy of their own. The copy that was written last is valid.
 //!
 //! ```
 //! use glidepath::variable::{Access, Variable};
@@ -24,13 +24,14 @@ pub enum Access {
     ReadWrite,
 }
 
-/// A number with one writer. No reader sees it half written.
+/// A number with one writer. A reader never gets a half-written number.
 ///
-/// The writer fills the hidden place and then shows it. If a write comes during a read, the reader reads
-/// again.
+/// There are two places. Readers use the shown place. The writer fills the other place, and then shows that
+/// one. If a write comes during a read, the reader reads again.
 struct Side {
     shown: AtomicU32,
-    /// Both halves of the number, and a stamp that increases with each value of either side.
+    /// For each place: low and high half of the number, and a stamp. The stamp increases with each write of
+    /// the PLC or of the program.
     places: [[AtomicU32; 3]; 2],
 }
 
@@ -53,7 +54,7 @@ impl Side {
         self.shown.store(turn, Ordering::Release);
     }
 
-    /// Value and stamp.
+    /// The last value that was written, and its stamp.
     fn read(&self) -> (f64, u32) {
         loop {
             let turn = self.shown.load(Ordering::Acquire);
@@ -79,8 +80,8 @@ pub struct Variable {
 }
 
 impl Variable {
-    /// The variable `V.E.name` with the value 0. Upper and lower case are equal. A name has at most 63
-    /// characters: letters, digits, `_` and `.`.
+    /// Makes the variable `V.E.name` with the value 0. A name has at most 63 characters: letters, digits, `_`
+    /// and `.`. Upper and lower case are equal.
     pub const fn new(name: &'static str, access: Access) -> Self {
         Self { name, access, plc: Side::new(), program: Side::new() }
     }
@@ -102,7 +103,7 @@ impl Variable {
         if (stamp.wrapping_sub(other) as i32) >= 0 { plc } else { program }
     }
 
-    /// Writes the variable, for the program.
+    /// Writes the variable on behalf of the program.
     pub(crate) fn assign(&self, value: f64) {
         self.write(&self.program, value);
     }
@@ -113,7 +114,7 @@ impl Variable {
         side.write(value, last.wrapping_add(1));
     }
 
-    /// Whether the variable has this name, in upper case.
+    /// Whether the variable has this `name`, which is in upper case.
     pub(crate) fn is(&self, name: &[u8]) -> bool {
         self.name.as_bytes().eq_ignore_ascii_case(name)
     }
@@ -124,7 +125,7 @@ impl Variable {
     }
 }
 
-/// `V.RTG.LOOP.ENABLED`. Each word has one writer.
+/// The variable `V.RTG.LOOP.ENABLED`: real-time loops repeat while it is true. Each word has one writer.
 pub(crate) struct LoopFlag {
     /// The PLC's value.
     enabled: AtomicBool,
@@ -150,13 +151,13 @@ impl LoopFlag {
         }
     }
 
-    /// Writes the flag, for the PLC.
+    /// Writes the flag on behalf of the PLC.
     pub fn set(&self, on: bool) {
         self.enabled.store(on, Ordering::Release);
         self.seen.store(self.written.load(Ordering::Acquire), Ordering::Release);
     }
 
-    /// Writes the flag, for the program.
+    /// Writes the flag on behalf of the program.
     pub fn assign(&self, on: bool) {
         let count = (self.written.load(Ordering::Relaxed) >> 1).wrapping_add(1);
         self.written.store(count << 1 | u32::from(on), Ordering::Release);

@@ -1,4 +1,5 @@
-//! Acknowledgements that the motion waits for. Each has three words, and each word has one writer:
+//! The memory of acknowledgements. Each acknowledgement has a place of three words, and each word has one
+//! writer:
 //!
 //! | word | written by | holds |
 //! |---|---|---|
@@ -6,17 +7,19 @@
 //! | `put_out` | the operator, who takes functions out | the last ticket put out |
 //! | `answered` | the operator, who acknowledges | the last ticket acknowledged |
 //!
-//! A function is *open* while it is planned, output, and not acknowledged. A ticket holds function and
-//! sequence number, and the code compares whole words. So no order of accesses confuses two acknowledgements,
-//! neither an early one, nor a repeated one, nor one for a function that an abort has dropped. No write
-//! depends on the current value of a word: such a write would need compare-and-swap, which small cores lack.
+//! A function is *open* after its output and before its acknowledgement. A ticket holds the function and a
+//! sequence number, and the code compares whole tickets. So two acknowledgements are never confused, in any
+//! order of accesses: neither an early one, nor a repeated one, nor one for a function that an abort has
+//! dropped. No write depends on the current value of a word: such a write would need compare-and-swap, which
+//! small cores lack.
 //!
-//! The planner uses the places in turn. A place never gets a ticket that its other words still hold.
+//! The planner uses the places in turn. A place never gets a ticket that `put_out` or `answered` still holds.
 use crate::machine::functions;
 use crate::technology::{Function, Ticket};
 use core::sync::atomic::{AtomicU32, Ordering};
 
-/// Number of acknowledgements that can be open at the same time, from reading the program on.
+/// Largest number of functions that wait for an acknowledgement. A function counts from the moment that the
+/// planner reads it in the program.
 pub(crate) const OPEN: usize = if functions::IS_SMALL { 16 } else { 32 };
 
 const FREE: u32 = 0;
@@ -106,7 +109,7 @@ impl Place {
 /// The table of all acknowledgements.
 pub(crate) struct Acknowledgements {
     places: [Place; OPEN],
-    /// The place after the one planned last. The planner writes this word.
+    /// The first place that the planner tries for the next acknowledgement. The planner writes this word.
     next: AtomicU32,
 }
 
@@ -139,7 +142,8 @@ impl Acknowledgements {
         }
     }
 
-    /// Acknowledges the function that was output first.
+    /// Acknowledges a function. If the function is open several times, the call acknowledges the first
+    /// output.
     pub fn answer(&self, function: Function) -> Result<(), Unexpected> {
         let wanted = word(function).ok_or(Unexpected)?;
         let (place, open) = self.first(|open| open & FUNCTION == wanted).ok_or(Unexpected)?;
@@ -166,13 +170,13 @@ impl Acknowledgements {
         first
     }
 
-    /// The place of a ticket, if the ticket waits.
+    /// The place of a ticket; `None` if the ticket needs no acknowledgement.
     fn place(&self, ticket: Ticket) -> Option<&Place> {
         let index = (ticket.0 >> INDEX) as usize % OPEN;
         if ticket.waits() { self.places.get(index) } else { None }
     }
 
-    /// The bits of answered tickets. These tickets become free. Only the planner calls this function.
+    /// The bits of answered tickets. The call makes these tickets free. Only the planner calls this function.
     pub fn take_answers(&self) -> u32 {
         let mut answers = 0;
         for (index, place) in self.places.iter().enumerate() {

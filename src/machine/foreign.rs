@@ -1,6 +1,7 @@
-//! Machine data for programs of LinuxCNC and Grbl: parameters of Glidepath, without ISG ids.
+//! Machine data for programs of LinuxCNC, Grbl and Fanuc. These parameters are Glidepath's own, without ISG
+//! ids.
 
-/// The dialect of programs.
+/// The dialect: the language in which programs are written.
 ///
 /// The same word may mean different things: `G20` mirrors in ISG's language and switches to inches in the others.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
@@ -62,7 +63,7 @@ pub struct ToolLengths {
 }
 
 impl ToolLengths {
-    /// An empty table.
+    /// A table without tools.
     pub const NONE: Self = Self { tools: [(0, 0); TOOLS], len: 0 };
 
     /// Adds or changes the length of tool `number`, in 0.1 µm. Tools beyond [`TOOLS`] are left out.
@@ -90,12 +91,12 @@ impl ToolLengths {
     }
 }
 
-/// The dialect of a channel, and data that only programs of LinuxCNC and Grbl need.
+/// The dialect of a channel, and data that only dialects other than ISG's need.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct ForeignChannel {
     /// `dialect`: the dialect of the channel's programs.
     pub dialect: Dialect,
-    /// `blend_tolerance`: largest distance from the programmed path with G64 without P, µm.
+    /// `blend_tolerance`: largest distance from the programmed path for a G64 without P, µm.
     pub blend_tolerance_um: u32,
     /// `block_delete`: whether lines that begin with `/` are skipped.
     pub block_delete: bool,
@@ -106,7 +107,7 @@ pub struct ForeignChannel {
 }
 
 impl ForeignChannel {
-    /// ISG's language.
+    /// The values for ISG's language.
     pub const ISG: Self = Self {
         dialect: Dialect::Isg,
         blend_tolerance_um: 20,
@@ -116,7 +117,7 @@ impl ForeignChannel {
     };
 }
 
-/// Data of an axis that only programs of LinuxCNC and Grbl need, in 0.1 µm (rotary: 0.0001°), machine
+/// Data of an axis that only dialects other than ISG's need, in 0.1 µm (rotary: 0.0001°), machine
 /// coordinates.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct ForeignAxis {

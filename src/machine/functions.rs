@@ -39,7 +39,7 @@ impl Function {
         self.built
     }
 
-    /// Returns `count` if the function is compiled in, otherwise 0. It gives the size of memory that only
+    /// Returns `count` if the function is compiled in, otherwise 0. Use it for the size of memory that only
     /// this function needs.
     pub const fn room(self, count: usize) -> usize {
         if self.built { count } else { 0 }
@@ -72,7 +72,8 @@ pub const SLOPES: Function = Function {
     needs: "a slope STEP or SIN2 (P-CHAN-00071 = 0, 2) is not in this build; expected the library's feature `slopes`",
 };
 
-/// Proof that the build has the slope STEP. Without STEP there is no such value, so the compiler drops what needs one.
+/// Proof that the build has the slope STEP. A build without STEP has no such value, so the compiler drops
+/// code that needs one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StepBuilt {
     /// The build has STEP.
@@ -83,7 +84,7 @@ pub enum StepBuilt {
 /// The proof, if the build has STEP.
 #[cfg(any(feature = "slopes", not(feature = "grbl")))]
 pub const STEP_BUILT: Option<StepBuilt> = Some(StepBuilt::Yes);
-/// The proof, if the build has STEP.
+/// No proof: the build does not have STEP.
 #[cfg(not(any(feature = "slopes", not(feature = "grbl"))))]
 pub const STEP_BUILT: Option<StepBuilt> = None;
 

@@ -7,15 +7,15 @@ pub const FB_STORAGE_MIN: u32 = 1024;
 /// (`configuration.interpolator.function`) enables. The index of a name is its bit in
 /// [`InterpolatorFunctions`].
 ///
-/// | name | here |
+/// | name | meaning in Glidepath |
 /// |---|---|
 /// | FCT_IPO_DEFAULT, FCT_LOOK_AHEAD_STANDARD | look-ahead of 120 blocks |
 /// | FCT_LOOK_AHEAD_LOW, FCT_LOOK_AHEAD_HIGH | 30 or 190 blocks |
 /// | FCT_LOOK_AHEAD_CUSTOM | as many blocks as P-CHAN-00653 says |
 /// | FCT_LOOK_AHEAD_OPT | NO_OPT=0 is the default of the slope HSC |
 /// | FCT_CONTOUR_LAH | the log of the path ahead: [`crate::contour_log`] |
-/// | FCT_CALC_STATE_AT_T, FCT_CALC_TIME, FCT_CALC_POS_V_0 | questions about the coming motion |
-/// | FCT_SHIFT_NCBL | M and H functions at a distance before their place: MEP_SVS, MEP_MOS |
+/// | FCT_CALC_STATE_AT_T, FCT_CALC_TIME, FCT_CALC_POS_V_0 | questions of the PLC about the coming motion |
+/// | FCT_SHIFT_NCBL | M and H functions with MEP_SVS or MEP_MOS are output at a distance before their place |
 /// | others | known, not available |
 pub const INTERPOLATOR_FUNCTIONS: &[&str] = &[
     "FCT_IPO_DEFAULT",
@@ -55,19 +55,19 @@ impl InterpolatorFunctions {
     pub const LOOK_AHEAD_OPT: Self = Self(1 << 5);
     /// FCT_CONTOUR_LAH: the log of the path ahead.
     pub const CONTOUR_LAH: Self = Self(1 << 6);
-    /// FCT_CALC_STATE_AT_T: questions about the state at a later tick.
+    /// FCT_CALC_STATE_AT_T: questions about the state of the motion at a later tick.
     pub const CALC_STATE_AT_T: Self = Self(1 << 7);
-    /// FCT_CALC_TIME: questions about the time of the next block at feed.
+    /// FCT_CALC_TIME: questions about the time that the next block takes at its feed.
     pub const CALC_TIME: Self = Self(1 << 8);
     /// FCT_CALC_POS_V_0: questions about the place where a feed hold would stop the axes.
     pub const CALC_POS_V_0: Self = Self(1 << 9);
 
-    /// FCT_SHIFT_NCBL: M and H functions at a distance before their place.
+    /// FCT_SHIFT_NCBL: M and H functions can be output at a distance before their place (MEP_SVS, MEP_MOS).
     pub const SHIFT_NCBL: Self = Self(1 << 12);
 
-    /// The names that set the length of the look-ahead.
+    /// The bits of the names that set the length of the look-ahead.
     const SIZES: u32 = 0x1F;
-    /// The names that this version supports.
+    /// The bits of the names that this version supports.
     const AVAILABLE: u32 = 0x13FF;
 
     /// The set with these bits; bit k stands for name k of [`INTERPOLATOR_FUNCTIONS`].
@@ -102,7 +102,7 @@ impl InterpolatorFunctions {
         }
     }
 
-    /// The fault of the set, if there is one, and the expected value.
+    /// The first fault of the set and the expected value; `None` if the set is valid.
     pub fn refused(self) -> Option<(&'static str, &'static str)> {
         let sizes = (self.0 & Self::SIZES).count_ones();
         if sizes != 1 {
@@ -120,17 +120,19 @@ impl InterpolatorFunctions {
 /// Machine data for a PLC: additional functions of the interpolator, and the memory for them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InterpolatorData {
-    /// P-CHAN-00650 `configuration.interpolator.function` (P-STUP-00070): functions of the interpolator. The length of
-    /// the look-ahead is [`super::ChannelData::look_ahead`]; a machine file sets it by the name given here.
+    /// P-CHAN-00650 `configuration.interpolator.function` (P-STUP-00070): functions of the interpolator.
+    /// [`super::ChannelData::look_ahead`] has the length of the look-ahead. A machine file sets this length
+    /// by a name in P-CHAN-00650.
     pub functions: InterpolatorFunctions,
-    /// P-CHAN-00658 `configuration.interpolator.contour_lookahead_log_max` (P-STUP-00076): number of stored
-    /// elements by index, and number of stored elements by distance, as far as memory permits.
+    /// P-CHAN-00658 `configuration.interpolator.contour_lookahead_log_max` (P-STUP-00076): largest number of
+    /// elements in the log by index, and in the log by distance. Memory may limit both further.
     pub log_max: u32,
     /// P-STUP-00033 `fb_storage_size[0]`: bytes for stored blocks. 0: no storage, no log by index, and no
     /// real-time loops. A value below [`FB_STORAGE_MIN`] counts as [`FB_STORAGE_MIN`].
     pub fb_storage_size: u32,
-    /// P-CHAN-00033 `prog_start.late_sync_ready`: at its end a program waits until functions of late synchronisation
-    /// (MVS_SLM, MVS_SLP) are acknowledged. `false`: they stay pending for the next program.
+    /// P-CHAN-00033 `prog_start.late_sync_ready`: whether a program waits at its end until functions with
+    /// late synchronisation (MVS_SLM, MVS_SLP) are acknowledged. `false`: these functions stay pending in the
+    /// next program.
     pub late_sync_ready: bool,
 }
 

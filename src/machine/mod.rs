@@ -71,7 +71,8 @@ impl AxisName {
         Some(Self(out))
     }
 
-    /// Whether the name begins with another address of the language. A path axis cannot have such a name.
+    /// Whether the name begins with a letter that has another meaning in programs, for example F. A path axis
+    /// cannot have such a name.
     pub fn is_reserved(&self) -> bool {
         b"DEFGHIJKLMNPRST".contains(&self.0[0])
     }
@@ -119,9 +120,9 @@ pub struct AxisData {
     pub tr_geom: u32,
     /// P-AXIS-00201 `dynamik.tr_min`: smallest ramp time.
     pub tr_min: u32,
-    /// P-AXIS-00013 `dynamik.a_trans_weight`: acceleration permitted at a corner without a curve, in 0.1 %.
-    /// The speed of the axis may jump there by this acceleration times the cycle; the jerk is then not
-    /// limited. 0: the step of speed is small enough for the jerk limit.
+    /// P-AXIS-00013 `dynamik.a_trans_weight`: acceleration permitted at a corner without a curve, in 0.1 % of
+    /// the acceleration of the axis. The speed of the axis may jump there by this acceleration times the
+    /// cycle; jerk is then not limited. 0: the step of speed is small enough for the jerk limit.
     pub a_trans_weight: u32,
     /// P-AXIS-00001 `slope_profil.a_beschl`: acceleration at feed.
     pub a_beschl: u32,
@@ -129,13 +130,13 @@ pub struct AxisData {
     pub a_brems: u32,
     /// P-AXIS-00004 `slope_profil.a_grenz`: acceleration and deceleration in rapid motion.
     pub a_grenz: u32,
-    /// P-AXIS-00195 `slope_profil.tr_beschl_ab`: ramp time, acceleration decreases.
+    /// P-AXIS-00195 `slope_profil.tr_beschl_ab`: ramp time while acceleration decreases.
     pub tr_beschl_ab: u32,
-    /// P-AXIS-00196 `slope_profil.tr_beschl_zu`: ramp time, acceleration increases.
+    /// P-AXIS-00196 `slope_profil.tr_beschl_zu`: ramp time while acceleration increases.
     pub tr_beschl_zu: u32,
-    /// P-AXIS-00197 `slope_profil.tr_brems_ab`: ramp time, deceleration decreases.
+    /// P-AXIS-00197 `slope_profil.tr_brems_ab`: ramp time while deceleration decreases.
     pub tr_brems_ab: u32,
-    /// P-AXIS-00198 `slope_profil.tr_brems_zu`: ramp time, deceleration increases.
+    /// P-AXIS-00198 `slope_profil.tr_brems_zu`: ramp time while deceleration increases.
     pub tr_brems_zu: u32,
     /// P-AXIS-00200 `slope_profil.tr_grenz`: ramp time of rapid motion.
     pub tr_grenz: u32,
@@ -151,7 +152,8 @@ pub struct AxisData {
     pub a_stufe: [u32; 2],
     /// P-AXIS-00282 and 00283 `lslope_profil.d_stufe_1`, `d_stufe_2`: decelerations of STEP at feed; 0: as `a_stufe`.
     pub d_stufe: [u32; 2],
-    /// P-AXIS-00221 `lslope_profil.vb_stufe_1_2`: speed between stage 1 and stage 2 of STEP.
+    /// P-AXIS-00221 `lslope_profil.vb_stufe_1_2`: speed between stage 1 and stage 2, the two values of
+    /// `a_stufe` and `d_stufe`.
     pub vb_stufe_1_2: u32,
     /// P-AXIS-00005 and 00006 `lslope_profil.a_grenz_stufe_1`, `a_grenz_stufe_2`: accelerations of STEP in rapid motion.
     pub a_grenz_stufe: [u32; 2],
@@ -160,10 +162,10 @@ pub struct AxisData {
     pub d_grenz_stufe: [u32; 2],
     /// P-AXIS-00211 `lslope_profil.vb_grenz_stufe_1_2`: speed between both stages of STEP in rapid motion.
     pub vb_grenz_stufe_1_2: u32,
-    /// P-AXIS-00015 `kenngr.achs_mode`: bit mask, [`MODE_LINEAR`] and [`MODE_MASTER`].
+    /// P-AXIS-00015 `kenngr.achs_mode`: a bit mask of [`MODE_LINEAR`] and [`MODE_MASTER`].
     pub achs_mode: u32,
-    /// P-CHAN-00011 `default_feed_axis`: the feed counts along this axis. If no axis is a feed axis, the feed counts
-    /// along the main axes.
+    /// P-CHAN-00011 `default_feed_axis`: whether the feed counts along this axis. If no axis has this mark,
+    /// the feed counts along the main axes.
     pub default_feed_axis: bool,
     /// P-ZERO-00003 `np_grp[i].achse[j].versch`: zero offsets of G54…G59 (i = 1…6), 0.1 µm (rotary: 0.0001°).
     pub versch: [i32; ZERO_OFFSETS],
@@ -213,17 +215,18 @@ impl FilterType {
 /// (`#FILTER`).
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct FilterData {
-    /// P-AXIS-00573 `filter_fir.enable`: the filter is on at program start.
+    /// P-AXIS-00573 `filter_fir.enable`: whether the filter is on at program start.
     pub enable: bool,
-    /// P-AXIS-00586 `filter_fir.type`.
+    /// P-AXIS-00586 `filter_fir.type`: the type of the filter.
     pub kind: FilterType,
-    /// P-AXIS-00587 `filter_fir.order`: 0…200, a time delay 0…100; 0: [`Self::order_time_us`].
+    /// P-AXIS-00587 `filter_fir.order`: the order, 0…200 (time delay: 0…100). 0: [`Self::order_time_us`]
+    /// gives the order.
     pub order: u8,
-    /// P-AXIS-00590 `filter_fir.share`: effectiveness, percent.
+    /// P-AXIS-00590 `filter_fir.share`: how strongly the filter acts, percent.
     pub share: u8,
     /// P-AXIS-00593 `filter_fir.quality`: width of a Gauss filter, in thousandths, 1…1000.
     pub quality_milli: u16,
-    /// P-AXIS-00591 `filter_fir.order_time`: the order as a time, µs. An order below one cycle switches the
+    /// P-AXIS-00591 `filter_fir.order_time`: the order as a time, µs. A time below one cycle switches the
     /// filter off.
     pub order_time_us: u32,
     /// P-AXIS-00585 `filter_fir.fcut`: cut-off frequency of a windowed sinc, in thousandths of Hz.
@@ -264,7 +267,7 @@ pub struct Stages {
     pub a: [u32; 2],
     /// Decelerations below and above `change_over`, mm/s² (rotary: °/s²).
     pub d: [u32; 2],
-    /// Speed at which the second stage begins, µm/s (rotary: 0.001°/s).
+    /// Speed at which the second acceleration and deceleration begin, µm/s (rotary: 0.001°/s).
     pub change_over: u32,
 }
 
@@ -313,7 +316,8 @@ impl AxisData {
         if self.tr_geom == 0 { self.tr_min } else { self.tr_geom }
     }
 
-    /// Accelerations and decelerations of all slopes at `percent`, at most P-AXIS-00008 and at least 1 mm/s².
+    /// Sets accelerations and decelerations of all slopes to `percent` of their values, at most P-AXIS-00008.
+    /// Values above 0 stay at least 1 mm/s².
     pub(crate) fn weigh(&mut self, percent: u32) {
         let a_max = self.a_max;
         let weighted = |a: u32| {
@@ -329,8 +333,9 @@ impl AxisData {
         }
     }
 
-    /// The stages of the slope STEP. A deceleration of 0 means the acceleration. All values are at most P-AXIS-00008,
-    /// and the change-over is at most P-AXIS-00212.
+    /// The accelerations of the slope STEP, at feed or in rapid motion. A programmed deceleration of 0 means
+    /// that of the acceleration. All values are at most P-AXIS-00008, and the change-over is at most
+    /// P-AXIS-00212.
     pub const fn stages(&self, rapid: bool) -> Stages {
         let (a, d, change_over) = if rapid {
             (self.a_grenz_stufe, self.d_grenz_stufe, self.vb_grenz_stufe_1_2)
@@ -368,32 +373,35 @@ pub struct ChannelData {
     pub cycle_us: u32,
     /// Blocks of look-ahead (P-STUP-00071, P-CHAN-00650/00653): 10 to the `BLOCKS` of the channel.
     pub look_ahead: u32,
-    /// P-CHAN-00108 `prog_start.feedrate_factor`: 100 = F in mm/min, 0.1 = F in m/min; here in thousandths.
+    /// P-CHAN-00108 `prog_start.feedrate_factor`, in thousandths. 100 000: F in mm/min. 100: F in m/min.
     pub feedrate_factor_milli: u32,
-    /// P-CHAN-00071 `prog_start.slope.profile`: 0 STEP, 1 TRAPEZ, 2 SIN2, 3 HSC.
+    /// P-CHAN-00071 `prog_start.slope.profile`, the slope at program start: 0 STEP, 1 TRAPEZ, 2 SIN2, 3 HSC.
     pub slope_profile: u8,
-    /// P-CHAN-00001 `prog_start.slope.acceleration`: G130 and G131 weight 0 both, 1 acceleration, 2
+    /// P-CHAN-00001 `prog_start.slope.acceleration`: what G130 and G131 weight. 0: both, 1: acceleration, 2:
     /// deceleration.
     pub acceleration_weight: u8,
-    /// P-CHAN-00073 `prog_start.slope.ramp_time`: G132 and G133 weight 0 all ramps, 1 P-AXIS-00196, 2 00195,
-    /// 3 00198, 4 00197.
+    /// P-CHAN-00073 `prog_start.slope.ramp_time`: what G132 and G133 weight. 0: all ramps, 1: P-AXIS-00196,
+    /// 2: P-AXIS-00195, 3: P-AXIS-00198, 4: P-AXIS-00197.
     pub ramp_weight: u8,
-    /// P-CHAN-00009 `corr_v_trans_jerk`: jerk is limited at tangential transitions between lines and arcs
-    /// (P-AXIS-00154). If `false`, the motion passes such a transition as fast as acceleration permits, and jerk is not
-    /// limited there.
+    /// P-CHAN-00009 `corr_v_trans_jerk`: whether jerk is limited at tangential transitions between lines and
+    /// arcs (P-AXIS-00154). If `false`, the motion passes such a transition as fast as acceleration permits,
+    /// and jerk is not limited there.
     pub corr_v_trans_jerk: bool,
     /// P-CHAN-00066 `override_weight_prog_feed`. 0: the override acts on the speed that the axes permit. 1:
     /// the override acts on the programmed feed. 2: as 1 while reduced speed is on, otherwise as 0.
     pub override_weight_prog_feed: u8,
-    /// P-CHAN-00002 `vector.acceleration`, in thousandths of [`Self::vector_unit`].
+    /// P-CHAN-00002 `vector.acceleration`: limit of the path acceleration, in thousandths of
+    /// [`Self::vector_unit`].
     pub vector_acceleration_milli: u64,
-    /// P-CHAN-00208 `vector.deceleration`, in thousandths of [`Self::vector_unit`].
+    /// P-CHAN-00208 `vector.deceleration`: limit of the path deceleration, in thousandths of
+    /// [`Self::vector_unit`].
     pub vector_deceleration_milli: u64,
-    /// P-CHAN-00090 `vector.velocity`, in thousandths of mm/min.
+    /// P-CHAN-00090 `vector.velocity`: limit of the path speed, in thousandths of mm/min.
     pub vector_velocity_milli: u64,
-    /// P-CHAN-00351 `vector.acc_dec_unit`.
+    /// P-CHAN-00351 `vector.acc_dec_unit`: unit of the limits of acceleration and deceleration.
     pub vector_unit: AccelerationUnit,
-    /// P-CHAN-00350 `vector.cir_radial_acc_limit`: the limit of path acceleration also acts across the path, on arcs.
+    /// P-CHAN-00350 `vector.cir_radial_acc_limit`: whether the limit of path acceleration also limits
+    /// acceleration across the path, on arcs.
     pub cir_radial_acc_limit: bool,
     /// P-CHAN-00110 `check_jerk_on_poly_path`: jerk limit in corner curves: 0 none, 1 from the geometric ramp
     /// time, 2 from the ramp times.
@@ -409,20 +417,20 @@ pub struct ChannelData {
     pub m_synch: SynchTable,
     /// P-CHAN-00027 `h_synch[n]`: synchronisation of H functions.
     pub h_synch: SynchTable,
-    /// P-CHAN-00600 `configuration.path_preparation.function` contains FCT_PTP: `#CONTOUR MODE [PTP]` is
-    /// allowed.
+    /// P-CHAN-00600 `configuration.path_preparation.function`: whether it contains FCT_PTP, so that `#CONTOUR
+    /// MODE [PTP]` is permitted.
     pub ptp: bool,
-    /// P-CHAN-00600 contains FCT_SURFACE: `#HSC \[SURFACE\]` is allowed.
+    /// P-CHAN-00600: whether it contains FCT_SURFACE, so that `#HSC [SURFACE]` is permitted.
     pub surface: bool,
-    /// P-CHAN-00451 `mode_implicite_sync_indp_asyn_axis`: when a block waits for an independent axis. `true`: the block
-    /// names the axis. `false`: the block moves the axis.
+    /// P-CHAN-00451 `mode_implicite_sync_indp_asyn_axis`: which block waits for an independent axis. `true`:
+    /// a block that names the axis. `false`: a block that moves the axis.
     pub joins_named: bool,
     /// P-CHAN-00297 `mode_exact_stop_indp_axis`: which word waits for independent axes. 0: `#WAIT INDP`, for
     /// the named axes. 1: also an exact stop (G60, G360), for all axes. 2: `#WAIT INDP`, for all axes.
     pub exact_stop_indp: u8,
-    /// P-ZERO-00002 `default_index`: zero offset in force at program start: 0 G53 (none), 1…6 G54…G59.
+    /// P-ZERO-00002 `default_index`: the zero offset at program start: 0 for G53 (none), 1…6 for G54…G59.
     pub default_index: u8,
-    /// Functions of the interpolator for a PLC.
+    /// Additional functions of the interpolator for a PLC.
     #[cfg(feature = "plc")]
     pub interpolator: InterpolatorData,
     /// The dialect of programs, and data that only dialects other than ISG's need.

@@ -1,7 +1,8 @@
 //! The table of parameters: name in a machine file, ISG id, unit, range, default, and the field that it sets.
 use super::{AccelerationUnit, AxisData, ChannelData, FilterType, MODE_LINEAR, MODE_MASTER, NO_LIMIT};
 
-/// One parameter of `Target` ([`AxisData`] or [`ChannelData`]), for a loader of machine files.
+/// A row of the table: one parameter of `Target` ([`AxisData`] or [`ChannelData`]). Loaders of machine files
+/// use it.
 pub struct Parameter<Target> {
     /// ISG id, `P-AXIS-…` or `P-CHAN-…`; empty if ISG has none.
     pub id: &'static str,
@@ -17,8 +18,8 @@ pub struct Parameter<Target> {
     pub decimals: bool,
     /// Words for the values 0, 1, … in the file; an empty list means a number.
     pub words: &'static [&'static str],
-    /// Whether several words may be joined by a bar. The words then mean 1, 2, 4, … and the value is their
-    /// sum. The first word must be among them.
+    /// Whether several words may be joined by a bar (`|`). The words then mean 1, 2, 4, … and the value is
+    /// their sum. The first word must always be given.
     pub joined: bool,
     /// Stores a value given in thousandths of the unit and inside the range.
     pub set: fn(&mut Target, i64),
@@ -134,7 +135,7 @@ const LONGEST_DELAY: u8 = 100;
 
 const FILTER_TYPES: &str = "0 none, 1 moving average, 2 Gauss, 3 windowed sinc, 4 time delay";
 
-/// A software limit. The ends of the range mean no limit.
+/// The row of a software limit. A value at an end of the range means no limit.
 const fn software_limit(id: &'static str, name: &'static str) -> Parameter<AxisData> {
     const LARGEST: i64 = NO_LIMIT as i64 * 1000;
     plain(id, name, "0.1 µm or 0.0001°", -LARGEST, LARGEST)
@@ -143,7 +144,7 @@ const fn software_limit(id: &'static str, name: &'static str) -> Parameter<AxisD
 /// Largest zero offset, in 0.1 µm or 0.0001°: a coordinate, 100 000 mm or degrees.
 const ZERO_OFFSET_MAX: i64 = 1_000_000_000;
 
-/// The zero offset of G54…G59 (`SET` 0…5).
+/// The row of a zero offset, G54…G59 (`SET` 0…5).
 const fn zero_offset<const SET: usize>(name: &'static str) -> Parameter<AxisData> {
     const LARGEST: i64 = ZERO_OFFSET_MAX * 1000;
     Parameter {
@@ -299,7 +300,7 @@ pub const CHANNEL: &[Parameter<ChannelData>] = &[
     },
 ];
 
-/// Axis parameters for dialects other than ISG's. They are no ISG parameters.
+/// Axis parameters for dialects other than ISG's; they have no ISG ids.
 #[cfg(feature = "grbl")]
 pub const AXIS_FOREIGN: &[Parameter<AxisData>] = &[
     Parameter {
@@ -329,13 +330,13 @@ pub const AXIS_FOREIGN: &[Parameter<AxisData>] = &[
     },
 ];
 
-/// A stored position of an axis.
+/// The row of a stored position of an axis.
 #[cfg(feature = "grbl")]
 const fn place(name: &'static str) -> Parameter<AxisData> {
     plain("", name, "0.1 µm or 0.0001°", -ZERO_OFFSET_MAX * 1000, ZERO_OFFSET_MAX * 1000)
 }
 
-/// Channel parameters for dialects other than ISG's. They are no ISG parameters.
+/// Channel parameters for dialects other than ISG's; they have no ISG ids.
 #[cfg(feature = "grbl")]
 pub const CHANNEL_FOREIGN: &[Parameter<ChannelData>] = &[
     Parameter {
@@ -355,8 +356,8 @@ pub const CHANNEL_FOREIGN: &[Parameter<ChannelData>] = &[
     },
 ];
 
-/// Channel parameters of the interpolator's functions for a PLC. Their second names are those of ISG's
-/// start-up data.
+/// Channel parameters of the interpolator's functions for a PLC. The second names of these parameters are
+/// those of ISG's start-up data.
 #[cfg(feature = "plc")]
 pub const CHANNEL_PLC: &[Parameter<ChannelData>] = &[
     Parameter {
@@ -397,10 +398,10 @@ pub const CHANNEL_PLC: &[Parameter<ChannelData>] = &[
 const LARGEST_UNS32: i64 = u32::MAX as i64 * 1000;
 
 const VECTOR_UNIT: &str = "mm/min² or mm/s², by vector.acc_dec_unit";
-/// Largest path limit. ISG gives no bound for this value; here it is 2·10^9.
+/// Largest path limit, in thousandths: 2·10^9. ISG gives no bound for this value.
 const VECTOR_MAX_MILLI: i64 = 2_000_000_000_000;
 
-/// A whole number that no code reads or writes yet.
+/// The row of a parameter with whole numbers. The caller replaces `set` and `get`.
 const fn plain<Target>(
     id: &'static str,
     name: &'static str,
@@ -422,7 +423,7 @@ const fn plain<Target>(
     }
 }
 
-/// A parameter of the machine data has a value outside of its range.
+/// A parameter of the machine data has a value outside its range.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct RangeError {
@@ -496,7 +497,7 @@ pub fn check_axis(axis: &AxisData) -> Result<(), RangeError> {
     check_stages(axis)
 }
 
-/// Checks the ranges of a table.
+/// Checks every parameter of a table against its range.
 ///
 /// # Errors
 /// Returns the first parameter out of its range.
@@ -513,7 +514,7 @@ pub fn check_all<Target>(target: &Target, table: &[Parameter<Target>]) -> Result
     Ok(())
 }
 
-/// Checks the axis parameters with this name prefix against bounds that other parameters give.
+/// Checks the axis parameters whose names begin with `names`, against bounds that other parameters give.
 fn check_between(
     axis: &AxisData,
     names: &str,
@@ -532,14 +533,14 @@ fn check_between(
     Ok(())
 }
 
-/// Checks the parameters of STEP. `a_max` and `vb_max` limit the defaults ([`AxisData::stages`]); other
-/// values beyond these limits are refused.
+/// Checks the parameters of STEP. [`AxisData::stages`] lowers default values to `a_max` and `vb_max`. Other
+/// values above these limits are refused.
 fn check_stages(axis: &AxisData) -> Result<(), RangeError> {
     let default = AxisData::new(axis.name, axis.kind);
     check_given_stages(axis, |parameter| (parameter.get)(axis) != (parameter.get)(&default))
 }
 
-/// Checks the STEP parameters that the machine file gives, also if a given value equals the default.
+/// Checks the STEP parameters that the machine file gives, even if a given value equals the default.
 ///
 /// # Errors
 /// Returns the first parameter beyond `a_max` or `vb_max`.

@@ -1,11 +1,11 @@
-//! Replacements for machine data that the tick cannot use.
+//! Replaces machine data that the tick cannot use by values that it can use.
 //!
 //! | parameter | value used | why |
 //! |---|---|---|
 //! | ramp times: P-AXIS-00195 to P-AXIS-00201 | at least [`SHORTEST_RAMP`] cycles | set points cannot show a shorter ramp |
 //! | P-AXIS-00199 = 0 | P-AXIS-00201 | the default of P-AXIS-00199 |
-//! | speeds: P-AXIS-00209, 00212 | at most 16 mm per tick | [`crate::quantity::Speed`] |
-//! | accelerations: P-AXIS-00001 to 00008 | at most 16 mm/tick² | [`crate::quantity::Accel`] |
+//! | speeds: P-AXIS-00209, 00212 | at most 16 mm per tick | range of [`crate::quantity::Speed`] |
+//! | accelerations: P-AXIS-00001 to 00008 | at most 16 mm/tick² | range of [`crate::quantity::Accel`] |
 use super::parameter::AXIS;
 use super::{AxisData, ChannelData};
 

@@ -30,15 +30,17 @@ pub enum Synch {
     BwdSynch,
     /// FWD_SYNCH: acknowledged in simulated forward motion too.
     FwdSynch,
-    /// MEP_SVS: output at the distance of [`SynchTable::with_shift`] before its place; acknowledged there, before the
-    /// motion of its block (feature `plc`, FCT_SHIFT_NCBL).
+    /// MEP_SVS: output before its place, at the distance of [`SynchTable::with_shift`]. The motion waits for
+    /// the acknowledgement at the place itself, before the motion of its block (feature `plc`,
+    /// FCT_SHIFT_NCBL).
     MepSvs,
     /// MEP_MOS: output as MEP_SVS, without acknowledgement (FCT_SHIFT_NCBL).
     #[cfg(feature = "plc")]
     MepMos,
-    /// MET_SVS: output at a time ahead.
+    /// MET_SVS: output a programmed time before its place.
     MetSvs,
-    /// FAW_SYNCH: the decoder waits too. It is set in addition to another kind: [`SynchTable::with_flush`].
+    /// FAW_SYNCH: the decoder waits too. A function has this kind in addition to another one:
+    /// [`SynchTable::with_flush`].
     FawSynch,
 }
 
@@ -83,12 +85,12 @@ impl Synch {
         matches!(self, Self::MepSvs)
     }
 
-    /// Whether the point of the acknowledgement only becomes known later in the program.
+    /// Whether a later word of the program decides where the acknowledgement is needed.
     pub const fn is_late(self) -> bool {
         matches!(self, Self::MvsSlm | Self::MvsSlp)
     }
 
-    /// Whether #EXPL SYN sets this point.
+    /// Whether #EXPL SYN decides where the acknowledgement is needed.
     pub const fn is_explicit(self) -> bool {
         matches!(self, Self::MvsSlp)
     }
@@ -128,10 +130,10 @@ pub struct SynchTable {
     kinds: [Synch; SYNCHRONISED],
     len: u8,
     full: bool,
-    /// FAW_SYNCH, one bit for each function of the table.
+    /// FAW_SYNCH: one bit for each function of the table.
     #[cfg(feature = "plc")]
     flushes: u32,
-    /// P-CHAN-00070, P-CHAN-00107 of each function of the table, 0.1 µm.
+    /// Shift of each function of the table (P-CHAN-00070, P-CHAN-00107), 0.1 µm.
     #[cfg(feature = "plc")]
     shifts: [u32; SYNCHRONISED],
 }
@@ -161,7 +163,8 @@ impl SynchTable {
         shifts: [0; SYNCHRONISED],
     };
 
-    /// Adds function number `code`. Machine data with more than [`SYNCHRONISED`] functions are refused.
+    /// Adds function number `code` with its synchronisation. Machine data with more than [`SYNCHRONISED`]
+    /// functions are refused.
     #[must_use]
     pub const fn with(mut self, code: u16, synch: Synch) -> Self {
         let len = self.len as usize;
@@ -184,8 +187,8 @@ impl SynchTable {
         self
     }
 
-    /// As [`Self::with`], with FAW_SYNCH: the program continues after the block of the function only when the
-    /// motion has reached this place.
+    /// As [`Self::with`], with FAW_SYNCH in addition: the program continues after the block of the function
+    /// only when the motion has reached the function.
     #[cfg(feature = "plc")]
     #[must_use]
     pub const fn with_flush(mut self, code: u16, synch: Synch) -> Self {
@@ -200,9 +203,9 @@ impl SynchTable {
         self
     }
 
-    /// The same with P-CHAN-00070 `m_pre_outp[code]` or P-CHAN-00107 `h_pre_outp[code]`: function number `code` is output
-    /// so many 0.1 µm of path before its place, if its kind is [`Synch::MepSvs`] or [`Synch::MepMos`]. At most
-    /// [`SHIFT_MAX`]; another kind needs 0.
+    /// Sets P-CHAN-00070 `m_pre_outp[code]` or P-CHAN-00107 `h_pre_outp[code]` of function number `code`. The
+    /// function is then output so many 0.1 µm of path before its place. Its kind must be [`Synch::MepSvs`] or
+    /// [`Synch::MepMos`], and `shift` at most [`SHIFT_MAX`]; other kinds need 0.
     #[cfg(feature = "plc")]
     #[must_use]
     pub const fn with_shift(mut self, code: u16, shift: u32) -> Self {

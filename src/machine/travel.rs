@@ -1,8 +1,8 @@
 //! Software limits of the axes: P-AXIS-00177 and P-AXIS-00178.
 //!
 //! The limits are machine positions without offsets. An axis may move exactly up to a limit. The planner
-//! checks the whole path of a block before it plans the block. An axis that is outside a limit may only move
-//! back.
+//! checks the whole path of a block before it plans the block. An axis that is already beyond a limit may
+//! only move back.
 use super::{MachineData, NO_LIMIT};
 use crate::math::divide::div_wide;
 use crate::quantity::Position;
@@ -26,7 +26,7 @@ impl Beyond {
     }
 }
 
-/// The software limits of all axes, for checks of the path.
+/// The software limits of all axes, against which the planner checks the path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Travel<const AXES: usize> {
     /// Negative and positive limit.
@@ -88,7 +88,7 @@ impl<const AXES: usize> Travel<AXES> {
         (0..AXES).try_for_each(|axis| self.axis(axis, from, range(axis), ROUNDING))
     }
 
-    /// The lowest and the highest coordinate that an axis may reach on a path from `from`.
+    /// The lowest and the highest coordinate that an axis may reach on a path that begins at `from`.
     pub fn of(&self, axis: usize, from: &[Position; AXES]) -> [Position; 2] {
         let ([least, most], from) = match (self.limits.get(axis), from.get(axis)) {
             (Some(limits), Some(from)) => (*limits, *from),

@@ -4,10 +4,10 @@
 use super::divide::reciprocal_near;
 use super::wide::mul_hi_u;
 
-/// 1.0 with 62 fraction bits, the format of a sine or cosine.
+/// The number 1 with 62 fraction bits. Sines and cosines have this format.
 pub const ONE: i64 = 1 << 62;
 
-/// 2^64 / n!, n = 3, 5 … 19, rounded to nearest.
+/// Coefficients of the sine: 2^64 / n!, n = 3, 5 … 19, rounded to nearest.
 const SIN: [u64; 9] = [
     0x2aaa_aaaa_aaaa_aaab,
     0x0222_2222_2222_2222,
@@ -20,7 +20,7 @@ const SIN: [u64; 9] = [
     0x0000_0000_0000_0098,
 ];
 
-/// 2^64 / n!, n = 2, 4 … 18, rounded to nearest.
+/// Coefficients of the cosine: 2^64 / n!, n = 2, 4 … 18, rounded to nearest.
 const COS: [u64; 9] = [
     0x8000_0000_0000_0000,
     0x0aaa_aaaa_aaaa_aaab,
@@ -33,7 +33,7 @@ const COS: [u64; 9] = [
     0x0000_0000_0000_0b41,
 ];
 
-/// c0 − z·(c1 − z·(c2 − …)), with 64 fraction bits everywhere.
+/// The alternating series c0 − z·(c1 − z·(c2 − …)). All numbers have 64 fraction bits.
 const fn alternating(z: u64, c: &[u64; 9]) -> u64 {
     let [c0, c1, c2, c3, c4, c5, c6, c7, c8] = *c;
     let p = c7.wrapping_sub(mul_hi_u(z, c8));
@@ -46,11 +46,12 @@ const fn alternating(z: u64, c: &[u64; 9]) -> u64 {
     c0.wrapping_sub(mul_hi_u(z, p))
 }
 
-/// Sine and cosine of turns·2^-64 revolutions with 62 fraction bits; absolute error ≤ 2^-61.9, about one
-/// unit of the result (2^-61.98 over 2·10^7 random angles).
+/// Sine and cosine of an angle of `turns`·2^-64 revolutions, with 62 fraction bits. The absolute error is at
+/// most 2^-61.9, about one unit of the result; 2·10^7 random angles gave at most 2^-61.98.
 ///
-/// Exact at the quarter turns. Sine is exactly odd and cosine exactly even; at odd multiples of an eighth of
-/// a turn they agree within the error. Taylor series on ±π/4, 21 products, 321 instructions on thumbv7em.
+/// The results are exact at the quarter turns. The sine is exactly odd, and the cosine is exactly even. At
+/// odd multiples of an eighth of a turn, sine and cosine agree within the error. The function uses Taylor
+/// series on ±π/4. It takes 21 products and 321 instructions on thumbv7em.
 pub const fn sin_cos_fine(turns: u64) -> (i64, i64) {
     // Nearest quarter turn and the rest, at most 2^61.
     let quarter = turns.wrapping_add(1 << 61) >> 62;
@@ -94,14 +95,15 @@ const ARCTAN: [u64; 17] = [
     0x2000_0000_0000_0000,
 ];
 
-/// Direction of (x, y) in 2^-64 revolutions from the x axis towards y; error ≤ 2^-60 turns
-/// (14 units asserted, 13 measured), 0 for (0, 0).
+/// Direction of the vector (x, y) in 2^-64 revolutions, from the x axis towards the y axis; 0 for (0, 0). The
+/// error is at most 2^-60 revolutions: a test asserts 14 units, 13 were measured.
 ///
-/// The arguments may have any scale. The result is exact on the axes and diagonals; a mirrored vector gives
-/// the mirrored angle.
+/// The vector may have any length. The result is exact on the axes and diagonals; a mirrored vector
+/// gives the mirrored angle.
 ///
-/// In the first octant, k is the nearest sixteenth to y/x. The rotation by −atan(k/16) is exact in integers
-/// and leaves a slope w of at most about 1/32. Six terms of the arc tangent suffice: w^13/13 < 2^-68.
+/// In the first octant, k/16 is the multiple of 1/16 that is nearest to y/x. The rotation by −atan(k/16) is
+/// exact in integers, and leaves a slope w of at most about 1/32. Six terms of the arc tangent suffice:
+/// w^13/13 < 2^-68.
 pub const fn atan2_turns(y: i64, x: i64) -> u64 {
     let (abs_x, abs_y) = (x.unsigned_abs(), y.unsigned_abs());
     let steep = abs_y > abs_x;
@@ -109,7 +111,8 @@ pub const fn atan2_turns(y: i64, x: i64) -> u64 {
     if long == 0 {
         return 0;
     }
-    // To 58 bits: 16·long + 16·short still fits. A shift to the right drops 2^-58 of the radius.
+    // Scaled to 58 bits, so that 16·long + 16·short still fits. A shift to the right drops 2^-58 of the
+    // radius.
     let zeros = long.leading_zeros();
     let (long, short) = if zeros >= 6 {
         (long << (zeros - 6), short << (zeros - 6))

@@ -1,12 +1,12 @@
-//! Quotients of 128 by 64 bits, exact, without the library's 64- and 128-bit division.
+//! Quotients of 128 by 64 bits, exact, without the 64-bit and 128-bit division of the compiler's library.
 //!
-//! Two "3 by 2" steps give the two quotient digits, each of 32 bits. They use a precomputed reciprocal word:
-//! N. Möller, T. Granlund, "Improved division by invariant integers", IEEE Trans. Computers 60 (2011),
-//! algorithms 5 (step) and 6 (reciprocal). The reciprocal word starts from one 16-bit hardware division.
-//! Newton steps refine it, and a final remainder makes it exact. [`reciprocal_near`] is for uses that need no
-//! exact value.
+//! Two "3 by 2" steps give the two quotient digits of 32 bits. Each step uses a precomputed reciprocal word.
+//! See N. Möller, T. Granlund, "Improved division by invariant integers", IEEE Trans. Computers 60 (2011):
+//! algorithm 5 is the step, algorithm 6 the reciprocal. The reciprocal word starts from one hardware
+//! division, accurate to 15 bits. Newton steps refine it, and a final remainder makes it exact.
+//! [`reciprocal_near`] is for uses that need no exact value.
 
-/// floor((2^64 − 1) / d) − 2^32 for d ≥ 2^31.
+/// The reciprocal word of a 32-bit divisor: floor((2^64 − 1) / d) − 2^32 for d ≥ 2^31.
 const fn reciprocal_word(d: u32) -> u32 {
     // 2^48/d to a relative 2^-15. The bit is already set; it proves that the divisor is not zero.
     let seed = (u32::MAX / ((d >> 16) | 0x8000)) as i64;
@@ -27,7 +27,7 @@ const fn reciprocal_word(d: u32) -> u32 {
     exact as u32
 }
 
-/// floor((2^96 − 1) / d) − 2^32 for d ≥ 2^63: algorithm 6.
+/// The reciprocal word of a 64-bit divisor (algorithm 6): floor((2^96 − 1) / d) − 2^32 for d ≥ 2^63.
 const fn reciprocal(d: u64) -> u32 {
     let (d1, d0) = ((d >> 32) as u32, d as u32);
     let mut v = reciprocal_word(d1);
@@ -52,7 +52,8 @@ const fn reciprocal(d: u64) -> u32 {
     v
 }
 
-/// Quotient digit and remainder of (u·2^32 + u0) / d, for u < d and v its reciprocal: algorithm 5.
+/// One quotient digit and the remainder of (u·2^32 + u0) / d (algorithm 5). `u` must be below `d`; `v` is the
+/// reciprocal word of `d`.
 const fn step(u: u64, u0: u32, d: u64, v: u32) -> (u32, u64) {
     let (d1, d0) = ((d >> 32) as u32, d as u32);
     let (u2, u1) = ((u >> 32) as u32, u as u32);
@@ -91,7 +92,7 @@ pub const fn div_wide(hi: u64, lo: u64, d: u64) -> u64 {
     ((q1 as u64) << 32) | q0 as u64
 }
 
-/// a·2^shift as two words, shift 0…64.
+/// a·2^shift as high and low word, for a shift of 0…64.
 const fn widen(a: u64, shift: u32) -> (u64, u64) {
     match shift {
         0 => (0, a),
@@ -102,16 +103,17 @@ const fn widen(a: u64, shift: u32) -> (u64, u64) {
 
 /// floor(a·2^shift / b), exact; `u64::MAX` if the quotient does not fit or b is zero.
 ///
-/// The shift is 0…64; a larger shift counts as 64.
+/// `shift` is 0…64; a larger shift counts as 64.
 pub const fn div_shift(a: u64, shift: u32, b: u64) -> u64 {
     let (hi, lo) = widen(a, shift);
     div_wide(hi, lo, b)
 }
 
-/// 2^126 / d for d ≥ 2^63, at most 32 below the exact value: for products that need no exact last bits.
+/// An approximate reciprocal: 2^126 / d for d ≥ 2^63, at most 32 below the exact value. It is for products
+/// that need no exact last bits.
 ///
-/// The upper word comes from `f32` (2^-22). Then y ← y + y·(1 − x·y) twice, with x = d/2^64: 2^-30, 2^-59.
-/// The result is below 2^63.
+/// The upper word comes from `f32`, with a relative error of 2^-22. Two Newton steps y ← y + y·(1 − x·y) with
+/// x = d/2^64 reduce the error to 2^-30 and to 2^-59. The result is below 2^63.
 pub const fn reciprocal_near(d: u64) -> u64 {
     const ONE: i64 = 1 << 62;
     let (d1, d0) = ((d >> 32) as u32 as u64, d as u32 as u64);

@@ -42,14 +42,14 @@ pub fn to_i64(x: f32) -> i64 {
     if x < 0.0 { -size } else { size }
 }
 
-/// The smaller value. `f32::min` has a NaN rule that costs instructions; no operand here is NaN. Pass the
-/// lowered value second: it then stays in its register.
+/// The smaller value, without the NaN rule of `f32::min`, which costs instructions. No operand may be NaN. In
+/// a running minimum, pass the minimum so far second: it then stays in its register.
 #[cfg_attr(feature = "fast", inline(always))]
 pub fn min(a: f32, b: f32) -> f32 {
     if a < b { a } else { b }
 }
 
-/// The larger value; no operand is NaN.
+/// The larger value. No operand may be NaN.
 #[cfg_attr(feature = "fast", inline(always))]
 pub fn max(a: f32, b: f32) -> f32 {
     if a > b { a } else { b }

@@ -1,16 +1,17 @@
-//! Square and cube roots: exact in integers, and close in `f32`.
+//! Square roots of integers, exact; square and cube roots of `f32`, with a relative error below 2^-23.
 //!
-//! The integer roots scale the radicand to x in [1/4, 1). Newton's y ← y + y·(1 − x·y²)/2 gives 1/√x, first
-//! in `f32`. Then s = x·y is improved by s ← s + (x − s²)·y/2 (Karp and Markstein). The exact remainder of
-//! one last step gives the last unit. The code needs neither a division nor a loop.
+//! The integer roots scale the radicand to x in [1/4, 1). Newton's step y ← y + y·(1 − x·y²)/2 approaches
+//! 1/√x; the first steps use `f32`. The product s = x·y is then close to √x. The step s ← s + (x − s²)·y/2
+//! (Karp and Markstein) improves s, and an exact remainder decides the last unit. The code needs neither a
+//! division nor a loop.
 use super::wide::mul_wide;
 use micromath::F32Ext;
 
-/// 1/√x with 30 fraction bits, x = m / 2^32 in [1/4, 1); relative error below 2^-29.
+/// 1/√x with 30 fraction bits, for x = m / 2^32 in [1/4, 1). The relative error is below 2^-29.
 fn inverse_sqrt(m: u32) -> u32 {
     let x = m as f32;
-    // Seed from micromath (3.5 %). Then the relative error falls to 1.8e-3, 5e-6, 4e-11, plus 2^-30 of
-    // rounding.
+    // The seed of micromath has a relative error of 3.5 %. The steps reduce it to 1.8e-3, 5e-6 and 4e-11,
+    // plus 2^-30 of rounding.
     let mut y = F32Ext::invsqrt(x);
     let half = 0.5 * x;
     y *= 1.5 - half * y * y;
@@ -19,7 +20,7 @@ fn inverse_sqrt(m: u32) -> u32 {
     newton(m as u64, (y * (1u64 << 46) as f32) as u32 as u64) as u32
 }
 
-/// y + y·(1 − x·y²)/2 with y in 30 fraction bits, x in 32.
+/// One Newton step for 1/√x: y + y·(1 − x·y²)/2, with 30 fraction bits in y and x = m / 2^32.
 const fn newton(m: u64, y: u64) -> u64 {
     let square = y.wrapping_mul(y) >> 30;
     // 1 − x·y² in 62 fraction bits, its half in 32 of them.
@@ -27,8 +28,8 @@ const fn newton(m: u64, y: u64) -> u64 {
     y.wrapping_add_signed(error.wrapping_mul(y as i64) >> 32)
 }
 
-/// For the upper word n of a scaled radicand: 1/√x with 30 fraction bits, and √x with 32 fraction bits, a few
-/// units off.
+/// First values for the upper word `n` of a scaled radicand x: 1/√x with 30 fraction bits, and √x with 32
+/// fraction bits. Both are a few units off.
 fn estimate(n: u64) -> (i64, u64) {
     let y = inverse_sqrt((n >> 32) as u32) as u64;
     // x < 1 keeps the root below 1, but the error of y may not.
@@ -101,13 +102,14 @@ pub fn sqrt_u64(x: u64) -> u32 {
     (root >> half_shift) as u32
 }
 
-/// √x, relative error ≤ 9.0e-8 < 2^-23 (all mantissas measured); 0 for 0, NaN below 0.
+/// √x with a relative error of at most 9.0e-8 < 2^-23, measured for all mantissas. 0 gives 0, and a number
+/// below 0 gives NaN.
 ///
-/// Squares of whole numbers up to 4095² have exact roots. 21 instructions inlined on thumbv7em, three of them
-/// divisions.
+/// Squares of whole numbers up to 4095² have exact roots. The function takes 21 instructions inlined on
+/// thumbv7em, three of them divisions.
 ///
-/// The seed uses half the exponent (6 %). Three steps of Heron's s ← (s + x/s)/2 follow: 6 % → 1.8e-3 →
-/// 1.6e-6 → rounding only.
+/// The seed uses half the exponent, with an error of 6 %. Three of Heron's steps s ← (s + x/s)/2 reduce the
+/// error: 6 % → 1.8e-3 → 1.6e-6 → rounding only.
 #[cfg_attr(feature = "fast", inline(always))]
 pub fn sqrt_f32(x: f32) -> f32 {
     // Not 0, subnormal, infinite or negative.
@@ -142,12 +144,12 @@ fn sqrt_special(x: f32) -> f32 {
     }
 }
 
-/// ³√x with the sign of x, relative error ≤ 9.8e-8 (all mantissas measured); 0 for 0.
+/// ³√x with the sign of x; 0 gives 0. The relative error is at most 9.8e-8, measured for all mantissas.
 ///
-/// The cost is 65 instructions on thumbv7em, two of them divisions.
+/// The function takes 65 instructions on thumbv7em, two of them divisions.
 ///
-/// The seed uses a third of the exponent (4 %). Two steps of Halley's iteration follow: 4 % → 4.3e-5 →
-/// rounding only.
+/// The seed uses a third of the exponent, with an error of 4 %. Two of Halley's steps reduce the error: 4 % →
+/// 4.3e-5 → rounding only.
 pub fn cbrt_f32(x: f32) -> f32 {
     let magnitude = f32::from_bits(x.to_bits() & 0x7fff_ffff);
     if magnitude == 0.0 || !magnitude.is_finite() {
@@ -168,14 +170,15 @@ pub fn cbrt_f32(x: f32) -> f32 {
     if x < 0.0 { -root } else { root }
 }
 
-/// ³√x for x > 0 by a third of the exponent, relative error ≤ 4 %: a start value for an iteration.
+/// A start value for an iteration: ³√x for x > 0 from a third of the exponent, with a relative error of at
+/// most 4 %.
 #[cfg_attr(feature = "fast", inline(always))]
 pub fn cbrt_guess(x: f32) -> f32 {
     // Exponent bias: 127·(1 − 1/3) in units of the mantissa's last bit, lowered to balance the error.
     f32::from_bits((x.to_bits() / 3).wrapping_add(0x2a51_4067))
 }
 
-/// y + y·((a − y³) / (2·y³ + a)). In this order nothing underflows.
+/// One of Halley's steps for ³√a: y + y·((a − y³) / (2·y³ + a)). In this order nothing underflows.
 fn halley(a: f32, y: f32) -> f32 {
     let cube = y * y * y;
     y + y * ((a - cube) / (2.0 * cube + a))

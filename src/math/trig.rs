@@ -1,7 +1,7 @@
 //! Sine and cosine for the tick: no division, no branch.
 //!
-//! The angle is a point of a 1024-part circle plus a rest r of at most ρ = π/1024. With S and C, sine and
-//! cosine of that point from a table,
+//! The angle is a multiple of 1/1024 revolution plus a rest r of at most ρ = π/1024. S and C, the sine and
+//! cosine of the multiple, come from a table. Then
 //!
 //! sin = S + C·sin r − S·(1 − cos r),  cos = C − S·sin r − C·(1 − cos r).
 //!
@@ -20,7 +20,8 @@ const QUARTER: usize = POINTS / 4;
 /// its end, 2 kB.
 const TABLE: usize = if cfg!(feature = "fast") { POINTS + QUARTER } else { QUARTER + 1 };
 
-/// Sine with 62 fraction bits at multiples of 1/1024 revolution. The cosine is the sine a quarter further.
+/// Sine at multiples of 1/1024 revolution, with 62 fraction bits. The cosine is the sine a quarter of a
+/// revolution further.
 static SINE: [i64; TABLE] = table();
 
 const fn table() -> [i64; TABLE] {
@@ -33,7 +34,8 @@ const fn table() -> [i64; TABLE] {
     sine
 }
 
-/// Sine and cosine at the multiple of 1/1024 revolution at or below an angle in 2^-32 revolutions.
+/// Sine and cosine at the multiple of 1/1024 revolution at or below an angle. `turns`: the angle, 2^-32
+/// revolutions.
 #[cfg(feature = "fast")]
 #[inline(always)]
 fn at_point(turns: u32) -> (i64, i64) {
@@ -41,14 +43,14 @@ fn at_point(turns: u32) -> (i64, i64) {
     (SINE[point], SINE[point + QUARTER])
 }
 
-/// The same bits from a quarter alone: mirrored values are mirrored exactly, and sine and cosine of an eighth of a
-/// revolution are equal.
+/// The same bits from a table of a quarter revolution: mirrored values are mirrored exactly, and sine and
+/// cosine of an eighth of a revolution are equal.
 #[cfg(not(feature = "fast"))]
 #[inline(always)]
 fn at_point(turns: u32) -> (i64, i64) {
     let up = (turns >> 22) as usize & (QUARTER - 1);
     let down = QUARTER - up;
-    // Every second quarter falls.
+    // In every second quarter the sine falls: sine and cosine change places.
     let (sine, cosine) = if turns & 1 << 30 == 0 { (up, down) } else { (down, up) };
     // The sine is negative in the second half of a revolution, the cosine a quarter earlier. A mask of sign bits
     // negates the number.
@@ -59,7 +61,7 @@ fn at_point(turns: u32) -> (i64, i64) {
     (mirrored(SINE[sine], turns), mirrored(SINE[cosine], turns.wrapping_add(1 << 30)))
 }
 
-/// 2ρ·2^64: from a rest in units of ρ·2^-63 to 64 fraction bits of a radian.
+/// 2ρ·2^64: converts a rest in units of ρ·2^-63 to radians with 64 fraction bits.
 const RADIANS: i64 = 0x0192_1fb5_4442_d184;
 
 /// a·ρ³·2^58 with a = 1/6 − 0.87·ρ²/120. With this a, the error |sin r − r + a·r³| ≤ 2^-51.5 is least.
@@ -81,17 +83,19 @@ const fn split(v: i64) -> (i32, i32) {
     (((v >> 32) as i32).wrapping_add((v as u32 >> 31) as i32), v as i32)
 }
 
-/// Sine and cosine of turns·2^-64 revolutions, 62 fraction bits; absolute error ≤ 2^-46.8 (2^-46.93 over
-/// 8·10^6 random angles).
+/// Sine and cosine of an angle of `turns`·2^-64 revolutions, with 62 fraction bits. The absolute error is at
+/// most 2^-46.8; 8·10^6 random angles gave at most 2^-46.93.
 ///
-/// Exact at the quarter turns. Mirrored angles give mirrored results within 160 units of 2^-62 (2^-54.7). The
-/// exception is an exact midpoint between two table points, where both sides differ by up to 2^-47.6.
+/// The results are exact at the quarter turns. Mirrored angles give mirrored results within 160 units of
+/// 2^-62 (2^-54.7). The exception is an exact midpoint between two table points, where both sides differ by
+/// up to 2^-47.6.
 ///
-/// 82 instructions as a function on thumbv7em, 18 of them multiplications; about 73 inlined. Without the feature `fast`
-/// 20 more.
+/// The function takes 82 instructions on thumbv7em, 18 of them multiplications; about 73 if inlined. Without
+/// the feature `fast`, 20 more.
 ///
-/// The parts of the error: rounding of the rest in 1 − cos r 2^-48.7, its square 2^-48.7; the 49 fraction
-/// bits of the result, with S and C in 30 fraction bits, 2^-48.7; the sine's series 2^-51.5; the table 2^-62.
+/// The error has these parts. In 1 − cos r: rounding of the rest 2^-48.7, and its square 2^-48.7. The 49
+/// fraction bits of the result, with S and C in 30 fraction bits: 2^-48.7. The series of the sine: 2^-51.5.
+/// The table: 2^-62.
 #[inline]
 pub fn sin_cos(turns: u64) -> (i64, i64) {
     // Nearest table point, and the rest in units of ρ·2^-63.

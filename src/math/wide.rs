@@ -3,14 +3,14 @@
 //! A factor is split as a = a1·2^32 + a0 with unsigned a0; only a1 has the sign. Each of the four partial
 //! products plus two 32-bit carries still fits 64 bits: (2^32 − 1)² + 2·(2^32 − 1) = 2^64 − 1.
 
-/// The low 32 bits.
+/// The low 32 bits of a number.
 const fn low(a: u64) -> u64 {
     a & 0xffff_ffff
 }
 
 /// floor(a·b / 2^64), exact for all arguments.
 ///
-/// For the tick: 15 instructions inlined on thumbv7em, six of them multiplications.
+/// The tick uses this function: 15 instructions inlined on thumbv7em, six of them multiplications.
 #[inline(always)]
 pub const fn mul_hi(a: i64, b: i64) -> i64 {
     let (a1, a0) = (a >> 32, low(a as u64) as i64);
@@ -49,10 +49,11 @@ pub const fn square_wide(a: u64) -> (u64, u64) {
     (a1.wrapping_mul(a1).wrapping_add(middle >> 31).wrapping_add(carry as u64), lo)
 }
 
-/// a·b / 2^shift, rounded to nearest, ties up. If the result does not fit, these are its low 64 bits.
+/// a·b / 2^shift, rounded to nearest, ties up, exact for all factors. If the result does not fit, the
+/// function returns its low 64 bits.
 ///
-/// Shift 0…127, its higher bits are ignored. Exact for all factors. At most 95 instructions on thumbv7em, 28
-/// inlined with a shift known to the compiler.
+/// `shift` is 0…127; higher bits of `shift` are ignored. At most 95 instructions on thumbv7em; 28 if inlined
+/// with a shift that the compiler knows.
 #[inline]
 pub const fn mul_shift(a: i64, b: i64, shift: u32) -> i64 {
     let high = mul_hi(a, b);
@@ -72,10 +73,11 @@ pub const fn mul_shift(a: i64, b: i64, shift: u32) -> i64 {
     }
 }
 
-/// floor(a·n / 2^shift) from a 96-bit product. If the result does not fit, these are its low 64 bits.
+/// floor(a·n / 2^shift) from a 96-bit product. If the result does not fit, the function returns its low 64
+/// bits.
 ///
-/// Shift 0…32, a larger one counts as 32. For the tick: with a shift known to the compiler 4 to 8
-/// instructions inlined on thumbv7em, three of them multiplications; otherwise 22.
+/// `shift` is 0…32; a larger shift counts as 32. The tick uses this function: 4 to 8 instructions inlined on
+/// thumbv7em with a shift that the compiler knows, three of them multiplications; otherwise 22.
 #[inline(always)]
 pub const fn mul_u32(a: i64, n: u32, shift: u32) -> i64 {
     let shift = if shift > 32 { 32 } else { shift };
@@ -85,8 +87,9 @@ pub const fn mul_u32(a: i64, n: u32, shift: u32) -> i64 {
     (high << (32 - shift)) | (low(first) >> shift) as i64
 }
 
-/// A 64-bit number cut into its upper word and the upper 31 bits of its lower one, for products that need not
-/// be exact in their last bit: `upper·2^32 + 2·lower`, at most 1 below the number.
+/// A 64-bit number without its last bit, for products that need not be exact in their last bit. The parts are
+/// the upper word and the upper 31 bits of the lower word: `upper·2^32 + 2·lower`, at most 1 below the
+/// number.
 #[derive(Clone, Copy)]
 pub struct Halves {
     upper: i32,
@@ -119,7 +122,7 @@ impl Halves {
         (cross >> 31).wrapping_add(product(self.upper, b.upper))
     }
 
-    /// (self·a + other·b) / 2^64, with an error of at most 4; each product is within ±2^124. Nine
+    /// (self·a + other·b) / 2^64, with an error of at most 4. Each product must be within ±2^124. Nine
     /// instructions on a Cortex-M4.
     #[inline(always)]
     pub const fn turn(self, a: Self, other: Self, b: Self) -> i64 {

@@ -165,8 +165,8 @@ impl<const AXES: usize> Interpreter<AXES> {
         Units { length: self.axis_factor(axis), feed: Factor { numerator: 100_000, denominator } }
     }
 
-    /// Reads a command in brackets after an axis name into `single`, if there is one; otherwise the cursor
-    /// stays. Returns whether there was a command.
+    /// Reads a command in brackets after an axis name into `single`, if there is one. Returns whether there
+    /// was a command; without one, the cursor stays.
     pub fn axis_command(
         &mut self,
         c: &mut Cursor<'_>,
@@ -324,8 +324,8 @@ impl<const AXES: usize> Interpreter<AXES> {
         if first == second {
             return span.fault(NcErrorKind::Missing("two different positions"));
         }
-        // The decoder does not know whether an axis is a modulo axis. It only knows that a linear axis does
-        // not count turns.
+        // The decoder does not know whether an axis is a modulo axis. The decoder only knows that a linear
+        // axis does not count turns.
         if w.short && self.setup.kinds.get(axis) == Some(&AxisKind::Rotary) {
             let turn = Position::const_from_int(360);
             if [first, second].iter().any(|p| *p < Position::ZERO || *p > turn) {
@@ -343,7 +343,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         })
     }
 
-    /// The origin of a command that begins at `span`.
+    /// Block number and place of a command that begins at `span`.
     pub fn head_of(&self, line: &Line, span: Span) -> Head {
         Head { n: self.n, place: line.place(span), in_motion: false }
     }

@@ -12,7 +12,7 @@ use crate::quantity::{Feed, Position};
 use core::cell::Cell;
 use heapless::Deque;
 
-/// One result of a block. Packed, because there are many.
+/// One result of a block: a command or a motion. Packed to save memory, because there are many.
 #[derive(Clone, Copy)]
 #[repr(C, packed(4))]
 pub(super) struct Item {
@@ -23,7 +23,7 @@ pub(super) struct Item {
 /// The results of a block, in order.
 pub(super) type Items = Deque<Item, { super::BLOCK_WORDS }>;
 
-/// The kind of a result; the interpreter keeps larger values.
+/// The kind of a result. The interpreter stores values that are too large for this type.
 #[derive(Clone, Copy)]
 pub(super) enum ItemKind {
     /// A G word with its own typed command.
@@ -65,7 +65,7 @@ pub(super) struct Given {
     pub span: Span,
 }
 
-/// Purpose of the axis words of a block.
+/// What the axis words of a block are used for.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Use {
     Motion,
@@ -74,7 +74,7 @@ pub(super) enum Use {
     Weight(WeightKind),
 }
 
-/// The words of one block.
+/// The words of one block, as far as they are read.
 pub(super) struct Words<const AXES: usize> {
     pub axes: [Option<Given>; AXES],
     /// The first axis word.
@@ -95,10 +95,10 @@ pub(super) struct Words<const AXES: usize> {
     pub end_span: Span,
 }
 
-/// A block that continues in the next call.
+/// A block that is not completely read: reading continues in the next call.
 pub(super) struct Waiting<const AXES: usize> {
     words: Words<AXES>,
-    /// Start of the first word, and start of the next word.
+    /// First value: start of the first word. Second value: start of the next word.
     first: u16,
     next: u16,
 }
@@ -137,7 +137,7 @@ impl<const AXES: usize> Words<AXES> {
     }
 }
 
-/// Groups of G words; a block may hold one word of each.
+/// Groups of G words: a block may hold one word of each group.
 mod group {
     pub const MODE: u16 = 1;
     pub const PLANE: u16 = 2;
@@ -327,8 +327,8 @@ impl<const AXES: usize> Interpreter<AXES> {
         Ok(None)
     }
 
-    /// Carries out an assignment to a V. variable, if there is one. A real-time loop must not contain
-    /// assignments to V. variables or P parameters, or returns, because its lines are read only once.
+    /// Carries out an assignment to a V. variable, if there is one. The lines of a real-time loop are read
+    /// only once. So the loop must not contain assignments to V. variables or P parameters.
     #[cfg(feature = "plc")]
     #[inline(never)]
     fn is_calculation(&mut self, c: &mut Cursor<'_>) -> Result<bool, Fault> {
@@ -606,7 +606,7 @@ pub(super) fn checksum_of(text: &[u8]) -> Option<usize> {
     address.then_some(star)
 }
 
-/// Claims the axis words of the block for one use.
+/// Marks the axis words of the block as used for one purpose. A second purpose is refused.
 fn consume<const AXES: usize>(w: &mut Words<AXES>, by: Use, span: Span) -> Result<(), Fault> {
     if w.consumer != Use::Motion {
         return span.fault(NcErrorKind::Conflict("another use of its axis words"));
@@ -616,7 +616,7 @@ fn consume<const AXES: usize>(w: &mut Words<AXES>, by: Use, span: Span) -> Resul
     Ok(())
 }
 
-/// Inserts an item after the other items before the motion, and counts it.
+/// Inserts an item behind the other items that come before the motion, and counts it.
 pub(super) fn put_before(
     queue: &mut Items,
     before: &mut u8,

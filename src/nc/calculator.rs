@@ -1,11 +1,11 @@
 //! The state of expressions, and the amount of arithmetic per call.
 //!
 //! A line may hold more arithmetic than one call of the decoder may do. The calculator counts the remaining
-//! work of the call. If it does not suffice, the current expression is stored in the middle, and the decoder
-//! leaves the line as if the text were wrong ([`Calculator::is_halted`] distinguishes both cases). The next
-//! call reads the line again. It skips complete words, and takes the values of complete expressions of the
-//! current statement from a list. It then continues the stored expression. So the decoder must not change any
-//! state before an expression is complete: the last one of a statement, or of a word in a block.
+//! work of the call. If the work does not suffice, the calculator stores the unfinished expression, and the
+//! decoder leaves the line as if the text were wrong. [`Calculator::is_halted`] distinguishes both cases. The
+//! next call reads the line again: it skips complete words, takes the values of complete expressions of the
+//! current statement from a list, and continues the stored expression. So the decoder must not change any
+//! state before the last expression of a statement, or of a word in a block, is complete.
 use super::expression::Stacks;
 use super::parameter::Parameters;
 use super::{Fault, NcErrorKind, Span};
@@ -109,13 +109,13 @@ impl Calculator {
         !self.is_halted() && self.left.get() >= BUDGET - work
     }
 
-    /// Adds work that cannot be postponed.
+    /// Counts work that cannot be postponed.
     pub fn charge(&self, work: u32) {
         self.left.set(self.left.get().saturating_sub(work));
     }
 
-    /// Whether the call may still do this work, which then counts. The first work of a call is always
-    /// permitted.
+    /// Whether the call may still do this work. If so, the work is counted. The first work of a call is
+    /// always permitted.
     pub fn affords(&self, work: u32) -> bool {
         let left = self.left.get().checked_sub(work);
         if left.is_none() && self.moved.get() {
@@ -126,7 +126,7 @@ impl Calculator {
         true
     }
 
-    /// Halts the line until the next call. The returned fault is not an error.
+    /// Stops work on the line until the next call. The returned fault is no error: it only ends this call.
     pub fn halt<V>(&self) -> Result<V, Fault> {
         self.halted.set(true);
         Span::default().fault(NcErrorKind::Endless)
@@ -139,7 +139,7 @@ impl Calculator {
         self.aside_start.set(start);
     }
 
-    /// Whether an expression may be stored: all complete ones before it must be in the list.
+    /// Whether an expression may be stored. This needs all complete expressions before it in the list.
     pub fn knows_all(&self) -> bool {
         self.count.get() < self.known.len()
     }
@@ -150,7 +150,7 @@ impl Calculator {
         self.aside_start.get() == start
     }
 
-    /// Returns the stored expression. Its next step may have any cost.
+    /// Returns the stored expression. The next step of this expression may have any cost.
     #[inline(never)]
     pub fn take_aside(&self) -> Option<Aside> {
         self.aside_start.set(NOWHERE);

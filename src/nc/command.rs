@@ -7,7 +7,7 @@ use crate::quantity::{Feed, Position};
 #[cfg(feature = "grbl")]
 use crate::technology::{Function, InputWait};
 
-/// A place in the program text: the origin of a command or an error.
+/// A place in the program text, from which a command or an error comes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Place {
@@ -28,7 +28,7 @@ impl Place {
     pub const NONE: Self = Self { line: 0, column: 0, offset: 0, length: 0, file: 0 };
 }
 
-/// The data of the machine that the decoder uses: names, kinds, main axes, offsets.
+/// The machine data that the decoder uses: axis names, kinds, main axes, offsets.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Setup<const AXES: usize> {
     /// Axis names in the order of the coordinates.
@@ -46,12 +46,13 @@ pub struct Setup<const AXES: usize> {
     pub zero_offsets: [[Position; AXES]; ZERO_OFFSETS],
     /// P-ZERO-00002: zero offset that is active at program start: 0 none (G53), 1…6 G54…G59.
     pub default_index: u8,
-    /// P-CHAN-00041: M functions that are output before the motion of their block. All others are output
-    /// after it.
+    /// P-CHAN-00041: synchronisation of M functions. It decides whether an M function is output before or
+    /// after the motion of its block.
     pub m_synch: SynchTable,
-    /// P-CHAN-00027: H functions that are output before the motion of their block.
+    /// P-CHAN-00027: synchronisation of H functions. It decides whether an H function is output before or
+    /// after the motion of its block.
     pub h_synch: SynchTable,
-    /// What the machine data say of synchronisation, at each program start.
+    /// Synchronisation of functions at program start, from the machine data.
     #[cfg(feature = "plc")]
     pub given: GivenSynch,
     /// Data that only programs of LinuxCNC and Grbl need.
@@ -59,17 +60,17 @@ pub struct Setup<const AXES: usize> {
     pub foreign: ForeignSetup<AXES>,
 }
 
-/// Synchronisation of functions at program start. A program changes it by V.G.M_FCT and V.G.H_FCT.
+/// Synchronisation of functions at program start. A program changes it by `V.G.M_FCT` and `V.G.H_FCT`.
 #[cfg(feature = "plc")]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GivenSynch {
-    /// P-CHAN-00041.
+    /// P-CHAN-00041: synchronisation of M functions.
     pub m: SynchTable,
-    /// P-CHAN-00027.
+    /// P-CHAN-00027: synchronisation of H functions.
     pub h: SynchTable,
-    /// P-CHAN-00650 has FCT_SHIFT_NCBL: MEP_SVS and MEP_MOS are there.
+    /// Whether MEP_SVS and MEP_MOS are available: P-CHAN-00650 contains FCT_SHIFT_NCBL.
     pub shifts: bool,
-    /// P-CHAN-00033.
+    /// P-CHAN-00033: whether a program waits at its end for acknowledgements of late synchronisation.
     pub late_sync_ready: bool,
 }
 
@@ -127,7 +128,7 @@ impl<const AXES: usize> Setup<AXES> {
     }
 }
 
-/// Plane of arcs. It selects the first and second axis from the main axes.
+/// The plane of arcs: two of the main axes, in this order.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Plane {
@@ -154,8 +155,8 @@ impl Plane {
 /// The word that defines an arc.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ArcBy {
-    /// I, J, K: the centre in the two axes of the plane, absolute. A target equal to the start means a full
-    /// circle.
+    /// I, J, K: absolute coordinates of the centre, in the two axes of the plane. A target equal to the start
+    /// means a full circle.
     Centre([Position; 2]),
     /// R: the radius; a negative radius selects the arc of more than 180°.
     Radius(Position),
@@ -179,15 +180,15 @@ pub enum MotionKind {
     },
 }
 
-/// A motion block. Its end is in absolute machine coordinates.
+/// A motion block: kind, end point and feed. The end point is in machine coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Motion<const AXES: usize> {
     /// N number of the block in the program; 0 without one.
     pub n: u32,
     /// First word of the motion in the text.
     pub place: Place,
-    /// Place of R, or of I, J and K, in the text. It is [`Self::place`] if the block has none of them (R
-    /// stays in force).
+    /// Place of R, or of I, J and K, in the text. If the block has none of these words (R stays in force), it
+    /// is [`Self::place`].
     pub centre: Place,
     /// Rapid motion, line or arc.
     pub kind: MotionKind,
@@ -203,18 +204,22 @@ pub struct Motion<const AXES: usize> {
 
 /// A command with its parameters.
 ///
-/// A block gives its commands in this order. First switches, weights, S, T and D, in the order of the text.
-/// Then functions that [`Setup::m_synch`] and [`Setup::h_synch`] place before the motion. Then the motion or
-/// dwell, the other M and H functions, and the program end.
+/// A block gives its commands in this order:
+/// - switches, weights, S, T and D, in the order of the text;
+/// - functions that [`Setup::m_synch`] and [`Setup::h_synch`] place before the motion;
+/// - the motion or dwell;
+/// - the other M and H functions;
+/// - the program end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Command<const AXES: usize> {
     /// A motion: G00, G01, G02 or G03.
     Motion(Motion<AXES>),
     /// A dwell: G04 or `#TIME`.
     Dwell(Head, DwellTime),
-    /// An M function, 0 to 999, that is output. M02, M17, M29 and M30 end a program or a subroutine.
+    /// An M function, 0 to 999, for output. M02, M17, M29 and M30 are not among them: they end a program or a
+    /// subroutine.
     M(Head, u16),
-    /// An H function, 0 to 999, that is output.
+    /// An H function, 0 to 999, for output.
     H(Head, u16),
     /// Word S: spindle speed, 1/min.
     Spindle(Head, Value),
@@ -248,7 +253,7 @@ pub enum Command<const AXES: usize> {
     PutAxes(Head, u32),
     /// `#CALL AX`: takes axes into the channel; bit i for axis i.
     CallAxes(Head, u32),
-    /// `#RT WHILE`: begins a real-time loop; `true` with MODULO.
+    /// `#RT WHILE`: begins a real-time loop. `true`: with the word MODULO.
     RtWhile(Head, bool),
     /// `#RT ENDWHILE`: ends a real-time loop.
     RtEndWhile(Head),
@@ -280,14 +285,14 @@ pub enum Command<const AXES: usize> {
     /// A text for the operator, `#MSG ["text"]` or the comment `(MSG, text)`. The place is that of the text.
     #[cfg(any(feature = "grbl", feature = "plc"))]
     Message(Head),
-    /// `#FLUSH`: releases blocks that wait for the next block.
+    /// `#FLUSH`: the planner no longer holds blocks back until the next block is known.
     #[cfg(feature = "plc")]
     Flush(Head),
     /// #EXPL SYN: functions with MVS_SLP must be acknowledged before the next motion block.
     #[cfg(feature = "plc")]
     ExplicitSynch(Head),
-    /// G38.2…G38.5 of other dialects. The planner refuses this command by name; an application with a probe
-    /// carries it out.
+    /// G38.2…G38.5 of other dialects: a motion until the probe switches. The planner refuses this command by
+    /// name; an application with a probe carries it out.
     #[cfg(feature = "grbl")]
     Probe(Head, Probe<AXES>),
 }
@@ -307,7 +312,7 @@ pub struct Probe<const AXES: usize> {
 }
 
 impl<const AXES: usize> Command<AXES> {
-    /// Block number and place of a command; `None` for motions.
+    /// Block number and place of a command; `None` for a motion, which has both itself.
     pub const fn head(&self) -> Option<&Head> {
         match self {
             Self::Motion(_) => None,
@@ -348,7 +353,8 @@ impl<const AXES: usize> Command<AXES> {
         }
     }
 
-    /// Whether the command only switches a function off. It then has no effect while the function is off.
+    /// Whether the command only switches a function off. Such a command has no effect while the function is
+    /// off.
     pub const fn switches_off(&self) -> bool {
         match self {
             Self::ExactStop(_, switch) => matches!(switch, ExactStop::Off),
@@ -383,7 +389,7 @@ impl<const AXES: usize> Command<AXES> {
     /// Name of the command in the language, for messages.
     pub const fn name(&self) -> &'static str {
         match self {
-            // Nothing else asks for the name of its command in a build without ISG's words.
+            // Without ISG's words, no other command needs its name.
             #[cfg(feature = "grbl")]
             Self::Probe(..) => "probing (G38.2 to G38.5)",
             _ if !functions::ISG.is_built() => "a word of ISG's controllers",

@@ -1,4 +1,4 @@
-//! The result of a block's words: offsets, dwell, weights, and the motion.
+//! Makes commands from the words of a block: offsets, dwell, weights, and the motion.
 use super::block::{Given, Item, ItemKind, Use, Words, put_before, weight};
 use super::flow::Ending;
 use super::interpreter::{Gathered, Interpreter, Next};
@@ -92,7 +92,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         }
     }
 
-    /// Sum of zero offset and G92 of an axis.
+    /// Sum of the zero offset and the G92 offset of an axis.
     pub fn offset(&self, axis: usize) -> Position {
         let set = self.modal.zero_set.and_then(|set| self.setup.zero_offsets.get(set));
         let zero = set.and_then(|set| set.get(axis)).copied().unwrap_or(Position::ZERO);
@@ -318,7 +318,7 @@ fn move_into_order(items: &mut [Item]) {
     }
 }
 
-/// Adds `left`, a part of an LSB, to earlier parts. Returns whole LSBs.
+/// Adds the rounding remainder `left` to the remainders so far, and returns whole LSBs.
 pub(super) fn carry(rest: &mut i32, left: i64) -> Position {
     let sum = i64::from(*rest).wrapping_add(left);
     let whole = sum.wrapping_add(1 << 31) >> 32;

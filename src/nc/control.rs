@@ -6,7 +6,7 @@ use super::interpreter::{Bounds, Interpreter, Next};
 use super::line::Line;
 use super::{Fault, NcErrorKind, NcWarningKind, Place, Span, real};
 
-/// Message text for a statement that must stand alone in its line.
+/// Expected text for a statement that must be alone in its line.
 const STATEMENT: &str = "a $ statement";
 
 /// Bit that distinguishes names from block numbers in labels.
@@ -116,7 +116,7 @@ impl<const AXES: usize> Interpreter<AXES> {
                 self.flow.pass(Passing::Case, 0, place);
             }
             b"ELSEIF" | b"ELSE" => {
-                // A branch that was carried out has reached the next branch.
+                // The branch before this one was carried out, and ends here.
                 self.innermost_is("$IF").map_err(fault)?;
                 let open_place = self.flow.innermost().map_or(place, |o| o.place);
                 self.flow.pass(Passing::Out, 0, open_place);

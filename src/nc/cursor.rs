@@ -27,7 +27,7 @@ impl Word {
     }
 }
 
-/// A place in a logical line.
+/// A reading position in a logical line.
 #[derive(Clone, Copy)]
 pub(super) struct Cursor<'a> {
     bytes: &'a [u8],

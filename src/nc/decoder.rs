@@ -35,7 +35,7 @@ pub enum Step<const AXES: usize> {
     End,
 }
 
-/// The result of a piece of work.
+/// What a piece of work has completed.
 enum Work {
     /// A part of a line, or a line.
     Line,
@@ -45,7 +45,8 @@ enum Work {
     Late,
 }
 
-/// Cost of a line without its words, and bytes per unit of cost; the unit is that of [`super::calculator`].
+/// Cost of a line without its words; below: bytes per unit of cost. The unit is that of
+/// [`super::calculator`].
 const LINE: u32 = 10;
 const BYTES: u32 = 2;
 /// Work below which two more things may happen in the same call: the next line is read, and the result of the
@@ -53,7 +54,7 @@ const BYTES: u32 = 2;
 const LITTLE: u32 = 30;
 const LITTLE_LINE: u32 = 120;
 
-/// The buffers of a [`Decoder`]. They are all zero when new, so in a `static` they take no flash.
+/// The buffers of a [`Decoder`]. All bits are zero when new, so a `static` with these buffers takes no flash.
 pub struct DecoderMemory<const AXES: usize> {
     line: Line,
     interpreter: Interpreter<AXES>,
@@ -125,8 +126,8 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
         self.interpreter.gathered = Gathered::Single(core::cell::Cell::new(command));
     }
 
-    /// Returns the next command, or works on it. A call reads at most one logical line, or 256 bytes of text,
-    /// or a part of a line with much arithmetic.
+    /// Does a bounded part of the work, and returns the next command when it is complete. A call reads at
+    /// most one logical line, or 256 bytes of text, or a part of a line with much arithmetic.
     ///
     /// # Errors
     /// The first word that the language does not have, or that is not possible. After an error, only
@@ -193,7 +194,8 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
         self.interpreter.front().is_some_and(weighs)
     }
 
-    /// This command without its place. Returns `None` if [`Self::restricts`] is false.
+    /// The command that [`Self::restricts`] announces, without its place. Returns `None` if
+    /// [`Self::restricts`] is false.
     #[cold]
     #[inline(never)]
     pub(crate) fn restriction(&self) -> Option<Restriction<AXES>> {
@@ -244,9 +246,9 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
         self.refused
     }
 
-    /// Continues after a refused line, from `position` (machine coordinates). A loop, branch or call of the
-    /// refused line has not begun. If a closing word was missing at the end of a program, it is no longer
-    /// required.
+    /// Continues after a refused line, from `position` (machine coordinates). A loop, branch or call in the
+    /// refused line does not begin. If the refusal was about a missing closing word at the end of a program,
+    /// this word is no longer required.
     pub fn go_on(&mut self, position: [Position; AXES]) {
         self.interpreter.stand_at(position);
         self.reader.go_on();
@@ -287,9 +289,9 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
         self.interpreter.stand_at(position);
     }
 
-    /// Sets the offset of an axis in a zero offset, 0…5 for G54…G59. The offset is valid from the next line
-    /// on, also if that zero offset is active. Returns `false` if there is no such set or axis, or if the
-    /// offset is outside ±[`COORDINATE_MAX`].
+    /// Sets the offset of one axis in a zero offset (`set` 0…5 for G54…G59). The offset is valid from the
+    /// next line on, even if that zero offset is active. Returns `false` if there is no such set or axis, or
+    /// if the offset is outside ±[`COORDINATE_MAX`].
     #[must_use]
     pub fn set_zero_offset(&mut self, set: usize, axis: usize, offset: Position) -> bool {
         let slot = self.interpreter.setup.zero_offsets.get_mut(set).and_then(|offsets| offsets.get_mut(axis));
@@ -320,14 +322,14 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
         may
     }
 
-    /// Zero offsets and stored positions, as programs have stored them.
+    /// The zero offsets and stored positions in force, including those that programs have stored.
     #[cfg(feature = "grbl")]
     pub fn stored(&self) -> super::StoredOffsets<AXES> {
         self.interpreter.stored()
     }
 
-    /// Restores zero offsets and stored positions. They are valid from the next line on. Returns `false`, and
-    /// changes nothing, if a value is beyond ±100 000 mm.
+    /// Restores zero offsets and stored positions, valid from the next line on. Returns `false`, and changes
+    /// nothing, if a value is beyond ±100 000 mm.
     #[cfg(feature = "grbl")]
     #[must_use]
     pub fn put_stored(&mut self, stored: &super::StoredOffsets<AXES>) -> bool {

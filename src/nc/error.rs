@@ -25,7 +25,7 @@ pub struct NcError {
 pub enum NcErrorKind {
     /// The source of the program text failed.
     Unreadable,
-    /// A jump back, a call, or a line that needs text which the window of a stream no longer holds.
+    /// A jump back, a call or a line needs text that the window of a stream no longer holds.
     BehindWindow,
     /// The text contains a control byte, for example NUL.
     ControlByte(u8),
@@ -33,13 +33,14 @@ pub enum NcErrorKind {
     ForeignByte(u8),
     /// The logical line is longer than [`super::LINE_BYTES`].
     LineTooLong,
-    /// The logical line has more continuation lines than the decoder can keep places for.
+    /// The logical line has more than [`super::CONTINUATIONS`] continuation lines and long gaps.
     TooManyContinuations,
     /// The syntax is wrong. The text says what was expected.
     Expected(&'static str),
     /// Glidepath does not have this part of the language. The text is its name.
     NotAvailable(&'static str),
-    /// A function that this build leaves out. The text names the function and the feature to enable.
+    /// The word needs a function that this build leaves out. The text names the function and the feature to
+    /// enable.
     NotBuilt(&'static str),
     /// The word is a usual axis name, but the machine has no such axis.
     AxisNotHere,
@@ -47,13 +48,13 @@ pub enum NcErrorKind {
     UnknownWord,
     /// The language has no such G number.
     UnknownG,
-    /// M, H, T, D or S number.
+    /// The language has no such `#` command.
     UnknownHash,
     /// The language has no such `$` statement.
     UnknownDollar,
     /// The command has no such keyword.
     UnknownKeyword {
-        /// Command.
+        /// Name of the command.
         command: &'static str,
         /// Its keywords.
         keywords: &'static [&'static str],
@@ -67,7 +68,7 @@ pub enum NcErrorKind {
     UnknownFunction,
     /// The number is outside of its range.
     Range {
-        /// Quantity.
+        /// Name of the quantity.
         what: &'static str,
         /// Least value.
         min: i32,
@@ -116,14 +117,14 @@ pub enum NcErrorKind {
     TooManyParameters,
     /// 20227: the counter of `$FOR` is not a parameter.
     ForCounter,
-    /// Closing word without its opening word (20232 for $ENDFOR).
+    /// A closing word has no opening word (20232 for $ENDFOR).
     Unopened {
-        /// Opening word.
+        /// The missing opening word.
         opening: &'static str,
     },
-    /// Opening word without its closing word; the place is the opening word.
+    /// An opening word has no closing word. The place is that of the opening word.
     Unclosed {
-        /// Closing word.
+        /// The missing closing word.
         closing: &'static str,
     },
     /// Control blocks are nested deeper than [`super::NESTING`].
@@ -134,15 +135,15 @@ pub enum NcErrorKind {
     NoLoop,
     /// The program has carried out more than [`super::QUIET_LINES`] lines without a command: an endless loop.
     Endless,
-    /// A number with an exponent, `1e10`.
+    /// The number has an exponent, as in `1e10`.
     Exponent,
     /// The label of `$GOTO` is not in this program.
     NoLabel,
     /// The text has no main program, only local subroutines.
     NoMainProgram,
-    /// LL with a name that no %L of this file or its callers declares.
+    /// The call LL has a name that no %L of this file or of its callers declares.
     NoSubroutine,
-    /// L with a name for which the text source has no file.
+    /// The call L has a name for which the text source has no file.
     NoFile,
     /// Two subroutines have the same name.
     SubroutineTwice,
@@ -158,28 +159,28 @@ pub enum NcErrorKind {
     OscillationSpeed,
     /// 22277: a position of a modulo axis is outside of 0 to 360°.
     OscillationModulo,
-    /// 50603: contradictory words of an independent axis. The text says which words fit.
+    /// 50603: words of an independent axis contradict each other. The text says which words fit.
     Independent(&'static str),
     /// The block lacks a word. The text names the word.
     Missing(&'static str),
-    /// `*nn` at the end of a numbered line: a checksum of serial transmission.
+    /// A numbered line ends with `*nn`, a checksum of serial transmission.
     Checksum,
-    /// A V. variable that was not written yet.
+    /// The program reads a V. variable that has no value yet.
     #[cfg(feature = "plc")]
     VariableUnset,
-    /// A V. variable that neither language nor application defines.
+    /// Neither the language nor the application defines this V. variable.
     #[cfg(feature = "plc")]
     NoVariable,
-    /// A V. variable that a program may not write.
+    /// The program writes a V. variable that it may only read.
     #[cfg(feature = "plc")]
     VariableReadOnly,
-    /// A value or use of `V.G.M_FCT` or `V.G.H_FCT` that is not possible. The text says what is expected.
+    /// The value or use of `V.G.M_FCT` or `V.G.H_FCT` is not possible. The text says what is expected.
     #[cfg(feature = "plc")]
     SynchVariable(&'static str),
-    /// 22073: a command that is not permitted in a real-time loop.
+    /// 22073: the command is not permitted in a real-time loop.
     #[cfg(feature = "plc")]
     InLoop,
-    /// A word that the dialect has and Glidepath does not. The texts name the word and an alternative.
+    /// The dialect has this word and Glidepath does not. The texts name the word and an alternative.
     #[cfg(feature = "grbl")]
     Known {
         /// The word.
@@ -187,19 +188,19 @@ pub enum NcErrorKind {
         /// The alternative.
         hint: &'static str,
     },
-    /// A G or M word that this dialect does not have.
+    /// This dialect has no such G or M word. The text is the name of the dialect.
     #[cfg(feature = "grbl")]
     UnknownCode(&'static str),
-    /// A parameter with a name that has no value.
+    /// The program reads a named parameter that has no value.
     #[cfg(feature = "grbl")]
     NameUnset,
-    /// A call (O word or M98) of a subroutine that the text does not have.
+    /// The text does not have the subroutine that a call (O word or M98) names.
     #[cfg(feature = "grbl")]
     NoProgram,
-    /// A value that no word of the block uses.
+    /// The block has a value that no word of the block uses.
     #[cfg(feature = "grbl")]
     Unused,
-    /// A tool without a length in the machine data.
+    /// The tool has no length in the machine data.
     #[cfg(feature = "grbl")]
     NoTool,
 }
@@ -408,11 +409,11 @@ pub enum NcWarningKind {
     DwellExtraAxis,
     /// $FOR with step 0 never ends.
     EndlessFor,
-    /// M02 or M30 inside a subroutine ends the whole program.
+    /// M02 or M30 in a subroutine: it ends the whole program.
     EndInSubroutine,
-    /// A comment without `)`: the line end closes it.
+    /// A comment without `)`: it ends at the end of the line.
     UnclosedComment,
-    /// An arc deselects contour mode by PTP.
+    /// An arc switches `#CONTOUR MODE [PTP]` off.
     PtpArc,
     /// DIST_SOFT at a corner with an arc: only the distance determines the curve.
     SoftArc,
@@ -441,68 +442,68 @@ pub enum NcWarningKind {
     OscillationLimited,
     /// The programmed time of an axis motion is too short for the limits of the axis.
     MotionLimited,
-    /// Arithmetic after an address, without brackets; the value is the result in thousandths.
+    /// Arithmetic after an address, without brackets. The value is the result in thousandths.
     Computed(i32),
-    /// R in a block without an arc: it stays in force for arcs that follow.
+    /// R in a block without an arc: R stays in force for the arcs that follow.
     RadiusAlone,
-    /// M17 or M29 in the main program ends it.
+    /// M17 or M29 in the main program: it ends the program.
     MainEnds,
-    /// A program head after words without a head: the head ends the program of those words.
+    /// A program head follows words that have no head: the program of those words ends there.
     HeadEnds,
     /// SHORT of a linear axis has no effect.
     ShortLinear,
-    /// The first motion comes before F, G00 and G01: such motions are rapid.
+    /// The first motion comes before any F, G00 and G01: it is rapid motion.
     RapidWithoutFeed,
     /// G64 without P. The value is the permitted distance from the path, µm.
     #[cfg(feature = "grbl")]
     BlendTolerance(u32),
-    /// Q of G64.
+    /// Q of G64 has no effect: Glidepath merges no lines.
     #[cfg(feature = "grbl")]
     NoMerging,
-    /// M49 to M53: the operator's overrides stay enabled.
+    /// M49 to M53 and M56 have no effect: the operator's overrides stay enabled.
     #[cfg(feature = "grbl")]
     OverridesStay,
-    /// `/` in a program of Grbl, which carries out the block.
+    /// A block after `/` in a program of Grbl: it is carried out.
     #[cfg(feature = "grbl")]
     BlockSkip,
-    /// G4 of more than a minute.
+    /// G4 with more than a minute: the value may be meant in milliseconds.
     #[cfg(feature = "grbl")]
     LongDwell,
-    /// F in the block of a G20 or G21 that changes the unit.
+    /// F in the block of a G20 or G21 that changes the unit: F counts in the unit from before the change.
     #[cfg(feature = "grbl")]
     FeedBeforeUnit,
-    /// A program of LinuxCNC without M2, M30 or %.
+    /// The program of LinuxCNC ends without M2, M30 or %: modal state stays in force.
     #[cfg(feature = "grbl")]
     NoProgramEnd,
-    /// A comment that LinuxCNC carries out.
+    /// A comment that LinuxCNC carries out has no effect.
     #[cfg(feature = "grbl")]
     ActiveComment,
-    /// G43 on a machine without tool lengths.
+    /// G43 on a machine without tool lengths: the length is 0.
     #[cfg(feature = "grbl")]
     NoToolTable,
-    /// A length without a decimal point in a program of Fanuc.
+    /// A number without a decimal point in a program of Fanuc: it counts 0.001 mm, 0.001° or 0.0001 inch.
     #[cfg(feature = "grbl")]
     LeastIncrement,
-    /// G95: the feed counts by the programmed spindle speed.
+    /// G95: the feed is F times the programmed spindle speed, whatever the spindle does.
     #[cfg(feature = "grbl")]
     FeedOfSpindle,
-    /// G96: the spindle speed changes from block to block.
+    /// G96: the spindle speed changes at the start of each block, and is constant inside the block.
     #[cfg(feature = "grbl")]
     SpeedByBlock,
-    /// A mode of the controller without effect here.
+    /// A mode of the controller has no effect in Glidepath.
     #[cfg(feature = "grbl")]
     ModeWithoutEffect,
-    /// A command to Grbl that reports or unlocks.
+    /// A command to Grbl that reports or unlocks has no effect.
     #[cfg(feature = "grbl")]
     Report,
-    /// P or Q of M100 to M199.
+    /// P or Q of M100 to M199: the machine only gets the number of the function.
     #[cfg(feature = "grbl")]
     NoArguments,
 }
 
 impl NcWarningKind {
-    /// Whether the warning comes from the planner, which takes the motion or the dwell, and not from the
-    /// decoder.
+    /// Whether the planner gives the warning when it takes a motion or a dwell. All other warnings come from
+    /// the decoder.
     pub const fn is_of_curve(&self) -> bool {
         matches!(
             self,
@@ -523,8 +524,8 @@ impl NcWarningKind {
 }
 
 impl NcWarning {
-    /// ISG's number of this message; 0 if no number is known. A message that ISG describes without a number
-    /// has a number of this project: 900001 and up. Their reaction class is 1: the program continues.
+    /// ISG's number of this message; 0 if no number is known. Messages that ISG describes without a number
+    /// have numbers of this project, from 900001. Their reaction class is 1: the program continues.
     pub const fn id(&self) -> u32 {
         match self.kind {
             NcWarningKind::DwellExtraAxis => 20685,
@@ -640,14 +641,14 @@ impl fmt::Display for NcWarning {
 
 impl core::error::Error for NcWarning {}
 
-/// Byte and length in the logical line.
+/// A part of the logical line: first byte and length.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Span {
     pub at: u16,
     pub len: u16,
 }
 
-/// A refusal inside the current line; the decoder adds place and text.
+/// A refusal of a part of the current line. The decoder adds place and text.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Fault {
     pub span: Span,

@@ -5,7 +5,7 @@ use super::{NcErrorKind, Place};
 use crate::machine::functions;
 use heapless::Vec;
 
-/// Number of control blocks that may be open at the same time, over all calls.
+/// Number of control blocks that may be open at the same time, counted over all calls.
 pub const NESTING: usize = functions::EXPRESSIONS.room(20);
 /// Number of subroutine calls that may be open at the same time: 10; 6 in a small build.
 pub const CALL_DEPTH: usize = if functions::IS_SMALL { 6 } else { 10 };
@@ -80,7 +80,8 @@ pub(super) struct Frame {
     pub blocks: u8,
 }
 
-/// A local subroutine: hash of its name, and first line of its text. Packed, because there are many.
+/// A local subroutine: hash of its name, and first line of its text. Packed to save memory, because there are
+/// many.
 #[derive(Clone, Copy)]
 #[repr(C, packed(4))]
 pub(super) struct Subroutine {
@@ -97,7 +98,7 @@ pub(super) enum Passing {
     Branch,
     /// To the next $CASE, $DEFAULT or $ENDSWITCH.
     Case,
-    /// To the closing word, and out of the block.
+    /// To the closing word, after which the block is left.
     Out,
     /// To the closing word of a loop, which is then carried out ($CONTINUE).
     Round,
@@ -177,8 +178,8 @@ impl Flow {
         self.passing = Passing::No;
     }
 
-    /// The local subroutine with this name. It is searched in the running file, then in its callers, the
-    /// nearest first.
+    /// The local subroutine with this name. The search begins in the running file and continues in its
+    /// callers, the nearest first.
     pub fn subroutine(&self, name: u64) -> Option<Subroutine> {
         let callers = self.frames.iter().rev().map(|frame| frame.program.file);
         core::iter::once(self.program.file)
@@ -207,7 +208,8 @@ impl Flow {
         functions::EXPRESSIONS.is_built() && self.passing != Passing::No
     }
 
-    /// Begins to skip lines. `depth`: number of blocks opened inside the relevant one.
+    /// Begins to skip lines. `depth`: number of open control blocks inside the block whose words end the
+    /// skipping.
     pub fn pass(&mut self, passing: Passing, depth: u16, origin: Place) {
         self.passing = passing;
         self.depth = depth;
@@ -215,8 +217,8 @@ impl Flow {
         self.origin = origin;
     }
 
-    /// Leaves control blocks until a loop (or a switch) is the innermost one. Returns their number, or `None`
-    /// if there is no loop.
+    /// Leaves control blocks until the innermost one is a loop, or also a switch if `or_switch` is true.
+    /// Returns the number of blocks left, or `None` if there is no loop.
     pub fn leave_to_loop(&mut self, or_switch: bool) -> Option<u16> {
         let base = self.base();
         let mut left = 0;

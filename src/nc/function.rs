@@ -1,5 +1,5 @@
-//! Commands other than motion, as types. A field with `None` was not programmed and keeps its value. ISG
-//! defaults are in square brackets.
+//! Commands other than motion, as types. A field with the value `None` was not programmed, and its parameter
+//! stays as it was. ISG defaults are in square brackets.
 //!
 //! Lengths are in mm, angles in degrees, both with LSB 2^-32, rounded to nearest.
 use super::Place;
@@ -9,7 +9,7 @@ use crate::quantity::Position;
 /// A number with its own unit (percent, seconds, Hz, 1/min), LSB 2^-32, rounded to nearest.
 pub type Value = fixed::types::I32F32;
 
-/// The block and the word from which a command comes.
+/// Where a command comes from: the block and the word.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Head {
@@ -42,14 +42,14 @@ pub enum FeedMode {
     Percent,
 }
 
-/// G60, G360, G359; [`ExactStop::Off`] switches the exact stop off. [`super::Motion::exact_stop`] contains
-/// the result too.
+/// Exact stop: a command to stop at the end of blocks. [`super::Motion::exact_stop`] also says whether its
+/// block ends in an exact stop.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum ExactStop {
-    /// G60: at the end of this block.
+    /// G60: the axes stop at the end of this block.
     Block,
-    /// G360: at the end of each block from here on.
+    /// G360: the axes stop at the end of each block from here on.
     On,
     /// G359: no exact stop from here on.
     Off,
@@ -94,7 +94,8 @@ pub struct Slope {
     pub default: bool,
     /// TYPE: the slope to select.
     pub kind: Option<SlopeType>,
-    /// NO_OPT: `true` switches the optimised use of jerk off \[true\].
+    /// NO_OPT, for the slope HSC. `false`: the axes may enter a slow block while braking, and leave it while
+    /// accelerating \[true\].
     pub no_opt: Option<bool>,
 }
 
@@ -148,7 +149,8 @@ pub enum ContourSwitch {
     Off,
 }
 
-/// `#CONTOUR MODE`, G61, G261, G260. `switch: Some(ContourSwitch::Off)` switches contour mode off.
+/// Contour mode: `#CONTOUR MODE`, G61, G261, G260. With `switch: Some(ContourSwitch::Off)`, the command
+/// switches contour mode off.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Contour {
     /// Switches contour mode on or off.
@@ -161,13 +163,15 @@ pub struct Contour {
     pub path_dev: Option<Position>,
     /// TRACK_DEV: largest deviation of each tracking axis; 0: not monitored \[0°\].
     pub track_dev: Option<Position>,
-    /// RELEVANT_PATH \[0 mm\], as programmed (contour mode uses at least 0.032 mm).
+    /// RELEVANT_PATH: a shorter block may be left out at a corner \[0 mm\]. The value is as programmed;
+    /// contour mode uses at least 0.032 mm.
     pub relevant_path: Option<Position>,
     /// RELEVANT_TRACK: as RELEVANT_PATH, for tracking axes \[0°\].
     pub relevant_track: Option<Position>,
     /// REMAIN_PART: the part of a block that corner curves leave, percent \[0\].
     pub remain_part: Option<Value>,
-    /// CHECK_JERK, 0…2 \[P-CHAN-00110\].
+    /// CHECK_JERK: which ramp time limits the jerk in a curve. 0: none, 1: the geometric one, 2: those of the
+    /// slope \[P-CHAN-00110\].
     pub check_jerk: Option<u8>,
     /// MAX_ANGLE: a corner with a larger change of direction stays sharp \[178°\].
     pub max_angle: Option<Position>,
@@ -179,21 +183,27 @@ pub struct Contour {
     pub post_dist: Option<Position>,
     /// X, Y, Z of POS: the interim point on the three main axes, including offsets.
     pub point: [Option<Position>; 3],
-    /// PATH_DIST \[1 mm\]; -1: not monitored.
+    /// PATH_DIST: largest distance from the corner to the ends of the curve, for DIST_SOFT and PTP \[1 mm\];
+    /// -1: not monitored.
     pub path_dist: Option<Position>,
-    /// TRACK_DIST \[as PATH_DIST\]; -1: not monitored.
+    /// TRACK_DIST: largest distance from the corner at which axes that are no main axes begin to deviate, for
+    /// DIST_SOFT \[as PATH_DIST\]; -1: not monitored.
     pub track_dist: Option<Position>,
-    /// SYM_DIST \[1 mm\]; -1: not monitored.
+    /// SYM_DIST: distance from the corner to both ends of the curve of DIST_MASTER \[1 mm\]; -1: not
+    /// monitored.
     pub sym_dist: Option<Position>,
-    /// ACC_MAX, percent \[100\].
+    /// ACC_MAX: largest acceleration in a curve of DIST_SOFT or DIST_MASTER, percent of the axes'
+    /// acceleration \[100\].
     pub acc_max: Option<Value>,
-    /// ACC_MIN, percent \[50\].
+    /// ACC_MIN: least acceleration in a curve of DIST_SOFT or DIST_MASTER, percent of the axes' acceleration
+    /// \[50\].
     pub acc_min: Option<Value>,
-    /// RAMP_TIME, percent \[100\].
+    /// RAMP_TIME: ramp time in a curve of DIST_SOFT or DIST_MASTER, percent of the axes' ramp time \[100\].
     pub ramp_time: Option<Value>,
-    /// DIST_WEIGHT, percent \[0\].
+    /// DIST_WEIGHT: how much the lengths of the neighbours decide which part of a block each corner may take,
+    /// percent. 0: each corner may take up to half of the block \[0\].
     pub dist_weight: Option<Value>,
-    /// MERGE \[true\].
+    /// MERGE: PTP makes one block of blocks that continue straight \[true\].
     pub merge: Option<bool>,
 }
 
@@ -209,46 +219,49 @@ pub enum HscMethod {
     Op(u8),
 }
 
-/// `#HSC`. `switch: Some(false)` switches it off.
+/// The command `#HSC`: smoothing of short blocks. `switch: Some(false)` switches it off.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Hsc {
     /// ON or OFF; `None` if the command only gives parameters.
     pub switch: Option<bool>,
     /// The method: SURFACE, BSPLINE or OPMODE.
     pub method: Option<HscMethod>,
-    /// PATH_DEV \[0.2 mm\]; Surface: above 0, B-spline: 0 is not monitored.
+    /// PATH_DEV: largest distance of the curve from the path \[0.2 mm\]. Surface: above 0. B-spline: 0 is not
+    /// monitored.
     pub path_dev: Option<Position>,
-    /// PATH_DEV_G00 \[as PATH_DEV\].
+    /// PATH_DEV_G00: PATH_DEV between rapid blocks \[as PATH_DEV\].
     pub path_dev_g00: Option<Position>,
-    /// TRACK_DEV \[Surface 2°, B-spline 5°\].
+    /// TRACK_DEV: largest deviation of each axis that is no main axis \[Surface 2°, B-spline 5°\].
     pub track_dev: Option<Position>,
-    /// TRACK_DEV_G00 \[as TRACK_DEV\].
+    /// TRACK_DEV_G00: TRACK_DEV between rapid blocks \[as TRACK_DEV\].
     pub track_dev_g00: Option<Position>,
-    /// MAX_ANGLE \[160°\].
+    /// MAX_ANGLE: a corner between lines with a larger change of direction stays sharp \[160°\].
     pub max_angle: Option<Position>,
-    /// CHECK_JERK, 0…2 \[P-CHAN-00110\].
+    /// CHECK_JERK: which ramp time limits the jerk in a curve. 0: none, 1: the geometric one, 2: those of the
+    /// slope \[P-CHAN-00110\].
     pub check_jerk: Option<u8>,
-    /// AUTO_OFF_G00 \[false\].
+    /// AUTO_OFF_G00: rapid blocks stay unchanged \[false\].
     pub auto_off_g00: Option<bool>,
-    /// CIR_MODE, 0…2 \[1\].
+    /// CIR_MODE: how Surface treats arcs \[1\]. 0: arcs and their transitions stay exact. 1: small arcs are
+    /// smoothed, and transitions with other arcs get curves. 2: as 1, and long arcs may be smoothed too.
     pub cir_mode: Option<u8>,
-    /// CIR_MIN_ANGLE \[30°\].
+    /// CIR_MIN_ANGLE: an arc with a smaller angle counts as small \[30°\].
     pub cir_min_angle: Option<Position>,
-    /// CIR_MIN_RADIUS \[0 mm\].
+    /// CIR_MIN_RADIUS: an arc with a smaller radius counts as small \[0 mm\].
     pub cir_min_radius: Option<Position>,
-    /// MERGE \[false\].
+    /// MERGE: lines that are nearly straight become one line \[false\].
     pub merge: Option<bool>,
-    /// LENGTH_LONG_CIR \[2 mm\].
+    /// LENGTH_LONG_CIR: least length of the chords by which CIR_MODE=2 replaces a long arc \[2 mm\].
     pub length_long_cir: Option<Position>,
-    /// AUTO_OFF_PATH \[false\].
+    /// AUTO_OFF_PATH: where the B-spline would exceed PATH_DEV, it passes the point exactly \[false\].
     pub auto_off_path: Option<bool>,
-    /// AUTO_OFF_TRACK \[false\].
+    /// AUTO_OFF_TRACK: where the B-spline would exceed TRACK_DEV, it passes the point exactly \[false\].
     pub auto_off_track: Option<bool>,
-    /// AUTO_OFF_G60 \[false\].
+    /// AUTO_OFF_G60: the B-spline ends at an exact stop \[false\].
     pub auto_off_g60: Option<bool>,
-    /// MAX_PATH_LENGTH \[0 mm: off\].
+    /// MAX_PATH_LENGTH: the B-spline leaves a longer line unchanged \[0 mm: off\].
     pub max_path_length: Option<Position>,
-    /// CONTERROR of OPMODE 1 \[0.1 mm\].
+    /// CONTERROR: tolerance of the curve with OPMODE \[0.1 mm\].
     pub conterror: Option<Position>,
 }
 
@@ -259,33 +272,34 @@ impl Hsc {
     }
 }
 
-/// `#FILTER`. `switch: Some(false)` switches the filters off.
+/// The command `#FILTER`: FIR filters of the axes. `switch: Some(false)` switches the filters off.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Filter {
     /// ON or OFF; `None` if the command only gives parameters.
     pub switch: Option<bool>,
-    /// HSC: the old form #FILTER ON \[HSC\].
+    /// HSC: whether the command has the old form `#FILTER ON [HSC]`.
     pub hsc: bool,
-    /// ORDER, 0…200.
+    /// ORDER: order of the filters, 0…200.
     pub order: Option<u8>,
-    /// ORDER_TIME, µs.
+    /// ORDER_TIME: order of the filters as a time, µs.
     pub order_time_us: Option<Value>,
-    /// SHARE, percent \[100\].
+    /// SHARE: how strongly the filters act, percent \[100\].
     pub share: Option<Value>,
-    /// AX_DEV \[0 mm: not monitored\].
+    /// AX_DEV: largest deviation of filtered set points from unfiltered ones of the same delay \[0 mm: not
+    /// monitored\].
     pub ax_dev: Option<Position>,
-    /// FCUT, Hz \[30\].
+    /// FCUT: cut-off frequency of a windowed sinc, Hz \[30\].
     pub fcut: Option<Value>,
-    /// ACC_FACT, 1…10 \[1\].
+    /// ACC_FACT: factor for the step of speed that P-AXIS-00013 permits at a corner, 1…10 \[1\].
     pub acc_fact: Option<Value>,
-    /// QUALITY, above 0 to 1 \[1\].
+    /// QUALITY: width of a Gauss filter, above 0 to 1 \[1\].
     pub quality: Option<Value>,
 }
 
-/// One limit of #VECTOR LIMIT.
+/// The value of one limit of `#VECTOR LIMIT`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Limit {
-    /// The channel parameter (P-CHAN-00002, 00090, 00208).
+    /// The value of the channel parameter (P-CHAN-00002, 00090, 00208).
     Channel,
     /// The given value, in the unit of P-CHAN-00351.
     Is(Value),
@@ -304,17 +318,17 @@ pub struct VectorLimit {
     pub dec: Option<Limit>,
     /// VEL: limit of the path speed.
     pub vel: Option<Limit>,
-    /// RADIAL_ACC.
+    /// RADIAL_ACC: the planner refuses this limit.
     pub radial_acc: Option<Limit>,
-    /// RADIAL_JERK.
+    /// RADIAL_JERK: the planner refuses this limit.
     pub radial_jerk: Option<Limit>,
-    /// JERK.
+    /// JERK: the planner refuses this limit.
     pub jerk: Option<Limit>,
-    /// TRANS_ACC.
+    /// TRANS_ACC: the planner refuses this limit.
     pub trans_acc: Option<Limit>,
-    /// FEED: for G01, G02, G03.
+    /// FEED: the limits act on motion at feed (G01, G02, G03).
     pub feed: bool,
-    /// RAPID: for G00.
+    /// RAPID: the limits act on rapid motion (G00).
     pub rapid: bool,
 }
 
@@ -343,13 +357,13 @@ pub enum Tangent {
 /// Commands of direct splines. [`Spline::Off`] switches the spline off.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Spline<const AXES: usize> {
-    /// G151, #SPLINE ON, #SET SPLINE ON.
+    /// G151, #SPLINE ON, #SET SPLINE ON: the spline begins.
     On,
-    /// G150, #SPLINE OFF, #SET SPLINE OFF.
+    /// G150, #SPLINE OFF, #SET SPLINE OFF: the spline ends.
     Off,
-    /// #SPLINE TYPE, #SET SPLINETYPE.
+    /// #SPLINE TYPE, #SET SPLINETYPE: selects the kind of spline.
     Type(SplineType),
-    /// #AKIMA TRANS, #SET ASPLINE MODE.
+    /// #AKIMA TRANS, #SET ASPLINE MODE: selects what decides the directions at the ends.
     Transition {
         /// START: what decides the direction at the start.
         start: Option<Tangent>,
@@ -366,30 +380,30 @@ pub enum Spline<const AXES: usize> {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum WeightKind {
-    /// G130: acceleration, feed, per axis.
+    /// G130: acceleration at feed, one value per axis.
     Acceleration,
-    /// G131: acceleration, feed, all axes.
+    /// G131: acceleration at feed, one value for all axes.
     AccelerationAll,
-    /// G132: ramp time, feed, per axis.
+    /// G132: ramp time at feed, one value per axis.
     RampTime,
-    /// G133: ramp time, feed, all axes.
+    /// G133: ramp time at feed, one value for all axes.
     RampTimeAll,
-    /// G134: geometric ramp time, all axes.
+    /// G134: geometric ramp time, one value for all axes.
     GeometricRampTime,
-    /// G231: acceleration, rapid, all axes.
+    /// G231: acceleration in rapid motion, one value for all axes.
     RapidAcceleration,
-    /// G232: ramp time, rapid, per axis.
+    /// G232: ramp time in rapid motion, one value per axis.
     RapidRampTime,
-    /// G233: ramp time, rapid, all axes.
+    /// G233: ramp time in rapid motion, one value for all axes.
     RapidRampTimeAll,
-    /// G338: ramp time, feed, all axes.
+    /// G338: ramp time at feed, one value for all axes.
     G338,
-    /// G339: ramp time, rapid, all axes.
+    /// G339: ramp time in rapid motion, one value for all axes.
     G339,
 }
 
 impl WeightKind {
-    /// The kind of a G number.
+    /// The kind of weight that a G number sets; `None` for other numbers.
     pub const fn from_g(number: u16) -> Option<Self> {
         Some(match number {
             130 => Self::Acceleration,
@@ -411,7 +425,7 @@ impl WeightKind {
         matches!(self, Self::Acceleration | Self::RampTime | Self::RapidRampTime)
     }
 
-    /// The G word.
+    /// The G word, for messages.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Acceleration => "G130",
@@ -428,46 +442,46 @@ impl WeightKind {
     }
 }
 
-/// Weights in percent per axis, above 0 to 10 000 (`None`: 100 % by ISG's rule).
+/// Weights of the axes: percent of the machine data, above 0 to 10 000. `None` means 100 % by ISG's rule.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Weight<const AXES: usize> {
-    /// The values that the weights change.
+    /// Which machine data the weights change.
     pub kind: WeightKind,
     /// The weight of each axis in percent.
     pub percent: [Option<Value>; AXES],
 }
 
-/// #KIN ID\[n\], #TRAFO ON, #TRAFO OFF, #TRAFO\[n\]. [`Kinematics::Off`] switches the transformation off.
+/// The transformation of a machine with rotary axes: `#KIN ID[n]`, `#TRAFO ON`, `#TRAFO OFF`, `#TRAFO[n]`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Kinematics {
     /// `#KIN ID`: selects the data set for the next `#TRAFO ON`.
     Select(u16),
-    /// #TRAFO ON.
+    /// #TRAFO ON: switches the transformation on.
     On,
-    /// `#TRAFO\[n\]`: selects a data set and switches the transformation on.
+    /// `#TRAFO[n]`: selects a data set and switches the transformation on.
     OnWith(u16),
-    /// #TRAFO OFF.
+    /// #TRAFO OFF: switches the transformation off.
     Off,
 }
 
 /// A command for the log of the path ahead: `#CONTOUR LOOKAHEAD [LOG]`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ContourLog {
-    /// ON: starts the log; with the value of PARAM, if given.
+    /// ON: starts the log; with the number after PARAM, if given.
     On(Option<f64>),
-    /// OFF: ends the log; with the value of PARAM, if given.
+    /// OFF: ends the log; with the number after PARAM, if given.
     Off(Option<f64>),
-    /// PARAM only: an entry of its own.
+    /// PARAM alone: adds an entry with this number.
     Parameter(f64),
     /// CLEAR: removes all entries of the log.
     Clear,
 }
 
-/// The speed of an oscillation, in one of three forms.
+/// The speed of an oscillation: one of three quantities.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum OscillationSpeed {
-    /// FEED: speed of the axis, mm/min (the unit depends on P-CHAN-00108).
+    /// FEED: speed of the axis, mm/min; P-CHAN-00108 may change the unit.
     Feed(Value),
     /// FREQ: number of oscillations per second, Hz.
     Frequency(Value),
@@ -475,7 +489,7 @@ pub enum OscillationSpeed {
     Period(Value),
 }
 
-/// `X[OSC …]`. Reversal positions are machine coordinates.
+/// What an oscillation command does. Reversal positions are machine coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum OscillationAction {
     /// ON: the axis oscillates between two positions.
@@ -492,7 +506,7 @@ pub enum OscillationAction {
         second_wait: Value,
         /// NBR_OSC: number of oscillations \[endless\].
         count: Option<u32>,
-        /// SHORT.
+        /// SHORT: a modulo axis turns the shorter way to each position.
         short: bool,
     },
     /// OFF: the oscillation ends after the current cycle.
@@ -531,7 +545,7 @@ pub struct Independent {
     pub time: Option<Value>,
     /// FEED_MAX_WEIGHT: speed in % of P-AXIS-00212, below 100.
     pub weight: Option<Value>,
-    /// ACC_WEIGHT with G01, RAPID_ACC_WEIGHT with G00, % \[100\].
+    /// ACC_WEIGHT (with G01) or RAPID_ACC_WEIGHT (with G00): acceleration in % of the machine data \[100\].
     pub acceleration: Option<Value>,
     /// M: number of an M function that is output before the motion.
     pub m: Option<u32>,

@@ -52,7 +52,7 @@ enum Hash {
 }
 
 impl Hash {
-    /// The function that the command needs to be compiled in.
+    /// The function that must be compiled in for this command.
     const fn function(self) -> Option<Function> {
         match self {
             Self::Contour(Some(ContourSwitch::Off)) | Self::Hsc(Some(false)) | Self::Filter(Some(false)) => {
@@ -128,7 +128,7 @@ const COMMANDS: &[(&str, Hash)] = &[
     ("TIME", Hash::Time),
 ];
 
-/// First words of ISG's commands that Glidepath does not have.
+/// First words of ISG's commands that Glidepath knows but does not have.
 const OTHER: &[&str] = &[
     "ACS",
     "ADD",

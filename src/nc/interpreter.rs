@@ -1,5 +1,5 @@
-//! Interprets logical lines in order: program heads, then `$`, `#`, calls or words. A short queue holds the
-//! results.
+//! Interprets logical lines in order. A line is a program head, a `$` statement, a `#` command, a call, or a
+//! block of words. A short queue holds the results of a line.
 use super::block::{Item, Items, Waiting, checksum_of};
 use super::calculator::Calculator;
 use super::cursor::Cursor;
@@ -17,7 +17,7 @@ use crate::quantity::Position;
 use core::cell::Cell;
 use heapless::Deque;
 
-/// Largest number of results of a block in the queue.
+/// Largest number of results that a block may put into the queue.
 pub const BLOCK_WORDS: usize = 16;
 
 /// Largest number of lines carried out without a command. More lines count as an endless loop. Skipped lines
@@ -29,14 +29,14 @@ pub const QUIET_LINES: u32 = 1_000_000;
 pub(super) enum Phase {
     /// Before the first program head.
     Start,
-    /// Among local subroutines, before the main program.
+    /// The text begins with local subroutines, and the main program has not come yet.
     Heads,
     Running,
     /// The last commands are being returned; no line follows.
     Ended,
 }
 
-/// The line that comes next.
+/// Where the program continues after a line.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Next {
     Line,
@@ -71,13 +71,13 @@ pub(super) struct Interpreter<const AXES: usize> {
     pub letters: Letters,
     /// Programmed end of the last motion, machine coordinates.
     pub position: [Position; AXES],
-    /// Rounding remainders of G91 increments, LSB 2^-64, so that errors do not add up.
+    /// Rounding remainders of G91 increments, LSB 2^-64. With them, rounding errors do not add up.
     pub rests: [i32; AXES],
     /// Block number of the current line.
     pub n: u32,
     /// Whether the current block moves.
     pub moves: bool,
-    /// The results of the current block. They are complete unless a block is stored.
+    /// The results of the current block. They are complete unless the block continues in the next call.
     pub queue: Items,
     pub gathered: Gathered<AXES>,
     /// Values per axis of the block's G130, G132 or G232.

@@ -57,7 +57,7 @@ pub(super) const PERCENT: Range = Range::new(0, 100, "%");
 /// Range of coordinates.
 pub(super) const COORDINATE: Range = Range::new(-100_000, 100_000, "mm or deg");
 
-/// The destination of a keyword's value.
+/// What the value of a keyword is, and where it is stored.
 pub(super) enum Slot<'a> {
     /// The keyword has no value.
     Done,
@@ -72,7 +72,7 @@ pub(super) enum Slot<'a> {
     Level(&'a mut Option<u8>, u8),
     Count(&'a mut Option<u32>),
     Real(&'a mut Option<f64>),
-    /// A value. Without a value, the limit of the channel applies.
+    /// A value; without one, the limit of the channel applies.
     Limit(&'a mut Option<Limit>),
     Slope(&'a mut Option<SlopeType>),
     Tangent(&'a mut Option<Tangent>),

@@ -24,7 +24,7 @@ const BYTE_ORDER_MARK: [u8; 3] = [0xef, 0xbb, 0xbf];
 /// Gaps of up to this number of bytes are kept as blanks. A longer gap becomes one blank and an anchor.
 const GAP: u32 = 16;
 
-/// The bytes of the line from `index` on are those of the text from `offset` on.
+/// The place of a part of the line: its bytes from `index` on are those of the text from `offset` on.
 #[derive(Clone, Copy, Debug, Default)]
 struct Anchor {
     index: u16,
@@ -112,7 +112,8 @@ impl Line {
         words
     }
 
-    /// Marks that the following bytes come from `place` on. Returns `false` if there is no room.
+    /// Notes that the following bytes are those from `place` on in the text. Returns `false` if there is no
+    /// room.
     fn anchor(&mut self, place: &Place) -> bool {
         let Place { line, column, offset, file, .. } = *place;
         self.anchors.push(Anchor { index: self.len as u16, line, column, offset, file }).is_ok()
@@ -488,7 +489,7 @@ impl<T: Text> LineReader<T> {
         }
     }
 
-    /// The first comment of the last line without a closing parenthesis.
+    /// The first comment of the last line that lacks a closing parenthesis.
     pub const fn unclosed(&self) -> Option<Place> {
         self.logical.unclosed
     }

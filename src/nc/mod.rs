@@ -22,7 +22,7 @@
 //!                                          ├ block           words: G, axes, F, M …, and the motion they make
 //!                                          ├ hash, keyword   # commands and axis[…] with their keywords
 //!                                          ├ variable        V. variables (feature `plc`)
-//!                                          └ dialect         lines of programs of Grbl and LinuxCNC
+//!                                          └ dialect         lines of programs of Grbl, LinuxCNC and Fanuc
 //! ```
 //!
 //! Numbers stay decimal until an expression uses them. The targets of a [`Motion`] are decimals that are

@@ -12,14 +12,14 @@ pub(super) enum Mode {
     Line,
     Clockwise,
     Counterclockwise,
-    /// No motion word (G00…G03) is programmed yet: G01 if there is a feed, otherwise rapid motion with a
-    /// warning.
+    /// No motion word (G00…G03) is programmed yet. A motion is then G01 if there is a feed, otherwise rapid
+    /// motion with a warning.
     Unprogrammed,
     /// As `Unprogrammed`, after the warning.
     UnprogrammedTold,
 }
 
-/// The modal state before the current line. In the first variant all bits are zero.
+/// The modal state before the current line. All bits of the first variant are zero.
 #[derive(Clone, Copy)]
 #[repr(u8)]
 pub(super) enum Before<const AXES: usize> {

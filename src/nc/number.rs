@@ -79,7 +79,7 @@ const POWERS: [u64; 20] = {
     table
 };
 
-/// 2^32 / 10^scale in a form for a multiplication: `factor` / 2^(32 + `shift`), rounded up.
+/// The factor 2^32 / 10^scale for a multiplication: `factor` / 2^(32 + `shift`), rounded up.
 #[derive(Clone, Copy)]
 struct Reciprocal {
     /// At least 2^63, so all bits are significant.
@@ -88,7 +88,8 @@ struct Reciprocal {
     shift: u8,
 }
 
-/// Bounds (exclusive) of decimals and mantissas for which [`RECIPROCALS`] rounds like a division.
+/// Numbers for which [`RECIPROCALS`] rounds like a division: at most this number of decimals, and a mantissa
+/// below the next constant.
 const PLAIN_SCALE: u8 = 9;
 const PLAIN_MANTISSA: u64 = 1 << 31;
 

@@ -6,7 +6,7 @@ use heapless::Vec;
 /// Largest number of parameters with a value.
 pub const PARAMETERS: usize = functions::EXPRESSIONS.room(128);
 
-/// A parameter with its value. Packed, because there are many entries.
+/// A parameter with its value. Packed to save memory, because there are many entries.
 #[derive(Clone, Copy)]
 #[repr(C, packed(4))]
 struct Entry {
@@ -68,7 +68,7 @@ impl Parameters {
 
 /// A parameter index from the result of an expression: a whole number above 0; a fraction is cut off.
 pub(super) fn index(value: f64) -> Result<u32, NcErrorKind> {
-    // V.P. and V.L. use the indices from here on.
+    // V.P. and V.L. use this index and all larger ones.
     #[cfg(feature = "plc")]
     if value >= f64::from(super::variable::NAMED) {
         return Err(NcErrorKind::ParameterIndex);

@@ -1,5 +1,5 @@
-//! Plain blocks: N, G00 or G01, F and axes, with plain decimals directly after the letters. They are read in
-//! one pass over the line.
+//! Plain blocks: lines of N, G00 or G01, F and axes, with plain decimals directly after the letters. The
+//! decoder reads such a line in one pass.
 //!
 //! Most lines of most programs are plain. If a line contains other text, or an error,
 //! [`Interpreter::plain_block`] changes nothing. Then `block` and `compose` read or refuse the line.

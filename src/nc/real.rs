@@ -1,10 +1,11 @@
-//! f64 functions for expressions. They use only + − × ÷, so that every machine gives the same bits.
+//! Functions of f64 for expressions. They use only + − × ÷, so that every machine gives the same bits.
 //!
-//! Angles are in degrees and are reduced exactly, so SIN\[90\] = 1, COS\[90\] = 0, SIN\[30\] = 0.5. Errors
-//! against the exact value are at most 2 ulp for sine, cosine, arc sine, arc cosine, square root, exponential
-//! and logarithm. For the tangent and the arc tangents they are at most 3 ulp
-//! (host-tests/tests/language/nc_real.rs). For powers with whole exponents they are at most 1 ulp per
-//! multiplication.
+//! Angles are in degrees and are reduced exactly, so `SIN[90]` = 1, `COS[90]` = 0, `SIN[30]` = 0.5.
+//!
+//! Errors against the exact value, tested by `host-tests/tests/language/nc_real.rs`:
+//! - sine, cosine, arc sine, arc cosine, square root, exponential and logarithm: at most 2 ulp;
+//! - tangent and arc tangents: at most 3 ulp;
+//! - powers with whole exponents: at most 1 ulp for each multiplication.
 
 #![expect(clippy::neg_cmp_op_on_partial_ord, reason = "`!(a <= b)` is meant to hold for what is no number")]
 

@@ -1,5 +1,5 @@
-//! The start of another program, and the state after a refused line. After a refusal, only P parameters keep
-//! changes.
+//! The start of another program, and the state after a refused line. After a refusal, only changes of P
+//! parameters remain.
 use super::NcErrorKind;
 use super::flow::Passing;
 use super::interpreter::{Gathered, Interpreter, Next, Phase};

@@ -9,10 +9,10 @@
 //! the window needs no lock and no compare-and-swap.
 //!
 //! The window drops text that is more than `N`/2 bytes before the furthest line that the decoder has reached.
-//! So only the text decides whether a loop, a jump back or a subroutine call finds its target; the arrival
-//! times of bytes have no effect. A line whose target was dropped is refused
-//! ([`super::NcErrorKind::BehindWindow`]). A line of more than `N`/2 bytes, with its comments, is also
-//! refused.
+//! So only the text decides whether a loop, a jump back or a subroutine call finds its target. The arrival
+//! times of bytes have no effect. The decoder refuses a line whose target was dropped
+//! ([`super::NcErrorKind::BehindWindow`]). It also refuses a line of more than `N`/2 bytes, comments
+//! included.
 use super::{Text, TextError};
 use core::sync::atomic::{AtomicBool, AtomicU8, AtomicU32, Ordering};
 
@@ -42,7 +42,7 @@ pub struct Window<const N: usize> {
     kept: AtomicU32,
 }
 
-/// The writer's handle of a [`Window`]. It may move to another task, an interrupt, or another core.
+/// The writer's handle of a [`Window`]. The handle may move to another task, an interrupt, or another core.
 pub struct Feeder<'a, const N: usize> {
     window: &'a Window<N>,
 }
@@ -55,7 +55,7 @@ pub struct Stream<'a, const N: usize> {
     start: u32,
 }
 
-/// Whether the offset `a` is before `b`. Both must be less than 2^31 apart.
+/// Whether the offset `a` is before `b`. The offsets must be less than 2^31 apart.
 const fn is_before(a: u32, b: u32) -> bool {
     (a.wrapping_sub(b) as i32) < 0
 }
@@ -123,9 +123,9 @@ impl<const N: usize> Feeder<'_, N> {
         self.window.ended.store(true, Ordering::Release);
     }
 
-    /// Announces another program: bytes that were written and not read are dropped. Call `restart` after an abort,
-    /// before the stream is loaded again. It acts at the next [`crate::channel::Planner::load_next`], or when the
-    /// stream is loaded by [`crate::channel::Planner::load`].
+    /// Announces another program: bytes that were written and not read are dropped. Call `restart` after an
+    /// abort, before the stream is loaded again. The announcement acts when
+    /// [`crate::channel::Planner::load_next`] or [`crate::channel::Planner::load`] loads the stream.
     pub fn restart(&mut self) {
         self.window.ended.store(false, Ordering::Relaxed);
         self.window.start.store(self.window.put.load(Ordering::Relaxed), Ordering::Release);

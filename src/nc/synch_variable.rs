@@ -5,7 +5,8 @@
 //! | `SYNCH` | kind of synchronisation, as a number: P-CHAN-00041, P-CHAN-00027 |
 //! | `PRE_OUTP_PATH` | shift before its place, mm (inches with G70): P-CHAN-00070, P-CHAN-00107 |
 //!
-//! A value counts for the lines behind, to the end of the program. The next program begins with the machine data.
+//! A value is valid for the lines after its assignment, up to the end of the program. The next program begins
+//! with the values of the machine data.
 use super::cursor::Cursor;
 use super::interpreter::Interpreter;
 use super::{Fault, NcErrorKind, Span};
@@ -22,16 +23,16 @@ const TENTHS_PER_MM: f64 = 10_000.0;
 
 const MEMBERS: &str = "V.G.M_FCT[0…999].SYNCH or .PRE_OUTP_PATH, with the number in digits";
 
-/// A variable of a function.
+/// A variable of one M or H function.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) struct FunctionVariable {
     is_h: bool,
     code: u16,
-    /// PRE_OUTP_PATH; else SYNCH.
+    /// `true`: PRE_OUTP_PATH. `false`: SYNCH.
     is_path: bool,
 }
 
-/// Whether a name up to `[` is that of a function.
+/// Whether a name up to `[` is `G.M_FCT` or `G.H_FCT`.
 pub(super) fn is_function(letters: &[u8]) -> bool {
     matches!(letters, b"G.M_FCT" | b"G.H_FCT")
 }
@@ -54,7 +55,7 @@ pub(super) fn number(c: &mut Cursor<'_>) -> Result<u16, Fault> {
     }
 }
 
-/// The variable of a name without `V.`, in upper case.
+/// The variable with this name, which is in upper case and without `V.`.
 pub(super) fn parse(letters: &[u8]) -> Option<FunctionVariable> {
     let rest = letters.strip_prefix(b"G.")?;
     let is_h = rest.first() == Some(&b'H');
@@ -70,7 +71,7 @@ pub(super) fn parse(letters: &[u8]) -> Option<FunctionVariable> {
     }
 }
 
-/// Why a variable of a function has no value.
+/// Why a variable of an M or H function has no value.
 pub(super) fn missing(letters: &[u8]) -> NcErrorKind {
     match parse(letters) {
         Some(_) => {
@@ -89,7 +90,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         if self.modal.inch { 25.4 } else { 1.0 }
     }
 
-    /// The value of a variable of a function.
+    /// The value of a variable of an M or H function.
     pub(super) fn function_value(&self, letters: &[u8]) -> Option<f64> {
         let FunctionVariable { is_h, code, is_path } = parse(letters)?;
         let table = self.table(is_h);
@@ -102,7 +103,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         Some(f64::from(bits | if table.flushes(code) { FAW } else { 0 }))
     }
 
-    /// Writes a variable of a function.
+    /// Writes a variable of an M or H function.
     pub(super) fn set_function(&mut self, letters: &[u8], value: f64) -> Result<(), NcErrorKind> {
         let Some(FunctionVariable { is_h, code, is_path }) = parse(letters) else {
             return Err(missing(letters));
@@ -130,7 +131,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         Ok(())
     }
 
-    /// Refuses a function that has a shift and a synchronisation without one.
+    /// Refuses a shift of a function whose synchronisation has no shift.
     pub(super) fn check_shift(&self, is_h: bool, code: u16, span: Span) -> Result<(), Fault> {
         let table = self.table(is_h);
         if table.shift(code) == 0 || table.of(code).is_shifted() {
@@ -141,7 +142,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         span.fault(NcErrorKind::SynchVariable(expected))
     }
 
-    /// Synchronisation as the machine data have it, for the next program.
+    /// Restores the synchronisation of the machine data, for the next program.
     pub(super) fn reset_functions(&mut self) {
         (self.setup.m_synch, self.setup.h_synch) = (self.setup.given.m, self.setup.given.h);
     }
@@ -150,7 +151,7 @@ impl<const AXES: usize> Interpreter<AXES> {
 const KINDS: &str = "the number of a synchronisation: 0 NO_SYNCH, 1 MOS, 2 MVS_SVS, 4 MVS_SNS, 8 MNS_SNS, 16384 MVS_SLM, \
     32768 MVS_SLP, 16777216 MEP_SVS, 1048576 MEP_MOS; 268435456 more with FAW_SYNCH";
 
-/// The available kind with this number, and whether FAW_SYNCH is beside it.
+/// The available kind of synchronisation with this number, and whether FAW_SYNCH is set too.
 fn kind(value: f64) -> Option<(Synch, bool)> {
     if !(0.0..=f64::from(u32::MAX)).contains(&value) {
         return None;

@@ -3,8 +3,8 @@
 /// Random access to the bytes of an NC program and of the files that it calls with `L`. Loops and subroutines read parts
 /// of the text again. A `&[u8]` implements this trait for one file.
 pub trait Text {
-    /// Copies bytes of a file from `offset` on into `buffer`. Returns their number, 0 at the end of the file. `file` is 0 for
-    /// the main program, or a number from [`Text::open`].
+    /// Copies bytes of a file, from `offset` on, into `buffer`, and returns their number. 0 means the end of
+    /// the file. `file` is 0 for the main program, or a number from [`Text::open`].
     ///
     /// # Errors
     /// The device failed, or the text at `offset` has not arrived yet.
@@ -22,7 +22,7 @@ pub trait Text {
     }
 
     /// Tells the source that the decoder has reached the line at `offset` of a file. A [`super::Window`] then
-    /// drops text that is far enough before that line.
+    /// drops text that is far before this line.
     fn pass(&mut self, file: u16, offset: u32) {
         let _ = (file, offset);
     }
@@ -34,13 +34,14 @@ pub trait Text {
         true
     }
 
-    /// Offset of the main program's first byte when the text is loaded: 0, except in a stream that held other programs
-    /// before. A wrapper around a stream must forward this call.
+    /// Offset of the main program's first byte when the text is loaded. The offset is 0, except in a stream
+    /// that held other programs before. A wrapper around a stream must forward this call.
     fn start(&mut self) -> u32 {
         0
     }
 
-    /// Offset of the next program in the main file, if it does not follow directly after the last line.
+    /// Offset of the next program in the main file; `None` if this program follows directly after the last
+    /// line.
     fn next_program(&mut self) -> Option<u32> {
         None
     }

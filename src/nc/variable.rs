@@ -29,7 +29,7 @@ const READS: usize = 8;
 /// First index of V.P. and V.L. in the table of parameters.
 pub(super) const NAMED: u32 = 1 << 31;
 
-/// Bits of a name's hash. A program has some ten names, so two names with equal hashes are not expected.
+/// Bits of a name's hash. A program has about ten names, so two names with equal hashes are not expected.
 const HASH: u32 = (1 << 27) - 1;
 
 /// Largest number of open subroutine calls, including the main program. V.P. uses the next number.
@@ -40,7 +40,7 @@ pub(super) struct Name {
     letters: Vec<u8, NAME>,
 }
 
-/// Where a variable is stored.
+/// Where the value of a variable is stored.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Place {
     /// In the table of parameters.
@@ -127,7 +127,7 @@ pub(crate) struct Externals<'a> {
 impl<'a> Externals<'a> {
     pub const NONE: Self = Self { variables: &[], flag: None };
 
-    /// Whether there are any outside variables.
+    /// Whether the application has given any outside variables.
     pub const fn exist(&self) -> bool {
         !self.variables.is_empty() || self.flag.is_some()
     }

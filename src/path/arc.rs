@@ -25,18 +25,18 @@ const SAME_POINT: i64 = 1 << 12;
 /// tenth of a picometre at the largest radius.
 const SAME_DIRECTION: u64 = 1 << 10;
 
-/// Radii may always differ by 2 µm (coordinates of three decimals) …
+/// Radii may differ by 2 µm for any radius: coordinates of three decimals cause such differences.
 const DIFFERENCE: i64 = 8_589_935 << FINER;
-/// … and by a thousandth of the radius, up to 50 µm. ISG has P-CHAN-00171 and P-CHAN-00172 for these limits,
-/// without defaults.
+/// Radii may also differ by a 1024th of the start radius, up to 50 µm. ISG sets these limits by P-CHAN-00171
+/// and P-CHAN-00172, and gives no defaults.
 const LARGEST_DIFFERENCE: i64 = 214_748_365 << FINER;
 
 /// Half a chord may exceed the radius by 1 µm; this counts as rounding. A larger excess is an error.
 const CHORD_EXCESS: i64 = 4_294_967;
 
-/// The arc from `start` to `target` about `centre` (absolute coordinates, the plane's two axes). A target
-/// equal to the start means a full circle. Axes outside the plane move linearly; a third main axis makes the
-/// arc a helix, and another feed axis makes its path longer.
+/// Makes the arc from `start` to `target` about `centre`, which has absolute coordinates of the plane's two
+/// axes. A target equal to the start means a full circle. Axes outside the plane move linearly. A third main
+/// axis makes the arc a helix, and a feed axis outside the plane makes its path longer.
 ///
 /// # Errors
 /// See [`PathError`].
@@ -53,7 +53,7 @@ pub fn arc<const AXES: usize>(
     Ok(element)
 }
 
-/// As [`arc`], written into an existing element: a returned value would be on the stack several times.
+/// As [`arc`], written into an existing element: a returned element would be on the stack several times.
 ///
 /// # Errors
 /// See [`PathError`]; the element does not change.
@@ -150,18 +150,18 @@ fn outside<const AXES: usize>(travel: &[i64; AXES], plane: [usize; 2]) -> [i64; 
     outside
 }
 
-/// Start and end of an arc in its plane, relative to its centre.
+/// Start and end of an arc in its plane. Points are relative to the centre.
 struct Ends {
     /// Both points, LSB 2^-44 mm.
     points: [[i64; 2]; 2],
     /// Their distances from the centre, LSB 2^-44 mm.
     lengths: [i64; 2],
     radii: [Radius; 2],
-    /// Whether both points differ.
+    /// Whether the points differ by more than [`SAME_POINT`].
     apart: bool,
 }
 
-/// Start and end of an arc in its plane about `centre`, LSB 2^-44 mm, and the travel of every axis.
+/// Start and end of an arc in its plane relative to `centre`, LSB 2^-44 mm, and the travel of every axis.
 #[cfg_attr(feature = "fast", inline(always))]
 fn points<const AXES: usize>(
     start: &[Position; AXES],
@@ -211,9 +211,10 @@ fn lengths(points: [[i64; 2]; 2], tolerant: bool) -> Result<[i64; 2], PathError>
     Ok([len0, len1])
 }
 
-/// Whether LinuxCNC and Grbl accept this difference of radii: 5 µm, or 0.1 % of the radius. They permit up to
-/// 0.5 mm, but the format of the interrupt only has room for 50 µm. If 5 µm is more than a quarter of the
-/// radius, the path would not be an arc.
+/// Whether an arc of LinuxCNC or Grbl may have this difference of radii. 5 µm are permitted, but at most a
+/// quarter of the radius, because the path would not be an arc. 0.1 % of the radius is also permitted, but at
+/// most 50 µm. These controllers permit up to 0.5 mm, but the format of the interrupt only has room for 50
+/// µm.
 fn is_tolerable(difference: i64, radius: i64) -> bool {
     const ALWAYS: i64 = 21_474_836 << FINER;
     difference <= ALWAYS.min(radius >> 2) || difference <= LARGEST_DIFFERENCE.min(radius / 1000)
@@ -229,7 +230,7 @@ impl Ends {
         Self { points, lengths, radii, apart }
     }
 
-    /// Angle travelled, LSB 2^-60 revolutions.
+    /// The angle of the arc, LSB 2^-60 revolutions.
     #[cfg_attr(feature = "fast", inline(always))]
     fn swept(&self, clockwise: bool) -> i64 {
         let turned = self.radii[0].angle_to(&self.radii[1]);
@@ -237,8 +238,8 @@ impl Ends {
         if self.apart && turned >= SAME_DIRECTION { (turned >> 4) as i64 } else { 1 << 60 }
     }
 
-    /// The arc's part of a shape whose length is known. `sweep`: angle, LSB 2^-60 revolutions, positive
-    /// counter-clockwise.
+    /// The circle in the format of the tick, for a shape whose length is known. `sweep`: angle, LSB 2^-60
+    /// revolutions, positive counter-clockwise.
     #[cfg_attr(feature = "fast", inline(always))]
     fn circle<const AXES: usize>(
         &self,
@@ -273,8 +274,8 @@ impl Ends {
     }
 }
 
-/// Path length along the feed axes, LSB 2^-44 mm. It has three parts: `along` the circle, the `difference` of
-/// both radii, and the travel of the axes `outside` the plane, if there is any.
+/// Path length along the feed axes, LSB 2^-44 mm. The length has three parts: `along` the circle, the
+/// `difference` of both radii, and the travel of the axes `outside` the plane, if there is any.
 #[cfg_attr(feature = "fast", inline(always))]
 fn travelled<const AXES: usize>(
     along: i64,
@@ -304,9 +305,9 @@ fn part(length: i64, shift: u8, reciprocal: Halves) -> i64 {
     Halves::of(length << (shift & 63)).times(reciprocal)
 }
 
-/// A radius vector, at the start or at the end of an arc.
+/// The vector from the centre to the start or to the end of an arc.
 struct Radius {
-    /// Direction; its length is in 2^61..2^62.
+    /// The vector, scaled to a length in 2^61..2^62.
     direction: [Halves; 2],
     /// Direction with length 1, LSB 2^-60; error at most 2^-56.
     unit: [i64; 2],
@@ -338,7 +339,7 @@ pub(super) fn plane_hypot([p, q]: [i64; 2]) -> i64 {
     sqrt_wide(high, low) as i64
 }
 
-/// A sum of squares plus one more square.
+/// The sum of two squares: a sum in two words plus the square of `x`.
 #[cfg_attr(feature = "fast", inline(always))]
 fn with_square((high, low): (u64, u64), x: i64) -> (u64, u64) {
     let (more, lower) = square_wide(x.unsigned_abs());
@@ -346,7 +347,7 @@ fn with_square((high, low): (u64, u64), x: i64) -> (u64, u64) {
     (high.saturating_add(more + u64::from(carry)), low)
 }
 
-/// 2^-28; the next two are 2^-44 and 2^-60.
+/// 2^-28; below: 2^-60.
 const LSB_28: f32 = 1.0 / (1u64 << 28) as f32;
 const LSB_60: f32 = 1.0 / (1u64 << 60) as f32;
 
@@ -358,8 +359,9 @@ fn plane_axes(plane: Plane, main: &Main) -> Result<[usize; 2], PathError> {
     }
 }
 
-/// Centre of an arc by radius. Of the two arcs through both points, the result is the one of at most 180°;
-/// with a negative radius, the other one. Rounded to the LSB of a position.
+/// Centre of an arc that has a radius instead of a centre, rounded to the LSB of a position. Two such arcs
+/// lead through both points. A positive radius selects the arc of at most 180°, a negative radius the other
+/// one.
 ///
 /// # Errors
 /// [`PathError::RadiusWithoutEnd`], [`PathError::RadiusTooShort`], [`PathError::NoRadius`],

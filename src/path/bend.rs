@@ -13,16 +13,17 @@ const LSB_62: f32 = 1.0 / (1u64 << 62) as f32;
 /// Margin for rounding of `f32`.
 const ROUNDED: f32 = 1.0 + 1.0 / 1_048_576.0;
 
-/// The largest derivatives of the axes over path length in a part of a curve, by order: x′, x″ (1/mm), x‴ (1/mm²). Each has
-/// two values, both at least 0: above zero, and below zero.
+/// For each axis, the largest first, second and third derivative over path length in a part of a curve: x′,
+/// x″ (1/mm), x‴ (1/mm²). Each derivative has two values, both at least 0: the largest positive value, and
+/// the magnitude of the largest negative value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Swings<const AXES: usize>(pub [[[f32; 2]; 3]; AXES]);
 
 impl<const AXES: usize> Swings<AXES> {
-    /// No part.
+    /// The values of an empty part: all zero.
     pub const NONE: Self = Self([[[0.0; 2]; 3]; AXES]);
 
-    /// Adds the derivatives of one axis.
+    /// Raises the values of one axis to these derivatives, if they are larger.
     fn widen(&mut self, axis: usize, derivatives: [[f32; 2]; 3]) {
         let Some(swing) = self.0.get_mut(axis) else { return };
         for (most, value) in swing.iter_mut().zip(derivatives) {
@@ -32,7 +33,8 @@ impl<const AXES: usize> Swings<AXES> {
         }
     }
 
-    /// Each derivative may have the other sign.
+    /// Makes both values of each derivative equal to the larger one, because each derivative may have the
+    /// other sign.
     pub fn even(&mut self) {
         for most in self.0.iter_mut().flatten() {
             *most = [max(most[0], most[1]); 2];
@@ -41,8 +43,9 @@ impl<const AXES: usize> Swings<AXES> {
 }
 
 impl<const AXES: usize> Shape<AXES> {
-    /// Adds the largest derivatives of every axis between two distances from the curve's start (2^-44 mm) to
-    /// `swings`: exact for a line, by the hull for a polynomial ([`hull`]), by its axes, without sign, for an arc.
+    /// Raises `swings` to the largest derivatives of every axis between two distances from the curve's start
+    /// (LSB 2^-44 mm). The values of a line are exact. Those of a polynomial are upper bounds ([`hull`]).
+    /// Those of an arc are upper bounds too, equal for both signs.
     #[inline(never)]
     pub fn bend(&self, [from, to]: [i64; 2], swings: &mut Swings<AXES>) {
         let per_mm = power_of_two(i32::from(self.shift) - 18);
@@ -82,8 +85,8 @@ impl<const AXES: usize> Shape<AXES> {
         }
     }
 
-    /// Both axes of an arc are sines of the angle. In a part of the arc, each axis is at most its larger end
-    /// value, divided by the cosine of half the angle between the ends.
+    /// The part of [`Self::bend`] for an arc. Both axes are sines of the angle. In a part of the arc, each
+    /// axis is at most its larger end value, divided by the cosine of half the angle between the ends.
     fn bend_arc(&self, arc: &Arc, part: [i64; 2], per_mm: f32, swings: &mut Swings<AXES>) {
         let Arc { a, turn, plane, .. } = *arc;
         let [p, q] = a.map(|a| to_f32(a) * DISTANCE_LSB);
@@ -123,8 +126,8 @@ fn hidden(a: &[f32; 5], per_mm: f32) -> [f32; 3] {
     [first * unit, second * unit * per_mm, third * unit * per_mm * per_mm]
 }
 
-/// Upper bounds of the first three derivatives over 0..1, and of their negatives: those of their Bernstein coefficients Σ
-/// C(i,j)/C(n,j)·p_j of the powers p0…pn. A bound below zero is zero.
+/// Upper bounds of the first three derivatives over 0..1, and of their negatives. The bounds are the largest
+/// Bernstein coefficients Σ C(i,j)/C(n,j)·p_j of the powers p0…pn. A bound below zero becomes zero.
 fn hull([a1, a2, a3, a4, a5]: [f32; 5]) -> [[f32; 2]; 3] {
     const THIRD: f32 = 1.0 / 3.0;
     let most = |x: &[f32]| x.iter().fold([0.0; 2], |[above, below], x| [max(above, *x), max(below, -*x)]);

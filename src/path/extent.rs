@@ -10,7 +10,7 @@ use heapless::Vec;
 /// A quarter of a revolution, LSB 2^-64.
 const QUARTER: u64 = 1 << 62;
 
-/// Depth of halvings of a polynomial, and largest number of halvings.
+/// Largest depth of halvings of a polynomial; below: their largest number.
 const DEPTH: u32 = 8;
 const SPLITS: u32 = 12;
 
@@ -67,9 +67,10 @@ impl<const AXES: usize> Element<AXES> {
         range.map(Some)
     }
 
-    /// Checks the range of an axis on a polynomial that begins at `from`. Returns a coordinate beyond
-    /// `limits` if the axis reaches one, otherwise the start. An extreme between the ends counts as beyond
-    /// `limits` if the hull of the part around it is beyond. This part is at most a 64th of the curve.
+    /// Checks an axis against its lower and upper limit, on a polynomial that begins at `from`. For each
+    /// limit, the result is a coordinate beyond the limit if the axis reaches one, otherwise the start.
+    /// Inside the curve, the check halves the curve up to 12 times, and uses the hull of each part. So an
+    /// extreme closely below a limit may count as beyond.
     pub fn bent_range(
         &self,
         axis: usize,
@@ -78,7 +79,8 @@ impl<const AXES: usize> Element<AXES> {
     ) -> [Option<Position>; 2] {
         let start = from.get(axis).copied();
         let (Some(x), Some(bounds)) = (start, &self.bounds) else { return [start; 2] };
-        // The steepest direction of the axis gives a range that suffices for most curves.
+        // With the steepest slope of the axis, its range is too wide, but still inside the limits for most
+        // curves.
         let slope = bounds.first.get(axis).copied().unwrap_or(0.0);
         let way = to_f32(self.shape.length.to_bits()) * (1.0 / 4096.0) * slope;
         let way = Position::from_bits(way as i64);
@@ -92,7 +94,7 @@ impl<const AXES: usize> Element<AXES> {
         [low, above(&offsets, room[1]).map_or(start, at)]
     }
 
-    /// Bernstein coefficients of a polynomial of one axis, counted from its start, mm.
+    /// Bernstein coefficients of the polynomial of one axis, mm, relative to its start.
     fn bernstein(&self, axis: usize) -> Option<[f64; 6]> {
         let Curve::Poly { power, down } = &self.shape.curve else { return None };
         let (power, down, gain) = (power.get(axis)?, *down.get(axis)?, *self.shape.gain.get(axis)?);
@@ -116,8 +118,9 @@ impl<const AXES: usize> Element<AXES> {
     }
 }
 
-/// A coordinate of a polynomial above `most`, if there is one. The polynomial is in the hull of its Bernstein
-/// coefficients. If the hull exceeds `most`, both halves are examined, down to a 256th of the curve.
+/// A coordinate of a polynomial above `most`, if there is one. The polynomial lies inside the hull of its
+/// Bernstein coefficients. If the hull exceeds `most`, the function examines both halves, down to a 256th of
+/// the curve.
 fn above(whole: &[f64; 6], most: f64) -> Option<f64> {
     let most = most + NEAR;
     let mut open: Vec<([f64; 6], u32), { DEPTH as usize + 2 }> = Vec::new();

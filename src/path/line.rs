@@ -4,7 +4,7 @@ use crate::math::divide::reciprocal_near;
 use crate::math::wide::mul_near;
 use crate::quantity::{Distance, Position};
 
-/// A line, without memory for the data of curves.
+/// A line without the memory that an [`Element`] has for curves.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Straight<const AXES: usize> {
     pub(super) length: Distance,
@@ -41,7 +41,7 @@ pub(crate) fn line_to<const AXES: usize>(
     Ok(true)
 }
 
-/// As [`straight`], as a function call and not inlined.
+/// As [`straight`], but never inlined.
 ///
 /// # Errors
 /// [`PathError::TooLong`].
@@ -54,7 +54,7 @@ pub(crate) fn straight_line<const AXES: usize>(
     straight(start, target, measure)
 }
 
-/// A line from `start` to `target` that is not an element yet; `None` if no axis moves.
+/// The line from `start` to `target`, not yet as an element; `None` if no axis moves.
 ///
 /// # Errors
 /// [`PathError::TooLong`].
@@ -84,7 +84,7 @@ pub(crate) fn straight<const AXES: usize>(
 }
 
 impl<const AXES: usize> Straight<AXES> {
-    /// No line.
+    /// An empty line: all bits are zero.
     pub(crate) const BLANK: Self =
         Self { length: Distance::ZERO, gain: [0; AXES], tangent: [0; AXES], shift: 0 };
 
@@ -98,7 +98,7 @@ impl<const AXES: usize> Straight<AXES> {
         self.length
     }
 
-    /// Shape and both ends; data that only curves have are not copied.
+    /// The shape of the line, and its direction, for an element. Data that only curves have are not copied.
     #[cfg_attr(feature = "fast", inline(always))]
     pub(crate) fn parts(&self) -> (Shape<AXES>, End<AXES>) {
         let Self { length, gain, tangent, shift } = *self;
@@ -128,9 +128,9 @@ impl<const AXES: usize> Straight<AXES> {
 }
 
 impl<const AXES: usize> Element<AXES> {
-    /// Shortens a line to its part after `from`, which is `cut` (LSB 2^-44 mm) from the start. The path gets
-    /// shorter, and the direction stays. `from` is rounded to an LSB of a position on each axis. A new line
-    /// from there would have an error of that size in its path and in every direction.
+    /// Shortens a line to the part after `from`. `cut`: path distance from the start to `from`, LSB 2^-44 mm.
+    /// The direction stays. `from` is rounded to the LSB of a position on each axis; a new line from there
+    /// would have this error in its length and direction.
     pub(crate) fn shorten(&mut self, cut: i64, from: &[Position; AXES], to: &[Position; AXES]) {
         let rest = self.shape.length.to_bits() - cut;
         if rest <= 0 || from == to {
@@ -153,15 +153,15 @@ impl<const AXES: usize> Shape<AXES> {
         self.length.to_bits() << (self.shift & 63)
     }
 
-    /// Sets the linear part from these travels (LSB of a position, below 2^50): 2^64 times the travel per `w`
-    /// at the end. One reciprocal serves all axes. The error at the end is below twenty LSB of the product,
-    /// which is less than the guard bits.
+    /// Sets the linear part of each axis from its travel (LSB of a position, below 2^50): 2^64 times the
+    /// travel divided by `w` at the end. One reciprocal serves all axes. The error at the end is below twenty
+    /// LSB of the product, which is less than the guard bits.
     #[cfg_attr(feature = "fast", inline(always))]
     pub(super) fn set_gains(&mut self, travel: &[i64; AXES]) {
         self.set_gains_by(travel, self.reciprocal());
     }
 
-    /// Sets the linear part from the travel of every axis and the [`Self::reciprocal`] of the length.
+    /// Sets the linear part from the travel of every axis, and from the [`Self::reciprocal`] of the length.
     #[cfg_attr(feature = "fast", inline(always))]
     pub(super) fn set_gains_by(&mut self, travel: &[i64; AXES], reciprocal: i64) {
         for (gain, travel) in self.gain.iter_mut().zip(travel) {
@@ -170,7 +170,7 @@ impl<const AXES: usize> Shape<AXES> {
         }
     }
 
-    /// 2^124 / w at the end, in 2^62..2^63.
+    /// 2^124 divided by `w` at the end; the result is in 2^62..2^63.
     pub(super) fn reciprocal(&self) -> i64 {
         reciprocal_near((self.end_w() as u64) << 2) as i64
     }

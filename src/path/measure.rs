@@ -1,6 +1,6 @@
 //! The measure of a path: the feed axes (P-CHAN-00011).
 //!
-//! The sources name the parameter, but do not describe its effect. Glidepath uses the following meaning,
+//! ISG's texts name this parameter, but do not describe its effect. Glidepath uses the following meaning,
 //! which agrees with ISG's public lists:
 //!
 //! - The path length of a block is the common travel of its feed axes. F, `s`, path speed and the limits of
@@ -14,9 +14,10 @@
 //!   main axes are the feed axes, a 1024th counts.)
 //! - An arc needs both axes of its plane as feed axes. Along a single axis, the arc goes back and forth, and
 //!   no feed can describe its speed. ISG even demands all main axes.
-//! - **Tolerances and deviations are distances in space** between points of the main axes, for any feed axes:
-//!   PATH_DEV, RELEVANT_PATH, points left out of straight lines. **Corner distances are path**: PRE_DIST,
-//!   POST_DIST, PATH_DIST ("on the feed axes' path"), SYM_DIST, shares of blocks.
+//! - **Tolerances and deviations are distances in space** between points of the main axes, whatever the feed
+//!   axes are. Examples are PATH_DEV, RELEVANT_PATH, and the distance of points that a merged line leaves
+//!   out. **Corner distances are lengths of the path**: PRE_DIST, POST_DIST, PATH_DIST ("on the feed axes'
+//!   path"), SYM_DIST, shares of blocks.
 use super::{FINER, path_length, travelled};
 #[cfg(feature = "grbl")]
 use crate::machine::Dialect;
@@ -24,7 +25,7 @@ use crate::machine::{AxisData, MODE_MASTER, MachineData};
 use crate::math::root::sqrt_f32;
 use crate::quantity::Distance;
 
-/// Indices of up to three axes in a vector over all axes: the main axes, in the order of their names.
+/// The indices of up to three main axes, in a vector over all axes of the machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Main([u8; 3]);
 
@@ -32,7 +33,7 @@ impl Main {
     /// No axis in this place.
     const NONE: u8 = u8::MAX;
 
-    /// The main axes at these places; `None` for a missing axis.
+    /// The main axes with these indices; `None` for a main axis that the machine does not have.
     pub fn new(places: [Option<usize>; 3]) -> Self {
         Self(places.map(|place| place.and_then(|k| u8::try_from(k).ok()).unwrap_or(Self::NONE)))
     }
@@ -67,7 +68,7 @@ impl Main {
     }
 }
 
-/// Main axes, feed axes and master axis of a machine.
+/// How the path length is measured: the main axes, feed axes and master axis of a machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Measure {
     /// The main axes: they span the space.
@@ -80,7 +81,7 @@ pub struct Measure {
     tolerant: bool,
 }
 
-/// Axes from this number on have no bit.
+/// Largest number of axes that may be feed axes: axes from this index on have no bit in the mask.
 pub const FEED_AXES: usize = 32;
 
 /// Largest ratio of the travel of another axis to that of the feed axes, as a power of two.
@@ -91,7 +92,8 @@ fn bits(axes: impl Iterator<Item = usize>) -> u32 {
 }
 
 impl Measure {
-    /// The measure of these main axes, of the feed axes (P-CHAN-00011) and of the master axes (P-AXIS-00015).
+    /// The measure for these main axes, feed axes (P-CHAN-00011), and axes marked as master axes
+    /// (P-AXIS-00015).
     pub fn new(
         main: [Option<usize>; 3],
         feed: impl Iterator<Item = usize>,
@@ -134,7 +136,7 @@ impl Measure {
         self.tolerant
     }
 
-    /// Whether radii may differ: never in a build without other dialects.
+    /// Always `false`: without other dialects, radii may not differ more.
     #[cfg(not(feature = "grbl"))]
     #[inline(always)]
     pub const fn is_tolerant(&self) -> bool {
@@ -179,9 +181,9 @@ impl Measure {
         travelled(self.main.of::<AXES>().filter_map(|k| travel.get(k)).copied())
     }
 
-    /// Path length of these travels (LSB of a position). It counts along the feed axes, if one of them moves;
-    /// otherwise along the main axes, if one of them moves; otherwise along all axes. Exact to an LSB, and
-    /// limited to the range of a distance.
+    /// Path length of these travels (LSB of a position): along the feed axes, if one of them moves; otherwise
+    /// along the main axes, if one of them moves; otherwise along all axes. The length is exact to an LSB,
+    /// and limited to the range of a distance.
     pub fn path<const AXES: usize>(&self, travel: &[i64; AXES]) -> Distance {
         path_length(self.travelled(travel), travel).unwrap_or(Distance::from_bits(i64::MAX))
     }
@@ -192,7 +194,7 @@ impl Measure {
         self.resolved(travelled(feed.map(|(_, x)| *x)), travel)
     }
 
-    /// Raises the path length so that it resolves the travel of every axis, if any feed axis moves.
+    /// Raises the path length `along` so that it resolves the travel of every axis, if any feed axis moves.
     pub(super) fn resolved<const AXES: usize>(&self, along: i64, travel: &[i64; AXES]) -> i64 {
         if self.is_space() || along == 0 {
             return along;

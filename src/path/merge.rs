@@ -1,27 +1,27 @@
 //! Merges blocks that continue in a straight line. A line cut into pieces is then as fast as the whole line,
 //! and the look-ahead covers as much path.
 //!
-//! One line from the start `P0` of the first block to the end `Pn` of the last block may replace all of them,
+//! One line from the start `P0` of the first block to the end `Pn` of the last block may replace all blocks,
 //! if every point left out is within a tolerance. This check does not need the points themselves. Every `Pi`
 //! was an end before it was left out: `Pi = P0 + Ti·si`, with path length `si` and tangent `Ti` of the line
 //! up to `Pi`. At the path distance `si`, the line with the tangent `T` is `|T − Ti|·si` away from `Pi`, axis
 //! by axis. So each point permits the tangents within `tolerance/si` of `Ti`. For all points together, this
 //! is an interval per axis. Only this interval is stored.
 //!
-//! A tracking axis that moves `t` times as far as the path has `1 + t` times the tolerance, because the place
-//! of a point along the path is only known to the tolerance. Main axes have the tolerance alone, for any feed
-//! axes.
+//! The place of a point along the path is only known to the tolerance. So a tracking axis that moves `t`
+//! times as far as the path has `1 + t` times the tolerance. Main axes have the tolerance alone, whatever the
+//! feed axes are.
 //!
-//! The order of the points is kept. The path length grows with every block. A block turns by less than a
-//! quarter of a unit on every feed axis, so no block goes back.
+//! The order of the points stays the same. The path length grows with every block. The tangent changes by
+//! less than 1/4 on every feed axis, so no block goes back.
 use super::Measure;
 use super::line::{Straight, straight};
 use crate::math::float::{to_bits, to_f32};
 use crate::quantity::{DISTANCE_LSB, Distance, Position};
 
 /// Permitted distance of a point from the line, LSB of a position: 1.14 nm on every axis, less than 2 nm on
-/// three axes. Points of a straight line that are rounded to six decimals (0.5 nm each) are up to 1.37 nm
-/// away from each other's lines, usually less than half of that.
+/// three axes. Points that are rounded to six decimals have errors of 0.5 nm. On a straight line, they are up
+/// to 1.37 nm away from lines through the other points, usually less than half of that.
 const TOLERANCE: i64 = 4900;
 
 /// [`TOLERANCE`] in mm, reduced by the rounding of derived values.
@@ -31,8 +31,8 @@ pub(crate) const TOLERANCE_MM: f32 = TOLERANCE as f32 / 4_294_967_296.0 * (1.0 -
 /// five-hundredth of the tolerance.
 const LONGEST: i64 = 1 << 54;
 
-/// Half of the largest change of the tangent on a feed axis. Second value: additional change beyond the
-/// interval of the points.
+/// Half of the largest change of the tangent on a feed axis. Below: the factor by which [`Stretch::goes_on`]
+/// widens its bound.
 const TURN: f32 = 0.125;
 const LOOSE: f32 = 2.0;
 
@@ -43,13 +43,13 @@ pub(crate) struct Stretch<const AXES: usize> {
     line: Straight<AXES>,
     /// Whether the line consists of a single block.
     alone: bool,
-    /// Permitted tangents for several blocks, LSB 2^-40.
+    /// Smallest and largest tangents that all points left out permit, LSB 2^-40; valid for several blocks.
     low: [i64; AXES],
     high: [i64; AXES],
 }
 
 impl<const AXES: usize> Stretch<AXES> {
-    /// No line.
+    /// An empty line.
     pub(crate) const BLANK: Self = Self {
         start: [Position::ZERO; AXES],
         line: Straight::BLANK,
@@ -89,8 +89,8 @@ impl<const AXES: usize> Stretch<AXES> {
         true
     }
 
-    /// The line to `target`, the end of `next`, if this line may replace all blocks. In this case, call
-    /// [`Self::become_line`] afterwards; otherwise begin a new line. Call this function only if
+    /// The line to `target`, the end of `next`, if this line may replace all blocks. Call
+    /// [`Self::become_line`] with the result; without a result, begin a new line. Call this function only if
     /// [`Self::goes_on`] returns `true` for the block.
     #[cfg_attr(feature = "fast", inline(always))]
     pub(crate) fn with(&mut self, target: &[Position; AXES], measure: &Measure) -> Option<Straight<AXES>> {

@@ -5,8 +5,8 @@
 //! position of axis k is
 //!
 //! ```text
-//! x_k = base_k + gain_k·w                                   every axis of a line, of an arc those outside its plane
-//! x_p = base_p + a_p(w)·cos φ − a_q(w)·sin φ + miss_p·w     the two axes of its plane
+//! x_k = base_k + gain_k·w                                   axes of a line; axes of an arc outside its plane
+//! x_p = base_p + a_p(w)·cos φ − a_q(w)·sin φ + miss_p·w     the two axes of an arc's plane
 //! x_q = base_q + a_q(w)·cos φ + a_p(w)·sin φ + miss_q·w     with φ = turn·w,  a(w) = a + grow·w
 //! ```
 //!
@@ -43,7 +43,7 @@ use crate::nc::Plane;
 use crate::quantity::{Decimal, Distance, Position};
 use core::hint::black_box;
 
-/// Direction and curvature of every axis over the path length, at one end of an element.
+/// Direction and curvature of all axes over the path length, at one end of an element.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct End<const AXES: usize> {
     /// Direction of each axis: travel per path length (dx/ds), LSB 2^-40.
@@ -53,27 +53,27 @@ pub struct End<const AXES: usize> {
 }
 
 impl<const AXES: usize> End<AXES> {
-    /// No end.
+    /// An end with direction and curvature zero.
     pub(crate) const BLANK: Self = Self { tangent: [0; AXES], curvature: [0.0; AXES] };
 
-    /// Difference between the direction of one axis and its direction at another end; 0 if there is no such
-    /// axis.
+    /// How much the direction of one axis changes from this end to another; 0 if the axis does not exist.
     pub(crate) fn turn(&self, to: &Self, axis: usize) -> f32 {
         let at = |end: &Self| end.tangent.get(axis).copied().unwrap_or(0);
         to_f32(at(to).wrapping_sub(at(self))) * (1.0 / (1u64 << 40) as f32)
     }
 }
 
-/// The circle of an arc, from which the limits of the arc are computed.
+/// The circle of an arc. The limits of the arc are computed from this data.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Circle {
     /// Indices of the two axes of the circle's plane.
     pub plane: [usize; 2],
     /// The smaller of start and end radius, mm.
     pub radius: f32,
-    /// Part of the path in the plane: 1, less for a helix.
+    /// The part of the path that lies in the plane: 1 for an arc, less for a helix.
     pub share: f32,
-    /// Radians from the start of the circle, in this arc or in an earlier one, to the end of the arc.
+    /// Angle from the start of the circle to the end of this arc, radians. The circle may have begun in an
+    /// earlier arc.
     pub turn: f32,
 }
 
@@ -102,25 +102,25 @@ pub(crate) struct Piece<'a, const AXES: usize> {
     pub continued: bool,
     pub entry: &'a End<AXES>,
     pub exit: &'a End<AXES>,
-    /// Whether the path is time and not length.
+    /// Whether the parameter of the curve is time, and not length.
     pub timed: bool,
-    /// Whether the piece is a part of a curve over arc length. The change of speed that is permitted differs
-    /// from part to part.
+    /// Whether the piece belongs to a curve over arc length whose permitted change of speed differs from part
+    /// to part.
     pub bent: bool,
-    /// Whether the piece is a part of a curve that acceleration passes.
+    /// Whether the piece belongs to a corner's curve at whose ends acceleration need not be zero.
     pub through: bool,
-    /// Whether the limits of the piece trade speed for acceleration.
+    /// Whether a lower speed in the piece leaves more acceleration for a change of speed.
     pub trades: bool,
-    /// Whether the piece is a part of a curve of many elements.
+    /// Whether the piece belongs to a curve of many elements.
     pub flows: bool,
 }
 
 impl<const AXES: usize> Element<AXES> {
-    /// No element.
+    /// An empty element.
     pub(crate) const BLANK: Self =
         Self { shape: Shape::BLANK, entry: End::BLANK, exit: End::BLANK, circle: None, bounds: None };
 
-    /// The data for the look-ahead.
+    /// The data of this element for the look-ahead.
     #[cfg_attr(feature = "fast", inline(always))]
     pub(crate) fn piece(&self) -> Piece<'_, AXES> {
         let Self { shape, entry, exit, bounds, .. } = self;
@@ -205,7 +205,7 @@ impl core::fmt::Display for PathError {
 
 impl core::error::Error for PathError {}
 
-/// Longest path length of one block: 2^18 mm.
+/// Longest path length of one block: 2^18 mm, LSB 2^-44 mm.
 pub const LONGEST: i64 = 1 << 62;
 
 /// Fraction bits below the LSB of a position, for sums in a tick.
@@ -222,19 +222,19 @@ pub struct Shape<const AXES: usize> {
     /// Linear part: LSB 2^-42 mm per 2^64 units of `w`.
     gain: [i64; AXES],
     curve: Curve<AXES>,
-    /// `w = distance << shift`. `length << shift` is in 2^61..2^62, so that a distance beyond an end still
-    /// has a bit.
+    /// `w = distance << shift`. `length << shift` is in 2^61..2^62, so that a distance beyond the end still
+    /// fits.
     shift: u8,
 }
 
 /// The part of the curve beyond the linear part.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Curve<const AXES: usize> {
-    /// No further part.
+    /// Nothing: the curve is a line.
     Line,
-    /// A circle.
+    /// The circle of an arc.
     Arc(Arc),
-    /// See [`mod@poly`].
+    /// A polynomial of each axis: see [`mod@poly`].
     Poly {
         /// Coefficients of the second to the fifth power.
         power: [[i32; 4]; AXES],
@@ -243,15 +243,16 @@ enum Curve<const AXES: usize> {
     },
 }
 
-/// The part of an arc in its plane. Packed, so that it makes a polynomial of three axes hardly larger.
+/// The part of an arc in its plane. Packed, so that an arc takes hardly more memory than a polynomial of
+/// three axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C, packed(4))]
 pub(crate) struct Arc {
     /// Radius vector at the start, LSB 2^-44 mm.
     a: [i64; 2],
-    /// Angle: 2^-59 revolutions per 2^64 units of `w`.
+    /// The angle by which the radius vector turns: 2^-59 revolutions per 2^64 units of `w`.
     turn: i64,
-    /// Growth of `a`: 2^-44 mm per 2^51 units of `w`.
+    /// Growth of the radius vector `a`: 2^-44 mm per 2^51 units of `w`.
     grow: [i32; 2],
     /// Missing distance at the end of the circle, a few nanometres at most: 2^-42 mm per 2^64 units of `w`.
     miss: [i32; 2],
@@ -264,7 +265,7 @@ impl<const AXES: usize> Shape<AXES> {
     pub(crate) const BLANK: Self =
         Self { length: Distance::ZERO, gain: [0; AXES], curve: Curve::Line, shift: 0 };
 
-    /// A shape of this length whose axes do not move yet.
+    /// A shape of this length in which no axis moves yet.
     fn resting(length: Distance) -> Self {
         Self { length, gain: [0; AXES], curve: Curve::Line, shift: Self::shift_of(length) }
     }
@@ -319,8 +320,8 @@ impl<const AXES: usize> Shape<AXES> {
         matches!(self.curve, Curve::Arc(_))
     }
 
-    /// For an arc: its radius at the start, LSB 2^-44 mm, and its angle from the first axis of its plane to
-    /// the second one, 2^-59 revolutions.
+    /// For an arc: its radius at the start, LSB 2^-44 mm, and its angle from the first axis of its plane
+    /// towards the second one, 2^-59 revolutions.
     #[cfg(feature = "plc")]
     pub(crate) fn turn(&self) -> Option<(u64, i64)> {
         let Curve::Arc(arc) = self.curve else { return None };
@@ -330,8 +331,8 @@ impl<const AXES: usize> Shape<AXES> {
         Some((sqrt_wide(upper, lower), mul_near(self.end_w(), arc.turn)))
     }
 
-    /// The base for [`Self::at`], for a block that begins at `start`. For an arc, the base contains the
-    /// centre of the circle.
+    /// The base of the formula of this module, as [`Self::at`] needs it, for a block that begins at `start`.
+    /// For an arc, the base contains the centre of the circle.
     pub fn base(&self, start: &[Position; AXES]) -> [Position; AXES] {
         let mut base = *start;
         if let Curve::Arc(arc) = self.curve {
@@ -344,14 +345,15 @@ impl<const AXES: usize> Shape<AXES> {
         base
     }
 
-    /// `distance << shift`.
+    /// The variable `w` of the formula: `distance << shift`.
     #[inline(always)]
     fn w(&self, distance: i64) -> i64 {
         self.linear().w(distance)
     }
 
-    /// Position of every axis at `distance` from the start of the block. Error against the exact curve: half
-    /// an LSB of a position; for an arc, 2^-44 of its radius in addition; 0 at both ends.
+    /// Writes the position of every axis at `distance` (LSB 2^-44 mm) from the start of the block to `out`.
+    /// The error against the exact curve is half an LSB of a position; an arc has an error of 2^-44 of its
+    /// radius in addition. At both ends the error is 0.
     #[inline(always)]
     pub fn at(&self, distance: i64, base: &[Position; AXES], out: &mut [Position; AXES]) {
         let w = self.w(distance);
@@ -364,7 +366,7 @@ impl<const AXES: usize> Shape<AXES> {
         self.linear().add(w, base, out);
     }
 
-    /// The result of [`Self::at`], as a function call. Do not call this function in the tick.
+    /// As [`Self::at`], but not inlined. Do not call this function in the tick.
     #[inline(never)]
     pub fn put(&self, distance: i64, base: &[Position; AXES], out: &mut [Position; AXES]) {
         self.at(distance, base, out);
@@ -384,8 +386,8 @@ impl<const AXES: usize> Shape<AXES> {
         point
     }
 
-    /// The set points at the end of the shape. For a line, there is no branch for each axis; a branch would
-    /// keep the halves of `w` in separate registers.
+    /// Writes the positions at the end of the shape to `out`. For a line, there is no branch for each axis; a
+    /// branch would keep the halves of `w` in separate registers.
     #[cfg_attr(feature = "fast", inline(always))]
     pub(crate) fn end(&self, base: &[Position; AXES], out: &mut [Position; AXES]) {
         if !self.is_line() {
@@ -408,17 +410,17 @@ pub(crate) struct Linear<'a, const AXES: usize> {
 /// The part beyond the linear part, by reference.
 #[derive(Clone, Copy)]
 pub(crate) enum Bent<'a, const AXES: usize> {
-    /// No further part.
+    /// Nothing: the curve is a line.
     Line,
-    /// A circle.
+    /// The circle of an arc.
     Arc(&'a Arc),
     /// Coefficients of a polynomial, and their exponents.
     Poly(&'a [[i32; 4]; AXES], &'a [u8; AXES]),
 }
 
 impl<const AXES: usize> Linear<'_, AXES> {
-    /// `distance << shift`, word by word. With a branch that nearly always goes the same way, this is shorter
-    /// than a shift of two words.
+    /// The variable `w`: `distance << shift`, word by word. With a branch that nearly always goes the same
+    /// way, this takes fewer instructions than a shift of two words.
     #[inline(always)]
     pub fn w(&self, distance: i64) -> i64 {
         let (upper, lower) = ((distance >> 32) as u32, distance as u32);
@@ -437,7 +439,7 @@ impl<const AXES: usize> Linear<'_, AXES> {
         for ((x, base), gain) in out.iter_mut().zip(base).zip(self.gain) {
             if *gain != 0 {
                 // Hidden from the optimiser in each branch. Otherwise the sign of the upper word would get
-                // its own word, and each product would be three.
+                // its own word, and each product would become three products.
                 let w = black_box(Halves::of(w));
                 *x = add(*base, w.times(Halves::of(*gain)));
             }
@@ -445,8 +447,8 @@ impl<const AXES: usize> Linear<'_, AXES> {
     }
 }
 
-/// Adds a polynomial that is a cubic, at `w`. The result has the same bits as that of [`add_poly`]. Runs in
-/// the tick.
+/// Adds a polynomial of the third degree at `w`. The result has the same bits as that of [`add_poly`]. Runs
+/// in the tick.
 #[inline(always)]
 pub(crate) fn add_cubic<const AXES: usize>(
     w: i64,
@@ -473,7 +475,7 @@ pub(crate) fn add_poly<const AXES: usize>(
 ) {
     for ((x, gain), (power, down)) in out.iter_mut().zip(gain).zip(power.iter().zip(down)) {
         // Hidden from the optimiser for each axis. Otherwise the loop would keep the sign of the upper word
-        // separately, and each product would be three.
+        // separately, and each product would become three products.
         let w = black_box(w);
         *x = add(*x, mul_near(w, *gain).wrapping_add(poly::bent(w, power, *down)));
     }
@@ -492,7 +494,7 @@ impl Arc {
         out[q] = Position::from_bits(out[q].to_bits().wrapping_add(y >> GUARD));
     }
 
-    /// Both coordinates of the radius vector at `w`, LSB 2^-42 mm. `more`: guard bits to add.
+    /// The radius vector at `w`, LSB 2^-42 mm. `more`: number of additional guard bits.
     #[inline(always)]
     fn circle(&self, w: Halves, more: i32) -> [i64; 2] {
         let Self { a, turn, grow, miss, .. } = *self;
@@ -535,14 +537,14 @@ fn travelled(travel: impl IntoIterator<Item = i64>) -> i64 {
 /// Additional fraction bits of a distance, compared with a position.
 const FINER: u32 = 12;
 
-/// All bits of the travels: at least the largest travel, and below twice the largest.
+/// The bitwise OR of all magnitudes of travel: at least the largest magnitude, and below twice the largest.
 #[cfg_attr(feature = "fast", inline(always))]
 fn reach<const AXES: usize>(travel: &[i64; AXES]) -> u64 {
     travel.iter().fold(0, |bits, x| bits | x.unsigned_abs())
 }
 
-/// Path length of a block. `along`: the result of [`Measure::travelled`], LSB 2^-44 mm. If it is zero, the
-/// length counts along all axes together. If an axis moves more than 1024 degrees or millimetres per
+/// Path length of a block. `along`: the result of [`Measure::travelled`], LSB 2^-44 mm. If `along` is zero,
+/// the length counts along all axes together. If an axis moves more than 1024 degrees or millimetres per
 /// millimetre of path, a 1024th of its travel counts, so that a distance still resolves this axis.
 #[cfg_attr(feature = "fast", inline(always))]
 fn path_length<const AXES: usize>(along: i64, travel: &[i64; AXES]) -> Result<Distance, PathError> {

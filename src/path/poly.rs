@@ -1,5 +1,6 @@
 //! A polynomial of the fifth degree for every axis, over a path distance. The polynomial has given position,
-//! direction and curvature at both ends. The ends decide how accurately the path distance is arc length.
+//! direction and curvature at both ends. These values decide how closely the path distance agrees with the
+//! arc length.
 //!
 //! ```text
 //! x_k = base_k + gain_k·w + 2^(12 − down_k)·τ²·(c_k2 + τ·(c_k3 + τ·(c_k4 + τ·c_k5)))      τ = w / 2^62
@@ -24,13 +25,13 @@ pub struct Knot<const AXES: usize> {
 }
 
 impl<const AXES: usize> Knot<AXES> {
-    /// No knot.
+    /// An empty knot.
     pub(crate) const BLANK: Self = Self { position: [Position::ZERO; AXES], end: End::BLANK };
 }
 
-/// Largest magnitudes along a polynomial, for limits. For the direction, it is the largest Bernstein
-/// coefficient, which is an upper bound. For the other derivatives, it is the largest value at the ends and
-/// where the next derivative is zero.
+/// The largest magnitudes of the derivatives along a polynomial, from which its limits follow. For the
+/// direction, the value is an upper bound: the largest Bernstein coefficient. For the other derivatives, the
+/// value is the largest one at the ends and where the next derivative is zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounds<const AXES: usize> {
     /// Largest travel of each axis per path length, |dx/ds|.
@@ -39,32 +40,33 @@ pub struct Bounds<const AXES: usize> {
     pub second: [f32; AXES],
     /// Largest third derivative of each axis, |d³x/ds³|, 1/mm².
     pub third: [f32; AXES],
-    /// Ratio of the speed along the curve to the path speed: 1, or more if the parameter is shorter than the
-    /// arc length.
+    /// Largest ratio of the speed along the curve to the path speed: 1, or more if the path distance is
+    /// shorter than the arc length.
     pub fastest: f32,
-    /// How the speed behaves inside the polynomial.
+    /// Whether and how the speed may change inside the polynomial.
     pub passage: Passage,
 }
 
-/// How the speed behaves inside a polynomial.
+/// Whether and how the speed may change inside a polynomial.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Passage {
-    /// The speed changes as in any other element.
+    /// The speed changes inside the element. This is the usual case.
     Varying,
-    /// The speed has to be constant; it changes before and after the element.
+    /// The plan keeps the speed constant in the element; the speed changes before and after it.
     Steady,
-    /// The speed changes over many elements that are one curve, as if they were one element.
+    /// The element is part of a curve of many elements; the speed changes over all of them as over one
+    /// element.
     Flowing,
-    /// The speed is constant (CONST_VEL).
+    /// The speed is constant, because the program demands it (CONST_VEL).
     Constant,
-    /// The speed changes as in a line: acceleration passes both ends.
+    /// The speed changes as in a line; acceleration need not be zero at the ends.
     Through,
-    /// Path is time. The value is the planned path speed, mm/tick.
+    /// The parameter of the curve is time. The value is the planned path speed, mm/tick.
     Timed(f32),
 }
 
 impl<const AXES: usize> Bounds<AXES> {
-    /// Bounds without axes; `fastest` as in [`Bounds`].
+    /// Bounds that are zero for every axis; `fastest` as in [`Bounds`].
     pub(super) const fn none(fastest: f32) -> Self {
         let none = [0.0; AXES];
         Self { first: none, second: none, third: none, fastest, passage: Passage::Varying }
@@ -107,7 +109,7 @@ impl<const AXES: usize> Bounds<AXES> {
         Some(())
     }
 
-    /// Whether path is time.
+    /// Whether the parameter of the curve is time.
     pub const fn is_timed(&self) -> bool {
         matches!(self.passage, Passage::Timed(_))
     }
@@ -117,17 +119,17 @@ impl<const AXES: usize> Bounds<AXES> {
         matches!(self.passage, Passage::Flowing)
     }
 
-    /// Whether acceleration passes both ends, with known limits.
+    /// Whether acceleration may be other than zero at both ends, with known limits.
     pub const fn passes(&self) -> bool {
         self.flows() || self.is_through()
     }
 
-    /// Whether the element is a part of a corner's curve that acceleration passes.
+    /// Whether the element is a part of a corner's curve at whose ends acceleration need not be zero.
     pub const fn is_through(&self) -> bool {
         matches!(self.passage, Passage::Through)
     }
 
-    /// Whether the limits of the element trade speed for acceleration.
+    /// Whether a lower speed in the element leaves more acceleration for a change of speed.
     pub const fn trades(&self) -> bool {
         matches!(self.passage, Passage::Timed(_) | Passage::Steady)
     }
@@ -136,7 +138,8 @@ impl<const AXES: usize> Bounds<AXES> {
 const LSB_40: f32 = 1.0 / (1u64 << 40) as f32;
 const LSB_32: f32 = 1.0 / (1u64 << 32) as f32;
 
-/// Fixed part of a coefficient's exponent: 42 bits of the sum, 32 and 2 bits of the products.
+/// The fixed part of a coefficient's exponent: 42 bits of the sum, minus 32 bits and plus 2 bits of the
+/// products.
 const POINT: i32 = 12;
 /// Sums of coefficients stay below 2^30.
 const SUM: i32 = 30;
@@ -223,7 +226,7 @@ fn lowered<const N: usize>(mut x: [i64; N], n: u32) -> [i64; N] {
     x
 }
 
-/// A polynomial in progress: each call makes a few of its axes.
+/// A polynomial that is not complete yet: each call of [`Self::go_on`] computes a few of its axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Draft<const AXES: usize> {
     /// Both ends.
@@ -236,19 +239,19 @@ pub struct Draft<const AXES: usize> {
     is_cubic: bool,
 }
 
-/// Axes per call.
+/// Axes that one call computes.
 const AXES_PER_CALL: usize = 4;
 
-/// Largest magnitude of an axis' values, mm, as the exponent of the power of two above it. Second value:
-/// position of the binary point in 64-bit numbers; sums in [`quintic`] use six of these bits.
+/// Largest magnitude of an axis' values, mm, as the exponent of the power of two above it. Below: number of
+/// bits that such a value has in a 64-bit number; sums in [`quintic`] use six of the other bits.
 const MOST: i32 = 24;
 const ROOM: i32 = 57;
 /// Smallest magnitude that is not zero, mm.
 const LEAST: f32 = LSB_40 * LSB_32;
 
 impl<const AXES: usize> Draft<AXES> {
-    /// The curve between two knots with `length` (mm) as path length; no axis is made yet. `fastest` as in
-    /// [`Bounds`]. Returns `None` if the formats cannot hold the curve.
+    /// The curve between two knots with `length` (mm) as path length; no axis is computed yet. `fastest` as
+    /// in [`Bounds`]. Returns `None` if the formats cannot hold the curve.
     pub fn new(
         from: &Knot<AXES>,
         to: &Knot<AXES>,
@@ -279,8 +282,8 @@ impl<const AXES: usize> Draft<AXES> {
         Some(Self { ends: [from.position, to.position], length, made: 0, is_cubic: false })
     }
 
-    /// Makes the curve a cubic: points and directions determine the curvature at its ends. The caller sets
-    /// the bounds of second and third derivative after the curve is made.
+    /// Makes the curve a cubic: points and directions then determine the curvature at its ends. When the
+    /// curve is complete, the caller sets the bounds of its second and third derivative.
     pub fn cubic(self) -> Self {
         Self { is_cubic: true, ..self }
     }
@@ -295,12 +298,12 @@ impl<const AXES: usize> Draft<AXES> {
         &self.ends[1]
     }
 
-    /// Whether all axes are made.
+    /// Whether all axes are computed.
     pub fn is_done(&self) -> bool {
         self.made >= AXES
     }
 
-    /// Makes the next axes. Returns `None` if the formats cannot hold them.
+    /// Computes the next axes. Returns `None` if the formats cannot hold them.
     pub fn go_on(&mut self, element: &mut Element<AXES>) -> Option<()> {
         let Element { shape, entry, exit, bounds, .. } = element;
         let (end_w, reciprocal) = (shape.end_w(), shape.reciprocal());
@@ -367,7 +370,7 @@ fn rests(travel: i64, [t0, t1]: [i64; 2], [k0, k1]: [f32; 2]) -> bool {
 }
 
 impl<const AXES: usize> Shape<AXES> {
-    /// Sets the length, mm.
+    /// Sets the path length, mm.
     #[cfg_attr(feature = "fast", inline(always))]
     fn measure(&mut self, length: f32) -> Option<()> {
         self.length = distance(length)?;
@@ -375,8 +378,8 @@ impl<const AXES: usize> Shape<AXES> {
         Some(())
     }
 
-    /// Makes the element a polynomial of this length (mm) whose axes are not made yet. Until then they are
-    /// undefined.
+    /// Makes the element a polynomial of this length (mm). The values of its axes are undefined until they
+    /// are computed.
     #[cfg_attr(feature = "fast", inline(always))]
     fn uncurve(&mut self, length: f32) -> Option<()> {
         self.measure(length)?;
@@ -389,20 +392,20 @@ impl<const AXES: usize> Shape<AXES> {
 
 /// Values that all axes of an element share.
 pub(super) struct Scale {
-    /// Length in mm: the value, its square, and the form mantissa·2^`up`, with a mantissa of 24 bits and 38
-    /// zeros.
+    /// The path length in mm, its square, and its form mantissa·2^`up`. The mantissa has 24 bits and 38 zeros
+    /// below.
     length: f32,
     square: f32,
     mantissa: i64,
     up: i32,
     /// τ at the end, times 2^62.
     end_w: i64,
-    /// Second to fifth power of 1/τ at the end, each in 1..2. They have 60, 58, 56 and 54 fraction bits.
+    /// Second to fifth power of 1/τ at the end, each in 1..2, with 60, 58, 56 and 54 fraction bits.
     powers: [i64; 4],
 }
 
 impl Scale {
-    /// `end_w` and `reciprocal` belong to the shape.
+    /// The values for a curve of this `length` (mm). `end_w` and `reciprocal` are those of its [`Shape`].
     pub(super) fn new(length: f32, end_w: i64, reciprocal: i64) -> Self {
         let bits = length.to_bits();
         let mantissa = i64::from(bits & 0x7f_ffff | 0x80_0000) << 38;
@@ -413,21 +416,22 @@ impl Scale {
         Self { length, square: length * length, mantissa, up, end_w, powers }
     }
 
-    /// Slopes of an axis at both ends over 0..1, mm.
+    /// First derivatives of an axis over 0..1 at both ends, mm.
     #[cfg_attr(feature = "fast", inline(always))]
     fn slopes(&self, tangents: [i64; 2]) -> [f32; 2] {
         let [t0, t1] = tangents;
         [to_f32(t0) * LSB_40 * self.length, to_f32(t1) * LSB_40 * self.length]
     }
 
-    /// Position of the binary point in 64 bits, for an axis whose values are at most `most`, mm.
+    /// Position of the binary point in 64-bit numbers, for an axis whose values are at most `most`, mm.
+    /// Returns `None` for values that are too large.
     #[cfg_attr(feature = "fast", inline(always))]
     fn point(&self, travel: i64, most: f32) -> Option<i32> {
         let above = exponent(max(max(magnitude(to_f32(travel) * LSB_32), most), LEAST));
         if above > MOST { None } else { Some(ROOM - above) }
     }
 
-    /// Travel and slopes in numbers with this binary point.
+    /// Travel and first derivatives as numbers with this binary point.
     #[cfg_attr(feature = "fast", inline(always))]
     fn placed(&self, travel: i64, tangents: [i64; 2], point: i32) -> (i64, [i64; 2]) {
         // Tangents are used in full width, so a product has the weight 2^(40 − 64) of its LSB.
@@ -443,7 +447,8 @@ impl Scale {
         (travel, lowered(slopes, down as u32))
     }
 
-    /// A quintic, and its bounds over 0..1. Returns `None` if the formats cannot hold it.
+    /// The polynomial of the fifth degree for one axis, and its bounds over 0..1. Returns `None` if the
+    /// formats cannot hold it.
     ///
     /// The calculation uses integers. Without f64 hardware, it takes some hundred instructions, a tenth of
     /// the same calculation in f64.
@@ -461,7 +466,8 @@ impl Scale {
         Some(Quintic { coefficients, down, bent, bounds: [fastest(v0, powers), second, third] })
     }
 
-    /// A cubic, in the same way.
+    /// The polynomial of the third degree for one axis, and its bound over 0..1. Returns `None` if the
+    /// formats cannot hold it.
     #[inline(never)]
     fn cubic(&self, travel: i64, tangents: [i64; 2]) -> Option<Cubic> {
         let slopes = self.slopes(tangents);

@@ -1,5 +1,5 @@
-//! Curves as coefficients, for a transformation (feature `kinematics`). Converts an element to coefficients
-//! over the fraction of its path, and such coefficients to an element.
+//! Curves as coefficients, for a transformation (feature `kinematics`): from an element to coefficients over
+//! the fraction of its path, and back.
 use super::poly::{SEEN, Scale, bends, bent, fastest};
 use super::{Bounds, Curve, Distance, Element, End, GUARD, Passage, Shape};
 use crate::math::float::{magnitude, max, to_f32};
@@ -13,7 +13,7 @@ pub struct Turn {
     pub plane: [usize; 2],
     /// Vector from the centre to the start, mm.
     pub radius: [f64; 2],
-    /// Change of the radius from start to end, without the turn, mm.
+    /// Change of the radius vector from start to end, before the vector is turned by the angle, mm.
     pub growth: [f64; 2],
     /// Angle of the arc, from the first axis of the plane to the second, degrees.
     pub degrees: f64,
@@ -22,7 +22,8 @@ pub struct Turn {
 /// A curve over the fraction of its path, 0 to 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Powers<const AXES: usize> {
-    /// Coefficients of the zeroth to fifth power, mm or degrees. In an arc's plane they contain its centre.
+    /// Coefficients of the zeroth to fifth power, mm or degrees. For the axes of an arc's plane, the zeroth
+    /// one is the centre.
     pub axes: [[f64; 6]; AXES],
     /// The additional term of an arc.
     pub turn: Option<Turn>,
@@ -90,8 +91,9 @@ impl Quintic {
     /// An axis that does not move.
     pub const REST: Self = Self { power: [0; 5], ends: [[0.0; 2]; 2] };
 
-    /// Largest magnitudes of the second and third derivative over the fraction. `powers` are rounded. For a
-    /// cubic, the ends give the result, because the rounded powers of a short piece are inaccurate.
+    /// Largest magnitudes of the second and third derivative over the fraction. The arguments `powers` are
+    /// rounded. So a cubic uses the derivatives at its ends: the rounded powers of a short piece would be
+    /// inaccurate.
     fn bends(&self, powers: [f32; 4]) -> [f32; 2] {
         let ([.., 0, 0], [[_, from], [_, to]]) = (&self.power, &self.ends) else { return bends(powers) };
         let ([from, to], third) = ([*from, *to].map(|x| magnitude(x as f32)), magnitude((to - from) as f32));
@@ -104,8 +106,9 @@ impl Quintic {
 }
 
 impl<const AXES: usize> Element<AXES> {
-    /// Writes polynomials of all axes over this path length into the element; `fastest` as in [`Bounds`].
-    /// `is_straight`: only the first powers are not zero. Returns `None` if the formats cannot hold them.
+    /// Writes polynomials of all axes over this path length into the element; `fastest_of` as `fastest` in
+    /// [`Bounds`]. `is_straight`: only the first powers are not zero. Returns `None` if the formats cannot
+    /// hold them.
     pub(crate) fn become_quintics(
         &mut self,
         length: Distance,
@@ -134,7 +137,8 @@ impl<const AXES: usize> Element<AXES> {
         self.bend(axes, (per as f32, fastest_of))
     }
 
-    /// Sets the powers of all axes and their bounds. `per`: 1 mm divided by the path length.
+    /// Sets the powers of all axes and their bounds. `per`: 1 mm divided by the path length; `fastest_of` as
+    /// `fastest` in [`Bounds`].
     fn bend(&mut self, axes: &[Quintic; AXES], (per, fastest_of): (f32, f32)) -> Option<()> {
         let shape = &mut self.shape;
         let (end_w, reciprocal) = (shape.end_w(), shape.reciprocal());

@@ -12,13 +12,13 @@ fn the_example_moves_to_the_end_of_its_program() {
     let machine = MachineData { axes: [axis("X"), axis("Y"), axis("Z")], channel };
     let program: &[u8] = b"N10 G01 X10 Y5 F1000\nM30\n";
 
-    // On a controller a static variable: all of the memory is in it.
+    // On a controller, make this a static variable. It holds all of the memory.
     let mut memory = Channel::<3, 120>::new();
     let handles = memory.split(&machine, [Position::ZERO; 3], program).unwrap();
     let Handles { mut planner, mut interpolator, operator } = handles;
     let mut planned = false;
     loop {
-        // In the main loop or a task: until the queue is full, or everything is in it.
+        // In the main loop or a task: plan until the queue is full, or until the whole program is planned.
         while !planned {
             match planner.poll().unwrap() {
                 Progress::Done => planned = true,
@@ -33,7 +33,7 @@ fn the_example_moves_to_the_end_of_its_program() {
             break;
         }
     }
-    // In a PLC or serial task: commands, functions that are due, acknowledgements, and what happens now.
+    // In a PLC or serial task: take due functions, acknowledge them, give commands, read the status.
     assert_eq!((operator.output(), operator.status().n), (None, 10));
     assert_eq!(interpolator.set_points().map(|axis| axis.to_num::<f64>()), [10.0, 5.0, 0.0]);
     // </example>

@@ -26,7 +26,7 @@ pub(super) struct Block<const AXES: usize> {
     /// The first axis word.
     pub first: Option<Span>,
     values: [Option<Given>; LETTERS],
-    /// Assignments `#n=`: parameter and value. They are carried out after the whole line is read.
+    /// Assignments `#n=`: parameter and value. The decoder carries them out after it has read the whole line.
     pub assigned: Vec<(u32, f64), ASSIGNED>,
     said: [Option<Said>; group::COUNT],
     /// Letters whose number has no decimal point, one bit each; used for Fanuc programs.

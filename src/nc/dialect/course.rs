@@ -1,5 +1,5 @@
-//! Blocks with several motions: G28 and G30, arcs of several turns, and canned cycles. Each call gives one
-//! part.
+//! Blocks that consist of several motions: G28 and G30, arcs of several turns, spirals, and canned cycles.
+//! Each call returns one motion or action.
 use crate::machine::functions;
 use crate::math::angle::atan2_turns;
 use crate::nc::compose::carry;
@@ -10,24 +10,24 @@ use crate::quantity::Position;
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 #[repr(u8)]
 pub enum CycleKind {
-    /// G81. The numbers start at 1, so that all bytes are zero if there is no cycle:
-    /// [`super::Foreign::BLANK`].
+    /// G81: drill to the bottom, out in rapid motion. The numbers start at 1, so that all bytes are zero if
+    /// there is no cycle ([`super::Foreign::BLANK`]).
     Drill = 1,
-    /// G82.
+    /// G82: drill, with a dwell at the bottom.
     Dwell,
-    /// G83.
+    /// G83: drill in pecks, each followed by a motion out to R.
     Peck,
-    /// G73.
+    /// G73: drill in pecks, each followed by a short motion back, to break the chip.
     Break,
-    /// G85.
+    /// G85: bore, out at feed.
     Bore,
-    /// G89.
+    /// G89: bore, with a dwell at the bottom, out at feed.
     BoreDwell,
-    /// G86.
+    /// G86: bore, with a dwell and a stop of the spindle at the bottom, out in rapid motion.
     BoreStop,
-    /// G84.
+    /// G84: tap a right-hand thread.
     Tap,
-    /// G74.
+    /// G74: tap a left-hand thread.
     TapLeft,
 }
 
@@ -58,7 +58,7 @@ impl CycleKind {
 #[repr(u8)]
 pub enum Course<const AXES: usize> {
     None,
-    /// G28 or G30: first to an intermediate point, if given, then to the stored position.
+    /// G28 or G30: first to the intermediate point, if the block gives one, then to the stored position.
     Home {
         way: Option<[Position; AXES]>,
         to: [Position; AXES],
@@ -72,14 +72,15 @@ pub enum Course<const AXES: usize> {
 #[derive(Clone, Copy)]
 pub enum Part<const AXES: usize> {
     Motion(MotionKind, [Position; AXES]),
-    /// Seconds.
+    /// A dwell, s.
     Dwell(Position),
     /// An M function of the spindle.
     M(u16),
 }
 
 impl<const AXES: usize> Course<AXES> {
-    /// The next part from `at`; `None` when the block is done. `rests`: remainders of rounded increments.
+    /// The next part, from position `at`; `None` when the block is done. `rests`: rounding remainders of
+    /// increments.
     pub fn next(&mut self, at: &[Position; AXES], rests: &mut [i32; AXES]) -> Option<Part<AXES>> {
         match self {
             Self::None => None,
@@ -151,7 +152,7 @@ impl<const AXES: usize> Turns<AXES> {
         real::sqrt(x * x + y * y)
     }
 
-    /// The angle of the programmed arc, LSB 2^-48 revolutions, above 0.
+    /// The angle of the arc without full circles, LSB 2^-48 revolutions, above 0.
     fn angle(&self) -> u64 {
         let turned = self.direction(&self.end).wrapping_sub(self.direction(&self.start));
         let turned = if self.clockwise { turned.wrapping_neg() } else { turned };
@@ -182,7 +183,7 @@ impl<const AXES: usize> Turns<AXES> {
     }
 }
 
-/// An arc whose radius changes linearly with its angle. It is carried out as several arcs.
+/// An arc whose radius changes linearly with its angle, carried out as several arcs.
 #[derive(Clone, Copy)]
 pub struct Spiral<const AXES: usize> {
     /// The arc as it was programmed.
@@ -205,7 +206,7 @@ impl<const AXES: usize> Spiral<AXES> {
         Some(Part::Motion(MotionKind::Arc { plane, clockwise, by: ArcBy::Centre(centre) }, target))
     }
 
-    /// Position of all axes after the share `part` of the angle.
+    /// Position of all axes after the share `part` (0 to 1) of the angle.
     fn behind(&self, part: f64) -> [Position; AXES] {
         let turns = &self.turns;
         let degrees = |turns: u64, lsb: f64| turns as f64 * 360.0 / lsb;
@@ -272,7 +273,7 @@ pub struct Holes<const AXES: usize> {
     pub stage: Stage,
 }
 
-/// The next stage of a cycle.
+/// The next step of a cycle.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Stage {
     /// Up to R, before the first hole.

@@ -1,4 +1,4 @@
-//! Canned cycles: reads their words.
+//! Canned cycles: reads their words and begins their holes.
 use super::Cycle;
 use super::block::Block;
 use super::course::{Acts, Course, CycleKind, Holes, Stage};

@@ -8,8 +8,8 @@ use crate::nc::line::Line;
 use crate::nc::number::Number;
 use crate::nc::{Fault, NcErrorKind, NcWarningKind, Span};
 
-/// Whether all numbers of a line except 0 have a decimal point; G, M and N do not count. Other lines take the
-/// slow path of the decoder.
+/// Whether every number of a line, except 0, has a decimal point; numbers of G, M and N are not checked.
+/// Other lines take the slow path of the decoder.
 pub(super) fn has_points(bytes: &[u8]) -> bool {
     let (mut counts, mut digits, mut point) = (false, false, false);
     for byte in bytes.iter().chain(b" ") {
@@ -103,7 +103,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         }
     }
 
-    /// P of G30: 2 says what holds without it.
+    /// Checks P of G30. Only P2 is possible, which means the same as no P.
     pub(super) fn second_place(&self, place: u8, block: &mut Block<AXES>) -> Result<(), Fault> {
         if place == 0 || !self.setup.foreign.dialect().is_fanuc() {
             return Ok(());

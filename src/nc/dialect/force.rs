@@ -7,8 +7,8 @@ use crate::nc::compose::in_range;
 use crate::nc::modal::{Modal, Mode};
 use crate::quantity::{Feed, Position};
 
-/// Modal words, F, tool, offsets of G92 and tool length after a line. Zero offsets are part of the machine's
-/// set-up and not of this state.
+/// The modal state after a line: modal words, F, tool, offsets of G92, tool length. Zero offsets belong to
+/// the machine's set-up and not to this state.
 #[derive(Clone, Copy)]
 pub struct InForce<const AXES: usize> {
     modal: Modal<AXES>,
@@ -21,9 +21,9 @@ const SETS: usize = ZERO_OFFSETS + MORE_OFFSETS;
 /// Values that G10, G28.1 and G30.1 store, in machine coordinates.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct StoredOffsets<const AXES: usize> {
-    /// G54…G59.3.
+    /// Zero offsets of G54…G59.3, by set and axis.
     pub zero: [[Position; AXES]; SETS],
-    /// The positions of G28 and G30.
+    /// Positions of G28 and G30, in this order.
     pub places: [[Position; AXES]; 2],
 }
 
@@ -78,12 +78,12 @@ impl<const AXES: usize> InForce<AXES> {
         self.modal.inch
     }
 
-    /// Whether G91 (relative positions) is in force.
+    /// Whether G91 (incremental positions) is in force.
     pub const fn is_relative(&self) -> bool {
         self.modal.relative
     }
 
-    /// Whether G93 (inverse time) is in force.
+    /// Whether G93 (F is inverse time) is in force.
     pub const fn is_by_time(&self) -> bool {
         self.now.by_time
     }
@@ -98,7 +98,7 @@ impl<const AXES: usize> InForce<AXES> {
         self.modal.feed.unwrap_or(Feed::ZERO)
     }
 
-    /// Whether G95 (feed per revolution) is in force.
+    /// Whether G95 (F per revolution) is in force.
     pub const fn is_per_turn(&self) -> bool {
         self.now.per_turn
     }
@@ -108,12 +108,12 @@ impl<const AXES: usize> InForce<AXES> {
         self.now.speed
     }
 
-    /// Whether M7 and M8 are on, in this order.
+    /// Whether mist (M7) and flood (M8) are on, in this order.
     pub const fn coolant(&self) -> [bool; 2] {
         [self.now.coolant & 1 != 0, self.now.coolant & 2 != 0]
     }
 
-    /// Programmed tool number (word T).
+    /// The programmed tool number (word T).
     pub const fn tool(&self) -> u32 {
         self.now.tool.selected
     }
@@ -123,7 +123,7 @@ impl<const AXES: usize> InForce<AXES> {
         self.now.spindle
     }
 
-    /// Offsets of G92, mm; 0 while they are suspended.
+    /// Offsets of G92 for each axis, mm; 0 while they are suspended.
     pub const fn here(&self) -> [Position; AXES] {
         if self.now.here_off { [Position::ZERO; AXES] } else { self.now.here }
     }

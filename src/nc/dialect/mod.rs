@@ -41,7 +41,7 @@ use oword::Calls;
 use saved::SavedStates;
 use spindle::Surface;
 
-/// Machine data for programs of other dialects.
+/// Machine data that only programs in other dialects than ISG's need.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ForeignSetup<const AXES: usize> {
     /// The dialect of the programs.
@@ -108,22 +108,22 @@ impl<const AXES: usize> ForeignSetup<AXES> {
 /// Modal state of other dialects, in addition to [`Modal`].
 #[derive(Clone, Copy)]
 pub(super) struct State<const AXES: usize> {
-    /// Offsets of G92 and G52; they may be suspended.
+    /// Offsets of G92 and G52.
     pub here: [Position; AXES],
     /// Whether the offsets of G92 and G52 are suspended: G92.2.
     pub here_off: bool,
     /// Tool length in force, for each axis.
     pub length: [Position; AXES],
     pub cycle: Option<Cycle>,
-    /// G80 is in force: axis words need a motion word.
+    /// Whether G80 is in force: axis words then need a motion word.
     pub no_motion: bool,
-    /// G99 is in force.
+    /// Whether G99 is in force: cycles end at R.
     pub to_level: bool,
-    /// G93 is in force.
+    /// Whether G93 is in force: F is inverse time.
     pub by_time: bool,
-    /// G95 is in force.
+    /// Whether G95 is in force: F counts per revolution.
     pub per_turn: bool,
-    /// G96: the surface speed, if in force.
+    /// The surface speed of G96, if G96 is in force.
     pub surface: Option<Surface>,
     /// Spindle speed S, 1/min.
     pub speed: Position,
@@ -185,7 +185,7 @@ impl<const AXES: usize> State<AXES> {
 #[derive(Clone, Copy, PartialEq, Eq)]
 #[repr(u8)]
 pub(super) enum Note {
-    /// `(MSG, text)`. The numbers start at 1, so that all bytes are zero if there is no comment.
+    /// `(MSG, text)`: a message. The numbers start at 1, so that all bytes are zero if there is no comment.
     Message = 1,
     /// `(DEBUG, …)`, `(PRINT, …)`, `(LOG…, …)`, `(PROBE…)`.
     Other,
@@ -198,7 +198,7 @@ pub(super) struct Foreign<const AXES: usize> {
     pub now: State<AXES>,
     /// State before the line, restored if the line is refused.
     before: State<AXES>,
-    /// Whether [`super::plain`] may read plain lines.
+    /// Whether [`super::plain`] may read plain lines in the current state.
     plain: bool,
     /// Whether a line `%` has been read.
     percent: bool,
@@ -209,7 +209,7 @@ pub(super) struct Foreign<const AXES: usize> {
     course: Course<AXES>,
     /// M word that ends the block after its motions.
     tail: Option<(u16, Span)>,
-    /// M5 and M9 of Fanuc programs, which act after the motion of their block.
+    /// M5 and M9 of a Fanuc block: they act after its motion.
     behind: [Option<(u16, Span)>; 2],
     /// Output or input of the current line. `true` for an output that acts at once.
     pub output: (Function, bool),
@@ -295,8 +295,8 @@ impl<const AXES: usize> Interpreter<AXES> {
         self.foreign.calls.clear();
     }
 
-    /// Updates whether [`super::plain`] may read plain lines. This needs three conditions: no cycle, no G80,
-    /// and no axis whose F counts in another unit.
+    /// Updates whether [`super::plain`] may read plain lines. There must be no cycle, no G80, and no axis
+    /// whose F counts in another unit.
     fn settle_plain(&mut self) {
         let State { cycle, no_motion, by_time, per_turn, surface, degrees, .. } = &self.foreign.now;
         let turns = self.setup.kinds.contains(&AxisKind::Rotary) && (self.modal.inch || degrees.is_some());

@@ -86,7 +86,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         Ok(())
     }
 
-    /// The coordinate of an axis without G92.
+    /// The coordinate of an axis without the offset of G92.
     fn without_here(&self, axis: usize) -> Position {
         let of = |values: &[Position; AXES]| values.get(axis).copied().unwrap_or_default();
         let zero = self.offset(axis).saturating_sub(of(&self.modal.shift));

@@ -17,10 +17,10 @@ use crate::quantity::{Feed, Position};
 /// Largest number of turns of an arc.
 const TURNS: u32 = 10_000;
 
-/// Radii of one arc may differ by this value, mm, for any radius.
+/// Largest difference of the radii of one arc, mm, for any radius.
 const PIECE: f64 = 0.005;
 
-/// A longer dwell gives a warning: the value may be meant in milliseconds.
+/// Longest dwell without a warning, s. A longer value may be meant in milliseconds.
 const LONG_DWELL: Position = Position::const_from_int(60);
 
 impl<const AXES: usize> Interpreter<AXES> {
@@ -132,7 +132,8 @@ impl<const AXES: usize> Interpreter<AXES> {
         }
     }
 
-    /// Reads P and L of M98. M2 and M30 would end the program before M98 or M99 go elsewhere.
+    /// Reads P and L of M98. Refuses M2 and M30 in the block: they would end the program before the jump of
+    /// M98 or M99.
     fn read_call(&mut self, block: &mut Block<AXES>) -> Result<(), Fault> {
         let goes = |said: &Said| matches!(said.word.meaning, Meaning::Call | Meaning::Return);
         let user = block.said(group::USER).filter(|_| functions::DIALECTS.is_built()).filter(goes);
@@ -370,7 +371,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         Ok(())
     }
 
-    /// Accepts M19 without an angle, or with the angle 0.
+    /// Accepts M19 only without an angle, or with the angle 0.
     fn no_angle(&self, block: &mut Block<AXES>) -> Result<(), Fault> {
         match block.take(b'R') {
             Some(given) if given.number.real() != 0.0 => given

@@ -1,6 +1,7 @@
 //! O words: subroutines, loops and branches. Also subprograms by number, M98 and M99.
 //!
-//! A word finds its partner by its label, `o100` or `o<name>`. In skipped lines, only O words are read.
+//! A word finds its partner by its label, `o100` or `o<name>`. In skipped lines, the decoder only reads O
+//! words.
 use super::Interpreter;
 use super::block::literal;
 use super::parameter::{ARGUMENTS, name};
@@ -30,7 +31,7 @@ pub(super) enum Skip {
     EndIf(Label),
     /// Up to the end of a loop that the program leaves.
     Out(Label),
-    /// Up to the `while` at the end of a `do` loop. This `while` is then carried out.
+    /// Up to the `while` at the end of a `do` loop; the decoder then carries out this `while`.
     Round(Label),
     /// Up to the subprogram with this number.
     Program(Label),
@@ -76,9 +77,10 @@ struct Frame {
     blocks: u8,
     /// `#1` to `#30` of the caller.
     locals: [f64; ARGUMENTS],
-    /// For M98: the first line, once known, and the number of remaining runs.
+    /// For M98: the first line of the subprogram, once known, and the number of remaining runs.
     again: Option<(Mark2, u32)>,
-    /// Whether the definition is still searched: in a file of its own, or later in the text after M98.
+    /// Whether the definition of the subroutine is still searched: in a file of its own, or later in the text
+    /// after M98.
     seeks: bool,
 }
 

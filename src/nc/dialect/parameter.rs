@@ -14,10 +14,10 @@ pub(super) const ARGUMENTS: usize = 30;
 /// Longest name of a parameter or a subroutine, characters.
 const NAME: usize = 63;
 
-/// In the table of parameters, indices of named parameters have this bit; they are above all numbers.
+/// In the table of parameters, the index of a named parameter has this bit. So it is above all numbers.
 const NAMED: u32 = 1 << 31;
 
-/// Bits of a name's hash. A program has some ten names, so two names with equal hashes are not expected.
+/// Bits of a name's hash. A program has about ten names, so two names with equal hashes are not expected.
 const HASH: u32 = (1 << 27) - 1;
 
 /// The name between `<` and `>`, in upper case.

@@ -1,11 +1,13 @@
-//! Feed and spindle speed that depend on each other: G95, F per revolution, and G96, constant surface speed.
+//! Feed and spindle speed that depend on each other: F per revolution (G95), and constant surface speed
+//! (G96).
 use super::block::Block;
 use crate::machine::functions;
 use crate::nc::interpreter::{Gathered, Interpreter};
 use crate::nc::{Fault, Motion, MotionKind, NcErrorKind, Span, real};
 use crate::quantity::{Feed, Position};
 
-/// G96: surface speed, mm/min, and highest spindle speed, 1/min, which is infinite if not programmed.
+/// The values of G96: surface speed, mm/min, and highest spindle speed, 1/min. Without a programmed one, the
+/// highest spindle speed is infinite.
 #[derive(Clone, Copy, PartialEq)]
 pub(in crate::nc) struct Surface {
     pub speed: f64,

@@ -7,7 +7,7 @@ use crate::nc::modal::Mode;
 /// What a G or M word of a dialect does.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Meaning {
-    /// G0…G3.
+    /// G0…G3: the kind of motion.
     Motion(Mode),
     /// A canned cycle.
     Cycle(CycleKind),
@@ -15,13 +15,13 @@ pub enum Meaning {
     NoMotion,
     Dwell,
     Plane(Plane),
-    /// G20: inch.
+    /// G20 (`true`) or G21: inch or millimetre.
     Inch(bool),
-    /// G10.
+    /// G10: stores a zero offset.
     Store,
-    /// G28, G30: the number of the stored position.
+    /// G28 or G30: motion to a stored position, number 0 or 1.
     Home(u8),
-    /// G28.1, G30.1.
+    /// G28.1 or G30.1: stores the current position, number 0 or 1.
     StoreHome(u8),
     /// G53: positions are machine coordinates.
     Machine,
@@ -29,7 +29,7 @@ pub enum Meaning {
     Offset(u8),
     /// A word for a mode that is always in force; it has no effect.
     Nothing,
-    /// G7 (true), G8: X is a diameter.
+    /// G7 (`true`) or G8: X is a diameter or a radius.
     Diameter(bool),
     /// G43: tool length from the table.
     Length,
@@ -43,35 +43,36 @@ pub enum Meaning {
     ExactStop,
     /// G64: corners are rounded.
     Blend,
-    /// G91 (true), G90.
+    /// G91 (`true`) or G90: relative or absolute positions.
     Relative(bool),
-    /// G90.1 (true), G91.1.
+    /// G90.1 (`true`) or G91.1: centres of arcs are absolute, or relative to the start.
     CentreAbsolute(bool),
-    /// G93 (true), G94.
+    /// G93 (`true`) or G94: F is inverse time, or feed per minute.
     ByTime(bool),
-    /// G38.2…G38.5, by the digit after the point.
+    /// G38.2…G38.5: a probing motion; the value is the digit after the point.
     Probe(u8),
     /// G95: feed per revolution.
     PerTurn,
-    /// G96 (true), G97.
+    /// G96 (`true`) or G97: constant surface speed, or constant spindle speed.
     Surface(bool),
     /// G9: exact stop at the end of this block.
     StopOnce,
-    /// G44.
+    /// G44: tool length from the table, in the opposite direction.
     LengthMinus,
     /// A mode of the controller that changes no programmed path; its values have no effect.
     Mode,
     /// M49…M53, M56: overrides stay as they are, and a warning reports this.
     Override,
-    /// M62…M65: digital output on (true) or off, at once (true) or with the motion.
+    /// M62…M65: digital output. First value: on or off. Second value: `true` at once, `false` with the
+    /// motion.
     Digital(bool, bool),
-    /// M67, M68: analogue output, at once (true) or with the motion.
+    /// M67, M68: analogue output. `true`: at once. `false`: with the motion.
     Analog(bool),
     /// M66: wait for an input.
     Input,
     /// M19: orient the spindle.
     Orient,
-    /// M70, or M73 (true), which restores the state at the end of the subroutine.
+    /// M70 or M73 (`true`): saves the modal state. M73 also restores it at the end of the subroutine.
     Save(bool),
     /// M71: drop the saved state.
     Forget,
@@ -93,7 +94,7 @@ pub enum Meaning {
     HereBack,
     /// G52: local shift.
     Local,
-    /// G99 (true), G98.
+    /// G99 (`true`) or G98: cycles end at R, or at the position before the cycle.
     ToLevel(bool),
     /// M0, M60: pause.
     Pause,
@@ -107,13 +108,13 @@ pub enum Meaning {
     Coolant,
     /// M6: tool change.
     Change,
-    /// M100…M199.
+    /// M100…M199, and M words of a Fanuc machine: functions of the user.
     User,
     /// A word that the dialect has and this version does not; the text names an alternative.
     Later(&'static str),
 }
 
-/// Modal groups: a block holds at most one word of each group.
+/// Groups of words: a block holds at most one word of each group.
 pub mod group {
     pub const NON_MODAL: u8 = 0;
     pub const MOTION: u8 = 1;
@@ -253,7 +254,7 @@ const SYNCHRONISED: &str = "a cycle without synchronisation to the spindle";
 const PLAIN: &str = "coordinates as they are to be driven";
 const ORIENTED: &str = "G85 or G89";
 const MACRO: &str = "a program without macros";
-/// What words of lathes are refused with.
+/// The alternative named when a word of lathes is refused.
 pub(super) const OF_MILLS: &str = "a program of a mill: lathes count X as a diameter";
 
 /// All words, by letter and number. A build without LinuxCNC's language has only the words of Grbl.
@@ -262,7 +263,7 @@ pub static WORDS: &[WordEntry] = if functions::DIALECTS.is_built() { TABLE } els
 /// The words of [`TABLE`] that Grbl has.
 const OF_GRBL: [WordEntry; of_grbl::<0>().0] = of_grbl().1;
 
-/// Number of words that Grbl has, and these words, padded with other entries.
+/// The number of words that Grbl has, and these words. Other entries fill the rest of the array.
 const fn of_grbl<const N: usize>() -> (usize, [WordEntry; N]) {
     let (mut words, mut count, mut k) = ([USER; N], 0, 0);
     while k < TABLE.len() {

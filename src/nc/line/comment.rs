@@ -1,4 +1,4 @@
-//! Comments of LinuxCNC and Grbl. They do not nest, `\\` does not continue a line, and some of them are
+//! Comments of LinuxCNC and Grbl. Comments do not nest, a `\` does not continue a line, and some comments are
 //! messages or commands.
 use super::LineReader;
 use crate::nc::dialect::Note;
@@ -14,7 +14,7 @@ pub struct ForeignComments {
     pub is_on: bool,
     /// The first letters of the comment in upper case.
     letters: [u8; LETTERS],
-    /// Number of letters so far. It exceeds the capacity if the comment is not active.
+    /// Number of letters so far. A number above the capacity means that the comment is not active.
     count: u8,
     /// The kind of comment, which is known after `,`, and the place of its text.
     begun: Option<(Note, Place)>,
