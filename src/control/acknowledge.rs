@@ -1,10 +1,11 @@
-//! Acknowledgements that the motion waits for. Each has three words, and each word has one writer:
+//! The table of acknowledgements that the motion waits for. A place of the table has three words, and each
+//! word has one writer:
 //!
 //! | word | written by | holds |
 //! |---|---|---|
 //! | `planned` | the planner | the ticket of the function, 0 when the place is free |
-//! | `put_out` | the operator, who takes functions out | the last ticket put out |
-//! | `answered` | the operator, who acknowledges | the last ticket acknowledged |
+//! | `put_out` | the operator | the ticket of the function that the operator received last |
+//! | `answered` | the operator | the ticket that the operator acknowledged last |
 //!
 //! A function is *open* while it is planned, output, and not acknowledged. A ticket holds function and
 //! sequence number, and the code compares whole words. So no order of accesses confuses two acknowledgements,
@@ -16,7 +17,8 @@ use crate::machine::functions;
 use crate::technology::{Function, Ticket};
 use core::sync::atomic::{AtomicU32, Ordering};
 
-/// Number of acknowledgements that can be open at the same time, from reading the program on.
+/// Largest number of functions that wait for acknowledgements at the same time. A function counts from the
+/// time when the planner reads it.
 pub(crate) const OPEN: usize = if functions::IS_SMALL { 16 } else { 32 };
 
 const FREE: u32 = 0;
@@ -30,7 +32,7 @@ const FUNCTION: u32 = 0xffff << CODE | OF_H;
 const INDEX: u32 = 19;
 const SEQUENCE: u32 = 24;
 
-/// The error of an acknowledgement for which no function waits.
+/// The error of [`crate::operator::Operator::acknowledge`]: no function waits for this acknowledgement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Unexpected;

@@ -2,7 +2,7 @@
 //!
 //! The sum n·y changes by the newest sample minus the oldest one, for any length n.
 
-/// Shift of a difference before the division: the factor of the upper quotient.
+/// Number of bits by which a difference is shifted right before the first of two divisions.
 const SCALE: u32 = 13;
 /// The upper quotient is reduced by this value, so the remainder is never negative.
 const BIAS: i32 = 2;
