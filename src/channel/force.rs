@@ -23,7 +23,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         if is_put { Ok(()) } else { Err(Busy { text: () }) }
     }
 
-    /// Zero offsets and the positions of G28 and G30 that programs have stored.
+    /// The zero offsets and the positions for G28 and G30 that programs have stored.
     pub fn stored(&self) -> StoredOffsets<AXES> {
         self.decoder.stored()
     }
@@ -35,7 +35,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         self.decoder.put_stored(stored)
     }
 
-    /// The set-up of the decoder, for a second decoder that reads the same lines.
+    /// The settings of the decoder. A second decoder with the same settings reads lines in the same way.
     pub fn setup(&self) -> &Setup<AXES> {
         self.decoder.setup()
     }

@@ -1,5 +1,5 @@
-//! One stroke: the speed profile of an axis from stop to stop. Also finds the speed at which a stroke takes a
-//! given time.
+//! Computes one stroke: the speed profile of an axis from stop to stop. Also finds the speed at which a
+//! stroke takes a given time.
 use super::PIECES_OF_A_STROKE;
 use crate::math::float::{min, size_f32, to_f32};
 use crate::quantity::{Distance, Speed, speed_f32};
@@ -32,8 +32,8 @@ pub fn ticks(profile: &Profile) -> u32 {
     (profile.time().to_bits().div_ceil(TICK)) as u32
 }
 
-/// Ticks of the fastest stroke of the axis: the ticks of the profile, rounded up, and one at the end.
-/// Rounding of the limits is left out.
+/// Ticks of the fastest stroke of the axis: the ticks of the profile, rounded up, and one at the end. The
+/// time by which rounding of the limits lengthens the profile does not count.
 pub fn fastest(profile: &Profile) -> u32 {
     let time = profile.time().to_bits();
     let exact = time - time / ROUNDING;
