@@ -1,5 +1,5 @@
-//! The parts of both blocks that the curve of a corner takes: the room for the curve, the ends of the curve,
-//! and the rest of both blocks.
+//! Computes which parts of both blocks the curve of a corner takes: the room for the curve, the ends of the
+//! curve, and the rest of both blocks.
 use super::curve::Side;
 use super::held_block::HeldBlock;
 use super::{ONE_44, Parameters};
@@ -40,7 +40,7 @@ pub(super) struct Room {
     /// distance.
     pub most: [f32; 2],
     whole: [bool; 2],
-    /// Demanded corner distances.
+    /// Corner distances that the program demands, or the largest ones if a tolerance decides, mm.
     pub distances: [f32; 2],
 }
 

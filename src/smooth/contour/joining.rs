@@ -1,5 +1,5 @@
-//! The work on a corner, in bounded steps. The steps decide the kind of curve, find how far it reaches into
-//! the blocks, and make its elements.
+//! Makes the curve of a corner, in bounded steps. The steps select the kind of curve, find how far the curve
+//! reaches into the blocks, and make its elements.
 use super::choice::{Approach, Candidate, Choice, bends, passes, shallow_distance};
 use super::corner::{AIM, Corner, Reach, Tolerance, turn};
 use super::corner_curve::{CONSTANT, CornerCurve, EVEN, Fit, Rehearsal};
@@ -19,7 +19,8 @@ use crate::path::{Measure, Passage};
 use crate::quantity::{DISTANCE_LSB, Distance, Position};
 use core::num::NonZeroI64;
 
-/// Share of a tolerance for the curve between examined places, if blocks are left out.
+/// If blocks are left out: the share of a tolerance that is reserved for the curve between the examined
+/// places.
 const UNSEEN: f32 = 1.0 / 256.0;
 /// See [`UNSEEN`].
 const UNSEEN_TRACK: f32 = 1.0 / 32.0;
@@ -55,8 +56,8 @@ struct Rivals {
     may_stop: bool,
 }
 
-/// The search for the corner distances of a curve over arc length. At its end, the quickest one is taken:
-/// this curve or an alternative.
+/// The search for the corner distances of a curve over arc length. After the search, the quickest choice is
+/// taken: this curve, a curve over time, or a stop.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Search<const AXES: usize> {
     room: Room,

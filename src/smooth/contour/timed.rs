@@ -38,10 +38,11 @@ use crate::path::poly::{Draft, Knot};
 use crate::path::{Element, End, Passage};
 use crate::quantity::{DISTANCE_LSB, Position};
 
-/// A change of speed between a stop and `v` along a line, in mm and ticks.
+/// A motion along a line from a stop to the speed `v`, in mm and ticks; run backward, from `v` to a stop.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rise {
-    /// Time of a ramp, and time of the constant acceleration.
+    /// Duration of each ramp of acceleration, and duration of the constant acceleration between the ramps,
+    /// ticks.
     ramp: f32,
     hold: f32,
     /// The speed that the motion reaches, mm/tick.
@@ -77,7 +78,7 @@ impl Rise {
         if v <= full { v } else { 2.0 * sqrt_f32(2.0 * a * off - full * full * (1.0 / 12.0)) }
     }
 
-    /// A rise to the same speed in `by` times the time.
+    /// The rise to the same speed that takes `by` times as long.
     pub fn stretched(self, by: f32) -> Self {
         Self { ramp: self.ramp * by, hold: self.hold * by, v: self.v }
     }
@@ -157,7 +158,7 @@ const SHORTER: f32 = 1.0 - 1.0 / 1_048_576.0;
 /// the first has ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Overlap {
-    /// Both rises have this shape; the first motion runs it backward.
+    /// The second motion. The first motion is the same rise backward in time.
     pub rise: Rise,
     /// Time in which both motions overlap, ticks.
     pub time: f32,
@@ -207,8 +208,8 @@ const LONGEST: f32 = 2048.0;
 /// Number of Newton's steps, which reduce the error from half the time to 10^-7 of the time.
 const ARRIVAL_STEPS: usize = 4;
 
-/// Shortest piece, ticks. Rounding of its third derivative has no effect: third differences over ticks are
-/// means of the third derivative.
+/// Shortest piece, ticks. In such a short piece, the rounding of the third derivative has no effect on the
+/// set points of ticks.
 const LEAST: f32 = 1.0 / 4096.0;
 
 /// Number of changes of jerk up to the middle, plus one for the middle.
@@ -492,7 +493,8 @@ impl<const AXES: usize> Timed<AXES> {
 }
 
 impl<const AXES: usize> Timed<AXES> {
-    /// The next element, whose axes are not made yet. Call [`Self::settle`] afterwards.
+    /// Begins the next element; the returned draft computes the polynomials of its axes. Then call
+    /// [`Self::settle`].
     pub fn next_element(&mut self, element: &mut Element<AXES>) -> Option<Draft<AXES>> {
         let all = 2 * self.count;
         let left = all.checked_sub(self.done + 1)?;
