@@ -135,7 +135,7 @@ const VARYING: f32 = 0.512;
 /// The same share for STEP, if the curve limits the speed at all: (4/5)².
 const VARYING_STEPPED: f32 = 0.64;
 
-/// See [`Approach::known`].
+/// Accuracy of ramp times, as a factor.
 const KNOWN: f32 = 1.0 + 1.0 / 256.0;
 
 /// Margin for rounding.

@@ -348,9 +348,9 @@ impl<const AXES: usize> Reach<AXES> {
 /// The change of direction at a corner.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Turn {
-    /// Sine and cosine of half the angle of the turn, over the main axes.
+    /// Sine of half the change of direction, over the main axes.
     pub sine: f32,
-    /// See [`Self::sine`].
+    /// Cosine of half the change of direction, over the main axes.
     pub cosine: f32,
     /// Largest change of slope of the other axes.
     pub track: f32,

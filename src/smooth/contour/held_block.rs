@@ -32,9 +32,9 @@ pub(super) struct Skipped<const AXES: usize> {
     pub to: [Position; AXES],
     /// Data of the last block.
     pub data: Data,
-    /// Largest deviation of the blocks from the straight line over them; the next field is their largest
-    /// distance from the start of that line, mm.
+    /// Largest deviation of the blocks from the straight line over them.
     pub stray: Stray,
+    /// Largest distance of the blocks from the start of that line, mm.
     pub radius: f32,
     /// Whether the sequence of left-out blocks is complete. The line over them is then the block after the
     /// corner.

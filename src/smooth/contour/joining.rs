@@ -22,7 +22,7 @@ use core::num::NonZeroI64;
 /// If blocks are left out: the share of a tolerance that is reserved for the curve between the examined
 /// places.
 const UNSEEN: f32 = 1.0 / 256.0;
-/// See [`UNSEEN`].
+/// The same share for the tolerance of tracking axes.
 const UNSEEN_TRACK: f32 = 1.0 / 32.0;
 
 /// Largest number of reductions of a curve.
@@ -38,9 +38,9 @@ const TIMED: u32 = 4;
 pub struct Setting<'a, const AXES: usize> {
     /// Main axes and feed axes.
     pub measure: &'a Measure,
-    /// Current CHECK_JERK and CONST_VEL.
+    /// CHECK_JERK in force: limit of the jerk that the curvature may cause, 0 to 2.
     pub check_jerk: u8,
-    /// See `check_jerk`.
+    /// CONST_VEL in force: whether the speed is constant inside the curve.
     pub const_vel: bool,
     /// Limits of the axes.
     pub dynamics: &'a Dynamics<AXES>,

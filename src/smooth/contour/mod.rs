@@ -71,7 +71,7 @@ use core::num::NonZeroI64;
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Made<const AXES: usize> {
     element: Element<AXES>,
-    /// See [`Smoothed::end`].
+    /// Exact end of the element, if known.
     end: Option<[Position; AXES]>,
     data: Data,
     curving: Option<Curving>,

@@ -37,8 +37,9 @@ pub struct Parameters {
     /// Largest share of a block that one corner may take, 0 to 0.5, computed from REMAIN_PART.
     pub share: f32,
     /// CHECK_JERK: limit of the jerk that the curvature may cause. 0: no limit; 1: by the geometric ramp
-    /// time; 2: by the ramp times. The next field is the value for methods without this keyword.
+    /// time; 2: by the ramp times.
     pub check_jerk: u8,
+    /// The value of CHECK_JERK for methods without this keyword: P-CHAN-00110.
     check_jerk_preset: u8,
     /// Share of the tolerance for merged chords.
     chords: f32,
@@ -70,9 +71,9 @@ pub struct Parameters {
     /// PTP: whether the last command with PATH_DEV or PATH_DIST gave PATH_DEV, and whether it gave PATH_DIST
     /// (row CF-33 of `docs/conformance.md`).
     pub given: [bool; 2],
-    /// Interim point of POS. The next field tells which coordinates are given; the others are those of the
-    /// corner.
+    /// Interim point of POS, mm. A coordinate that is not given is that of the corner.
     point: [Position; 3],
+    /// Which coordinates of the interim point are given.
     pointed: [bool; 3],
     /// Where functions between the blocks are output: before, inside or after the curve (PRE_ACTION,
     /// INTER_ACTION, POST_ACTION).

@@ -94,17 +94,18 @@ pub struct HscParameters {
 /// Tolerances of the HSC B-spline, and the rules for points that the curve passes exactly.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rules {
-    /// PATH_DEV: largest deviation of the path, mm. The next field is TRACK_DEV, the largest deviation of
-    /// each tracking axis, degrees. 0: not monitored.
+    /// PATH_DEV: largest deviation of the path, mm; 0: not monitored.
     pub path_dev: f32,
+    /// TRACK_DEV: largest deviation of each tracking axis, degrees; 0: not monitored.
     pub track_dev: f32,
-    /// AUTO_OFF_PATH and AUTO_OFF_TRACK: whether the curve passes a point exactly where it would exceed the
-    /// tolerance. Without these keywords, additional control points split the block.
+    /// AUTO_OFF_PATH: whether the curve passes a point exactly where it would exceed PATH_DEV. Otherwise
+    /// additional control points split the block.
     pub off_path: bool,
+    /// AUTO_OFF_TRACK: the same for TRACK_DEV.
     pub off_track: bool,
-    /// AUTO_OFF_G00 and AUTO_OFF_G60: whether the curve passes the points of rapid blocks, and those of exact
-    /// stops, exactly.
+    /// AUTO_OFF_G00: whether the curve passes the points of rapid blocks exactly.
     pub off_rapid: bool,
+    /// AUTO_OFF_G60: whether the curve passes the points of exact stops exactly.
     pub off_stop: bool,
     /// MERGE: whether points on a straight line are left out.
     pub merge: bool,

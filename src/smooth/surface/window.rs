@@ -39,8 +39,9 @@ pub struct Vertex<const AXES: usize> {
     pub turn: [f32; AXES],
     /// Change of direction of the control polygon at this vertex.
     pub moved_turn: [f32; AXES],
-    /// Distance from the vertex before, mm. The next field is the same distance after the points have moved.
+    /// Distance from the vertex before, mm, before points move.
     pub length: f32,
+    /// Distance from the vertex before along the control polygon, mm, after the points have moved.
     pub moved_length: f32,
     /// Distance from the start of the run, LSB 2^-20 mm; only differences are used.
     pub distance: u32,
@@ -133,18 +134,19 @@ impl Space {
 pub struct Window<const AXES: usize> {
     pub vertices: Deque<Vertex<AXES>, VERTICES>,
     pub space: Space,
-    /// Number of vertices that have a width. The next field is the number of vertices that have a point of
-    /// the control polygon.
+    /// Number of vertices that have a width.
     pub wide: usize,
+    /// Number of vertices that have a point of the control polygon.
     pub moved: usize,
-    /// Number of checked vertices. The next field counts how often kernels were reduced for the next vertex.
+    /// Number of checked vertices.
     pub checked: usize,
+    /// How often kernels were reduced because of the next vertex to check.
     pub again: u8,
     /// Number of vertices that were checked before the last reduction.
     pub furthest: usize,
-    /// Half width of the widest kernel of the run, mm. The next field is the current limit, which is lower if
-    /// the window has been full.
+    /// Half width of the widest kernel of the run, mm.
     pub widest: f32,
+    /// Current limit for the half width of new kernels, mm. The limit is lower if the window has been full.
     pub reach: f32,
     /// The largest gain of a vertex.
     pub most: f32,
