@@ -86,10 +86,11 @@ impl core::error::Error for MachineError {}
 pub enum Error {
     /// The text of the line is not correct in the language.
     Nc(NcError),
-    /// The word is correct in the language, but Glidepath does not have this function. Place and name of the
-    /// word.
+    /// The word is correct in the language, but Glidepath does not have this function. The values are the
+    /// place and the name of the word.
     NotAvailable(Place, &'static str),
-    /// The machine data do not enable this function. Place, and the parameter that the function needs.
+    /// The machine data do not enable this function. The values are the place of the word, and the parameter
+    /// that the function needs.
     NotEnabled(Place, &'static str),
     /// The motion of a line is not possible; [`MotionError`] gives the reason.
     Motion(Place, MotionError),

@@ -109,7 +109,7 @@ impl<const BLOCKS: usize> ControlUnit<BLOCKS> {
     }
 
     /// ISG's `bahn_state.dist_prog_start`, 0.1 µm: the distance that the axes have reached in the program.
-    /// `planned`: the field of [`crate::Status`]. See [`ContourReader::distance`].
+    /// `planned`: the field `planned` of [`crate::Status`]. Uses [`ContourReader::distance`].
     ///
     /// # Errors
     /// The element at this distance is no longer in the window.

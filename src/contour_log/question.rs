@@ -125,7 +125,7 @@ const ASKED: u32 = 1;
 const ANSWERED: u32 = 2;
 
 impl<const AXES: usize> QuestionUnit<AXES> {
-    /// No question.
+    /// A unit without a question.
     pub const fn new() -> Self {
         Self {
             state: AtomicU32::new(0),

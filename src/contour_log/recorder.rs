@@ -67,9 +67,9 @@ struct Waiting {
     mark: Mark,
 }
 
-/// State of the log.
+/// State of the log: the program has switched the log on.
 pub(super) const ACTIVE: u32 = 1;
-/// The marked part is complete: another LOG ON has no effect before CLEAR.
+/// State of the log: the program has switched the log off. Another LOG ON has no effect before CLEAR.
 pub(super) const CLOSED: u32 = 2;
 
 /// Number of axes whose directions are stored for the knee. With more axes, the knee counts only the first

@@ -41,7 +41,7 @@ pub struct Row {
     /// For the window: the number after the last `#DISTANCE PROG START CLEAR`. For the log: number of entries
     /// without room.
     pub mark: u32,
-    /// State of the log.
+    /// State of the log: 0 (not switched on yet), `ACTIVE` or `CLOSED` of `recorder.rs`.
     pub flags: u32,
 }
 

@@ -53,7 +53,7 @@ pub struct ControlUnit<const BLOCKS: usize> {
 }
 
 impl<const BLOCKS: usize> ControlUnit<BLOCKS> {
-    /// No request.
+    /// A unit without a request.
     pub const fn new() -> Self {
         Self {
             semaphore: AtomicU32::new(0),
@@ -131,7 +131,7 @@ impl<const BLOCKS: usize> ControlUnit<BLOCKS> {
         (0..BLOCKS).map_while(|i| self.response(i)).take_while(|entry| entry.block_type != BlockType::None)
     }
 
-    /// The current state of the unit.
+    /// The current state of the log, for the PLC.
     pub fn state(contour: &ContourReader<'_>) -> UnitState {
         let log = contour.log_state();
         UnitState {

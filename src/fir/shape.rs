@@ -103,9 +103,11 @@ pub struct Watch {
     pub knee: f32,
     /// Length of the filter, ticks. The deviations of two steps of speed within this time add up.
     pub window: f32,
-    /// Σ|G| / |G(0)|, ticks.
+    /// Σ|G| / |G(0)|, ticks: an acceleration causes as much deviation as a step of speed of `ratio` times the
+    /// acceleration.
     pub ratio: f32,
-    /// ACC_FACT.
+    /// ACC_FACT of `#FILTER`, 1 to 10: factor by which the step of speed at a corner without a curve may be
+    /// larger, because the filter smooths the step.
     pub acc_fact: f32,
     /// The largest tap: a step of speed becomes an acceleration of at most `tap` times the step per tick.
     pub tap: f32,
@@ -212,12 +214,12 @@ impl Shape {
         min(ends, goes_on * (1.0 / GOING_ON)) * MARGIN
     }
 
-    /// [`Watch::bound`] for AX_DEV, mm.
+    /// The value of [`Watch::bound`], with AX_DEV = `tolerance` (mm).
     pub fn bound(&self, tolerance: f32) -> [[f32; 2]; 2] {
         self.smooth.map(|split| split.map(|sum| sum / (SMOOTH * tolerance)))
     }
 
-    /// Largest acceleration and largest step of speed for AX_DEV (mm).
+    /// Largest acceleration (mm/tick²) and largest step of speed (mm/tick) with AX_DEV = `tolerance` (mm).
     pub fn limits(&self, tolerance: f32) -> (f32, f32) {
         (ACCELERATION * MARGIN * tolerance / self.area, MARGIN * tolerance / self.peak)
     }

@@ -52,7 +52,7 @@ struct Axis<const TAPS: usize> {
 }
 
 impl<const AXES: usize, const TAPS: usize> State<AXES, TAPS> {
-    /// All bits are zero.
+    /// A state with all filters off; all bits are zero.
     pub const fn new() -> Self {
         Self {
             axes: [const { Axis::ZERO }; AXES],

@@ -207,7 +207,7 @@ impl Cell {
         axes
     }
 
-    /// The exact end position.
+    /// Exact end position of each axis, mm or degrees.
     pub fn end(&self) -> [Position; AXES] {
         self.at(1 << 62)
     }

@@ -163,7 +163,7 @@ impl Kinematic {
         Some(axes)
     }
 
-    /// The curve of an element from `start`, in workpiece coordinates.
+    /// Turns an element that begins at `start` (workpiece coordinates) into a curve of tool tip and angles.
     pub fn course<const N: usize>(&self, element: &Element<N>, start: &[Position; N]) -> Course {
         let powers = element.shape.powers(start);
         let of = |axis: usize| powers.axes.get(axis).copied().unwrap_or([0.0; 6]);

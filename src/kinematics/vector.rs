@@ -102,7 +102,7 @@ pub fn turns(degrees: Position) -> u64 {
     (upper << 10).wrapping_add((left << 10) / 360)
 }
 
-/// An angle with its first and second derivative by the parameter of the curve.
+/// An angle with its first and second derivative with respect to the parameter of a curve.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spin {
     /// Sine of the angle.
@@ -141,7 +141,7 @@ impl Spin {
     }
 }
 
-/// A point with its first and second derivative by the parameter of the curve.
+/// A point with its first and second derivative with respect to the parameter of a curve.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Jet {
     /// Position of the point, mm.

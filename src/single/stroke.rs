@@ -105,7 +105,7 @@ pub fn speed_for(length: i64, time: f32, limits: &Limits) -> f32 {
     high
 }
 
-/// A time with LSB 2^-36 tick, in ticks.
+/// Converts a time (LSB 2^-36 tick) to ticks.
 pub fn in_ticks(time: u64) -> f32 {
     size_f32(time) * (1.0 / TICK as f32)
 }

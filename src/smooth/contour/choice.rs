@@ -323,16 +323,17 @@ impl<const AXES: usize> Edge<'_, AXES> {
         approach.time(v, [c; 2], 2.0 * c / max(v, f32::MIN_POSITIVE))
     }
 
-    /// Whether a stop takes fewer ticks than a smoothing curve of Surface with this speed and distance.
+    /// Whether a stop takes fewer ticks than a smoothing curve of Surface. `kernel`: speed in that curve
+    /// (mm/tick), and distance from its start to the corner (mm).
     #[inline(never)]
     pub fn stands(&self, kernel: (f32, f32)) -> bool {
         let approach = Approach::new(self.limits, self.room);
         approach.stops_within(self.kernel(&approach, kernel))
     }
 
-    /// Whether contour mode takes fewer ticks than a smoothing curve of Surface with this speed and distance.
-    /// Contour mode either stops in the corner, or makes a curve of DEV; in its middle, both motions are
-    /// `off` (mm) from the corner.
+    /// Whether contour mode takes fewer ticks than a smoothing curve of Surface (`kernel`: see
+    /// [`Self::stands`]). Contour mode either stops in the corner, or makes a curve of DEV; in its middle,
+    /// both motions are `off` (mm) from the corner.
     #[inline(never)]
     pub fn is_quicker(&self, off: f32, kernel: (f32, f32)) -> bool {
         let &Self { dynamics, rapid, tangents, room, .. } = self;

@@ -21,7 +21,8 @@ pub const EVEN: f32 = 9e-4;
 /// The same limit if the program demands constant speed (CONST_VEL): a third of [`EVEN`].
 pub const CONSTANT: f32 = 3e-4;
 
-/// Largest sum of coefficients, mm: see [`mod@crate::path::poly`], which scales them by 2^5.
+/// Largest [`Quintic::weight`] of an element, mm. [`mod@crate::path::poly`] stores the coefficients as
+/// integers scaled by 2^5, which limits their size.
 pub const HEAVIEST: f32 = 4096.0;
 
 /// Largest number of elements in half a curve.
@@ -446,7 +447,7 @@ impl<const AXES: usize> CornerCurve<AXES> {
         self.is_first(self.done)
     }
 
-    /// End of the last element.
+    /// End of the last emitted element, mm or degrees.
     pub fn stands(&self) -> &[Position; AXES] {
         &self.at.position
     }

@@ -100,13 +100,14 @@ pub fn space_per_path<const AXES: usize>(measure: &Measure, tangent: &[f32; AXES
     if measure.is_space() { 1.0 } else { size(&measure.main, tangent) }
 }
 
-/// Direction and speed of one end of an element as numbers.
+/// Converts the tangent at one end of an element to numbers: dx/ds of every axis.
 pub fn direction<const AXES: usize>(end: &End<AXES>) -> [f32; AXES] {
     end.tangent.map(|t| to_f32(t) * LSB_40)
 }
 
 impl<const AXES: usize> Side<AXES> {
-    /// The block `element`, which has `end` at the corner.
+    /// Makes the side from the block `element`. `end`: direction and curvature at the end of the block that
+    /// is at the corner.
     pub fn new(element: &Element<AXES>, end: &End<AXES>, measure: &Measure) -> Self {
         let tangent = direction(end);
         let space_per_path = space_per_path(measure, &tangent);
@@ -270,7 +271,8 @@ impl<const AXES: usize> Quintic<AXES> {
         Self { power: [*b0, first, bend, twist, none, none] }
     }
 
-    /// The largest sum of the coefficients of an axis, and of the travel.
+    /// For each axis, the magnitudes of all coefficients except the constant one are added. Returns the
+    /// largest sum, mm.
     pub fn weight(&self) -> f32 {
         let [_, rest @ ..] = &self.power;
         let mut most = 0.0;

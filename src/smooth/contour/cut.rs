@@ -36,9 +36,9 @@ const QUARTER: f32 = core::f32::consts::FRAC_PI_2;
 /// How far a curve may reach into both blocks.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Room {
-    /// Largest corner distances, mm. `whole`: neither DIST_WEIGHT nor a quarter of a turn changes the
-    /// distance.
+    /// Largest corner distances, mm.
     pub most: [f32; 2],
+    /// Whether the corner may take half of the block: neither DIST_WEIGHT nor a quarter of a turn limits it.
     whole: [bool; 2],
     /// Corner distances that the program demands, or the largest ones if a tolerance decides, mm.
     pub distances: [f32; 2],

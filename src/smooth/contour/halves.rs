@@ -38,7 +38,7 @@ impl<const AXES: usize> Halves<AXES> {
         self.done >= 2
     }
 
-    /// End of the last element.
+    /// End of the last emitted element, mm or degrees.
     pub fn stands(&self) -> &[Position; AXES] {
         match self.done {
             0 => &self.from.position,

@@ -330,7 +330,7 @@ impl<const AXES: usize> HeldBlock<AXES> {
         true
     }
 
-    /// The direction at the start of the block's rest, from a point on the block.
+    /// Direction and curvature at the point `from` of the block, where the rest of the block begins.
     pub fn entry_at(&self, from: &[Position; AXES], measure: &Measure) -> Result<End<AXES>, PathError> {
         if *from == self.block.from {
             return Ok(self.block.element.entry);

@@ -74,8 +74,9 @@ enum JoinStep {
     Cutting { cut: Cut, slack: f32, smaller: u8 },
     /// Fit its elements.
     Fitting { cut: Cut, slack: f32, smaller: u8 },
-    /// CONST_VEL: find the speed that all elements permit. Speed and length of the elements so far are known.
-    /// `None`: the element in the middle comes first. It turns most and usually permits the least.
+    /// CONST_VEL: find the speed that all elements permit. `steady`: speed and length of the elements so far.
+    /// `element`: the next one; `None` stands for the element in the middle, which is examined first. That
+    /// element turns most and usually permits the lowest speed.
     Timing { cut: Cut, element: Option<u32>, steady: Steady },
     /// The elements are known: reduce both blocks to their rests.
     Joining { cut: Cut, steady: Option<Steady> },
@@ -145,9 +146,9 @@ impl Joining {
         Self { stage: JoinStep::Sharp }
     }
 
-    /// Whether a curve between both blocks is possible, and the warning about the corner. `behind`: length of
-    /// the block after both, LSB 2^-44 mm; given if that length is known and the corner before that block is
-    /// rounded.
+    /// Begins the work on the corner between two blocks: finds whether a curve is possible, and which kinds.
+    /// Returns the warning about the corner, if there is one. `behind`: length of the block after both, LSB
+    /// 2^-44 mm; given if that length is known and the corner before that block is rounded.
     pub fn go_into<const AXES: usize>(
         &mut self,
         [held, next]: [&mut HeldBlock<AXES>; 2],
@@ -349,8 +350,8 @@ impl Joining {
         }
     }
 
-    /// Continues. Returns whether the corner is done. Then `into` holds the curve, if there is one, and both
-    /// blocks are reduced to their rests.
+    /// Does the next piece of work. Returns whether the corner is done. Then `into` holds the curve, if there
+    /// is one, and both blocks are reduced to their rests.
     #[inline(never)]
     pub fn go_on<const AXES: usize>(
         &mut self,

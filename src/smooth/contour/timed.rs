@@ -165,7 +165,7 @@ pub struct Overlap {
 }
 
 impl Overlap {
-    /// Both rises overlap completely.
+    /// An overlap of the whole motions: both begin and end at the same time.
     pub fn whole(rise: Rise) -> Self {
         Self { rise, time: rise.time() }
     }
@@ -180,12 +180,13 @@ impl Overlap {
         Self { rise, time: rise.arrives(distance) }
     }
 
-    /// An overlap of only the ramps.
+    /// This overlap, shortened so that only the last ramp of one motion and the first ramp of the other
+    /// overlap.
     pub fn brief(self) -> Self {
         Self { time: min(self.time, self.rise.ramp), ..self }
     }
 
-    /// Whether only ramps overlap.
+    /// Whether only one ramp of each motion is inside the overlap.
     pub fn is_brief(&self) -> bool {
         self.time <= self.rise.ramp
     }

@@ -65,9 +65,11 @@ pub struct Piece<const AXES: usize> {
 pub enum Cut<const AXES: usize> {
     /// A shorter element has to be tried.
     Again,
-    /// An element whose axes are not made yet, and whether it is the last one.
+    /// The next element, the draft that computes the polynomials of its axes, and whether this element is the
+    /// last one.
     Element(Element<AXES>, Draft<AXES>, bool),
-    /// A straight line to this point, and whether it is the last element. The format cannot hold the element.
+    /// A straight line to this point replaces an element that the number format cannot hold. The flag tells
+    /// whether it is the last element.
     Straight([Position; AXES], bool),
 }
 

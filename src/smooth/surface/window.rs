@@ -63,8 +63,9 @@ impl<const AXES: usize> Vertex<AXES> {
     pub const FORCED: u8 = 2;
     /// The chord before the vertex is a part of an arc.
     pub const ARC: u8 = 4;
-    /// The control polygon turns here by more than rounding. The second mark is for a sharp turn.
+    /// The control polygon turns here by more than rounding.
     pub const TURNS: u8 = 8;
+    /// The control polygon turns here sharply: an element ends at the vertex and where its kernel ends.
     pub const STRONG: u8 = 16;
     /// A long line meets a curve here, so the curvature has a step.
     pub const STEPS: u8 = 32;
@@ -148,11 +149,11 @@ pub struct Window<const AXES: usize> {
     pub widest: f32,
     /// Current limit for the half width of new kernels, mm. The limit is lower if the window has been full.
     pub reach: f32,
-    /// The largest gain of a vertex.
+    /// Upper limit for [`Vertex::gain`] in this run.
     pub most: f32,
     /// Whether the last vertex is the end of the run.
     pub ended: bool,
-    /// Distance of the run's start, LSB 2^-20 mm, if the start is near.
+    /// Value of [`Vertex::distance`] at the start of the run, while the start is near; otherwise `None`.
     pub begun: Option<u32>,
 }
 
@@ -550,7 +551,7 @@ impl<const AXES: usize> Window<AXES> {
         off
     }
 
-    /// Direction and length of the control polygon up to a vertex.
+    /// Computes length and direction of the control polygon up to a vertex again, after points have moved.
     pub fn settle(&mut self, k: usize) {
         let Some((chord, length)) = self.chord(k) else { return };
         let per = 1.0 / max(length, f32::MIN_POSITIVE);
