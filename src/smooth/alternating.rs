@@ -156,7 +156,7 @@ impl<const AXES: usize> Alternating<AXES> {
             let goes_out = self.last.is_some();
             self.round(dynamics);
             if goes_out {
-                // This happens before the next block is taken.
+                // The waiting line has gone to contour mode; the next call takes the next block.
                 return true;
             }
             if let (Turn::Corner(corner), Some((block, parting))) = (&mut self.turn, &self.next) {
@@ -202,7 +202,7 @@ impl<const AXES: usize> Smoother<AXES> for Alternating<AXES> {
                 self.end(dynamics);
                 &mut self.next
             }
-            // A curve of this line alone is not needed.
+            // A spline over the waiting line alone is not needed.
             Turn::None | Turn::Curve(_) => &mut self.next,
             Turn::Corner(corner) if self.last.is_none() && beside => {
                 return corner.take(block, dynamics, parting);

@@ -53,8 +53,8 @@ impl Approach {
                 return sum + way / max(v, f32::MIN_POSITIVE);
             }
             let (mut gain, mut gaining) = (missing, f32::MAX);
-            // If the speed is surely reached, no root is needed. The speed may be reached if the ramp has the
-            // full acceleration from its start.
+            // `slope.reach` needs a root. No root is needed if the path is long enough for the ramp. The ramp
+            // is tried only if even full acceleration from its start could reach the speed.
             if (v + 0.5 * missing) * missing <= way * slope.acceleration() {
                 gaining = slope.distance(v, gain)[0];
             }

@@ -117,9 +117,9 @@ impl<const AXES: usize> Corner<'_, AXES> {
     /// from the corner. A quintic with the same ends gives s(u). An axis has the slopes g1 and g2. Its
     /// deviation is (g2 − g1)·y(u) before the corner, and (g1 − g2)·x(u) after the corner. x is the quintic
     /// from −c1 to a stop at 0; y is the quintic from 0 to c2. With equal distances, both deviations are
-    /// largest at the corner, at u = 1/2. With unequal distances, the shorter motion may first swing to the
-    /// other side. This happens if the speed is more than 2.5 times the distance: then the third coefficient
-    /// is negative.
+    /// largest at the corner, at u = 1/2. With unequal distances, the quintic of the shorter side may first
+    /// swing to the other side. This happens if its speed is more than 2.5 times its distance, because its
+    /// third coefficient is then negative.
     ///
     /// If blocks are left out, their line is the contour between both sides. The places along this line are
     /// checked in equal steps too.

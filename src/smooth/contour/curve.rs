@@ -81,7 +81,7 @@ impl<const AXES: usize> Site<AXES> {
     pub const NONE: Self = Self { offset: [0.0; AXES], tangent: [0.0; AXES], curvature: [0.0; AXES] };
 }
 
-/// A block at the corner, as a function of the distance from the corner. After the corner, this distance is
+/// A block at the corner, as a function of the distance from the corner. Distances before the corner are
 /// negative.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Side<const AXES: usize> {

@@ -9,11 +9,12 @@ use crate::path::poly::Knot;
 use crate::path::{Measure, Passage};
 use crate::quantity::{DISTANCE_LSB, Distance, Position};
 
-/// A rest of a block between two corners goes to the second corner if the rest is below this power of two.
-/// The value is far below the margin of the tolerance.
+/// If the rest of a block between two corners is at most 2^-14 of the block's length, the second corner takes
+/// this rest too. This is far below the margin of the tolerance.
 const SLIVER: u32 = 14;
 
-/// Share of the distance that a curve over time leaves, as a power of two; rounding needs this length.
+/// A curve over time leaves at least 2^-18 of the distance to each neighbouring curve; rounding needs this
+/// length.
 const SCRAP: u32 = 18;
 
 /// Smallest length that a corner leaves of a block that DIST_WEIGHT divides, LSB 2^-44 mm: four steps of a

@@ -222,7 +222,7 @@ impl<const AXES: usize> HeldBlock<AXES> {
         // If a curve ends inside this block, the block keeps its direction.
         let entered = self.block.element.shape.length.to_bits() < self.length;
         let lines = next.is_line() && self.is_line() && !entered;
-        // With DEV alone RELEVANT_PATH applies to both neighbours of a corner.
+        // Only with DEV does RELEVANT_PATH apply to both neighbours of a corner.
         let least = if rule.method == ContourMethod::Dev { path } else { min(path, SYSTEM_LEAST) };
         let whole = lines && rule.method != ContourMethod::Pos && is_short(self, least);
         let standing = match skipped {

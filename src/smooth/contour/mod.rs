@@ -222,7 +222,7 @@ impl Settings {
         &self.parameters
     }
 
-    /// Whether Surface may smooth rows of lines with these settings ([`super::row`]).
+    /// Whether Surface may smooth runs of lines with these settings ([`super::row`]).
     #[cfg(all(feature = "kinematics", feature = "surface"))]
     pub(super) fn is_row(&self) -> bool {
         self.on && !self.once && self.parameters.is_row()
@@ -427,7 +427,7 @@ impl<const AXES: usize> Contouring<AXES> {
         self.told = false;
         self.parameters.update(contour);
         if self.parameters != before && self.left_behind().is_some() && !in_motion {
-            // Contour mode ends with the blocks that are left out.
+            // Other parameters end the run of left-out blocks, and the end of its line gets no curve.
             self.cancel();
         }
         match contour.switch {

@@ -345,8 +345,8 @@ impl<const AXES: usize> Surface<AXES> {
             self.end_row();
             return true;
         }
-        // The code tries again only when more is known. A vertex that enters, gets its width or moves is no
-        // reason.
+        // Tries again only if more vertices are checked, the limit of widths has changed, or the end of the
+        // run is known. New vertices alone are no reason to try.
         let known =
             Some((self.window.checked, self.window.reach, self.window.ended || self.window.is_full()));
         if self.waits == known {

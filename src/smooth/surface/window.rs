@@ -617,7 +617,8 @@ impl<const AXES: usize> Window<AXES> {
         let first = (0..k).find(|j| near(*j)).unwrap_or(k);
         let last = (k..self.moved).rev().find(|j| near(*j)).unwrap_or(k);
         self.narrow(first, last, LITTLE, parameters);
-        // Kernels that turn to the other side have narrower neighbours now.
+        // Vertices with an opposite turn now have neighbours with narrower kernels, so the check begins again
+        // there.
         self.checked = first.max(1);
         true
     }
