@@ -88,9 +88,10 @@ pub enum Progress {
     /// The planner was called too rarely: the axes stopped on the path, and resume now. Each such stop is
     /// reported once.
     Late,
-    /// The motion is slower than programmed. A stop from the programmed speed would need more than 126 pieces
-    /// of a speed profile (30 in a small build), or would lead beyond the path that the interpolator knows.
-    /// The planner reports this once, and again only after the programmed speed was possible in between.
+    /// The motion is slower than programmed. There are two possible reasons. A stop from the programmed speed
+    /// would need more than 126 pieces of a speed profile (30 in a small build). Or the stop would lead
+    /// beyond the path that the interpolator knows. The planner reports this once, and again only after the
+    /// programmed speed was possible in between.
     Slower,
     /// A defect of the planner. The filtered axis with this index deviated by more than AX_DEV of `#FILTER`,
     /// or its acceleration exceeded 0.25 mm per cycle², which its filter cannot process. The planner reports
@@ -137,9 +138,8 @@ impl Held {
 ///
 /// One channel lives from power-up to power-off. The channel is *at rest* ([`Self::is_at_rest`]) when the
 /// axes stand still and all commands read so far are carried out. The channel is at rest before the first
-/// program, at the end of a program, after a refused line, and after an abort. It is also at rest while a
-/// stream has no text. At rest, the planner takes the next text. The new motion begins exactly where the axes
-/// are.
+/// program, at the end of a program, after a refused line, after an abort, and while a stream has no text. At
+/// rest, the planner takes the next text. The new motion begins exactly where the axes are.
 ///
 /// | call | text | modal functions, F, G92, P parameters, contour mode, slope, weights |
 /// |---|---|---|

@@ -12,8 +12,8 @@
 //! | `OFF INSTANT`, an abort | brakes, and stands there |
 //!
 //! A feed hold stops all single axes; after a resume, each axis continues to its target. The override acts on
-//! independent axes. It does not act on oscillations, whose time is programmed. Reduced speed (P-AXIS-00214)
-//! acts on all single axes.
+//! independent axes, but not on oscillations, whose time is programmed. Reduced speed (P-AXIS-00214) acts on
+//! all single axes.
 use super::{Error, Held, Planner, Progress, Source};
 use crate::fir::FilterPlan;
 use crate::machine::{AxisKind, ChannelData};

@@ -28,7 +28,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         self.decoder.stored()
     }
 
-    /// Restores zero offsets and positions. They are valid from the next line on. Returns `false`, and
+    /// Restores zero offsets and positions, which are then valid from the next line on. Returns `false`, and
     /// changes nothing, if a value is beyond ±100 000 mm.
     #[must_use]
     pub fn put_stored(&mut self, stored: &StoredOffsets<AXES>) -> bool {

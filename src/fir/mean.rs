@@ -22,8 +22,8 @@ impl Mean {
     /// A mean without samples.
     pub const ZERO: Self = Self { upper: 0, rest: 0, lower: 0 };
 
-    /// A mean of `length` samples. It needs a division, so call this function for a change of filters and not
-    /// in a tick.
+    /// A mean of `length` samples. The function divides, so call it for a change of filters and not in a
+    /// tick.
     pub fn of(length: u32) -> Self {
         let length = length.max(1);
         let factor = (u32::MAX / length).wrapping_add(1);

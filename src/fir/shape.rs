@@ -2,9 +2,9 @@
 //! this deviation inside AX_DEV.
 //!
 //! Let h be the taps, δ a filter that only delays, and G the second sum of h − δ. The deviation of an axis
-//! from its delayed set point is exactly Σ G·x'', where x'' are the second differences of the axis. So it is
-//! at most Σ|G| times the largest acceleration. A step of speed adds at most |G(0)| times the step. With
-//! SHARE p, all values are multiplied by p.
+//! from its delayed set point is exactly Σ G·x'', where x'' are the second differences of the axis. So the
+//! deviation is at most Σ|G| times the largest acceleration. A step of speed adds at most |G(0)| times the
+//! step. With SHARE p, all values are multiplied by p.
 //!
 //! If the jerk of the axis is limited everywhere, steps of speed included, there are better bounds. G is
 //! split into a part g and the differences of a function T. Then the deviation is at most Σ|g| times the
@@ -94,8 +94,8 @@ const SIDE: usize = super::MAX_ORDER as usize / 2 + 2;
 /// `fir/shape.rs` defines h and G.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Watch {
-    /// Σ|h|: the filter raises speed, acceleration and jerk by at most this factor. It is 1 without negative
-    /// taps.
+    /// Σ|h|: the filter raises speed, acceleration and jerk by at most this factor. Without negative taps,
+    /// the factor is 1.
     pub gain: f32,
     /// Largest acceleration, mm/tick²; `None` if AX_DEV is not given.
     pub accel: Option<f32>,
@@ -106,8 +106,8 @@ pub struct Watch {
     /// Σ|G| / |G(0)|, ticks: an acceleration causes as much deviation as a step of speed of `ratio` times the
     /// acceleration.
     pub ratio: f32,
-    /// ACC_FACT of `#FILTER`, 1 to 10: factor by which the step of speed at a corner without a curve may be
-    /// larger, because the filter smooths the step.
+    /// ACC_FACT of `#FILTER`, 1 to 10: factor for the permitted step of speed at a corner without a curve.
+    /// The filter smooths the step, so the step may be larger.
     pub acc_fact: f32,
     /// The largest tap: a step of speed becomes an acceleration of at most `tap` times the step per tick.
     pub tap: f32,

@@ -6,10 +6,10 @@
 //! by an angle θ multiplies by exp(Θ), with Θ the series of θ without its first coefficient. The reason: the
 //! derivatives of a turn obey the recurrence of the exponential function, and a turn changes no length.
 //!
-//! A quintic that has value, first and second derivative of a curve at both ends of an interval h deviates
-//! from the curve by at most h⁶/46080 times the largest sixth derivative. Rotary axes change no length and
-//! follow their angles exactly. So the tool tip deviates by the same distance as the linear axes. The bound
-//! is `c₆/64` for the whole curve and `c₆/(64·n⁶)` for each of n equal parts.
+//! Let a quintic have value, first and second derivative of a curve at both ends of an interval h. Its
+//! deviation from the curve is at most h⁶/46080 times the largest sixth derivative of the curve. Rotary axes
+//! change no length and follow their angles exactly. So the tool tip deviates by the same distance as the
+//! linear axes. The bound is `c₆/64` for the whole curve and `c₆/(64·n⁶)` for each of n equal parts.
 use super::cells::Course;
 use super::chain::{Chain, ROTARIES, Rotary};
 use super::vector::{RADIANS, Vector};

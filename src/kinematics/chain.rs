@@ -64,9 +64,9 @@ impl Chain {
     /// A chain of any axes: machine data of type 91.
     ///
     /// # Errors
-    /// Returns the parameter that is out of its range or contradicts another one. Examples: an axis named
-    /// twice; a number of linear axes other than three; linear axes that are not next to each other, or lie
-    /// in one plane; rotary axes that together reach no more directions than one of them.
+    /// Returns the parameter that is out of its range or contradicts another one. Examples: an axis is named
+    /// twice. The number of linear axes is not three. The linear axes are not next to each other, or lie in
+    /// one plane. Several rotary axes reach no more directions than one of them.
     pub fn universal(machine: &Universal) -> Result<Self, DataError> {
         let order = order(machine)?;
         let tool = data::direction(machine.zero_orientation, data::ZERO_ORIENTATION, None)?;

@@ -45,10 +45,10 @@ impl Chain {
     /// `direction`. `direction` is the vector from tool tip to holder. There may be two solutions. The result
     /// is the one with the smaller sum of both turns from `last`. Software limits have no effect.
     ///
-    /// Let u be the outer axis (the one nearer to the workpiece), w the inner axis, d the tool direction with
-    /// both axes at 0, and t the wanted direction. R_w(θ) is the turn by the inner angle θ. The equation
-    /// u·R_w(θ)·d = u·t has the form `A cos θ + B sin θ = C`. The outer angle then turns the projection of
-    /// the tilted tool to the projection of t.
+    /// Let u be the outer axis (the one nearer to the workpiece), and w the inner axis. d is the tool
+    /// direction with both axes at 0, and t the wanted direction. R_w(θ) is the turn by the inner angle θ.
+    /// The equation u·R_w(θ)·d = u·t has the form `A cos θ + B sin θ = C`. The outer angle then turns the
+    /// projection of the tilted tool to the projection of t.
     ///
     /// # Errors
     /// The direction cannot be reached, or is singular: [`Reach`].

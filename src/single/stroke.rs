@@ -63,8 +63,8 @@ const fn cruise(profile: &Profile) -> u64 {
 /// Makes the profile, at a lower speed if its ramps have too many pieces. Returns the speed.
 ///
 /// # Errors
-/// As [`plan`], and [`Unplannable::TooSlow`] if too many pieces are between the ramps: more than about 196
-/// 000 ticks with SIN2, or 1 900 000 with the other slopes.
+/// As [`plan`]. Also [`Unplannable::TooSlow`] if the part between the ramps has too many pieces. This is so
+/// above about 196 000 ticks with SIN2, and above 1 900 000 ticks with the other slopes.
 pub fn plan_short(profile: &mut Profile, length: i64, limits: &Limits) -> Result<f32, Unplannable> {
     let mut limits = *limits;
     plan(profile, length, &limits)?;

@@ -1,7 +1,8 @@
 //! Smoothing of the path: turns programmed blocks into the elements that the axes follow.
 //!
-//! A [`Smoother`] takes programmed blocks and holds back as many as it needs. It works on them in bounded
-//! steps and emits elements. Other stages use only [`Smoothing`] and do not know the kind of smoother.
+//! A [`Smoother`] takes programmed blocks and holds back as many as it needs. The smoother works on these
+//! blocks in bounded steps and emits elements. Other stages use only [`Smoothing`] and do not know the kind
+//! of smoother.
 //!
 //! A build may leave out kinds of smoothing ([`crate::machine::functions`]). A type without values replaces
 //! such a kind (`absent.rs`). Only this file names the kinds.

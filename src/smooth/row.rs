@@ -6,7 +6,7 @@
 //! little acceleration and jerk, so this costs time. The smoothing curves of Surface overlap, so a run of
 //! equal corners becomes one even curve.
 //!
-//! So under a transformation the smoother of Surface works with the tolerances of DEV. It leaves sharp
+//! So under a transformation the smoother of Surface works with the tolerances of DEV. Surface leaves sharp
 //! corners to contour mode ([`super::edged`]). If the program uses settings that Surface does not have,
 //! contour mode smooths all corners.
 use super::edged::Edged;

@@ -1,5 +1,5 @@
-//! Replaces contour mode in a build without contour mode ([`crate::machine::functions`]). It is always off,
-//! so blocks bypass it.
+//! Replaces contour mode in a build without contour mode ([`crate::machine::functions`]). This contour mode
+//! is always off, so all blocks bypass it.
 use super::contour::{Preset, Settings};
 use super::{Parting, ProgrammedBlock, Smoothed, Smoother};
 use crate::dynamics::Dynamics;

@@ -141,8 +141,8 @@ const KNOWN: f32 = 1.0 + 1.0 / 256.0;
 /// Margin for rounding.
 const SURELY: f32 = 0.999;
 
-/// If the speed in the corner is below this share of the speed that the motion reaches from a stop, a curve
-/// is not quicker than a stop.
+/// A curve at less than this share of the speed that the motion reaches from a stop is not quicker than a
+/// stop.
 const SLOWEST: f32 = 0.25;
 
 /// A corner, and the data for the choice of its curve.

@@ -1,6 +1,6 @@
 //! Finds how far the curve of a corner may reach into the two blocks.
 //!
-//! The curve is a polynomial of the fifth degree. It has direction and curvature of the blocks at both ends.
+//! The curve is a polynomial of the fifth degree, with direction and curvature of the blocks at both ends.
 //! Its length is nearly proportional to its parameter: to 0.2 % in a corner of 90°. The deviation grows with
 //! the corner distances. A search finds the distances that use all of a tolerance, with a few trials per
 //! call.

@@ -1,5 +1,4 @@
-//! Computes which parts of both blocks the curve of a corner takes: the room for the curve, the ends of the
-//! curve, and the rest of both blocks.
+//! Computes which parts of both blocks the curve of a corner takes, and what is left of both blocks.
 use super::curve::Side;
 use super::held_block::HeldBlock;
 use super::{ONE_44, Parameters};

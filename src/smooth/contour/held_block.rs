@@ -87,8 +87,9 @@ pub(super) struct Standing {
 /// shorter than 16 µm before a corner is joined to the block after it.
 const SYSTEM_LEAST: f32 = 0.016;
 
-/// Three limits for merging two blocks: the distance of their corner from the line over both, in LSB 2^-32 mm
-/// and in mm; the change of direction, LSB 2^-40; and the distance of many merged blocks from their line.
+/// Limits for merging two blocks. First and second: distance of their corner from the line over both, LSB
+/// 2^-32 mm, and the same in mm. Third: change of direction, LSB 2^-40. Fourth: distance of many merged
+/// blocks from their line, mm.
 const STRAIGHT: f64 = 4096.0;
 const STRAIGHT_MM: f32 = 4096.0 * LSB_32;
 const TURN: i64 = 1 << 20;

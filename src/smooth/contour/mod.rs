@@ -256,9 +256,10 @@ pub struct Contouring<const AXES: usize> {
     /// element is emitted.
     joining: Option<Joining>,
     course: Course<AXES>,
-    /// The held blocks. First: the held block. Second, only after a block whose end is rounded: a block whose
-    /// share in the corner depends on the next block (DIST_WEIGHT), or a line that may still grow. Third: the
-    /// block after the second, while work on the corner between the first two goes on.
+    /// The held blocks. First: the held block. Second, only after a block whose end is rounded: a block that
+    /// waits for the next one. The next block decides how much the corner may take (DIST_WEIGHT), or may
+    /// extend this line. Third: the block after the second, while work on the corner between the first two
+    /// goes on.
     blocks: HeldBlocks<AXES>,
     /// The blocks left out after the held block, until the line over them is made.
     skipped: Option<Skipped<AXES>>,

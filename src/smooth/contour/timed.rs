@@ -27,8 +27,8 @@
 //! e. The curve is then e·|t2 − t1| from the corner. Every other point is at most e·sin θ from the line ahead
 //! or behind, which is less.
 //!
-//! **Numbers.** The overlap is chosen in `f32`. The curve itself uses integers over its own path: p as a part
-//! of a motion's distance, the place as a part of a motion's path, both with 62 fraction bits.
+//! **Numbers.** The overlap is chosen in `f32`. The curve itself uses integers with 62 fraction bits: p as a
+//! part of a motion's distance, and the place as a part of a motion's path.
 use super::LSB_40;
 use crate::math::divide::reciprocal_near;
 use crate::math::float::{magnitude, max, min, to_bits, to_f32};

@@ -114,9 +114,9 @@ fn end<const AXES: usize>(
     }
 }
 
-/// Whether the point `i` is a corner. This is so if the curve would have nearly no slope there, the path
-/// turns by more than the angle with the cosine `cosine`, or one leg is more than `ratio` times as long as
-/// the other.
+/// Whether the point `i` is a corner. A point is a corner in three cases. The curve would have nearly no
+/// slope there. The path turns by more than the angle with the cosine `cosine`. One leg is more than `ratio`
+/// times as long as the other.
 pub fn is_corner<const AXES: usize>(window: &Window<AXES>, i: i32, cosine: f32, ratio: f32) -> bool {
     let (Some(before), Some(behind)) = (window.leg(i - 1), window.leg(i)) else { return false };
     if window.is_end(i) {

@@ -2,8 +2,8 @@
 //! = 0…1.
 //!
 //! An element is a polynomial of the fifth degree with position, direction and curvature of the cubic at both
-//! ends. It is accepted if its path speed is accurate to [`EVEN`], and its distance from the cubic is below
-//! [`NEAR`]. Otherwise an element of half the length is tried.
+//! ends. An element is accepted if its path speed is accurate to [`EVEN`], and its distance from the cubic is
+//! below [`NEAR`]. Otherwise an element of half the length is tried.
 use crate::math::float::max;
 use crate::path::poly::{Draft, Knot};
 use crate::path::{Element, End};

@@ -9,11 +9,11 @@
 //!
 //! The curve over a block depends on a few points before and after it, so blocks are held until these points
 //! are known. A command that demands a stop between two blocks (a dwell, a wait, the end of the program) ends
-//! the curve there, and the next block begins a new curve. At an exact stop (G60, G360), the motion stops on
-//! the curve; on a B-spline, at the place nearest to the point. Three kinds of blocks become a straight line
-//! between two curves: blocks that move no axis of the path, blocks far longer than the travel of these axes,
-//! and blocks shorter than half a micrometre. An arc is passed unchanged; an Akima spline is tangential at
-//! both of its ends.
+//! the curve there. The next block then begins a new curve. At an exact stop (G60, G360), the motion stops on
+//! the curve; on a B-spline, at the place nearest to the point. A block becomes a straight line between two
+//! curves in three cases. The block moves no axis of the path. The block is far longer than the travel of
+//! these axes. The block is shorter than half a micrometre. An arc is passed unchanged; an Akima spline is
+//! tangential at both of its ends.
 //!
 //! An Akima spline has a continuous direction; its curvature has steps at its points. If machine data limit
 //! the jerk of such a step (P-CHAN-00009), both sides get the same curvature at the point: the mean. This

@@ -59,8 +59,8 @@ fn most(tolerance: f32) -> i64 {
     ((tolerance * ONE_26) as i64 - ROUNDING).max(0)
 }
 
-/// A chord next to a cell, or a part of a chord: both ends, the tolerance, and the fraction of the rest of
-/// the cell that lies next to this chord.
+/// A chord next to a cell, or a part of a chord: both ends, and the tolerance. Also which fraction of the
+/// rest of the cell lies next to this chord.
 pub struct Beside<'a, const AXES: usize> {
     pub ends: [&'a [Position; AXES]; 2],
     pub tolerance: Tolerance,

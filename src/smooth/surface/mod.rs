@@ -14,8 +14,8 @@
 //!
 //! Before an edge, which belongs to contour mode, a run ends in the middle of a line (`edges.rs`,
 //! `smooth/edged.rs`). A run ends exactly in a vertex at an exact stop, a dwell, a function with
-//! acknowledgement, or a turn beyond MAX_ANGLE. It also ends in a vertex at an arc that stays exact, at a
-//! block without main axes, and with AUTO_OFF_G00 at a rapid block. A change of feed, or a function without
+//! acknowledgement, or a turn beyond MAX_ANGLE. So does a run at an arc that stays exact, at a block without
+//! main axes, and with AUTO_OFF_G00 at a rapid block. A change of feed, or a function without
 //! acknowledgement, begins a new element but does not end the run.
 //!
 //! Late text also ends a run, if the motion would otherwise stop. Only in this case does the path depend on
@@ -623,8 +623,8 @@ impl<const AXES: usize> Surface<AXES> {
         }
     }
 
-    /// Replaces a cell that cannot be made by a line. This case does not occur, because a cell in the range
-    /// of a hull can be made.
+    /// Makes a line in place of a cell that cannot be made. This case does not occur, because every cell in
+    /// the range of a hull can be made.
     #[cold]
     #[inline(never)]
     fn replace(&mut self, from: &[Position; AXES]) {
