@@ -7,7 +7,7 @@
 //! |---|---|
 //! | `entry` | an element or a mark of the log, in 48 bytes |
 //! | `table` | tables of entries, each with one writer and any number of readers |
-//! | `geometry` | length, radius, angle and knee of a curve |
+//! | `geometry` | length, radius and angle of a curve, and its change of direction from the curve before |
 //! | `recorder` | the planner's handle: which entry goes into which table |
 //! | `reader` | the PLC's handle: [`ContourReader::elements`], [`ContourReader::logged`], [`ContourReader::reach`] |
 //! | `question` | questions about the coming motion, and their answers |

@@ -72,8 +72,8 @@ pub(super) const ACTIVE: u32 = 1;
 /// State of the log: the program has switched the log off. Another LOG ON has no effect before CLEAR.
 pub(super) const CLOSED: u32 = 2;
 
-/// Number of axes whose directions are stored for the knee. With more axes, the knee counts only the first
-/// ones.
+/// Number of axes whose direction is stored, to compute the change of direction at the next element. Further
+/// axes do not count.
 const DIRECTIONS: usize = 32;
 
 /// Writes the log of the path. [`crate::Planner::log_contour`] gives the recorder to the planner.

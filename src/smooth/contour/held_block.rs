@@ -8,7 +8,7 @@ use crate::path::{Element, End, Measure, PathError, Straight, arc_to, line_to, s
 use crate::quantity::{DISTANCE_LSB, Distance, Position};
 use core::num::NonZeroI64;
 
-/// A block whose end is not known yet: the corner with the next block may shorten it.
+/// A block that waits for the next block, because the corner between both may shorten it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct HeldBlock<const AXES: usize> {
     pub block: ProgrammedBlock<AXES>,

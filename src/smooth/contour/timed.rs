@@ -10,12 +10,12 @@
 //! other overlap. The curve is then the cubic with the corner as its double inner control point, Q = C −
 //! c·t1·(1 − u)³ + c·t2·u³. This shape is the fastest one that keeps the jerk of every axis. A curve over arc
 //! length is slower: its jerk has the term 3·κ·v·a. With separate limits of speed, acceleration and jerk,
-//! either the speed is low or the acceleration is zero. So time is taken as path: the elements are functions
-//! of σ = v·t. Each axis is a polynomial of the third degree between two changes of jerk. At the constant
-//! path speed v, every axis moves as planned: it brakes on the line before the corner and speeds up on the
-//! line after. At a lower path speed r·v, all accelerations have the factor r² and all jerks the factor r³.
-//! If both motions overlap completely, the path speed is the feed. Each axis then changes its speed with one
-//! constant acceleration: the curve of DIST_SOFT.
+//! either the speed is low or the acceleration is zero. So the path distance of this curve is time: the
+//! elements are functions of σ = v·t. Each axis is a polynomial of the third degree between two changes of
+//! jerk. At the constant path speed v, every axis moves as planned: it brakes on the line before the corner
+//! and speeds up on the line after. At a lower path speed r·v, all accelerations have the factor r² and all
+//! jerks the factor r³. If both motions overlap completely, the path speed is the feed. Each axis then
+//! changes its speed with one constant acceleration: the curve of DIST_SOFT.
 //!
 //! DIST_MASTER uses this curve with the master axis as path ([`mod@crate::path::measure`]). The master's
 //! tangent is 1 on both lines and along the whole curve, so the master keeps its speed.
