@@ -74,10 +74,11 @@ pub enum Progress {
     /// There is nothing to do now: the queue is full, program text is missing, or the axes stand for a feed hold or an
     /// acknowledgement. Call again after some ticks.
     Waiting,
-    /// A span of motion blocks has its speed profile: [`Planner::planned`]. Call again at once.
-    Planned,
-    /// The span planned last has a faster profile, because an acknowledgement came in time. Call again at
+    /// A span of motion blocks now has its speed profile; [`Planner::planned`] returns it. Call again at
     /// once.
+    Planned,
+    /// An acknowledgement came in time, so the span that was planned last has a faster profile now. Call
+    /// again at once.
     Replanned,
     /// The program contains a doubtful word. The program continues. Call again at once.
     Warning(NcWarning),
@@ -87,13 +88,14 @@ pub enum Progress {
     /// The planner was called too rarely: the axes stopped on the path, and resume now. Each such stop is
     /// reported once.
     Late,
-    /// The motion is slower than programmed. A stop from the programmed speed would need more than 126 pieces
-    /// (30 in a small build), or would lead beyond the path that the interpolator knows. The planner reports
-    /// this once, and again after the programmed speed was possible in between.
+    /// The motion is slower than programmed. There are two possible reasons. A stop from the programmed speed
+    /// would need more than 126 pieces of a speed profile (30 in a small build). Or the stop would lead
+    /// beyond the path that the interpolator knows. The planner reports this once, and again only after the
+    /// programmed speed was possible in between.
     Slower,
-    /// A defect of the planner. The filter of the axis with this index exceeded AX_DEV of `#FILTER`; or the
-    /// axis exceeded 0.25 mm per cycle² and was not filtered. The planner reports this once until `#FILTER`
-    /// changes the filters. [`Planner::filter_deviation`] gives the deviation.
+    /// A defect of the planner. The filtered axis with this index deviated by more than AX_DEV of `#FILTER`,
+    /// or its acceleration exceeded 0.25 mm per cycle², which its filter cannot process. The planner reports
+    /// this once until `#FILTER` changes the filters. [`Planner::filter_deviation`] gives the deviation.
     Deviated(usize),
     /// The program has ended and all motion is planned. Keep calling while the axes move: commands of the operator
     /// still act.
@@ -136,9 +138,8 @@ impl Held {
 ///
 /// One channel lives from power-up to power-off. The channel is *at rest* ([`Self::is_at_rest`]) when the
 /// axes stand still and all commands read so far are carried out. The channel is at rest before the first
-/// program, at the end of a program, after a refused line, and after an abort. It is also at rest while a
-/// stream has no text. At rest, the planner takes the next text. The new motion begins exactly where the axes
-/// are.
+/// program, at the end of a program, after a refused line, after an abort, and while a stream has no text. At
+/// rest, the planner takes the next text. The new motion begins exactly where the axes are.
 ///
 /// | call | text | modal functions, F, G92, P parameters, contour mode, slope, weights |
 /// |---|---|---|
@@ -148,13 +149,13 @@ impl Held {
 /// | [`Self::go_on`] | the same one, after the refused line | as before the refused line |
 ///
 /// Program start is ISG's initial state. Words: G01, G17, G71, G90, G359, G260 and no F. Zero offset: G53, or
-/// that of P-ZERO-00002. Slope: that of P-CHAN-00071. There are no weights and no limits along the path, and
-/// all axes belong to the channel. Zero offsets, positions, override and reduced speed belong to the machine:
-/// no program resets them.
+/// that of P-ZERO-00002. Slope: that of P-CHAN-00071. No weights (G130…) and no `#VECTOR LIMIT` are in force,
+/// and all axes belong to the channel. Zero offsets, positions, override and reduced speed belong to the
+/// machine: no program resets them.
 ///
-/// An abort, or a plan that failed, stops the axes before some lines that are already read. The modal state of these
-/// lines is void, so [`Self::continue_with`] then begins with the state of program start. An abort at rest has the same
-/// effect.
+/// An abort, or a plan that failed, stops the axes before some lines that are already read. The modal state
+/// after these lines does not fit the position of the axes. So [`Self::continue_with`] then begins with the
+/// state of program start. An abort at rest has the same effect.
 pub struct Planner<
     'a,
     T: Text,
@@ -179,7 +180,7 @@ pub struct Planner<
     /// that failed.
     lost: bool,
     filters: F,
-    /// Motions of single axes.
+    /// Motions of single axes, independent of the path.
     beside: Beside<'a, OVERLAYS>,
     /// The last command, while a program is only checked.
     #[cfg(feature = "examine")]
@@ -310,13 +311,13 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         self.planning.is_waiting() && self.filters.is_settled()
     }
 
-    /// Number of ticks, at least 1, after which [`Self::poll`] should be called again. The value is valid after
-    /// [`Progress::Waiting`], for a task that sleeps in between. The motion is the same as with a call after each tick;
-    /// its speed is not reduced.
+    /// Number of ticks, at least 1, after which [`Self::poll`] should be called again. The value is valid
+    /// after [`Progress::Waiting`], for a task that sleeps in between. The motion is the same as with a call
+    /// after each tick.
     ///
-    /// Commands of the operator, acknowledgements and new program text act at the planner's next call. So
-    /// their source has to wake the task. Returns `None` if the axes stand still and only one of these three
-    /// events lets them move again.
+    /// Commands of the operator, acknowledgements and new program text act at the next call of
+    /// [`Self::poll`]. So the task that gives them has to wake the planner's task. Returns `None` if the axes
+    /// stand still and only one of these three events lets them move again.
     pub fn wakes_after(&self) -> Option<u32> {
         let stands =
             self.is_waiting() || self.is_holding() || (self.is_at_rest() && self.filters.is_settled());

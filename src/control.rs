@@ -27,7 +27,8 @@ const ABORT: u32 = 2 << 16;
 const REDUCED: u32 = 4 << 16;
 /// An acknowledgement has come that the planner has not read yet.
 const ANSWERED: u32 = 8 << 16;
-/// Number of aborts given. In the operator's word, these bits replace [`ABORT`].
+/// Number of aborts given, in the word of the operator. The word of the planner has the bit [`ABORT`]
+/// instead.
 const ABORTS: u32 = 0xff << 24;
 const ONE_ABORT: u32 = 1 << 24;
 
@@ -60,7 +61,7 @@ pub struct Commands {
     pub hold: bool,
     /// Whether the rest of the program has to be dropped (abort).
     pub abort: bool,
-    /// Whether every axis keeps its reduced speed (P-AXIS-00214).
+    /// Whether every axis stays below its reduced speed (P-AXIS-00214).
     pub reduced: bool,
 }
 
@@ -193,7 +194,7 @@ impl Commands {
         }
     }
 
-    /// Whether the motion has to stop.
+    /// Whether the axes have to stop: because of a feed hold, an abort, or an override of 0.
     pub(crate) const fn standstill(&self) -> bool {
         self.hold || self.abort || self.feed == 0
     }

@@ -1,10 +1,10 @@
 //! Motions of single axes that are independent of the path: oscillations, independent axes, jog.
 //!
-//! A command for a single axis waits until the path stops at the programmed point. Then the axis gets a
-//! separate motion (an overlay), and the path planner assumes at once that the axis is at its target. If the
-//! program has another command for that axis, the command waits for the end of this motion.
+//! A command for a single axis waits until the path stops at the programmed point. Then the axis moves on its
+//! own (in an overlay). The path planner assumes at once that the axis is at its target. If the program has
+//! another command for that axis, the command waits for the end of this motion.
 //!
-//! | the program has | what happens to the oscillation |
+//! | the program or the operator gives | what an oscillating axis does |
 //! |---|---|
 //! | a motion that moves the axis (P-CHAN-00451), another command for it, `#PUT AX`, `#CALL AX`, `#FLUSH&WAIT`, `#FILTER`, the program end, a refused line | finishes the current cycle and stops on the second position; the program waits |
 //! | `OFF` | the same, but the program does not wait |
@@ -12,8 +12,8 @@
 //! | `OFF INSTANT`, an abort | brakes, and stands there |
 //!
 //! A feed hold stops all single axes; after a resume, each axis continues to its target. The override acts on
-//! independent axes. It does not act on oscillations, whose time is programmed. Reduced speed (P-AXIS-00214)
-//! acts on all single axes.
+//! independent axes, but not on oscillations, whose time is programmed. Reduced speed (P-AXIS-00214) acts on
+//! all single axes.
 use super::{Error, Held, Planner, Progress, Source};
 use crate::fir::FilterPlan;
 use crate::machine::{AxisKind, ChannelData};
@@ -47,13 +47,14 @@ pub(super) enum Pending {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum MoveError {
-    /// The path or the axis moves, or some blocks that were read are not carried out yet.
+    /// The program has not ended, the path or this axis moves, or the motion of another single axis has not
+    /// begun yet.
     NotAtRest,
     /// The machine has no such axis, or position or feed is out of range.
     Range,
     /// The motion leads beyond a software limit, or takes too long.
     Motion(MotionError),
-    /// `OVERLAYS` axes already have their own motion.
+    /// The largest number of single axes (`OVERLAYS` of [`crate::Channel`]) already moves.
     Full,
 }
 
@@ -485,8 +486,9 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         div_wide(hi, lo, self.cycle_us.into())
     }
 
-    /// Moves one axis while the path stands: jog, homing. `target` is in machine coordinates, `feed` in mm/min or
-    /// degrees/min; without a feed the axis moves at rapid speed.
+    /// Moves one axis independently of the path, after the end of a program: for jog and homing. `target` is
+    /// in machine coordinates, mm or degrees. `feed` is in mm/min or degrees/min; without a feed the axis
+    /// moves at rapid speed.
     ///
     /// [`Self::poll`] carries the motion out and returns [`Progress::Waiting`] until the axis stops. Feed hold,
     /// override, reduced speed and abort act on this motion. Several axes may move at the same time.
@@ -497,8 +499,8 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         self.start_alone(axis, target, feed, true)
     }
 
-    /// As [`Self::move_axis`], without a check of the software limits, for a machine that searches its
-    /// switches and does not know its position yet.
+    /// Moves one axis as [`Self::move_axis`] does, but without a check of the software limits. For homing:
+    /// the machine searches its switches and does not know its position yet.
     ///
     /// # Errors
     /// Returns [`MoveError`] with the reason; nothing changes.

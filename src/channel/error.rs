@@ -25,9 +25,10 @@ pub enum MachineError {
     NotBuilt(&'static str),
     /// Two axes of the machine have this name.
     Name(AxisName),
-    /// The axis name begins with an address letter that has another meaning in the language.
+    /// The axis name begins with a letter that has another meaning in the NC language.
     Reserved(AxisName),
-    /// This parameter gives the function of this number a synchronisation that Glidepath does not have.
+    /// The parameter of this name gives a function a synchronisation that Glidepath does not have. The values
+    /// are: name, number of the function, synchronisation.
     Synch(&'static str, u16, Synch),
     /// The parameter of this name gives a synchronisation to more functions than there is room for.
     TooManySynch(&'static str),
@@ -37,8 +38,9 @@ pub enum MachineError {
     /// expected value.
     #[cfg(feature = "plc")]
     Interpolator(&'static str, &'static str),
-    /// The parameter of this name lets the function of this number be output before its place, but the function's
-    /// synchronisation does not permit this. The text says what is expected.
+    /// The parameter of this name makes Glidepath output a function before its point of the path, but the
+    /// synchronisation of the function does not permit this. The values are: name, number of the function,
+    /// synchronisation, and what is expected.
     #[cfg(feature = "plc")]
     Shift(&'static str, u16, Synch, &'static str),
 }
@@ -84,18 +86,19 @@ impl core::error::Error for MachineError {}
 pub enum Error {
     /// The text of the line is not correct in the language.
     Nc(NcError),
-    /// The word is correct in the language, but Glidepath does not have this function. Place and name of the
-    /// word.
+    /// The word is correct in the language, but Glidepath does not have this function. The values are the
+    /// place and the name of the word.
     NotAvailable(Place, &'static str),
-    /// The machine data do not enable this function. Place, and the parameter that the function needs.
+    /// The machine data do not enable this function. The values are the place of the word, and the parameter
+    /// that the function needs.
     NotEnabled(Place, &'static str),
-    /// The motion of a line has no path or no permitted speed.
+    /// The motion of a line is not possible; [`MotionError`] gives the reason.
     Motion(Place, MotionError),
     /// A motion block, or the curve of the corner before the block, leads this axis beyond its software
     /// limit.
     SoftwareLimit(Place, AxisName, Beyond),
-    /// The curve of a motion block cannot be transformed. The name is that of the axis, if one axis is the
-    /// reason.
+    /// The active transformation cannot convert the path of a motion block. The name is that of the axis that
+    /// causes the error, if it is one axis.
     #[cfg(feature = "kinematics")]
     NoTransformation(Place, AxisName, SplitError),
     /// `#KIN ID` or `#TRAFO` cannot change the transformation here.

@@ -44,7 +44,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         Progress::Working
     }
 
-    /// Computes the limits of the plan for the filters again.
+    /// Computes again the limits that the filters impose on the plan.
     pub(super) fn watch_filters(&mut self) {
         if !F::EXIST {
             return;
@@ -75,9 +75,9 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         self.filters.in_force()
     }
 
-    /// For each axis, the largest distance between the filtered set point and the unfiltered set point,
-    /// delayed by the same time. Unit: mm or degrees, rounded up. The distance is measured since the last
-    /// change of `#FILTER`, and only while AX_DEV is given.
+    /// For each axis, the largest distance between the filtered set point and the unfiltered set point with
+    /// the same delay, mm or degrees. The distance is measured since the last change of `#FILTER`, and only
+    /// while AX_DEV is given.
     pub fn filter_deviation(&self) -> [Position; AXES] {
         core::array::from_fn(|axis| self.filters.deviation(axis))
     }

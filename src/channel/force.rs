@@ -23,19 +23,19 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         if is_put { Ok(()) } else { Err(Busy { text: () }) }
     }
 
-    /// Zero offsets and the positions of G28 and G30 that programs have stored.
+    /// The zero offsets and the positions for G28 and G30 that programs have stored.
     pub fn stored(&self) -> StoredOffsets<AXES> {
         self.decoder.stored()
     }
 
-    /// Restores zero offsets and positions. They are valid from the next line on. Returns `false`, and
+    /// Restores zero offsets and positions, which are then valid from the next line on. Returns `false`, and
     /// changes nothing, if a value is beyond ±100 000 mm.
     #[must_use]
     pub fn put_stored(&mut self, stored: &StoredOffsets<AXES>) -> bool {
         self.decoder.put_stored(stored)
     }
 
-    /// The set-up of the decoder, for a second decoder that reads the same lines.
+    /// The settings of the decoder. A second decoder with the same settings reads lines in the same way.
     pub fn setup(&self) -> &Setup<AXES> {
         self.decoder.setup()
     }

@@ -10,19 +10,20 @@ use crate::quantity::Position;
 impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, const OVERLAYS: usize>
     Planner<'a, T, AXES, BLOCKS, F, OVERLAYS>
 {
-    /// Sets the data sets of the machine, and the default set (P-CHAN-00032 `kinematik_id`); 0 for none. Call
-    /// this function before the first [`Self::poll`].
+    /// Sets the transformations of the machine, and the number of the default transformation (P-CHAN-00032
+    /// `kinematik_id`); 0 for none. Call this function before the first [`Self::poll`].
     pub fn transform_with(&mut self, sets: &'a [Kinematic], default_id: u16) {
         self.planning.set_kinematics(sets, default_id);
     }
 
-    /// The data set of the active transformation, for the lines read next. While a transformation is active,
-    /// [`Self::position`] returns the tool tip in place of the main axes.
+    /// The transformation that is active for the lines read next; `None` without a transformation. While a
+    /// transformation is active, [`Self::position`] returns the tool tip in place of the main axes.
     pub fn kinematic(&self) -> Option<&'a Kinematic> {
         self.planning.kinematic()
     }
 
-    /// Number of transformed elements of the path since the split, and number of their polynomials.
+    /// How many elements of the path were transformed since [`crate::Channel::split`], and into how many
+    /// polynomials.
     pub fn split(&self) -> Split {
         self.planning.split()
     }

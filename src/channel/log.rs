@@ -18,8 +18,8 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         self.planning.set_recorder(recorder);
     }
 
-    /// Supplies memory for the question where a feed hold would stop the path: [`Question::Standstill`]. Call
-    /// `foresee` once, before the first [`Self::poll`].
+    /// Supplies the memory that the planner needs to answer where a feed hold would stop the path:
+    /// [`Question::Standstill`]. Call `foresee` once, before the first [`Self::poll`].
     pub fn foresee(&mut self, inquiry: &'a mut Inquiry) {
         self.planning.set_inquiry(inquiry);
     }

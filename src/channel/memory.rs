@@ -1,4 +1,4 @@
-//! The memory of a channel, and the handles made from this memory.
+//! The memory of a channel, and the handles that `split` makes from it.
 use super::beside::Beside;
 use super::check::check;
 use super::{MachineError, Planner, Source};
@@ -87,8 +87,8 @@ impl<const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Channel<AXES
         check::<AXES, BLOCKS>(machine)
     }
 
-    /// Makes the three handles. They run the program `text` on `machine`; the axes are at `start` (mm or
-    /// degrees). The machine data are not copied, so constant data stay in flash.
+    /// Makes the three handles. The planner reads the program `text` and uses the machine data `machine`; the
+    /// axes are at `start` (mm or degrees). The machine data are not copied, so constant data stay in flash.
     ///
     /// # Errors
     /// Machine data are out of range, or this build cannot work with them.
@@ -105,7 +105,8 @@ impl<const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Channel<AXES
         Ok(self.handles(machine, start, text, (Unfiltered, Unfiltered)))
     }
 
-    /// As [`Self::split`], with filters of the axes ([`crate::fir`]) in the memory `filters`.
+    /// Makes the three handles as [`Self::split`] does, with filters of the axes ([`crate::fir`]) in the
+    /// memory `filters`.
     ///
     /// # Errors
     /// As [`Self::split`], or a filter of the machine data needs more memory than `filters` has.

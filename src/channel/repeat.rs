@@ -66,10 +66,11 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         self.loops.store = Some(store);
     }
 
-    /// Sets the variables V.E. of programs. Call this function once, before the first [`Self::poll`].
+    /// Sets the variables that programs read and write under names `V.E.…`. Call this function once, before
+    /// the first [`Self::poll`].
     ///
-    /// Programs read and write a variable when the planner reads the line, ahead of the motion. After `#FLUSH
-    /// WAIT`, the motion has reached the line.
+    /// The planner reads or writes a variable when it reads the line, which is before the axes reach that
+    /// line. After `#FLUSH WAIT`, the axes have reached the line.
     pub fn variables(&mut self, variables: &'a [Variable]) {
         self.decoder.externals.variables = variables;
     }

@@ -6,7 +6,7 @@ use crate::fir::FilterPlan;
 use crate::nc::{COORDINATE_MAX, Text};
 use crate::quantity::Position;
 
-/// The error of a planner that did not take a program text: the channel is not at rest. It gives the text
+/// The error of [`Planner::load`] and similar calls: the channel is not at rest. The error gives the text
 /// back.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Busy<T> {
@@ -118,8 +118,9 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         self.replace(text, keeps)
     }
 
-    /// Takes the next program of the same text, after the program that ended by itself, by a refused line or by an abort.
-    /// Modal state is as at program start. Use it for a stream that holds several programs.
+    /// Continues the same text with its next program, for a stream that contains several programs. The
+    /// program before may have ended by itself, by a refused line or by an abort. Modal state is as at
+    /// program start.
     ///
     /// # Errors
     /// The channel is not at rest; nothing changes.
@@ -154,7 +155,8 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         Ok(())
     }
 
-    /// Sets the coordinate of an axis that stands still: machine coordinates, mm or degrees. No axis moves.
+    /// Gives an axis that stands still another position in machine coordinates, mm or degrees. No axis moves.
+    /// Homing needs this.
     ///
     /// The interpolator shows the new set point from its next tick on; this tick returns [`crate::tick::State::Active`]
     /// with path speed 0. A board that counts increments must treat the difference as a shift of its origin, not as
@@ -182,7 +184,7 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         Ok(())
     }
 
-    /// Sets the offset of one axis in a zero offset: `set` 0…5 for G54…G59 (P-ZERO-00003), `offset` in mm or
+    /// Sets the zero offset of one axis. `set` is 0…5 for G54…G59 (P-ZERO-00003), `offset` is in mm or
     /// degrees. The offset is valid from the next line on, also in the active set, and for all later
     /// programs. No axis moves.
     ///

@@ -1,4 +1,5 @@
-//! An entry: an element of the contour, or a mark of the log. It takes twelve words.
+//! One entry of the log of the path: an element of the path, or a mark. An entry takes twelve words of
+//! memory.
 
 /// Distance from program start, LSB 2^-24 mm (60 pm), range ±549,755 km. The value does not wrap.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
@@ -50,11 +51,11 @@ pub enum BlockType {
     Line = 1,
     /// 2: an arc, also a helix.
     Arc = 2,
-    /// 3: LOG ON.
+    /// 3: the mark of `#CONTOUR LOOKAHEAD LOG ON`.
     LogOn = 3,
-    /// 4: LOG with PARAM only.
+    /// 4: LOG PARAM, between LOG ON and LOG OFF.
     LogParam = 4,
-    /// 5: LOG OFF.
+    /// 5: the mark of `#CONTOUR LOOKAHEAD LOG OFF`.
     LogOff = 5,
     /// 6: a polynomial, from smoothing or splines.
     Polynomial = 6,
@@ -82,14 +83,14 @@ impl BlockType {
     }
 }
 
-/// An element of the contour, or a mark of the log.
+/// One entry of the log of the path: an element of the path, or a mark that the program has set.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Entry {
     /// Kind of the entry.
     pub block_type: BlockType,
-    /// Programmed N number.
+    /// N number of the block in the program.
     pub n: u32,
-    /// Number of motion blocks that began before the entry, since the split: `block` of [`crate::Status`].
+    /// Number of the motion block, counted since the split; the same number as `block` of [`crate::Status`].
     pub id: u32,
     /// Start of the entry, counted from program start or from the last `#DISTANCE PROG START CLEAR`.
     pub start: ProgramDistance,
@@ -102,10 +103,10 @@ pub struct Entry {
     pub radius_mm: f64,
     /// Angle of an arc, rad: clockwise −2π..0, counter-clockwise 0..2π; 0 for other entries.
     pub angle: f64,
-    /// Angle between the end of the element before and the start of this element, rad, 0..π.
+    /// Change of direction from the end of the element before to the start of this element, rad, 0..π.
     pub knee: f64,
-    /// Planned path distance of the entry, LSB 2^-44 mm. On a polynomial, it differs slightly from the
-    /// length; on a curve over time, it is time.
+    /// Planned path distance of the entry, LSB 2^-44 mm. On a polynomial, this distance differs slightly from
+    /// the length. On a curve over time, this distance is time multiplied by the feed.
     pub(super) planned: i64,
 }
 

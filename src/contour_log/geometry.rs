@@ -1,5 +1,5 @@
-//! Length, radius, angle and knee (change of direction) of a curve. Runs in the planner, in integers and
-//! plain IEEE + − × ÷.
+//! Computes length, radius and angle of a curve, and its knee: the change of direction from the curve before.
+//! The code runs in the planner, in integers and plain IEEE + − × ÷.
 use super::entry::{BlockType, Entry};
 use crate::math::angle::atan2_turns;
 use crate::math::root::sqrt_wide;
@@ -68,8 +68,8 @@ fn chord<const AXES: usize>(from: &[Position; AXES], to: &[Position; AXES], meas
     measure.path(&travel).to_bits()
 }
 
-/// Kind, radius, angle and knee of a curve, and its length, LSB 2^-44 mm. `exit`: direction at the end of the
-/// curve before.
+/// The entry of a curve (kind, radius, angle and knee), and the length of the curve, LSB 2^-44 mm. `exit`:
+/// direction at the end of the curve before.
 pub fn describe<const AXES: usize>(
     (shape, base): (&Shape<AXES>, &[Position; AXES]),
     entry: &End<AXES>,

@@ -1,6 +1,7 @@
-//! The structures of the HLI under their names of C40, for a PLC program that knows them.
+//! The structures of ISG's interface to a PLC (HLI), under the names of ISG's manual FCT-C40. They suit a PLC
+//! program written for that interface.
 //!
-//! The order of the members is that of C40; lengths are in 0.1 µm, angles in radians.
+//! The order of the members is that of the manual. Lengths are in 0.1 µm, angles in radians.
 //!
 //! ```
 //! use glidepath::contour_log::{ContourMemory, ControlUnit, HliContourLookaheadRequest};
@@ -24,7 +25,8 @@ use crate::quantity::Distance;
 pub struct HliContourLookaheadRequest {
     /// By index (mode 1): index of the first entry. By distance (mode 2): the first distance, 0.1 µm.
     pub start_position: f64,
-    /// 0: by index. Otherwise by distance: elements up to `start_position + length`, 0.1 µm.
+    /// 0: request by index. Otherwise request by distance: elements from `start_position` to `start_position
+    /// + length`, 0.1 µm.
     pub length: f64,
 }
 
@@ -36,7 +38,7 @@ pub struct HliContourLookaheadBlock {
     pub block_type: u32,
     /// N number of the block in the program.
     pub block_number: u32,
-    /// Number of the motion block, as `block` of [`crate::Status`].
+    /// Number of the motion block, counted since the split; the same number as `block` of [`crate::Status`].
     pub block_count_r: u32,
     /// Distance from program start, or from the last `#DISTANCE PROG START CLEAR`, to the start of the entry,
     /// 0.1 µm.
@@ -89,7 +91,7 @@ impl From<Entry> for HliContourLookaheadBlock {
 }
 
 impl<const BLOCKS: usize> ControlUnit<BLOCKS> {
-    /// [`Self::request`] with the structure of the HLI.
+    /// Makes a request, as [`Self::request`], from the structure of the HLI.
     ///
     /// # Errors
     /// The last request is not answered yet; nothing has changed.
@@ -107,10 +109,10 @@ impl<const BLOCKS: usize> ControlUnit<BLOCKS> {
     }
 
     /// ISG's `bahn_state.dist_prog_start`, 0.1 µm: the distance that the axes have reached in the program.
-    /// `planned`: the field of [`crate::Status`]. See [`ContourReader::distance`].
+    /// `planned`: the field `planned` of [`crate::Status`]. Uses [`ContourReader::distance`].
     ///
     /// # Errors
-    /// The element there is no longer in the window.
+    /// The element at this distance is no longer in the window.
     pub fn dist_prog_start(contour: &ContourReader<'_>, planned: Distance) -> Result<f64, Forgotten> {
         contour.distance(planned).map(|at| at.to_mm() * TENTHS)
     }

@@ -1,4 +1,4 @@
-//! The path ahead, for a PLC: elements of the path before the axes reach them.
+//! Shows a PLC the path ahead: the elements of the path before the axes reach them.
 //!
 //! The planner writes an entry for each curve that enters the look-ahead. Any thread, interrupt or core may read the
 //! entries. Neither side waits for the other.
@@ -6,13 +6,13 @@
 //! | file | content |
 //! |---|---|
 //! | `entry` | an element or a mark of the log, in 48 bytes |
-//! | `table` | rows of entries with one writer and any number of readers |
-//! | `geometry` | length, radius, angle and knee of a curve |
-//! | `recorder` | the planner's end: which entry goes into which table |
-//! | `reader` | the PLC's end: [`ContourReader::elements`], [`ContourReader::logged`], [`ContourReader::reach`] |
+//! | `table` | tables of entries, each with one writer and any number of readers |
+//! | `geometry` | length, radius and angle of a curve, and its change of direction from the curve before |
+//! | `recorder` | the planner's handle: which entry goes into which table |
+//! | `reader` | the PLC's handle: [`ContourReader::elements`], [`ContourReader::logged`], [`ContourReader::reach`] |
 //! | `question` | questions about the coming motion, and their answers |
-//! | `hli` | the structures of the control unit, under their names |
-//! | `unit` | request and response of the control unit, as in the texts of ISG |
+//! | `hli` | the structures of ISG's interface to a PLC, under ISG's names |
+//! | `unit` | request and response, as in ISG's control unit `contour_lookahead` |
 //!
 //! There are two tables. The *window* has the latest elements of the path, found by distance from program start
 //! (mode 2). The *log* has the elements between `#CONTOUR LOOKAHEAD LOG ON` and `OFF`, found by index (mode 1).
@@ -40,7 +40,8 @@ pub use unit::{ControlUnit, Pending, UnitState};
 
 use table::{Head, Slot, Table};
 
-/// Memory of the log: `WINDOW` elements by distance, and `LOG` entries by index. Each entry takes 48 bytes.
+/// Memory of the log: `WINDOW` elements found by distance, and `LOG` entries found by index. Each takes 48
+/// bytes.
 ///
 /// Both numbers are 0 or a power of two. All bits are zero when new, so a static memory lies in `.bss`.
 pub struct ContourMemory<const WINDOW: usize, const LOG: usize> {

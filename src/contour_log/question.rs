@@ -1,5 +1,5 @@
-//! Questions about the coming motion, from a PLC to the planner: one request and its answer, as in the control
-//! unit.
+//! Questions about the coming motion, from a PLC to the planner: one request and its answer, as in
+//! [`super::ControlUnit`].
 //!
 //! The PLC asks with [`QuestionUnit::ask`]. The planner's task calls [`crate::Planner::answer`] between two polls. The
 //! PLC then reads [`QuestionUnit::answer`]. Neither side waits for the other.
@@ -29,9 +29,9 @@ pub struct Moment<const AXES: usize> {
     pub set_points: [Position; AXES],
     /// N number of the programmed block.
     pub n: u32,
-    /// Number of the motion block, counted from 0 since the split.
+    /// Number of the motion block, counted since the split; the same number as `block` of [`crate::Status`].
     pub block: u32,
-    /// Path distance of the plan.
+    /// Path distance, mm.
     pub distance: Distance,
     /// Mean speed of the set points over the tick, along the feed axes, mm/tick.
     pub speed: Speed,
@@ -108,8 +108,8 @@ impl Question {
 /// Words of an answer without set points.
 const WORDS: usize = 9;
 
-/// A request and its answer, between a PLC and the planner. It may be a static, because all bits are zero
-/// when new.
+/// A request and its answer, between a PLC and the planner. All bits are zero when new, so a static value
+/// lies in `.bss`.
 ///
 /// One task or interrupt asks; the planner's task answers.
 pub struct QuestionUnit<const AXES: usize> {
@@ -125,7 +125,7 @@ const ASKED: u32 = 1;
 const ANSWERED: u32 = 2;
 
 impl<const AXES: usize> QuestionUnit<AXES> {
-    /// No question.
+    /// A unit without a question.
     pub const fn new() -> Self {
         Self {
             state: AtomicU32::new(0),
@@ -135,7 +135,8 @@ impl<const AXES: usize> QuestionUnit<AXES> {
         }
     }
 
-    /// Asks a question. Only the PLC calls this function. The answer to the previous question is lost.
+    /// Asks a question. Only the PLC calls this function. The call discards the answer to the previous
+    /// question.
     ///
     /// # Errors
     /// The previous question is not answered yet; nothing has changed.

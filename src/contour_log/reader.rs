@@ -28,12 +28,13 @@ impl core::fmt::Display for Forgotten {
 
 impl core::error::Error for Forgotten {}
 
-/// State of the log by index (mode 1), which the program switches on and off.
+/// State of the log by index (mode 1). The program switches this log on and off.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LogState {
     /// Number of entries in the log; ISG's count_logged_blocks.
     pub entries: u32,
-    /// Number of entries that had no room; use a larger `LOG` in [`super::ContourMemory`].
+    /// Number of entries that are missing because the log was full. A larger `LOG` of
+    /// [`super::ContourMemory`] avoids this.
     pub without_room: u32,
     /// Whether the program has switched the log on and not off again; ISG's f_log_is_active.
     pub active: bool,
@@ -46,10 +47,11 @@ impl<'a> ContourReader<'a> {
         Self { window, log }
     }
 
-    /// The distance at which the known path ends, ISG's max_dist_prog_start. The distance counts from program start,
-    /// or from the last `#DISTANCE PROG START CLEAR` that was read. Override, hold, dwell and waiting functions do
-    /// not change it. It decreases only at program start, at such a CLEAR, and by an abort, which drops lines already
-    /// read.
+    /// The distance at which the known path ends, ISG's max_dist_prog_start. The distance counts from program
+    /// start, or from the last `#DISTANCE PROG START CLEAR` that was read. Override, feed hold, dwell and
+    /// waiting functions do not change this distance. The distance decreases at program start, at such a
+    /// CLEAR, and at each pass of a loop with `#RT WHILE MODULO`. It also decreases when an abort drops lines
+    /// already read.
     pub fn reach(&self) -> ProgramDistance {
         ProgramDistance::from_bits(self.window.row().reach)
     }
@@ -58,7 +60,8 @@ impl<'a> ContourReader<'a> {
     /// CLEAR` that was read. The answer ends at [`Self::reach`] if `to` is beyond it.
     ///
     /// # Errors
-    /// [`Forgotten`] replaces elements that are no longer in the window; later elements follow.
+    /// The iterator returns [`Forgotten`] in place of elements that are no longer in the window; later
+    /// elements follow.
     pub fn elements(&self, from: ProgramDistance, to: ProgramDistance) -> Elements<'a> {
         let row = self.window.row();
         Elements { window: self.window, next: newest(&row), from, to, end: false, due: ProgramDistance::ZERO }
@@ -87,8 +90,8 @@ impl<'a> ContourReader<'a> {
 
     /// Converts the path distance `planned` of [`crate::Status`] to ISG's dist_prog_start. This is the
     /// distance from program start, or from the last passed `#DISTANCE PROG START CLEAR`. On a polynomial,
-    /// the result is exact at both ends and grows with the path distance. The call reads all elements from
-    /// that place to the end of the known path.
+    /// the result is exact at both ends and grows with the path distance. The call reads the elements from
+    /// the end of the known path back to this distance.
     ///
     /// # Errors
     /// The element at this distance is no longer in the window.

@@ -20,7 +20,7 @@ pub(crate) struct Passed<'a, const AXES: usize> {
     pub path: i64,
 }
 
-/// More than `MARKS` commands of the log wait for one motion block.
+/// The error of a program with more than 8 commands of the log before one motion block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Crowded;
@@ -67,23 +67,23 @@ struct Waiting {
     mark: Mark,
 }
 
-/// State of the log.
+/// State of the log: the program has switched the log on.
 pub(super) const ACTIVE: u32 = 1;
-/// The marked part is complete: another LOG ON has no effect before CLEAR.
+/// State of the log: the program has switched the log off. Another LOG ON has no effect before CLEAR.
 pub(super) const CLOSED: u32 = 2;
 
-/// Number of axes whose directions are stored for the knee. With more axes, the knee counts only the first
-/// ones.
+/// Number of axes whose direction is stored, to compute the change of direction at the next element. Further
+/// axes do not count.
 const DIRECTIONS: usize = 32;
 
-/// Writes the log. The planner owns the recorder: [`crate::Planner::log_contour`].
+/// Writes the log of the path. [`crate::Planner::log_contour`] gives the recorder to the planner.
 pub struct Recorder<'a> {
     window: Table<'a>,
     log: Table<'a>,
     rows: [Row; 2],
-    /// Program distance of the end, and the remainder below its LSB, 2^-44 mm.
+    /// Program distance at the end of the known path, and the remainder below its LSB, in units of 2^-44 mm.
     end: (i64, i64),
-    /// Path distance of the end, if known.
+    /// Path distance at the end of the known path; `None` before the first program.
     path: Option<i64>,
     /// Direction at the end of the last element.
     exit: Option<[i64; DIRECTIONS]>,
@@ -160,7 +160,7 @@ impl<'a> Recorder<'a> {
         (log.mark, log.flags) = (0, 0);
     }
 
-    /// Moves the end by a length, LSB 2^-44 mm.
+    /// Moves the end of the known path by a length, LSB 2^-44 mm.
     const fn extend(&mut self, length: i64) {
         let (whole, rest) = self.end;
         let (upper, lower) = (length >> BELOW, length & ((1 << BELOW) - 1));
@@ -205,7 +205,7 @@ impl<'a> Recorder<'a> {
         self.marks.push_back(Waiting { number, n: 0, mark: Mark::Turn(turn, modulo) }).map_err(|_| Crowded)
     }
 
-    /// Sets the place of commands before the motion block `number`.
+    /// Carries out the waiting commands whose place is before the motion block `number`, except CLEAR.
     pub(crate) fn settle(&mut self, number: u32) {
         let mut changed = false;
         let comes = |waiting: &mut Waiting| {
@@ -257,7 +257,7 @@ impl<'a> Recorder<'a> {
         }
     }
 
-    /// Sets the zero of program distances to `start`.
+    /// Makes `start` the program distance at the end of the known path.
     fn count_from(&mut self, start: (i64, i64), n: u32, id: u32) {
         let entry = Entry { id, ..Entry::mark(BlockType::Clear, n, None) };
         let end = ProgramDistance::from_bits(self.end.0);
@@ -270,9 +270,9 @@ impl<'a> Recorder<'a> {
         self.rows[0].mark = self.rows[0].end;
     }
 
-    /// Begins or ends a pass of a real-time loop. If a log is active around the loop, it has three passes:
-    /// the first, the second and the last. From the third pass on, each pass replaces the one before. The log
-    /// shows the last pass when the loop ends.
+    /// Begins or ends a pass of a real-time loop. If a log is active around the loop, the log contains three
+    /// passes: the first, the second and the last. From the third pass on, each pass replaces the one before.
+    /// The log shows the last pass when the loop ends.
     fn go_round(&mut self, turn: Turn, modulo: bool, id: u32) {
         if turn == Turn::Begin {
             self.repeat = Repeat { start: self.end, ..Repeat::default() };

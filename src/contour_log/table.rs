@@ -1,9 +1,10 @@
-//! Rows of entries with one writer and any number of readers.
+//! A table of entries with one writer and any number of readers.
 //!
 //! Words are atomic, so no word is half written. Entries have increasing numbers that are not used again. The
-//! head has two places: the writer fills the hidden place and then shows it. So a reader that interrupts the
-//! writer finds a complete head and does not wait. A reader on another core reads again while the head
-//! changes. An entry that was read is valid only if its number is still in the table after the read.
+//! head tells which entries are valid. It has two places: the writer fills the hidden place and then makes
+//! this place visible. So a reader that interrupts the writer finds a complete head and does not wait. If the
+//! head changes during the read, a reader on another core reads the head again. An entry that was read is
+//! valid only if its number is still in the table after the read.
 use super::entry::Entry;
 use core::sync::atomic::{AtomicU32, Ordering, fence};
 
@@ -40,7 +41,7 @@ pub struct Row {
     /// For the window: the number after the last `#DISTANCE PROG START CLEAR`. For the log: number of entries
     /// without room.
     pub mark: u32,
-    /// State of the log.
+    /// State of the log: 0 (not switched on yet), `ACTIVE` or `CLOSED` of `recorder.rs`.
     pub flags: u32,
 }
 
@@ -115,7 +116,7 @@ impl<'a> Table<'a> {
         Self { head, slots }
     }
 
-    /// Number of entries that have room.
+    /// Number of entries for which the table has room.
     pub const fn room(&self) -> usize {
         self.slots.len()
     }

@@ -1,6 +1,7 @@
-//! The control unit of C40: request and response with a semaphore, on top of [`ContourReader`].
+//! ISG's control unit `contour_lookahead` (manual FCT-C40): a PLC requests entries of the log, and a
+//! semaphore shows when the response is complete.
 //!
-//! | ISG | here |
+//! | ISG's name | call |
 //! |---|---|
 //! | `semaphor_rw` | [`ControlUnit::request`] sets it, [`ControlUnit::serve`] clears it, [`ControlUnit::is_pending`] reads it |
 //! | `request.start_position`, `request.length` | arguments of [`ControlUnit::request`] |
@@ -52,7 +53,7 @@ pub struct ControlUnit<const BLOCKS: usize> {
 }
 
 impl<const BLOCKS: usize> ControlUnit<BLOCKS> {
-    /// No request.
+    /// A unit without a request.
     pub const fn new() -> Self {
         Self {
             semaphore: AtomicU32::new(0),
@@ -84,10 +85,10 @@ impl<const BLOCKS: usize> ControlUnit<BLOCKS> {
         Ok(())
     }
 
-    /// Answers the request, if there is one, and clears the semaphore. Only the side of the CNC calls this
-    /// function. Blocks without an element have type 0. If the first elements of mode 2 are no longer in the
-    /// window, the answer begins with the remaining ones. Returns `true` if there was a request. Bounded:
-    /// each entry is read at most once.
+    /// Answers the request, if there is one, and clears the semaphore. Only the task of the planner calls
+    /// this function. Blocks without an element have type 0. If the first elements of mode 2 are no longer in
+    /// the window, the answer begins with the remaining ones. Returns `true` if there was a request. The work
+    /// is bounded: the call reads each entry at most once.
     #[allow(clippy::double_comparisons)]
     pub fn serve(&self, contour: &ContourReader<'_>) -> bool {
         if !self.is_pending() {
@@ -130,7 +131,7 @@ impl<const BLOCKS: usize> ControlUnit<BLOCKS> {
         (0..BLOCKS).map_while(|i| self.response(i)).take_while(|entry| entry.block_type != BlockType::None)
     }
 
-    /// The current state of the unit.
+    /// The current state of the log, for the PLC.
     pub fn state(contour: &ContourReader<'_>) -> UnitState {
         let log = contour.log_state();
         UnitState {

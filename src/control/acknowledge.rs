@@ -1,11 +1,11 @@
-//! The memory of acknowledgements. Each acknowledgement has a place of three words, and each word has one
-//! writer:
+//! The table of acknowledgements that the motion waits for. A place of the table has three words, and each
+//! word has one writer:
 //!
 //! | word | written by | holds |
 //! |---|---|---|
 //! | `planned` | the planner | the ticket of the function, 0 when the place is free |
-//! | `put_out` | the operator, who takes functions out | the last ticket put out |
-//! | `answered` | the operator, who acknowledges | the last ticket acknowledged |
+//! | `put_out` | the operator | the ticket of the function that the operator received last |
+//! | `answered` | the operator | the ticket that the operator acknowledged last |
 //!
 //! A function is *open* after its output and before its acknowledgement. A ticket holds the function and a
 //! sequence number, and the code compares whole tickets. So two acknowledgements are never confused, in any
@@ -18,8 +18,8 @@ use crate::machine::functions;
 use crate::technology::{Function, Ticket};
 use core::sync::atomic::{AtomicU32, Ordering};
 
-/// Largest number of functions that wait for an acknowledgement. A function counts from the moment that the
-/// planner reads it in the program.
+/// Largest number of functions that wait for acknowledgements at the same time. A function counts from the
+/// time when the planner reads it.
 pub(crate) const OPEN: usize = if functions::IS_SMALL { 16 } else { 32 };
 
 const FREE: u32 = 0;
@@ -33,7 +33,7 @@ const FUNCTION: u32 = 0xffff << CODE | OF_H;
 const INDEX: u32 = 19;
 const SEQUENCE: u32 = 24;
 
-/// The error of an acknowledgement for which no function waits.
+/// The error of [`crate::operator::Operator::acknowledge`]: no function waits for this acknowledgement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Unexpected;

@@ -1,11 +1,11 @@
-//! The planner's side of the filters: the filters in force, a demanded change, and the progress of this
+//! The planner's handle of the filters: the filters in force, a demanded change, and the progress of this
 //! change.
 //!
 //! Coefficients change only while the path stands still and the filters have settled. At this time, the
 //! interrupt reads no coefficients, and only the planner can start the path. The planner writes all words,
 //! one axis per call, and then increments [`Words::asked`]. The interrupt fills its samples with the
-//! positions of the axes, some per tick, and answers by [`Words::done`]. A set point never steps: while the
-//! path stands still, any coefficients give the same set point.
+//! positions of the axes, some per tick, and answers by [`Words::done`]. No set point jumps: while the path
+//! stands still, any coefficients give the same set point.
 use super::design::{self, Design, FilterError};
 use super::kernel;
 use super::shape::{Shape, Watch};
@@ -22,9 +22,9 @@ pub(super) const COARSE: u32 = 10;
 /// What a `#FILTER` command changes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Fate {
-    /// The filters stay as they are; the motion need not stop.
+    /// The command changes nothing; the motion continues.
     Same,
-    /// The coefficients of the filters change, for which the axes have to stop.
+    /// The coefficients change, and the axes have to stop for the change.
     Changes,
     /// As `Changes`, but the command gives no order, so no axis is filtered.
     NoOrder,

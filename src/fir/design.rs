@@ -1,4 +1,4 @@
-//! Resolves machine data and `#FILTER` to the filter of each axis.
+//! Computes the filter of each axis from machine data and `#FILTER`.
 use crate::machine::{FilterData, FilterType};
 use crate::math::float::to_f32;
 use crate::nc::{self, Value};
@@ -10,16 +10,17 @@ use crate::quantity::Position;
 pub enum FilterError {
     /// The channel has no memory for filters ([`crate::channel::Channel::split_filtered`]).
     NoMemory,
-    /// No axis has a filter type (P-AXIS-00586).
+    /// `#FILTER ON`, but no axis has a filter type in its machine data (P-AXIS-00586).
     NoType,
-    /// The order of the axis with this index is too high. The values are the index, the order, the highest
-    /// order, and whether the compiled memory sets this bound.
+    /// The order of a filter is too high. The values are: index of the axis, order, highest order. The last
+    /// value tells which bound is exceeded: `true` for the memory of [`super::Filters`], `false` for the
+    /// filter type.
     Order(usize, u32, u32, bool),
     /// The acceleration of the axis with this index (P-AXIS-00008) is above 0.25 mm or degrees per cycle².
     Acceleration(usize),
-    /// ACC_FACT is above 1, and the axis with this index has no P-AXIS-00013.
+    /// `#FILTER` sets ACC_FACT above 1, but P-AXIS-00013 is not given for the filtered axis with this index.
     NoTransitionWeight(usize),
-    /// AX_DEV is above 0 and below 0.00001 mm, or above 1000 mm.
+    /// AX_DEV is neither 0 nor between 0.00001 and 1000 mm.
     Tolerance,
 }
 
@@ -67,7 +68,7 @@ pub(super) struct Design {
     pub order: u32,
     /// Effectiveness of the filter, 0 to 1; 1 filters completely.
     pub share: f32,
-    /// Cut-off frequency times cycle.
+    /// Cut-off frequency times cycle time, at most 0.5.
     pub cut_off: f32,
     pub quality: f32,
 }
@@ -110,7 +111,7 @@ impl Design {
     }
 }
 
-/// Merges the values of a command into the values given before.
+/// Replaces the values in `given` by those that the command has.
 pub(super) fn merge(given: &mut nc::Filter, command: &nc::Filter) {
     if command.order.is_some() || command.order_time_us.is_some() {
         (given.order, given.order_time_us) = (command.order, command.order_time_us);

@@ -1,5 +1,5 @@
-//! The taps of one axis: integers whose sum is one, from the design of the filter and the delay of the
-//! channel.
+//! Computes the taps of one axis from the design of the filter and the delay of the channel. The taps are
+//! integers whose sum is [`ONE`].
 //!
 //! The weight of a tap at the distance d (cycles) from the centre, for the order N:
 //!

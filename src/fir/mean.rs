@@ -2,7 +2,7 @@
 //!
 //! The sum n·y changes by the newest sample minus the oldest one, for any length n.
 
-/// Shift of a difference before the division: the factor of the upper quotient.
+/// Number of bits by which a difference is shifted right before the first of two divisions.
 const SCALE: u32 = 13;
 /// The upper quotient is reduced by this value, so the remainder is never negative.
 const BIAS: i32 = 2;
@@ -22,8 +22,8 @@ impl Mean {
     /// A mean without samples.
     pub const ZERO: Self = Self { upper: 0, rest: 0, lower: 0 };
 
-    /// A mean of `length` samples. It needs a division, so call this function for a change of filters and not
-    /// in a tick.
+    /// A mean of `length` samples. The function divides, so call it for a change of filters and not in a
+    /// tick.
     pub fn of(length: u32) -> Self {
         let length = length.max(1);
         let factor = (u32::MAX / length).wrapping_add(1);

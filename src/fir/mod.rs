@@ -26,15 +26,15 @@
 //! |---|---|
 //! | `design` | type, order and shape of each axis's filter, from machine data and `#FILTER` |
 //! | `kernel` | taps: symmetric integers whose sum is one |
-//! | `shape` | the deviation and the limits that the taps cause |
-//! | `bank` | the planner's side: commands, and the change of coefficients at a stop |
-//! | `step` | the interrupt's side: one set point per axis and tick |
+//! | `shape` | the deviation that the taps cause, and the limits for the plan |
+//! | `bank` | in the planner: `#FILTER`, and the change of coefficients at a stop |
+//! | `step` | in the interrupt: one set point per axis and tick |
 //! | `samples` | memory of the last ticks of an axis |
 //! | `mean`, `taps` | the output of one tick |
 //!
 //! **Delay.** A filter of order N has N + 1 symmetric taps and a delay of N/2 cycles; a time delay of order N
-//! has N cycles. All axes have the delay of the slowest one, so the path keeps its shape. After the last
-//! motion, the axes reach the exact end of the path within the length of the filter.
+//! has N cycles. All axes get the longest delay, so the path keeps its shape. After the last motion, the axes
+//! reach the exact end of the path within the length of the filter.
 //!
 //! **Memory.** [`Filters`] is static memory of `TAPS` samples per axis. `TAPS` is even, and the highest order is `TAPS`
 //! − 1. Each tap takes 10 bytes per axis: 8 for the sample and 2 for the coefficient. A channel without filters uses
@@ -67,7 +67,7 @@ use bank::Settings;
 use core::sync::atomic::{AtomicU8, AtomicU32, Ordering};
 use step::State;
 
-/// Sum of the taps of a kernel: one.
+/// Sum of the taps of an axis: a gain of 1, LSB 2^-15.
 pub const ONE: i32 = 1 << 15;
 
 /// Highest order of a filter (P-AXIS-00587).
@@ -75,19 +75,21 @@ pub const MAX_ORDER: u32 = 200;
 /// Highest order of a time delay (type 4): the delay in ticks.
 pub const MAX_DELAY: u32 = 100;
 
-/// The filters as the interrupt uses them: once per tick, after the path.
+/// The interrupt's handle of the filters. Each tick calls [`Self::step`] or [`Self::rest`], after the path.
 pub trait FilterTick<const AXES: usize> {
-    /// Filters one tick: set points of all axes, path distance (LSB 2^-44 mm), and whether a single axis
-    /// moves.
+    /// Filters the set points `points` of one tick. `distance`: path distance, LSB 2^-44 mm. `beside`:
+    /// whether a single axis moves independently of the path.
     fn step(&mut self, points: &[Position; AXES], distance: i64, beside: bool);
 
-    /// Handles a tick in which no axis moves. Returns whether set points may still move.
+    /// Filters a tick in which the unfiltered set points `path` stand still. Returns whether filtered set
+    /// points may still move.
     fn rest(&mut self, path: &[Position; AXES]) -> bool;
 
     /// The filtered set points of the last tick, for the drives; mm or degrees.
     fn set_points<'b>(&'b self, path: &'b [Position; AXES]) -> &'b [Position; AXES];
 
-    /// Delay of actions compared with the path, and whether the filters have settled; `None` without filters.
+    /// How much later M, H, S and T functions become due because of the filters, and whether the filters have
+    /// settled. `None` without filters.
     fn lag(&mut self) -> Option<(&mut Lag, bool)>;
 }
 
@@ -96,7 +98,8 @@ pub trait FilterPlan<const AXES: usize> {
     /// Whether the channel has filters.
     const EXIST: bool;
 
-    /// Takes a `#FILTER` command, which acts after [`Self::work`].
+    /// Takes a `#FILTER` command. The new filters are in force when [`Self::work`] has done all steps of the
+    /// change.
     ///
     /// # Errors
     /// The command cannot be carried out; nothing changes.
@@ -105,14 +108,14 @@ pub trait FilterPlan<const AXES: usize> {
     /// Returns to the filters of the machine data, as at program start.
     fn restart(&mut self);
 
-    /// Drops the last command, if it has not acted yet. Used after an abort.
+    /// Drops the last command, if its filters are not in force yet. Used after an abort.
     fn cancel(&mut self);
 
     /// Prepares for a change of position without motion: the filters are off until [`Self::work`] is done.
     /// Call this function only while the filters are settled.
     fn suspend(&mut self);
 
-    /// Whether new coefficients are not in force yet.
+    /// Whether a change of coefficients is in progress.
     fn is_pending(&self) -> bool;
 
     /// Whether the axes stand still at the end of the path. Call this function only while the path stands
@@ -126,21 +129,22 @@ pub trait FilterPlan<const AXES: usize> {
     /// Cycles from the last motion of the path until the axes stand still.
     fn window(&self) -> u32;
 
-    /// Limits of the plan for the filter of an axis; `None` if there are none.
+    /// Limits for the plan, because of the filter of this axis; `None` if the axis has no filter.
     fn watch(&self, axis: usize) -> Option<Watch>;
 
-    /// Part of AX_DEV that a step of speed uses, if acceleration begins and ends with the jerk `jerk`
-    /// (mm/tick³).
+    /// The part of AX_DEV (0 to 1) that is left for a step of speed of the axis. Before and after the step,
+    /// the acceleration changes with at most `jerk` (mm/tick³).
     fn corner(&self, axis: usize, jerk: f32) -> f32;
 
-    /// Delay of all axes in half cycles, and AX_DEV in force; 0 means none.
+    /// Delay of all axes in half cycles, and AX_DEV in mm, both as in force; 0 if there is none.
     fn in_force(&self) -> (u32, Position);
 
-    /// The first axis that has exceeded AX_DEV since the last change of the filters; each change gives at
-    /// most one report.
+    /// Index of the first axis that has exceeded AX_DEV since the last change of the filters. After each
+    /// change, the call returns an axis at most once.
     fn beyond(&mut self) -> Option<usize>;
 
-    /// Largest deviation of an axis from its delayed set point since the last change of the filters, while
+    /// Largest distance between the filtered set point of an axis and the unfiltered set point with the same
+    /// delay, mm or degrees. The distance is measured since the last change of the filters, and only while
     /// AX_DEV is given.
     fn deviation(&self, axis: usize) -> Position;
 }
@@ -277,7 +281,7 @@ pub(crate) enum Kind {
     Taps,
 }
 
-/// The samples that an axis uses, as ages in ticks.
+/// The samples that the filter of an axis uses; ages are in ticks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Layout {
     pub kind: Kind,
@@ -287,8 +291,8 @@ pub(crate) struct Layout {
     pub length: u32,
 }
 
-/// Words of two kinds. The planner writes its words one by one, while the path stands still and the filters
-/// have settled. The interrupt writes the others.
+/// Memory that planner and interrupt share. The planner writes its words one by one, while the path stands
+/// still and the filters have settled. The interrupt writes `done` and `deviation` of each axis.
 struct Words<const AXES: usize, const TAPS: usize> {
     axes: [AxisWords<TAPS>; AXES],
     /// Number of the planner's last change. The planner also writes the words that follow, down to `done`.
@@ -298,10 +302,10 @@ struct Words<const AXES: usize, const TAPS: usize> {
     /// Longest delay, in half cycles, and length of the window.
     delay: AtomicU32,
     window: AtomicU32,
-    /// AX_DEV, LSB 2^-32 mm; 0: not monitored.
+    /// AX_DEV, LSB 2^-22 mm ([`bank::COARSE`]); 0: not monitored.
     tolerance: AtomicU32,
-    /// Words of the interrupt: number of the change in force, and number of ticks for which the path has
-    /// stood still.
+    /// Words of the interrupt: number of the change in force; and 1 from the start of a motion until the
+    /// filters have settled.
     done: AtomicU32,
     unsettled: AtomicU32,
 }

@@ -1,7 +1,8 @@
-//! Memory of the last ticks of one axis.
+//! Stores the positions, or the second differences, of the last ticks of one axis.
 //!
-//! Positions are in a ring of the length of their window: the newest one replaces the oldest. Second
-//! differences are stored twice, so that any window of them is contiguous.
+//! Positions are in a ring that is as long as the window of the filter: the newest position replaces the
+//! oldest. Second differences are stored twice, so that every window of second differences is contiguous in
+//! memory.
 
 /// Positions, or second differences. All bits are zero when new.
 pub(super) struct Samples<const TAPS: usize>([[i32; 2]; TAPS]);
@@ -23,7 +24,7 @@ impl Ring {
         Self { place: last, last }
     }
 
-    /// The place of the next position. It is out of range if the ring has to begin again at its last place.
+    /// The place of the next position. A value out of range means: call [`Self::rewind`] first.
     #[inline(always)]
     pub const fn place(&self) -> usize {
         self.place
@@ -35,7 +36,7 @@ impl Ring {
         self.place = self.place.wrapping_sub(1);
     }
 
-    /// Returns to the first place.
+    /// Makes the last place of the ring the next one.
     pub const fn rewind(&mut self) {
         self.place = self.last;
     }

@@ -1,9 +1,10 @@
-//! The effect of filter taps on a motion.
+//! Computes how far filter taps move an axis off its path, and which limits of acceleration and speed keep
+//! this deviation inside AX_DEV.
 //!
-//! Let h be the taps, δ the delay alone, and G the second sum of h − δ. The deviation of an axis from its
-//! delayed set point is exactly Σ G·x'', with its second differences x''. So it is at most Σ|G| times the
-//! largest acceleration. A step of speed adds at most |G(0)| times the step. With SHARE p, all values are
-//! multiplied by p.
+//! Let h be the taps, δ a filter that only delays, and G the second sum of h − δ. The deviation of an axis
+//! from its delayed set point is exactly Σ G·x'', where x'' are the second differences of the axis. So the
+//! deviation is at most Σ|G| times the largest acceleration. A step of speed adds at most |G(0)| times the
+//! step. With SHARE p, all values are multiplied by p.
 //!
 //! If the jerk of the axis is limited everywhere, steps of speed included, there are better bounds. G is
 //! split into a part g and the differences of a function T. Then the deviation is at most Σ|g| times the
@@ -19,10 +20,10 @@
 //! limits reaches at least 94 % of the lower bound, with ramps of 50 cycles. So a better bound is not worth
 //! its search.
 //!
-//! A corner is one or two pulses of jerk; a sinc of a high order has more lobes. The worst motion speeds up
-//! and brakes in the rhythm of the lobes. So a corner deviates less, but all blocks have the same limits. The
-//! table has parts of AX_DEV, for corners of 90° at 4000 mm/min, FCUT = 30 Hz, 1 ms, TRAPEZ with ramps of 50
-//! ms:
+//! A sinc of a high order has many lobes. The worst motion speeds up and brakes in the rhythm of these lobes.
+//! A corner is only one or two pulses of jerk, so its deviation is smaller than AX_DEV. But all blocks have
+//! the same limits. The table gives deviations as parts of AX_DEV, for corners of 90° at 4000 mm/min, FCUT =
+//! 30 Hz, 1 ms, TRAPEZ with ramps of 50 ms:
 //!
 //! | order | a corner | short blocks, same limits | a corner, with the best of all ratios of acceleration to jerk |
 //! |---|---|---|---|
@@ -34,7 +35,8 @@
 //! | 128 | 0.36 | 0.75 | 0.59 |
 //! | 200 | 0.31 | 0.69 | 0.47 |
 //!
-//! Up to order 96, longer ramps would use 0.9 of AX_DEV at a corner, but they usually take longer.
+//! Up to order 96, longer ramps would permit a corner with 0.9 of AX_DEV, but the program usually takes
+//! longer.
 //!
 //! Corners between long blocks cannot have separate limits either, because their deviation depends more on
 //! the speed than on the neighbouring blocks. Under the same limits, other corners of the same square, and a
@@ -47,14 +49,15 @@
 //! | 128 | 0.36 | 0.54 (101 mm/min) | 0.68 | 0.51 |
 //! | 200 | 0.31 | 0.38 (70 mm/min) | 0.55 | 0.40 |
 //!
-//! Longer ramps change this. With ramps of 80 to 100 ms, and limits with which a corner has 0.9, slower
-//! corners and a feed hold have at most 1.07. But an override that changes by two percent in the rhythm of
-//! the lobes then has 1.07 to 1.68. So higher limits would only be possible for the ramps of the program, and
-//! only for an axis that stands still on the other side of the transition. Motions that a command changes
-//! would keep the present limits.
+//! Longer ramps reduce these differences. With ramps of 80 to 100 ms, and limits with which a corner has 0.9,
+//! slower corners and a feed hold reach at most 1.07 of AX_DEV. But if an operator changes the override by
+//! two percent in the rhythm of the lobes, the deviation is 1.07 to 1.68 of AX_DEV. So higher limits would
+//! only be possible for the ramps of the program, and only for an axis that stands still on the other side of
+//! the transition. Motions that a command changes would keep the present limits.
 //!
-//! With knees (P-AXIS-00013), acceleration and step share AX_DEV, because each may have any sign. Above order
-//! 100, a corner would use 0.9 only if acceleration had 0.1 of AX_DEV, a ninth of the present value.
+//! At a corner without a curve, the speed of an axis has a step (P-AXIS-00013). Acceleration and step share
+//! AX_DEV, because each may have any sign. Above order 100, a corner would use 0.9 only if acceleration had
+//! 0.1 of AX_DEV, a ninth of the present value.
 //!
 //! Otherwise AX_DEV is shared so that the sum never exceeds it:
 //!
@@ -70,7 +73,7 @@ use crate::math::float::{max, min};
 
 /// Part of AX_DEV for acceleration.
 pub(super) const ACCELERATION: f32 = 0.91;
-/// Part of AX_DEV for a step of speed with another step near it.
+/// Part of AX_DEV for a step of speed with another step within the window of the filter.
 pub(crate) const CLOSE: f32 = 0.09;
 /// Parts of the acceleration's part, for blocks that the motion may pass within the window. One half is for
 /// their acceleration, the other for the steps between them, which add up as in a curve.
@@ -87,26 +90,30 @@ const MARGIN: f32 = 1.0 - 1.0 / 65_536.0;
 /// Distances from the centre, 0…100 cycles.
 const SIDE: usize = super::MAX_ORDER as usize / 2 + 2;
 
-/// Limits that the taps, AX_DEV and ACC_FACT impose on the plan of an axis, per tick.
+/// Limits for the plan of an axis, because of its filter taps, AX_DEV and ACC_FACT. The head of
+/// `fir/shape.rs` defines h and G.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Watch {
-    /// Σ|h|: the filter raises speed, acceleration and jerk by at most this factor. It is 1 without negative
-    /// taps.
+    /// Σ|h|: the filter raises speed, acceleration and jerk by at most this factor. Without negative taps,
+    /// the factor is 1.
     pub gain: f32,
     /// Largest acceleration, mm/tick²; `None` if AX_DEV is not given.
     pub accel: Option<f32>,
-    /// Largest step of speed by AX_DEV alone, mm/tick.
+    /// Largest step of speed that AX_DEV permits at constant speed before and after the step, mm/tick.
     pub knee: f32,
-    /// Longest time between two steps of speed that add up, ticks.
+    /// Length of the filter, ticks. The deviations of two steps of speed within this time add up.
     pub window: f32,
-    /// Σ|G| / |G(0)|, ticks.
+    /// Σ|G| / |G(0)|, ticks: an acceleration causes as much deviation as a step of speed of `ratio` times the
+    /// acceleration.
     pub ratio: f32,
-    /// ACC_FACT.
+    /// ACC_FACT of `#FILTER`, 1 to 10: factor for the permitted step of speed at a corner without a curve.
+    /// The filter smooths the step, so the step may be larger.
     pub acc_fact: f32,
-    /// The largest tap: the part of a step of speed that appears as acceleration, per tick.
+    /// The largest tap: a step of speed becomes an acceleration of at most `tap` times the step per tick.
     pub tap: f32,
-    /// For both splits: the part of AX_DEV per largest acceleration, in 1/(mm/tick²), and per largest jerk,
-    /// in 1/(mm/tick³). `None` if AX_DEV is not given.
+    /// Two bounds; each has a factor of acceleration, 1/(mm/tick²), and a factor of jerk, 1/(mm/tick³). The
+    /// deviation is at most AX_DEV if, for one bound, acceleration and jerk times their factors add up to at
+    /// most 1. `None` if AX_DEV is not given.
     pub bound: Option<[[f32; 2]; 2]>,
 }
 
@@ -207,12 +214,12 @@ impl Shape {
         min(ends, goes_on * (1.0 / GOING_ON)) * MARGIN
     }
 
-    /// [`Watch::bound`] for AX_DEV, mm.
+    /// The value of [`Watch::bound`], with AX_DEV = `tolerance` (mm).
     pub fn bound(&self, tolerance: f32) -> [[f32; 2]; 2] {
         self.smooth.map(|split| split.map(|sum| sum / (SMOOTH * tolerance)))
     }
 
-    /// Largest acceleration and largest step of speed for AX_DEV (mm).
+    /// Largest acceleration (mm/tick²) and largest step of speed (mm/tick) with AX_DEV = `tolerance` (mm).
     pub fn limits(&self, tolerance: f32) -> (f32, f32) {
         (ACCELERATION * MARGIN * tolerance / self.area, MARGIN * tolerance / self.peak)
     }

@@ -1,4 +1,4 @@
-//! The interrupt's side of the filters: one set point per axis and tick, in integers, without a division.
+//! The interrupt's handle of the filters: one set point per axis and tick, in integers, without a division.
 //!
 //! The rounding remainder of a set point is added to the next one. Over a motion, the sum of the output
 //! equals the sum of the input. While the path stands still, the set point is exactly that of the path.
@@ -24,9 +24,9 @@ pub(super) struct State<const AXES: usize, const TAPS: usize> {
     at: usize,
     /// Path distance of the last tick.
     distance: i64,
-    /// Number of ticks for which the path has stood still, and number of ticks for the filters to settle.
+    /// Number of ticks for which the path has stood still. At `window` ticks the filters have settled.
     rested: u32,
-    /// Number of ticks since a single axis has moved.
+    /// Number of ticks since the last motion of a single axis.
     alone: u32,
     window: u32,
     /// AX_DEV as in [`Words::tolerance`], and ages of the delayed set point.
@@ -52,7 +52,7 @@ struct Axis<const TAPS: usize> {
 }
 
 impl<const AXES: usize, const TAPS: usize> State<AXES, TAPS> {
-    /// All bits are zero.
+    /// A state with all filters off; all bits are zero.
     pub const fn new() -> Self {
         Self {
             axes: [const { Axis::ZERO }; AXES],
@@ -71,7 +71,7 @@ impl<const AXES: usize, const TAPS: usize> State<AXES, TAPS> {
         }
     }
 
-    /// Notes that a single axis moves.
+    /// Restarts the count of ticks since the last motion of a single axis.
     #[cold]
     #[inline(never)]
     const fn accompany(&mut self) {
@@ -192,7 +192,7 @@ impl<'a, const AXES: usize, const TAPS: usize> Filtered<'a, AXES, TAPS> {
         }
     }
 
-    /// Updates the largest deviations from the delayed set points.
+    /// Updates the largest distance of each axis from its delayed, unfiltered set point.
     #[cold]
     #[inline(never)]
     fn monitor(&mut self) {
@@ -268,7 +268,7 @@ impl<const TAPS: usize> Axis<TAPS> {
         kernel: [0; TAPS],
     };
 
-    /// Starts with the coefficients that the planner has written for the axis, at standstill at `x`.
+    /// Puts the coefficients of the planner into force, while the axis stands still at `x`.
     fn begin(&mut self, words: &AxisWords<TAPS>, x: i64) {
         self.layout = words.layout();
         let Layout { kind, newest, length } = self.layout;

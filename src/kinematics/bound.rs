@@ -1,14 +1,15 @@
-//! Bounds the deviation between a Hermite quintic of the linear axes and the motion that the angles demand.
+//! Computes an upper bound for the error of the tool tip when quintic polynomials replace the exact motion of
+//! the linear axes.
 //!
 //! A `Series` bounds a curve over the parameter 0 to 1: coefficient j is at least the largest magnitude of the
 //! j-th derivative, divided by j!. By Leibniz' rule the product of the series bounds a product of curves. A turn
 //! by an angle θ multiplies by exp(Θ), with Θ the series of θ without its first coefficient. The reason: the
 //! derivatives of a turn obey the recurrence of the exponential function, and a turn changes no length.
 //!
-//! A quintic that meets value, first and second derivative of a curve at both ends of an interval h deviates
-//! by at most h⁶/46080 times the largest sixth derivative. Rotary axes change no length and follow their
-//! angles exactly. So the tool tip deviates by the same distance as the linear axes. The bound is `c₆/64` for
-//! the whole curve and `c₆/(64·n⁶)` for each of n equal parts.
+//! Let a quintic have value, first and second derivative of a curve at both ends of an interval h. Its
+//! deviation from the curve is at most h⁶/46080 times the largest sixth derivative of the curve. Rotary axes
+//! change no length and follow their angles exactly. So the tool tip deviates by the same distance as the
+//! linear axes. The bound is `c₆/64` for the whole curve and `c₆/(64·n⁶)` for each of n equal parts.
 use super::cells::Course;
 use super::chain::{Chain, ROTARIES, Rotary};
 use super::vector::{RADIANS, Vector};
@@ -107,9 +108,9 @@ fn split(r: Vector, u: Vector) -> (f64, f64) {
     (r.minus(u.times(along)).length(), along.abs())
 }
 
-/// 64 times the error of the tool tip, mm, if one quintic replaced the whole of `course`. With n equal parts
-/// the error is n⁶ times smaller. The formula assumes exact arithmetic; the sums are raised by 10^-9 for
-/// rounding.
+/// 64 times the bound (mm) for the error of the tool tip, if one quintic per axis replaces the whole curve
+/// `course`. With n equal parts the bound is n⁶ times smaller. The sums are raised by a relative 10^-9, to
+/// cover the rounding of `f64`.
 pub fn stray(chain: &Chain, course: &Course) -> f64 {
     let [start, rest @ ..] = course.tip;
     let [a, b, c, d, e] = rest.map(Vector::length);

@@ -12,24 +12,26 @@ use crate::math::wide::mul_shift;
 use crate::quantity::Position;
 use core::fmt;
 
-/// Largest deviation of the tool tip between the ends of a cell, mm, by the bound.
+/// Largest deviation of the tool tip from its curve between the ends of a cell, mm. [`super::bound`]
+/// guarantees this value.
 pub const TIP_ERROR: f64 = 5e-6;
 /// Part of [`TIP_ERROR`] for the rounding of ends, angles and coefficients, for machines up to 10 m, mm.
 const ROUNDING: f64 = 0.5e-6;
 /// Largest number of cells of a curve.
 pub const MOST_CELLS: u32 = 1 << 16;
 
-/// A curve in workpiece coordinates. The polynomials are functions of the share (0 to 1) of the path
-/// distance; the constant coefficient is first.
+/// A curve in workpiece coordinates: tool tip, rotary axes, and other axes. Each polynomial is a function of
+/// the fraction (0 to 1) of the path distance. The constant coefficient is the first one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Course {
-    /// The tool tip, or the centre of an arc, mm.
+    /// Polynomial of the tool tip, or of the centre of an arc, mm.
     pub tip: [Vector; 6],
-    /// The radius of an arc, which adds to the centre.
+    /// The radius vector of an arc, which is added to the centre in `tip`; `None` if the curve is no arc.
     pub round: Option<Round>,
-    /// Rotary axes by index, degrees.
+    /// Polynomials of the rotary axes, in the order of their axis indices, degrees.
     pub angles: [[f64; 6]; ROTARIES],
-    /// Axes that are not in the chain, by index, mm or degrees. Entries for axes of the chain have no effect.
+    /// Polynomials of the axes that are not in the chain, by axis index, mm or degrees. Entries for axes of
+    /// the chain have no effect.
     pub others: [[f64; 6]; AXES],
 }
 
@@ -40,7 +42,7 @@ pub struct Round {
     pub radius: Vector,
     /// Change of the radius vector from the start to the end, without the turn, mm.
     pub growth: Vector,
-    /// Axis of the turn: a unit vector.
+    /// Direction of the axis of rotation: a unit vector.
     pub normal: Vector,
     /// Angle from the start to the end, degrees; at most 200 000.
     pub degrees: f64,
@@ -58,8 +60,8 @@ impl Round {
 }
 
 impl Course {
-    /// A straight line of the tool tip (mm). The angles (degrees, by index of the rotary axes) change in
-    /// proportion.
+    /// A straight line of the tool tip (mm), between two points with the angles of the rotary axes (degrees)
+    /// there. The angles change in proportion to the path distance.
     pub fn line(from: (Vector, [Position; ROTARIES]), to: (Vector, [Position; ROTARIES])) -> Self {
         let mut tip = [Vector::ZERO; 6];
         (tip[0], tip[1]) = (from.0, to.0.minus(from.0));
@@ -70,8 +72,8 @@ impl Course {
         Self { tip, round: None, angles, others: [[0.0; 6]; AXES] }
     }
 
-    /// Whether every axis of the channel moves in proportion to the path distance: a straight line without a
-    /// turn.
+    /// Whether every axis of the channel moves in proportion to the path distance. This holds for a straight
+    /// line on which no rotary axis moves.
     pub fn is_straight(&self) -> bool {
         let bent = self.tip.iter().skip(2).any(|c| *c != Vector::ZERO);
         let turns = self.angles.iter().any(|c| c.iter().skip(1).any(|c| *c != 0.0));
@@ -100,7 +102,7 @@ fn horner(c: &[f64; 6], x: f64) -> [f64; 3] {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum SplitError {
-    /// The curve would need more than [`MOST_CELLS`] cells, or its numbers have no bound.
+    /// The curve needs more than [`MOST_CELLS`] cells, or the bound of its error is not finite.
     TooCurved,
     /// The axis with this index leaves the range of ±200 000 mm or degrees.
     Range(u8),
@@ -145,7 +147,8 @@ impl fmt::Display for SplitError {
 
 impl core::error::Error for SplitError {}
 
-/// An end of a cell: value (mm or degrees) of each axis, and derivatives by the share of the curve.
+/// An end of a cell: value (mm or degrees) of each axis, and derivatives with respect to the fraction of the
+/// curve.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Node {
     position: [Position; AXES],
@@ -153,21 +156,23 @@ struct Node {
 }
 
 impl Node {
-    /// First and second derivative by the share of a cell. The cell is the share `h` of the curve.
+    /// First and second derivative with respect to the fraction of a cell. The cell is the fraction `h` of
+    /// the curve.
     fn slopes(&self, h: f64) -> [[f64; 2]; AXES] {
         self.value.map(|[_, first, second]| [first * h, second * h * h])
     }
 }
 
-/// A quintic polynomial of every axis over the share (0 to 1) of the cell's path distance.
+/// One part of a curve: a quintic polynomial for each axis, over the fraction (0 to 1) of the cell's path
+/// distance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cell {
     /// Start position, mm or degrees.
     pub start: [Position; AXES],
     /// Coefficients of the first to fifth power, LSB 2^-42 mm or degree.
     pub power: [[i64; 5]; AXES],
-    /// First and second derivative at both ends, mm or degrees. Neighbours have the same derivatives, except
-    /// for the factor of their lengths.
+    /// First and second derivative of each axis at both ends, with respect to the fraction of the cell, mm or
+    /// degrees. Where two cells meet, both have the same derivatives with respect to path distance.
     pub ends: [[[f64; 2]; AXES]; 2],
 }
 
@@ -190,7 +195,8 @@ fn is_short(aside: f64, off: f64) -> bool {
 }
 
 impl Cell {
-    /// Positions at `share`·2^-62 of the cell's path distance, rounded to nearest. `share` is from 0 to 2^62.
+    /// Positions of the axes at the fraction `share`·2^-62 of the cell's path distance, rounded to nearest.
+    /// `share` is 0 to 2^62.
     pub fn at(&self, share: i64) -> [Position; AXES] {
         let mut axes = self.start;
         for (axis, power) in axes.iter_mut().zip(&self.power) {
@@ -201,13 +207,14 @@ impl Cell {
         axes
     }
 
-    /// The exact end position.
+    /// Exact end position of each axis, mm or degrees.
     pub fn end(&self) -> [Position; AXES] {
         self.at(1 << 62)
     }
 
-    /// Least and greatest position of an axis in the cell. The result is the hull of the Bernstein
-    /// coefficients, which the polynomial never leaves. Returns `None` if there is no such axis.
+    /// Least and greatest position of an axis in the cell. The result is the range of the Bernstein
+    /// coefficients. The polynomial never leaves this range, but may not reach its ends. Returns `None` if
+    /// there is no such axis.
     pub fn range(&self, axis: usize) -> Option<[Position; 2]> {
         let [c1, c2, c3, c4, c5] = *self.power.get(axis)?;
         let hull = [
@@ -269,7 +276,7 @@ pub struct Splitter<'a> {
 }
 
 impl<'a> Splitter<'a> {
-    /// Begins a curve and finds its number of cells, with at most 16 comparisons.
+    /// Begins a curve and computes its number of cells, with at most 16 comparisons.
     ///
     /// # Errors
     /// The curve needs too many cells, or begins out of range.
@@ -292,8 +299,8 @@ impl<'a> Splitter<'a> {
         Ok(Self { chain, course, cells, made: 0, node })
     }
 
-    /// Replaces the start by the exact positions of the axes. The transformed start may differ from these
-    /// positions by rounding.
+    /// Makes the curve start at `axes`, the exact positions of the axes. The start that the transformation
+    /// gives may differ from them by rounding.
     pub const fn starting_at(mut self, axes: [Position; AXES]) -> Self {
         self.node.position = axes;
         self
@@ -304,7 +311,7 @@ impl<'a> Splitter<'a> {
         self.course.is_straight()
     }
 
-    /// Begins the curve again.
+    /// Begins the same curve again, from the exact positions `axes`.
     ///
     /// # Errors
     /// As [`Self::new`].
@@ -323,8 +330,8 @@ impl<'a> Splitter<'a> {
         self.cells
     }
 
-    /// Makes the next cell: one inverse transformation with its derivatives. Returns `None` after the last
-    /// cell.
+    /// Makes the next cell. Each call computes one inverse transformation with its derivatives. Returns
+    /// `None` after the last cell.
     ///
     /// # Errors
     /// An axis leaves its range, or the cell fails its check; the curve ends there.

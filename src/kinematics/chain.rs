@@ -1,8 +1,10 @@
-//! A machine as a serial chain of axes from the workpiece to the tool.
+//! A machine as a serial chain of axes from the workpiece to the tool: positions of the axes from tool tip
+//! and angles, and back.
 //!
-//! Let B be the turn by the rotary axes before the linear axes, H the turn by those after them, and U the
-//! matrix of the linear axes' directions. The tool tip is B(U·q + H(tip at 0)). So the linear axes are q =
-//! U⁻¹·(B⁻¹(tip) − H(tip at 0)). This inverse exists for all angles.
+//! Let B be the turn by the rotary axes between workpiece and linear axes, and H the turn by those between
+//! linear axes and tool. U is the matrix of the linear axes' directions, and q are the positions of the
+//! linear axes. The tool tip is B(U·q + H(tip at 0)). So q = U⁻¹·(B⁻¹(tip) − H(tip at 0)). This inverse
+//! exists for all angles.
 use super::data::{self, CaHead, DataError, Universal};
 use super::vector::{Jet, Spin, Vector, number, position};
 use crate::quantity::Position;
@@ -28,9 +30,9 @@ pub(super) struct Rotary {
     pub(super) axis: u8,
     /// Number of the axis among the rotary axes, in the order of their indices.
     pub(super) slot: u8,
-    /// Axis of the turn: a unit vector.
+    /// Direction of the axis of rotation: a unit vector.
     pub(super) direction: Vector,
-    /// A point on the axis, mm.
+    /// A point on the axis of rotation, mm.
     pub(super) point: Vector,
     /// Angle of the turn when the axis is at 0.
     pub(super) offset: Position,
@@ -55,16 +57,16 @@ pub struct Chain {
     pub(super) tool: Vector,
 }
 
-/// Sine of the least angle between directions that count as different.
+/// Two directions count as different if the sine of their angle is at least this value.
 const APART: f64 = 1e-4;
 
 impl Chain {
-    /// A machine of type 91.
+    /// A chain of any axes: machine data of type 91.
     ///
     /// # Errors
-    /// Returns the parameter that is out of its range or contradicts another one. Examples: an axis named
-    /// twice; a number of linear axes other than three; linear axes that are not next to each other, or lie
-    /// in one plane; rotary axes that together reach no more directions than one of them.
+    /// Returns the parameter that is out of its range or contradicts another one. Examples: an axis is named
+    /// twice. The number of linear axes is not three. The linear axes are not next to each other, or lie in
+    /// one plane. Several rotary axes reach no more directions than one of them.
     pub fn universal(machine: &Universal) -> Result<Self, DataError> {
         let order = order(machine)?;
         let tool = data::direction(machine.zero_orientation, data::ZERO_ORIENTATION, None)?;
@@ -97,7 +99,7 @@ impl Chain {
         Self::new([a, b, c], base, head, tip, tool)
     }
 
-    /// A machine of type 9.
+    /// A head with the rotary axes C and A: machine data of type 9.
     ///
     /// # Errors
     /// Returns the parameter that is out of its range.
@@ -164,12 +166,12 @@ impl Chain {
         self.base.iter().chain(&self.head).flatten().copied()
     }
 
-    /// Indices of the linear axes, in the order of the chain.
+    /// Indices of the linear axes, in their order from the workpiece to the tool.
     pub fn linear_axes(&self) -> [usize; 3] {
         self.linear.map(|linear| usize::from(linear.axis))
     }
 
-    /// Whether the linear axes are at right angles.
+    /// Whether the linear axes are at right angles to each other.
     pub fn is_cartesian(&self) -> bool {
         let [a, b, c] = self.linear.map(|linear| linear.direction);
         [a.dot(b), b.dot(c), c.dot(a)].iter().all(|cosine| cosine.abs() < APART)
@@ -185,7 +187,7 @@ impl Chain {
         self.base.iter().all(Option::is_none) && self.linear.iter().all(|linear| aligned(linear.direction))
     }
 
-    /// Whether this linear axis is along machine z.
+    /// Whether `axis` is a linear axis parallel to z of the machine.
     pub fn is_along_z(&self, axis: usize) -> bool {
         let z = Vector::new(0.0, 0.0, 1.0);
         let own = self.linear.iter().find(|linear| usize::from(linear.axis) == axis);
@@ -208,9 +210,9 @@ impl Chain {
         (tip, tool)
     }
 
-    /// Positions of the axes (mm, degrees) that put the tool tip to the place `tip` (mm). `angles`: positions
-    /// of the rotary axes, by index of their axes, degrees. Returns `None` if a linear axis is beyond ±200
-    /// 000 mm.
+    /// Positions of all axes (mm, degrees) with the tool tip at `tip` (mm). `angles`: positions of the rotary
+    /// axes (degrees), in the order of their axis indices. Returns `None` if a linear axis is beyond ±200 000
+    /// mm.
     pub fn inverse(&self, tip: Vector, angles: &[Position; ROTARIES]) -> Option<[Position; AXES]> {
         let spins = self.spins(angles, &[[0.0; 3]; ROTARIES]);
         let linear = self.linear(Jet::at(tip), &spins);

@@ -34,8 +34,8 @@ impl core::error::Error for DataError {}
 /// Largest magnitude of a length in 0.1 µm: 10 m.
 const FARTHEST: i32 = 100_000_000;
 
-/// A head that carries the rotary axis C and, below C, the rotary axis A (type 9). The axes X, Y, Z, C, A
-/// have the indices 0 to 4.
+/// Machine data of a head (type 9) with two rotary axes: C turns A, and A turns the tool. The axes X, Y, Z,
+/// C, A have the indices 0 to 4.
 ///
 /// With C turned by Rz and A by Rx, the tool tip is `(X, Y, Z) + (HD7, HD8, 0) + Rz(C + HD4)·[(HD6, HD5,
 /// −HD2) + Rx(A + HD3)·(0, HD9, −HD1)]`. HD1 contains the length of the tool.
@@ -71,15 +71,16 @@ const LENGTH: &str = "-100000000 to 100000000 (0.1 um)";
 pub struct UniversalAxis {
     /// P-CHAN-00291 type: 1 linear, 2 rotary.
     pub kind: u8,
-    /// P-CHAN-00292 orientation. Linear axis: direction of the tool against the workpiece when the axis moves
-    /// in its positive direction. Rotary axis: the vector about which it turns. Any length but 0.
+    /// P-CHAN-00292 orientation. Linear axis: direction in which the tool moves relative to the workpiece
+    /// when the axis moves in its positive direction. Rotary axis: direction of the axis of rotation. Any
+    /// length but 0.
     pub orientation: [f64; 3],
-    /// P-CHAN-00293 point: a point of a rotary axis, 0.1 µm. No effect on a linear axis.
+    /// P-CHAN-00293 point: a point on the axis of rotation, 0.1 µm. No effect on a linear axis.
     pub point: [i32; 3],
 }
 
-/// A serial chain of axes from the workpiece to the tool (type 91). Three linear axes follow each other; up
-/// to three rotary axes are before and after them.
+/// Machine data of a serial chain of axes from the workpiece to the tool (type 91). Three linear axes follow
+/// each other. Up to three rotary axes are before them, after them, or on both sides.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Universal {
     /// P-CHAN-00289 number_of_axes, 3 to 6.

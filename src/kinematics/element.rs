@@ -1,8 +1,9 @@
-//! Elements of the path under a transformation: from the curve of tool tip and angles to a [`Course`], and from a
-//! [`Cell`] of it to the element of the axes.
+//! Converts elements of the path under a transformation. [`Kinematic::course`] turns an element of tool tip
+//! and angles into a [`Course`]. [`Cell::become_element`] turns a [`Cell`] of the course into an element of
+//! the axes.
 //!
-//! An axis of the channel and an axis of the chain with the same index are the same axis. Programs give the
-//! tool tip by the main axes. Channel axes that are not in the chain keep their own curves.
+//! An axis of the channel and an axis of the chain with the same index are the same axis. In a program, the
+//! main axes give the tool tip. Channel axes that are not in the chain keep their own curves.
 use super::cells::{Cell, Course, Round};
 use super::chain::{AXES, Chain, ROTARIES};
 use super::vector::{Vector, number, position};
@@ -12,8 +13,8 @@ use crate::path::powers::{Quintic, Turn};
 use crate::quantity::{Distance, Position};
 use core::fmt;
 
-/// A data set of a transformation: a chain that fits the channel. The application makes a data set once and
-/// keeps it.
+/// A transformation that `#KIN ID` can select: its number, and a chain that fits the channel. The application
+/// makes this value once and keeps it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Kinematic {
     /// P-CHAN-00262 `trafo[].id`: the number with which `#KIN ID` selects this transformation.
@@ -36,7 +37,7 @@ pub enum Unfit {
     Main,
     /// The channel has more than six axes.
     Axes,
-    /// The chain has an axis with this index, but the channel has none.
+    /// The chain has an axis with this index, but the channel does not.
     Missing(u8),
     /// The linear axis with this index is not a main axis.
     Linear(u8),
@@ -66,7 +67,8 @@ impl fmt::Display for Unfit {
 impl core::error::Error for Unfit {}
 
 impl Kinematic {
-    /// The chain for the channel of `machine`. Axis k of the chain is axis k of the channel.
+    /// Makes the transformation number `id` from `chain`, for the channel of `machine`. Axis k of the chain
+    /// is axis k of the channel.
     ///
     /// # Errors
     /// Returns the property that does not fit.
@@ -105,7 +107,7 @@ impl Kinematic {
         axis < AXES && self.axes >> axis & 1 == 1
     }
 
-    /// All axes that move when the program moves the axes `moved`: bit k is axis k.
+    /// All axes that move when the program moves the axes `moved`. In both words bit k is axis k.
     pub fn carried(&self, moved: u32) -> u32 {
         let bits = |axes: &mut dyn Iterator<Item = usize>| axes.fold(0u32, |bits, axis| bits | 1 << axis);
         let linear = bits(&mut self.chain.linear_axes().into_iter());
@@ -114,12 +116,12 @@ impl Kinematic {
         if turns || leans { moved | linear } else { moved }
     }
 
-    /// Whether the linear axes are at right angles, and `axis` is along machine z.
+    /// Whether the linear axes are at right angles to each other, and `axis` is parallel to z of the machine.
     pub fn is_cartesian_z(&self, axis: usize) -> bool {
         self.chain.is_cartesian() && self.chain.is_along_z(axis)
     }
 
-    /// Replaces the main axes' positions by the tool tip (mm); all other axes are unchanged.
+    /// The positions `axes`, with the tool tip (mm) in place of the main axes; all other axes are unchanged.
     pub fn workpiece<const N: usize>(&self, axes: &[Position; N]) -> Option<[Position; N]> {
         let (tip, _) = self.chain.forward(&widened(axes));
         let mut workpiece = *axes;
@@ -129,8 +131,8 @@ impl Kinematic {
         Some(workpiece)
     }
 
-    /// The direction from tip to holder along each axis of the channel, for positions of the axes: a unit vector of the
-    /// main axes, in workpiece coordinates; 0 for the others. For displays.
+    /// The direction from tool tip to holder at the positions `axes`, for displays. The entries of the main
+    /// axes are a unit vector in workpiece coordinates; the other entries are 0.
     pub fn direction<const N: usize>(&self, axes: &[Position; N]) -> [f64; N] {
         let (_, tool) = self.chain.forward(&widened(axes));
         let mut direction = [0.0; N];
@@ -142,8 +144,8 @@ impl Kinematic {
         direction
     }
 
-    /// The positions of all axes for the tool tip given in place of the main axes. Returns `None` beyond ±200
-    /// 000 mm.
+    /// The positions of all axes, from positions with the tool tip in place of the main axes. Returns `None`
+    /// if a linear axis is beyond ±200 000 mm.
     pub fn axes<const N: usize>(&self, workpiece: &[Position; N]) -> Option<[Position; N]> {
         let of = |axis: usize| workpiece.get(axis).map(|x| number(*x));
         let [Some(x), Some(y), Some(z)] = self.main.map(of) else { return None };
@@ -161,7 +163,7 @@ impl Kinematic {
         Some(axes)
     }
 
-    /// The curve of an element from `start`, in workpiece coordinates.
+    /// Turns an element that begins at `start` (workpiece coordinates) into a curve of tool tip and angles.
     pub fn course<const N: usize>(&self, element: &Element<N>, start: &[Position; N]) -> Course {
         let powers = element.shape.powers(start);
         let of = |axis: usize| powers.axes.get(axis).copied().unwrap_or([0.0; 6]);
@@ -197,7 +199,8 @@ impl Kinematic {
     }
 }
 
-/// A point of a channel with the axes of a chain.
+/// The positions of a channel's axes, by index, as positions of the six possible axes of a chain; missing
+/// axes are 0.
 pub fn widened<const N: usize>(axes: &[Position; N]) -> [Position; AXES] {
     let mut all = [Position::ZERO; AXES];
     for (place, axis) in all.iter_mut().zip(axes) {
@@ -207,9 +210,9 @@ pub fn widened<const N: usize>(axes: &[Position; N]) -> [Position; AXES] {
 }
 
 impl Cell {
-    /// Writes the cell into `element`, which has this path length. `fastest`: largest ratio of the speed
-    /// along the curve to the path speed. `is_straight`: the axes move in proportion. Returns `None` if the
-    /// formats cannot hold the cell.
+    /// Writes the cell into `element`, with the path length `length`. `fastest`: largest ratio of the speed
+    /// along the curve to the path speed. `is_straight`: the axes move in proportion to the path distance.
+    /// Returns `None` if a coefficient does not fit into its integer.
     pub fn become_element<const N: usize>(
         &self,
         element: &mut Element<N>,
@@ -224,7 +227,7 @@ impl Cell {
         element.become_quintics(length, &axes, (fastest, is_straight))
     }
 
-    /// Start and end, for the axes of a channel.
+    /// Start and end of the cell: positions of the channel's axes, mm or degrees.
     pub fn span<const N: usize>(&self) -> [[Position; N]; 2] {
         let (mut start, mut end) = ([Position::ZERO; N], [Position::ZERO; N]);
         for ((start, end), (from, power)) in

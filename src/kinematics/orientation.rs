@@ -1,4 +1,4 @@
-//! Angles of two rotary axes for a direction of the tool.
+//! Computes the angles of two rotary axes for a direction of the tool.
 use super::chain::{Chain, ROTARIES, Rotary};
 use super::vector::{RADIANS, Vector, nearest, number, position, sqrt};
 use crate::math::angle::atan2_turns;
@@ -36,17 +36,19 @@ impl fmt::Display for Reach {
 
 impl core::error::Error for Reach {}
 
-/// Sine of the angle to the outer axis below which the direction is singular: 10^-5 degree.
+/// A tool direction is singular if the sine of its angle to the outer axis is below this value (10^-5
+/// degree).
 const SINGULAR: f64 = 1.7e-7;
 
 impl Chain {
-    /// Angles (degrees, by index of the rotary axes) that turn the tool towards `direction`, seen from tip to
-    /// holder. Of two solutions, the result is the one nearer to `last`: the one with the smaller sum of both
-    /// turns. Limits of the axes have no effect.
+    /// Angles of the rotary axes (degrees, in the order of their axis indices) at which the tool points in
+    /// `direction`. `direction` is the vector from tool tip to holder. There may be two solutions. The result
+    /// is the one with the smaller sum of both turns from `last`. Software limits have no effect.
     ///
-    /// Let u be the outer axis, w the inner axis, d the tool direction at 0, and t the wanted direction.
-    /// R_w(θ) is the turn by the inner angle θ. The equation u·R_w(θ)·d = u·t has the form `A cos θ + B sin θ
-    /// = C`. The outer angle then turns the projection of the tilted tool to the projection of t.
+    /// Let u be the outer axis (the one nearer to the workpiece), and w the inner axis. d is the tool
+    /// direction with both axes at 0, and t the wanted direction. R_w(θ) is the turn by the inner angle θ.
+    /// The equation u·R_w(θ)·d = u·t has the form `A cos θ + B sin θ = C`. The outer angle then turns the
+    /// projection of the tilted tool to the projection of t.
     ///
     /// # Errors
     /// The direction cannot be reached, or is singular: [`Reach`].

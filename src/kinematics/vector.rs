@@ -78,7 +78,7 @@ pub fn sqrt(x: f64) -> f64 {
 /// Radians per degree.
 pub const RADIANS: f64 = core::f64::consts::PI / 180.0;
 
-/// A position (LSB 2^-32) as a number, mm or degrees.
+/// A position (LSB 2^-32 mm or degrees) as a number of mm or degrees.
 pub fn number(x: Position) -> f64 {
     x.to_bits() as f64 * (1.0 / 4_294_967_296.0)
 }
@@ -102,7 +102,7 @@ pub fn turns(degrees: Position) -> u64 {
     (upper << 10).wrapping_add((left << 10) / 360)
 }
 
-/// An angle with its first and second derivative by the parameter of the curve.
+/// An angle with its first and second derivative with respect to the parameter of a curve.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spin {
     /// Sine of the angle.
@@ -123,8 +123,8 @@ impl Spin {
         Self { sin: sin as f64 * LSB, cos: cos as f64 * LSB, first: 0.0, second: 0.0 }
     }
 
-    /// The angle plus `beyond`, in radians, which is less than 2^-32 degrees. The square of `beyond` is below
-    /// 2^-75 and is dropped.
+    /// The angle plus `beyond` (radians). The magnitude of `beyond` is below that of 2^-32 degrees, so its
+    /// square is negligible.
     pub fn turned(self, beyond: f64) -> Self {
         Self { sin: self.sin + beyond * self.cos, cos: self.cos - beyond * self.sin, ..self }
     }
@@ -141,7 +141,7 @@ impl Spin {
     }
 }
 
-/// A point with its first and second derivative by the parameter of the curve.
+/// A point with its first and second derivative with respect to the parameter of a curve.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Jet {
     /// Position of the point, mm.

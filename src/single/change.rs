@@ -1,5 +1,5 @@
-//! Changes of a motion whose pieces the interrupt already has: a stop, the end of an oscillation with its
-//! cycle, another speed.
+//! Changes a motion whose pieces the interrupt already has: stops the axis, ends an oscillation after its
+//! cycle, or changes the speed.
 //!
 //! Only one change exists at a time, and each tick has at most one attempt. A stroke that already brakes
 //! stays unchanged.
@@ -18,7 +18,8 @@ const REACTION: u32 = 4;
 /// Largest number of halvings of a raised speed.
 const SLOWER: usize = 6;
 
-/// A future motion, with distance and speed in its own direction.
+/// The motion of the axis at a future instant. Distance and speed are positive in the direction of the
+/// motion.
 struct Ahead {
     /// Number of the stroke, and the instant of the change.
     k: usize,
@@ -31,7 +32,7 @@ struct Ahead {
     motion: Motion,
 }
 
-/// The replacement of a stroke: first the pieces of the emitter, then this profile, then a standstill.
+/// What replaces the rest of a stroke: first the pieces of the emitter, then this profile, then a standstill.
 struct Law {
     from: i64,
     backward: bool,

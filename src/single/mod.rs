@@ -1,6 +1,7 @@
-//! Motion of a single axis, independent of the path: oscillation, independent axes, jog and homing of a board.
+//! Motion of a single axis, independent of the path: oscillation, independent motion, jog and homing.
 //!
-//! An application moves an axis by [`Planner::move_axis`](crate::channel::Planner::move_axis) while the path stands:
+//! An application moves an axis by [`Planner::move_axis`](crate::channel::Planner::move_axis) while the path
+//! stands still:
 //!
 //! ```
 //! use glidepath::{AxisData, AxisKind, AxisName, Channel, ChannelData, Handles};
@@ -24,18 +25,19 @@
 //! assert_eq!(interpolator.set_points()[1], Position::from_num(-3));
 //! ```
 //!
-//! A [`Single`] takes a goal (a position, or an oscillation) and the limits of the axis. It writes pieces of
-//! a speed profile into the queue of that axis ([`crate::queue::Overlay`]). A motion consists of *strokes*,
-//! from stop to stop. A stroke enters the queue as a whole, and the next stroke enters before the current one
-//! ends. If the planner gets no time, the axis stops at the end of its stroke.
+//! A [`Single`] takes a goal (a position, or an oscillation) and the limits of the axis. [`Single::work`]
+//! writes pieces of a speed profile into the queue of that axis ([`crate::queue::Overlay`]). A motion
+//! consists of *strokes*, from stop to stop. A stroke enters the queue as a whole, and the next stroke enters
+//! before the current one ends. If the planner gets no time, the axis stops at the end of its stroke.
 //!
-//! An oscillation has the slope of P-CHAN-00071; an independent axis has this slope or its own slope. A
-//! stroke ends with the tick that shows its end. So reversals are exact, and strokes last whole ticks. The
-//! rounding remainder of a period is added to the next stroke, so an oscillation does not drift.
+//! An oscillation has the slope of P-CHAN-00071; an independent axis has this slope or its own slope. The
+//! last tick of a stroke outputs exactly its end position, so a stroke lasts a whole number of ticks. The
+//! programmed time of a stroke is rounded to ticks. The remainder is added to the next stroke, so an
+//! oscillation keeps its frequency.
 //!
-//! Feed hold, abort and OFF act a few ticks ahead, as for the path ([`crate::queue::Change`]): the axis
-//! brakes inside its limits ([`crate::slope::brake::Brake`]). If the axis is already braking, it ends the
-//! current stroke.
+//! After a feed hold, an abort, `OFF INSTANT` or `OFF FEED`, the axis brakes inside its limits
+//! ([`crate::slope::brake::Brake`]). Braking begins a few ticks after the command. If the axis is already
+//! braking, the axis finishes the current stroke.
 mod change;
 mod stroke;
 
@@ -53,7 +55,7 @@ const PIECES_OF_A_STROKE: u32 = 36;
 /// Largest number of halvings of a motion that takes too long for one stroke. The axis stops in between.
 const HALVES: usize = 12;
 
-/// Pieces per call.
+/// Largest number of pieces that one call of [`Single::work`] makes.
 const PIECES: u32 = 8;
 
 /// The next stroke enters the queue when this number of pieces is left.
@@ -65,7 +67,7 @@ const STROKES: usize = 2;
 /// Longest standstill in one piece, ticks.
 const LONGEST_REST: u64 = 65_535;
 
-/// The next action of an axis at standstill.
+/// What an axis at standstill does next.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Goal {
     /// None.
@@ -83,51 +85,51 @@ struct Swing {
     to_first: bool,
     /// Number of remaining strokes to the second position, if they are counted.
     left: Option<u32>,
-    /// Ticks of standstill before the next stroke.
+    /// Dwell before the next stroke, ticks.
     rest: u64,
     /// Rounding remainder of earlier strokes, as a fraction of a tick, LSB 2^-32.
     share: u64,
 }
 
-/// The data of an oscillation: a single axis moves between two positions.
+/// An oscillation: a single axis moves to and fro between two positions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Oscillating {
-    /// First and second reversal position, mm or degrees.
+    /// The two positions at which the axis reverses, mm or degrees: the first and the second one.
     pub ends: [Position; 2],
-    /// Dwell at both positions, in ticks, LSB 2^-32.
+    /// Dwell at the first and at the second position, LSB 2^-32 tick.
     pub waits: [u64; 2],
-    /// Speed in mm/tick, or the period including both dwells in ticks, LSB 2^-32.
+    /// Speed of the axis, or the period of the oscillation including both dwells.
     pub pace: Pace,
-    /// Number of oscillations; endless if `None`.
+    /// Number of periods; `None`: until the program ends the oscillation.
     pub count: Option<u32>,
 }
 
-/// How fast a single axis has to move: its speed, or the duration of its motion.
+/// The demanded speed of a single axis, or the demanded duration of its motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Pace {
     /// Speed of the axis, mm/tick or degrees/tick.
     Speed(f32),
-    /// Duration in ticks, LSB 2^-32.
+    /// Duration, LSB 2^-32 tick.
     Time(u64),
 }
 
 /// Limits of an axis that moves alone.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AxisLimits {
-    /// Speed, accelerations and jerks, per tick.
+    /// Limits of speed, acceleration and jerk; the unit of time is one tick.
     pub limits: Limits,
     /// Reduced speed (P-AXIS-00214), mm/tick or degrees/tick.
     pub v_reduced: f32,
 }
 
-/// Commands of the operator that act on single axes.
+/// The operator's commands in force, as far as they act on single axes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Wishes {
     /// Whether the axes are to stop.
     pub hold: bool,
     /// Whether reduced speed is on.
     pub reduced: bool,
-    /// Override, LSB 0.1 %.
+    /// Feed override, 0…2000, LSB 0.1 %.
     pub feed: u16,
 }
 
@@ -180,7 +182,7 @@ struct Course {
     limited: Option<u32>,
 }
 
-/// The planner's side of the motion of one axis. An overlay passes the motion to the interrupt.
+/// Plans the motion of one axis; its queue, the overlay, passes the motion to the interrupt.
 #[derive(Clone, Copy, Debug)]
 pub struct Single {
     axis: Option<u8>,
@@ -237,7 +239,8 @@ impl Single {
         stood: None,
     };
 
-    /// The axis that moves, or that a hold has stopped.
+    /// Index of the axis that moves on its own, also while a feed hold stops this motion; `None` if there is
+    /// no motion.
     pub const fn axis(&self) -> Option<usize> {
         match self.axis {
             Some(axis) => Some(axis as usize),
@@ -245,13 +248,14 @@ impl Single {
         }
     }
 
-    /// Whether the interrupt has the motion, or there is no motion.
+    /// Whether the interrupt has received the motion. Also `true` if there is no motion.
     pub const fn is_shown(&self) -> bool {
         self.shown || matches!((self.goal, self.laying), (Goal::Rest, None))
     }
 
-    /// Moves `axis` from its position `from` to `target`. `obeys`: the override acts. Returns `false` if the
-    /// axis cannot reach the demanded speed; the axis then moves as fast as it can.
+    /// Moves `axis` from its position `from` to `target`. `obeys`: whether the override acts. Returns `false`
+    /// if the limits of the axis do not permit the demanded speed; the axis then moves as fast as its limits
+    /// permit.
     ///
     /// # Errors
     /// [`Unplannable`]: the motion would take too long.
@@ -282,7 +286,8 @@ impl Single {
         Ok(within)
     }
 
-    /// Oscillates `axis`, which is at `from`. Returns `false` if the axis cannot reach the demanded speed.
+    /// Starts an oscillation of `axis`, which is at `from`. Returns `false` if the limits of the axis do not
+    /// permit the demanded speed.
     ///
     /// # Errors
     /// [`Unplannable`]: a stroke would take too long.
@@ -334,7 +339,7 @@ impl Single {
         *self = Self { handed, limits: *limits, at: fine(from), axis: Some(axis), ..Self::NONE };
     }
 
-    /// Ends the oscillation on its second position, after the current cycle.
+    /// Ends the oscillation after the current cycle: the axis stops on the second position.
     pub fn finish(&mut self) {
         if core::mem::replace(&mut self.finishes, true) {
             return;
@@ -348,7 +353,7 @@ impl Single {
         self.goal.end_cycle();
     }
 
-    /// Stops the axis, which then stays there. No effect on an axis that already stands.
+    /// Brakes the axis. The axis stays where it stops. No effect on an axis that already stands still.
     pub fn stop(&mut self) {
         let handed = self.handed.strokes.iter().any(Option::is_some);
         if handed || self.laying.is_some() || self.goal != Goal::Rest {
@@ -356,7 +361,8 @@ impl Single {
         }
     }
 
-    /// Ends the oscillation at once: the axis moves to the second position at the speed `v` (mm/tick).
+    /// Ends the oscillation at once: the axis brakes, and then moves to the second position at the speed `v`
+    /// (mm/tick).
     pub fn leave(&mut self, v: f32) {
         if matches!(self.ending, Ending::None) && self.is_swinging() {
             self.ending = Ending::Then(self.course.ends[1], v);
@@ -371,8 +377,8 @@ impl Single {
             || self.handed.strokes.iter().flatten().any(|stroke| of(&stroke.before))
     }
 
-    /// Position of the axis after its motion has been over for `settling` ticks. In this time, the filter of
-    /// the axis settles.
+    /// Position of the axis, if its motion has been over for at least `settling` ticks; otherwise `None`.
+    /// `settling` is the time in which the filter of the axis settles.
     pub fn stands(&mut self, overlay: &OverlaySender<'_>, settling: u32) -> Option<Position> {
         let over = self.goal == Goal::Rest && self.laying.is_none() && self.ending == Ending::None;
         if !over || overlay.clock.now() != self.handed.end {
@@ -386,20 +392,20 @@ impl Single {
         settled.then(|| set_point(self.at))
     }
 
-    /// Returns the axis to the path.
+    /// Gives the axis back to the path.
     pub fn release(&mut self) {
         self.axis = None;
     }
 
-    /// Whether the axis stands still, and stays there unless the commands change.
+    /// Whether the axis stands still until a command of the operator changes.
     pub fn rests(&self, overlay: &OverlaySender<'_>) -> bool {
         overlay.clock.now() == self.handed.end
     }
 
-    /// Does a bounded step of work. Returns `false` if there is no work.
+    /// Does a bounded step of planning. Returns `false` if there is nothing to do now.
     ///
     /// # Errors
-    /// [`Unplannable`]: a defect of the planner. The axis stops at the end of the queued strokes.
+    /// [`Unplannable`] means a defect of the planner. The axis stops at the end of the queued strokes.
     pub fn work(&mut self, overlay: &mut OverlaySender<'_>, wishes: &Wishes) -> Result<bool, Unplannable> {
         let Some(axis) = self.axis else { return Ok(false) };
         self.trim(overlay);
@@ -431,7 +437,7 @@ impl Single {
         }
     }
 
-    /// The current speed of strokes.
+    /// The speed of strokes with the current commands: override and reduced speed.
     fn speed(&self, wishes: &Wishes) -> f32 {
         let share = if self.obeys { f32::from(wishes.feed) * 1e-3 } else { 1.0 };
         let v = min(self.v * share, self.limits.limits.v);
@@ -661,7 +667,7 @@ fn place(phase: &mut Phase, from: i64, backward: bool) {
     phase.sixth_jerk = Jerk::from_bits(-phase.sixth_jerk.to_bits());
 }
 
-/// A speed above this ratio of the demanded one counts as reached.
+/// A speed above this part of the demanded speed counts as reached.
 const CLOSE: f32 = 1.0 - 1.0 / 65_536.0;
 
 /// A stroke of whole ticks is planned slightly faster by this ratio, so that rounding does not make it a tick

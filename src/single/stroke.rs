@@ -1,5 +1,5 @@
-//! One stroke: the speed profile of an axis from stop to stop. Also finds the speed at which a stroke takes a
-//! given time.
+//! Computes one stroke: the speed profile of an axis from stop to stop. Also finds the speed at which a
+//! stroke takes a given time.
 use super::PIECES_OF_A_STROKE;
 use crate::math::float::{min, size_f32, to_f32};
 use crate::quantity::{Distance, Speed, speed_f32};
@@ -32,8 +32,8 @@ pub fn ticks(profile: &Profile) -> u32 {
     (profile.time().to_bits().div_ceil(TICK)) as u32
 }
 
-/// Ticks of the fastest stroke of the axis: the ticks of the profile, rounded up, and one at the end.
-/// Rounding of the limits is left out.
+/// Ticks of the fastest stroke of the axis: the ticks of the profile, rounded up, and one at the end. The
+/// time by which rounding of the limits lengthens the profile does not count.
 pub fn fastest(profile: &Profile) -> u32 {
     let time = profile.time().to_bits();
     let exact = time - time / ROUNDING;
@@ -63,8 +63,8 @@ const fn cruise(profile: &Profile) -> u64 {
 /// Makes the profile, at a lower speed if its ramps have too many pieces. Returns the speed.
 ///
 /// # Errors
-/// As [`plan`], and [`Unplannable::TooSlow`] if too many pieces are between the ramps: more than about 196
-/// 000 ticks with SIN2, or 1 900 000 with the other slopes.
+/// As [`plan`]. Also [`Unplannable::TooSlow`] if the part between the ramps has too many pieces. This is so
+/// above about 196 000 ticks with SIN2, and above 1 900 000 ticks with the other slopes.
 pub fn plan_short(profile: &mut Profile, length: i64, limits: &Limits) -> Result<f32, Unplannable> {
     let mut limits = *limits;
     plan(profile, length, &limits)?;
@@ -105,7 +105,7 @@ pub fn speed_for(length: i64, time: f32, limits: &Limits) -> f32 {
     high
 }
 
-/// A time with LSB 2^-36 tick, in ticks.
+/// Converts a time (LSB 2^-36 tick) to ticks.
 pub fn in_ticks(time: u64) -> f32 {
     size_f32(time) * (1.0 / TICK as f32)
 }

@@ -10,10 +10,10 @@ use crate::nc::Spline;
 use crate::nc::{NcWarningKind, Place};
 use core::convert::Infallible;
 
-/// In a build without direct splines, only the command that switches them off arrives here.
+/// A build without direct splines: only the command that switches a spline off arrives here.
 #[cfg(not(feature = "splines"))]
 impl<const AXES: usize> Smoothing<AXES> {
-    /// Takes the command.
+    /// Takes the command that switches a spline off.
     ///
     /// # Errors
     /// `#HSC` is on.

@@ -1,11 +1,11 @@
-//! P-CHAN-00239: the HSC B-spline and contour mode alternate. Lines become points of the curve. Where an arc
-//! begins or ends, contour mode rounds the transition with the tolerance of the curve. The effect is that of
-//! `#CONTOUR MODE [DEV PATH_DEV=X TRACK_DEV=Y RELEVANT_PATH=X RELEVANT_TRACK=Y]`; X and Y are those of
-//! `#HSC`.
+//! P-CHAN-00239: the HSC B-spline and contour mode alternate. The ends of lines become points of the spline.
+//! Where an arc begins or ends, contour mode rounds the transition with the tolerance of the spline. The
+//! effect is that of `#CONTOUR MODE [DEV PATH_DEV=X TRACK_DEV=Y RELEVANT_PATH=X RELEVANT_TRACK=Y]`; X and Y
+//! are those of `#HSC`.
 //!
-//! A line with an arc on one side is halved. One half is the last or the first leg of the curve. The other
-//! half is a block of contour mode, and a corner takes at most half of it. Both halves are straight where
-//! they meet.
+//! A line next to an arc is halved. The half away from the arc is the first or the last leg of the spline.
+//! The half at the arc is a block of contour mode, and the corner takes at most half of it. Both curves are
+//! straight where the halves meet.
 use super::contour::{Contouring, Settings};
 use super::halved::{Waiting, halve};
 use super::spline::{Mode, Rules, Splining, Start, is_leg};
@@ -27,7 +27,8 @@ enum Turn<const AXES: usize> {
     Corner(Contouring<AXES>),
 }
 
-/// The smoothing stage of the HSC B-spline with contour mode at points that the spline passes exactly.
+/// The smoothing stage of the HSC B-spline, with contour mode at the ends of arcs and at points that the
+/// spline would pass exactly.
 #[derive(Clone, Copy, Debug)]
 pub struct Alternating<const AXES: usize> {
     measure: Measure,
@@ -37,9 +38,9 @@ pub struct Alternating<const AXES: usize> {
     turn: Turn<AXES>,
     /// The last line, or its half after a corner.
     last: Option<Waiting<AXES>>,
-    /// The block after the waiting line; it waits until everything before is done.
+    /// The block after the waiting line. This block waits until all work before it is done.
     next: Option<Waiting<AXES>>,
-    /// Set if no block follows for now; `true` demands a stop.
+    /// Set if no block follows for now; the value tells whether the motion stops.
     ending: Option<bool>,
     /// The warning about a corner.
     remark: Option<NcWarningKind>,
@@ -61,7 +62,7 @@ impl<const AXES: usize> Alternating<AXES> {
         }
     }
 
-    /// Whether the block is not part of the curve, and the corners next to it are rounded.
+    /// Whether contour mode takes the block and rounds the corners at both of its ends.
     fn is_beside(&self, block: &ProgrammedBlock<AXES>) -> bool {
         block.form != Form::Line || (self.rules.rounds && !is_leg(&self.measure, block))
     }
@@ -155,7 +156,7 @@ impl<const AXES: usize> Alternating<AXES> {
             let goes_out = self.last.is_some();
             self.round(dynamics);
             if goes_out {
-                // This happens before the next block is taken.
+                // The waiting line has gone to contour mode; the next call takes the next block.
                 return true;
             }
             if let (Turn::Corner(corner), Some((block, parting))) = (&mut self.turn, &self.next) {
@@ -201,7 +202,7 @@ impl<const AXES: usize> Smoother<AXES> for Alternating<AXES> {
                 self.end(dynamics);
                 &mut self.next
             }
-            // A curve of this line alone is not needed.
+            // A spline over the waiting line alone is not needed.
             Turn::None | Turn::Curve(_) => &mut self.next,
             Turn::Corner(corner) if self.last.is_none() && beside => {
                 return corner.take(block, dynamics, parting);

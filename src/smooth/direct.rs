@@ -4,7 +4,7 @@ use super::{Before, Kind, Selected, Smoothing, SplineError, Wanted};
 use crate::nc::{NcWarningKind, Spline, SplineType, Tangent};
 
 impl<const AXES: usize> Smoothing<AXES> {
-    /// Takes a command of direct splines. Returns a warning about it, if there is one.
+    /// Takes a command of direct splines. Returns a warning about the command, if there is one.
     ///
     /// # Errors
     /// The command is refused; nothing has changed.
@@ -76,7 +76,7 @@ impl<const AXES: usize> Smoothing<AXES> {
         }
     }
 
-    /// The slope that the program gives for one end of the curve, if any.
+    /// The slope that the program gives for one end of the curve, if it gives one.
     fn vector(&self, end: usize) -> Option<[f32; AXES]> {
         spline::slope(&self.measure, &self.spline.vector(end)?)
     }

@@ -1,11 +1,11 @@
 //! `#HSC \[SURFACE\]` and contour mode alternate. Where two lines make an edge (`surface/edges.rs`), contour
-//! mode rounds the corner by DEV with the tolerances of Surface. The same holds for every transition with an
-//! arc that stays an arc (CIR_MODE). At a tangential transition, a curve leads from one curvature to the
-//! other. CIR_MODE=0 leaves these transitions unchanged.
+//! mode rounds the corner by DEV with the tolerances of Surface. Contour mode also rounds each transition
+//! between an arc and another block, if the arc stays an arc (CIR_MODE). At a tangential transition, its
+//! curve leads from one curvature to the other. CIR_MODE=0 leaves transitions of arcs unchanged.
 //!
-//! A line with an edge at one end is halved. One half is the last or the first chord of a run of Surface. The
-//! other half is a block of contour mode, and the corner may take nearly all of it. Both halves are straight
-//! where they meet.
+//! A line with an edge at one end is halved. The half away from the edge is the first or the last chord of a
+//! run of Surface. The half at the edge is a block of contour mode, and the corner may take nearly all of it.
+//! Both curves are straight where the halves meet.
 use super::contour::{Contouring, Settings};
 use super::halved::{Waiting, halve};
 use super::surface::{Edges, Parameters, Surface, Used};
@@ -34,11 +34,11 @@ pub struct Edged<const AXES: usize> {
     last: Option<Waiting<AXES>>,
     /// Whether that line is half a line.
     half: bool,
-    /// The share of the tolerance that the merged lines of this line use.
+    /// If this line replaces merged lines: the share of the tolerance that they use.
     used: Used,
-    /// The block after that line; it waits until everything before is done.
+    /// The block after that line. This block waits until all work before it is done.
     next: Option<Waiting<AXES>>,
-    /// Set if no block follows for now; `true` demands a stop.
+    /// Set if no block follows for now; the value tells whether the motion stops.
     ending: Option<bool>,
     /// The warning about a corner.
     remark: Option<NcWarningKind>,

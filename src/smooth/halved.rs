@@ -1,4 +1,4 @@
-//! Halves a line between a curve and contour mode: each of them gets one half.
+//! Halves a line between a smoothed run and a corner of contour mode: each of them gets one half.
 use super::{Parting, ProgrammedBlock, middle};
 use crate::path::{Measure, Straight, straight_line};
 use crate::quantity::Position;

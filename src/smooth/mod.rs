@@ -1,10 +1,11 @@
-//! Smoothing of the path: converts programmed blocks to the elements that the axes follow.
+//! Smoothing of the path: turns programmed blocks into the elements that the axes follow.
 //!
-//! A [`Smoother`] takes programmed blocks and holds back as many as it needs. It works on them in bounded
-//! steps and emits elements. Other stages use only [`Smoothing`] and do not know the kind of smoother.
+//! A [`Smoother`] takes programmed blocks and holds back as many as it needs. The smoother works on these
+//! blocks in bounded steps and emits elements. Other stages use only [`Smoothing`] and do not know the kind
+//! of smoother.
 //!
-//! A kind that a build leaves out ([`crate::machine::functions`]) is a type without values (`absent.rs`).
-//! Only this file names the kinds.
+//! A build may leave out kinds of smoothing ([`crate::machine::functions`]). A type without values replaces
+//! such a kind (`absent.rs`). Only this file names the kinds.
 #![cfg_attr(
     not(all(feature = "contour", feature = "surface", feature = "splines")),
     allow(dead_code, clippy::large_enum_variant, reason = "what is left out is not used, and has no size")
@@ -48,23 +49,23 @@ use contour::Preset;
 use spline::{DirectParameters, Start};
 use spline::{HscParameters, Mode};
 
-/// The programmed form of a block, from which its rest can be computed again.
+/// Whether a block is a line or an arc. From this form, the rest of a shortened block is computed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Form {
     /// A straight line.
     Line,
     /// An arc about a centre.
     Arc {
-        /// Centre in the two axes of the plane.
+        /// Centre of the arc in the two axes of the plane, mm.
         centre: [Position; 2],
         /// Plane of the arc.
         plane: Plane,
-        /// Whether the arc is G02.
+        /// Whether the arc is clockwise (G02).
         clockwise: bool,
     },
 }
 
-/// What later stages need to know of a programmed block, besides its geometry.
+/// Data of a programmed block for the later stages, without its geometry.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Data {
     /// Feed, mm/min; `None` for rapid motion.
@@ -73,7 +74,7 @@ pub struct Data {
     pub n: u32,
     /// Place of the block in the text.
     pub place: Place,
-    /// Number of motion blocks before the block, since the split.
+    /// Number of motion blocks before this block, counted since the split.
     pub number: u32,
     /// Whether the block ends in an exact stop.
     pub stop: bool,
@@ -90,7 +91,7 @@ impl Data {
     };
 }
 
-/// A motion block before smoothing: its geometry and how it was programmed.
+/// A motion block before smoothing: its geometry, its programmed form and its data.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ProgrammedBlock<const AXES: usize> {
     /// The geometry of the block: a line or an arc.
@@ -99,9 +100,9 @@ pub struct ProgrammedBlock<const AXES: usize> {
     pub from: [Position; AXES],
     /// End of the block, mm or degrees.
     pub to: [Position; AXES],
-    /// The programmed form, from which a part of the block can be computed.
+    /// The programmed form: line or arc. From this form, a part of the block can be computed.
     pub form: Form,
-    /// Feed, number and place of the block.
+    /// Feed, N number and place of the block.
     pub data: Data,
 }
 
@@ -112,11 +113,12 @@ pub struct Smoothed<'a, const AXES: usize> {
     pub element: &'a Element<AXES>,
     /// Exact end of the element, if known.
     pub end: Option<&'a [Position; AXES]>,
-    /// Feed, number and place of the block to which the element belongs.
+    /// Feed, N number and place of the block to which the element belongs.
     pub data: &'a Data,
-    /// Set for a part of a corner's curve.
+    /// Additional limits inside the curve of a corner; `None` if the element is not part of such a curve.
     pub curving: Option<Curving>,
-    /// Functions with at most this number of motion blocks before them act before the element.
+    /// A number of motion blocks. If no more motion blocks are before a function in the program, the function
+    /// acts before the element.
     pub due: u32,
     /// Limits of the element, if already known.
     pub known: Option<&'a Known>,
@@ -131,18 +133,18 @@ fn middle<const AXES: usize>(from: &[Position; AXES], to: &[Position; AXES]) -> 
     middle
 }
 
-/// Commands between a block and the block before.
+/// The kind of commands that the program has between a block and the block before.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Parting {
     /// No command.
     None,
     /// Functions.
     Functions,
-    /// Functions, at least one with an acknowledgement.
+    /// M, H, S or T functions, at least one with an acknowledgement.
     Awaited,
 }
 
-/// A stage between programmed blocks and the look-ahead.
+/// A smoothing stage: takes programmed blocks, and emits elements for the look-ahead.
 pub trait Smoother<const AXES: usize> {
     /// Takes the next block. Call this function only if [`Self::work`] has no work and [`Self::emit`] has no
     /// element.
@@ -152,49 +154,50 @@ pub trait Smoother<const AXES: usize> {
     /// called.
     fn work(&mut self, dynamics: &Dynamics<AXES>) -> bool;
 
-    /// Passes the next element to `into`, in place. Returns `false` if no element is ready before another
-    /// block comes.
+    /// Calls `into` with the next element. Returns `false`, without a call, if the stage has to take another
+    /// block first.
     fn emit(&mut self, into: impl FnOnce(&Smoothed<'_, AXES>)) -> bool;
 
-    /// Releases all blocks; `stop` demands a stop at the end of the last block.
+    /// Ends the wait for further blocks, so that all held blocks are emitted. `stop`: whether the motion
+    /// stops at the end of the last block.
     fn flush(&mut self, stop: bool);
 
-    /// Keeps the end of the last block at its programmed point. If this block is left out, the corner before
-    /// it stays exact.
+    /// Gives no curve to the end of the last block, so the motion passes its programmed point.
     fn cancel(&mut self);
 
-    /// Drops all blocks.
+    /// Drops all held blocks and elements, as an abort demands.
     fn clear(&mut self);
 
     /// Switches the smoother off and restores the parameters of program start. Call this function only if no
     /// block is held.
     fn restart(&mut self);
 
-    /// Place of the held block in the text: the block after the corner that is being emitted.
+    /// Place in the text of the held block, which is the block after the corner that is being emitted. `None`
+    /// if no block is held.
     fn place(&self) -> Option<Place>;
 
-    /// The warning about the curve before the last block; each warning is returned once.
+    /// The warning about the curve before the last block, if there is one. Each warning is returned once.
     fn remark(&mut self) -> Option<NcWarningKind>;
 
-    /// Whether a block can bypass this stage: no block is held, and the end of the block is not rounded. Call
-    /// this function only if [`Self::emit`] has no element.
+    /// Whether the next block can bypass this stage: no block is held, and the end of the next block is not
+    /// rounded. Call this function only if [`Self::emit`] has no element.
     fn is_idle(&self) -> bool;
 
     /// Whether there is neither work nor an element until another block comes.
     fn is_empty(&self) -> bool;
 
-    /// Whether the end of the last block is to be rounded.
+    /// Whether the end of the last block gets a curve.
     fn rounds(&self) -> bool;
 
     /// Whether a block is held back.
     fn holds(&self) -> bool;
 
-    /// Handles late text: the motion would stop because of it. Returns whether the held blocks are released
-    /// now.
+    /// Called when program text is late and the motion would stop. Returns whether the stage releases its
+    /// held blocks now.
     fn gives_way(&mut self) -> bool;
 }
 
-/// The kinds of smoother; all share the same memory.
+/// The current smoother. All kinds share the same memory.
 #[derive(Debug)]
 enum Kind<const AXES: usize> {
     /// #CONTOUR MODE, G61, G261, and #HSC \[OPMODE=1\].
@@ -218,7 +221,7 @@ impl<const AXES: usize> Kind<AXES> {
     }
 }
 
-/// The kind that begins when no block is held.
+/// The kind of smoother that replaces the current one when no block is held.
 #[derive(Debug)]
 enum Wanted<const AXES: usize> {
     /// Contour mode with the current settings.
@@ -233,7 +236,7 @@ enum Wanted<const AXES: usize> {
     Surface,
 }
 
-/// The function that the program has switched on in addition to contour mode.
+/// The smoothing function that the program has switched on, besides contour mode.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Selected {
     /// No other function.
@@ -248,31 +251,32 @@ enum Selected {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum SplineError {
-    /// Fewer points than the curve needs.
+    /// The program has given fewer points than the curve needs.
     TooFewPoints {
         /// Number of points since the spline was switched on.
         points: u32,
-        /// Number of points needed.
+        /// Smallest number of points that the curve needs.
         needed: u32,
     },
-    /// 120255: contour mode or `#HSC` while a spline is on, or a spline while one of them is on.
+    /// ISG's error 120255: contour mode or `#HSC` is switched on during a spline, or a spline while contour
+    /// mode is on.
     InSpline,
-    /// 120370: G150 or G151 while #HSC is on.
+    /// ISG's error 120370: G150 or G151 while `#HSC` is on.
     InHsc,
-    /// The path length counts more than three axes.
+    /// The feed refers to more than three axes, and a spline permits at most three.
     FeedAxes,
 }
 
-/// State of the program where it switches a spline on.
+/// The motion before the place where the program switches a spline on.
 #[derive(Clone, Copy, Debug)]
 pub struct Before<'a, const AXES: usize> {
-    /// Number of motion blocks taken.
+    /// Number of motion blocks that the program has had so far.
     pub taken: u32,
-    /// End of the last block.
+    /// End of the last block: direction and curvature; `None` if there is no block.
     pub exit: Option<&'a End<AXES>>,
 }
 
-/// The current smoother, and the start parameters of the others.
+/// The smoothing stage of a channel: the current smoother, and the parameters of the others.
 #[derive(Debug)]
 pub struct Smoothing<const AXES: usize> {
     measure: Measure,
@@ -289,8 +293,8 @@ pub struct Smoothing<const AXES: usize> {
 }
 
 impl<const AXES: usize> Smoothing<AXES> {
-    /// Contour mode, switched off. `auto_contour_mode`: P-CHAN-00239. Made in place in every build; a
-    /// returned value would be on the stack twice.
+    /// Starts with contour mode, switched off. `auto_contour_mode`: value of P-CHAN-00239. Inline, so that
+    /// the value is made in place; a returned value would be on the stack twice.
     #[inline(always)]
     pub fn new(measure: Measure, preset: Preset, auto_contour_mode: u8) -> Self {
         Self {
@@ -307,10 +311,10 @@ impl<const AXES: usize> Smoothing<AXES> {
         }
     }
 
-    /// Takes a command of contour mode. `in_motion`: the command is in a block with a motion.
+    /// Takes a command of contour mode. `in_motion`: whether the command is in a block with a motion.
     ///
     /// # Errors
-    /// The command would round corners of a spline.
+    /// The command switches contour mode on while a spline is on.
     pub fn contour(&mut self, command: &Contour, in_motion: bool) -> Result<(), SplineError> {
         let rounds = matches!(command.switch, Some(ContourSwitch::Block | ContourSwitch::On));
         if rounds && self.selected == Selected::Spline {
@@ -370,7 +374,7 @@ impl<const AXES: usize> Smoothing<AXES> {
         swung.chain(given).fold(0, |axes, k| axes | 1u32.wrapping_shl(k as u32))
     }
 
-    /// Takes parameters and switch of `#HSC`. The held blocks end at their programmed points.
+    /// Takes a command `#HSC`: its parameters, and ON or OFF. The held blocks end at their programmed points.
     ///
     /// While HSC is on, its parameters stay unchanged. Returns `false` if the command tries to change them.
     ///
@@ -511,8 +515,8 @@ impl<const AXES: usize> Smoothing<AXES> {
         self.kind = Kind::Spline(Splining::new(self.measure, check_jerk, start));
     }
 
-    /// A B-spline inside a tolerance. Its curves are the smoothing curves of Surface; contour mode rounds the
-    /// edges.
+    /// Begins a B-spline inside a tolerance. The smoothing curves of Surface make its curves, and contour
+    /// mode rounds its edges.
     #[cfg(all(feature = "surface", feature = "splines"))]
     #[inline(never)]
     fn begin_bounded(&mut self, rules: &spline::Rules) {
@@ -540,7 +544,7 @@ impl<const AXES: usize> Smoothing<AXES> {
     }
 }
 
-/// Calls the current kind.
+/// Calls a function of the current smoother.
 macro_rules! at_work {
     ($smoothing:ident, $kind:ident => $what:expr) => {
         match &mut $smoothing.kind {

@@ -1,19 +1,22 @@
-//! `#CONTOUR MODE [DEV]` under a transformation. Takes the settings of contour mode, and chooses the smoother.
+//! `#CONTOUR MODE [DEV]` while a transformation is active: decides whether contour mode or Surface smooths a
+//! corner.
 //!
-//! A curve of DEV takes at most half of each line. In a row of short lines it bends twice as much as the row, and its
-//! third derivative grows as lines become shorter. An axis that turns the tool has little acceleration and jerk, so
-//! this costs time. The kernels of Surface overlap, so a row of equal corners is one even curve.
+//! A curve of DEV takes at most half of each line. In a run of short lines, this curve bends twice as much as
+//! the run, and its third derivative grows as lines become shorter. A rotary axis that turns the tool has
+//! little acceleration and jerk, so this costs time. The smoothing curves of Surface overlap, so a run of
+//! equal corners becomes one even curve.
 //!
-//! Under a transformation the smoother of Surface therefore works with the tolerances of DEV. It compares each corner
-//! and leaves edges to contour mode ([`super::edged`]). Settings that Surface does not have stay with contour mode.
+//! So under a transformation the smoother of Surface works with the tolerances of DEV. Surface leaves sharp
+//! corners to contour mode ([`super::edged`]). If the program uses settings that Surface does not have,
+//! contour mode smooths all corners.
 use super::edged::Edged;
 use super::{Kind, Selected, Smoother, Smoothing, Wanted, surface};
 use crate::dynamics::Dynamics;
 use crate::nc::Contour;
 
 impl<const AXES: usize> Smoothing<AXES> {
-    /// Whether Surface works for DEV. It then waits for late text, as DEV does: the path must not depend on the
-    /// arrival time of text.
+    /// Whether Surface works for DEV. Surface then waits for late text, as DEV does, so that the path does
+    /// not depend on the arrival time of text.
     pub(super) fn is_row(&self) -> bool {
         matches!(self.kind, Kind::Surface(_)) && self.selected == Selected::None && self.wanted.is_none()
     }

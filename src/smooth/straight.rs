@@ -1,4 +1,5 @@
-//! Replaces contour mode in a build without it ([`crate::machine::functions`]): always off, so blocks bypass it.
+//! Replaces contour mode in a build without contour mode ([`crate::machine::functions`]). This contour mode
+//! is always off, so all blocks bypass it.
 use super::contour::{Preset, Settings};
 use super::{Parting, ProgrammedBlock, Smoothed, Smoother};
 use crate::dynamics::Dynamics;
@@ -17,12 +18,12 @@ impl<const AXES: usize> Straight<AXES> {
         Self { settings: Settings::off(preset) }
     }
 
-    /// Off, with the same machine data.
+    /// Contour mode that stays off, with the machine data in `settings`.
     pub fn with(_: Measure, settings: &Settings) -> Self {
         Self { settings: settings.restarted() }
     }
 
-    /// As [`Self::with`], in place.
+    /// Takes the machine data in `settings`; contour mode stays off.
     pub fn begin(&mut self, settings: &Settings) {
         self.settings = settings.restarted();
     }

@@ -1,9 +1,10 @@
-//! Selects the kind of curve of a corner. The curve is over time if the method demands that kind, or if that
-//! kind is quicker; otherwise it is over arc length. With DEV, the motion may also stop in the corner.
+//! Selects the kind of curve for a corner. A curve over time is selected if the method demands one, or if it
+//! is quicker; otherwise a curve over arc length. With DEV, the motion may also stop in the corner.
 //!
-//! PATH_DEV is the largest permitted deviation. The code compares the times over all of the path that the
-//! corner may use. It takes a curve with a smaller deviation if that curve is quicker, or a stop in the
-//! corner. So a corner is never slower than a stop, and a smaller tolerance is never quicker.
+//! PATH_DEV is the largest permitted deviation. The code estimates the time of each choice over all of the
+//! path that the corner may use, and selects the quickest choice. A curve with a smaller deviation than
+//! PATH_DEV and a stop in the corner are choices too. So a corner never takes longer than a stop, and a
+//! smaller tolerance never makes the corner quicker.
 use super::Parameters;
 use super::corner::{Corner, Tolerance};
 use super::curve::{Main, Quintic, aside, plus, size};
@@ -18,7 +19,7 @@ use crate::path::Measure;
 use crate::slope::limits::Limits;
 use crate::slope::ramp::Ramp;
 
-/// The two blocks of a corner, for the times of their parts before and after a curve.
+/// The two blocks of a corner. Computes how long the motion takes before, inside and after a curve.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Approach {
     /// Ramps: from the speed of the first block to the speed in the corner, and from there to the speed of
@@ -27,20 +28,20 @@ pub struct Approach {
     /// Speeds, mm/tick, and the path of both blocks that the corner may use, mm.
     v: [f32; 2],
     room: [f32; 2],
-    /// Speed, acceleration and jerk of each block in both directions; `None` with a slope without jerk limit.
+    /// Limits of speed, acceleration and jerk for both speeding up and braking on each block; `None` with a
+    /// slope without jerk limit.
     along: [Option<[f32; 3]>; 2],
 }
 
 impl Approach {
-    /// The approach of two blocks with these limits. `room`: path length of each block that the corner may
-    /// use, mm.
+    /// Takes the limits of both blocks. `room`: path length of each block that the corner may use, mm.
     pub fn new([first, second]: [&Limits; 2], room: [f32; 2]) -> Self {
         let along = [first.along(), second.along()];
         Self { slopes: [first.brake(), second.speed_up()], v: [first.v, second.v], room, along }
     }
 
-    /// Ticks over the whole path, with a curve at the speed `v` which begins and ends at the distances `c`
-    /// and takes `inside` ticks.
+    /// Ticks over all of `room`, with a curve that the motion enters and leaves at the speed `v`. The curve
+    /// begins and ends at the distances `c` from the corner, and takes `inside` ticks.
     fn time(&self, v: f32, c: [f32; 2], inside: f32) -> f32 {
         let sides = self.slopes.iter().zip(self.v).zip(self.room.iter().zip(c));
         sides.fold(inside, |sum, ((slope, fastest), (room, c))| {
@@ -52,8 +53,8 @@ impl Approach {
                 return sum + way / max(v, f32::MIN_POSITIVE);
             }
             let (mut gain, mut gaining) = (missing, f32::MAX);
-            // If the speed is surely reached, no root is needed. The speed may be reached if the ramp has the
-            // full acceleration from its start.
+            // `slope.reach` needs a root. No root is needed if the path is long enough for the ramp. The ramp
+            // is tried only if even full acceleration from its start could reach the speed.
             if (v + 0.5 * missing) * missing <= way * slope.acceleration() {
                 gaining = slope.distance(v, gain)[0];
             }
@@ -66,8 +67,8 @@ impl Approach {
         })
     }
 
-    /// A curve must be quicker than a stop by this factor, which is the accuracy of ramp times. The factor is
-    /// 1 for STEP, which has no ramps.
+    /// The factor by which a curve must be quicker than a stop: the accuracy of ramp times. The factor is 1
+    /// for STEP, which has no ramps.
     pub fn known(&self) -> f32 {
         if self.along.iter().all(Option::is_some) { KNOWN } else { 1.0 }
     }
@@ -75,20 +76,22 @@ impl Approach {
     /// Whether a stop in the corner takes fewer ticks than `most`.
     pub fn stops_within(&self, most: f32) -> bool {
         let sides = self.slopes.iter().zip(self.v).zip(self.room);
-        // In no part is the speed above the feed, or above the speed that the full acceleration reaches.
+        // A quick lower bound: the speed exceeds neither the feed nor the speed that full acceleration
+        // reaches.
         let least = sides.fold(0.0, |sum, ((slope, v), room)| {
             sum + max(room / v, sqrt_f32(2.0 * room / slope.acceleration()))
         });
         SURELY * least < most && self.time(0.0, [0.0; 2], 0.0) < most
     }
 
-    /// Ticks with a curve over time.
+    /// Ticks over all of the path that the corner may use, with a curve over time.
     pub fn overlapping(&self, way: &Overlap) -> f32 {
         self.time(way.rise.v, [way.rise.distance(); 2], way.duration())
     }
 
-    /// Ticks with a curve over arc length, with its path length and its corner distances (mm). The speed
-    /// along the curve is at most `passes`.
+    /// Ticks over all of the path that the corner may use, with a curve over arc length. `length`: path
+    /// length of the curve, mm; `distances`: corner distances of its ends, mm. The limits of the axes permit
+    /// `length * passes` as speed in the curve.
     pub fn even(&self, (length, passes): (f32, f32), distances: [f32; 2]) -> f32 {
         let [v1, v2] = self.v;
         let (even, tight) = (length * passes, self.is_tight(distances));
@@ -102,7 +105,7 @@ impl Approach {
 }
 
 impl Approach {
-    /// The speed that the motion reaches from a stop over the shorter part.
+    /// The speed that the motion reaches from a stop over the shorter of both lengths in `room`.
     fn reached(&self) -> f32 {
         let [v1, v2] = self.v;
         min(min(v1, v2), self.slopes[0].reach(0.0, min(self.room[0], self.room[1])))
@@ -114,8 +117,8 @@ impl Approach {
         beside < LITTLE * max(distances[0], distances[1])
     }
 
-    /// The share of these distances that leaves enough path for a change of speed. Returns `None` if the
-    /// whole distances leave enough.
+    /// The share of these corner distances that leaves enough path beside the curve for a change of speed.
+    /// Returns `None` if the whole distances leave enough.
     pub fn loosened(&self, distances: [f32; 2]) -> Option<f32> {
         let beside = LITTLE * max(distances[0], distances[1]);
         let sides = self.room.iter().zip(distances);
@@ -127,19 +130,19 @@ impl Approach {
 /// If the path next to a curve is at least this share of the corner distance, the speed need not change
 /// inside the curve.
 const LITTLE: f32 = 0.25;
-/// If the path is shorter, the speed in the curve is about this share of the highest speed: three steps of
-/// four fifths.
+/// If the path is shorter, the speed in the curve is about this share of the highest speed: (4/5)³.
 const VARYING: f32 = 0.512;
-/// STEP: two steps of four fifths, if the curve limits the speed at all.
+/// The same share for STEP, if the curve limits the speed at all: (4/5)².
 const VARYING_STEPPED: f32 = 0.64;
 
-/// See [`Approach::known`].
+/// Accuracy of ramp times, as a factor.
 const KNOWN: f32 = 1.0 + 1.0 / 256.0;
 
 /// Margin for rounding.
 const SURELY: f32 = 0.999;
 
-/// Below this share of the speed, a curve gains nothing over a stop.
+/// A curve at less than this share of the speed that the motion reaches from a stop is not quicker than a
+/// stop.
 const SLOWEST: f32 = 0.25;
 
 /// A corner, and the data for the choice of its curve.
@@ -162,8 +165,8 @@ pub struct Choice<'a, const AXES: usize> {
 }
 
 impl<const AXES: usize> Choice<'_, AXES> {
-    /// Whether the corner is rapid motion. Returns `None` unless the corner lies between two lines of one
-    /// kind, without left-out blocks.
+    /// Whether the corner is between two lines of rapid motion. Returns `None` if a block is no line, if one
+    /// line is rapid and the other is not, or if blocks are left out.
     fn lines(&self) -> Option<bool> {
         let [held, next] = self.blocks;
         let [first, second] = [&held.block, &next.block];
@@ -181,7 +184,8 @@ pub struct Candidate {
     pub way: Overlap,
     /// Whether no other curve is possible.
     pub only: bool,
-    /// Whether the corner uses all of the acceleration. A stop then uses no more acceleration than the curve.
+    /// Whether the curve uses all of the permitted acceleration. A stop then uses no more acceleration than
+    /// the curve.
     pub full: bool,
 }
 
@@ -209,7 +213,7 @@ impl Candidate {
             // Zero except for rounding.
             *x = 0.0;
         }
-        // Both motions run at once: every axis changes its speed evenly.
+        // Both motions run at the same time, so the change of direction limits acceleration and jerk.
         let of = match rule.method {
             ContourMethod::Ptp => PART_PTP,
             ContourMethod::Dev => PART_DEV,
@@ -231,7 +235,7 @@ impl Candidate {
     }
 }
 
-/// Two lines whose motions overlap about their corner.
+/// Two lines for which the motion along the second line starts before the motion along the first line ends.
 struct Sharing<'a, const AXES: usize> {
     dynamics: &'a Dynamics<AXES>,
     rapid: bool,
@@ -244,9 +248,10 @@ struct Sharing<'a, const AXES: usize> {
 }
 
 impl<const AXES: usize> Sharing<'_, AXES> {
-    /// The quickest overlap. In its middle, both motions are at most `off` from the corner. The overlap
-    /// begins at most `reach` from the corner. Acceleration and jerk are given for the change of direction
-    /// and for both lines.
+    /// The quickest overlap of both motions. In the middle of the overlap, both motions are at most `off`
+    /// (mm) from the corner. The overlap begins at most `reach` (mm) before the corner. `a`, `j`:
+    /// acceleration and jerk that the change of direction permits; `a_along`, `j_along`: those that both
+    /// lines permit.
     fn overlap(
         &self,
         approach: &Approach,
@@ -298,7 +303,8 @@ impl<const AXES: usize> Sharing<'_, AXES> {
     }
 }
 
-/// A corner between two lines of Surface that contour mode may round.
+/// A corner between two lines under `#HSC [SURFACE]`. Contour mode rounds the corner if this is quicker than
+/// a smoothing curve of Surface.
 pub struct Edge<'a, const AXES: usize> {
     pub dynamics: &'a Dynamics<AXES>,
     pub rapid: bool,
@@ -317,16 +323,17 @@ impl<const AXES: usize> Edge<'_, AXES> {
         approach.time(v, [c; 2], 2.0 * c / max(v, f32::MIN_POSITIVE))
     }
 
-    /// Whether a stop takes fewer ticks than a smoothing curve of Surface with this speed and distance.
+    /// Whether a stop takes fewer ticks than a smoothing curve of Surface. `kernel`: speed in that curve
+    /// (mm/tick), and distance from its start to the corner (mm).
     #[inline(never)]
     pub fn stands(&self, kernel: (f32, f32)) -> bool {
         let approach = Approach::new(self.limits, self.room);
         approach.stops_within(self.kernel(&approach, kernel))
     }
 
-    /// Whether contour mode takes fewer ticks than a smoothing curve of Surface with this speed and distance.
-    /// Contour mode has a curve of DEV whose middle is `off` (mm) from the corner along both lines, or a
-    /// stop.
+    /// Whether contour mode takes fewer ticks than a smoothing curve of Surface (`kernel`: see
+    /// [`Self::stands`]). Contour mode either stops in the corner, or makes a curve of DEV; in its middle,
+    /// both motions are `off` (mm) from the corner.
     #[inline(never)]
     pub fn is_quicker(&self, off: f32, kernel: (f32, f32)) -> bool {
         let &Self { dynamics, rapid, tangents, room, .. } = self;
@@ -349,10 +356,11 @@ impl<const AXES: usize> Edge<'_, AXES> {
 /// factor of its time.
 const KERNEL: f32 = 1.33;
 
-/// The corner distance of the curve at a shallow corner between two lines, mm, equal on both sides. This
-/// curve has the least jerk ([`super::kernel`]). DEV with HSC takes this curve if all of both blocks lies
-/// inside the tolerance. Acceleration passes the curve, so many short lines are driven as one curve. Longer
-/// lines are quicker with curves over time, because their speed changes before and after these curves.
+/// The corner distance of the curve at a shallow corner between two lines, mm, equal on both sides; `None` if
+/// the corner gets another curve. This curve has the least jerk ([`super::kernel`]). DEV with HSC takes this
+/// curve if all of both blocks lies inside the tolerance. The acceleration need not be zero in the curve, so
+/// many short lines become one motion. Longer lines are quicker with curves over time, because their speed
+/// changes before and after these curves.
 pub fn shallow_distance<const AXES: usize>(choice: &Choice<'_, AXES>) -> Option<f32> {
     let Choice { corner, rule, setting, most, tolerance, approach, .. } = *choice;
     let dev = rule.method == ContourMethod::Dev && !setting.const_vel;
@@ -369,10 +377,10 @@ pub fn shallow_distance<const AXES: usize>(choice: &Choice<'_, AXES>) -> Option<
     (size(&setting.measure.main, &change) <= SHALLOW && 6.0 * off >= most).then_some(most)
 }
 
-/// A corner distance is short below a³/(5·j²); this is the 5. From a stop, a ramp reaches the acceleration a
-/// after a³/(6·j²).
+/// Divisor of a³/j²: a corner distance below a³/(5·j²) is short. From a stop, a ramp with the jerk j reaches
+/// the acceleration a after the distance a³/(6·j²).
 const BRIEF: f32 = 5.0;
-/// Largest change of direction of a shallow corner.
+/// Largest change of direction of a shallow corner, rad.
 const SHALLOW: f32 = 0.05;
 
 /// Distance from the corner at which a curve of DIST_SOFT begins, mm; at most `most`.
@@ -386,8 +394,8 @@ fn soft_distance<const AXES: usize>(
     if tracks(&measure.main, change) { min(distance, rule.track_distance()) } else { distance }
 }
 
-/// Largest distance of both motions from the corner, when both are equally far from the corner, mm. With this
-/// distance, the curve keeps the tolerances, less a small margin.
+/// Largest distance (mm) of both motions from the corner in the middle of the curve, where both are equally
+/// far from the corner. With this distance, the curve keeps the tolerances, with a small margin.
 fn off_corner<const AXES: usize>(main: &Main, change: &[f32; AXES], tolerance: &Tolerance) -> f32 {
     let off = tolerance.path.map_or(f32::MAX, |dev| dev * EXACT / size(main, change));
     let turn = aside(main, change);
@@ -407,7 +415,8 @@ pub fn bends<const AXES: usize>(curve: &Quintic<AXES>) -> [[f32; AXES]; 2] {
 /// Examined places of a curve, as shares of its parameter.
 const PLACES: [f32; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
 
-/// Approximate speed along a curve with these second and third derivatives.
+/// Approximate speed that the limits of the axes permit along a curve with these second and third
+/// derivatives.
 pub fn passes<const AXES: usize>(
     [second, third]: &[[f32; AXES]; 2],
     rapid: bool,
@@ -453,7 +462,7 @@ const GENTLEST: f32 = 0.01;
 
 /// DIST_SOFT: the rise with the least acceleration, between ACC_MIN and ACC_MAX, that changes the speed
 /// within `distance`. If ACC_MAX is not enough, the speed is lower. `ramp`: longest ramp time of the axes
-/// that change their speed, ticks. Also returns whether the rise uses all of the acceleration.
+/// that change their speed, ticks. The second result tells whether the rise uses all of the acceleration.
 fn soft_rise(rule: &Parameters, distance: f32, [v, a, j]: [f32; 3], ramp: f32) -> Option<(Rise, bool)> {
     let [least, most] = rule.acc;
     let ramp = max(rule.ramp_time, 1e-4) * ramp;

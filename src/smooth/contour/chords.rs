@@ -1,6 +1,6 @@
-//! Merges chords into one line. If chords are short compared with the tolerance, a curve takes half of each
-//! block, so each corner would be slow. The machine data may give a part of PATH_DEV to straight lines over
-//! several chords. The curves at the corners of these lines have the rest of PATH_DEV.
+//! Merges chords (short lines of nearly the same direction) into one line. A curve at a corner takes at most
+//! half of each block, so corners between short chords are slow. The machine data can give a part of PATH_DEV
+//! to lines over several chords. The curves at the corners of these lines have the rest of PATH_DEV.
 //!
 //! The largest deviation is at a dropped point, because the contour between two points is straight.
 //! [`POINTS`] points are stored one by one. Beyond that number, the deviations of merged lines are added.
@@ -15,7 +15,8 @@ use crate::quantity::DISTANCE_LSB;
 /// Number of stored points.
 const POINTS: usize = 15;
 
-/// Longest merged line, in tolerances. A curve at the corner of a longer line is fast enough.
+/// Longest merged line, as a multiple of the tolerance. The curves at the corners of longer lines are fast
+/// enough.
 const LONGEST: f32 = 256.0;
 
 /// Largest sine of the angle between a chord and the line.
@@ -44,8 +45,8 @@ impl<const AXES: usize> Chords<AXES> {
         Self { points: [[0.0; AXES]; POINTS], count: 0, before }
     }
 
-    /// Extends `held` to a line over itself and the next block. The call does so only if all points between
-    /// stay inside their share of the tolerance. Returns whether the line is extended.
+    /// Extends `held` to a line over itself and the next block, if all points between stay inside their share
+    /// of the tolerance. Returns whether the line is extended.
     #[inline(never)]
     pub fn gather(
         &mut self,

@@ -1,6 +1,6 @@
-//! How far the curve of a corner reaches into the two blocks.
+//! Finds how far the curve of a corner may reach into the two blocks.
 //!
-//! The curve is a polynomial of the fifth degree. It has direction and curvature of the blocks at both ends.
+//! The curve is a polynomial of the fifth degree, with direction and curvature of the blocks at both ends.
 //! Its length is nearly proportional to its parameter: to 0.2 % in a corner of 90°. The deviation grows with
 //! the corner distances. A search finds the distances that use all of a tolerance, with a few trials per
 //! call.
@@ -11,7 +11,8 @@ use crate::math::root::sqrt_f32;
 use crate::nc::ContourMethod;
 use crate::path::Measure;
 
-/// Share of a tolerance that the search aims at, and its accuracy. The rest is for rounding.
+/// Share of a tolerance that the search aims at, and the accuracy of the search. The rest of the tolerance is
+/// for rounding.
 pub const AIM: f32 = 1.0 - 2e-4;
 const NEAR: f32 = 1.2e-4;
 
@@ -32,7 +33,7 @@ pub struct Corner<'a, const AXES: usize> {
     pub before: Side<AXES>,
     /// The block after the corner.
     pub behind: Side<AXES>,
-    /// The vector from one block to the other, over blocks that are left out.
+    /// The vector from one block to the other, over blocks that are left out; `None` if no block is left out.
     pub gap: Option<[f32; AXES]>,
 }
 
@@ -52,7 +53,8 @@ pub struct Tolerance {
 }
 
 impl<const AXES: usize> Corner<'_, AXES> {
-    /// DIST_MASTER: whether the master axis keeps its direction, and its travel is the path on both sides.
+    /// DIST_MASTER: whether, on both lines, the path length is the travel of the master axis in the same
+    /// direction.
     pub fn follows_master(&self, rule: &Parameters, measure: &Measure) -> bool {
         let Some(k) = measure.master().filter(|_| rule.method == ContourMethod::DistMaster) else {
             return false;
@@ -99,7 +101,7 @@ impl<const AXES: usize> Corner<'_, AXES> {
         Quintic::new(&begin, &end, speed)
     }
 
-    /// Ends of the curve, and its speed there, mm per u.
+    /// Ends of the curve, and its speed there, mm per unit of the parameter.
     fn ends(&self, [c1, c2]: [f32; 2]) -> ([Site<AXES>; 2], f32) {
         let (begin, mut end) = (self.before.at(-c1), self.behind.at(c2));
         if let Some(gap) = &self.gap {
@@ -115,9 +117,9 @@ impl<const AXES: usize> Corner<'_, AXES> {
     /// from the corner. A quintic with the same ends gives s(u). An axis has the slopes g1 and g2. Its
     /// deviation is (g2 − g1)·y(u) before the corner, and (g1 − g2)·x(u) after the corner. x is the quintic
     /// from −c1 to a stop at 0; y is the quintic from 0 to c2. With equal distances, both deviations are
-    /// largest at the corner, at u = 1/2. With unequal distances, the shorter motion may first swing to the
-    /// other side. This happens if the speed is more than 2.5 times the distance: then the third coefficient
-    /// is negative.
+    /// largest at the corner, at u = 1/2. With unequal distances, the quintic of the shorter side may first
+    /// swing to the other side. This happens if its speed is more than 2.5 times its distance, because its
+    /// third coefficient is then negative.
     ///
     /// If blocks are left out, their line is the contour between both sides. The places along this line are
     /// checked in equal steps too.
@@ -184,7 +186,7 @@ fn swing(distance: f32) -> Option<f32> {
 const HALVINGS: u32 = 20;
 const TRACK_PLACES: u32 = 16;
 
-/// The mean of the scales on both sides of a corner.
+/// The mean of two values: one for each side of a corner.
 pub fn mean([before, behind]: [f32; 2]) -> f32 {
     0.5 * (before + behind)
 }
@@ -253,8 +255,8 @@ impl<const AXES: usize> Search<AXES> {
         Some((most, slack))
     }
 
-    /// Does one trial. When the search ends, returns the share and the permitted distance of elements, or
-    /// that there is no curve.
+    /// Does one trial. Returns `None` while the search goes on. At the end, returns the share and the
+    /// permitted distance of elements, or `Some(None)` if there is no curve.
     fn go_on(&mut self, corner: &Corner<'_, AXES>, tolerance: &Tolerance) -> Option<Option<Use>> {
         let (used, slack) = self.use_of(corner, tolerance)?;
         let off = used - AIM;
@@ -313,7 +315,7 @@ impl<const AXES: usize> Reach<AXES> {
         Self { tolerance, search: Search::new(distances, false), first: 1.0 }
     }
 
-    /// The same search with other distances.
+    /// A new search with other distances and the same tolerance.
     pub fn within(&self, distances: [f32; 2]) -> Self {
         Self::new(self.tolerance, distances)
     }
@@ -323,8 +325,8 @@ impl<const AXES: usize> Reach<AXES> {
         (self.first * self.search.part == part).then_some(&self.search.curve)
     }
 
-    /// Continues the search. When the search ends, returns the share and the permitted deviation of the
-    /// curve's elements, or that there is no curve.
+    /// Continues the search. Returns `None` while the search goes on. At the end, returns the share and the
+    /// permitted distance of the elements from the curve (mm), or `Some(None)` if there is no curve.
     #[inline(never)]
     pub fn go_on(&mut self, corner: &Corner<'_, AXES>) -> Option<Option<(f32, f32)>> {
         let trials = if self.search.along { 1 } else { TRIALS_PER_CALL };
@@ -346,9 +348,9 @@ impl<const AXES: usize> Reach<AXES> {
 /// The change of direction at a corner.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Turn {
-    /// Sine and cosine of half the angle of the turn, over the main axes.
+    /// Sine of half the change of direction, over the main axes.
     pub sine: f32,
-    /// See [`Self::sine`].
+    /// Cosine of half the change of direction, over the main axes.
     pub cosine: f32,
     /// Largest change of slope of the other axes.
     pub track: f32,
@@ -357,8 +359,8 @@ pub struct Turn {
 /// Smallest distance in space per path distance.
 const SLOWEST: f32 = 1.0 / 1024.0;
 
-/// The turn between two sides of a corner. Returns `None` in two cases: the main axes do not move on both
-/// sides, or the feed axes do not cover the path.
+/// The change of direction between both sides of a corner. Returns `None` if the main axes do not move, or
+/// hardly move, on one of the sides.
 pub fn turn<const AXES: usize>(measure: &Measure, before: &Side<AXES>, behind: &Side<AXES>) -> Option<Turn> {
     let main = &measure.main;
     let moves = |side: &Side<AXES>| {

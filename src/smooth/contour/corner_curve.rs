@@ -1,4 +1,4 @@
-//! The curve of a corner over its arc length, cut into elements.
+//! Makes the curve of a corner over its arc length, and cuts the curve into elements.
 //!
 //! The curve is one polynomial of the fifth degree, or two polynomials that meet at a given interim point.
 //! The curve is cut into elements. Position, direction and curvature at a cut are computed once for both
@@ -16,13 +16,13 @@ use crate::path::poly::{Draft, Knot};
 use crate::path::{Bounds, Element, End, Measure};
 use crate::quantity::{Distance, Position};
 
-/// Largest relative difference between path speed and speed along the curve. With a demand for constant
-/// speed, the limit is a third.
+/// Largest relative difference between path speed and speed along the curve.
 pub const EVEN: f32 = 9e-4;
-/// The limit for constant speed; see [`EVEN`].
+/// The same limit if the program demands constant speed (CONST_VEL): a third of [`EVEN`].
 pub const CONSTANT: f32 = 3e-4;
 
-/// Largest sum of coefficients, mm: see [`mod@crate::path::poly`], which scales them by 2^5.
+/// Largest [`Quintic::weight`] of an element, mm. [`mod@crate::path::poly`] stores the coefficients as
+/// integers scaled by 2^5, which limits their size.
 pub const HEAVIEST: f32 = 4096.0;
 
 /// Largest number of elements in half a curve.
@@ -30,7 +30,8 @@ const MOST_PARTS: u32 = 16;
 
 /// Number of elements with stored length and speed. A curve usually has fewer elements.
 const SEEN: usize = 16;
-/// The same for a curve through a given point, which is rare. A small build computes each element again.
+/// The same number for a curve through a given point, which is rare. A small build computes each element
+/// again.
 const SEEN_GIVEN: usize = if cfg!(any(feature = "surface", feature = "splines")) { SEEN } else { 0 };
 
 /// Number of steps in half a curve through a given point; a cut is possible at each step. The second value is
@@ -49,9 +50,9 @@ pub struct CornerCurve<const AXES: usize> {
     /// The whole curve, or the first half of a curve through a given point.
     curve: Quintic<AXES>,
     kept: Kept<AXES>,
-    /// mm per u of both halves, if the path is the parameter.
+    /// Path length (mm) per unit of the parameter in both halves, if the path is the parameter.
     path: Option<[f32; 2]>,
-    /// End of the last element, and its site.
+    /// End of the last element, and end of the whole curve.
     at: Knot<AXES>,
     last: Knot<AXES>,
     /// Number of elements in each half, and number of accepted elements, later of emitted elements.
@@ -84,13 +85,13 @@ struct Seam<const AXES: usize> {
     site: Site<AXES>,
 }
 
-/// An element before its axes are made.
+/// Data of an element whose polynomials for the axes are not computed yet.
 pub struct Rehearsal<const AXES: usize> {
     /// Whether the element belongs to the block before the corner.
     pub is_first: bool,
     /// Path length, mm.
     pub length: f32,
-    /// Largest speed along the element per path speed.
+    /// Largest ratio of the speed along the element to the path speed.
     pub fastest: f32,
     ends: [Site<AXES>; 2],
 }
@@ -224,8 +225,9 @@ impl<const AXES: usize> CornerCurve<AXES> {
         }
     }
 
-    /// Makes both halves, through `interim` if given. `lead`: the path between both ends if a master axis is
-    /// the path. Returns whether the halves can be made. Call [`Self::fit`] afterwards.
+    /// Makes both halves, through the point `interim` if given. `lead`: path length (mm) between both ends,
+    /// if the travel of a master axis is the path. Returns whether the halves can be made. Then call
+    /// [`Self::fit`].
     #[inline(never)]
     pub fn lay(&mut self, measure: &Measure, interim: Option<&[f32; AXES]>, lead: Option<f32>) -> bool {
         let main = &measure.main;
@@ -372,7 +374,7 @@ impl<const AXES: usize> CornerCurve<AXES> {
         }
     }
 
-    /// mm per u in a portion, if the path is the parameter.
+    /// Path length (mm) per unit of the parameter in a portion, if the path is the parameter.
     fn path_of(&self, portion: &Portion<'_, AXES>) -> Option<f32> {
         self.path.map(|[first, second]| if portion.is_first { first } else { second })
     }
@@ -445,7 +447,7 @@ impl<const AXES: usize> CornerCurve<AXES> {
         self.is_first(self.done)
     }
 
-    /// End of the last element.
+    /// End of the last emitted element, mm or degrees.
     pub fn stands(&self) -> &[Position; AXES] {
         &self.at.position
     }
@@ -490,7 +492,7 @@ impl<const AXES: usize> CornerCurve<AXES> {
         Bounds::between(from, to, element.length, element.fastest)
     }
 
-    /// The next element, whose axes are not made yet.
+    /// Begins the next element; the returned draft computes the polynomials of its axes.
     pub fn next_element(&mut self, measure: &Measure, element: &mut Element<AXES>) -> Option<Draft<AXES>> {
         if self.is_done() {
             return None;
@@ -566,7 +568,8 @@ fn through<const AXES: usize>(
     Some(lengths)
 }
 
-/// Largest ratio of the speed along an element to its path speed, from the ratio at some places.
+/// Upper bound of the ratio of speed along an element to path speed. `above`: largest relative excess found
+/// at some places.
 pub fn fastest(above: f32) -> f32 {
     1.0 + 1.25 * above + 1e-6
 }

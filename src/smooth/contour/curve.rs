@@ -1,6 +1,6 @@
-//! The geometry of a corner in `f32`, relative to its corner point. This geometry gives the size of a curve
-//! and the places of its inner cuts. Rounding shifts a curve by 10^-7 of its size. Cuts stay exact, because
-//! both neighbours of a cut get the same numbers.
+//! The geometry of a corner in `f32`, relative to its corner point. The module computes how large a curve is,
+//! and where it is cut into elements. Rounding moves a curve by 10^-7 of its size. Elements still meet
+//! exactly, because both neighbours of a cut get the same numbers.
 use crate::math::float::{magnitude, max, min, to_f32, to_i64};
 use crate::math::root::sqrt_f32;
 use crate::math::trig::sin_cos;
@@ -13,7 +13,7 @@ const LSB_40: f32 = 1.0 / (1u64 << 40) as f32;
 const TURNS: f32 = 2.935_890_4e18;
 const LSB_62: f32 = 1.0 / (1u64 << 62) as f32;
 
-/// Scalar product over the main axes.
+/// Scalar product of the main axes' components.
 pub fn dot<const AXES: usize>(main: &Main, a: &[f32; AXES], b: &[f32; AXES]) -> f32 {
     if main.lead()
         && let ([a0, a1, a2, ..], [b0, b1, b2, ..]) = (a.as_slice(), b.as_slice())
@@ -23,7 +23,7 @@ pub fn dot<const AXES: usize>(main: &Main, a: &[f32; AXES], b: &[f32; AXES]) -> 
     main.of::<AXES>().fold(0.0, |sum, k| sum + a[k] * b[k])
 }
 
-/// Length over the main axes.
+/// Length of the vector of the main axes' components.
 pub fn size<const AXES: usize>(main: &Main, a: &[f32; AXES]) -> f32 {
     sqrt_f32(dot(main, a, a))
 }
@@ -81,7 +81,7 @@ impl<const AXES: usize> Site<AXES> {
     pub const NONE: Self = Self { offset: [0.0; AXES], tangent: [0.0; AXES], curvature: [0.0; AXES] };
 }
 
-/// A block at the corner, as a function of the distance from the corner. After the corner, this distance is
+/// A block at the corner, as a function of the distance from the corner. Distances before the corner are
 /// negative.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Side<const AXES: usize> {
@@ -100,13 +100,14 @@ pub fn space_per_path<const AXES: usize>(measure: &Measure, tangent: &[f32; AXES
     if measure.is_space() { 1.0 } else { size(&measure.main, tangent) }
 }
 
-/// Direction and speed of one end of an element as numbers.
+/// Converts the tangent at one end of an element to numbers: dx/ds of every axis.
 pub fn direction<const AXES: usize>(end: &End<AXES>) -> [f32; AXES] {
     end.tangent.map(|t| to_f32(t) * LSB_40)
 }
 
 impl<const AXES: usize> Side<AXES> {
-    /// The block `element`, which has `end` at the corner.
+    /// Makes the side from the block `element`. `end`: direction and curvature at the end of the block that
+    /// is at the corner.
     pub fn new(element: &Element<AXES>, end: &End<AXES>, measure: &Measure) -> Self {
         let tangent = direction(end);
         let space_per_path = space_per_path(measure, &tangent);
@@ -259,7 +260,7 @@ impl<const AXES: usize> Quintic<AXES> {
         Self { power }
     }
 
-    /// The cubic with these points of Bézier.
+    /// The cubic with these four Bézier points.
     pub fn cubic(points: &[[f32; AXES]; 4]) -> Self {
         let [b0, b1, b2, b3] = points;
         let first = plus(b1, -1.0, b0).map(|x| 3.0 * x);
@@ -270,7 +271,8 @@ impl<const AXES: usize> Quintic<AXES> {
         Self { power: [*b0, first, bend, twist, none, none] }
     }
 
-    /// The largest sum of the coefficients of an axis, and of the travel.
+    /// For each axis, the magnitudes of all coefficients except the constant one are added. Returns the
+    /// largest sum, mm.
     pub fn weight(&self) -> f32 {
         let [_, rest @ ..] = &self.power;
         let mut most = 0.0;
@@ -316,8 +318,9 @@ impl<const AXES: usize> Quintic<AXES> {
         }))
     }
 
-    /// Upper bounds of the derivatives over a path of `length` (mm), which is linear in u. The bounds come
-    /// from control points, plus the rounding of numbers that nearly cancel out.
+    /// Upper bounds of the first three derivatives of each axis with respect to path distance. The path has
+    /// the length `length` (mm) and is proportional to u. The bounds come from the control points, and
+    /// include rounding.
     pub fn hull(&self, length: f32) -> [[f32; AXES]; 3] {
         let [_, p1, p2, p3, p4, p5] = &self.power;
         let mut hull = [[0.0; AXES]; 3];
@@ -339,7 +342,7 @@ impl<const AXES: usize> Quintic<AXES> {
         hull
     }
 
-    /// Squares of the speed over the main axes at these places.
+    /// Squares of the speed of the main axes at these values of u.
     #[cfg_attr(feature = "fast", inline(always))]
     fn squares<const N: usize>(&self, main: &Main, places: &[f32; N]) -> [f32; N] {
         let [_, p1, p2, p3, p4, p5] = &self.power;
@@ -392,8 +395,10 @@ impl<const AXES: usize> Quintic<AXES> {
         Site { offset, tangent: first.map(|x| x * per), curvature: second.map(|x| x * (per * per)) }
     }
 
-    /// Largest relative excess of speed over a path of `path` mm per u, at places between the ends. The feed
-    /// axes are compared with the path, and the main axes with `space_per_path` times the path, if given.
+    /// Largest relative excess of the speed along the curve over the path speed, at places between the ends.
+    /// `path`: path length (mm) per unit of u. The speed of the feed axes is compared with the path speed.
+    /// The speed of the main axes is compared with `space_per_path` times the path speed, if `space_per_path`
+    /// is above 0.
     pub fn haste(&self, measure: &Measure, path: f32, space_per_path: f32) -> f32 {
         let mut most = 0.0;
         for u in PLACES {
@@ -436,8 +441,8 @@ impl<const AXES: usize> Quintic<AXES> {
         magnitude(off) > 2.01 * even + 4e-6
     }
 
-    /// Squared distance of the place `u` from a point, over the main axes. Also half of its first and half of
-    /// its second derivative by u.
+    /// Squared distance of the place `u` from a point, over the main axes; and the halves of its first and
+    /// second derivative with respect to u.
     #[cfg_attr(feature = "fast", inline(always))]
     fn seen(&self, main: &Main, point: &[f32; AXES], u: f32) -> [f32; 3] {
         let [p0, p1, p2, p3, p4, p5] = &self.power;
@@ -499,8 +504,8 @@ impl<const AXES: usize> Quintic<AXES> {
 /// Margin for rounding.
 const SURELY: f32 = 0.999;
 
-/// Searches the largest distance between a curve and the contour that the curve replaces. The distance is
-/// measured from places along both. Each call examines a few places.
+/// Searches the largest distance between a curve and the contour that the curve replaces. The search measures
+/// distances from places on the curve and from places on the contour. Each call examines a few places.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Deviation {
     outward: Peak,
@@ -565,8 +570,8 @@ impl Deviation {
     }
 }
 
-/// Searches the largest value over −1…1. The search begins at the best of equally spaced places and goes
-/// uphill, in shorter and shorter steps to both sides.
+/// Searches the largest value of a function over −1…1. The search begins at the best of equally spaced
+/// places. From there it tries both sides, in shorter and shorter steps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Peak {
     /// Number of examined places.

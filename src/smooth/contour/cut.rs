@@ -1,5 +1,4 @@
-//! The parts of both blocks that the curve of a corner takes: the room for the curve, the ends of the curve,
-//! and the rest of both blocks.
+//! Computes which parts of both blocks the curve of a corner takes, and what is left of both blocks.
 use super::curve::Side;
 use super::held_block::HeldBlock;
 use super::{ONE_44, Parameters};
@@ -9,11 +8,12 @@ use crate::path::poly::Knot;
 use crate::path::{Measure, Passage};
 use crate::quantity::{DISTANCE_LSB, Distance, Position};
 
-/// A rest of a block between two corners goes to the second corner if the rest is below this power of two.
-/// The value is far below the margin of the tolerance.
+/// If the rest of a block between two corners is at most 2^-14 of the block's length, the second corner takes
+/// this rest too. This is far below the margin of the tolerance.
 const SLIVER: u32 = 14;
 
-/// Share of the distance that a curve over time leaves, as a power of two; rounding needs this length.
+/// A curve over time leaves at least 2^-18 of the distance to each neighbouring curve; rounding needs this
+/// length.
 const SCRAP: u32 = 18;
 
 /// Smallest length that a corner leaves of a block that DIST_WEIGHT divides, LSB 2^-44 mm: four steps of a
@@ -36,11 +36,11 @@ const QUARTER: f32 = core::f32::consts::FRAC_PI_2;
 /// How far a curve may reach into both blocks.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Room {
-    /// Largest corner distances, mm. `whole`: neither DIST_WEIGHT nor a quarter of a turn changes the
-    /// distance.
+    /// Largest corner distances, mm.
     pub most: [f32; 2],
+    /// Whether the corner may take half of the block: neither DIST_WEIGHT nor a quarter of a turn limits it.
     whole: [bool; 2],
-    /// Demanded corner distances.
+    /// Corner distances that the program demands, or the largest ones if a tolerance decides, mm.
     pub distances: [f32; 2],
 }
 

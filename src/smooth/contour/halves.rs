@@ -15,7 +15,7 @@ pub struct Halves<const AXES: usize> {
     pub length: f32,
     /// Largest ratio of the speed along the curve to the path speed.
     pub fastest: f32,
-    /// Magnitudes of the third derivative, if acceleration passes the curve.
+    /// Magnitudes of the third derivative of each axis, if acceleration may be non-zero in the curve.
     pub third: Option<[f32; AXES]>,
     /// Number of emitted halves.
     pub done: u8,
@@ -38,7 +38,7 @@ impl<const AXES: usize> Halves<AXES> {
         self.done >= 2
     }
 
-    /// End of the last element.
+    /// End of the last emitted element, mm or degrees.
     pub fn stands(&self) -> &[Position; AXES] {
         match self.done {
             0 => &self.from.position,
@@ -53,7 +53,8 @@ impl<const AXES: usize> Halves<AXES> {
         &self.to.position
     }
 
-    /// The next element, whose axes are not made yet. Call [`Self::settle`] afterwards.
+    /// Begins the next element; the returned draft computes the polynomials of its axes. Then call
+    /// [`Self::settle`].
     pub fn next_element(&mut self, element: &mut Element<AXES>) -> Option<Draft<AXES>> {
         let ends = match self.done {
             0 => [&self.from, &self.middle],
@@ -65,8 +66,8 @@ impl<const AXES: usize> Halves<AXES> {
         Some(if self.third.is_some() { made.cubic() } else { made })
     }
 
-    /// Sets the derivatives of an element that acceleration passes. These values are more accurate than
-    /// values from the points of a short piece.
+    /// Sets the derivatives of an element in which acceleration may be non-zero. These values are more
+    /// accurate than values from the points of a short piece.
     pub fn settle(&self, element: &mut Element<AXES>) {
         if let (Some(bounds), Some(third)) = (&mut element.bounds, self.third) {
             bounds.passage = Passage::Through;

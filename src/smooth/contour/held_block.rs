@@ -8,7 +8,7 @@ use crate::path::{Element, End, Measure, PathError, Straight, arc_to, line_to, s
 use crate::quantity::{DISTANCE_LSB, Distance, Position};
 use core::num::NonZeroI64;
 
-/// A block whose end waits for the next one.
+/// A block that waits for the next block, because the corner between both may shorten it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct HeldBlock<const AXES: usize> {
     pub block: ProgrammedBlock<AXES>,
@@ -18,22 +18,23 @@ pub(super) struct HeldBlock<const AXES: usize> {
     pub rule: Option<Parameters>,
     /// Largest deviation of the contour from the line that replaces it.
     pub stray: Stray,
-    /// Length of the block before it, if the corner between them is rounded, LSB 2^-44 mm.
+    /// Length of the block before this block, if the corner between both is rounded, LSB 2^-44 mm.
     pub previous: Option<NonZeroI64>,
     /// Limits of the block, kept from the first corner of the block until the block becomes another line or
     /// arc.
     pub known: Option<Known>,
 }
 
-/// Blocks left out.
+/// Consecutive short blocks that are left out.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Skipped<const AXES: usize> {
     /// End of the blocks.
     pub to: [Position; AXES],
     /// Data of the last block.
     pub data: Data,
-    /// Largest deviation of the blocks, mm: from the straight line over them, and from the start of the line.
+    /// Largest deviation of the blocks from the straight line over them.
     pub stray: Stray,
+    /// Largest distance of the blocks from the start of that line, mm.
     pub radius: f32,
     /// Whether the sequence of left-out blocks is complete. The line over them is then the block after the
     /// corner.
@@ -45,7 +46,7 @@ pub(super) struct Skipped<const AXES: usize> {
 pub(super) struct Stray {
     /// Deviation in space, mm.
     pub path: f32,
-    /// Deviation of each other axis, at the nearest place of the line in space.
+    /// Deviation of each other axis at the place of the line that is nearest in space, mm or degrees.
     pub track: f32,
 }
 
@@ -86,8 +87,9 @@ pub(super) struct Standing {
 /// shorter than 16 µm before a corner is joined to the block after it.
 const SYSTEM_LEAST: f32 = 0.016;
 
-/// Three limits for merging two blocks: the distance of their corner from the line over both, in LSB 2^-32 mm
-/// and in mm; the change of direction, LSB 2^-40; and the distance of many merged blocks from their line.
+/// Limits for merging two blocks. First and second: distance of their corner from the line over both, LSB
+/// 2^-32 mm, and the same in mm. Third: change of direction, LSB 2^-40. Fourth: distance of many merged
+/// blocks from their line, mm.
 const STRAIGHT: f64 = 4096.0;
 const STRAIGHT_MM: f32 = 4096.0 * LSB_32;
 const TURN: i64 = 1 << 20;
@@ -202,9 +204,9 @@ impl<const AXES: usize> HeldBlock<AXES> {
         stray.is_within(rule.stray()).then_some(skipped)
     }
 
-    /// Whether one line replaces the held block or the left-out blocks, together with the next block. Then
-    /// either this block is too short to begin a curve, or the next block is too short to end a curve. A
-    /// short block is short in space and along every other axis.
+    /// Whether one line replaces the held block or the left-out blocks, together with the next block. This is
+    /// so if this block is too short to begin a curve, or the next block is too short to end a curve. A short
+    /// block is short in space and along every other axis.
     pub fn stands(
         &self,
         skipped: Option<&Skipped<AXES>>,
@@ -221,7 +223,7 @@ impl<const AXES: usize> HeldBlock<AXES> {
         // If a curve ends inside this block, the block keeps its direction.
         let entered = self.block.element.shape.length.to_bits() < self.length;
         let lines = next.is_line() && self.is_line() && !entered;
-        // With DEV alone RELEVANT_PATH applies to both neighbours of a corner.
+        // Only with DEV does RELEVANT_PATH apply to both neighbours of a corner.
         let least = if rule.method == ContourMethod::Dev { path } else { min(path, SYSTEM_LEAST) };
         let whole = lines && rule.method != ContourMethod::Pos && is_short(self, least);
         let standing = match skipped {
@@ -244,8 +246,8 @@ impl<const AXES: usize> HeldBlock<AXES> {
     /// PTP: extends the block to a line over itself and the next block, if the next block continues straight
     /// with the same feed. Returns whether the line is extended.
     ///
-    /// MERGE covers tangential transitions. With PTP only those between lines occur, because an arc switches
-    /// PTP off.
+    /// MERGE applies to tangential transitions. With PTP there are only transitions between lines, because an
+    /// arc switches PTP off.
     pub fn merge(&mut self, next: &Self, dynamics: &Dynamics<AXES>, measure: &Measure) -> bool {
         let (block, data) = (&next.block, &next.block.data);
         if self.rule.as_ref().is_none_or(|rule| rule.method != ContourMethod::Ptp || !rule.merge)
@@ -285,8 +287,8 @@ impl<const AXES: usize> HeldBlock<AXES> {
         true
     }
 
-    /// Whether the block's share in the corner before it depends on the next block, or the next block may
-    /// join it.
+    /// Whether the next block must be known first: it decides how much of this block the corner before may
+    /// take, or it may extend this block.
     pub fn waits(&self) -> bool {
         self.rule.as_ref().is_some_and(|rule| rule.weighs() || self.is_line() && rule.chords().is_some())
     }
@@ -329,7 +331,7 @@ impl<const AXES: usize> HeldBlock<AXES> {
         true
     }
 
-    /// The direction at the start of the block's rest, from a point on the block.
+    /// Direction and curvature at the point `from` of the block, where the rest of the block begins.
     pub fn entry_at(&self, from: &[Position; AXES], measure: &Measure) -> Result<End<AXES>, PathError> {
         if *from == self.block.from {
             return Ok(self.block.element.entry);

@@ -1,5 +1,5 @@
-//! The held blocks in order. When the first block leaves, only the indices change, and no block is moved in
-//! memory. The free place then holds the elements after this block, one after the other.
+//! Stores the held blocks in order. When the first block leaves, only indices change, and no block is moved
+//! in memory. The place of that block then holds the elements that follow, one after the other.
 use super::Made;
 use super::held_block::HeldBlock;
 

@@ -1,5 +1,5 @@
-//! The work on a corner, in bounded steps. The steps decide the kind of curve, find how far it reaches into
-//! the blocks, and make its elements.
+//! Makes the curve of a corner, in bounded steps. The steps select the kind of curve, find how far the curve
+//! reaches into the blocks, and make its elements.
 use super::choice::{Approach, Candidate, Choice, bends, passes, shallow_distance};
 use super::corner::{AIM, Corner, Reach, Tolerance, turn};
 use super::corner_curve::{CONSTANT, CornerCurve, EVEN, Fit, Rehearsal};
@@ -19,9 +19,10 @@ use crate::path::{Measure, Passage};
 use crate::quantity::{DISTANCE_LSB, Distance, Position};
 use core::num::NonZeroI64;
 
-/// Share of a tolerance for the curve between examined places, if blocks are left out.
+/// If blocks are left out: the share of a tolerance that is reserved for the curve between the examined
+/// places.
 const UNSEEN: f32 = 1.0 / 256.0;
-/// See [`UNSEEN`].
+/// The same share for the tolerance of tracking axes.
 const UNSEEN_TRACK: f32 = 1.0 / 32.0;
 
 /// Largest number of reductions of a curve.
@@ -37,9 +38,9 @@ const TIMED: u32 = 4;
 pub struct Setting<'a, const AXES: usize> {
     /// Main axes and feed axes.
     pub measure: &'a Measure,
-    /// Current CHECK_JERK and CONST_VEL.
+    /// CHECK_JERK in force: limit of the jerk that the curvature may cause, 0 to 2.
     pub check_jerk: u8,
-    /// See `check_jerk`.
+    /// CONST_VEL in force: whether the speed is constant inside the curve.
     pub const_vel: bool,
     /// Limits of the axes.
     pub dynamics: &'a Dynamics<AXES>,
@@ -55,8 +56,8 @@ struct Rivals {
     may_stop: bool,
 }
 
-/// The search for the corner distances of a curve over arc length. At its end, the quickest one is taken:
-/// this curve or an alternative.
+/// The search for the corner distances of a curve over arc length. After the search, the quickest choice is
+/// taken: this curve, a curve over time, or a stop.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Search<const AXES: usize> {
     room: Room,
@@ -73,8 +74,9 @@ enum JoinStep {
     Cutting { cut: Cut, slack: f32, smaller: u8 },
     /// Fit its elements.
     Fitting { cut: Cut, slack: f32, smaller: u8 },
-    /// CONST_VEL: find the speed that all elements permit. Speed and length of the elements so far are known.
-    /// `None`: the element in the middle comes first. It turns most and usually permits the least.
+    /// CONST_VEL: find the speed that all elements permit. `steady`: speed and length of the elements so far.
+    /// `element`: the next one; `None` stands for the element in the middle, which is examined first. That
+    /// element turns most and usually permits the lowest speed.
     Timing { cut: Cut, element: Option<u32>, steady: Steady },
     /// The elements are known: reduce both blocks to their rests.
     Joining { cut: Cut, steady: Option<Steady> },
@@ -144,9 +146,9 @@ impl Joining {
         Self { stage: JoinStep::Sharp }
     }
 
-    /// Whether a curve between both blocks is possible, and the warning about the corner. `behind`: length of
-    /// the block after both, LSB 2^-44 mm; given if that length is known and the corner before that block is
-    /// rounded.
+    /// Begins the work on the corner between two blocks: finds whether a curve is possible, and which kinds.
+    /// Returns the warning about the corner, if there is one. `behind`: length of the block after both, LSB
+    /// 2^-44 mm; given if that length is known and the corner before that block is rounded.
     pub fn go_into<const AXES: usize>(
         &mut self,
         [held, next]: [&mut HeldBlock<AXES>; 2],
@@ -348,8 +350,8 @@ impl Joining {
         }
     }
 
-    /// Continues. Returns whether the corner is done. Then `into` holds the curve, if there is one, and both
-    /// blocks are reduced to their rests.
+    /// Does the next piece of work. Returns whether the corner is done. Then `into` holds the curve, if there
+    /// is one, and both blocks are reduced to their rests.
     #[inline(never)]
     pub fn go_on<const AXES: usize>(
         &mut self,

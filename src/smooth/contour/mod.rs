@@ -1,7 +1,7 @@
 //! Contour mode (G61, G261, `#CONTOUR MODE`): corners between blocks become curves with continuous direction
-//! and curvature. The curve is inside a tolerance (DEV), at given distances (DIST), or through a given point
-//! (POS). With DIST_SOFT, DIST_MASTER and PTP, and with DEV where it is quickest, axes change their speed as
-//! fast as their limits permit; `timed.rs` explains this.
+//! and curvature. A curve stays inside a tolerance (DEV), begins and ends at given distances (DIST), or
+//! passes a given point (POS). With DIST_SOFT, DIST_MASTER and PTP, the axes change their speed as fast as
+//! their limits permit: `timed.rs`. DEV does the same where this is quickest.
 //!
 //! A block is held back until the next block is known, but only if its end is to be rounded. A corner only
 //! shortens the block's path length; the block's curve stays the same to the last bit. The shortened end is
@@ -9,30 +9,30 @@
 //! most half a step. The block after the corner begins on the step nearest to the curve's end. An arc is then
 //! computed again from there; a line keeps its direction and has a shorter path.
 //!
-//! Blocks too short for a curve (RELEVANT_PATH, RELEVANT_TRACK) are left out. The curve leads from the last
-//! relevant block to the first block that ends beyond the limit. With DEV, a line at the start that is
-//! shorter than RELEVANT_PATH is joined to the next line. With the other methods, the limit is 16 µm. If
-//! there is no curve, a straight line replaces the blocks left out. Their deviation counts against the
-//! tolerance; the sources do not describe this rule. So the tolerance limits RELEVANT_PATH, and a quarter of
-//! a given corner distance limits its least value of 32 µm.
+//! Blocks that are too short for a curve (RELEVANT_PATH, RELEVANT_TRACK) are left out. The curve leads from
+//! the last block before them to the first block that ends beyond the limit. With DEV, a line before a corner
+//! that is shorter than RELEVANT_PATH is joined to the next line; with the other methods, the limit is 16 µm.
+//! If there is no curve, a straight line replaces the blocks that are left out. Their deviation counts
+//! against the tolerance (ISG's manuals do not describe this rule). So the tolerance limits RELEVANT_PATH.
+//! RELEVANT_PATH is at least 32 µm, or a quarter of a given corner distance if this is less.
 //!
 //! With DEV a line may replace nearly straight chords, if the machine data permit it: `chords.rs`.
 //!
-//! The parameters of a corner are read at two times. When the block before the corner comes: whether, how and
-//! how far its end is rounded. When the block after the corner comes: CHECK_JERK and CONST_VEL. G260 and
-//! `#CONTOUR MODE OFF` between two blocks cancel the corner between them; inside the second block they do
-//! not. PRE_ACTION, INTER_ACTION and POST_ACTION have the values of the time when the block before the corner
-//! came. A keyword that the current method does not have counts as never given.
+//! The parameters of a corner are those in force at two times. CHECK_JERK and CONST_VEL are those at the
+//! block after the corner. All others, PRE_ACTION, INTER_ACTION and POST_ACTION included, are those at the
+//! block before the corner. G260 and `#CONTOUR MODE OFF` between two blocks cancel the curve between them;
+//! inside the second block they do not. A keyword that the current method does not have counts as never
+//! given.
 //!
 //! A dwell between two blocks, or another command that demands a stop, belongs to the programmed corner. The
 //! motion cannot stop there on a curve that replaces the corner. So the corner stays sharp, and a warning
-//! reports this for a dwell. (The sources print a program with a dwell behind G61 and do not say what happens
-//! to the corner.)
+//! reports this for a dwell. (ISG's manuals print a program with a dwell after G61, and do not say what
+//! happens to the corner.)
 //!
 //! A run of blocks left out ends where contour mode is switched off or gets other parameters, at a stop, and
-//! at the program end. The corner before the run is rounded. The block after this corner is the line over the
-//! run, and the motion passes the end of this line exactly. A command that changes nothing, for example a
-//! second G261, does not end the run.
+//! at the program end. The corner before the run is rounded; the block after this corner is the straight line
+//! over the run. The motion passes the end of this line exactly. A command that changes nothing, for example
+//! a second G261, does not end the run.
 mod choice;
 mod chords;
 mod corner;
@@ -71,7 +71,7 @@ use core::num::NonZeroI64;
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Made<const AXES: usize> {
     element: Element<AXES>,
-    /// See [`Smoothed::end`].
+    /// Exact end of the element, if known.
     end: Option<[Position; AXES]>,
     data: Data,
     curving: Option<Curving>,
@@ -163,7 +163,7 @@ impl<const AXES: usize> Turning<AXES> {
     }
 }
 
-/// Settings in force: all state that remains while no block is held back.
+/// The settings of contour mode: its parameters, and whether G261 or G61 is on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
     parameters: Parameters,
@@ -172,7 +172,7 @@ pub struct Settings {
 }
 
 impl Settings {
-    /// Takes a command while another kind of smoothing is active.
+    /// Changes the settings by a command, while another kind of smoothing is active.
     pub fn command(&mut self, contour: &Contour) {
         self.parameters.update(contour);
         match contour.switch {
@@ -182,7 +182,8 @@ impl Settings {
         }
     }
 
-    /// For each main axis, whether POS has an interim point in force. Without corners, there is none.
+    /// For each main axis: whether corners get a curve through an interim point (POS) with a coordinate for
+    /// this axis.
     pub fn swings(&self) -> [bool; 3] {
         let pos = (self.on || self.once) && self.parameters.method == ContourMethod::Pos;
         self.parameters.point().map(|point| pos && point.is_some())
@@ -221,7 +222,7 @@ impl Settings {
         &self.parameters
     }
 
-    /// Whether Surface may smooth rows of lines with these settings ([`super::row`]).
+    /// Whether Surface may smooth runs of lines with these settings ([`super::row`]).
     #[cfg(all(feature = "kinematics", feature = "surface"))]
     pub(super) fn is_row(&self) -> bool {
         self.on && !self.once && self.parameters.is_row()
@@ -235,7 +236,8 @@ impl Settings {
     }
 }
 
-/// The smoothing stage between the blocks' curves and the look-ahead.
+/// The smoothing stage of contour mode: takes programmed blocks, and emits shortened blocks and the curves at
+/// their corners.
 #[derive(Clone, Copy, Debug)]
 pub struct Contouring<const AXES: usize> {
     measure: Measure,
@@ -254,15 +256,16 @@ pub struct Contouring<const AXES: usize> {
     /// element is emitted.
     joining: Option<Joining>,
     course: Course<AXES>,
-    /// The held blocks. First: the held block. Second, only after a block whose end is rounded: a block whose
-    /// share in the corner depends on the next block (DIST_WEIGHT), or a line that may still grow. Third: the
-    /// block after the second, while work on the corner between the first two goes on.
+    /// The held blocks. First: the held block. Second, only after a block whose end is rounded: a block that
+    /// waits for the next one. The next block decides how much the corner may take (DIST_WEIGHT), or may
+    /// extend this line. Third: the block after the second, while work on the corner between the first two
+    /// goes on.
     blocks: HeldBlocks<AXES>,
     /// The blocks left out after the held block, until the line over them is made.
     skipped: Option<Skipped<AXES>>,
     /// Whether the next block is half a line, with a turn at one end only.
     half: bool,
-    /// The warning about the curve that the last block led to.
+    /// The warning about the curve at the last corner.
     remark: Option<NcWarningKind>,
     /// Whether a warning since the last command reported that the slope STEP does not optimise.
     told: bool,
@@ -312,7 +315,7 @@ impl<const AXES: usize> Cornering<AXES> {
 }
 
 impl<const AXES: usize> Cornering<AXES> {
-    /// The next element, whose axes are not made yet.
+    /// Begins the next element; the returned draft computes the polynomials of its axes.
     fn next_element(&mut self, measure: &Measure, element: &mut Element<AXES>) -> Option<Draft<AXES>> {
         match self {
             Self::Even(course) => course.next_element(measure, element),
@@ -363,8 +366,8 @@ const LSB_32: f32 = 1.0 / (1u64 << 32) as f32;
 const ONE_32: f32 = (1u64 << 32) as f32;
 const LSB_40: f32 = 1.0 / (1u64 << 40) as f32;
 
-/// First value: below this sine of half an angle a transition is tangential. Second value: below this cosine
-/// of half an angle it is a reversal.
+/// θ is the change of direction. A transition is tangential if sin(θ/2) is below the first value, and a
+/// reversal if cos(θ/2) is below the second value.
 const TANGENTIAL: f32 = 1.0 / 65_536.0;
 const REVERSAL: f32 = 1.0 / 1024.0;
 
@@ -391,7 +394,7 @@ impl<const AXES: usize> Contouring<AXES> {
         }
     }
 
-    /// Contour mode with earlier settings.
+    /// Contour mode with these settings.
     // Made in place in every build; a returned value would be on the stack twice.
     #[inline(always)]
     pub fn with(measure: Measure, settings: &Settings) -> Self {
@@ -399,7 +402,8 @@ impl<const AXES: usize> Contouring<AXES> {
         Self { parameters, on, once, ..Self::new(measure, parameters.preset()) }
     }
 
-    /// As [`Self::with`], in place. Call this function only while no block is held back.
+    /// Begins anew with these settings, as [`Self::with`] but in place. Call this function only while no
+    /// block is held back.
     pub fn begin(&mut self, settings: &Settings) {
         self.clear();
         (self.half, self.remark) = (false, None);
@@ -418,13 +422,13 @@ impl<const AXES: usize> Contouring<AXES> {
         (self.parameters.path_dev, self.parameters.track_dev, self.half) = (path_dev, track_dev, half);
     }
 
-    /// Takes a command. `in_motion`: the command is in a block with a motion.
+    /// Takes a command of contour mode. `in_motion`: whether the command is in a block with a motion.
     pub fn command(&mut self, contour: &Contour, in_motion: bool) {
         let before = self.parameters;
         self.told = false;
         self.parameters.update(contour);
         if self.parameters != before && self.left_behind().is_some() && !in_motion {
-            // Contour mode ends with the blocks that are left out.
+            // Other parameters end the run of left-out blocks, and the end of its line gets no curve.
             self.cancel();
         }
         match contour.switch {

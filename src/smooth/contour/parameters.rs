@@ -9,7 +9,7 @@ use crate::quantity::Position;
 
 const LSB_32: f32 = 1.0 / (1u64 << 32) as f32;
 
-/// Values of the machine data for contour mode.
+/// The machine data of contour mode.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Preset {
     /// P-CHAN-00110: default of CHECK_JERK, 0 to 2.
@@ -21,11 +21,11 @@ pub struct Preset {
 /// The parameters of contour mode in force. Lengths are in mm, angles in degrees.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Parameters {
-    /// The method, which selects the parameters that count.
+    /// The method (DEV, DIST, POS, …). Each method uses some of the parameters.
     pub method: ContourMethod,
-    /// PATH_DEV: largest distance of the main axes from the corner, mm.
+    /// PATH_DEV: largest permitted deviation of the main axes from the contour, mm.
     pub path_dev: f32,
-    /// TRACK_DEV: largest deviation of each tracking axis, degrees; 0: not monitored.
+    /// TRACK_DEV: largest permitted deviation of each tracking axis, degrees; 0: not monitored.
     pub track_dev: f32,
     /// RELEVANT_PATH: a block that is shorter than this, mm, may be left out at a corner.
     pub relevant_path: f32,
@@ -34,41 +34,49 @@ pub struct Parameters {
     pub edges: bool,
     /// RELEVANT_TRACK: as RELEVANT_PATH, for the tracking axes, degrees.
     pub relevant_track: f32,
-    /// Largest share of a block that one corner takes, from REMAIN_PART.
+    /// Largest share of a block that one corner may take, 0 to 0.5, computed from REMAIN_PART.
     pub share: f32,
-    /// CHECK_JERK, and the value for methods without this keyword.
+    /// CHECK_JERK: limit of the jerk that the curvature may cause. 0: no limit; 1: by the geometric ramp
+    /// time; 2: by the ramp times.
     pub check_jerk: u8,
+    /// The value of CHECK_JERK for methods without this keyword: P-CHAN-00110.
     check_jerk_preset: u8,
     /// Share of the tolerance for merged chords.
     chords: f32,
-    /// Sine of half of MAX_ANGLE.
+    /// MAX_ANGLE: the sine of half of the largest change of direction that becomes a curve.
     pub max_angle: f32,
     /// CONST_VEL: whether the path speed is constant in the curve.
     pub const_vel: bool,
     /// PRE_DIST and POST_DIST: distances from the corner to both ends of the curve, mm.
     pub dist: [f32; 2],
-    /// PATH_DIST and TRACK_DIST; negative: not monitored. TRACK_DIST equals PATH_DIST until it is set.
+    /// PATH_DIST of DIST_SOFT and PTP: largest distance from the corner to both ends of the curve, mm;
+    /// negative: not monitored.
     pub path_dist: f32,
-    /// See `path_dist`.
+    /// TRACK_DIST of DIST_SOFT: a limit of the same distance, for a corner at which tracking axes change
+    /// their direction, mm; `None`: PATH_DIST applies.
     pub track_dist: Option<f32>,
     /// SYM_DIST of DIST_MASTER: distance from the corner to both ends of the curve, mm; negative: not
     /// monitored.
     pub sym_dist: f32,
-    /// ACC_MIN and ACC_MAX, as shares of the axes' acceleration.
+    /// ACC_MIN and ACC_MAX of DIST_SOFT: least and largest share of the axes' acceleration for the curve; 1
+    /// is all.
     pub acc: [f32; 2],
     /// RAMP_TIME: factor for the ramp times of the axes in the curve; 1 is 100 %.
     pub ramp_time: f32,
-    /// DIST_WEIGHT, as a part.
+    /// DIST_WEIGHT of DIST_SOFT and DIST_MASTER: 0: a corner takes at most half of a block; 1: the lengths of
+    /// the neighbours decide.
     pub dist_weight: f32,
-    /// MERGE.
+    /// MERGE of PTP: whether consecutive lines of one direction become one line.
     pub merge: bool,
-    /// PTP: which of PATH_DEV and PATH_DIST was given last; both if one command gave both. Row CF-33 of the
-    /// inventory.
+    /// PTP: whether the last command with PATH_DEV or PATH_DIST gave PATH_DEV, and whether it gave PATH_DIST
+    /// (row CF-33 of `docs/conformance.md`).
     pub given: [bool; 2],
-    /// Interim point, if given; otherwise the corner's coordinate.
+    /// Interim point of POS, mm. A coordinate that is not given is that of the corner.
     point: [Position; 3],
+    /// Which coordinates of the interim point are given.
     pointed: [bool; 3],
-    /// Point at which functions between the blocks are output.
+    /// Where functions between the blocks are output: before, inside or after the curve (PRE_ACTION,
+    /// INTER_ACTION, POST_ACTION).
     pub action: ContourAction,
 }
 
@@ -328,7 +336,7 @@ impl Parameters {
         [most, if track > 0.0 { min(self.relevant_track, track) } else { self.relevant_track }]
     }
 
-    /// Permitted distance of blocks from a straight line that replaces them: a share of the tolerance.
+    /// Permitted deviation of blocks from a straight line that replaces them: a share of the tolerance.
     pub(super) fn stray(&self) -> Stray {
         let Tolerance { path, track } = self.tolerance();
         let path = path.map_or(f32::MAX, |dev| STRAY * dev);

@@ -8,9 +8,9 @@
 //! ```
 //!
 //! The speed is v at both ends and in the middle. The middle is at c − 5/16·v times n from the corner, with
-//! the direction p/C and the curvature 3·n/v. So the middle is known without a search, and both halves are
-//! equal. The length of a half and the change of its speed depend on C alone. The speed changes by 0.9 ‰ up
-//! to a turn of 100°.
+//! the direction p/C and the curvature 3·n/v. So the deviation in the middle is known without a search, and
+//! both halves are equal. The length of a half and the change of its speed depend on C alone. The speed
+//! changes by 0.9 ‰ up to a turn of 100°.
 use super::ONE_32;
 use super::corner::{Corner, Tolerance};
 use super::corner_curve::EVEN;
@@ -35,7 +35,8 @@ const LEAST_COSINE: f32 = 0.643;
 /// Length of a half as a polynomial in 1 − C, from the first power on: accurate to 3·10^-8 up to 104°.
 const LENGTH: [f32; 5] = [-0.514_288_7, -0.332_221_84, -0.080_998_49, -0.037_167_14, -0.028_881_88];
 
-/// Relative excess of the speed along a half, as a multiple of 1 − C; the excess is at most [`EVEN`].
+/// Relative excess of the speed along a half over the path speed, divided by 1 − C. The excess is at most
+/// [`EVEN`].
 const ABOVE: f32 = 0.0067;
 
 impl<const AXES: usize> Symmetric<AXES> {

@@ -10,12 +10,12 @@
 //! other overlap. The curve is then the cubic with the corner as its double inner control point, Q = C −
 //! c·t1·(1 − u)³ + c·t2·u³. This shape is the fastest one that keeps the jerk of every axis. A curve over arc
 //! length is slower: its jerk has the term 3·κ·v·a. With separate limits of speed, acceleration and jerk,
-//! either the speed is low or the acceleration is zero. So time is taken as path: the elements are functions
-//! of σ = v·t. Each axis is a polynomial of the third degree between two changes of jerk. At the constant
-//! path speed v, every axis moves as planned: it brakes on the line before the corner and speeds up on the
-//! line after. At a lower path speed r·v, all accelerations have the factor r² and all jerks the factor r³.
-//! If both motions overlap completely, the path speed is the feed. Each axis then changes its speed with one
-//! constant acceleration: the curve of DIST_SOFT.
+//! either the speed is low or the acceleration is zero. So the path distance of this curve is time: the
+//! elements are functions of σ = v·t. Each axis is a polynomial of the third degree between two changes of
+//! jerk. At the constant path speed v, every axis moves as planned: it brakes on the line before the corner
+//! and speeds up on the line after. At a lower path speed r·v, all accelerations have the factor r² and all
+//! jerks the factor r³. If both motions overlap completely, the path speed is the feed. Each axis then
+//! changes its speed with one constant acceleration: the curve of DIST_SOFT.
 //!
 //! DIST_MASTER uses this curve with the master axis as path ([`mod@crate::path::measure`]). The master's
 //! tangent is 1 on both lines and along the whole curve, so the master keeps its speed.
@@ -27,8 +27,8 @@
 //! e. The curve is then e·|t2 − t1| from the corner. Every other point is at most e·sin θ from the line ahead
 //! or behind, which is less.
 //!
-//! **Numbers.** The overlap is chosen in `f32`. The curve itself uses integers over its own path: p as a part
-//! of a motion's distance, the place as a part of a motion's path, both with 62 fraction bits.
+//! **Numbers.** The overlap is chosen in `f32`. The curve itself uses integers with 62 fraction bits: p as a
+//! part of a motion's distance, and the place as a part of a motion's path.
 use super::LSB_40;
 use crate::math::divide::reciprocal_near;
 use crate::math::float::{magnitude, max, min, to_bits, to_f32};
@@ -38,10 +38,11 @@ use crate::path::poly::{Draft, Knot};
 use crate::path::{Element, End, Passage};
 use crate::quantity::{DISTANCE_LSB, Position};
 
-/// A change of speed between a stop and `v` along a line, in mm and ticks.
+/// A motion along a line from a stop to the speed `v`, in mm and ticks; run backward, from `v` to a stop.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rise {
-    /// Time of a ramp, and time of the constant acceleration.
+    /// Duration of each ramp of acceleration, and duration of the constant acceleration between the ramps,
+    /// ticks.
     ramp: f32,
     hold: f32,
     /// The speed that the motion reaches, mm/tick.
@@ -77,7 +78,7 @@ impl Rise {
         if v <= full { v } else { 2.0 * sqrt_f32(2.0 * a * off - full * full * (1.0 / 12.0)) }
     }
 
-    /// A rise to the same speed in `by` times the time.
+    /// The rise to the same speed that takes `by` times as long.
     pub fn stretched(self, by: f32) -> Self {
         Self { ramp: self.ramp * by, hold: self.hold * by, v: self.v }
     }
@@ -157,14 +158,14 @@ const SHORTER: f32 = 1.0 - 1.0 / 1_048_576.0;
 /// the first has ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Overlap {
-    /// Both rises have this shape; the first motion runs it backward.
+    /// The second motion. The first motion is the same rise backward in time.
     pub rise: Rise,
     /// Time in which both motions overlap, ticks.
     pub time: f32,
 }
 
 impl Overlap {
-    /// Both rises overlap completely.
+    /// An overlap of the whole motions: both begin and end at the same time.
     pub fn whole(rise: Rise) -> Self {
         Self { rise, time: rise.time() }
     }
@@ -179,12 +180,13 @@ impl Overlap {
         Self { rise, time: rise.arrives(distance) }
     }
 
-    /// An overlap of only the ramps.
+    /// This overlap, shortened so that only the last ramp of one motion and the first ramp of the other
+    /// overlap.
     pub fn brief(self) -> Self {
         Self { time: min(self.time, self.rise.ramp), ..self }
     }
 
-    /// Whether only ramps overlap.
+    /// Whether only one ramp of each motion is inside the overlap.
     pub fn is_brief(&self) -> bool {
         self.time <= self.rise.ramp
     }
@@ -207,8 +209,8 @@ const LONGEST: f32 = 2048.0;
 /// Number of Newton's steps, which reduce the error from half the time to 10^-7 of the time.
 const ARRIVAL_STEPS: usize = 4;
 
-/// Shortest piece, ticks. Rounding of its third derivative has no effect: third differences over ticks are
-/// means of the third derivative.
+/// Shortest piece, ticks. In such a short piece, the rounding of the third derivative has no effect on the
+/// set points of ticks.
 const LEAST: f32 = 1.0 / 4096.0;
 
 /// Number of changes of jerk up to the middle, plus one for the middle.
@@ -492,7 +494,8 @@ impl<const AXES: usize> Timed<AXES> {
 }
 
 impl<const AXES: usize> Timed<AXES> {
-    /// The next element, whose axes are not made yet. Call [`Self::settle`] afterwards.
+    /// Begins the next element; the returned draft computes the polynomials of its axes. Then call
+    /// [`Self::settle`].
     pub fn next_element(&mut self, element: &mut Element<AXES>) -> Option<Draft<AXES>> {
         let all = 2 * self.count;
         let left = all.checked_sub(self.done + 1)?;

@@ -1,5 +1,5 @@
-//! Akima's curve: it passes every point. Its slope at a point depends on five points: this one and two on
-//! each side.
+//! Computes Akima's curve, which passes every point. The slope at a point depends on five points: this one
+//! and two on each side.
 //!
 //! The parameter of the curve is the length of the chords. Let m be the slopes of the chords, two before a
 //! point and two after it. The slope of the curve at the point is
@@ -11,8 +11,8 @@
 //!
 //! Lengths count along the axes of the path, so the shape of the curve does not depend on its direction in
 //! the machine. Other axes use the same weights. Missing chords at an end are extrapolated: m₋₁ = 2·m₊₁ −
-//! m₊₂, and so on (automatic). Or they are such that the curve has the demanded slope (tangential, or given
-//! by the user).
+//! m₊₂, and so on (automatic). If the program demands a slope at the end (tangential, or given as a vector),
+//! the missing chords are chosen so that the curve has this slope.
 //!
 //! Akima, A new method of interpolation and smooth curve fitting based on local procedures, J. ACM 17 (1970).
 use super::window::{Leg, Window};
@@ -114,8 +114,9 @@ fn end<const AXES: usize>(
     }
 }
 
-/// Whether the point `i` is a corner. This is so if the curve would have nearly no slope there, the path
-/// turns by more than `cosine`, or the leg lengths differ by more than `ratio`.
+/// Whether the point `i` is a corner. A point is a corner in three cases. The curve would have nearly no
+/// slope there. The path turns by more than the angle with the cosine `cosine`. One leg is more than `ratio`
+/// times as long as the other.
 pub fn is_corner<const AXES: usize>(window: &Window<AXES>, i: i32, cosine: f32, ratio: f32) -> bool {
     let (Some(before), Some(behind)) = (window.leg(i - 1), window.leg(i)) else { return false };
     if window.is_end(i) {

@@ -1,9 +1,9 @@
-//! Cuts a piece of a curve into elements over their own arc length. The piece is a cubic over a parameter u =
-//! 0…1.
+//! Cuts a piece of a spline into elements over their own arc length. The piece is a cubic over a parameter u
+//! = 0…1.
 //!
 //! An element is a polynomial of the fifth degree with position, direction and curvature of the cubic at both
-//! ends. It is accepted if its path speed is accurate to [`EVEN`], and its distance from the cubic is below
-//! [`NEAR`]. Otherwise an element of half the length is tried.
+//! ends. An element is accepted if its path speed is accurate to [`EVEN`], and its distance from the cubic is
+//! below [`NEAR`]. Otherwise an element of half the length is tried.
 use crate::math::float::max;
 use crate::path::poly::{Draft, Knot};
 use crate::path::{Element, End};
@@ -30,12 +30,12 @@ const LEAST_SPEED: f32 = 1.0 / 1024.0;
 /// How the curve continues at an end of a piece.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Joint<const AXES: usize> {
-    /// The curve has direction and curvature of the piece before. At the end of the piece, it has its own
-    /// direction and curvature.
+    /// At its start, the piece has direction and curvature of the piece before. At its end, the piece has its
+    /// own direction and curvature.
     Smooth,
-    /// The curve has this curvature, along this part of the piece.
+    /// The end gets this curvature. The curve changes along this length of the piece, mm.
     Bent([f32; AXES], f32),
-    /// The curve has the direction of the piece before, and another curvature.
+    /// The curve continues in the same direction with another curvature.
     Tangent,
     /// The curve continues in another direction.
     Corner,
@@ -56,7 +56,7 @@ pub struct Piece<const AXES: usize> {
     step: u16,
     /// Largest number of steps in the first and in the last element.
     edges: [u16; 2],
-    /// Permitted distance, mm.
+    /// Permitted distance of an element from its curve, mm.
     near: f32,
 }
 
@@ -65,9 +65,11 @@ pub struct Piece<const AXES: usize> {
 pub enum Cut<const AXES: usize> {
     /// A shorter element has to be tried.
     Again,
-    /// An element whose axes are not made yet, and whether it is the last one.
+    /// The next element, the draft that computes the polynomials of its axes, and whether this element is the
+    /// last one.
     Element(Element<AXES>, Draft<AXES>, bool),
-    /// A straight line to this point, and whether it is the last element. The format cannot hold the element.
+    /// A straight line to this point replaces an element that the number format cannot hold. The flag tells
+    /// whether it is the last element.
     Straight([Position; AXES], bool),
 }
 

@@ -1,23 +1,23 @@
-//! Splines: points of linear blocks become a smooth curve.
+//! Splines: the end points of linear blocks become the points of a smooth curve.
 //!
 //! | command | curve | file |
 //! |---|---|---|
 //! | G151, #SPLINE TYPE AKIMA | through all points | `akima.rs` |
-//! | G151, #SPLINE TYPE BSPLINE | controlled by the points | `polygon.rs` |
-//! | #HSC \[BSPLINE\] | controlled by the points, inside a tolerance | `polygon.rs` |
+//! | G151, #SPLINE TYPE BSPLINE | B-spline with the points as its control points | `polygon.rs` |
+//! | #HSC \[BSPLINE\] | B-spline with the points as its control points, inside a tolerance | `polygon.rs` |
 //! | #HSC \[OPMODE=2\] | through all points, inside a tolerance in prismatic parts | both |
 //!
 //! The curve over a block depends on a few points before and after it, so blocks are held until these points
 //! are known. A command that demands a stop between two blocks (a dwell, a wait, the end of the program) ends
-//! the curve there, and the next block begins a new curve. An exact stop (G60, G360) stops on the curve; on a
-//! B-spline, the stop is at the place nearest to the point. Three kinds of blocks become a straight line
-//! between two curves: blocks that move no axis of the path, blocks far longer than the travel of these axes,
-//! and blocks shorter than half a micrometre. An arc is passed unchanged; an Akima spline is tangential at
-//! both of its ends.
+//! the curve there. The next block then begins a new curve. At an exact stop (G60, G360), the motion stops on
+//! the curve; on a B-spline, at the place nearest to the point. A block becomes a straight line between two
+//! curves in three cases. The block moves no axis of the path. The block is far longer than the travel of
+//! these axes. The block is shorter than half a micrometre. An arc is passed unchanged; an Akima spline is
+//! tangential at both of its ends.
 //!
 //! An Akima spline has a continuous direction; its curvature has steps at its points. If machine data limit
-//! the jerk of such a step (P-CHAN-00009), both sides get the mean curvature near the point. The curvature
-//! changes over a length for which the curve moves by at most `cut::BENT`.
+//! the jerk of such a step (P-CHAN-00009), both sides get the same curvature at the point: the mean. This
+//! moves the curve near the point by at most `cut::BENT`.
 mod akima;
 mod cut;
 mod parameters;
@@ -49,7 +49,8 @@ const LONGER: f32 = 1.0 + 1.0 / 1024.0;
 const SHORTEST_LEG: f32 = 5e-4;
 /// Smallest length of a direction along the path axes, for a tangential end.
 const LEAST_TANGENT: f32 = 0.5;
-/// Limits above which a part is prismatic: cosine of the change of direction (20°), and ratio of lengths (4).
+/// A part is prismatic if the change of direction is above 20° (the cosine of this angle), or the ratio of
+/// lengths is above 4.
 const PRISMATIC: [f32; 2] = [0.939_692_6, 4.0];
 /// Cosine of the largest angle of a rounded corner: 178°.
 const REVERSAL: f32 = -0.999_390_8;
@@ -63,9 +64,9 @@ const MERGED: f32 = 1.0 / 128.0;
 /// The kind of curve that the spline stage makes from points.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Mode {
-    /// An Akima spline, which passes through the points.
+    /// An Akima spline (G151), which passes the points.
     Akima,
-    /// A direct B-spline, which the points control.
+    /// A B-spline (G151) with the points as its control points.
     Direct,
     /// The B-spline of `#HSC`, with its tolerances.
     Control(Rules),
@@ -73,13 +74,13 @@ pub enum Mode {
     Interpolating(f32),
 }
 
-/// The start of a curve.
+/// The start of a curve: its kind, and its direction if one is given.
 #[derive(Clone, Copy, Debug)]
 pub struct Start<const AXES: usize> {
     pub mode: Mode,
     /// The slope given by the program.
     pub slope: Option<[f32; AXES]>,
-    /// The end of the block before, for a tangential start.
+    /// Direction and curvature at the end of the block before, for a tangential start.
     pub entry: Option<End<AXES>>,
 }
 
@@ -139,7 +140,7 @@ pub struct Splining<const AXES: usize> {
 }
 
 impl<const AXES: usize> Splining<AXES> {
-    /// A spline that is switched on. Inline, so that it is made in place.
+    /// Begins a spline. `check_jerk`: value of P-CHAN-00110. Inline, so that the value is made in place.
     #[inline(always)]
     pub fn new(measure: Measure, check_jerk: u8, start: &Start<AXES>) -> Self {
         let data = Data { feed: None, n: 0, place: Place::NONE, number: 0, stop: false };
@@ -170,7 +171,8 @@ impl<const AXES: usize> Splining<AXES> {
         self.points
     }
 
-    /// Ends the points. `end`: the slope at the end of the curve; `waits`: the next block gives that slope.
+    /// Ends the list of points. `end`: the slope at the end of the curve, if one is given. `waits`: whether
+    /// the next block gives this slope.
     pub fn switch_off(&mut self, end: Option<[f32; AXES]>, waits: bool) {
         self.on = false;
         if waits && self.window.has_leg() && !self.window.is_closed() {

@@ -1,4 +1,4 @@
-//! Parameters of splines in programs: types, transitions, tolerances.
+//! Parameters of splines, as programs set them: kinds, directions at the ends, tolerances.
 use super::LSB_32;
 use super::polygon::Tolerance;
 use super::window::along;
@@ -17,12 +17,12 @@ const MAX_ANGLE: f32 = 160.0;
 /// CONTERROR without its keyword: 0.1 mm.
 const CONTERROR: Position = Position::from_bits((1 << 32) / 10);
 
-/// Direct splines: #SPLINE TYPE, #AKIMA TRANS, STARTVECTOR, ENDVECTOR.
+/// Parameters of direct splines (G151): `#SPLINE TYPE`, `#AKIMA TRANS`, STARTVECTOR, ENDVECTOR.
 #[derive(Clone, Copy, Debug)]
 pub struct DirectParameters<const AXES: usize> {
-    /// The kind of the spline; AKIMA without a command.
+    /// The kind of the spline: AKIMA until a command chooses another one.
     pub kind: SplineType,
-    /// What decides the direction at the start and at the end.
+    /// What decides the direction of the curve at its start and at its end.
     pub ends: [Tangent; 2],
     vectors: [[Option<Value>; AXES]; 2],
     /// Number of motion blocks before the type was chosen, if it was chosen.
@@ -35,7 +35,7 @@ impl<const AXES: usize> DirectParameters<AXES> {
         Self { kind: SplineType::Akima, ends: [Tangent::Auto; 2], vectors: [[None; AXES]; 2], chosen: None }
     }
 
-    /// Takes a command that is not a switch. `taken`: number of motion blocks before it.
+    /// Takes a command that sets a parameter. `taken`: number of motion blocks before the command.
     pub fn update(&mut self, command: &Spline<AXES>, taken: u32) {
         match command {
             Spline::Type(kind) => (self.kind, self.chosen) = (*kind, Some(taken)),
@@ -54,7 +54,7 @@ impl<const AXES: usize> DirectParameters<AXES> {
         self.chosen == Some(taken)
     }
 
-    /// The given vector of one end; `None` without one.
+    /// The vector that the program gives for one end (0: start, 1: end); `None` if it gives none.
     pub fn vector(&self, end: usize) -> Option<[f32; AXES]> {
         let vector = self.vectors.get(end)?;
         vector
@@ -70,7 +70,7 @@ impl<const AXES: usize> DirectParameters<AXES> {
         ends.filter(|(end, _)| **end == Tangent::User).any(|(_, vector)| vector.get(axis).is_some_and(leans))
     }
 
-    /// Number of points that a curve needs.
+    /// Smallest number of points for a curve of this kind.
     pub fn points(&self) -> u32 {
         match self.kind {
             SplineType::Bspline => 4,
@@ -87,32 +87,35 @@ pub struct HscParameters {
     pub method: HscMethod,
     /// Tolerances and rules of the HSC B-spline.
     pub rules: Rules,
-    /// CONTERROR of OPMODE: the tolerance of the curve.
+    /// CONTERROR of OPMODE: the tolerance of the curve, mm.
     pub conterror: Position,
 }
 
 /// Tolerances of the HSC B-spline, and the rules for points that the curve passes exactly.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rules {
-    /// PATH_DEV, mm, and TRACK_DEV, degrees; 0: not monitored.
+    /// PATH_DEV: largest deviation of the path, mm; 0: not monitored.
     pub path_dev: f32,
+    /// TRACK_DEV: largest deviation of each tracking axis, degrees; 0: not monitored.
     pub track_dev: f32,
-    /// AUTO_OFF_PATH and AUTO_OFF_TRACK: where the curve would exceed the tolerance, it passes the point.
-    /// Without these keywords, the block is split.
+    /// AUTO_OFF_PATH: whether the curve passes a point exactly where it would exceed PATH_DEV. Otherwise
+    /// additional control points split the block.
     pub off_path: bool,
+    /// AUTO_OFF_TRACK: the same for TRACK_DEV.
     pub off_track: bool,
-    /// AUTO_OFF_G00 and AUTO_OFF_G60.
+    /// AUTO_OFF_G00: whether the curve passes the points of rapid blocks exactly.
     pub off_rapid: bool,
+    /// AUTO_OFF_G60: whether the curve passes the points of exact stops exactly.
     pub off_stop: bool,
-    /// MERGE: points on a straight line are left out.
+    /// MERGE: whether points on a straight line are left out.
     pub merge: bool,
-    /// MAX_PATH_LENGTH, mm; infinite where it is off.
+    /// MAX_PATH_LENGTH: a longer line stays unchanged, mm; infinite if it is off.
     pub longest: f32,
-    /// Cosine of MAX_ANGLE.
+    /// MAX_ANGLE: the cosine of the largest change of direction that becomes a curve.
     pub cosine: f32,
-    /// P-CHAN-00239 = 1: contour mode rounds points that the spline would pass exactly.
+    /// Whether contour mode rounds the points that the spline would pass exactly (P-CHAN-00239 = 1).
     pub rounds: bool,
-    /// P-CHAN-00239 = 1 or 2: contour mode rounds the ends of arcs.
+    /// Whether contour mode rounds the ends of arcs (P-CHAN-00239 = 1 or 2).
     pub rounds_arcs: bool,
 }
 
@@ -147,7 +150,7 @@ impl HscParameters {
         to_f32(self.conterror.to_bits()) * LSB_32
     }
 
-    /// Takes the keywords of a command.
+    /// Takes the values that a command `#HSC` gives.
     pub fn update(&mut self, hsc: &Hsc) {
         let number = |value: Option<Position>, into: &mut f32| {
             if let Some(value) = value {
@@ -178,7 +181,7 @@ impl HscParameters {
 }
 
 impl Rules {
-    /// Whether the curve has a path tolerance, and keeps it without points that it passes exactly.
+    /// Whether the curve has a path tolerance, and keeps this tolerance without passing points exactly.
     #[cfg(feature = "surface")]
     pub const fn is_bounded(&self) -> bool {
         self.path_dev > 0.0 && !self.off_path && !self.off_track
@@ -190,7 +193,7 @@ impl Rules {
         Tolerance { path: monitored(self.path_dev), track: monitored(self.track_dev) }
     }
 
-    /// The tolerance of the path alone, or of the tracking axes alone.
+    /// The tolerance of the tracking axes alone (`track`), or that of the path alone.
     pub fn part_of_tolerance(&self, track: bool) -> Tolerance {
         let Tolerance { path, track: turn } = self.tolerance();
         if track { Tolerance { path: f32::MAX, track: turn } } else { Tolerance { path, track: f32::MAX } }
@@ -205,8 +208,8 @@ pub fn cosine(degrees: f32) -> f32 {
     to_f32(cosine) * (1.0 / (1u64 << 62) as f32)
 }
 
-/// A given direction as a slope with length 1 along the path axes. Returns `None` if the direction has no
-/// component along them.
+/// Scales the direction `vector` to a slope: its part along the path axes has the length 1. Returns `None` if
+/// the direction has no component along the path axes.
 pub fn slope<const AXES: usize>(measure: &Measure, vector: &[f32; AXES]) -> Option<[f32; AXES]> {
     let axes = along(measure, AXES);
     let length = size(&axes, vector);

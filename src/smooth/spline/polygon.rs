@@ -1,4 +1,4 @@
-//! B-splines: the points are corners of a polygon that controls the curve.
+//! Computes B-splines: the points are the corners of a polygon that controls the curve.
 //!
 //! The curve is a cubic B-spline with knots at equal distances k = 1. For the leg from C₁ to C₂, with C₀
 //! before it and C₃ after it, the Bézier points of the piece are
@@ -10,8 +10,8 @@
 //! The piece is L(u) + (1−u)³·Δ₁/6 + u³·Δ₂/6, with the point L(u) of the leg. So its distance from the leg is
 //! known without a search. With the directions t₁, t₂ of two legs, and the distances a, b of the control
 //! points next to a corner, Δ = b·t₂ − a·t₁. The component of Δ along a leg moves the curve only along that
-//! leg. The rest is at most max(a, b)·|t₂ − t₁|/6. So a corner keeps its tolerance if no control point next
-//! to it is farther away than
+//! leg. The component across the leg moves the curve by at most max(a, b)·|t₂ − t₁|/6. So a corner keeps its
+//! tolerance if no control point next to it is farther away than
 //!
 //! ```text
 //! d = 6·PATH_DEV / |t₂ − t₁|
@@ -36,7 +36,8 @@ pub struct Tolerance {
     pub track: f32,
 }
 
-/// Part of the tolerance that is left after rounding and the fit.
+/// Part of the tolerance that the curve may use; the rest is for rounding and for the elements' distance from
+/// the curve.
 const PART: f32 = 1.0 - 1.0 / 4096.0;
 
 /// Coordinates count from the start of a leg, so rounding is this part of the travel.
@@ -66,7 +67,7 @@ pub fn reach<const AXES: usize>(window: &Window<AXES>, i: i32, tolerance: &Toler
     Some(reach)
 }
 
-/// Control points inside a leg, and the reach of the points at both ends.
+/// The additional control points inside a leg, and the permitted distance of control points from both ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Inside {
     /// Distances from the start of the leg, mm; an unused entry holds the length of the leg.
@@ -160,7 +161,7 @@ pub fn direct<const AXES: usize>(window: &Window<AXES>) -> Option<[[f32; AXES]; 
     Some([start, inner1, inner2, end])
 }
 
-/// The longer leg at a point, if it is longer than the permitted distance of control points.
+/// Whether a leg at a point is longer than the permitted distance of control points.
 pub fn exceeds<const AXES: usize>(window: &Window<AXES>, i: i32, tolerance: &Tolerance) -> bool {
     let (Some(before), Some(behind)) = (window.leg(i - 1), window.leg(i)) else { return false };
     reach(window, i, tolerance).is_some_and(|reach| reach < max(before.length, behind.length))

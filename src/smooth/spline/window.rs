@@ -1,4 +1,4 @@
-//! The known points of a curve, a few at a time, and the legs between them.
+//! Stores the points of a curve that are needed at a time, and computes the legs between them.
 use super::LSB_32;
 use crate::math::float::to_f32;
 use crate::nc::Place;
@@ -7,7 +7,8 @@ use crate::quantity::Position;
 use crate::smooth::Data;
 use crate::smooth::contour::curve::{Main, size};
 
-/// Points of the window: two before the current leg, its two ends, three after it, and one new point.
+/// Number of points in the window: two before the current leg, its two ends, three after it, and one new
+/// point.
 pub const POINTS: usize = 8;
 /// Number of points that are kept before the current leg.
 const BEFORE: usize = 2;
@@ -66,7 +67,7 @@ pub struct Window<const AXES: usize> {
 }
 
 impl<const AXES: usize> Window<AXES> {
-    /// No points; path counts along these axes.
+    /// An empty window. `axes`: the axes along which path length counts.
     #[inline(always)]
     pub const fn new(axes: Main) -> Self {
         let data = Data { feed: None, n: 0, place: Place::NONE, number: 0, stop: false };
@@ -74,7 +75,7 @@ impl<const AXES: usize> Window<AXES> {
         Self { points, count: 0, at: 0, whole: true, closed: false, axes }
     }
 
-    /// The axes along which path counts.
+    /// The axes along which path length counts.
     pub const fn axes(&self) -> &Main {
         &self.axes
     }
@@ -99,7 +100,7 @@ impl<const AXES: usize> Window<AXES> {
         self.has_leg() && (self.closed || self.at + 1 + BEHIND < self.count)
     }
 
-    /// Marks that no point follows.
+    /// Marks the last point as the last one of the curve.
     pub const fn close(&mut self) {
         self.closed = true;
     }

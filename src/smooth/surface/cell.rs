@@ -1,10 +1,10 @@
-//! A cell of the path: the quintic between two knots. A proof in integers shows that the cell, or a line,
-//! stays inside the tolerance.
+//! Checks in integers that a cell (the quintic between two knots of the path) or a line stays inside the
+//! tolerance.
 //!
 //! A polynomial lies inside the hull of its Bernstein coefficients. The part of a cell next to a programmed
 //! chord, minus the chord, is such a polynomial. If all its coefficients are inside the tolerance, the path
-//! is inside the tolerance. Path and chords are compared at equal shares of both lengths, so the path also
-//! keeps the order of the contour.
+//! is inside the tolerance. Path and chords are compared at equal fractions of both lengths, so the path
+//! follows the contour in order.
 use super::parameters::Tolerance;
 use crate::math::float::{max, to_f32};
 use crate::math::wide::mul_shift;
@@ -19,7 +19,7 @@ pub struct Hull<const AXES: usize> {
 
 const LSB_40: f32 = 1.0 / (1u64 << 40) as f32;
 const ONE_26: f32 = (1u32 << 26) as f32;
-/// From the LSB of a position.
+/// Number of bits by which the LSB of a hull is coarser than that of a position.
 const COARSER: u32 = 6;
 
 /// Margin of a tolerance for rounding: 2^-17 mm, in LSB of a hull.
@@ -59,8 +59,8 @@ fn most(tolerance: f32) -> i64 {
     ((tolerance * ONE_26) as i64 - ROUNDING).max(0)
 }
 
-/// A chord next to a cell, or a part of a chord: both ends, the tolerance, and the share of the cell's rest
-/// up to the chord's end.
+/// A chord next to a cell, or a part of a chord: both ends, and the tolerance. Also which fraction of the
+/// rest of the cell lies next to this chord.
 pub struct Beside<'a, const AXES: usize> {
     pub ends: [&'a [Position; AXES]; 2],
     pub tolerance: Tolerance,
@@ -131,8 +131,8 @@ impl<const AXES: usize> Hull<AXES> {
         before
     }
 
-    /// Whether the part of the cell next to a chord is inside the tolerance. The call removes this part from
-    /// the cell.
+    /// Whether the part of the cell next to a chord is inside the tolerance. The call removes this part, so
+    /// the next call checks the part that follows.
     pub fn keeps(&mut self, origin: &[Position; AXES], chord: &Beside<'_, AXES>, main: u32) -> bool {
         let part = part_of(chord.part);
         let own = if part == i32::MAX { *self } else { self.cut(part) };

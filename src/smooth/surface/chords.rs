@@ -1,5 +1,5 @@
-//! Blocks as chords: a line gives one chord, an arc many. Between the ends of a long chord, additional
-//! vertices lie on the smooth curve that the chords approximate.
+//! Turns blocks into chords: a line becomes one chord, an arc many. Between the ends of a long chord, the
+//! module adds vertices on the smooth curve that the chords approximate.
 use super::parameters::{Parameters, Tolerance, Used};
 use super::window::{Programmed, Space, Vertex, Window, smoothness};
 use crate::math::float::{max, min, to_f32, to_i64};
@@ -14,7 +14,7 @@ const ONE_30: f32 = (1u32 << 30) as f32;
 pub struct Chord<const AXES: usize> {
     pub from: [Position; AXES],
     pub to: [Position; AXES],
-    /// Change of position per mm of path in space.
+    /// Direction: change of position of each axis per mm of path in space.
     pub direction: [f32; AXES],
     /// Length, mm.
     pub length: f32,
@@ -37,9 +37,9 @@ pub struct Source<const AXES: usize> {
     next: Distance,
     step: Distance,
     from: [Position; AXES],
-    /// Whether the chord is passed exactly.
+    /// Whether the motion follows the block exactly.
     pub exact: bool,
-    /// Whether a function stands before the block.
+    /// Whether the program has a function before the block.
     pub parted: bool,
     /// Whether this is half a line: the run begins in its middle.
     pub half: bool,
@@ -47,7 +47,7 @@ pub struct Source<const AXES: usize> {
     pub is_over: bool,
 }
 
-/// Most additional vertices of a chord.
+/// Largest number of additional vertices of a chord.
 pub const BETWEEN: usize = 11;
 /// Lines with a larger change of direction are not merged.
 const GENTLE: f32 = 0.2;
@@ -71,7 +71,7 @@ const FARTHEST: [f32; 3] = [0.5, 0.211_325, 0.788_675];
 const LESS: f32 = 0.6;
 
 impl<const AXES: usize> Source<AXES> {
-    /// `chord`: length (mm) of the chords of an arc; `None` for a single chord.
+    /// Begins a block. `chord`: length (mm) of the chords of an arc; `None` if the block is a single chord.
     pub fn new(block: &ProgrammedBlock<AXES>, chord: Option<f32>, exact: bool, parted: bool) -> Self {
         let length = block.element.shape.length.to_bits();
         let mut step = length;
@@ -85,7 +85,8 @@ impl<const AXES: usize> Source<AXES> {
         Self { block, next, step, from, exact, parted, half: false, is_over: false }
     }
 
-    /// The next chord. The call does not step: [`Self::go_on`] does.
+    /// The next chord; `None` if no main axis moves. The chord stays the next one until a call of
+    /// [`Self::go_on`].
     pub fn chord(&self, window: &Window<AXES>) -> Option<Chord<AXES>> {
         let Data { feed, n, number, .. } = self.block.data;
         let programmed = Programmed { feed, n, number };
@@ -109,7 +110,7 @@ impl<const AXES: usize> Source<AXES> {
 }
 
 impl<const AXES: usize> Chord<AXES> {
-    /// Returns `None` if no main axis moves.
+    /// The chord between two points. Returns `None` if no main axis moves.
     pub fn new(
         from: &[Position; AXES],
         to: &[Position; AXES],
@@ -190,7 +191,7 @@ pub struct Between<'a, const AXES: usize> {
     pub marks: u8,
 }
 
-/// Slopes of a curve against its chord at both ends, per length of the chord.
+/// The curve that a chord approximates, by the slope between curve and chord at both ends.
 struct Bulge<const AXES: usize> {
     slopes: [[f32; AXES]; 2],
 }
@@ -225,8 +226,8 @@ impl<const AXES: usize> Window<AXES> {
         (turn, smoothness(self.length(&turn)))
     }
 
-    /// Returns `true` if a long line smoothly meets a curve of chords. There the curvature steps between zero
-    /// and that of the curve.
+    /// Returns `true` if a long line meets a curve of chords without a corner. There the curvature has a
+    /// step, from zero to that of the curve.
     fn curvature_steps(&self, one: &Chord<AXES>, next: &Chord<AXES>) -> bool {
         let long = LONG * self.reach;
         let (turn, smooth) = self.leaves(one, next);

@@ -1,7 +1,7 @@
-//! Edges: corners between two lines that contour mode rounds in place of Surface. Smoothing curves of Surface
-//! take no turn above 102 degrees, because the path would be much shorter than its polygon. Contour mode is
-//! also faster if both lines are long compared with the smoothing curve, or if the smoothing curve is slow.
-//! The speed then changes inside the corner curve.
+//! Decides which corners are edges: corners between two lines that contour mode rounds in place of Surface. A
+//! smoothing curve of Surface takes no turn above 102 degrees, because the path would be much shorter than
+//! its polygon. Contour mode is also quicker if both lines are long compared with the smoothing curve, or if
+//! the smoothing curve is slow. The reason: the speed can change inside a curve of contour mode.
 use super::chords::Chord;
 use super::parameters::{Parameters, Tolerance, Used};
 use super::window::{Programmed, Space};
@@ -23,16 +23,17 @@ const BACK: f32 = 1.999_99;
 const EDGE: f32 = 0.313;
 const SHARP: f32 = 1.2;
 
-/// A line longer than this many widths can make an edge. The width is that of the smoothing curve of its turn
-/// alone. The first value is for smooth contours, the second for all other turns. Smoothing curves of shorter
+/// A line longer than this many widths can make an edge. The width is that of a single smoothing curve at the
+/// turn. The first value is for smooth contours, the second for all other turns. Smoothing curves of shorter
 /// lines join to one smooth curve.
 const APART: f32 = 2.5;
 const ONE_CURVE: f32 = 0.34;
-/// With STEP: number of widths above which a line can make an edge, for every turn. Acceleration has no ramps
-/// with STEP, so a curve alone costs little time. Only far shorter lines gain by smoothing curves.
+/// With STEP: number of widths above which a line can make an edge, for every turn. STEP has no ramps of
+/// acceleration, so a single curve costs little time. Only far shorter lines are quicker with smoothing
+/// curves.
 const STEPPED_APART: f32 = 0.05;
-/// Sharp turns between shorter lines belong to a run that turns back. There the smoothing curve is compared
-/// with a stop only.
+/// Sharp turns between lines shorter than this many widths belong to a run that turns back. There the
+/// smoothing curve is compared with a stop only.
 const ALONE: f32 = 4.0;
 
 /// Conditions under which a corner is an edge.
@@ -109,8 +110,8 @@ impl<'a> Edges<'a> {
         arc && self.parameters.chord_of(&block.element).is_none()
     }
 
-    /// Returns `true` if two blocks make an edge. The first block is for contour mode. A transition between
-    /// an arc and a smoothed block is always an edge.
+    /// Returns `true` if two blocks make an edge. The first block already belongs to contour mode. A
+    /// transition between an arc and a smoothed block is always an edge.
     pub fn between<const AXES: usize>(
         &self,
         before: &ProgrammedBlock<AXES>,
@@ -130,8 +131,8 @@ impl<'a> Edges<'a> {
         self.chord(before).is_some_and(|before| self.parts(&before, block, dynamics))
     }
 
-    /// Tolerance of a corner curve. `rapid`: G00 on both sides. `used`: the part that merged lines before the
-    /// corner have used.
+    /// Tolerance of the curve at an edge. `rapid`: whether both lines are rapid motion (G00). `used`: the
+    /// shares of the tolerance that merged lines have used.
     pub fn tolerance(&self, rapid: bool, used: Used) -> Tolerance {
         self.parameters.left(self.parameters.tolerance(rapid), false, used)
     }

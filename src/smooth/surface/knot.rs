@@ -1,4 +1,5 @@
-//! Points of the smoothed path: the control polygon P, with a smoothing polynomial (kernel) at each vertex.
+//! Computes points of the smoothed path Q. Q is the control polygon P, with a smoothing polynomial (kernel)
+//! at each vertex.
 //!
 //! Over the length s of the polygon, with d_i the step of its direction at vertex i, c_i the half width of its
 //! kernel and u = 1 − |s − s_i|/c_i,
@@ -17,7 +18,7 @@ use crate::path::poly::Knot;
 use crate::path::{End, Measure, straight};
 use crate::quantity::Position;
 
-/// A place of the polygon: a distance (mm) after a vertex.
+/// A place on the control polygon: a vertex, and a distance (mm) after this vertex.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spot {
     pub vertex: usize,
@@ -28,8 +29,9 @@ pub struct Spot {
 const CELL: f32 = 0.9;
 /// An element that ends where a kernel ends has at least this part of its normal length.
 const SLIVER: f32 = 0.1;
-/// Part of the widest kernel by which the checked path must be longer. A narrower kernel would move points
-/// here. The element between old and new points would then turn sharply.
+/// An element ends at least this part of the widest kernel before the end of the checked path. Nearer to that
+/// end, points may still move when a kernel is reduced, and the element between old and new points would turn
+/// sharply.
 const SETTLED: f32 = 0.5;
 /// Longest element, mm.
 const LONGEST: f32 = 8.0;
@@ -48,7 +50,7 @@ const ONE_32: f32 = (1u64 << 32) as f32;
 /// The length of the next element of a Surface curve, and whether this element is straight.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Aim {
-    /// Distance from the last knot, mm.
+    /// Length of the element, measured from the last knot along the control polygon, mm.
     pub way: f32,
     /// Whether the path is straight up to this distance.
     pub is_straight: bool,
@@ -111,7 +113,7 @@ impl<const AXES: usize> Window<AXES> {
         Spot { vertex, x }
     }
 
-    /// The path ahead of a place. No element ends nearer than `least` (mm).
+    /// Finds what lies ahead of a place. Ends of elements nearer than `least` (mm) do not count.
     fn look_ahead(&self, spot: &Spot, least: f32) -> Ahead {
         let mut ahead = Ahead { active: false, start: f32::MAX, strong: f32::MAX, forced: f32::MAX };
         let note = |place: &mut f32, at: f32| {
@@ -169,8 +171,8 @@ impl<const AXES: usize> Window<AXES> {
         None
     }
 
-    /// Whether an element of `length` (mm) comes near a step of curvature. There the curvature uses most of
-    /// the jerk, and little is left to change the speed.
+    /// Whether an element of `length` (mm) comes near a step of curvature. Near a step, the curvature uses
+    /// most of the permitted jerk, and little jerk is left to change the speed.
     pub fn is_near_step(&self, spot: &Spot, length: f32) -> bool {
         let near = |vertex: &Vertex<AXES>, away: f32| {
             vertex.is(Vertex::<AXES>::STEPS) && away < NEAR_STEP * vertex.width - NOTHING

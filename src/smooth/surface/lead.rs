@@ -1,9 +1,9 @@
-//! The path before a curve: near a transition from a straight run to an arc, the points of the control
-//! polygon move away from the contour. This shift is called lead.
+//! Computes the lead: near a transition from a straight run to a curve, the points of the control polygon
+//! move sideways from the contour.
 //!
-//! Kernels distribute the ramp of curvature evenly to both sides of such a transition: inside the curve, and
-//! outside of the straight run before. The curve has little room, because its chords have used the tolerance.
-//! The straight run has all of its tolerance free. So points of the run move inwards some distance before the
+//! At such a transition the curvature rises in a ramp. Kernels alone place this ramp evenly on both sides of
+//! the transition. On the curve there is little room, because its chords have used the tolerance. On the
+//! straight run, all of the tolerance is free. So points of the run move inwards some distance before the
 //! transition, and points near the transition move outwards. Most of the ramp then lies on the run.
 //!
 //! The shift of a point is a sum over the turns ahead, within 1.25 kernel widths. A step of curvature k at a
@@ -160,7 +160,8 @@ impl<const AXES: usize> Window<AXES> {
         rest * rest
     }
 
-    /// The lead that results from the turns on one side of a vertex.
+    /// The lead that results from the turns on one side of a vertex, and the sums from which the lead is
+    /// limited.
     fn side(&self, k: usize, ahead: bool, width: f32) -> Side<AXES> {
         let none = [0.0; AXES];
         let mut side =

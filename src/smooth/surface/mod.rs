@@ -1,23 +1,25 @@
 //! `#HSC \[SURFACE\]`: short blocks become one curve with continuous direction and curvature, inside a
-//! tolerance. The curve hardly depends on which points of the surface the blocks pass.
+//! tolerance. The curve hardly depends on where exactly the programmed points lie on the surface of the
+//! workpiece.
 //!
 //! The contour is a sequence of vertices. Each vertex has a smoothing polynomial, its kernel, which rounds
-//! the polygon over a part of the path (`knot.rs`). A kernel is as wide as the tolerance permits. The
-//! vertices move out by the amount that the kernels cut, so the result follows the curve that the chords
-//! approximate (`window.rs`). The vertices move further where a straight run changes into a curve
+//! the polygon over a part of the path (`knot.rs`). A kernel is as wide as the tolerance permits. The kernels
+//! cut off corners. So the vertices first move out by the same amount, and the result follows the curve that
+//! the chords approximate (`window.rs`). The vertices move further where a straight run changes into a curve
 //! (`lead.rs`). The output is a sequence of quintics through position, direction and curvature at knots about
-//! half a kernel apart (`cell.rs`). There are far fewer quintics than blocks. The search uses `f32`, but
-//! integers prove each element to be inside the tolerance before it is emitted. If the proof fails, the
-//! kernels are reduced. In the end, the motion goes straight to the next vertex and stops there.
+//! half a kernel apart (`cell.rs`). There are far fewer quintics than blocks. The search uses `f32`. Before
+//! an element is emitted, a check in integers proves that the element is inside the tolerance. If the check
+//! fails, the kernels are made narrower and the element is tried again. If no kernel is narrow enough, the
+//! motion goes straight to the next vertex and stops there.
 //!
-//! A run ends in the middle of a line before an edge, which belongs to contour mode (`edges.rs`,
+//! Before an edge, which belongs to contour mode, a run ends in the middle of a line (`edges.rs`,
 //! `smooth/edged.rs`). A run ends exactly in a vertex at an exact stop, a dwell, a function with
-//! acknowledgement, or a turn beyond MAX_ANGLE. It also ends in a vertex at an arc that stays exact, at a
-//! block without main axes, and with AUTO_OFF_G00 at a rapid block. A change of feed, or a function without
+//! acknowledgement, or a turn beyond MAX_ANGLE. So does a run at an arc that stays exact, at a block without
+//! main axes, and with AUTO_OFF_G00 at a rapid block. A change of feed, or a function without
 //! acknowledgement, begins a new element but does not end the run.
 //!
-//! Late text also ends a run, if the motion would otherwise stop. Only in this case, the path depends on the
-//! arrival time of text.
+//! Late text also ends a run, if the motion would otherwise stop. Only in this case does the path depend on
+//! the arrival time of text.
 mod cell;
 mod chords;
 mod edges;
@@ -66,9 +68,9 @@ struct Made<const AXES: usize> {
     element: Element<AXES>,
     data: Data,
     due: u32,
-    /// For a curve: the sharp turn nearby.
+    /// For a curve: the nearest sharp turn, which limits the speed.
     curve: Option<Near>,
-    /// Axes that are not made yet.
+    /// The polynomials of the axes, as far as they are made; `None` when all are made.
     draft: Option<Draft<AXES>>,
 }
 
@@ -107,7 +109,7 @@ pub struct Surface<const AXES: usize> {
     passed: Option<Chord<AXES>>,
     /// Direction of the polygon at the end of the last chord.
     heading: Option<[f32; AXES]>,
-    /// Whether the run ends after the current chords; the value `true` demands a stop there.
+    /// Set if the run ends after the current chords; the value tells whether the motion stops there.
     ending: Option<bool>,
     front: Option<Front<AXES>>,
     tried: Tried,
@@ -128,7 +130,7 @@ const NARROWER: f32 = 0.7;
 /// From this turn on (twice the sine of half the angle: 41 degrees), the motion passes the turn at a constant
 /// lower speed.
 const SHARP: f32 = 0.7;
-/// Factor by which this speed may exceed the speed of corner curves.
+/// Factor by which the speed in such a turn may exceed the speed in curves of contour mode.
 const QUICK: f32 = 1.1;
 
 /// Largest ratio of the speed along a cell to the path speed.
@@ -343,8 +345,8 @@ impl<const AXES: usize> Surface<AXES> {
             self.end_row();
             return true;
         }
-        // The code tries again only when more is known. A vertex that enters, gets its width or moves is no
-        // reason.
+        // Tries again only if more vertices are checked, the limit of widths has changed, or the end of the
+        // run is known. New vertices alone are no reason to try.
         let known =
             Some((self.window.checked, self.window.reach, self.window.ended || self.window.is_full()));
         if self.waits == known {
@@ -621,8 +623,8 @@ impl<const AXES: usize> Surface<AXES> {
         }
     }
 
-    /// Replaces a cell that cannot be made by a line. This case does not occur, because a cell in the range
-    /// of a hull can be made.
+    /// Makes a line in place of a cell that cannot be made. This case does not occur, because every cell in
+    /// the range of a hull can be made.
     #[cold]
     #[inline(never)]
     fn replace(&mut self, from: &[Position; AXES]) {

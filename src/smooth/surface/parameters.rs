@@ -23,7 +23,7 @@ pub struct Parameters {
     track_dev: f32,
     /// TRACK_DEV_G00; TRACK_DEV where it is not given.
     track_dev_g00: Option<f32>,
-    /// Sine of half of MAX_ANGLE.
+    /// MAX_ANGLE: the sine of half of the largest change of direction that becomes a curve.
     max_angle: f32,
     /// CHECK_JERK, and the value of P-CHAN-00110.
     check_jerk: u8,
@@ -48,36 +48,36 @@ pub struct Parameters {
     controlled: bool,
 }
 
-/// The largest width of a kernel (mm) is this factor times the square root of the tolerance (mm). A tolerance
-/// of 0.02 mm gives 6.5 mm, which is four or five segments of usual free-form programs. With shorter segments
-/// the window limits the width.
+/// The largest half width of a kernel (mm) is this factor times the square root of the tolerance (mm). A
+/// tolerance of 0.02 mm gives 6.5 mm: the length of four or five segments of usual free-form programs. With
+/// shorter segments, the number of vertices in the window limits the width.
 const WIDTH: f32 = 46.0;
-/// Largest width of a kernel, mm.
+/// Largest half width of a kernel with any tolerance, mm.
 const WIDEST: f32 = 16.0;
 
-/// Part of the cut of the kernels by which points of a B-spline move out. These points control the curve; the
-/// curve need not pass them.
+/// For a B-spline: the part of the distance cut off by the kernels by which points move out. The points
+/// control the curve, so the curve need not pass them.
 const CONTROLLED: f32 = 0.5;
 
 /// Tolerance of tracking axes that are not monitored, degrees.
 #[cfg(any(feature = "splines", feature = "kinematics"))]
 const NOT_MONITORED: f32 = 1e6;
 
-/// Sagitta of the chord of an arc, as a part of the tolerance.
+/// Largest distance between an arc and its chords, as a part of the tolerance.
 const SAGITTA: f32 = 1.0 / 20.0;
 
 /// Permitted deviation of merged lines, as a part of the tolerance; the curve has the rest. With 1/16, runs
 /// of short segments take up to 0.8 % longer than without MERGE; with 1/2, up to 14 %.
 const MERGED: f32 = 1.0 / 32.0;
 
-/// Resolution of the part that merged lines use.
+/// [`Used`] stores a share in this number of steps.
 const PARTS: f32 = 255.0;
 
 /// Least tolerance of a tracking axis, degrees: TRACK_DEV=0 permits no deviation beyond what single precision
 /// resolves.
 const LEAST_TRACK: f32 = 0.001;
 
-/// Margin, so that a turn of exactly the largest angle is not beyond it.
+/// Margin for rounding: a turn of exactly the largest angle is permitted.
 const ROUNDED: f32 = 1.0 + 1.0 / 65_536.0;
 
 /// An arc with a radius of at most this number of tolerances counts as small.
@@ -92,15 +92,15 @@ pub struct Tolerance {
     pub track: f32,
 }
 
-/// Shares of the tolerance that merged lines have used: of PATH_DEV and of TRACK_DEV.
+/// How much of the tolerance merged lines have used: a share for PATH_DEV and a share for TRACK_DEV.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Used(u8, u8);
 
 impl Used {
-    /// No share is used: the chord is a single line.
+    /// Nothing is used, because the chord is a single line.
     pub const NOTHING: Self = Self(0, 0);
 
-    /// The parts at a vertex between two chords: the larger ones.
+    /// The larger of both shares: for the vertex between two chords.
     pub fn larger(self, other: Self) -> Self {
         Self(self.0.max(other.0), self.1.max(other.1))
     }
@@ -116,7 +116,7 @@ impl Used {
 }
 
 impl Parameters {
-    /// Parameters at program start; `check_jerk` is P-CHAN-00110.
+    /// Parameters at program start. `check_jerk`: value of P-CHAN-00110, the default of CHECK_JERK.
     pub const fn new(check_jerk: u8) -> Self {
         Self {
             path_dev: 0.2,
@@ -139,7 +139,8 @@ impl Parameters {
         }
     }
 
-    /// Parameters of the HSC B-spline: its tolerance, and its rules for unchanged blocks.
+    /// Parameters with which Surface makes the HSC B-spline: its tolerances, and its rules for blocks that
+    /// stay unchanged.
     #[cfg(feature = "splines")]
     pub fn of_spline(rules: &Rules, check_jerk: u8) -> Self {
         let track = if rules.track_dev > 0.0 { rules.track_dev } else { NOT_MONITORED };
@@ -157,7 +158,8 @@ impl Parameters {
         }
     }
 
-    /// The tolerances of DEV. Arcs stay exact, unless they are as small as the tolerance.
+    /// Parameters with which Surface works for DEV of contour mode: the tolerances of DEV. Arcs stay exact,
+    /// unless their radius is at most 4 times the tolerance.
     #[cfg(feature = "kinematics")]
     pub fn of_contour(dev: &Dev) -> Self {
         let track = if dev.track_dev > 0.0 { dev.track_dev } else { NOT_MONITORED };
@@ -171,22 +173,22 @@ impl Parameters {
         length > self.longest
     }
 
-    /// Largest gain of a vertex: see the `gain` of the vertices in the window.
+    /// How far points move out, as a part of the distance that the kernels cut off: at most this value.
     pub const fn gain(&self) -> f32 {
         if self.controlled { CONTROLLED } else { 1.0 }
     }
 
-    /// Whether an exact stop is on the curve.
+    /// Whether the motion stops on the curve at an exact stop, instead of at the programmed point.
     pub const fn stands(&self) -> bool {
         self.stands
     }
 
-    /// Returns to program start.
+    /// Restores the parameters of program start.
     pub const fn restart(&mut self) {
         *self = Self::new(self.of_channel);
     }
 
-    /// Takes the programmed values.
+    /// Takes the values that a command `#HSC` gives.
     pub fn update(&mut self, hsc: &Hsc) {
         let value = |given: Option<Position>| given.map(|given| to_f32(given.to_bits()) * LSB_32);
         let set = |own: &mut f32, given: Option<Position>| *own = value(given).unwrap_or(*own);
@@ -208,17 +210,19 @@ impl Parameters {
         self.merge = hsc.merge.unwrap_or(self.merge);
     }
 
-    /// CHECK_JERK: which ramp time limits the jerk of the curvature, 0 to 2.
+    /// CHECK_JERK: limit of the jerk that the curvature may cause. 0: no limit; 1: by the geometric ramp
+    /// time; 2: by the ramp times.
     pub const fn check_jerk(&self) -> u8 {
         self.check_jerk
     }
 
-    /// Whether a block stays unchanged because it is rapid motion.
+    /// AUTO_OFF_G00: whether blocks of rapid motion stay unchanged.
     pub const fn leaves_rapid(&self) -> bool {
         self.auto_off_g00
     }
 
-    /// MERGE: largest deviation of lines that become one chord, for feed and rapid blocks alike.
+    /// MERGE: largest deviation of lines that become one chord, for feed and rapid blocks alike; `None`
+    /// without MERGE.
     pub fn merged(&self) -> Option<Tolerance> {
         self.merge.then(|| self.most_merged())
     }
@@ -228,13 +232,13 @@ impl Parameters {
         Tolerance { path: MERGED * min(feed.path, rapid.path), track: MERGED * min(feed.track, rapid.track) }
     }
 
-    /// The shares of the tolerance that merged lines use.
+    /// The shares of the tolerance that merged lines with the deviation `stray` use.
     pub fn used(&self, stray: &Tolerance) -> Used {
         let most = self.most_merged();
         Used(Used::parts(stray.path, most.path), Used::parts(stray.track, most.track))
     }
 
-    /// The rest of a tolerance after an arc's chord, or after merged lines.
+    /// The rest of a tolerance that is left for the curve. The chord of an arc, and merged lines, use a part.
     pub fn left(&self, tolerance: Tolerance, arc: bool, used: Used) -> Tolerance {
         let arc = if arc { SAGITTA } else { 0.0 };
         let path = tolerance.path * (1.0 - arc);
@@ -256,7 +260,7 @@ impl Parameters {
         chord > 2.0 * ROUNDED * self.max_angle
     }
 
-    /// The tolerance of a transition; `rapid`: G00 on both sides.
+    /// The tolerance of a transition. `rapid`: whether the blocks on both sides are rapid motion (G00).
     pub fn tolerance(&self, rapid: bool) -> Tolerance {
         let normal = Tolerance { path: self.path_dev, track: max(self.track_dev, LEAST_TRACK) };
         if !rapid {
@@ -273,12 +277,12 @@ impl Parameters {
         min(WIDTH * sqrt_f32(self.path_dev), WIDEST)
     }
 
-    /// CIR_MODE: whether transitions with arcs that stay exact get curves.
+    /// CIR_MODE: whether the transitions of arcs that stay exact become curves.
     pub const fn rounds_arcs(&self) -> bool {
         self.cir_mode != 0
     }
 
-    /// Length of the chords (mm) that replace an arc; `None` if the arc stays exact.
+    /// Path length (mm) of the chords that replace an arc; `None` if the arc stays exact.
     pub fn chord_of<const AXES: usize>(&self, arc: &Element<AXES>) -> Option<f32> {
         let circle = arc.circle.as_ref()?;
         if self.cir_mode == 0 {

@@ -1,4 +1,4 @@
-//! The vertices from which a point of the path is computed.
+//! Stores the vertices from which the points of the path are computed.
 //!
 //! A vertex is a point of the programmed contour, or an additional point on a chord. Each vertex has its
 //! point of the *control polygon*, which the kernels smooth. Three passes run over the vertices: widths, then
@@ -20,7 +20,7 @@ const LSB_32: f32 = 1.0 / (1u64 << 32) as f32;
 /// Data of a chord, kept with the vertex at its end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Programmed {
-    /// Feed, mm/min; rapid without.
+    /// Feed, mm/min; `None` for rapid motion.
     pub feed: Option<f32>,
     /// N number of the block in the program.
     pub n: u32,
@@ -35,22 +35,24 @@ pub struct Vertex<const AXES: usize> {
     pub at: [Position; AXES],
     /// Offset from the vertex to the point of the control polygon, mm.
     pub offset: [f32; AXES],
-    /// Change of the polygon's direction before the points moved.
+    /// Change of direction at the programmed point, before points move.
     pub turn: [f32; AXES],
-    /// Change of direction of the control polygon.
+    /// Change of direction of the control polygon at this vertex.
     pub moved_turn: [f32; AXES],
-    /// Length of the polygon from the vertex before, mm: first before points moved, then after.
+    /// Distance from the vertex before, mm, before points move.
     pub length: f32,
+    /// Distance from the vertex before along the control polygon, mm, after the points have moved.
     pub moved_length: f32,
     /// Distance from the start of the run, LSB 2^-20 mm; only differences are used.
     pub distance: u32,
     /// Half width of the smoothing curve (kernel) around the vertex, mm of path.
     pub width: f32,
-    /// Part of the deviation by which the point moves out: 1 where the contour is smooth, 0 at an edge.
+    /// How far the point moves out, as a part of the distance that the kernels cut off: 1 where the contour
+    /// is smooth, 0 at an edge.
     pub gain: f32,
     pub programmed: Programmed,
     pub marks: u8,
-    /// Shares of the tolerance that the lines of the chord before the vertex use.
+    /// If the chord before the vertex replaces merged lines: the shares of the tolerance that they use.
     pub used: Used,
 }
 
@@ -61,10 +63,11 @@ impl<const AXES: usize> Vertex<AXES> {
     pub const FORCED: u8 = 2;
     /// The chord before the vertex is a part of an arc.
     pub const ARC: u8 = 4;
-    /// The control polygon turns here by more than rounding. The second mark is for a sharp turn.
+    /// The control polygon turns here by more than rounding.
     pub const TURNS: u8 = 8;
+    /// The control polygon turns here sharply: an element ends at the vertex and where its kernel ends.
     pub const STRONG: u8 = 16;
-    /// A long line meets a curve here: its curvature steps.
+    /// A long line meets a curve here, so the curvature has a step.
     pub const STEPS: u8 = 32;
     /// The point of the control polygon does not move: the run begins or ends along the line.
     pub const FIXED: u8 = 64;
@@ -132,23 +135,25 @@ impl Space {
 pub struct Window<const AXES: usize> {
     pub vertices: Deque<Vertex<AXES>, VERTICES>,
     pub space: Space,
-    /// Number of vertices that have a width, and number of vertices that have a point of the control polygon.
+    /// Number of vertices that have a width.
     pub wide: usize,
+    /// Number of vertices that have a point of the control polygon.
     pub moved: usize,
-    /// Number of checked vertices, and number of reductions for the next vertex.
+    /// Number of checked vertices.
     pub checked: usize,
+    /// How often kernels were reduced because of the next vertex to check.
     pub again: u8,
     /// Number of vertices that were checked before the last reduction.
     pub furthest: usize,
-    /// Widest kernel of the run, mm. The second value is the current one, which is narrower if the window is
-    /// full.
+    /// Half width of the widest kernel of the run, mm.
     pub widest: f32,
+    /// Current limit for the half width of new kernels, mm. The limit is lower if the window has been full.
     pub reach: f32,
-    /// The largest gain of a vertex.
+    /// Upper limit for [`Vertex::gain`] in this run.
     pub most: f32,
     /// Whether the last vertex is the end of the run.
     pub ended: bool,
-    /// Distance of the run's start, LSB 2^-20 mm, if the start is near.
+    /// Value of [`Vertex::distance`] at the start of the run, while the start is near; otherwise `None`.
     pub begun: Option<u32>,
 }
 
@@ -181,7 +186,7 @@ const SPARSE: f32 = 0.2;
 /// Factor for a bulge in a place where kernels are reduced.
 const NARROWED_BULGE: f32 = 0.97;
 
-/// Largest change of the kernel width per distance.
+/// Largest change of the half width of kernels per distance, mm per mm.
 pub const SLOPE: f32 = 0.5;
 
 /// A vertex moves when the contour is known this number of widest kernels ahead. A later kernel may reduce
@@ -193,10 +198,10 @@ const KNOWN: f32 = 1.25;
 /// the window demands for long.
 const HURRIED: f32 = 0.92;
 
-/// Least speed of a point over the distance along the polygon, as a ratio.
+/// Smallest permitted ratio of path length to polygon length, at any place.
 pub const SLOWEST: f32 = 0.6;
 
-/// From 2^-20 mm.
+/// 2^-20 mm, in mm.
 const LSB_20: f32 = 1.0 / (1u32 << 20) as f32;
 
 impl<const AXES: usize> Window<AXES> {
@@ -231,7 +236,7 @@ impl<const AXES: usize> Window<AXES> {
         self.space.is_main(axis)
     }
 
-    /// Whether a deviation is inside a tolerance.
+    /// Whether the deviation `d` is inside `part` times the tolerance.
     pub fn is_inside(&self, d: &[f32; AXES], tolerance: &Tolerance, part: f32) -> bool {
         let most = tolerance.track * part;
         let tracks = d.iter().enumerate().all(|(k, x)| self.is_main(k) || magnitude(*x) <= most);
@@ -444,7 +449,7 @@ impl<const AXES: usize> Window<AXES> {
         low
     }
 
-    /// Whether a common width of all vertices nearby would suffice.
+    /// Whether the deviation at a vertex is inside the tolerance if all vertices nearby have this width.
     fn fits(&self, k: usize, width: f32, tolerance: &Tolerance, more: f32) -> bool {
         let Some((chord, length)) = self.chord(k) else { return true };
         let per = 1.0 / max(length, f32::MIN_POSITIVE);
@@ -546,7 +551,7 @@ impl<const AXES: usize> Window<AXES> {
         off
     }
 
-    /// Direction and length of the control polygon up to a vertex.
+    /// Computes length and direction of the control polygon up to a vertex again, after points have moved.
     pub fn settle(&mut self, k: usize) {
         let Some((chord, length)) = self.chord(k) else { return };
         let per = 1.0 / max(length, f32::MIN_POSITIVE);
@@ -568,7 +573,7 @@ impl<const AXES: usize> Window<AXES> {
         }
     }
 
-    /// Reduces the kernels: the window is full and no element is possible.
+    /// Reduces the kernels, because the window is full and no element is possible.
     pub fn hurry(&mut self) {
         self.reach *= HURRIED;
         for k in self.moved..self.wide {
@@ -612,12 +617,13 @@ impl<const AXES: usize> Window<AXES> {
         let first = (0..k).find(|j| near(*j)).unwrap_or(k);
         let last = (k..self.moved).rev().find(|j| near(*j)).unwrap_or(k);
         self.narrow(first, last, LITTLE, parameters);
-        // Kernels that turn to the other side have narrower neighbours now.
+        // Vertices with an opposite turn now have neighbours with narrower kernels, so the check begins again
+        // there.
         self.checked = first.max(1);
         true
     }
 
-    /// The smoothed path minus the programmed chord, at a place.
+    /// The vector from the programmed chord to the smoothed path, at a place.
     fn beside(&self, spot: &Spot) -> [f32; AXES] {
         let Some(from) = self.get(spot.vertex) else { return [0.0; AXES] };
         let mut off = from.offset;
@@ -742,7 +748,8 @@ fn length_of<const AXES: usize>(vertex: Option<&Vertex<AXES>>) -> f32 {
     vertex.map_or(0.0, |vertex| vertex.length)
 }
 
-/// How smooth a contour is at a turn: 1 to 0.
+/// How smooth the contour is at a turn: 1 for a smooth contour, 0 for an edge. `turn`: twice the sine of half
+/// the angle.
 pub fn smoothness(turn: f32) -> f32 {
     let x = min(max((EDGE - turn) * (1.0 / (EDGE - SMOOTH)), 0.0), 1.0);
     x * x * (3.0 - 2.0 * x)
