@@ -13,11 +13,12 @@
 //! too. Distances compare correctly only over a limited path. If the curves of the look-ahead lead beyond
 //! this path, the planner writes their starts when the interrupt comes nearer.
 //!
-//! In a small build, an arc or a polynomial takes two slots ([`super::cells`]): the first for the part, the
-//! second for the curve. Each slot has a number and a start; both starts are the same path distance. So a
-//! tick that passes the first slot also passes the second one, and never ends on a part. The interrupt reads
-//! the first start, so the planner writes this start last. Counts in this file are then counts of slots, and
-//! many such curves shorten the look-ahead.
+//! In a small build, an arc or a polynomial takes two slots ([`super::cells`]). The first slot holds the part
+//! (the additional data of the arc or polynomial), and the second slot holds the curve. Each slot has a
+//! number and a start; both starts are the same path distance. So a tick that passes the first slot also
+//! passes the second one, and never ends on a part. The interrupt reads the first start, so the planner
+//! writes this start last. Counts in this file are then counts of slots, and many such curves shorten the
+//! look-ahead.
 //!
 //! A slot holds the lower half of the motion block's number. A reader counts back from the latest number
 //! ([`super::cells::whole`]), so numbers in the ring must be less than 2^16 apart. A curve may replace many
@@ -37,7 +38,7 @@ use core::marker::PhantomData;
 use core::sync::atomic::{AtomicU32, Ordering, fence};
 use core::{ptr, slice};
 
-/// Largest number of curves that a tick passes. A small build passes half as many.
+/// Largest number of curves that a tick passes: 32, or 16 in a small build.
 pub const MAX_CURVES_PER_TICK: u32 = MOST_SLOTS / MOST as u32;
 
 /// Largest number of slots that a tick passes.
@@ -354,7 +355,8 @@ impl<'a, const AXES: usize> CurveProducer<'a, AXES> {
         self.count.wrapping_sub(taken) as usize + BEFORE + slots <= self.most()
     }
 
-    /// Whether the look-ahead has no room for more curves, even if it has fewer curves than blocks.
+    /// Whether the slots of the look-ahead are used up, although the look-ahead may have fewer curves than
+    /// blocks: an arc or a polynomial may take two slots.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn is_ahead_full(&self) -> bool {
         !IS_WHOLE && self.count.wrapping_sub(self.handed) as usize + NEXT > self.ahead() + SPARE
@@ -378,7 +380,8 @@ impl<'a, const AXES: usize> CurveProducer<'a, AXES> {
             && self.slot(self.index_of(number)).is_some_and(|slot| unsafe { slot.is_part() })
     }
 
-    /// The number of a curve, from its own number or from that of its part.
+    /// Converts a slot's number to the number of its curve. In a small build, an arc or a polynomial has two
+    /// slots, and `number` may be that of either slot.
     pub fn curve_of(&self, number: u32) -> u32 {
         number.wrapping_add(u32::from(self.is_part(number)))
     }
@@ -388,14 +391,16 @@ impl<'a, const AXES: usize> CurveProducer<'a, AXES> {
         self.curve_of(self.curve_of(number).wrapping_add(1))
     }
 
-    /// Whether the queue holds its full number of released curves, or more path than distances can compare.
+    /// Whether the queue has its full number of released curves. Also `true` if the released path is so long
+    /// that path distances can hardly be compared any more.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn is_sated(&self) -> bool {
         // Another curve of any kind would exceed the limit.
         self.len() + MOST as u32 > SEGMENTS as u32 || (self.long && self.is_far(self.handed))
     }
 
-    /// Whether the queue has more curves than its full number, because the last released span had several.
+    /// Whether the queue has more released curves than its full number, because the last released span had
+    /// several.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn is_over(&self) -> bool {
         self.len() > SEGMENTS as u32 || (self.long && self.is_far(self.handed.wrapping_sub(1)))
@@ -440,7 +445,8 @@ impl<'a, const AXES: usize> CurveProducer<'a, AXES> {
         before.fold(self.hidden, i64::wrapping_add)
     }
 
-    /// The first curve that ends after a path distance, among the curves that the interrupt has not passed.
+    /// The number of the first curve that ends after a path distance, among the curves that the interrupt has
+    /// not passed.
     pub fn ends_behind(&self, distance: i64) -> Option<u32> {
         let first = self.taken();
         if first == self.count || self.end_of(first).wrapping_sub(distance) > 0 {
@@ -477,15 +483,17 @@ impl<'a, const AXES: usize> CurveProducer<'a, AXES> {
         whole(self.latest(), segment.block())
     }
 
-    /// Whether the next motion block, with this number, must not join a curve. The number would be too far
-    /// from the oldest block number in use, which is in the slot of the next curve.
+    /// Whether the next motion block, which has this number, needs its own curve and must not join an
+    /// existing one. Its number would be too far from the oldest block number in use, which the slot of the
+    /// next curve holds.
     pub fn is_crowded(&self, block: u32) -> bool {
         // SAFETY: only this handle writes slots, and needs `&mut self` for that.
         let oldest = self.slot(self.slot).map_or(0, |slot| unsafe { slot.block() });
         block.wrapping_sub(whole(self.latest(), oldest)) >= MOST_APART
     }
 
-    /// Appends a curve with its base, its N number and its motion block. Returns `false` if there is no room.
+    /// Appends a curve. `base`: the point to which the curve's offsets are added; `n`: N number; `block`:
+    /// number of the motion block. Returns `false` if there is no room.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn push(&mut self, shape: &Shape<AXES>, base: &[Position; AXES], n: u32, block: u32) -> bool {
         let Some(slots) = cells::slots(shape) else { return false };
@@ -529,8 +537,8 @@ impl<'a, const AXES: usize> CurveProducer<'a, AXES> {
         true
     }
 
-    /// Sets the axes along which driven distance counts, from the next curve on. `None`: the path distance of
-    /// each curve is its driven length.
+    /// Sets the axes along which the driven distance counts, from the next curve on. `None`: the driven
+    /// length of each curve is its path length.
     #[cfg(feature = "driven")]
     pub const fn set_measure(&mut self, measure: Option<Measure>) {
         self.measure = measure;
@@ -627,8 +635,8 @@ impl<'a, const AXES: usize> CurveProducer<'a, AXES> {
     }
 
     /// Number of released curves that the interrupt has not passed, including the current one. At the end of
-    /// the released curves, the interrupt may be on the first curve of the look-ahead, or in the reserve on a
-    /// later one.
+    /// the released curves, the interrupt may already be on the first curve of the look-ahead. In the
+    /// reserve, it may be on a later one.
     #[inline(always)]
     pub fn len(&self) -> u32 {
         let ahead = self.handed.wrapping_sub(self.taken()) as i32;
@@ -661,7 +669,7 @@ impl<'a, const AXES: usize> CurveProducer<'a, AXES> {
         Distance::from_bits(self.end)
     }
 
-    /// Path distance up to which the interrupt can follow the path.
+    /// Path distance up to which the interrupt knows the path.
     pub fn known(&self) -> Distance {
         Distance::from_bits(if self.long { self.hidden } else { self.end })
     }
@@ -672,7 +680,8 @@ impl<'a, const AXES: usize> CurveProducer<'a, AXES> {
         !self.long || distance.to_bits().wrapping_sub(self.known().to_bits()) <= 0
     }
 
-    /// The curve with this number, or with a part of this number, if it is one of the latest curves.
+    /// The curve with this number. In a small build, `number` may be that of either slot of the curve.
+    /// Returns `None` if the ring no longer holds the curve.
     #[inline(never)]
     pub fn recent(&self, number: u32) -> Option<Track<'_, AXES>> {
         let number = self.curve_of(number);
@@ -686,8 +695,8 @@ impl<'a, const AXES: usize> CurveProducer<'a, AXES> {
         Some(unsafe { Track::new(slot) })
     }
 
-    /// Withdraws the curves after the current one. The axes are at the path distance `stands`, where the next
-    /// curve begins.
+    /// Withdraws the curves after the interrupt's current curve. The axes stand at the path distance
+    /// `stands`; the next curve to be written begins there.
     pub fn end_at(&mut self, stands: i64) {
         self.withdraw(self.taken());
         #[cfg(feature = "driven")]
@@ -751,7 +760,7 @@ fn numbers(from: u32, to: u32) -> impl Iterator<Item = u32> {
 
 impl<const AXES: usize> CurveConsumer<'_, AXES> {
     /// Finds the curve at a path distance, and the distance from the curve's start. `distance` must be at
-    /// least that of the previous call. The call gives back the curves before, at most
+    /// least that of the previous call. The call gives the curves before it back to the planner, at most
     /// [`MAX_CURVES_PER_TICK`]. Returns `None` before the first curve. Runs in the tick.
     #[inline(always)]
     pub fn follow(&mut self, distance: i64) -> Option<(Track<'_, AXES>, i64)> {
@@ -787,8 +796,8 @@ impl<const AXES: usize> CurveConsumer<'_, AXES> {
         self.at_hand(distance).map(|(track, _)| track.segment)
     }
 
-    /// The curve at a path distance, which the interrupt is on, and the distance from its start.
-    /// Both distances: LSB 2^-44 mm.
+    /// The interrupt's current curve, and the distance from the curve's start to the path distance
+    /// `distance`, which must be on this curve. Both distances: LSB 2^-44 mm.
     pub fn at_hand(&self, distance: i64) -> Option<(Track<'_, AXES>, i64)> {
         // SAFETY: the start is in its ring.
         let start = unsafe { &*self.start.at }.get();

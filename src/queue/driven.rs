@@ -1,8 +1,9 @@
 //! The distance that the axes have driven at a path distance, for the operator.
 //!
-//! Path distance is the coordinate of the plan. On a line or an arc, it is the travel of the feed axes. On a
-//! curve over time, it is time at the feed speed, and the axes travel less. So each curve has a [`Drive`]:
-//! the driven distance at its start, middle and end, and the travel per path distance there.
+//! Path distance is the coordinate of the plan. On a line or an arc, path distance is the travel of the feed
+//! axes. In a curve that is planned over time, path distance is time multiplied by the feed, and the axes
+//! travel less. So each curve has a [`Drive`]: the driven distance at its start, middle and end, and the
+//! travel per path distance there.
 //!
 //! In each half of the curve, the driven distance is the cubic with these values. If a curve over time brakes
 //! on a straight line, the result is exact, because the axes follow a cubic there. The interrupt does no work

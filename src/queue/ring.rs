@@ -47,7 +47,7 @@ pub struct Gauge<'a, T: Slot, const N: usize, M: Memory = Ram> {
 
 impl<T: Slot, const N: usize, M: Memory> Gauge<'_, T, N, M> {
     /// Number of items in the ring. Any task, interrupt or core may call this function. The call reads both
-    /// counters one after the other.
+    /// counters one after the other, so the number may be slightly out of date.
     pub fn len(&self) -> u32 {
         let taken = self.ring.taken.load(Ordering::Relaxed);
         let len = self.ring.put.load(Ordering::Relaxed).wrapping_sub(taken);
@@ -157,8 +157,8 @@ impl<'a, T: Slot, const N: usize, M: Memory> Producer<'a, T, N, M> {
         true
     }
 
-    /// Fills the place `ahead` items after the last one without publishing it. Returns `false` if there is no
-    /// room. [`Self::put_in`] publishes all filled places at once.
+    /// Fills the slot `ahead` items after the last item without publishing it. Returns `false` if there is no
+    /// room. [`Self::put_in`] publishes all filled slots at once.
     pub fn fill_ahead(&mut self, ahead: u32, fill: impl FnOnce(&mut T)) -> bool {
         if ahead >= self.room() {
             return false;
@@ -185,7 +185,7 @@ impl<'a, T: Slot, const N: usize, M: Memory> Producer<'a, T, N, M> {
         self.ring.taken.load(Ordering::Acquire)
     }
 
-    /// The item with this number, if it is one of the last `N`.
+    /// The item with this number, if it is one of the last `N` items put in.
     pub fn recent(&self, number: u32) -> Option<&T> {
         if self.count().wrapping_sub(number).wrapping_sub(1) >= N as u32 {
             return None;

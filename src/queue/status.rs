@@ -25,7 +25,8 @@ pub struct Snapshot<const AXES: usize> {
     pub settles: bool,
     /// Set points after the last tick, mm or degrees.
     pub set_points: [Position; AXES],
-    /// Set points one tick earlier, mm or degrees; the difference to `set_points` is the speed.
+    /// Set points one tick earlier, mm or degrees. The difference to `set_points` is the travel in the last
+    /// tick, and so the speed per tick.
     pub before: [Position; AXES],
     /// Path distance of the last tick that used a piece.
     pub distance: Distance,
@@ -84,7 +85,7 @@ pub struct Words<const AXES: usize, M: Memory = Ram> {
     set_points: [[Long<M::Word>; AXES]; 2],
 }
 
-/// The reader's handle of the status, for any task, interrupt or core.
+/// The reader's handle of the status. Any task, interrupt or core may use this handle.
 pub struct Display<'a, const AXES: usize, M: Memory = Ram> {
     words: &'a Words<AXES, M>,
     clock: &'a Clock<M>,
@@ -156,8 +157,8 @@ impl<'a, const AXES: usize, M: Memory> Display<'a, AXES, M> {
         snapshot
     }
 
-    /// As [`Self::read`]. `beside` gets the path distance and reads other values of the same tick; it may be
-    /// called several times.
+    /// As [`Self::read`], and lets `beside` read other values of the same tick. `beside` gets the path
+    /// distance, and may be called several times.
     #[cfg(feature = "driven")]
     pub fn read_with(&self, mut beside: impl FnMut(Distance)) -> Snapshot<AXES> {
         let mut snapshot = Snapshot::BLANK;
