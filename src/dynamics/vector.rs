@@ -15,7 +15,8 @@ use crate::math::float::{min, to_f32};
 use crate::nc::{Limit, VectorLimit};
 use crate::slope::limits::{Limits, SlopeLaw};
 
-/// The error of a command: an acceleration below 1 mm/s², the least one of machine data, or a speed of 0.
+/// The error of a `#VECTOR LIMIT` command: an acceleration is below 1 mm/s², the least one of machine data,
+/// or a speed is 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TooLow;
 
@@ -73,7 +74,7 @@ impl PathLimits {
         }
     }
 
-    /// Whether a command changes any limit, or is refused.
+    /// Whether a command changes any limit, or would be refused.
     pub fn differ(&self, command: &VectorLimit) -> bool {
         let mut other = *self;
         other.set(command).is_err() || other.feed != self.feed || other.rapid != self.rapid
@@ -129,8 +130,8 @@ impl PathLimits {
         self.of(rapid).a_down
     }
 
-    /// Lowers accelerations of a block to ACC and DEC, and the jerks of their ramps in the same ratio. `arc`:
-    /// whether the block is an arc, for which P-CHAN-00350 may switch ACC off.
+    /// Lowers the accelerations of a block to ACC and DEC, and the jerks of their ramps in the same ratio.
+    /// `arc`: whether the block is an arc; without P-CHAN-00350, ACC does not act on arcs.
     pub fn lower(&self, limits: &mut Limits, rapid: bool, arc: bool) {
         let path = self.of(rapid);
         let a_up = if !arc || self.arcs { path.a_up } else { f32::MAX };
