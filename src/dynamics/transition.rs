@@ -18,7 +18,7 @@ const TURN_PART: f32 = 0.05;
 impl<const AXES: usize> Dynamics<AXES> {
     /// Highest speed of a transition (mm/tick). For each axis, the step of speed and the step of acceleration
     /// stay inside the limit for corners without a curve (P-AXIS-00013) and inside the transition's part of
-    /// the jerk budget. Returns `None` if the transition does not limit the speed up to `fastest`, the
+    /// the jerk budget. Returns `None` if the transition is smooth, except for rounding, at `fastest`, the
     /// highest speed of its neighbours. `shorter` is the length of the shorter neighbour, mm.
     ///
     /// In two cases the machine data permit unlimited jerk. Without P-CHAN-00009, a step of acceleration has

@@ -21,10 +21,10 @@ pub(super) struct Last<const AXES: usize> {
     pub length: f32,
     pub share: Share,
     pub rapid: bool,
-    /// Whether the transition has reserved its part of the block's limits.
+    /// Whether the transition at the end of the block has already reserved its part of the block's limits.
     pub shared: bool,
     pub slope: SlopeType,
-    /// Whether the block's path is time, not length.
+    /// Whether the block is a part of a curve that is planned over time.
     pub timed: bool,
     /// Whether the block is a part of a curve over arc length.
     pub bent: bool,
@@ -74,10 +74,11 @@ impl<const AXES: usize> Last<AXES> {
         differ(up, limits.a_up) || differ(down, limits.a_down)
     }
 
-    /// Whether the block may take less than two ticks between a knee and a standstill, although the motion is
-    /// slow at the knee. The changes of acceleration at its neighbours then add to the step of the knee. Let
-    /// the speed at the knee be at most a third of the length per tick. In two ticks, the motion then covers
-    /// at most a third of the length plus a quarter of the jerk. STEP has its own rules.
+    /// Whether the block may take less than two ticks between a knee (a corner without a curve) and a
+    /// standstill, although the motion is slow at the knee. The changes of acceleration at its neighbours
+    /// then add to the step of the knee. If the speed at the knee is at most a third of the length per tick,
+    /// the motion covers in two ticks at most a third of the length plus a quarter of the jerk. STEP has its
+    /// own rules.
     #[cfg_attr(feature = "fast", inline(always))]
     fn is_hasty(&self, limits: &Limits) -> bool {
         self.slope != SlopeType::Step && self.length < 0.4 * limits.steepest()
@@ -87,7 +88,8 @@ impl<const AXES: usize> Last<AXES> {
 /// Longest span: 2^18 mm, LSB 2^-44 mm.
 const LONGEST_SPAN: i64 = 1 << 62;
 
-/// Acceleration per speed, 1/tick, above which an acceleration is steep: `TURN_PART / SMOOTH` of `dynamics`.
+/// Ratio of acceleration to speed, 1/tick, above which an acceleration is steep: `TURN_PART / SMOOTH` of
+/// `dynamics`.
 const STEEP: f32 = 1000.0;
 
 /// From this part of its feed on, the limits of a part of a curve trade speed for acceleration.
@@ -254,7 +256,7 @@ impl<const AXES: usize> Tail<AXES> {
 
 impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
     /// Appends a block. Call this function only if the ring is not full ([`Self::is_full`]). `long`: the
-    /// block replaces several blocks, and is longer than a stop from its speed.
+    /// block replaces several blocks, and is at least twice as long as a stop from its speed needs.
     #[cfg_attr(feature = "fast", inline(always))]
     pub(crate) fn push(
         &mut self,

@@ -10,7 +10,8 @@ use crate::slope::limits::Limits;
 /// No speed yet.
 pub(super) const UNPLANNED: Speed = Speed::from_bits(-1);
 
-/// A block in the ring. The queue holds its curve: [`crate::queue::CurveRing`].
+/// A block in the ring of the look-ahead: its limits, and the speeds planned at its start. The curve of the
+/// block is in the queue: [`crate::queue::CurveRing`].
 #[derive(Clone, Copy, Debug)]
 pub struct Block {
     /// Path length, LSB 2^-44 mm.
@@ -41,9 +42,9 @@ pub struct Block {
 /// Blocks use most of the look-ahead's memory.
 const _: () = assert!(size_of::<Block>() == 64);
 
-/// The slope of the limits, and two more bits. First bit: the block was cut off from the block before, and
-/// both share one curve. Second bit: the limits trade speed for acceleration, so v + a²/2j is at most the
-/// speed of the limits.
+/// The slope of the limits, and two more bits. First bit (continued): the block and the block before are
+/// parts of one curve. Second bit (trades): the limits trade speed for acceleration, so v + a²/2j is at most
+/// the speed of the limits.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Kind(u8);
 
@@ -268,7 +269,7 @@ impl Block {
         self.marks.has(mark)
     }
 
-    /// Whether blocks with other speeds may be in one span with this block: `Joins::Any`.
+    /// Whether blocks with other speeds may share a span with this block: `Joins::Any`.
     pub fn varies(&self) -> bool {
         self.kind.law().varies()
     }

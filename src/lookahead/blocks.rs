@@ -1,4 +1,4 @@
-//! Memory of the blocks, in the order in which blocks leave.
+//! Memory of the blocks: a ring from which blocks leave in the order in which they entered.
 use super::block::Block;
 
 /// A ring of blocks, counted from its front. All bits are zero when new, so the ring takes no flash.

@@ -42,7 +42,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         self.blocks.len() + self.counts.spare + 2 <= self.depth
     }
 
-    /// Prepares for an end of this length as the next block.
+    /// Prepares for the end of an arc as the next block; `length` is the length of that end, LSB 2^-44 mm.
     pub(crate) fn before_run_out(&self, length: i64) -> RunOut {
         let last = &self.tail.last;
         let before = self.blocks.len().checked_sub(1).and_then(|at| self.blocks.get(at));

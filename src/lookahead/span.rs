@@ -2,14 +2,14 @@
 //!
 //! A span is first planned as if only its ends and its highest speed counted. The profile may then be too
 //! fast for a block inside. If the profile is too fast at an end of the slowest such block, that end becomes
-//! an anchor. If the profile is too fast only between both ends, both become anchors. Then all parts are
+//! an anchor. If the profile is too fast only between both ends, both ends become anchors. Then all parts are
 //! planned again. So acceleration is zero only where a limit is reached, not at every end of a block. An
 //! anchor stays until its block leaves the ring, unless [`super::ease`] finds a faster profile without it.
 //!
-//! Later blocks must not make a released plan impossible. So a block that keeps its limit only because the
-//! plan stops after it becomes an anchor at once. The braking before the end of a span counts only if the
-//! speed at that end is final. If one span fills the ring, it is cut where its braking would begin, or after
-//! the first quarter.
+//! Later blocks must not make a released plan impossible. A block may keep its limit only because the plan
+//! stops soon after it. Such a block becomes an anchor at once. The braking before the end of a span counts
+//! only if the speed at that end is final. If one span fills the ring, it is cut where its braking would
+//! begin, or after the first quarter.
 use super::block::{Block, Marks};
 use super::ease::Trial;
 use super::law::{Law, RISE, Span};

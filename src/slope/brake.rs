@@ -4,6 +4,7 @@
 //! A positive acceleration first falls to zero, with the jerk limit for the end of a gain of speed. A
 //! deceleration a continues on a ramp, as if this ramp had begun the time a/j ago. Start and size of the ramp
 //! are integers computed from the state, so speed and acceleration do not jump.
+//!
 //! All ramps are linear, also with SIN2, because an existing acceleration is not the start of a whole sine
 //! ramp. A linear ramp with the mean jerk stays below the peak jerk of SIN2, which the limits assume. Where a
 //! positive acceleration falls to zero, the ramp uses the peak jerk. A sine ramp would not fall faster at any

@@ -9,12 +9,12 @@
 //!
 //! Such a piece needs no check of its limit. From an anchor of the speed w on, the speed v = w + J·t²/2 is
 //! reached at s = w·t + J·t³/6 at the earliest. For a given s, v grows with w for w above v/2, and falls for
-//! w below. So the highest v is at one end of the range of w. For w = V − h it is V; for w = 0 it is below V
-//! as long as h ≤ V/8. The same holds for the reverse motion. So a motion keeps the limit of the piece if it
-//! begins or ends at the anchor with zero acceleration and at most the anchor's speed. This also holds after
-//! a hold, with another override, and with new blocks after the piece. The piece is *lent* to the fast span,
-//! where its own limit does not count. When the planned override changes, the slow block gets all of its
-//! pieces back ([`super::Lookahead::set_level`]).
+//! smaller w. So the highest v is at one end of the range of w. For w = V − h the highest v is V; for w = 0
+//! it is below V as long as h ≤ V/8. The same holds for the reverse motion. So a motion keeps the limit of
+//! the piece if it begins or ends at the anchor with zero acceleration and at most the anchor's speed. This
+//! also holds after a hold, with another override, and with new blocks after the piece. The piece is *lent*
+//! to the fast span, where its own limit does not count. When the planned override changes, the slow block
+//! gets all of its pieces back ([`super::Lookahead::set_level`]).
 //!
 //! A valley costs time inside the slow block and saves time outside. With a fast block of speed F, the best
 //! depth is about V·(1 − V/F)/4. A slow block that is too short for two valleys gets a single one from end to

@@ -1,4 +1,4 @@
-//! Moves an anchor.
+//! Moves an anchor (a place with zero acceleration) to a better place.
 //!
 //! An anchor may be slower than its limit, because the length on one side is too short. Then zero
 //! acceleration is better at another place. The anchor moves into the block on the other side, as far as the
