@@ -35,8 +35,8 @@
 //! 5. The tick marks the functions that are due and writes its result for the operator
 //!    ([`crate::operator::Operator`]).
 //!
-//! The planner guarantees three conditions for the tick: a piece lasts at least one tick, the curve of a
-//! piece is in the ring, and at most [`crate::queue::MAX_CURVES_PER_TICK`] curves begin within a tick.
+//! The planner guarantees three conditions for the tick. A piece lasts at least one tick. The curve of a
+//! piece is in the ring. At most [`crate::queue::MAX_CURVES_PER_TICK`] curves begin within a tick.
 use crate::fir::{FilterTick, Unfiltered};
 use crate::quantity::{Accel, Distance, Position, Speed};
 use crate::queue::{OverlayReceiver, Receiver};

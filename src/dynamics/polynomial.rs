@@ -44,8 +44,8 @@ const SHARP_PART: f32 = 0.85;
 /// From this share of the feed on, the element gets a higher acceleration at a reduced speed
 /// ([`Dynamics::trade`]).
 const NEARLY: f32 = 0.9;
-/// A speed profile with less jerk and the full acceleration is chosen if it takes at most this many times
-/// longer than a profile with less acceleration.
+/// A speed profile with less jerk and the full acceleration is chosen if it is not much slower than one with
+/// less acceleration. This is the highest ratio of the times.
 const SLOWER: f32 = 1.2;
 /// Shares of `a_max` and of `B` for the curvature, and share of `B` for the speed profile, where acceleration
 /// passes both ends of an element. With 0.8 in place of 0.6, constant speeds in runs of chords are 2 %

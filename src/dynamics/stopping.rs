@@ -179,8 +179,8 @@ impl<const AXES: usize> Dynamics<AXES> {
         (a > LEAST && b > LEAST && rise > LEAST && fall > LEAST && ends > LEAST).then_some(())
     }
 
-    /// Deceleration and jerks of slopes other than STEP. The deceleration d rises with the jerk j: after the
-    /// speed has dropped by u, it is at most √(d² + 2·j·u), with d as its value at the start. The
+    /// Deceleration and jerks of slopes other than STEP. The deceleration begins with the value d and rises
+    /// with the jerk j. After the speed has dropped by u, the deceleration is at most √(d² + 2·j·u). The
     /// deceleration falls with another jerk j: if the speed will still drop by u, it is at most √(2·j·u). So
     /// an axis has all of a_max and of B, with c = 3·|x″|·v, for
     ///

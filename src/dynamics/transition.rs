@@ -16,10 +16,11 @@ const STEP_SMOOTH: f32 = 1.0 / 4_194_304.0;
 const TURN_PART: f32 = 0.05;
 
 impl<const AXES: usize> Dynamics<AXES> {
-    /// Highest speed of a transition (mm/tick). For each axis, the step of speed and the step of acceleration
-    /// stay inside the limit for corners without a curve (P-AXIS-00013) and inside the transition's part of
-    /// the jerk budget. Returns `None` if the transition is smooth, except for rounding, at `fastest`, the
-    /// highest speed of its neighbours. `shorter` is the length of the shorter neighbour, mm.
+    /// Highest speed of a transition (mm/tick). For each axis, the step of speed stays inside the limit for
+    /// corners without a curve (P-AXIS-00013). The steps of speed and acceleration stay inside the
+    /// transition's part of the jerk budget. Returns `None` if the transition is smooth, except for rounding,
+    /// at `fastest`, the highest speed of its neighbours. `shorter` is the length of the shorter neighbour,
+    /// mm.
     ///
     /// In two cases the machine data permit unlimited jerk. Without P-CHAN-00009, a step of acceleration has
     /// no jerk limit. With P-CHAN-00009, P-AXIS-00154 gives the permitted part of the transition's jerk. If
@@ -160,8 +161,8 @@ impl<const AXES: usize> Dynamics<AXES> {
         min(off / (SMOOTH * least), LONGEST_SMOOTHING)
     }
 
-    /// Whether a transition is tangential except for rounding of coordinates: at the speed `fastest`, the
-    /// steps of each axis are far below the limits of a transition.
+    /// Whether a transition is tangential except for rounding of coordinates. If so, at the speed `fastest`
+    /// the steps of each axis are far below the limits of a transition.
     pub fn is_slight(&self, from: &End<AXES>, to: &End<AXES>, rapid: bool, fastest: f32) -> bool {
         let ends = from.tangent.iter().zip(&to.tangent).zip(from.curvature.iter().zip(&to.curvature));
         self.axes.iter().zip(ends).all(|(axis, ((t0, t1), (c0, c1)))| {

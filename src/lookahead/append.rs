@@ -1,5 +1,5 @@
-//! Appends a block to the ring: the speed of the transition before the block, the limits that this transition
-//! leaves on both sides, and whether acceleration may pass it.
+//! Appends a block to the ring. This file decides the speed of the transition before the block, the limits
+//! that this transition leaves on both sides, and whether acceleration may pass it.
 use super::block::{AnchorMarks, Block, Kind, Marks};
 use super::knees::{Between, Knee};
 use super::pace::Slowest;
@@ -75,10 +75,10 @@ impl<const AXES: usize> Last<AXES> {
     }
 
     /// Whether the block may take less than two ticks between a knee (a corner without a curve) and a
-    /// standstill, although the motion is slow at the knee. The changes of acceleration at its neighbours
-    /// then add to the step of the knee. If the speed at the knee is at most a third of the length per tick,
-    /// the motion covers in two ticks at most a third of the length plus a quarter of the jerk. STEP has its
-    /// own rules.
+    /// standstill. This is possible although the motion is slow at the knee. The changes of acceleration at
+    /// its neighbours then add to the step of the knee. Let the speed at the knee be at most a third of the
+    /// length per tick. In two ticks, the motion then covers at most a third of the length plus a quarter of
+    /// the jerk. STEP has its own rules.
     #[cfg_attr(feature = "fast", inline(always))]
     fn is_hasty(&self, limits: &Limits) -> bool {
         self.slope != SlopeType::Step && self.length < 0.4 * limits.steepest()

@@ -70,8 +70,8 @@ const _: () = assert!(LawKind::FREE & (Kind::CONTINUED | Kind::TRADES) == Kind::
 /// Properties of a block's start. *Open*: the planner may still try to remove the anchor there. *Lent*: the
 /// block is a piece of a slow block, but belongs to a faster span. The anchor next to a lent block keeps the
 /// speed inside the piece's limit ([`super::valley`]). Other bits: the block is rapid motion; the path turns
-/// at its start, so that a transition has a part of the limits. The last bits hold the part of a deceleration
-/// that may pass the start.
+/// at its start, so that the transition reserves a part of the limits. The last bits hold the part of a
+/// deceleration that may pass the start.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct AnchorMarks(u8);
 

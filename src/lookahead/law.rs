@@ -49,8 +49,8 @@ impl Span {
     pub const NONE: Self = Self { length: 0, limits: Limits::WIDEST, kept: false };
 
     #[cfg_attr(feature = "fast", inline(always))]
-    /// Adds a block at the end of the span. If the block is the last one of the ring and more blocks may
-    /// follow, `share` holds the limits that the transition at its end leaves to the speed profile.
+    /// Adds a block at the end of the span. `share` is for the last block of the ring, if more blocks may
+    /// follow: the limits that the transition at its end leaves to the speed profile.
     pub fn add(&mut self, block: &Block, share: Option<&Share>) {
         match share {
             None if self.length == 0 => self.limits = block.limits(),

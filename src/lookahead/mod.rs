@@ -2,10 +2,10 @@
 //!
 //! Two rules give the speeds. Both rules use profiles with zero acceleration at the ends of a block:
 //!
-//! - Backward, from a stop at the end of the ring: the start speed of a block is at most the speed from which
-//!   the block can brake to its end speed within its length. So the plan always stops inside the ring.
-//! - Forward, when the ring releases a block: the end speed is at most the speed that the block can reach
-//!   from its start speed.
+//! - Backward, from a stop at the end of the ring: from its start speed, a block can brake to its end speed
+//!   within its length. So the plan always stops inside the ring.
+//! - Forward, when the ring releases a block: from its start speed, the block can reach its end speed within
+//!   its length.
 //!
 //! A higher end speed may lower the start speed that the first rule permits. The earlier planned start speed then
 //! stays, and the end speed is lowered when the ring releases the block.

@@ -232,8 +232,8 @@ impl ReleasedSpan {
         self.blocks > 1 && self.limits.varies() && self.slow.shared < self.limits.v
     }
 
-    /// Whether the planned profile has a constant highest speed at the distance `at` (LSB 2^-44 mm) from its
-    /// start: returns this speed in mm/tick, or 0 if the profile still speeds up or already brakes there. The
+    /// Speed of the planned profile (mm/tick) if the profile has its constant highest speed at the distance
+    /// `at` from its start. 0 if the profile still speeds up or already brakes there. `at`: LSB 2^-44 mm. The
     /// profile covers `length` and begins at the speed `v_in`. All blocks from `at` to the braking permit the
     /// returned speed.
     pub fn cruises(&self, length: i64, v_in: Speed, at: i64) -> f32 {

@@ -187,7 +187,7 @@ impl Lowered {
     }
 }
 
-/// Number of long blocks with which the ring counts as full: from any speed of the first long block, the
+/// Number of long blocks with which the ring counts as full. From any speed of the first long block, the
 /// motion can stop within the second one.
 const LONG_BLOCKS: usize = 2;
 

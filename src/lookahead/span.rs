@@ -119,8 +119,8 @@ struct Worst {
     at: [i64; 2],
 }
 
-/// Work to add a block, to find a speed, to make a profile, and to compare a block with a profile; the unit
-/// is that of [`spend`].
+/// Work of four steps, in the unit of [`spend`]: add a block, find a speed, make a profile, compare a block
+/// with a profile.
 const ADD: usize = 3;
 const RAMP: usize = 14;
 const LAW: usize = 50;
@@ -521,9 +521,9 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         found
     }
 
-    /// Whether the profile of a span is too fast at the start of block `first`, and at the start of block
-    /// `behind`, if both are inside the span. If blocks may be cut, the result names only one of them: the
-    /// block that the profile reaches with acceleration.
+    /// Whether the profile of a span is too fast at the start of block `first` and at the start of block
+    /// `behind`; each counts only if it is inside the span. If blocks may be cut, the result names only one
+    /// of them: the block that the profile reaches with acceleration.
     fn too_fast(&self, plan: &mut Plan, worst: &Worst) -> [bool; 2] {
         let Forward { from, next: to, .. } = plan.forward;
         let &Worst { first, behind, v, at } = worst;

@@ -1,6 +1,6 @@
 //! Whether the motion passes a corner without a curve, or stops there.
 //!
-//! A step of speed at a corner without a curve (a knee) shows as jerk, so both blocks next to the corner
+//! A step of speed at a corner without a curve (a knee) shows as jerk. So both blocks next to the corner
 //! reserve a part of their limits. At a sharp corner, the permitted speed is nearly zero. Then the longer
 //! ramps on both sides cost more time than the speed saves. So the planner compares two times of both blocks,
 //! each block from a stop at its other end. One time is for a stop in the corner with all limits, the other

@@ -211,7 +211,7 @@ impl Actions {
     }
 }
 
-/// The delay of actions if filters follow the path: an action becomes due when the filtered axes reach its
+/// The delay of actions if filters follow the path. An action becomes due when the filtered axes reach its
 /// point, which is later than the path does.
 #[derive(Clone, Copy, Debug)]
 pub struct Lag {

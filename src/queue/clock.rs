@@ -2,9 +2,9 @@
 //! may already see.
 //!
 //! There are two clocks. *Ticks* count every call of the interrupt. *Instants* count only ticks that use a
-//! piece: motion, dwell, and the tick that shows a standstill. Pieces begin at instants, so a cut is an
-//! instant too. An instant is twice the number of such ticks since the split, modulo 2^32. Instants are
-//! therefore even, and an odd value never occurs.
+//! piece: a piece of motion, of dwell, or for the tick that shows a standstill. Pieces begin at instants, so
+//! a cut is an instant too. An instant is twice the number of such ticks since the split, modulo 2^32. So
+//! instants are even; an odd value means that there is no cut, or no reserve.
 //!
 //! Every word has one writer:
 //!

@@ -355,8 +355,8 @@ impl<'a, const AXES: usize> CurveProducer<'a, AXES> {
         self.count.wrapping_sub(taken) as usize + BEFORE + slots <= self.most()
     }
 
-    /// Whether the slots of the look-ahead are used up, although the look-ahead may have fewer curves than
-    /// blocks: an arc or a polynomial may take two slots.
+    /// Whether all slots of the look-ahead are used. The look-ahead may then have fewer curves than blocks,
+    /// because an arc or a polynomial may take two slots.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn is_ahead_full(&self) -> bool {
         !IS_WHOLE && self.count.wrapping_sub(self.handed) as usize + NEXT > self.ahead() + SPARE

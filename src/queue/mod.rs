@@ -54,8 +54,8 @@ pub const SEGMENTS: usize = if functions::IS_SMALL { 34 } else { 48 };
 /// two or three.
 pub const PHASES: usize = if functions::IS_SMALL { 32 } else { 128 };
 
-/// Number of actions (functions of the program at points of the path) that may be pending: the planner has
-/// read them, and the operator has not taken them yet.
+/// Number of actions (functions of the program at points of the path) that may be pending. A pending action
+/// has been read by the planner, and not yet taken by the operator.
 pub const ACTIONS: usize = if functions::IS_SMALL { 16 } else { 32 };
 
 /// A function of the program (M, H, S or T) at the point of the path where it becomes due.

@@ -100,8 +100,8 @@ pub struct Keeper<'a, M: Memory = Ram> {
     /// The stop in force: number of its first piece, and number of its pieces.
     first: u32,
     count: u32,
-    /// The stop that is being written: number of its first piece and number of its pieces, its last piece,
-    /// and the number of continuing pieces in the current place.
+    /// The stop that is being written. Its first and last piece, the number of its pieces, and the number of
+    /// continuing pieces in the current place.
     start: u32,
     written: u32,
     last: Phase,

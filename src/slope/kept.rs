@@ -22,8 +22,8 @@ pub struct Numbers {
     law: [f32; 4],
 }
 
-/// The part of stored limits that is not a number: the kind of slope, which blocks may share a span, and
-/// whether CONST_VEL demands a constant speed. It takes five bits of a byte.
+/// The part of stored limits that is not a number, in five bits: the kind of slope, which blocks may share a
+/// span, and whether CONST_VEL demands a constant speed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LawKind(u8);
 

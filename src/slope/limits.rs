@@ -333,10 +333,10 @@ impl Limits {
         limits
     }
 
-    /// How far any motion inside these limits may be slowed down without leaving them: the highest such
-    /// factor for its speed, at most 1, accurate to 2^-22. Accelerations scale with the square of the factor,
-    /// so the factor is 1 except for STEP. With STEP, a scaled speed may fall below the change-over speed,
-    /// where the permitted acceleration may be lower.
+    /// Highest factor, at most 1, by which any motion inside these limits may be slowed down without leaving
+    /// them. The factor is accurate to 2^-22. Accelerations scale with the square of the factor, so the
+    /// factor is 1 except for STEP. With STEP, a scaled speed may fall below the change-over speed, where the
+    /// permitted acceleration may be lower.
     pub fn part_inside(&self) -> f32 {
         match self.law {
             SlopeLaw::JerkLimited { .. } => 1.0,

@@ -264,9 +264,9 @@ const MARGIN: u32 = 22;
 /// If needed, a peak is lowered by this power of two, relative to itself.
 const LOWER: u32 = 18;
 
-/// A peak above the higher end speed by less than this power of two, relative to that speed, is rounding of
-/// two `f32` speeds and of their difference. Its ramps may exceed the rest of the block by more than the
-/// margin.
+/// A peak above the higher end speed by less than this power of two, relative to that speed, is only
+/// rounding. Two `f32` speeds and their difference cause this rounding. The ramps of such a peak may exceed
+/// the rest of the block by more than the margin.
 const NO_PEAK: u32 = 20;
 
 impl Profile {

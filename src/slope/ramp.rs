@@ -1,10 +1,10 @@
 //! A change of speed: its duration and its distance, for given limits.
 //!
-//! **TRAPEZ, HSC, SIN2** ([`JerkLimited`]): acceleration rises, holds and falls. From v0 to v1 > v0 with
-//! plateau a and ramp times t_rise, t_fall: full = a (t_rise + t_fall)/2, for any shape of the ramps
-//! ([`RampShape`]). If dv ≥ full, the plateau lasts (dv − full)/a. Otherwise both ramps shrink by k =
-//! √(dv/full), and the peak acceleration is k·a. With the times t1, t2, t3 of the three parts and q of the
-//! shape (TRAPEZ 1/6), the distance is
+//! **TRAPEZ, HSC, SIN2** ([`JerkLimited`]): acceleration rises, holds and falls. The plateau a has the ramp
+//! times t_rise and t_fall. A change from v0 to v1 that just reaches the plateau is full = a (t_rise +
+//! t_fall)/2, for any shape of the ramps ([`RampShape`]). If dv = v1 − v0 ≥ full, the plateau lasts (dv −
+//! full)/a. Otherwise both ramps shrink by k = √(dv/full), and the peak acceleration is k·a. With the times
+//! t1, t2, t3 of the three parts, the peak acceleration ap, and q of the shape (TRAPEZ 1/6), the distance is
 //!
 //! ```text
 //! S = v0 (t1+t2+t3) + ap (q t1² + t1 t2/2 + t2²/2 + t1 t3/2 + t2 t3 + (1/2 − q) t3²)
@@ -210,8 +210,8 @@ impl JerkLimited {
         self.shape
     }
 
-    /// Times of the three parts of a change by `dv` (mm/tick), in ticks: the ramp at the lower speed, the
-    /// plateau, and the ramp at the higher speed.
+    /// Durations of the parts of a change by `dv` (mm/tick), in ticks: the ramp at the lower speed, the
+    /// plateau, the ramp at the higher speed.
     pub fn times(&self, dv: f32) -> [f32; 3] {
         if dv >= self.full {
             [self.rise, (dv - self.full) / self.a, self.fall]

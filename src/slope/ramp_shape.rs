@@ -1,7 +1,7 @@
 //! Shapes of a ramp: acceleration from zero to the peak and, mirrored, back to zero.
 //!
-//! Over the time of a ramp, u from 0 to 1, the acceleration is peak·f(u), with f(0) = 0, f(1) = 1 and f(u) +
-//! f(1 − u) = 1. So every shape gains the speed peak·time/2. f is linear between equally spaced nodes. So
+//! Let u be the time of a ramp, from 0 to 1. The acceleration is peak·f(u), with f(0) = 0, f(1) = 1 and f(u)
+//! + f(1 − u) = 1. So every shape gains the speed peak·time/2. f is linear between equally spaced nodes. So
 //! distance is a cubic between the nodes, and speed and distance are exact integrals of the executed motion.
 //!
 //! | shape | nodes | f at the nodes | mean speed gained, as part of all | highest jerk, as part of peak/time |
@@ -118,7 +118,7 @@ impl RampShape {
         }
     }
 
-    /// Ratio of the highest jerk to the mean jerk (peak acceleration divided by time) that limits assume; 1
+    /// Ratio of the highest jerk to the mean jerk (peak acceleration divided by time), as limits assume it. 1
     /// for a linear ramp, π/2 for a sine square.
     pub const fn peak_jerk(self) -> f32 {
         match self.built() {
@@ -127,8 +127,8 @@ impl RampShape {
         }
     }
 
-    /// The time u (0 to 1) at which a ramp from a stop has gained the part `gained` of its speed, and the
-    /// path length up to there in the unit of [`Bent`].
+    /// The time u (0 to 1) at which a ramp from a stop has gained the part `gained` of its speed. Second
+    /// value: the path length up to that time, in the unit of [`Bent`].
     pub fn reaches(self, gained: f32) -> [f32; 2] {
         match self.built() {
             Self::Linear => {
