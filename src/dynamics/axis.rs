@@ -105,7 +105,7 @@ impl Set {
         }
     }
 
-    /// The lower one of acceleration and deceleration.
+    /// The lowest of acceleration and deceleration.
     pub(super) fn least(&self) -> f32 {
         min(min(self.a_up, self.a_down), min(self.upper[0], self.upper[1]))
     }

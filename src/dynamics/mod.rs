@@ -412,7 +412,7 @@ impl<const AXES: usize> Dynamics<AXES> {
     }
 
     /// Part of the largest acceleration across the path that a curve may use with STEP. The rest is for
-    /// knees.
+    /// corners without a curve.
     pub const STEPPED_NORMAL_PART: f32 = NORMAL_PART * (1.0 - KNEE_PART);
 
     /// Acceleration and jerk (per tick) with which all axes together may move in proportion to `parts`. The

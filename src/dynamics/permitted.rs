@@ -39,7 +39,7 @@ pub struct Share {
 }
 
 impl Share {
-    /// A transition that leaves all limits to the speed profile.
+    /// For a transition that leaves all limits to the speed profile.
     pub const WHOLE: Self =
         Self { j: f32::MAX, a: f32::MAX, a_resting: f32::MAX, v: f32::MAX, passing: f32::MAX };
 

@@ -180,9 +180,9 @@ impl<const AXES: usize> Dynamics<AXES> {
     /// |x''|·v² + |x'|·a ≤ a_max,  |x'''|·v³ + 3·|x''|·v·a + |x'|·j ≤ B.
     ///
     /// As for an arc, five speeds are compared. The result has the speed with which the element alone takes
-    /// the least time. An element of constant speed has the highest of these speeds. The rest of its
-    /// acceleration then serves commands of the operator. With CONST_VEL, this rest also serves the motion
-    /// from and to a standstill ([`Loose`]).
+    /// the least time. An element of constant speed has the highest of these speeds. The acceleration that
+    /// this speed leaves is then for changes of speed by commands of the operator. With CONST_VEL, this
+    /// acceleration is also for the motion from and to a standstill ([`Loose`]).
     pub fn polynomial(
         &self,
         length: Distance,

@@ -157,8 +157,8 @@ impl<const AXES: usize> Dynamics<AXES> {
     /// |x″·v² − x′·d| ≤ a_max,  |x‴·v³ − 3·x″·v·d ∓ x′·j| ≤ B.
     ///
     /// The limits of the slope also hold. The positive and the negative side of an axis count separately,
-    /// each with the largest value of each term towards it. So terms with different signs do not add up; near
-    /// a transition they do. Returns `None` if no motion is possible.
+    /// each with the largest value of each term towards it. So terms with different signs do not add up. Near
+    /// a transition, all terms add up. Returns `None` if no motion is possible.
     #[inline(never)]
     pub fn stopping(&self, swings: &mut Swings<AXES>, passed: &Passed, braking: &mut Braking) -> Option<()> {
         if passed.corners || self.slope == SlopeType::Step {

@@ -22,10 +22,9 @@ impl<const AXES: usize> Dynamics<AXES> {
     /// at `fastest`, the highest speed of its neighbours. `shorter` is the length of the shorter neighbour,
     /// mm.
     ///
-    /// In two cases the machine data permit unlimited jerk. Without P-CHAN-00009, a step of acceleration has
-    /// no jerk limit. With P-CHAN-00009, P-AXIS-00154 gives the permitted part of the transition's jerk. If
-    /// P-AXIS-00013 is given, only the acceleration limits a step of speed. Acceleration is limited
-    /// everywhere.
+    /// In two cases the machine data permit unlimited jerk: for a step of acceleration without P-CHAN-00009,
+    /// and for a step of speed with P-AXIS-00013. With P-CHAN-00009, P-AXIS-00154 gives the permitted part of
+    /// the transition's jerk. Acceleration is limited in all cases.
     ///
     /// A speed step Δv shows as a third difference of at most Δv/T², an acceleration step Δa as Δa/T. Steps
     /// within three ticks add up. If blocks take h ticks, at most 2 + 2/h steps lie within three ticks. `a`
@@ -228,7 +227,7 @@ fn max_size(a: i64, b: i64) -> u64 {
     a.unsigned_abs().max(b.unsigned_abs())
 }
 
-/// The part of a deceleration that may pass a transition: one of four parts, or none.
+/// How much of a deceleration may continue through a transition: all of it, 15/16, 3/4, half, or none.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Passing(u8);
 
@@ -245,7 +244,8 @@ impl Passing {
         Self::PARTS.iter().fold(Self::ALL, |Self(k), of| if *of <= part { Self(k) } else { Self(k + 1) })
     }
 
-    /// The largest of the four parts with which the deceleration `a` is at most `most`.
+    /// The largest of the four parts with which the deceleration `a` is at most `most`; none if half of `a`
+    /// is too much.
     pub fn of_part(most: f32, a: f32) -> Self {
         if most >= a { Self::ALL } else { Self::of(most / a) }
     }

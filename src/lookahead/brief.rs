@@ -38,10 +38,11 @@ pub(super) struct Row {
 }
 
 impl Row {
-    /// No brief blocks.
+    /// The state before the first block.
     pub const NONE: Self = Self { brief: 0, quick: 0, length: f32::MAX };
 
-    /// Whether the last block is brief.
+    /// Whether the last block is brief: far shorter than the blocks before, and passed in less than its share
+    /// of a tick.
     pub const fn is_brief(&self) -> bool {
         self.brief & 1 != 0
     }

@@ -1,4 +1,21 @@
 //! Limits the speed where the motion passes several knees (corners without a curve) of one axis in one tick.
+//!
+//! A knee is a step of speed. A second difference of set points shows this step with a weight that falls from
+//! 1 to 0 within a tick on either side. So steps that are a tick apart or more never show more than the
+//! largest of them. Closer steps add up if they have the same sign. Steps of opposite sign show less than
+//! each of them.
+//!
+//! Two knees are that close if the block between them takes less than a tick. The speed at a knee does not
+//! tell this: a block with low speeds at its ends may be fast between them, if the jerk of its axes is high.
+//! In this file, such a block is *short*. The planner adds up the steps of all knees with short blocks
+//! between them, per axis and sign. While the sum is within the limit of one knee of the axis, nothing
+//! changes. The first short block that would exceed the limit gets a speed of at most its length per tick.
+//! This block then takes a tick, and a new sum begins after it.
+//!
+//! If the motion enters a short block faster than this speed, the block cannot take a tick any more. Then the
+//! step at the knee after it gets only the rest of the limit, so the speed at this knee is lower.
+//!
+//! STEP has its own rule ([`Dynamics::transition`]).
 use super::append::Last;
 use super::block::{Block, Marks};
 use crate::dynamics::Dynamics;
@@ -49,7 +66,7 @@ pub(super) struct Knee<'a, const AXES: usize> {
 }
 
 impl<const AXES: usize> Steps<AXES> {
-    /// No steps.
+    /// No steps of speed yet.
     pub const NONE: Self = Self { up: [0.0; AXES], down: [0.0; AXES], any: false };
 
     /// Clears the sums. Call this function if the next knee does not share a tick with any knee before.

@@ -128,7 +128,7 @@ impl Span {
 }
 
 impl Law {
-    /// An empty span.
+    /// The profile of an empty span.
     pub const NONE: Self = Self {
         up: Ramp::NONE,
         down: Ramp::NONE,
@@ -285,6 +285,9 @@ fn loses(brake: &Ramp, length: f32, v_in: Speed, v_out: Speed) -> bool {
 
 /// Highest speed, at most `cap`, that differs from `low` by a change with `ramp` within `length` (mm). The
 /// change may be a braking to `low` or a gain of speed from `low`.
+///
+/// The change of speed is rounded, not the speed. At high speed over short blocks, the change is far below
+/// the LSB of the speed in `f32`.
 #[cfg_attr(feature = "fast", inline(always))]
 pub(super) fn faster(ramp: &Ramp, length: f32, low: Speed, cap: f32) -> Speed {
     let cap = speed_bits(cap);

@@ -61,7 +61,7 @@ pub(super) fn spend(work: &mut usize, part: usize) {
 }
 
 impl Plan {
-    /// No pass.
+    /// No plan in progress.
     pub const NONE: Self = Self {
         pass: Pass::Done,
         backward: Backward::NONE,
@@ -70,12 +70,12 @@ impl Plan {
         tries: [const { Tries { trial: Trial::NONE, valley: Valley::NONE } }; functions::HSC.room(1)],
     };
 
-    /// Whether the pass is complete.
+    /// Whether no plan is in progress: the last one is complete.
     pub fn is_done(&self) -> bool {
         matches!(self.pass, Pass::Done)
     }
 
-    /// Begins a plan.
+    /// Begins a plan of the whole ring.
     pub fn begin<const AXES: usize, const BLOCKS: usize>(&mut self, ring: &mut Ring<'_, AXES, BLOCKS>) {
         let left = ring.blocks.len();
         if ring.counts.through == 0 && ring.counts.untried == 0 {
@@ -95,7 +95,7 @@ impl Plan {
         self.pass = Pass::Backward;
     }
 
-    /// Continues the plan. Returns `true` when the plan is complete.
+    /// Does the work of one call on the plan. Returns `true` when the plan is complete.
     pub fn step<const AXES: usize, const BLOCKS: usize>(
         &mut self,
         ring: &mut Ring<'_, AXES, BLOCKS>,
@@ -138,7 +138,7 @@ impl Plan {
         }
     }
 
-    /// Makes every speed final, even if a pass is not complete.
+    /// Ends the plan with the speeds that the motion can reach, even if a pass is not complete.
     pub fn complete<const AXES: usize, const BLOCKS: usize>(&mut self, ring: &mut Ring<'_, AXES, BLOCKS>) {
         ring.scope.end = ring.blocks.len();
         ring.scope.free = None;

@@ -1,4 +1,8 @@
 //! A planned speed in four bytes, for the memory of a block.
+//!
+//! The number has 27 significant bits, rounded down. It is exact for limits, which have 24 bits. All planned
+//! speeds of blocks are such numbers, so a stored speed equals the planned speed. The first block is the
+//! exception: it begins with the actual speed of the motion ([`super::ring::Ring`]).
 use crate::quantity::Speed;
 
 /// A planned speed, or none. The order is that of the speeds; none is below all of them.

@@ -10,8 +10,8 @@ use crate::math::float::{max, min, to_f32};
 use crate::quantity::{DISTANCE_LSB, Distance, Speed, speed_f32};
 use crate::slope::limits::{Limits, ROUNDED};
 
-/// The span (run of blocks with one speed profile) that leaves the look-ahead next, with all that its profile
-/// needs.
+/// The span (run of blocks with one speed profile) that leaves the look-ahead next, with all data for its
+/// speed profile.
 #[derive(Clone, Copy, Debug)]
 pub struct ReleasedSpan {
     /// Number of blocks in the span.

@@ -223,7 +223,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
         self.tail.known = Known::Nothing;
     }
 
-    /// Starts a check: blocks are only examined from now on.
+    /// Starts a check: from now on, blocks are only examined for refusals.
     #[cfg(feature = "examine")]
     pub fn begin_to_examine(&mut self) {
         self.examines = true;

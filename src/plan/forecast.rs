@@ -61,8 +61,7 @@ impl Default for Inquiry {
 }
 
 impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
-    /// Gives the planner the memory that it needs to answer FCT_CALC_POS_V_0: where a feed hold would stop
-    /// the axes.
+    /// Gives the planner the memory for the question FCT_CALC_POS_V_0: where would a feed hold stop the axes?
     pub fn set_inquiry(&mut self, inquiry: &'q mut Inquiry) {
         self.intake.inquiry = Some(inquiry);
     }

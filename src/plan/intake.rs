@@ -123,7 +123,8 @@ impl<const AXES: usize, const BLOCKS: usize> Entrance<'_, '_, AXES, BLOCKS> {
         }
     }
 
-    /// Puts an element into queue and look-ahead. `end`: the end of the element, if known.
+    /// Puts an element into queue and look-ahead. `due`: functions with at most this number of motion blocks
+    /// before them become due where the element begins. `end`: the end of the element, if known.
     #[inline(never)]
     pub fn push(
         &mut self,

@@ -116,12 +116,12 @@ impl Reserve {
         }
     }
 
-    /// Whether a stop is being made.
+    /// Whether the stop of a new reserve is being made.
     pub const fn is_made(&self) -> bool {
         self.aside.is_some()
     }
 
-    /// Whether a stop is ready.
+    /// Whether a stop is in force, with which the interrupt can continue.
     pub const fn is_kept(&self) -> bool {
         self.kept.is_some()
     }

@@ -99,7 +99,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         Ok(())
     }
 
-    /// Whether a spline is on; its curve depends on later blocks.
+    /// Whether a spline is on. Its curve depends on later blocks.
     pub fn has_spline(&self) -> bool {
         self.intake.smoothing.has_spline()
     }

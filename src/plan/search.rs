@@ -6,7 +6,7 @@
 //! |---|---|---|
 //! | `Begin`, `Short` | limits of the axes along the stop itself (`short_stop`) | a round |
 //! | `Along` | limits of the spans, down to a stop (`descent`) | all of it |
-//! | `Begin`, `Short`, surely | the first stage again, if a stop fits, but not by one profile | a round |
+//! | `Begin`, `Short` with `surely` | the first stage again, if the limits of the spans permit a stop, but not by one profile | a round |
 //! | `Down` | braking to the end of fewer and fewer spans | one profile |
 //!
 //! Each step adds its cost. A call that has spent [`ENOUGH`] ends with [`Later`], and the next call
@@ -147,12 +147,12 @@ impl Search {
         (self.paused, self.skips) = (Some((at, later)), skips);
     }
 
-    /// Whether the stop begins with the next span.
+    /// Whether the stop begins with the next span, because the current one has no stop.
     pub const fn skips(&mut self) -> bool {
         core::mem::replace(&mut self.skips, false)
     }
 
-    /// Cost of this call.
+    /// Cost of the search in this call, in units of about 100 instructions of a Cortex-M4.
     pub const fn spent(&self) -> u32 {
         self.spent.get()
     }

@@ -126,7 +126,7 @@ impl<'a, const AXES: usize> Transform<'a, AXES> {
         self.job.is_some() || self.refused.is_some()
     }
 
-    /// Direction at the end of the last element, in workpiece coordinates.
+    /// Direction at the end of the last element, in workpiece coordinates; `None` before the first element.
     pub const fn exit(&self) -> Option<&End<AXES>> {
         self.exit.as_ref()
     }

@@ -146,7 +146,7 @@ impl Scheduler<'_> {
         Ok(())
     }
 
-    /// The number of the first action that is not due yet. Actions are numbered from 0 since the split.
+    /// The number of the first action that is not due yet. Actions are numbered from 0 since `Rings::split`.
     pub fn first_open(&self) -> u32 {
         self.0.due.load(Ordering::Acquire)
     }

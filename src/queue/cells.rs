@@ -130,7 +130,7 @@ impl<const AXES: usize> Place<AXES> {
         unsafe { (*self.0.get()).segment.block = block }
     }
 
-    /// Whether this slot holds the part of a curve.
+    /// Whether this slot holds the part (the additional data) of a curve.
     ///
     /// # Safety
     /// No other side writes the slot during the call.

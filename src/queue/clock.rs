@@ -3,8 +3,8 @@
 //!
 //! There are two clocks. *Ticks* count every call of the interrupt. *Instants* count only ticks that use a
 //! piece: a piece of motion, of dwell, or for the tick that shows a standstill. Pieces begin at instants, so
-//! a cut is an instant too. An instant is twice the number of such ticks since the split, modulo 2^32. So
-//! instants are even; an odd value means that there is no cut, or no reserve.
+//! a cut is an instant too. An instant is twice the number of such ticks since `Rings::split`, modulo 2^32.
+//! So instants are even; an odd value means that there is no cut, or no reserve.
 //!
 //! Every word has one writer:
 //!
@@ -132,7 +132,7 @@ impl<M: Memory> Clock<M> {
         self.idle.store(idle.wrapping_add(TICK), Ordering::Release);
     }
 
-    /// The number of the running tick, counted from 0 since the split.
+    /// The number of the running tick, counted from 0 since `Rings::split`.
     pub fn tick(&self) -> u32 {
         self.begun.load(Ordering::Relaxed).wrapping_sub(TICK) / TICK
     }

@@ -4,9 +4,10 @@
 //! the interrupt has passed it. There are two kinds: *released* curves, along which pieces move, and after
 //! them the curves of the look-ahead. The interrupt already knows the starts of both kinds.
 //!
-//! Starts are in a separate array, which is longer than the ring. After the last curve, this array holds
-//! starts that no distance reaches, as many as a tick reads. The head of the array is repeated after its end.
-//! So a tick needs neither the number of curves nor the end of the array: it halves a window of fixed size.
+//! Starts are in a separate array, which is longer than the ring. After the last curve, this array holds as
+//! many starts as a tick reads, which no distance reaches. The head of the array is repeated after its end.
+//! So a tick needs neither the number of curves nor the end of the array: it searches a window of fixed size
+//! by halving.
 //!
 //! A start tells the interrupt that its curve is valid. The planner writes the start after the curve, the
 //! upper half last. Both halves of the old value are out of reach, so a half-written start is out of reach
@@ -158,7 +159,7 @@ impl Start {
 pub struct CurveRing<const AXES: usize, const BLOCKS: usize> {
     slots: Both<Place<AXES>, BLOCKS, { BEFORE + SLOTS }>,
     starts: Both<Start, BLOCKS, STARTS>,
-    /// Number of curves that the interrupt has passed since the split.
+    /// Number of curves that the interrupt has passed since `CurveRing::split`.
     taken: AtomicU32,
     /// The latest motion block in the ring. The planner writes this word.
     latest: AtomicU32,
@@ -168,7 +169,7 @@ pub struct CurveRing<const AXES: usize, const BLOCKS: usize> {
 }
 
 /// The planner's handle: writes the curves of the path and releases them to the interrupt. Curves are
-/// numbered from 0 since the split.
+/// numbered from 0 since `CurveRing::split`.
 pub struct CurveProducer<'a, const AXES: usize> {
     /// The slots. The first [`BEFORE`] slots are not part of the ring.
     slots: &'a [Place<AXES>],
@@ -477,8 +478,8 @@ impl<'a, const AXES: usize> CurveProducer<'a, AXES> {
         self.latest
     }
 
-    /// The full number of the motion block to which a curve of the ring belongs, counted from 0 since the
-    /// split.
+    /// The full number of the motion block to which a curve of the ring belongs, counted from 0 since
+    /// `CurveRing::split`.
     pub fn block_of(&self, segment: &Segment<AXES>) -> u32 {
         whole(self.latest(), segment.block())
     }
@@ -648,17 +649,17 @@ impl<'a, const AXES: usize> CurveProducer<'a, AXES> {
         self.len() == 0
     }
 
-    /// Number of curves written since the split.
+    /// Number of curves written since `CurveRing::split`.
     pub const fn count(&self) -> u32 {
         self.count
     }
 
-    /// Number of curves released since the split.
+    /// Number of curves released since `CurveRing::split`.
     pub const fn handed(&self) -> u32 {
         self.handed
     }
 
-    /// Number of curves that the interrupt has passed since the split.
+    /// Number of curves that the interrupt has passed since `CurveRing::split`.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn taken(&self) -> u32 {
         self.taken.load(Ordering::Acquire)
@@ -816,8 +817,8 @@ impl<const AXES: usize> CurveConsumer<'_, AXES> {
         self.drives.at(distance)
     }
 
-    /// The full number of the motion block to which a curve of the ring belongs, counted from 0 since the
-    /// split.
+    /// The full number of the motion block to which a curve of the ring belongs, counted from 0 since
+    /// `CurveRing::split`.
     pub fn block_of(&self, segment: &Segment<AXES>) -> u32 {
         whole(self.latest.load(Ordering::Relaxed), segment.block())
     }

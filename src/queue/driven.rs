@@ -47,7 +47,7 @@ pub(super) struct Drive {
 }
 
 impl Drive {
-    /// The drive of a curve whose driven distance equals its path distance.
+    /// For a curve whose driven distance equals its path distance.
     pub const fn plain(start: i64, driven: i64) -> Self {
         Self { start, driven, half: 0.0, travel: [0.0; 2], slopes: [1.0; 3] }
     }
@@ -150,7 +150,7 @@ impl Kept {
     }
 }
 
-/// The drives of all curves in a ring. The number of a curve, from 0 since the split, selects its drive.
+/// The drives of all curves in a ring. The number of a curve, from 0 since `Rings::split`, selects its drive.
 #[derive(Clone, Copy)]
 pub(super) struct Drives<'a> {
     kept: &'a [Kept],

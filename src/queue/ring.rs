@@ -18,9 +18,9 @@ pub trait Slot: Copy {
 /// `N` slots, a power of two. The counters come first, because a small offset takes fewer instructions.
 #[repr(C)]
 pub struct Ring<T: Slot, const N: usize, M: Memory = Ram> {
-    /// Number of items taken out since the split.
+    /// Number of items taken out since `Ring::split`.
     taken: M::Word,
-    /// Number of items put in since the split.
+    /// Number of items put in since `Ring::split`.
     put: M::Word,
     slots: [M::Place<T>; N],
 }
@@ -175,12 +175,12 @@ impl<'a, T: Slot, const N: usize, M: Memory> Producer<'a, T, N, M> {
         self.ring.put.store(put.wrapping_add(count), Ordering::Release);
     }
 
-    /// Number of items put in since the split.
+    /// Number of items put in since `Ring::split`.
     pub fn count(&self) -> u32 {
         self.ring.put.load(Ordering::Relaxed)
     }
 
-    /// Number of items that the consumer has given back since the split.
+    /// Number of items that the consumer has given back since `Ring::split`.
     pub fn taken(&self) -> u32 {
         self.ring.taken.load(Ordering::Acquire)
     }

@@ -16,7 +16,7 @@ use core::sync::atomic::Ordering;
 /// What the interrupt did in its last tick: all values belong to the same tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Snapshot<const AXES: usize> {
-    /// Number of ticks that have ended since the split, modulo 2^31.
+    /// Number of ticks that have ended since `Rings::split`, modulo 2^31.
     pub ticks: u32,
     /// Whether the last tick used a piece: motion along the path, or dwell.
     pub moved: bool,
@@ -32,7 +32,7 @@ pub struct Snapshot<const AXES: usize> {
     pub distance: Distance,
     /// N number of the programmed block on which the axes are.
     pub n: u32,
-    /// Number of the motion block on which the axes are, counted from 0 since the split.
+    /// Number of the motion block on which the axes are, counted from 0 since `Rings::split`.
     pub block: u32,
     /// Number of pieces of the speed profile in the queue.
     pub queued: u16,

@@ -40,7 +40,8 @@ pub struct Change {
     has_barrier: bool,
 }
 
-/// The instant at which the interrupt changes from its old pieces to new ones, or has changed.
+/// The instant of a change of plan (the cut): there the interrupt changes from its old pieces to new ones, or
+/// has changed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Cut(pub u32);
 

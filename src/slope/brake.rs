@@ -236,10 +236,10 @@ impl Brake {
         }
     }
 
-    /// The speed below which the braking keeps v + a²/2j ≤ `most`, mm/tick; `f32::MAX` if the whole braking
-    /// does. `profile` holds the changes of speed, and `a_most` is √(2·j·`most`). The jerks of the profile
-    /// are at most j. While the deceleration rises, the sum v + a²/2j does not grow, so it is at most the
-    /// speed at the start. Later the sum falls.
+    /// For a curve whose limits trade speed for acceleration: the speed below which the braking keeps v +
+    /// a²/2j ≤ `most`, mm/tick. `f32::MAX` if the whole braking does. `profile` holds the changes of speed,
+    /// and `a_most` is √(2·j·`most`). The jerks of the profile are at most j. While the deceleration rises,
+    /// the sum v + a²/2j does not grow, so it is at most the speed at the start. Later the sum falls.
     pub fn trade(&self, profile: &Profile, most: f32, a_most: f32) -> f32 {
         let j = a_most * a_most / (2.0 * max(most, f32::MIN_POSITIVE));
         let down = &profile.down;

@@ -76,7 +76,7 @@ pub enum SlopeLaw {
         still: f32,
         /// Whether the acceleration that the curve needs is at a right angle to the path.
         across: bool,
-        /// The build has STEP.
+        /// Marks that the build has STEP.
         built: StepBuilt,
     },
 }

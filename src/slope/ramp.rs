@@ -123,7 +123,7 @@ pub struct Stepped {
     pub a: [f32; 2],
     /// Speed at which the second acceleration follows the first, mm/tick.
     pub change_over: f32,
-    /// The build has STEP.
+    /// Marks that the build has STEP.
     pub built: StepBuilt,
 }
 

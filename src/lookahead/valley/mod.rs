@@ -1,4 +1,4 @@
-//! NO_OPT=0: permits acceleration at the ends of a slow block.
+//! The slope HSC with NO_OPT=0: permits acceleration at the ends of a slow block.
 //!
 //! An anchor at the end of a slow block makes acceleration zero where the limit is reached. The fastest
 //! motion passes this place with an acceleration: it still brakes inside the slow block, and speeds up again
