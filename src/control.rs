@@ -35,13 +35,13 @@ const ONE_ABORT: u32 = 1 << 24;
 pub struct Control {
     /// The commands. The operator writes this word and the next two.
     given: AtomicU32,
-    /// Number of acknowledgements given.
+    /// Acknowledgements given.
     answers: AtomicU32,
     /// Number of changes of the two words above.
     changes: AtomicU32,
     /// Number of changes that the planner has read. The planner writes this word and the next three.
     looked: AtomicU32,
-    /// Number of acknowledgements that the planner has read.
+    /// Acknowledgements that the planner has read.
     heard: AtomicU32,
     /// Number of aborts carried out, in the format of `given`.
     aborted: AtomicU32,

@@ -1,11 +1,12 @@
-//! `#VECTOR LIMIT`: limits along the path, for the blocks that follow. They only lower the limits of the axes.
+//! `#VECTOR LIMIT`: limits along the path, for the blocks that follow. These limits only lower the limits of
+//! the axes.
 //!
 //! - ACC, DEC and VEL are switched on and off separately; ALL means all three. Without a value they have the
 //!   values of the channel: P-CHAN-00002, P-CHAN-00208, P-CHAN-00090.
 //! - Accelerations are in mm/min² or, with P-CHAN-00351, in mm/s²; speeds in mm/min. If no main axis moves,
 //!   degrees replace millimetres.
-//! - The limits act on feed motion, with RAPID on rapid motion instead, and with FEED RAPID on both. OFF
-//!   without RAPID and FEED ends both.
+//! - Without RAPID and FEED, the limits act on feed motion. RAPID: on rapid motion only; FEED RAPID: on both.
+//!   OFF without RAPID and FEED ends both.
 //! - A limit of acceleration does not change the ramp times, so the jerk falls in the same ratio. A weight
 //!   has the same effect.
 //! - ACC acts on lines; on arcs too with P-CHAN-00350.

@@ -26,8 +26,8 @@ pub struct Block {
     /// Planned speed at the block's start. For the first block, [`super::ring::Ring::start`] holds this
     /// speed.
     pub(super) v_in: Planned,
-    /// Speed at the block's start that the motion can reach from the first block. An anchor has no such
-    /// speed: see [`Self::ease`].
+    /// Speed at the block's start that the motion can reach from the first block of the ring. If the start is
+    /// no anchor, other data take this place: see [`Self::ease`].
     pub(super) v_reached: Planned,
     /// The speed of the last complete plan at the block's start. The motion can still keep this speed.
     pub(super) v_old: Planned,
@@ -160,14 +160,14 @@ impl AnchorMarks {
 pub(super) struct Marks(u8);
 
 impl Marks {
-    /// The speed at the block's start was planned for a lower end speed than the current one. It is kept.
+    /// The speed at the block's start was planned for a lower end speed than the current one, and is kept.
     pub(super) const KEPT: u8 = 1;
     /// Acceleration is zero at the block's start.
     pub(super) const ANCHOR: u8 = 2;
     /// The block's start became an anchor after the last complete plan.
     pub(super) const FRESH: u8 = 4;
-    /// The profile of the block's span was planned without a rise above the speeds at its ends. After
-    /// release, the span may be as fast as all of its blocks permit.
+    /// The profile of the block's span was planned so that it nowhere rises above the speeds at its ends.
+    /// After release, the span may be as fast as all of its blocks permit.
     pub(super) const FLAT: u8 = 8;
     /// The span that begins with this block keeps the limits of all its blocks.
     pub(super) const CHECKED: u8 = 16;

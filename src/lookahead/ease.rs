@@ -73,11 +73,10 @@ impl Ease {
 
 /// Largest margin: a sixteenth of the acceleration is left.
 const MOST: u8 = 240;
-/// Blocks per step: number of blocks that are only counted, and number of blocks that are compared with a
-/// profile.
+/// Number of blocks per step: blocks that are only counted, and blocks that are compared with a profile.
 const WALK: usize = 32;
 const STEPS: usize = 8;
-/// Work of a step that searches an anchor, and work of any other step; the unit is about 32 instructions.
+/// Work of a step that searches for an anchor, and work of any other step; the unit is about 32 instructions.
 const SEEK: usize = 20;
 pub(super) const TRIAL: usize = 120;
 /// Number of stored profiles, a power of 2; and the mark for none.
@@ -89,12 +88,13 @@ const LAWS: usize = 4;
 pub(super) const ROUNDS: u8 = 4;
 /// Longest joined span: the depth of the ring divided by this number.
 const PART: usize = 2;
-/// Above this ratio of speeds at the end of a span, another forward pass is worth its work.
+/// If the speed planned at the end of a span exceeds the speed reached before by more than this ratio,
+/// another forward pass is worth its work.
 const HARDLY: f32 = 1.004;
 /// Ratio of times above which there is no gain.
 pub(super) const GAIN: f32 = 1.0 - 1.0 / 65_536.0;
 
-/// A limit that a profile exceeds while the speed changes.
+/// A limit that a profile exceeds while its speed changes.
 #[derive(Clone, Copy, Debug)]
 struct Excess {
     /// Distance between the limit and the end of the span at which this change of speed begins or ends.

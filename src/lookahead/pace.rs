@@ -11,12 +11,12 @@
 //! every axis keeps its P-AXIS-00214. In rapid motion, v_prog is v_max.
 //!
 //! The ring is planned for a *level*, the planned override. When a plan begins, the level follows the
-//! override. The level is at least 100 %. In mode 1, where the override acts on the programmed feed only, the
-//! level is the current override, at least 25 %. If the override falls below the level, the profile of a span
-//! applies it. So a falling override acts at once, and every planned speed stays possible. The level falls
-//! when the motion enters the ring at a speed that is low enough ([`super::Lookahead::set_level`]). The
-//! limits of an arc or a curve hold up to the level at which the element entered the ring, at least 100 %.
-//! After the level has risen, only new blocks are faster.
+//! override. In mode 0, the level is at least 100 %. In mode 1, and in mode 2 while the speed is reduced, the
+//! override acts on the programmed feed only. Then the level is at least 25 %. If the override falls below
+//! the level, the profile of a span applies it. So a falling override acts at once, and every planned speed
+//! stays possible. The level falls when the motion enters the ring at a speed that is low enough
+//! ([`super::Lookahead::set_level`]). The limits of an arc or a curve hold up to the level at which the
+//! element entered the ring, at least 100 %. After the level has risen, only new blocks are faster.
 //!
 //! A span of HSC has blocks of several speeds, and a profile that keeps each limit in its place. With an
 //! override below the level, the span uses this profile at a part of its speed, s(t · part). All

@@ -1,6 +1,6 @@
 //! The plan in progress: the current pass, the data of each pass, and the work of one call.
 //!
-//! All passes share one place in memory. No data are copied with a call or when the next pass begins.
+//! All passes share one place in memory. So no data are copied between calls or between passes.
 use super::block::{Block, Marks};
 use super::ease::{Step, Trial};
 use super::law::{faster, length_mm};

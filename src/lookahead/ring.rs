@@ -84,7 +84,7 @@ pub(super) struct Scope {
     pub stale: bool,
 }
 
-/// Numbers of blocks and transitions of a kind.
+/// Numbers of certain blocks and transitions in the ring.
 pub(super) struct Counts {
     /// Transitions in the ring that are not anchors.
     pub through: usize,
@@ -112,7 +112,7 @@ impl<const AXES: usize> Tail<AXES> {
 }
 
 impl<const AXES: usize> Tail<AXES> {
-    /// The last block has left; its end is kept.
+    /// Notes that the last block has left the ring; its end is kept.
     fn leave(&mut self) {
         if self.known == Known::Block {
             self.known = Known::Exit;

@@ -69,8 +69,8 @@ pub(super) struct Inside {
     calm: [Calm; functions::HSC.room(1)],
 }
 
-/// The part of a profile with constant speed between parts of one curve. A cut there saves time: the limits
-/// at one end of the span then do not slow the other end.
+/// The part of a profile with constant speed, if parts of one curve lie there. A cut of the span there saves
+/// time: the limits at one end of the span then do not slow the other end.
 #[derive(Clone, Copy)]
 struct Calm {
     /// Distance at which the gain of speed ends.

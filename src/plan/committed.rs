@@ -15,8 +15,8 @@ pub(super) struct CommittedSpan {
     /// The first tick of the span, and the time from the span's start to this tick.
     pub first: u32,
     pub next: u64,
-    /// Ticks of dwell after the span that are in the queue. Before the dwell begins, this number is below
-    /// 2^32.
+    /// Ticks of dwell after the span that are already in the queue. Before the dwell begins, this number is
+    /// below 2^32.
     pub rest: u32,
     /// Conditions for which the profile was made: speeds at the start and end of the span, and the highest
     /// permitted speed. `pace`: override and reduced speed as one word ([`crate::lookahead::Pace::key`]).

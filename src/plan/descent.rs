@@ -281,8 +281,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         Some(followed.map_err(|whole| whole.min(spans - 1)))
     }
 
-    /// For STEP: whether a braking that begins in the span `k` ends where another profile continues it. Such
-    /// a braking needs no data of the look-ahead.
+    /// For STEP: whether a braking that begins in the span `k` ends inside committed spans, so that another
+    /// profile continues it. Such a braking needs no data of the look-ahead.
     pub(super) fn is_stage(&self, k: usize, descent: &Descent) -> bool {
         let steps = |limits: &Limits| matches!(limits.law, SlopeLaw::Stepped { .. });
         k + descent.spans < self.committed.len()

@@ -20,8 +20,8 @@
 //! A stop without room, or with an unknown end, is not used. The old reserve stays, and the motion gets
 //! slower ([`super::slower`]).
 //!
-//! A command that changes profiles in the queue, and a start from a standstill become valid when the next
-//! reserve is complete ([`super::change`]).
+//! New pieces that a command puts in place of others, and the first pieces after a standstill, become valid
+//! when the next reserve is complete ([`super::change`]).
 use super::change::Pending;
 use super::committed::CommittedSpan;
 use super::hold::{Mode, NOTHING};

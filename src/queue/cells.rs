@@ -1,13 +1,13 @@
-//! The memory of curves ([`super::curves`]). A slot holds the data of every curve; a line has no other data.
-//! The additional data of an arc or a polynomial are its *part*.
+//! The memory of curves ([`super::curves`]). A slot holds the data that every curve has; a line has no other
+//! data. The additional data of an arc or a polynomial are its *part*.
 //!
-//! A build with Surface or splines has room for a part after each slot. A small build has no such room. There
-//! a line takes one slot, and any other curve takes two slots; the first one holds the part. A part leaves
-//! the end of its slot free, and a mark there says that the slot holds a part.
+//! In a build with Surface or splines, each slot has room for a part after these data. A small build has no
+//! such room. There a line takes one slot, and any other curve takes two slots; the first one holds the part.
+//! A part leaves the end of its slot free, and a mark there says that the slot holds a part.
 //!
-//! The part of a curve always lies in memory just before the curve's slot. One extra slot lies before the first slot of
-//! the ring. A curve in the first slot keeps its part in the extra slot; the last slot of the ring is then marked as a
-//! part and stays empty.
+//! In a small build, the part of a curve always lies in memory just before the curve's slot. So one extra
+//! slot lies before the first slot of the ring. A curve in the first slot keeps its part in the extra slot;
+//! the last slot of the ring is then marked as a part and stays empty.
 #![allow(unsafe_code)]
 use crate::machine::functions;
 use crate::path::{Arc, Bent, Linear, Shape, Swings, add_cubic, add_poly};
@@ -15,16 +15,16 @@ use crate::quantity::{Distance, Position};
 use core::cell::UnsafeCell;
 use core::mem::{MaybeUninit, offset_of};
 
-/// Whether each slot has room for a part after it.
+/// Whether each slot has room for a part after the data of its curve.
 pub(super) const IS_WHOLE: bool = !functions::IS_SMALL;
 
-/// Number of parts after a slot.
+/// Number of parts that fit into a slot, after the data of its curve.
 const WHOLE: usize = if IS_WHOLE { 1 } else { 0 };
 
 /// Largest number of slots that a curve takes.
 pub(super) const MOST: usize = 2 - WHOLE;
 
-/// Slots before the first slot of the ring.
+/// Number of extra slots before the first slot of the ring.
 pub(super) const BEFORE: usize = MOST - 1;
 
 /// The data that every curve in the ring has; a line has no other data. The start of each curve is stored

@@ -4,7 +4,7 @@
 //! There are two clocks. *Ticks* count every call of the interrupt. *Instants* count only ticks that use a
 //! piece: a piece of motion, of dwell, or for the tick that shows a standstill. Pieces begin at instants, so
 //! a cut is an instant too. An instant is twice the number of such ticks since `Rings::split`, modulo 2^32.
-//! So instants are even; an odd value means that there is no cut, or no reserve.
+//! So instants are even; an odd number means "never": there is no cut, or no reserve.
 //!
 //! Every word has one writer:
 //!
@@ -21,8 +21,8 @@
 //!
 //! A tick is running while `begun` is ahead of the sum of `now` and `idle`. A planner on the interrupt's core
 //! never sees a running tick. A planner on another core waits for the end of that tick ([`Clock::settle`])
-//! before it decides; the wait takes a few hundred instructions. The interrupt never waits. (With loads and
-//! stores alone, two sides can only decide who came first if one of them waits.)
+//! before it decides; the wait takes a few hundred instructions. The interrupt never waits. (Both sides use
+//! only loads and stores. With these alone, two sides can decide who came first only if one of them waits.)
 //!
 //! There is room for two reserves, so one reserve is valid while the planner writes the next one. Each
 //! reserve belongs to one cut. If the interrupt has not taken this cut, or has taken a later one, the reserve

@@ -2,9 +2,9 @@
 //!
 //! Producer and consumer each have one counter that only they write. A slot belongs to the producer until the
 //! producer's counter passes it, then to the consumer until the consumer's counter does. Counters run freely
-//! and are masked, so all `N` slots are used and no index needs a division. (After a split, the type of a
-//! queue of `heapless` no longer contains `N`. Such a queue would need a division in the interrupt, and a
-//! panic for `N` = 0.)
+//! and are masked, so all `N` slots are used and no index needs a division. (The queue of the crate
+//! `heapless` is not used: after its split, the type no longer contains `N`. An index would then need a
+//! division in the interrupt, and a panic for `N` = 0.)
 #![allow(unsafe_code)]
 use super::word::{Memory, Place, Ram, Replay, Word};
 use core::sync::atomic::Ordering;

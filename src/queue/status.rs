@@ -1,8 +1,8 @@
 //! The status of every tick. Any task, interrupt or core reads a snapshot of one tick, without a lock.
 //!
 //! The interrupt writes whole words, so no word is ever half written. The words of a snapshot belong together
-//! if no tick has begun during the read. The clock shows this ([`Clock::ended`], [`Clock::is_at`]), and the
-//! reader repeats the read until it succeeds. A reader never delays the interrupt.
+//! if no tick has begun during the read. The clock tells whether a tick has begun ([`Clock::ended`],
+//! [`Clock::is_at`]), and the reader repeats the read until none has. A reader never delays the interrupt.
 //!
 //! The interrupt writes values that it already has; the reader derives the others. The speed, for example, is
 //! the difference of the set points of two ticks. Even and odd ticks have separate places for set points.

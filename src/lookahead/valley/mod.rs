@@ -51,7 +51,8 @@ const BEST: f32 = 1.0 / 3.9;
 /// A valley is shorter by this factor than its jerk permits.
 const SHORTER: f32 = 1.0 - 1.0 / 1024.0;
 
-/// A ramp from the anchor, with a lower speed and zero acceleration, up to the limit of a slow block.
+/// A ramp from the anchor, which has a lower speed and zero acceleration, up to the limit at the end of a
+/// slow block.
 #[derive(Clone, Copy, Debug, Default)]
 struct Side {
     /// Speed at the anchor.
