@@ -224,7 +224,7 @@ impl Functions {
     }
 
     /// Puts functions into the queue when the next element of the path is known; the element begins at
-    /// `distance`. All functions with at most `due` motion blocks before them are due there. The queue must
+    /// `distance`. All functions with at most `due` motion blocks before them belong there. The queue must
     /// have room. Returns whether the element is a gate.
     pub fn before(&mut self, due: u32, distance: Distance, queue: &mut Scheduler<'_>) -> bool {
         if self.entries.is_empty() && self.last == 0 {

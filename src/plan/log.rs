@@ -63,8 +63,8 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         }
     }
 
-    /// Drops the lines of the log that were read ahead of the motion. The known path then ends at the coming
-    /// stop.
+    /// Empties the log, because the lines that were read ahead of the motion are dropped. The known path then
+    /// ends at the coming stop.
     pub fn cut_log(&mut self) {
         self.intake.plc.parts = false;
         let path = self.queue.segments.end().to_bits();

@@ -86,8 +86,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         Seam::Working
     }
 
-    /// Records in the log of the path that a pass of a real-time loop begins, or that the last pass ends,
-    /// after the last motion block.
+    /// Begins a pass of a real-time loop after the last motion block, or ends the last pass there. The log of
+    /// the path records this.
     ///
     /// # Errors
     /// Too many commands of the log wait for one motion block.

@@ -105,7 +105,7 @@ pub(super) struct Transform<'a, const AXES: usize> {
 }
 
 impl<'a, const AXES: usize> Transform<'a, AXES> {
-    /// A transformation stage without data sets.
+    /// A stage with the axes at `start` and no transformations.
     pub const fn new(start: [Position; AXES]) -> Self {
         Self {
             sets: &[],
@@ -220,7 +220,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         self.intake.transform.active.is_some()
     }
 
-    /// The active transformation.
+    /// The active transformation, or `None`.
     pub const fn kinematic(&self) -> Option<&'a Kinematic> {
         self.intake.transform.active
     }

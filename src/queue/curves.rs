@@ -356,8 +356,9 @@ impl<'a, const AXES: usize> CurveProducer<'a, AXES> {
         self.count.wrapping_sub(taken) as usize + BEFORE + slots <= self.most()
     }
 
-    /// Whether all slots of the look-ahead are used. The look-ahead may then have fewer curves than blocks,
-    /// because an arc or a polynomial may take two slots.
+    /// Whether the look-ahead has no slots for more curves. In a small build, this may happen before the
+    /// look-ahead holds its largest number of blocks, because an arc or a polynomial takes two slots. In
+    /// other builds, the result is always `false`.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn is_ahead_full(&self) -> bool {
         !IS_WHOLE && self.count.wrapping_sub(self.handed) as usize + NEXT > self.ahead() + SPARE

@@ -31,7 +31,7 @@ const WEIGHTS: [[f32; 2]; 9] = [
 const PARTS: i64 = WEIGHTS.len() as i64 - 1;
 const WHOLE: f32 = 90.0;
 
-/// The driven distance of one curve over its path distance, LSB 2^-44 mm.
+/// The driven distance of one curve as a function of its path distance, LSB 2^-44 mm.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Drive {
     /// Path distance at the start of the curve.
@@ -159,7 +159,8 @@ pub(super) struct Drives<'a> {
 }
 
 impl<'a> Drives<'a> {
-    /// Drives in this memory, which has at least as many places as the ring has slots.
+    /// Drives (driven distances of curves) stored in `kept`, which has at least as many places as the ring
+    /// has slots.
     pub const fn new(kept: &'a [Kept], taken: &'a AtomicU32) -> Self {
         Self { kept, taken }
     }
