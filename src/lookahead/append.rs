@@ -378,8 +378,8 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             shares = shares.map(Share::resting);
         }
         if way == Way::Standing {
-            // If the knee is only rounding, no tick is needed. With STEP, acceleration is not zero near the
-            // transition, so STEP needs the tick.
+            // If the knee is only rounding of coordinates, the motion need not stop there. With STEP,
+            // acceleration is not zero near the transition, so the motion stops.
             let unseen = || min(dynamics.unseen(&last.exit, piece.entry, rapid), v.unwrap_or(f32::MAX));
             cap = if slope == SlopeType::Step { 0.0 } else { min(cap, unseen()) };
             highest = cap;

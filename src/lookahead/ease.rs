@@ -402,7 +402,8 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         let (before, time) = self.law_of(pass, pass.from, first, [speeds[0], speeds[1]]);
         let (behind, time_behind) = self.law_of(pass, pass.at, second, [speeds[1], speeds[2]]);
         let v = speed_f32(speeds[1].to_bits()) * RISE;
-        // Unless the anchor could be faster than planned: then it may become the part before a valley.
+        // If the profiles on both sides are faster than the anchor, the anchor stays. Exception: the anchor
+        // could be faster than planned, and may become the place before a valley.
         let slow = self.blocks.get(pass.at).is_some_and(|at| at.may_have_valleys() && at.cap() > v);
         if before > v && behind > v && !slow {
             return self.keep_anchor(pass);

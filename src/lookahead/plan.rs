@@ -167,9 +167,9 @@ impl Plan {
             let share = ring.tail.share(last && ring.scope.open);
             let v = enters(block, share, v_out);
             let (v, settled) = (Planned::below(v), settled(v));
-            // With zero acceleration at both ends, a smaller braking may need more length. If the largest
-            // acceleration is not reached, the distance from v to w is proportional to (v + w)·√(v − w). This
-            // distance grows with w up to about v/2. A speed that was planned with a lower end speed is still
+            // With zero acceleration at both ends, a smaller loss of speed may need more length. Below the
+            // largest acceleration, the distance from v to w is proportional to (v + w)·√(v − w). This
+            // distance grows with w up to about v/2. A speed that was planned with a lower end speed stays
             // possible, and is kept.
             block.marks.set(Marks::KEPT, v < block.v_in);
             if v <= block.v_in {

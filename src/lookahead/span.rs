@@ -193,9 +193,8 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
                 return self.start_forward(plan);
             }
             let Some(block) = self.blocks.get_mut(left) else { return self.start_forward(plan) };
-            // A speed of the last plan stays possible, see [`Plan`]; later anchors that are new may have to
-            // be removed. A flat span keeps its profile: if it were faster, the removed anchors would be
-            // needed again.
+            // A speed of the last plan stays possible, but new anchors after it may have to be removed. A
+            // flat span keeps its profile: if it were faster, the removed anchors would be needed again.
             let (mut v, mut v_out) = (block.v_old, Speed::ZERO);
             if !(block.is(Marks::FLAT) && v.is_some()) {
                 let entered = span.enter(pass.v_out, block.cap());

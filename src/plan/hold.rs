@@ -27,8 +27,8 @@ pub const REACTION: u32 = 4;
 /// first, and only one change exists at a time.
 const NEAR: u32 = 64;
 
-/// While braking, the planner searches for a shorter stop each time the speed has dropped by this power of
-/// two, if so many ticks are left. A new stop must be shorter by this power of two.
+/// While braking, the planner searches for a shorter stop each time the speed has dropped by its 2^`SLOWED`th
+/// part, if at least `WORTH` ticks are left. A new stop must be shorter by its 2^`SHORTER`th part.
 const SLOWED: u32 = 6;
 const WORTH: u32 = 8;
 const SHORTER: u32 = 6;
@@ -196,7 +196,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         if !worth || self.orders.mode.cut.is_some() {
             return None;
         }
-        // Finding the motion goes through all pieces of the way. The call that does so is work, and the next one waits.
+        // To find the motion, a call goes through all pieces of the stop. This is its work; the next call
+        // waits.
         if paused.is_none() && self.orders.mode.tried.replace(at) == Some(at) {
             return None;
         }
@@ -218,7 +219,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         if descent.brake.v_out > 0 || way >= now - (now >> SHORTER) {
             return None;
         }
-        // The other stop need not lead into the look-ahead.
+        // This stop is shorter, so it need not lead into the look-ahead as the other one did.
         let behind = self.reserve.behind.take();
         let work = self.change(k, at, Some(descent));
         if work.is_none() {

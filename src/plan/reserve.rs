@@ -253,7 +253,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         // The rest of a profile that stops is itself a stop.
         let stops = ends && !stands && self.orders.mode.stopping;
         let unplanned = self.task.stage == RingStage::Passing;
-        // The existing reserve goes further.
+        // While the look-ahead is being planned, a new reserve has to end before it. The existing reserve may
+        // lead further.
         let has_better = unplanned && self.reserve.is_kept();
         let refused = (has_better || failed || self.comes_down()) && self.reserve.pending.is_none();
         if refused || (self.reserve.behind.is_some() && !stops) {

@@ -441,7 +441,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
                     }
                     let behind = start.wrapping_add(length);
                     let is_last = behind.wrapping_sub(end) >= 0;
-                    // Signs of two polynomials differ, so each counts alone. STEP and knees have no use for them.
+                    // The derivatives of two polynomials have different signs, so each polynomial counts
+                    // alone. STEP and knees do not use the signs.
                     if is_last || !(is_one || track.segment.is_line() || track.segment.is_arc()) {
                         self.orders.search.spend_up_to(most, part_costs(AXES))?;
                         self.dynamics.stopping(&mut swings, &passed, braking)?;

@@ -589,7 +589,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             span.limits.ease(plan.eases[0]);
             self.renew(a, &span, Speed::from_bits(speed_bits(plan.cut.v[0])));
             if plan.leaves() {
-                // The other end of the slow block follows in the next call.
+                // The next call cuts the other end of the slow block.
                 valley.edges = [at, at, c, d + 1];
                 pass.last += 1;
                 return;
@@ -614,7 +614,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             }
             self.keep_ease(at, plan.eases[1]);
         }
-        // The end of the span keeps its speed, although the new profile might permit more.
+        // The end of the span keeps its speed, although the new profile might permit a higher one.
         if let Some(end) = self.blocks.get_mut(d + cuts) {
             end.v_in = end.v_reached;
         }
