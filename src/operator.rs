@@ -41,20 +41,20 @@ use crate::tick::State;
 use core::cell::Cell;
 use core::marker::PhantomData;
 
-/// The result of the last tick. All fields belong to the same tick.
+/// The result of the last tick, as [`Operator::status`] returns it. All fields belong to the same tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Status<const AXES: usize> {
     /// The set point of every axis after the last tick, mm or degrees.
     pub set_points: [Position; AXES],
     /// N number of the programmed block on which the axes are.
     pub n: u32,
-    /// Number of the motion block, counted from 0 since `Channel::split`.
+    /// Number of the motion block on which the axes are, counted from 0 since `Channel::split`.
     pub block: u32,
-    /// Distance that the feed axes have driven; wraps around at ±2^19 mm. Without the feature `driven`, it is
-    /// the path distance as planned.
+    /// Distance that the feed axes have driven; wraps around at ±2^19 mm. Without the feature `driven`, this
+    /// field is the path distance as planned.
     pub distance: Distance,
-    /// Path distance as planned; wraps around at ±2^19 mm. Inside a curve over time, it is the time in the
-    /// curve multiplied by the feed speed.
+    /// Path distance as planned; wraps around at ±2^19 mm. In a curve that is planned over time, such as a
+    /// rounded corner, the path distance is time multiplied by the feed.
     #[cfg(feature = "driven")]
     pub planned: Distance,
     /// Mean speed of the set points over the last tick, along the feed axes; 0 at standstill. If no feed axis
@@ -66,8 +66,8 @@ pub struct Status<const AXES: usize> {
     /// Number of planned pieces of the speed profile that are still unused, 0…128 (0…32 in a small build).
     /// While the planner adds pieces, the count may be two too low.
     pub queued: u16,
-    /// Ticks since the split, with and without motion of the path; modulo 2^31. The last tick has the number
-    /// `ticks` − 1, as in [`Output::tick`].
+    /// Number of ticks since `Channel::split`, with and without motion of the path; modulo 2^31. The last
+    /// tick has the number `ticks` − 1, as in [`Output::tick`].
     pub ticks: u32,
 }
 
@@ -128,8 +128,8 @@ impl<'a, const AXES: usize> Operator<'a, AXES> {
     /// Returns the next function whose point on the path has been reached. Call `output` until it returns
     /// `None`.
     ///
-    /// At most 32 functions can be pending, 16 in a small build. With less free room the look-ahead gets shorter;
-    /// without any room the axes stop.
+    /// At most 32 functions can be pending, 16 in a small build. If few places are free, the look-ahead gets
+    /// shorter. If no place is free, the axes stop.
     pub fn output(&self) -> Option<Output> {
         let outlet: &Outlet<'a> = &self.panel.actions;
         let (placed, tick) = outlet.take()?;
@@ -155,13 +155,13 @@ impl<'a, const AXES: usize> Operator<'a, AXES> {
         self.control().acknowledge(function)
     }
 
-    /// The oldest function that was output and is not acknowledged.
+    /// The oldest M or H function that has been output and still waits for an acknowledgement.
     pub fn awaited(&self) -> Option<Function> {
         self.control().acknowledgements().awaited()
     }
 
     /// The result of the last tick. If a tick comes during the call, the call reads again. On the interrupt's
-    /// core, this happens once or twice. On another core, the call repeats until the tick ends.
+    /// core, one or two repetitions suffice. On another core, the call repeats until the tick ends.
     pub fn status(&self) -> Status<AXES> {
         #[cfg(feature = "driven")]
         let (seen, distance) = self.panel.read();

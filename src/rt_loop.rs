@@ -1,8 +1,8 @@
 //! Real-time loops: the blocks between `#RT WHILE` and `#RT ENDWHILE` repeat until a PLC ends them.
 //!
-//! The planner reads the loop once and stores its commands. Then it plans one pass after the other while
-//! V.RTG.LOOP.ENABLED is true. For the look-ahead, all passes are one long path: the motion passes the seam
-//! between two passes like any other transition.
+//! The planner reads the loop once and stores its commands. The planner then plans one pass after the other
+//! while V.RTG.LOOP.ENABLED is true. For the look-ahead, all passes are one long path: the motion passes the
+//! seam between two passes like any other transition.
 //!
 //! ```
 //! use glidepath::rt_loop::LoopMemory;
@@ -49,10 +49,12 @@ struct Shared {
     passes: AtomicU32,
 }
 
-/// Memory of real-time loops with room for `COMMANDS` commands: motion blocks and commands of the log.
+/// Memory of real-time loops with room for `COMMANDS` commands: motion blocks, `#SPLINE`, and commands of the
+/// log of the path.
 ///
 /// P-STUP-00033 (fb_storage_size) limits the bytes of the commands; the smaller one of both limits acts. A
-/// new memory consists of zero bytes, except for unused ones. So a static memory lies in `.bss`.
+/// new memory has only zero bytes and bytes without a value, so a static memory lies in `.bss` and takes no
+/// flash.
 pub struct LoopMemory<const AXES: usize, const COMMANDS: usize> {
     commands: Vec<Stored<AXES>, COMMANDS>,
     shared: Shared,
@@ -110,7 +112,7 @@ impl LoopSwitch<'_> {
         self.shared.flag.get()
     }
 
-    /// Number of passes that the planner has begun to plan since [`LoopMemory::split`], over all loops. The
+    /// Number of passes, of all loops, that the planner has begun to plan since [`LoopMemory::split`]. The
     /// number wraps around.
     pub fn passes(self) -> u32 {
         self.shared.passes.load(Ordering::Acquire)
@@ -213,7 +215,7 @@ impl<'a, const AXES: usize> LoopStore<'a, AXES> {
     }
 }
 
-/// The reason why a real-time loop is refused. Numbers in the descriptions are those of ISG's messages.
+/// The reason why a real-time loop is refused. Each number is that of ISG's error message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum LoopError {

@@ -25,9 +25,9 @@
 //!
 //! A tick calculates in integers: no division, no square root, no loop without a fixed bound.
 //!
-//! 1. When the current piece of the speed profile is used up, the tick takes the next one
-//!    ([`crate::queue::Timeline`]). The same step takes a change of plan. If the planner is late, this step
-//!    takes the reserve. Without a piece, the set points stay.
+//! 1. When the current piece of the speed profile is used up, the tick takes the next piece
+//!    ([`crate::queue::Timeline`]). A change of plan happens in this step. If the planner is late, this step
+//!    changes to the reserve, the stop that is always ready. Without a piece, the set points stay.
 //! 2. The tick evaluates the cubic of the piece. The value is the path distance.
 //! 3. The tick drops the curves that the distance has passed ([`crate::queue::CurveConsumer::follow`]) and
 //!    evaluates the current curve ([`crate::queue::Track::at`]).
@@ -35,8 +35,8 @@
 //! 5. The tick marks the functions that are due and writes its result for the operator
 //!    ([`crate::operator::Operator`]).
 //!
-//! The planner guarantees three conditions for the tick: a piece lasts at least one tick, its curve is in the
-//! ring, and at most [`crate::queue::MAX_CURVES_PER_TICK`] curves begin within a tick.
+//! The planner guarantees three conditions for the tick. A piece lasts at least one tick. The curve of a
+//! piece is in the ring. At most [`crate::queue::MAX_CURVES_PER_TICK`] curves begin within a tick.
 use crate::fir::{FilterTick, Unfiltered};
 use crate::quantity::{Accel, Distance, Position, Speed};
 use crate::queue::{OverlayReceiver, Receiver};
@@ -54,17 +54,19 @@ pub enum State {
     Active,
 }
 
-/// Path values at the last set point, for traces. They are computed on demand, not in the tick.
+/// Path values at the last set point, for traces; [`Interpolator::telemetry`] computes them on demand, not in
+/// the tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Telemetry {
     /// N number of the programmed block.
     pub n: u32,
-    /// Number of the motion block, counted from 0 since the split.
+    /// Number of the motion block, counted from 0 since `Channel::split`.
     pub block: u32,
-    /// Path distance as planned; wraps around at ±2^19 mm. In a curve over time, the axes drive less:
-    /// `Interpolator::driven_distance`, with the feature `driven`.
+    /// Path distance as planned; wraps around at ±2^19 mm. In a curve that is planned over time, such as a
+    /// rounded corner, the axes drive less; `Interpolator::driven_distance` (feature `driven`) returns how
+    /// far.
     pub distance: Distance,
-    /// Path speed, mm/tick. In a curve over time, the axes are slower than this value: see
+    /// Path speed, mm/tick. In a curve that is planned over time, the axes are slower than this value: see
     /// [`Interpolator::path_slope`].
     pub speed: Speed,
     /// Acceleration along the path, mm/tick².
@@ -81,8 +83,8 @@ pub struct Interpolator<'a, const AXES: usize, F = Unfiltered, const OVERLAYS: u
 }
 
 impl<'a, const AXES: usize> Interpolator<'a, AXES> {
-    /// An interpolator whose axes are at `start`; it reads from `queue`. An application gets its interpolator
-    /// from [`crate::channel::Channel::split`]. Without a channel, the interpolator serves a
+    /// Makes an interpolator whose axes are at `start` and which reads from `queue`. An application gets its
+    /// interpolator from [`crate::channel::Channel::split`]. Without a channel, the interpolator serves a
     /// [`crate::plan::Planning`] whose motions do not come from an NC program.
     pub fn new(queue: Receiver<'a, AXES>, start: [Position; AXES]) -> Self {
         Self::filtered(queue, start, Unfiltered)
@@ -98,7 +100,7 @@ impl<'a, const AXES: usize, F: FilterTick<AXES>> Interpolator<'a, AXES, F> {
 
 impl<'a, const AXES: usize, F: FilterTick<AXES>, const OVERLAYS: usize> Interpolator<'a, AXES, F, OVERLAYS> {
     /// As [`Self::filtered`], with axes that may move independently of the path. `overlays`: one entry for
-    /// each axis that may do so at the same time.
+    /// each axis that can move independently at the same time.
     pub fn with_overlays(
         queue: Receiver<'a, AXES>,
         start: [Position; AXES],
@@ -111,11 +113,11 @@ impl<'a, const AXES: usize, F: FilterTick<AXES>, const OVERLAYS: usize> Interpol
 
     /// Computes the next set points, marks the functions that are due, and writes both for the operator.
     ///
-    /// Cost: `docs/figures.md` counts the instructions on a Cortex-M4F. Each function that becomes due takes about a
-    /// dozen more instructions.
+    /// Cost: `docs/figures.md` counts the instructions on a Cortex-M4F. Each function that becomes due takes
+    /// about a dozen more instructions.
     ///
-    /// The planner must not interrupt this call. Call it from an interrupt of higher priority than the planner, or on
-    /// another core.
+    /// The planner must not interrupt this call. Call `tick` from an interrupt of higher priority than the
+    /// planner, or on another core.
     pub fn tick(&mut self) -> State {
         let Some(distance) = self.queue.begin() else {
             return self.rest();
@@ -168,25 +170,25 @@ impl<'a, const AXES: usize, F: FilterTick<AXES>, const OVERLAYS: usize> Interpol
         &self.set_points
     }
 
-    /// The travel of each axis per path distance at the last set point, LSB 2^-40. Returns `None` on a line
-    /// or an arc, where path distance is the travel of the feed axes.
+    /// How far each axis travels per path distance at the last set point, LSB 2^-40. Returns `None` on a line
+    /// or an arc: there, path distance is the travel of the feed axes.
     ///
-    /// In a curve over time, the driven speed is [`Telemetry::speed`] times the length of this vector over
-    /// the feed axes. The value is computed on demand and not in the tick.
+    /// In a curve that is planned over time, the driven speed is [`Telemetry::speed`] times the length of
+    /// this vector over the feed axes. The value is computed on demand and not in the tick.
     pub fn path_slope(&self) -> Option<[i64; AXES]> {
         let (track, along) = self.queue.segments.at_hand(self.queue.distance())?;
         track.slope(along)
     }
 
     /// Distance that the feed axes have driven, as in [`crate::operator::Status`]; wraps around at ±2^19 mm.
-    /// It is computed on demand, in `f32`, and not in the tick.
+    /// The value is computed on demand, in `f32`, and not in the tick.
     #[cfg(feature = "driven")]
     pub fn driven_distance(&self) -> Distance {
         Distance::from_bits(self.queue.driven())
     }
 
     /// N number, block number, path distance, speed and acceleration at the last set point, from the plan. In
-    /// a curve over time the axes move less than the path distance: see [`Telemetry`].
+    /// a curve that is planned over time, the axes move less than the path distance: see [`Telemetry`].
     pub fn telemetry(&self) -> Telemetry {
         let (phase, tick) = self.queue.time.at_hand();
         let n = i64::from(tick);

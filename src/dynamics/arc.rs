@@ -13,12 +13,13 @@
 //!
 //! (n + w³)² + 9·w²·2·n·(v − w) ≤ 1,  max(p − w³, w³)² + 9·w²·2·min(n·(v − w), p·w) ≤ 1
 //!
-//! for every w from 0 to v. For some speeds, [`LEVELS`] lists the n and p with which a profile from a stop
-//! loses the least time. The reference is a profile that begins at v. These values also hold for lower speeds
-//! and lower jerks.
+//! for every w from 0 to v. For some speeds, [`LEVELS`] lists the best n and p: with them, a profile from a
+//! stop loses the least time against a profile that begins at v. These values also hold for lower speeds and
+//! lower jerks.
 //!
-//! A higher speed takes longer to reach. So the length of the arc decides: of [`SPEEDS`], the code takes the
-//! speed with the least time. An arc that continues another arc counts together with that arc.
+//! A higher speed takes longer to reach, so the best speed depends on the length of the arc. The code takes
+//! the speed of [`SPEEDS`] with the least time. An arc that continues another arc counts together with that
+//! arc.
 //!
 //! These limits do not apply to an acceleration that passes the end of an arc: see [`Share::passing`].
 use super::Share;

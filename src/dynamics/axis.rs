@@ -1,4 +1,4 @@
-//! The limits of one axis, converted from machine data to ticks.
+//! The limits of one axis: converts machine data to values per tick.
 use super::{JERK_MARGIN, KNEE_PART, MARGIN, SLIGHT, SMOOTH};
 use crate::dynamics::permitted::TRANSITION_PART;
 use crate::machine::{AxisData, ChannelData, Stages};
@@ -13,7 +13,7 @@ const SLIGHT_KNEE: f32 = KNEE_PART * SLIGHT;
 /// Ramps of at least this number of ticks count as long.
 const LONG_RAMP: f32 = 4.0;
 
-/// Limits of one axis in one kind of motion (feed or rapid). Units: mm or degrees, and ticks.
+/// Limits of one axis in one kind of motion (feed or rapid), per tick. Units: mm or degrees, and ticks.
 #[derive(Clone, Copy, Debug)]
 pub struct Set {
     pub v: f32,
@@ -36,7 +36,7 @@ pub struct Set {
     pub a_resting: f32,
 }
 
-/// What one axis may do at the transition between two blocks.
+/// What one axis may do at the transition between two blocks, per tick.
 #[derive(Clone, Copy, Debug)]
 pub struct TransitionLimits {
     /// Jerk `B` of the axis: see the documentation of [`mod@crate::dynamics`].
@@ -45,10 +45,11 @@ pub struct TransitionLimits {
     pub knee: f32,
     /// Whether P-AXIS-00013 is given; the jerk of a step of speed at a knee is then not limited.
     pub is_weighted: bool,
-    /// Permitted jerk of a step of acceleration (P-CHAN-00009, P-AXIS-00154); `f32::MAX` without limit.
+    /// Permitted jerk of a step of acceleration, as the curvature changes (P-CHAN-00009, P-AXIS-00154);
+    /// `f32::MAX` without limit.
     pub bend: f32,
-    /// Acceleration for knee and curvature together, within a tick of the transition. The rest is for the
-    /// speed profile.
+    /// Acceleration for a corner without a curve and for the curvature together, within a tick of the
+    /// transition. The rest of the acceleration is for the speed profile.
     pub left: f32,
     /// Speed that the profile gains within a tick of the transition.
     pub gained: f32,
@@ -104,7 +105,7 @@ impl Set {
         }
     }
 
-    /// The lower one of acceleration and deceleration.
+    /// The lowest of acceleration and deceleration.
     pub(super) fn least(&self) -> f32 {
         min(min(self.a_up, self.a_down), min(self.upper[0], self.upper[1]))
     }

@@ -1,9 +1,10 @@
-//! Limits because of filters after the path: AX_DEV, ACC_FACT, and filters with negative taps.
+//! Limits of axes with a filter after the path: AX_DEV, ACC_FACT, and filters with negative taps.
 //!
-//! An axis deviates from its delayed set point because of its acceleration and because of steps of its speed.
-//! Each cause gets a part of AX_DEV ([`crate::fir::Watch`]). The part for acceleration is the same
-//! everywhere. A step of speed without another step inside the filter's window may use the rest. Steps closer
-//! than the window get a tenth each. Together they get the part of a curve with the same acceleration.
+//! A filtered axis deviates from its set point, delayed by the filter's delay, because of its acceleration
+//! and because of steps of its speed at corners. Each cause gets a part of AX_DEV ([`crate::fir::Watch`]).
+//! The part for acceleration is the same everywhere. A step of speed without another step inside the filter's
+//! window may use the rest. Steps closer than the window get a tenth each. Together they get the part of a
+//! curve with the same acceleration.
 use super::{Axis, Dynamics, LSB_40, Permitted};
 use crate::dynamics::axis::{Set, TransitionLimits};
 use crate::fir::{CLOSE, GOING_ON, REACH, SHORT, Watch};
@@ -154,15 +155,15 @@ impl Set {
 }
 
 impl<const AXES: usize> Dynamics<AXES> {
-    /// Resets the axes: no axis is filtered.
+    /// Removes the filters of all axes from the dynamics, until [`Self::watch`] is called again.
     pub fn unwatch(&mut self, machine: &MachineData<AXES>) {
         self.watched = Watched::NONE;
         self.change(machine);
     }
 
-    /// Sets the filter of an axis for the elements that follow. Call this function only after a reset of the
-    /// axes. `corner(jerk)`: the part of AX_DEV for a step of speed whose acceleration falls to zero with
-    /// this jerk.
+    /// Lowers the limits of an axis to those with its filter, for the elements that follow. Call
+    /// [`Self::unwatch`] before the first filter. `corner(jerk)`: the part of AX_DEV for a step of speed
+    /// whose acceleration falls to zero with this jerk.
     pub fn watch(&mut self, axis: usize, watch: &Watch, corner: impl Fn(f32) -> f32) {
         let slope = self.slope;
         let Some(limits) = self.axes.get_mut(axis) else { return };
@@ -218,8 +219,8 @@ impl<const AXES: usize> Dynamics<AXES> {
         self.watched.is_some()
     }
 
-    /// The limits of an element of `length` (mm), if the motion may pass the element within the window of the
-    /// filters.
+    /// Lower limits for a short element of `length` (mm), which the motion may pass within the window of the
+    /// filters. Returns `None` if the element takes longer. `bends`: the element is no line.
     pub fn shorten(&self, limits: &Permitted, length: f32, bends: bool) -> Option<Permitted> {
         let is_short = length < limits.0.v * self.watched.window;
         let mut limits = if is_short { *limits } else { return None };

@@ -1,5 +1,5 @@
-//! Limits along the path, from the limits of the axes: speed, acceleration and jerk inside an element, speed
-//! at a transition.
+//! Limits along the path, from the limits of the axes: speed, acceleration and jerk inside an element, and
+//! the speed at a transition between two elements.
 //!
 //! All values are per tick and in `f32`. Three margins cover the rounding of `f32` and of the integers of later stages,
 //! so the limits of the axes hold exactly:
@@ -79,8 +79,9 @@ const LSB_40: f32 = 1.0 / (1u64 << 40) as f32;
 /// Jerk that counts as no limit, mm/tick³.
 const NO_LIMIT: f32 = 1e20;
 
-/// The dynamics of a machine's axes, converted to ticks once, and again when the program weights them. The machine
-/// data are not kept: a caller that changes the dynamics passes the data of [`Self::new`] again.
+/// The dynamics of a machine's axes: their limits per tick. The machine data are converted once, and again
+/// when the program weights them or changes the slope. The machine data are not kept: a caller that changes
+/// the dynamics passes the data of [`Self::new`] again.
 pub struct Dynamics<const AXES: usize> {
     axes: [Axis; AXES],
     /// Feed and rapid limits at the end of the block before new weights, until the next block follows.
@@ -106,12 +107,12 @@ pub struct Dynamics<const AXES: usize> {
     is_transformed: bool,
 }
 
-/// Limits of an element: along the path, what its transitions leave to the speed profile, and how an override
-/// changes the speed.
+/// Limits of an element. Three parts: the limits along the path, what the element's transitions leave to the
+/// speed profile, and how an override changes the speed.
 pub type Permitted = (Limits, Share, OverrideRange);
 
-/// Limits of an element with the state of the dynamics for which they were computed. The planner uses them
-/// again while that state does not change.
+/// Limits of an element, and a stamp of the dynamics for which they were computed. The planner uses the
+/// limits again as long as the dynamics do not change.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Known {
     /// [`Dynamics::changes`] when the limits were computed.
@@ -167,8 +168,8 @@ impl<const AXES: usize> Dynamics<AXES> {
         self.count();
     }
 
-    /// Whether a transformation lies between smoothers and axes. Then the limits of the axes are unknown
-    /// before it.
+    /// Whether a transformation for rotary axes lies between the smoothing stage and the axes. The smoothing
+    /// stage then does not know the limits of the axes.
     #[cfg(feature = "kinematics")]
     pub const fn is_transformed(&self) -> bool {
         self.is_transformed
@@ -181,15 +182,15 @@ impl<const AXES: usize> Dynamics<AXES> {
         false
     }
 
-    /// Sets the weights of the axes for the elements that follow. The transition to the first of these
-    /// elements has the limits of both sides.
+    /// Sets the weights of the axes for the elements that follow. The first transition to these elements
+    /// keeps the limits of both sides.
     pub fn weigh(&mut self, machine: &MachineData<AXES>, weight: &Weight<AXES>) {
         self.weights.set(weight);
         self.change(machine);
     }
 
-    /// Sets the slope of the elements that follow. `#SLOPE DEFAULT` selects the slope of P-CHAN-00071.
-    /// `optimised`: NO_OPT=0, which only HSC has.
+    /// Sets the slope of the elements that follow, with the option NO_OPT of HSC. `#SLOPE DEFAULT` selects
+    /// the slope of P-CHAN-00071.
     pub fn set_slope(&mut self, machine: &MachineData<AXES>, command: &Slope) {
         let slope;
         (slope, self.joins) = self.slope_of(machine, command);
@@ -236,7 +237,7 @@ impl<const AXES: usize> Dynamics<AXES> {
         }
     }
 
-    /// Sets limits along the path in the elements that follow.
+    /// Sets limits along the path (`#VECTOR LIMIT`) in the elements that follow.
     ///
     /// # Errors
     /// An acceleration is too low or a speed is 0.
@@ -256,14 +257,16 @@ impl<const AXES: usize> Dynamics<AXES> {
         }
     }
 
-    /// Ends the change of weights: an element with the current weights has entered.
+    /// Ends the change of weights: an element with the current weights has entered the look-ahead. From now
+    /// on, transitions have the current limits on both sides.
     pub fn settle(&mut self) {
         self.before = None;
     }
 
     /// Limits of an axis that moves alone, and its reduced speed (P-AXIS-00214). Weights and path limits of
-    /// the program do not act, but a filter of the axis acts. The slope is that of P-CHAN-00071 or `slope`.
-    /// The acceleration is `percent` of the machine data and at most P-AXIS-00008. Ramp times do not change.
+    /// the program do not act, but a filter of the axis acts. The slope is `slope`, or that of P-CHAN-00071
+    /// without one. The acceleration is `percent` of the machine data and at most P-AXIS-00008. Ramp times do
+    /// not change.
     pub fn single(
         &self,
         machine: &MachineData<AXES>,
@@ -289,7 +292,7 @@ impl<const AXES: usize> Dynamics<AXES> {
         law_of(self.slope, self.joins, change_over)
     }
 
-    /// Sets the planned override for the elements that follow; 1 is 100 %, range 1 to 2.
+    /// Sets the override for which the elements that follow are planned; 1 is 100 %, range 1 to 2.
     pub fn set_level(&mut self, level: f32) {
         if level != self.level {
             self.level = level;
@@ -297,12 +300,13 @@ impl<const AXES: usize> Dynamics<AXES> {
         }
     }
 
-    /// Path speed (mm/tick) of a feed (mm/min); without a feed there is no limit.
+    /// Converts a feed (mm/min) to a path speed (mm/tick). Without a feed, the result does not limit the
+    /// speed.
     pub fn programmed(&self, feed: Option<f32>) -> f32 {
         feed.map_or(f32::MAX, |feed| feed * self.feed_unit * MARGIN)
     }
 
-    /// Limits of an element run with `feed` (mm/min), or as rapid motion without one.
+    /// Limits of an element that is run with `feed` (mm/min), or as rapid motion if there is no feed.
     pub fn element(&self, element: &Element<AXES>, feed: Option<f32>) -> Permitted {
         match &element.circle {
             None => self.line(&element.entry.tangent, feed),
@@ -408,11 +412,12 @@ impl<const AXES: usize> Dynamics<AXES> {
     }
 
     /// Part of the largest acceleration across the path that a curve may use with STEP. The rest is for
-    /// knees.
+    /// corners without a curve.
     pub const STEPPED_NORMAL_PART: f32 = NORMAL_PART * (1.0 - KNEE_PART);
 
-    /// Acceleration and jerk with which all axes together may move in proportion to `parts`. The result is
-    /// within the limits of the slope, and at most `of` times a_max and `B`.
+    /// Acceleration and jerk (per tick) with which all axes together may move in proportion to `parts`. The
+    /// result is within the limits of the slope. `of`: the highest permitted share of each axis' largest
+    /// acceleration, and that of its jerk `B`.
     pub fn together(&self, parts: &[f32; AXES], rapid: bool, of: [f32; 2]) -> [f32; 2] {
         let [mut a, mut j] = [f32::MAX; 2];
         for (axis, part) in self.axes.iter().zip(parts) {
@@ -435,8 +440,8 @@ impl<const AXES: usize> Dynamics<AXES> {
         })
     }
 
-    /// The jerk that a corner's curve may cause with this CHECK_JERK, if axes share it in proportion to
-    /// `parts`.
+    /// The jerk (mm/tick³) that the curve of a corner may cause if the axes move in proportion to `parts`.
+    /// `check` is CHECK_JERK.
     pub fn across(&self, parts: &[f32; AXES], rapid: bool, check: u8) -> f32 {
         let axes = self.axes.iter().zip(parts).filter(|(_, part)| **part != 0.0);
         axes.fold(f32::MAX, |j, (axis, part)| {
@@ -444,7 +449,7 @@ impl<const AXES: usize> Dynamics<AXES> {
         })
     }
 
-    /// Whether the jerk of a step of curvature is limited (P-CHAN-00009, and a slope with jerk limit).
+    /// Whether the jerk of a step of curvature is limited: P-CHAN-00009 is set, and the slope is not STEP.
     pub fn limits_bends(&self) -> bool {
         self.bends_have_jerk && !self.slope.is_step()
     }

@@ -1,4 +1,5 @@
-//! How the speed of a block follows the override (P-CHAN-00066) and the reduced speed (P-AXIS-00214).
+//! How the speed of a block follows the override (P-CHAN-00066) and the reduced speed (P-AXIS-00214). The
+//! look-ahead stores this in four bytes per block.
 use crate::math::float::{max, min};
 use crate::math::root::sqrt_f32;
 use crate::slope::limits::ROUNDED;
@@ -20,14 +21,15 @@ const EVEN: u16 = 1 << 15;
 const WHOLE: u16 = u16::MAX;
 
 impl OverrideRange {
-    /// The range of a block whose machine limit and feed permit the same speed, and which is not slower at
-    /// reduced speed.
+    /// For a block whose machine limit and feed permit the same speed, and which is not slower at reduced
+    /// speed.
     pub const NONE: Self = Self { over: EVEN, reduced: WHOLE };
 
     /// For no block; all bits zero.
     pub(crate) const BLANK: Self = Self { over: 0, reduced: 0 };
 
-    /// The range for a block with this feed. The machine permits `v_max`, and `v_reduced` while reduced speed is on.
+    /// How a block with this feed follows the override. The machine permits `v_max`, and `v_reduced` while
+    /// reduced speed is on; all three in mm/tick.
     pub fn new(v_max: f32, feed: f32, v_reduced: f32) -> Self {
         let mut override_range = Self::NONE;
         if v_max > feed {
@@ -60,8 +62,8 @@ impl OverrideRange {
         [1.0 + n(EVEN, self.over), 1.0 - n(self.over, EVEN)]
     }
 
-    /// Speed at a planned override `level`, relative to the speed at 100 %. A level below 100 % lowers the
-    /// feed only.
+    /// Ratio of the speed at the override `level` (1 is 100 %) to the speed at 100 %. Below 100 %, only the
+    /// feed falls, and not the limit of the machine.
     pub fn raised(self, level: f32) -> f32 {
         let [above, below] = self.parts();
         min(level / below, above)

@@ -1,4 +1,5 @@
-//! How each axis restricts the limits of an element, and the limits that a transition leaves to the element.
+//! How each axis restricts the limits of an element, and which limits a transition leaves to the speed
+//! profile of the element.
 use super::axis::Set;
 use super::override_range::OverrideRange;
 use super::{ROUGH, ROUGH_BELOW};
@@ -20,25 +21,25 @@ pub(crate) const SURELY: f32 = 0.999;
 /// Two change-over speeds whose ratio is below this value count as equal.
 const SAME: f32 = 1.0 + 1.0 / 1_048_576.0;
 
-/// The limits along the path that a transition between two blocks leaves to the speed profile. The transition
-/// itself uses the rest.
+/// The limits along the path that the transition between two blocks leaves to the speed profile. The change
+/// of direction or curvature at the transition uses the rest.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Share {
     /// Jerk that is left, mm/tick³.
     pub j: f32,
-    /// Acceleration that is left if the profile has an acceleration at the transition, mm/tick².
+    /// Acceleration that is left if the profile may have an acceleration at the transition, mm/tick².
     pub a: f32,
     /// Acceleration that is left if the acceleration of the profile is zero at the transition, mm/tick².
     pub a_resting: f32,
-    /// Speed of an arc at which the transition uses its part of the limits, mm/tick; `f32::MAX` for other
-    /// elements.
+    /// For an arc: the speed at which the curvature uses its part of the limits, mm/tick. `f32::MAX` for
+    /// other elements.
     pub v: f32,
     /// Acceleration that may pass the ends of an arc where another profile begins, mm/tick².
     pub passing: f32,
 }
 
 impl Share {
-    /// A transition that leaves all limits to the speed profile.
+    /// For a transition that leaves all limits to the speed profile.
     pub const WHOLE: Self =
         Self { j: f32::MAX, a: f32::MAX, a_resting: f32::MAX, v: f32::MAX, passing: f32::MAX };
 
@@ -54,7 +55,7 @@ pub(super) fn less_rough(a: f32) -> f32 {
 }
 
 impl Joins {
-    /// The rule of a slope for blocks in one span. `optimised`: NO_OPT=0, which only HSC has.
+    /// Which blocks may share a span with this slope. `optimised`: NO_OPT=0, which only HSC has.
     pub fn of(slope: SlopeType, optimised: bool) -> Self {
         match slope {
             _ if !functions::HSC.is_built() => Self::Alike,

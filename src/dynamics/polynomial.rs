@@ -1,4 +1,5 @@
-//! Limits of polynomials. The parameter of a polynomial is its path length or time.
+//! Limits of polynomials: curves at corners, of Surface and of splines. The parameter of a polynomial is its
+//! path length or time.
 use super::axis::{Axis, Set};
 use super::{Dynamics, KNEE_PART, NO_LIMIT, NORMAL_PART, Permitted};
 use crate::dynamics::Share;
@@ -43,8 +44,8 @@ const SHARP_PART: f32 = 0.85;
 /// From this share of the feed on, the element gets a higher acceleration at a reduced speed
 /// ([`Dynamics::trade`]).
 const NEARLY: f32 = 0.9;
-/// A speed profile with less jerk and the full acceleration is chosen if it takes at most this many times
-/// longer than a profile with less acceleration.
+/// A speed profile with less jerk and the full acceleration is chosen if it is not much slower than one with
+/// less acceleration. This is the highest ratio of the times.
 const SLOWER: f32 = 1.2;
 /// Shares of `a_max` and of `B` for the curvature, and share of `B` for the speed profile, where acceleration
 /// passes both ends of an element. With 0.8 in place of 0.6, constant speeds in runs of chords are 2 %
@@ -65,18 +66,20 @@ pub struct Curving {
     /// CHECK_JERK: the jerk that the curvature may cause. 0: no limit, 1: by the geometric ramp time, 2: by
     /// the ramp times.
     pub jerk: u8,
-    /// CONST_VEL: the speed is constant inside the curve. `None` without CONST_VEL.
+    /// CONST_VEL: data of a curve with constant speed. `None` without CONST_VEL.
     pub constant: Option<Steady>,
     /// The nearest sharp turn in the same curve, which limits the speed around it.
     pub near: Near,
 }
 
-/// A sharp turn of a curve of many elements, in an element or next to it.
+/// A sharp turn of a curve that consists of many elements. The turn is inside the element or near it, and
+/// limits the element's speed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Near {
     /// Highest speed in the turn, mm/tick.
     pub v: f32,
-    /// Distance from the turn to the farther end of the element, mm; 0 in the turn.
+    /// Distance along the path from the turn to the farther end of the element, mm; 0 if the turn is in the
+    /// element.
     pub way: f32,
 }
 
@@ -102,7 +105,7 @@ pub struct Steady {
 }
 
 impl Steady {
-    /// An element without a common speed, which stands alone.
+    /// For an element that stands alone, without a common speed.
     pub const FREE: Self = Self { v: f32::MAX, length: f32::MAX };
 }
 
@@ -177,9 +180,9 @@ impl<const AXES: usize> Dynamics<AXES> {
     /// |x''|·v² + |x'|·a ≤ a_max,  |x'''|·v³ + 3·|x''|·v·a + |x'|·j ≤ B.
     ///
     /// As for an arc, five speeds are compared. The result has the speed with which the element alone takes
-    /// the least time. An element of constant speed has the highest of these speeds. The rest of its
-    /// acceleration then serves commands of the operator. With CONST_VEL, this rest also serves the motion
-    /// from and to a standstill ([`Loose`]).
+    /// the least time. An element of constant speed has the highest of these speeds. The acceleration that
+    /// this speed leaves is then for changes of speed by commands of the operator. With CONST_VEL, this
+    /// acceleration is also for the motion from and to a standstill ([`Loose`]).
     pub fn polynomial(
         &self,
         length: Distance,
@@ -385,9 +388,9 @@ impl<const AXES: usize> Dynamics<AXES> {
         }
     }
 
-    /// Returns `true` if [`Self::polynomial`] surely permits the speed `v` (mm/tick) for an element of
-    /// constant speed. `first`, `second` and `third` are the highest derivatives of the element. The check is
-    /// strict: it may also return `false` for a permitted speed.
+    /// Whether [`Self::polynomial`] surely permits the speed `v` (mm/tick) for an element of constant speed.
+    /// `first`, `second` and `third` are the highest derivatives of the element, per axis. The check may
+    /// return `false` for a permitted speed, but never `true` for a forbidden one.
     pub fn permits(
         &self,
         v: f32,
@@ -415,7 +418,8 @@ impl<const AXES: usize> Dynamics<AXES> {
         })
     }
 
-    /// The highest speed of a curve that acceleration passes, from its second and third derivatives.
+    /// The highest speed (mm/tick) of a curve whose ends may be passed with acceleration, from the second and
+    /// third derivatives per axis. `check` is CHECK_JERK.
     pub fn passing(&self, [second, third]: [&[f32; AXES]; 2], rapid: bool, check: u8) -> f32 {
         let (normal_part, curve_part) = (NORMAL_PART, PASSING_PART);
         let (mut square, mut cube) = (NO_LIMIT, NO_LIMIT);

@@ -1,7 +1,7 @@
 //! The limits of the axes for a stop, along the part of the path that the stop uses.
 //!
-//! An element is planned for its highest speed, and for the place where it bends most. A stop uses only a part
-//! of the element, at falling speed, so the axes permit more.
+//! An element is planned for its highest speed, and for the place where it bends most. A stop uses only a
+//! part of the element, at falling speed, so the axes permit more deceleration.
 use super::axis::{Axis, Set};
 use super::permitted::{TRANSITION_PART, less_rough};
 use super::{Dynamics, KNEE_PART, MARGIN};
@@ -26,10 +26,10 @@ impl Braking {
     /// Limits that restrict nothing: the start value before limits are lowered.
     pub const WIDEST: Self = Self { a: [f32::MAX; 2], j: [f32::MAX; 2], ends: f32::MAX };
 
-    /// Returns lower limits for the next try, or `None` if the axes permit `self`. `left`: the limits that
-    /// the axes permit for the try `self`. `before`: the try before, and the limits permitted for that try.
-    /// With two tries, the secant method gives the next limit. With a single try, a limit is lowered by about
-    /// twice its excess.
+    /// The next step of the search for limits that the axes permit. Returns lower limits for the next try, or
+    /// `None` if the axes permit `self`. `left`: the limits that the axes permit for the try `self`.
+    /// `before`: the try before, and the limits that the axes permitted for that try. With two tries, the
+    /// secant method gives the next limit. With a single try, a limit is lowered by about twice its excess.
     #[inline(never)]
     pub fn less(&self, left: &Self, before: Option<&[Self; 2]>) -> Option<Self> {
         if *left == *self {
@@ -96,9 +96,10 @@ impl Braking {
         *self = best;
     }
 
-    /// Lowers the jerks to those that an axis permits on one side. A change of the deceleration moves it `firsts` times as far
-    /// as the path towards this side: while the deceleration rises, and while it falls. A curve leaves it `budget`, and takes
-    /// c·a from it; from an acceleration it takes `c_gains` as much.
+    /// Lowers the jerks to those that an axis permits on one side, in positive or in negative direction.
+    /// `firsts`: how far the axis moves towards this side per path distance, while the deceleration rises and
+    /// while it falls. `budget`: the jerk that the curve leaves to the axis. A deceleration a takes c·a from
+    /// `budget`, and an acceleration a takes `c_gains`·a.
     fn leave(&mut self, firsts: [f32; 2], (budget, c, c_gains): (f32, f32, f32), passed: &Passed, peak: f32) {
         let Passed { begun: [_, begun], change: [lost, left], ramps, gains, .. } = *passed;
         let [first, _] = firsts;
@@ -128,9 +129,9 @@ impl Braking {
 pub struct Passed {
     /// Highest speed in this part, mm/tick.
     pub v: f32,
-    /// Whether this part is rapid motion; `None` if it has feed motion and rapid motion.
+    /// Whether this part is rapid motion; `None` if a part is feed motion and another part rapid motion.
     pub rapid: Option<bool>,
-    /// CHECK_JERK=2: the ramp times limit the jerk of a curve.
+    /// Whether the ramp times limit the jerk of a curve (CHECK_JERK=2).
     pub by_ramps: bool,
     /// Speed (mm/tick) and deceleration (mm/tick²) at the start of the stop.
     pub begun: [f32; 2],
@@ -139,9 +140,9 @@ pub struct Passed {
     pub change: [f32; 2],
     /// Whether the deceleration rises in this part, and whether it falls.
     pub ramps: [bool; 2],
-    /// An acceleration before the stop that falls to zero in this part; otherwise zero.
+    /// An acceleration from before the stop that falls to zero in this part, mm/tick²; 0 if there is none.
     pub gains: f32,
-    /// The stage of STEP: 0, or 1 below the lower speed.
+    /// The stage of the braking with STEP: 0, or 1 below the speed at which the second deceleration begins.
     pub stage: usize,
     /// Whether a transition is near, which reserves its part of acceleration and jerk.
     pub corners: bool,
@@ -150,13 +151,14 @@ pub struct Passed {
 }
 
 impl<const AXES: usize> Dynamics<AXES> {
-    /// Lowers `braking` to the limits of a motion along a part of the path with these bounds:
+    /// Lowers `braking` to the deceleration and jerks that the axes permit along a part of the path. The
+    /// bounds of each axis, with the deceleration d and its jerk j, are
     ///
-    /// |x″·v² − x′·d| ≤ a_max,  |x‴·v³ − 3·x″·v·d ∓ x′·j| ≤ B,
+    /// |x″·v² − x′·d| ≤ a_max,  |x‴·v³ − 3·x″·v·d ∓ x′·j| ≤ B.
     ///
-    /// with the deceleration d and its jerk j, and at most to the limits of the slope. Each side counts alone, with the
-    /// largest value of each term towards it, so terms with different signs do not add up. Near a transition they do.
-    /// `None` if no motion is possible.
+    /// The limits of the slope also hold. The positive and the negative side of an axis count separately,
+    /// each with the largest value of each term towards it. So terms with different signs do not add up. Near
+    /// a transition, all terms add up. Returns `None` if no motion is possible.
     #[inline(never)]
     pub fn stopping(&self, swings: &mut Swings<AXES>, passed: &Passed, braking: &mut Braking) -> Option<()> {
         if passed.corners || self.slope == SlopeType::Step {
@@ -177,16 +179,16 @@ impl<const AXES: usize> Dynamics<AXES> {
         (a > LEAST && b > LEAST && rise > LEAST && fall > LEAST && ends > LEAST).then_some(())
     }
 
-    /// Deceleration and jerks of slopes other than STEP. After the speed has dropped by u, the deceleration is at
-    /// most √(d² + 2·j·u). d is its value at the start, and j the jerk with which it rises. If the speed will still
-    /// drop by u, the deceleration is at most √(2·j·u) with the jerk with which it falls. So an axis has all of
-    /// a_max and of B, with c = 3·|x″|·v, for
+    /// Deceleration and jerks of slopes other than STEP. The deceleration begins with the value d and rises
+    /// with the jerk j. After the speed has dropped by u, the deceleration is at most √(d² + 2·j·u). The
+    /// deceleration falls with another jerk j: if the speed will still drop by u, it is at most √(2·j·u). So
+    /// an axis has all of a_max and of B, with c = 3·|x″|·v, for
     ///
     /// - the least of three values: a, and both roots. The result is at most A = (a_max − |x″|·v²)/|x′|. Of a
     ///   and both jerks, the code lowers the value that costs the least time;
     /// - |x′|·j + c·a ≤ B − |x‴|·v³ with the current a, or with the root for this j.
     ///
-    /// Above zero, a deceleration counts where x′ and x″ are below zero, and below zero the other way round.
+    /// On the positive side of an axis, a deceleration counts where x′ and x″ are negative, and the reverse.
     #[inline(never)]
     fn ramps(&self, swings: &Swings<AXES>, passed: &Passed, rapid: bool, braking: &mut Braking) {
         let Passed { v, corners, by_ramps, .. } = *passed;
@@ -269,8 +271,9 @@ impl<const AXES: usize> Dynamics<AXES> {
     }
 }
 
-/// The derivatives of an axis on each side: the first and the second one towards this side and towards the other one, the
-/// third one towards this side.
+/// The derivatives of an axis for each side, positive and negative. The first and the second derivative each
+/// have two values: towards this side and towards the other one. The third derivative has the value towards
+/// this side.
 const fn sides([[a1, b1], [a2, b2], [a3, b3]]: &[[f32; 2]; 3]) -> [([f32; 2], [f32; 2], f32); 2] {
     [([*a1, *b1], [*a2, *b2], *a3), ([*b1, *a1], [*b2, *a2], *b3)]
 }
@@ -279,7 +282,8 @@ const fn sides([[a1, b1], [a2, b2], [a3, b3]]: &[[f32; 2]; 3]) -> [([f32; 2], [f
 const LESS: f32 = 0.8;
 /// Additional relative reduction below the permitted value.
 const SURPLUS: f32 = 0.002;
-/// A smaller first reduction is not enlarged: limits other than those of the axes may be as near.
+/// A first reduction by less than this part is not doubled: other limits than those of the axes may be as
+/// near.
 const NEARLY: f32 = 0.01;
 const JUST: f32 = 1.0 - 1.0 / 524_288.0;
 /// Values below this one count as zero.

@@ -1,4 +1,4 @@
-//! Speed of a transition from one element to the next.
+//! The highest speed at a transition from one element to the next.
 use super::axis::TransitionLimits;
 use super::{Dynamics, KNEE_PART, LSB_40, MARGIN, SLIGHT, SMOOTH};
 use crate::dynamics::arc::HIGHEST;
@@ -16,15 +16,15 @@ const STEP_SMOOTH: f32 = 1.0 / 4_194_304.0;
 const TURN_PART: f32 = 0.05;
 
 impl<const AXES: usize> Dynamics<AXES> {
-    /// Highest speed of a transition. For each axis, the step of speed and the step of acceleration stay
-    /// inside the limit of a knee (P-AXIS-00013) and inside the transition's part of the jerk budget. Returns
-    /// `None` if the transition is smooth at the speed `fastest` of its neighbours. `shorter` is the length
-    /// of the shorter neighbour, mm.
+    /// Highest speed of a transition (mm/tick). For each axis, the step of speed stays inside the limit for
+    /// corners without a curve (P-AXIS-00013). The steps of speed and acceleration stay inside the
+    /// transition's part of the jerk budget. Returns `None` if the transition is smooth, except for rounding,
+    /// at `fastest`, the highest speed of its neighbours. `shorter` is the length of the shorter neighbour,
+    /// mm.
     ///
-    /// In two cases the machine data permit unlimited jerk. Without P-CHAN-00009, a step of acceleration has
-    /// no jerk limit. With P-CHAN-00009, P-AXIS-00154 gives the permitted part of the transition's jerk. If
-    /// P-AXIS-00013 is given, only the acceleration limits a step of speed. Acceleration is limited
-    /// everywhere.
+    /// In two cases the machine data permit unlimited jerk: for a step of acceleration without P-CHAN-00009,
+    /// and for a step of speed with P-AXIS-00013. With P-CHAN-00009, P-AXIS-00154 gives the permitted part of
+    /// the transition's jerk. Acceleration is limited in all cases.
     ///
     /// A speed step Δv shows as a third difference of at most Δv/T², an acceleration step Δa as Δa/T. Steps
     /// within three ticks add up. If blocks take h ticks, at most 2 + 2/h steps lie within three ticks. `a`
@@ -110,7 +110,7 @@ impl<const AXES: usize> Dynamics<AXES> {
         if v == f32::MAX { None } else { Some(v * MARGIN) }
     }
 
-    /// Permitted step of speed of one axis at a knee, mm/tick.
+    /// Permitted step of speed of one axis at a corner without a curve, mm/tick.
     pub fn knee(&self, axis: usize, rapid: bool) -> f32 {
         let Some(of) = self.axes.get(axis) else { return 0.0 };
         let mut joint = of.set(rapid).joint;
@@ -120,9 +120,9 @@ impl<const AXES: usize> Dynamics<AXES> {
         if joint.is_weighted { joint.knee } else { min(joint.knee, TRANSITION_PART * joint.budget) }
     }
 
-    /// Highest speed at a sequence of transitions, from the step of acceleration between its first end `from`
-    /// and its last end `to`. The blocks between take less than a tick, so all steps add up. The sum stays
-    /// inside the transition's part of the jerk budget.
+    /// Highest speed (mm/tick) at several transitions that the motion passes within a tick. `from`: end of
+    /// the block before the first transition; `to`: start of the block after the last one. The steps of
+    /// acceleration add up. The sum stays inside the transition's part of the jerk budget.
     pub fn bending(&self, from: &End<AXES>, to: &End<AXES>, rapid: bool) -> f32 {
         let bends = from.curvature.iter().zip(&to.curvature);
         let square = self.axes.iter().zip(bends).fold(f32::MAX, |square, (axis, (c0, c1))| {
@@ -133,8 +133,8 @@ impl<const AXES: usize> Dynamics<AXES> {
         sqrt_f32(square) * MARGIN
     }
 
-    /// Highest speed at which a change of direction is no more than rounding of coordinates. The speed
-    /// profile then keeps all limits.
+    /// Highest speed (mm/tick) at which a change of direction from `from` to `to` is no more than rounding of
+    /// coordinates. At this speed, the speed profile keeps all limits without a part for the transition.
     pub fn unseen(&self, from: &End<AXES>, to: &End<AXES>, rapid: bool) -> f32 {
         let smooth = if self.slope == SlopeType::Step { STEP_SMOOTH } else { SMOOTH };
         let mut v = f32::MAX;
@@ -151,16 +151,17 @@ impl<const AXES: usize> Dynamics<AXES> {
         v * MARGIN
     }
 
-    /// Returns the least duration of a straight line, in ticks, at which its rounded end causes no step of speed above
-    /// the limits. The end is `off` (mm) from its exact place, so the direction changes by `off` over the line's length.
-    /// The result is at most [`LONGEST_SMOOTHING`]; a line of that duration may still have such a step.
+    /// The least duration of a straight line, in ticks, at which the rounding of its end point causes no step
+    /// of speed above the limits. The end point is `off` (mm) from its exact place, so the direction changes
+    /// by `off` divided by the line's length. The result is at most [`LONGEST_SMOOTHING`]; a line of that
+    /// duration may still have such a step.
     pub fn smoothing(&self, off: f32, rapid: bool) -> f32 {
         let least = self.axes.iter().fold(f32::MAX, |least, axis| min(least, axis.set(rapid).joint.budget));
         min(off / (SMOOTH * least), LONGEST_SMOOTHING)
     }
 
-    /// Whether a transition is tangential except for rounding of coordinates. At the speed `fastest`, the
-    /// steps of each axis are far below the limits of a transition.
+    /// Whether a transition is tangential except for rounding of coordinates. If so, at the speed `fastest`
+    /// the steps of each axis are far below the limits of a transition.
     pub fn is_slight(&self, from: &End<AXES>, to: &End<AXES>, rapid: bool, fastest: f32) -> bool {
         let ends = from.tangent.iter().zip(&to.tangent).zip(from.curvature.iter().zip(&to.curvature));
         self.axes.iter().zip(ends).all(|(axis, ((t0, t1), (c0, c1)))| {
@@ -171,8 +172,8 @@ impl<const AXES: usize> Dynamics<AXES> {
         })
     }
 
-    /// Whether the acceleration `a` along the path may pass a change of direction. The step of every axis'
-    /// acceleration stays inside its part of the jerk budget.
+    /// Whether the acceleration `a` along the path (mm/tick²) may pass a change of direction. The step in the
+    /// acceleration of each axis then stays inside its part of the jerk budget.
     pub fn turns_little(&self, from: &End<AXES>, to: &End<AXES>, rapid: bool, a: f32) -> bool {
         self.axes.iter().zip(from.tangent.iter().zip(&to.tangent)).all(|(axis, (t0, t1))| {
             let set = if rapid { &axis.rapid } else { &axis.feed };
@@ -180,12 +181,12 @@ impl<const AXES: usize> Dynamics<AXES> {
         })
     }
 
-    /// The part of the deceleration `a` along the path that may pass a knee at the speed `v`. For every axis,
-    /// the step of speed and the deceleration together stay inside the largest acceleration on both sides. If
-    /// blocks of `shorter` mm take less than a tick, several knees add up.
+    /// The part of the deceleration `a` along the path that may pass a corner without a curve at the speed
+    /// `v`. For every axis, the step of speed and the deceleration together stay inside the largest
+    /// acceleration on both sides. If blocks of `shorter` mm take less than a tick, several corners add up.
     ///
     /// On a bent path, a stop from a lower speed than planned may have more deceleration than `a`. The part
-    /// for the knee is still the same.
+    /// for the corner stays the same.
     #[inline(never)]
     pub fn passing_knee(
         &self,
@@ -226,7 +227,7 @@ fn max_size(a: i64, b: i64) -> u64 {
     a.unsigned_abs().max(b.unsigned_abs())
 }
 
-/// The part of a deceleration that may pass a transition: one of four parts, or none.
+/// How much of a deceleration may continue through a transition: all of it, 15/16, 3/4, half, or none.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Passing(u8);
 
@@ -235,7 +236,7 @@ impl Passing {
     pub const ALL: Self = Self(0);
     /// No deceleration may pass: it is zero at the transition.
     pub const NONE: Self = Self(4);
-    /// The parts, and the number of none.
+    /// The parts by their number. Number 4, after the last part, means none.
     const PARTS: [f32; 4] = [1.0, 15.0 / 16.0, 3.0 / 4.0, 1.0 / 2.0];
 
     /// The largest part that is at most `part`.
@@ -243,7 +244,8 @@ impl Passing {
         Self::PARTS.iter().fold(Self::ALL, |Self(k), of| if *of <= part { Self(k) } else { Self(k + 1) })
     }
 
-    /// The largest part of the deceleration `a` that is at most `most`.
+    /// The largest of the four parts with which the deceleration `a` is at most `most`; none if half of `a`
+    /// is too much.
     pub fn of_part(most: f32, a: f32) -> Self {
         if most >= a { Self::ALL } else { Self::of(most / a) }
     }
@@ -253,12 +255,13 @@ impl Passing {
         Self(self.0.max(other.0))
     }
 
-    /// The part with this number; the reverse of [`Self::number`].
+    /// The part with this number, as [`Self::number`] returns it.
     pub const fn numbered(number: u8) -> Self {
         Self(number)
     }
 
-    /// The number: 0 is all, 3 is the smallest part, 4 is none.
+    /// The part as a number of two bits: 0 is all, 3 is the smallest part. [`Self::NONE`] gives 3 too;
+    /// callers store elsewhere that no deceleration may pass.
     pub const fn number(self) -> u8 {
         if self.0 < 3 { self.0 } else { 3 }
     }

@@ -1,8 +1,8 @@
 //! Limits of arcs on a circle that has already turned twice.
 //!
 //! Such an arc may be as fast as an endless circle, except for its end. If the circle ends with this arc, the
-//! motion brakes from a lower speed. Near the highest speed, nearly no jerk is left for braking
-//! ([`super::arc`]). So a lower speed at the end costs the least time.
+//! motion has to brake there. Near the highest speed, the curvature leaves nearly no jerk for braking
+//! ([`super::arc`]). So the end of the arc has its own limits with a lower speed, which costs the least time.
 use super::arc::{MOST_TURNS, NEARLY, TWO_TURNS};
 use super::{Dynamics, Permitted};
 use crate::math::float::{max, size_f32, to_bits};
@@ -18,7 +18,8 @@ const LOWER: f32 = 0.97;
 const LONGER: f32 = 1.02;
 const DISTANCE_LSB: f32 = 1.0 / (1u64 << 44) as f32;
 
-/// Limits of an arc on a circle that has already turned twice.
+/// Limits of an arc on a circle that has already turned twice, in two parts: all of the arc but its end, and
+/// the end.
 pub struct Turns {
     /// Limits of the arc without its end.
     pub steady: Permitted,
@@ -29,8 +30,9 @@ pub struct Turns {
 }
 
 impl<const AXES: usize> Dynamics<AXES> {
-    /// Limits of an arc after two turns of its circle. Returns `None` if the arc is shorter, or gains no
-    /// time. `feed`: as in [`Self::element`]. The cost is twice that of [`Self::element`].
+    /// Limits of an arc after two turns of its circle. Returns `None` if the circle has turned less, if the
+    /// arc is shorter than half a turn, or if two parts gain no time. `feed`: as in [`Self::element`]. The
+    /// cost is twice that of [`Self::element`].
     #[inline(never)]
     pub fn turns(&self, element: &Element<AXES>, feed: Option<f32>) -> Option<Turns> {
         let circle = element.circle.as_ref()?;

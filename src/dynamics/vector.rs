@@ -1,11 +1,12 @@
-//! `#VECTOR LIMIT`: limits along the path, for the blocks that follow. They only lower the limits of the axes.
+//! `#VECTOR LIMIT`: limits along the path, for the blocks that follow. These limits only lower the limits of
+//! the axes.
 //!
 //! - ACC, DEC and VEL are switched on and off separately; ALL means all three. Without a value they have the
 //!   values of the channel: P-CHAN-00002, P-CHAN-00208, P-CHAN-00090.
 //! - Accelerations are in mm/min² or, with P-CHAN-00351, in mm/s²; speeds in mm/min. If no main axis moves,
 //!   degrees replace millimetres.
-//! - The limits act on feed motion, with RAPID on rapid motion instead, and with FEED RAPID on both. OFF
-//!   without RAPID and FEED ends both.
+//! - Without RAPID and FEED, the limits act on feed motion. RAPID: on rapid motion only; FEED RAPID: on both.
+//!   OFF without RAPID and FEED ends both.
 //! - A limit of acceleration does not change the ramp times, so the jerk falls in the same ratio. A weight
 //!   has the same effect.
 //! - ACC acts on lines; on arcs too with P-CHAN-00350.
@@ -15,7 +16,8 @@ use crate::math::float::{min, to_f32};
 use crate::nc::{Limit, VectorLimit};
 use crate::slope::limits::{Limits, SlopeLaw};
 
-/// The error of a command: an acceleration below 1 mm/s², the least one of machine data, or a speed of 0.
+/// The error of a `#VECTOR LIMIT` command: an acceleration is below 1 mm/s², the least one of machine data,
+/// or a speed is 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TooLow;
 
@@ -73,7 +75,7 @@ impl PathLimits {
         }
     }
 
-    /// Whether a command changes any limit, or is refused.
+    /// Whether a command changes any limit, or would be refused.
     pub fn differ(&self, command: &VectorLimit) -> bool {
         let mut other = *self;
         other.set(command).is_err() || other.feed != self.feed || other.rapid != self.rapid
@@ -129,8 +131,8 @@ impl PathLimits {
         self.of(rapid).a_down
     }
 
-    /// Lowers accelerations of a block to ACC and DEC, and the jerks of their ramps in the same ratio. `arc`:
-    /// whether the block is an arc, for which P-CHAN-00350 may switch ACC off.
+    /// Lowers the accelerations of a block to ACC and DEC, and the jerks of their ramps in the same ratio.
+    /// `arc`: whether the block is an arc; without P-CHAN-00350, ACC does not act on arcs.
     pub fn lower(&self, limits: &mut Limits, rapid: bool, arc: bool) {
         let path = self.of(rapid);
         let a_up = if !arc || self.arcs { path.a_up } else { f32::MAX };

@@ -30,7 +30,7 @@ struct AxisWeights {
     geometric_ramp: u32,
 }
 
-/// The weights of G130…G134, G231…G233, G338 and G339 for all axes: accelerations and ramp times in percent
+/// The weights of all axes (G130…G134, G231…G233, G338, G339): accelerations and ramp times, as a percentage
 /// of the machine data.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Weights<const AXES: usize> {
@@ -57,8 +57,8 @@ impl<const AXES: usize> Weights<AXES> {
         other != *self
     }
 
-    /// Applies a weight command: sets this kind of weight for all axes. An axis without a value in the
-    /// command gets 100 %.
+    /// Applies a weight command: sets one kind of weight for all axes. An axis without a value in the command
+    /// gets 100 %.
     pub fn set(&mut self, weight: &Weight<AXES>) {
         for (axis, percent) in self.axes.iter_mut().zip(&weight.percent) {
             let weight_of = match weight.kind {
@@ -74,7 +74,7 @@ impl<const AXES: usize> Weights<AXES> {
         }
     }
 
-    /// The machine data of one axis with its weights. `axis`: index of the axis.
+    /// The machine data of the axis with the index `axis`, multiplied by its weights.
     pub fn apply(&self, axis: usize, data: &AxisData, channel: &ChannelData) -> AxisData {
         let mut out = *data;
         let Some(weights) = self.axes.get(axis) else { return out };

@@ -1,5 +1,5 @@
-//! Appends a block to the ring: the speed of the transition before the block, the limits that this transition
-//! leaves on both sides, and whether acceleration may pass it.
+//! Appends a block to the ring. This file decides the speed of the transition before the block, the limits
+//! that this transition leaves on both sides, and whether acceleration may pass it.
 use super::block::{AnchorMarks, Block, Kind, Marks};
 use super::knees::{Between, Knee};
 use super::pace::Slowest;
@@ -21,10 +21,10 @@ pub(super) struct Last<const AXES: usize> {
     pub length: f32,
     pub share: Share,
     pub rapid: bool,
-    /// Whether the transition has reserved its part of the block's limits.
+    /// Whether the transition at the end of the block has already reserved its part of the block's limits.
     pub shared: bool,
     pub slope: SlopeType,
-    /// Whether the block's path is time, not length.
+    /// Whether the block is a part of a curve that is planned over time.
     pub timed: bool,
     /// Whether the block is a part of a curve over arc length.
     pub bent: bool,
@@ -59,8 +59,8 @@ impl<const AXES: usize> Last<AXES> {
         behind: End::BLANK,
     };
 
-    /// Whether the next block has clearly more or less acceleration: a span has the least of all its blocks. Curves at
-    /// corners have their own rules ([`Tail::takes_in`]).
+    /// Whether the next block permits clearly more or less acceleration than the last one: in one span, both
+    /// would have the lower acceleration. Curves at corners have their own rules ([`Tail::takes_in`]).
     #[cfg_attr(feature = "fast", inline(always))]
     fn differs(&self, piece: &Piece<'_, AXES>, limits: &Limits) -> bool {
         let corner = self.timed || self.bent || self.through || piece.timed || piece.bent || piece.through;
@@ -74,10 +74,11 @@ impl<const AXES: usize> Last<AXES> {
         differ(up, limits.a_up) || differ(down, limits.a_down)
     }
 
-    /// Whether the block may take less than two ticks between a knee and a standstill, although the motion is
-    /// slow at the knee. The changes of acceleration at its neighbours then add to the step of the knee. Let
-    /// the speed at the knee be at most a third of the length per tick. In two ticks, the motion then covers
-    /// at most a third of the length plus a quarter of the jerk. STEP has its own rules.
+    /// Whether the block may take less than two ticks between a knee (a corner without a curve) and a
+    /// standstill. This is possible although the motion is slow at the knee. The changes of acceleration at
+    /// its neighbours then add to the step of the knee. Let the speed at the knee be at most a third of the
+    /// length per tick. In two ticks, the motion then covers at most a third of the length plus a quarter of
+    /// the jerk. STEP has its own rules.
     #[cfg_attr(feature = "fast", inline(always))]
     fn is_hasty(&self, limits: &Limits) -> bool {
         self.slope != SlopeType::Step && self.length < 0.4 * limits.steepest()
@@ -87,18 +88,20 @@ impl<const AXES: usize> Last<AXES> {
 /// Longest span: 2^18 mm, LSB 2^-44 mm.
 const LONGEST_SPAN: i64 = 1 << 62;
 
-/// Acceleration per speed, 1/tick, above which an acceleration is steep: `TURN_PART / SMOOTH` of `dynamics`.
+/// Ratio of acceleration to speed, 1/tick, above which an acceleration is steep: `TURN_PART / SMOOTH` of
+/// `dynamics`.
 const STEEP: f32 = 1000.0;
 
 /// From this part of its feed on, the limits of a part of a curve trade speed for acceleration.
 const BOUGHT: f32 = 0.89;
 
-/// Below this part of its neighbour's acceleration, the acceleration of a block is clearly lower. In a curve of many
-/// elements, accelerations vary from element to element. 400 random programs with Surface, each with three tolerances and
-/// two feeds, take 0.6 % less time with a third, none 1 % more; with a half 1.1 % less, some 4 % more.
+/// Below this part of its neighbour's acceleration, the acceleration of a block is clearly lower. In a curve
+/// of many elements, accelerations vary from element to element. Measured with 400 random programs with
+/// Surface, each with three tolerances and two feeds: with a third, they take 0.6 % less time, and none takes
+/// 1 % more. With a half, they take 1.1 % less, but some take 4 % more.
 const WEAKER_IN_CURVE: f32 = 1.0 / 3.0;
-/// The same outside of such curves. 600 random rows of collinear lines with weights are within 1 % of TRAPEZ; with 0.7
-/// the worst takes 3 % longer, with 0.5 27 %.
+/// The same outside of such curves. Measured with 600 random rows of collinear lines with weights: with this
+/// value, all are within 1 % of TRAPEZ. With 0.7 the worst takes 3 % longer, with 0.5 27 %.
 const WEAKER: f32 = 0.85;
 
 /// A new block.
@@ -118,7 +121,8 @@ struct Next<'a, const AXES: usize> {
     after_brief: bool,
 }
 
-/// Mean acceleration over a length up to the speed `v`, mm/tick², with acceleration zero at both ends.
+/// Mean acceleration of a motion over a length (mm) up to the speed `v`, mm/tick², with zero acceleration at
+/// both ends.
 fn alone(limits: &Limits, length: f32, v: f32) -> f32 {
     let (a, j) = (limits.a_up, limits.jerk(0));
     // In units of the speed: j·t/4 if the acceleration stays below a, otherwise a − a²/(j·t).
@@ -168,8 +172,8 @@ impl<const AXES: usize> Next<'_, AXES> {
         self.piece.timed && last.timed && limits.v == before.v
     }
 
-    /// The part of the deceleration `a` that may pass the knee at the block's start. Both sides are planned
-    /// with their full acceleration, because the acceleration is zero at the knee.
+    /// The part of the deceleration `a` that may pass the knee (corner without a curve) at the block's start.
+    /// Both sides are planned with their full acceleration, because the acceleration is zero at the knee.
     fn passing_knee(&self, last: &Last<AXES>, highest: f32, a: f32, dynamics: &Dynamics<AXES>) -> Passing {
         let (rapid, shorter) = (self.rapid && last.rapid, min(last.length, self.length));
         dynamics.passing_knee(&last.exit, self.piece.entry, rapid, shorter, (highest, a))
@@ -204,8 +208,8 @@ impl<const AXES: usize> Next<'_, AXES> {
 }
 
 /// The part of the deceleration `a` that may pass a transition next to arcs. With equal limits on both sides,
-/// all of it passes, because one profile covers both sides. An acceleration at the start or end of a profile
-/// inside an arc has a higher limit.
+/// all of it passes, because one profile covers both sides. Otherwise the limit is [`Share::passing`],
+/// because another profile begins at the end of an arc.
 #[inline(always)]
 fn passing_arcs([before, behind]: [&Share; 2], is_alike: impl FnOnce() -> bool, a: f32) -> Passing {
     // Checked first, because most transitions are not next to an arc.
@@ -254,7 +258,7 @@ impl<const AXES: usize> Tail<AXES> {
 
 impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
     /// Appends a block. Call this function only if the ring is not full ([`Self::is_full`]). `long`: the
-    /// block replaces several blocks, and is longer than a stop from its speed.
+    /// block replaces several blocks, and is at least twice as long as a stop from its speed needs.
     #[cfg_attr(feature = "fast", inline(always))]
     pub(crate) fn push(
         &mut self,
@@ -335,15 +339,15 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         });
     }
 
-    /// Counts the transition to a new block. `tried`: a trial removes its anchor where one profile for both sides is
-    /// faster.
+    /// Counts the transition to a new block, and whether it is an anchor. `tried`: a trial may remove the
+    /// anchor, if one profile for both sides is faster.
     fn count(&mut self, anchor: bool, tried: bool) {
         self.counts.untried += usize::from(tried);
         self.counts.through += usize::from(!anchor);
     }
 
     /// Plans the transition from the last block of the ring. If the transition reserves its part of the
-    /// limits, both blocks have less.
+    /// limits, both blocks keep only the rest.
     #[cfg_attr(feature = "fast", inline(always))]
     fn join(&mut self, next: &Next<'_, AXES>, limits: &mut Limits, dynamics: &Dynamics<AXES>) -> Transition {
         let known = self.tail.known == Known::Block && !self.tail.stop;
@@ -374,8 +378,8 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             shares = shares.map(Share::resting);
         }
         if way == Way::Standing {
-            // If the knee is only rounding, no tick is needed. With STEP, acceleration is not zero near the
-            // transition, so STEP needs the tick.
+            // If the knee is only rounding of coordinates, the motion need not stop there. With STEP,
+            // acceleration is not zero near the transition, so the motion stops.
             let unseen = || min(dynamics.unseen(&last.exit, piece.entry, rapid), v.unwrap_or(f32::MAX));
             cap = if slope == SlopeType::Step { 0.0 } else { min(cap, unseen()) };
             highest = cap;

@@ -10,7 +10,8 @@ use crate::slope::limits::Limits;
 /// No speed yet.
 pub(super) const UNPLANNED: Speed = Speed::from_bits(-1);
 
-/// A block in the ring. The queue holds its curve: [`crate::queue::CurveRing`].
+/// A block in the ring of the look-ahead: its limits, and the speeds planned at its start. The curve of the
+/// block is in the queue: [`crate::queue::CurveRing`].
 #[derive(Clone, Copy, Debug)]
 pub struct Block {
     /// Path length, LSB 2^-44 mm.
@@ -25,8 +26,8 @@ pub struct Block {
     /// Planned speed at the block's start. For the first block, [`super::ring::Ring::start`] holds this
     /// speed.
     pub(super) v_in: Planned,
-    /// Speed at the block's start that the motion can reach from the first block. An anchor has no such
-    /// speed: see [`Self::ease`].
+    /// Speed at the block's start that the motion can reach from the first block of the ring. If the start is
+    /// no anchor, other data take this place: see [`Self::ease`].
     pub(super) v_reached: Planned,
     /// The speed of the last complete plan at the block's start. The motion can still keep this speed.
     pub(super) v_old: Planned,
@@ -41,9 +42,9 @@ pub struct Block {
 /// Blocks use most of the look-ahead's memory.
 const _: () = assert!(size_of::<Block>() == 64);
 
-/// The slope of the limits, and two more bits. First bit: the block was cut off from the block before, and
-/// both share one curve. Second bit: the limits trade speed for acceleration, so v + a²/2j is at most the
-/// speed of the limits.
+/// The slope of the limits, and two more bits. First bit (continued): the block and the block before are
+/// parts of one curve. Second bit (trades): the limits trade speed for acceleration, so v + a²/2j is at most
+/// the speed of the limits.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Kind(u8);
 
@@ -69,8 +70,8 @@ const _: () = assert!(LawKind::FREE & (Kind::CONTINUED | Kind::TRADES) == Kind::
 /// Properties of a block's start. *Open*: the planner may still try to remove the anchor there. *Lent*: the
 /// block is a piece of a slow block, but belongs to a faster span. The anchor next to a lent block keeps the
 /// speed inside the piece's limit ([`super::valley`]). Other bits: the block is rapid motion; the path turns
-/// at its start, so that a transition has a part of the limits. The last bits hold the part of a deceleration
-/// that may pass the start.
+/// at its start, so that the transition reserves a part of the limits. The last bits hold the part of a
+/// deceleration that may pass the start.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct AnchorMarks(u8);
 
@@ -159,14 +160,14 @@ impl AnchorMarks {
 pub(super) struct Marks(u8);
 
 impl Marks {
-    /// The speed at the block's start was planned for a lower end speed than the current one. It is kept.
+    /// The speed at the block's start was planned for a lower end speed than the current one, and is kept.
     pub(super) const KEPT: u8 = 1;
     /// Acceleration is zero at the block's start.
     pub(super) const ANCHOR: u8 = 2;
     /// The block's start became an anchor after the last complete plan.
     pub(super) const FRESH: u8 = 4;
-    /// The profile of the block's span was planned without a rise above the speeds at its ends. After
-    /// release, the span may be as fast as all of its blocks permit.
+    /// The profile of the block's span was planned so that it nowhere rises above the speeds at its ends.
+    /// After release, the span may be as fast as all of its blocks permit.
     pub(super) const FLAT: u8 = 8;
     /// The span that begins with this block keeps the limits of all its blocks.
     pub(super) const CHECKED: u8 = 16;
@@ -268,7 +269,7 @@ impl Block {
         self.marks.has(mark)
     }
 
-    /// Whether blocks with other speeds may be in one span with this block: `Joins::Any`.
+    /// Whether blocks with other speeds may share a span with this block: `Joins::Any`.
     pub fn varies(&self) -> bool {
         self.kind.law().varies()
     }

@@ -1,4 +1,4 @@
-//! Memory of the blocks, in the order in which blocks leave.
+//! Memory of the blocks: a ring from which blocks leave in the order in which they entered.
 use super::block::Block;
 
 /// A ring of blocks, counted from its front. All bits are zero when new, so the ring takes no flash.
@@ -48,7 +48,7 @@ impl<const BLOCKS: usize> Blocks<BLOCKS> {
         if at < self.len { self.places.get(self.place(at)) } else { None }
     }
 
-    /// See [`Self::get`].
+    /// As [`Self::get`], to change the block.
     #[inline]
     pub fn get_mut(&mut self, at: usize) -> Option<&mut Block> {
         let place = self.place(at);
@@ -61,7 +61,7 @@ impl<const BLOCKS: usize> Blocks<BLOCKS> {
         self.get(0)
     }
 
-    /// See [`Self::front`].
+    /// As [`Self::front`], to change the block.
     #[inline]
     pub fn front_mut(&mut self) -> Option<&mut Block> {
         self.get_mut(0)
@@ -116,14 +116,14 @@ impl<const BLOCKS: usize> Blocks<BLOCKS> {
         self.places.get(self.place(last))
     }
 
-    /// All blocks in order, in two parts.
+    /// All blocks in order, in two slices: the ring may continue at the start of its array.
     pub fn as_slices(&self) -> (&[Block], &[Block]) {
         let [front, back] = self.parts();
         let part = |places: core::ops::Range<usize>| self.places.get(places).unwrap_or_default();
         (part(front), part(back))
     }
 
-    /// See [`Self::as_slices`].
+    /// As [`Self::as_slices`], to change the blocks.
     pub fn as_mut_slices(&mut self) -> (&mut [Block], &mut [Block]) {
         let [front, back] = self.parts();
         let (before, behind) = self.places.split_at_mut_checked(front.start).unwrap_or_default();
@@ -138,7 +138,7 @@ impl<const BLOCKS: usize> Blocks<BLOCKS> {
         [self.front..self.front + first, 0..self.len - first]
     }
 
-    /// The blocks in their order.
+    /// All blocks in order, to change them.
     pub fn iter_mut(&mut self) -> impl DoubleEndedIterator<Item = &mut Block> {
         let (front, back) = self.as_mut_slices();
         front.iter_mut().chain(back)

@@ -1,6 +1,6 @@
-//! Limits how many blocks the motion passes in a tick. A tick passes at most [`MAX_CURVES_PER_TICK`] blocks,
-//! which is 32, so 31 consecutive blocks must take at least a tick. In a small build the number is 16, so 15
-//! blocks must take at least a tick.
+//! Limits how many blocks the motion passes in a tick. The interrupt can pass at most [`MAX_CURVES_PER_TICK`]
+//! curves per tick, which is 32. So 31 consecutive blocks must take at least a tick. In a small build the
+//! number is 16, so 15 blocks must take at least a tick.
 //!
 //! The rule holds if each block takes a 31st of a tick. But then a single block far shorter than its
 //! neighbours would make the whole motion very slow. So up to [`MOST_BRIEF`] of 31 consecutive blocks may be
@@ -26,7 +26,7 @@ const FAR_SHORTER: f32 = 0.125;
 /// Bits of the blocks before the current one.
 const BEFORE: u32 = (1 << (ROW - 1)) - 1;
 
-/// The last consecutive blocks.
+/// Which of the last consecutive blocks take less time than their share of a tick.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Row {
     /// Bit k is for the block k places back. `brief`: the block is brief. `quick`: the block takes less than
@@ -38,16 +38,18 @@ pub(super) struct Row {
 }
 
 impl Row {
-    /// No brief blocks.
+    /// The state before the first block.
     pub const NONE: Self = Self { brief: 0, quick: 0, length: f32::MAX };
 
-    /// Whether the last block is brief.
+    /// Whether the last block is brief: far shorter than the blocks before, and passed in less than its share
+    /// of a tick.
     pub const fn is_brief(&self) -> bool {
         self.brief & 1 != 0
     }
 
-    /// Adds a block of this length with the speed `v`, planned for an override, and lowers `v` to the
-    /// permitted speed. `timed`: the speed is fixed, because the block is a part of a curve of several ticks.
+    /// Adds a block of this length (mm) with the speed `v`, planned for the override `level`. Lowers `v` if
+    /// the motion would otherwise pass too many blocks per tick. `timed`: the speed stays, because the block
+    /// is a part of a curve of several ticks.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn take(
         &mut self,

@@ -2,10 +2,10 @@
 //!
 //! A slow block makes its end an anchor if the speed rises after it, and its start an anchor if the speed
 //! falls before it. A transition between blocks of clearly different acceleration is an anchor too
-//! ([`super::append`]). Acceleration falls to zero at the anchor and rises again afterwards. One profile for the
-//! spans on both sides may be faster. This profile has one of two forms. It uses less acceleration or
-//! deceleration, so that it passes the slow block at just that block's speed. Or its highest speed is that of
-//! the slow block.
+//! ([`super::append`]). Acceleration falls to zero at the anchor and rises again afterwards. One profile for
+//! the spans on both sides may be faster. Such a profile has one of two forms. Either it uses less
+//! acceleration or deceleration, so that it passes the slow block at just that block's speed. Or its highest
+//! speed is that of the slow block.
 //!
 //! Each anchor is tried once, as soon as the speeds up to the next anchor are final. The first profile uses
 //! all acceleration that the blocks permit, and is compared with every block. If it is too fast while the
@@ -34,13 +34,13 @@ impl Limits {
     }
 }
 
-/// The margin that a span keeps below its limits. The second block of the span stores it, in the memory that
-/// an anchor uses for its speed.
+/// The margin that the profile of a span keeps below the span's limits. The second block of the span stores
+/// this margin, in the memory that an anchor uses for its speed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Ease {
-    /// Margins of acceleration and of deceleration, LSB 2^-8.
+    /// How much less acceleration and deceleration the profile uses, as a part of the limits, LSB 2^-8.
     less: [u8; 2],
-    /// Highest speed.
+    /// Highest speed of the profile, mm/tick.
     v: f32,
 }
 
@@ -48,24 +48,24 @@ impl Ease {
     /// No margin: the span uses all of its limits.
     pub const NONE: Self = Self { less: [0; 2], v: f32::MAX };
 
-    /// The ease from its two stored numbers.
+    /// The margin from the two numbers that [`Self::kept`] returned.
     pub fn of([v, less]: [u32; 2]) -> Self {
         let [up, down, ..] = less.to_le_bytes();
         Self { less: [up, down], v: f32::from_bits(v) }
     }
 
-    /// The two numbers to store; the second one is never zero.
+    /// The margin as two numbers for the memory of a block; the second one is never zero.
     pub fn kept(self) -> [u32; 2] {
         let [up, down] = self.less;
         [self.v.to_bits(), u32::from_le_bytes([up, down, 0, 1])]
     }
 
-    /// The same margins with the highest speed multiplied by `part`.
+    /// The same margin, with the highest speed multiplied by `part`.
     pub fn scaled(self, part: f32) -> Self {
         Self { v: if self.v < f32::MAX { self.v * part } else { self.v }, ..self }
     }
 
-    /// The usable parts of acceleration and deceleration, and the highest speed.
+    /// The parts of acceleration and deceleration that the profile may use (0 to 1), and its highest speed.
     pub fn parts(self) -> ([f32; 2], f32) {
         (self.less.map(|less| 1.0 - f32::from(less) * (1.0 / 256.0)), self.v)
     }
@@ -73,11 +73,10 @@ impl Ease {
 
 /// Largest margin: a sixteenth of the acceleration is left.
 const MOST: u8 = 240;
-/// Blocks per step: number of blocks that are only counted, and number of blocks that are compared with a
-/// profile.
+/// Number of blocks per step: blocks that are only counted, and blocks that are compared with a profile.
 const WALK: usize = 32;
 const STEPS: usize = 8;
-/// Work of a step that searches an anchor, and work of any other step; the unit is about 32 instructions.
+/// Work of a step that searches for an anchor, and work of any other step; the unit is about 32 instructions.
 const SEEK: usize = 20;
 pub(super) const TRIAL: usize = 120;
 /// Number of stored profiles, a power of 2; and the mark for none.
@@ -89,12 +88,13 @@ const LAWS: usize = 4;
 pub(super) const ROUNDS: u8 = 4;
 /// Longest joined span: the depth of the ring divided by this number.
 const PART: usize = 2;
-/// Above this ratio of speeds at the end of a span, another forward pass is worth its work.
+/// If the speed planned at the end of a span exceeds the speed reached before by more than this ratio,
+/// another forward pass is worth its work.
 const HARDLY: f32 = 1.004;
 /// Ratio of times above which there is no gain.
 pub(super) const GAIN: f32 = 1.0 - 1.0 / 65_536.0;
 
-/// A limit that a profile exceeds while the speed changes.
+/// A limit that a profile exceeds while its speed changes.
 #[derive(Clone, Copy, Debug)]
 struct Excess {
     /// Distance between the limit and the end of the span at which this change of speed begins or ends.
@@ -127,7 +127,7 @@ pub(super) enum Step {
     Faster,
 }
 
-/// Tries to remove one anchor after the other, from the front to the last anchor with a final speed.
+/// Tries to remove the anchors one after the other, from the front to the last anchor with a final speed.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Trial {
     pub step: Step,
@@ -202,7 +202,7 @@ impl Trial {
         first: true,
     };
 
-    /// A pass up to the anchor `last`.
+    /// A pass that tries all anchors up to the block `last`.
     pub fn new(last: usize) -> Self {
         Self { last, ..Self::NONE }
     }
@@ -216,7 +216,7 @@ impl Trial {
         span.joins(v_in, v_end).then(|| Law::new(&span, v_in, v_end, true))
     }
 
-    /// Drops the stored profiles, because the plan has changed.
+    /// Drops the stored profiles. Call this function when the plan has changed.
     pub fn forget(&mut self) {
         self.known = [UNKNOWN; KNOWN];
     }
@@ -402,7 +402,8 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         let (before, time) = self.law_of(pass, pass.from, first, [speeds[0], speeds[1]]);
         let (behind, time_behind) = self.law_of(pass, pass.at, second, [speeds[1], speeds[2]]);
         let v = speed_f32(speeds[1].to_bits()) * RISE;
-        // Unless the anchor could be faster than planned: then it may become the part before a valley.
+        // If the profiles on both sides are faster than the anchor, the anchor stays. Exception: the anchor
+        // could be faster than planned, and may become the place before a valley.
         let slow = self.blocks.get(pass.at).is_some_and(|at| at.may_have_valleys() && at.cap() > v);
         if before > v && behind > v && !slow {
             return self.keep_anchor(pass);

@@ -4,18 +4,18 @@ use super::law::length_mm;
 use super::ring::Ring;
 use crate::math::float::min;
 
-/// Number of braking distances that must be known at the end. The transition after the last block may reserve
-/// a part of its limits.
+/// Number of braking distances that must be known at the end of the ring. One would suffice, but the
+/// transition after the last block may reserve a part of its limits.
 pub const WAYS: f32 = 2.0;
 
 /// Spans per call. A span costs about as much as a block of the plan.
 const SPANS: usize = 48;
 
 impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
-    /// Whether the plan makes the blocks to be released as fast as a longer path would.
+    /// Whether the blocks to be released are already as fast as they would be in a longer path.
     ///
-    /// The function follows two speeds from the end to the front: one for a stop at the end, and one for a
-    /// path that continues. Before the place where both speeds meet, the end has no effect.
+    /// The function computes two speeds from the end of the ring to the front. One is for a stop at the end,
+    /// the other for a path that continues. Before the place where both speeds meet, the end has no effect.
     pub fn is_long_enough(&self) -> bool {
         let (batch, mut end) = (self.batch(), self.blocks.len());
         let (mut speeds, mut part) = ([0.0, f32::MAX], 1.0 / WAYS);

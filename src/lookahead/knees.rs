@@ -1,4 +1,4 @@
-//! Knees (corners without a curve) of one axis that may fall into one tick.
+//! Limits the speed where the motion passes several knees (corners without a curve) of one axis in one tick.
 //!
 //! A knee is a step of speed. A second difference of set points shows this step with a weight that falls from
 //! 1 to 0 within a tick on either side. So steps that are a tick apart or more never show more than the
@@ -66,17 +66,17 @@ pub(super) struct Knee<'a, const AXES: usize> {
 }
 
 impl<const AXES: usize> Steps<AXES> {
-    /// No steps.
+    /// No steps of speed yet.
     pub const NONE: Self = Self { up: [0.0; AXES], down: [0.0; AXES], any: false };
 
-    /// Clears the sums: the next knee does not share a tick with any knee before.
+    /// Clears the sums. Call this function if the next knee does not share a tick with any knee before.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn clear(&mut self) {
         self.any = false;
     }
 
-    /// Speed at which the motion may pass a knee together with the knees before it. `v` (mm/tick): permitted
-    /// speed of the knee alone, at any override.
+    /// Speed (mm/tick) at which the motion may pass a knee together with the knees before it in the same
+    /// tick. `v`: the speed that the knee alone permits, at any override.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn beside(
         &mut self,

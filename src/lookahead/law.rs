@@ -13,9 +13,10 @@ use crate::slope::ramp::Ramp;
 pub(super) struct Span {
     /// Path length, LSB 2^-44 mm.
     pub length: i64,
-    /// Limits that all blocks permit, with the highest of the block speeds.
+    /// Limits that all blocks of the span permit; the speed is that of the fastest block.
     pub limits: Limits,
-    /// Whether the speed at the span's start may have been planned for another end speed.
+    /// Whether the speed at the span's start may have been planned for another end speed than the current
+    /// one.
     pub kept: bool,
 }
 
@@ -28,7 +29,7 @@ pub(super) struct Law {
     v_out: f32,
     peak: f32,
     length: f32,
-    /// Whether the braking is final.
+    /// Whether the end speed is final, so that the braking at the end of the profile will not change.
     firm: bool,
     /// The limit of the last query, and the distances at which the profile reaches and leaves this limit.
     asked: [f32; 3],
@@ -48,8 +49,8 @@ impl Span {
     pub const NONE: Self = Self { length: 0, limits: Limits::WIDEST, kept: false };
 
     #[cfg_attr(feature = "fast", inline(always))]
-    /// Adds a block. `share` is given for the last block of the ring, if more blocks may follow. It holds the
-    /// limits that the transition at the end of this block leaves to the speed profile.
+    /// Adds a block at the end of the span. `share` is for the last block of the ring, if more blocks may
+    /// follow: the limits that the transition at its end leaves to the speed profile.
     pub fn add(&mut self, block: &Block, share: Option<&Share>) {
         match share {
             None if self.length == 0 => self.limits = block.limits(),
@@ -71,7 +72,7 @@ impl Span {
         }
     }
 
-    /// Adds a part of a neighbouring block.
+    /// Adds a part of a neighbouring block, with these limits and this length (LSB 2^-44 mm).
     pub fn add_piece(&mut self, limits: &Limits, length: i64) {
         let v = self.limits.v;
         self.limits.join(limits);
@@ -80,13 +81,13 @@ impl Span {
         self.length += length;
     }
 
-    /// Removes a piece from an end of the span.
+    /// Removes a piece of this length (LSB 2^-44 mm) from an end of the span.
     pub fn shorten(&mut self, length: i64) {
         self.kept = true;
         self.length -= length;
     }
 
-    /// Adds the next span.
+    /// Adds the span after this one: both become one span.
     pub fn append(&mut self, other: &Self) {
         self.limits.join(&other.limits);
         self.kept = true;
@@ -101,15 +102,16 @@ impl Span {
         faster(ramp, self.millimetres(), low, cap)
     }
 
-    /// Highest speed at the span's start, at most `cap`, from which the span can brake to `v_out`. The margin
-    /// of the span may lower its highest speed below `cap`.
+    /// Highest speed at the span's start, at most `cap`, from which the span can brake to `v_out`. The result
+    /// is also at most the speed limit of the span.
     pub fn enter(&self, v_out: Speed, cap: f32) -> Speed {
         let mut room = None;
         let limits = self.limits.near(v_out, &mut room);
         self.faster(&limits.brake(), v_out, min(cap, limits.v))
     }
 
-    /// Highest speed at the span's end, at most `next`. Returns `None` if the span is too short to stop.
+    /// Highest speed at the span's end, at most `next`, if the span starts at `v_in`. Returns `None` if the
+    /// span is too short even for a stop.
     pub fn leave(&self, v_in: Speed, next: Speed) -> Option<Speed> {
         leave(&self.limits, self.length, self.kept, v_in, next)
     }
@@ -126,7 +128,7 @@ impl Span {
 }
 
 impl Law {
-    /// An empty span.
+    /// The profile of an empty span.
     pub const NONE: Self = Self {
         up: Ramp::NONE,
         down: Ramp::NONE,
@@ -149,7 +151,7 @@ impl Law {
         Self { up, down, v_in, v_out, peak, length: span.millimetres(), firm, asked: [f32::MAX; 3] }
     }
 
-    /// Whether the braking is final.
+    /// Whether the end speed is final, so that the braking at the end of the profile will not change.
     pub fn is_firm(&self) -> bool {
         self.firm
     }
@@ -171,12 +173,12 @@ impl Law {
         self.up.time(gained) + self.down.time(lost) + max(self.length - way, 0.0) / self.peak
     }
 
-    /// Distance at which the gain of speed ends, mm.
+    /// Distance from the span's start at which the profile reaches its peak, mm.
     pub fn reaches_at(&self) -> f32 {
         self.up.distance(self.v_in, self.peak - self.v_in)[0]
     }
 
-    /// Distance at which the braking begins, mm.
+    /// Distance from the span's start at which the braking begins, mm.
     pub fn brakes_at(&self) -> f32 {
         self.length - self.down.distance(self.v_out, self.peak - self.v_out)[0]
     }
@@ -186,7 +188,8 @@ impl Law {
         self.peak > self.v_out * RISE
     }
 
-    /// Whether the speed stays at or below `v` between the distances `from` and `to` from the span's start.
+    /// Whether the speed surely stays at or below `v` between the distances `from` and `to` (mm) from the
+    /// span's start. The braking counts only if it is final.
     #[inline]
     pub fn keeps(&mut self, v: f32, from: f32, to: f32) -> bool {
         if v >= self.peak {
@@ -197,8 +200,9 @@ impl Law {
         to + near <= reached || (self.firm && from - near >= left)
     }
 
-    /// Distance between `at` and the place where the profile reaches the speed `v` after `at`, or leaves this
-    /// speed before `at`. The result is negative if the profile is faster at `at`.
+    /// How far the place `at` (mm from the span's start) is outside the part in which the profile is faster
+    /// than `v`. The result is in mm, and negative if the profile is too fast at `at`. The braking counts
+    /// only if it is final.
     pub fn margin(&mut self, v: f32, at: f32) -> f32 {
         if v >= self.peak {
             return f32::MAX;
@@ -209,7 +213,8 @@ impl Law {
         if self.firm { max(before, (at - near) - left) } else { before }
     }
 
-    /// Distances at which the profile reaches and leaves a speed below its peak.
+    /// Distances from the span's start (mm) at which the profile first reaches the speed `v` and last leaves
+    /// it; `v` is below the peak.
     pub fn passes(&mut self, v: f32) -> [f32; 2] {
         if self.asked[0] != v {
             let reached = self.up.passes(self.v_in, self.peak - self.v_in, v - self.v_in);
@@ -278,8 +283,8 @@ fn loses(brake: &Ramp, length: f32, v_in: Speed, v_out: Speed) -> bool {
     v_out.to_bits().saturating_add(gain).saturating_add(gain >> 21) >= v_in.to_bits()
 }
 
-/// Highest speed, at most `cap`, from which a ramp leads to `low` within `length` (mm), or from which a ramp
-/// leads up from `low`.
+/// Highest speed, at most `cap`, that differs from `low` by a change with `ramp` within `length` (mm). The
+/// change may be a braking to `low` or a gain of speed from `low`.
 ///
 /// The change of speed is rounded, not the speed. At high speed over short blocks, the change is far below
 /// the LSB of the speed in `f32`.

@@ -2,22 +2,23 @@
 //!
 //! Two rules give the speeds. Both rules use profiles with zero acceleration at the ends of a block:
 //!
-//! - Backward, from a stop at the end of the ring: the start speed of a block is at most the speed from which the block
-//!   can brake to its end speed within its length. So the plan always stops inside the ring.
-//! - Forward, when the ring releases a block: the end speed is at most the speed that the block can reach from its
-//!   start speed.
+//! - Backward, from a stop at the end of the ring: from its start speed, a block can brake to its end speed
+//!   within its length. So the plan always stops inside the ring.
+//! - Forward, when the ring releases a block: from its start speed, the block can reach its end speed within
+//!   its length.
 //!
 //! A higher end speed may lower the start speed that the first rule permits. The earlier planned start speed then
 //! stays, and the end speed is lowered when the ring releases the block.
 //!
-//! With HSC, acceleration may pass a transition. With TRAPEZ and SIN2, acceleration may pass in two cases. In
-//! the first case, the transition is tangential and both blocks have the same limits, as in a circle of
-//! several arcs. In the second case, both blocks are elements of one curve. The blocks on both sides then
-//! belong to one *span*: one speed profile covers them. Transitions between spans are *anchors*: acceleration
-//! is zero there. `span` decides which transitions are anchors, and `ease` removes some of them.
+//! With HSC, acceleration may pass a transition between two blocks, and need not be zero there. With TRAPEZ
+//! and SIN2, acceleration may pass in two cases. In the first case, the transition is tangential and both
+//! blocks have the same limits, as in a circle of several arcs. In the second case, both blocks are elements
+//! of one curve. The blocks on both sides then belong to one *span*: one speed profile covers them.
+//! Transitions between spans are *anchors*: acceleration is zero there. `span` decides which transitions are
+//! anchors, and `ease` removes some of them.
 //!
-//! The backward pass runs when the ring is full, a few blocks per call. The pass ends early at the first transition
-//! whose speed did not change. Then the ring releases a quarter of its blocks.
+//! The backward pass runs when the ring is full, a few blocks per call. The pass ends early at the first
+//! transition whose speed stays that of the plan before. Then the ring releases a quarter of its blocks.
 //!
 //! | file | what it decides |
 //! |---|---|
@@ -90,7 +91,7 @@ pub struct Lookahead<'a, const AXES: usize, const BLOCKS: usize> {
 }
 
 impl<'a, const AXES: usize, const BLOCKS: usize> Lookahead<'a, AXES, BLOCKS> {
-    /// An empty ring in `memory` that uses `depth` of its blocks.
+    /// An empty look-ahead in `memory`. `depth`: number of blocks that it may hold, at most `BLOCKS`.
     pub fn new(memory: &'a mut LookaheadMemory<BLOCKS>, depth: usize) -> Self {
         Self { ring: Ring::new(&mut memory.blocks, depth), plan: memory.plan.write(Plan::NONE) }
     }
@@ -101,12 +102,13 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Lookahead<'a, AXES, BLOCKS> {
         *self.plan = Plan::NONE;
     }
 
-    /// Plans the speeds for another override (`level`). Call this function only before a pass begins.
+    /// Plans the speeds for another override; `level` 1 is 100 %. Call this function only before a pass
+    /// begins.
     ///
     /// The first block starts at `v_in`. Its start is planned for a speed up to `most`, so that the speed can
-    /// rise again after a low override. Returns `false`, and changes nothing, if `v_in` is too fast for a
-    /// lower override. The motion can still follow the old plan. [`Self::complete_level`] completes a change
-    /// to a lower override.
+    /// rise again after a low override. If the override is lower than before and `v_in` is too fast for it,
+    /// the function returns `false` and changes nothing. The motion can still follow the old plan.
+    /// [`Self::complete_level`] completes a change to a lower override.
     pub fn set_level(&mut self, level: f32, [v_in, most]: [Speed; 2]) -> bool {
         if level >= self.ring.level() {
             self.ring.raise(level);
@@ -121,8 +123,8 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Lookahead<'a, AXES, BLOCKS> {
         true
     }
 
-    /// Lowers the planned speeds to the new override. Call this function before any other function of the
-    /// ring.
+    /// Lowers the planned speeds to the new override, after [`Self::set_level`]. Call this function before
+    /// any other function of the ring.
     pub fn complete_level(&mut self) {
         self.ring.lower_planned();
     }
@@ -132,14 +134,14 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Lookahead<'a, AXES, BLOCKS> {
         self.ring.lowering.is_some()
     }
 
-    /// Begins a plan of the whole ring. `open`: blocks may follow the last one, and their transition may
-    /// reserve a part of its limits. This part must not lower the current plan.
+    /// Begins a plan of the whole ring. `open`: more blocks may follow. The transition after the last block
+    /// may then reserve a part of that block's limits, and the plan leaves this part free.
     pub fn begin_pass(&mut self, open: bool) {
         self.ring.begin_pass(open);
         self.plan.begin(&mut self.ring);
     }
 
-    /// Continues the plan. When the plan is complete, returns how many blocks may be released.
+    /// Does the next step of the plan. When the plan is complete, returns how many blocks may be released.
     pub fn step_pass(&mut self) -> Option<usize> {
         self.plan.step(&mut self.ring).then(|| self.ring.ready())
     }

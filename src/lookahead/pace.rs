@@ -11,12 +11,12 @@
 //! every axis keeps its P-AXIS-00214. In rapid motion, v_prog is v_max.
 //!
 //! The ring is planned for a *level*, the planned override. When a plan begins, the level follows the
-//! override. The level is at least 100 %. In mode 1, where the override acts on the programmed feed only, the
-//! level is the current override, at least 25 %. The profile of a span applies an override below the level,
-//! so a falling override acts at once, and every planned speed stays possible. The level falls when the
-//! motion enters the ring at a speed that is low enough ([`super::Lookahead::set_level`]). Arcs and curves
-//! know their limits for the level at which they entered the ring, at least 100 %. Only new blocks exceed
-//! that speed.
+//! override. In mode 0, the level is at least 100 %. In mode 1, and in mode 2 while the speed is reduced, the
+//! override acts on the programmed feed only. Then the level is at least 25 %. If the override falls below
+//! the level, the profile of a span applies it. So a falling override acts at once, and every planned speed
+//! stays possible. The level falls when the motion enters the ring at a speed that is low enough
+//! ([`super::Lookahead::set_level`]). The limits of an arc or a curve hold up to the level at which the
+//! element entered the ring, at least 100 %. After the level has risen, only new blocks are faster.
 //!
 //! A span of HSC has blocks of several speeds, and a profile that keeps each limit in its place. With an
 //! override below the level, the span uses this profile at a part of its speed, s(t · part). All
@@ -29,11 +29,12 @@
 //! Reduced speed limits the whole ring: no span is faster than the reduced speed of the slowest known block.
 //! So there is always time to brake to the speed of the next block.
 //!
-//! A *cap* is a speed limit for all spans, for any command. From a higher speed, no stop has room in the
-//! memory of [`crate::queue::Keeper`]. A cap acts like a lower feed, and also limits rapid motion.
+//! A *cap* is a speed limit for all spans, for any command. The planner sets a cap if a stop from a higher
+//! speed has no room in the memory of [`crate::queue::Keeper`]. A cap acts like a lower feed, and also limits
+//! rapid motion.
 //!
 //! An override alone makes no span longer than 2^26 ticks: a lower override has no further effect. Reduced
-//! speed is a limit, without such a bound.
+//! speed has no such bound.
 use super::ReleasedSpan;
 use crate::control::{Commands, FULL_OVERRIDE};
 use crate::dynamics::OverrideRange;
@@ -56,7 +57,8 @@ pub(super) struct Slowest {
 impl Slowest {
     pub const NONE: Self = Self { least: f32::MAX, blocks: 0, now: f32::MAX, before: f32::MAX };
 
-    /// Adds a block with the speed `v`, planned for the override `level`.
+    /// Adds a block. `v` is its speed, planned for the override `level`; `depth` is the size of the ring in
+    /// blocks.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn take(&mut self, override_range: OverrideRange, v: f32, level: f32, depth: usize) {
         if override_range.is_reduced() || self.least < f32::MAX {
@@ -92,7 +94,8 @@ const LEAST_LEVEL: f32 = 0.25;
 /// Ratio of path distance (LSB 2^-44 mm) to speed (mm/tick) of a block that takes 2^26 ticks.
 pub(crate) const SLOWEST: f32 = (1u64 << 44) as f32 * (1u64 << 26) as f32;
 
-/// The current override and reduced speed, and the highest speed from which a stop is possible.
+/// The operator's current influence on the speed: override, reduced speed, and a cap that the planner sets if
+/// stops have no room.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pace {
     /// Override, 0…2.
@@ -108,14 +111,15 @@ pub struct Pace {
 }
 
 impl Pace {
-    /// The pace for 100 % override, with a mode of P-CHAN-00066.
+    /// The state with an override of 100 %. `mode`: the value of P-CHAN-00066.
     pub const fn new(mode: u8) -> Self {
         let cap = f32::MAX;
         Self { over: 1.0, mode, reduced: false, free: true, cap, key: Self::word(1.0, false, cap) }
     }
 
-    /// The pace as one word, without P-CHAN-00066, which is constant for the channel. With a cap, two
-    /// different paces may rarely give the same word. Then a profile stays unchanged, inside all limits.
+    /// The state in one word, for a comparison; P-CHAN-00066 is left out, because it never changes. With a
+    /// cap, two different states may rarely give the same word. Then a profile stays unchanged, inside all
+    /// limits.
     pub const fn key(&self) -> u32 {
         self.key
     }
@@ -146,7 +150,8 @@ impl Pace {
         self.cap < span.limits.v
     }
 
-    /// Applies the operator's commands; an override of 0 changes nothing.
+    /// Takes over the operator's override and reduced speed. An override of 0 is a feed hold, and leaves the
+    /// override unchanged here.
     pub fn follow(&mut self, commands: &Commands) {
         if commands.feed > 0 {
             self.over = f32::from(commands.feed) / f32::from(FULL_OVERRIDE);
@@ -155,7 +160,7 @@ impl Pace {
         self.renew();
     }
 
-    /// The planned override for the current commands.
+    /// The override for which the look-ahead is to be planned now; 1 is 100 %.
     pub fn level(&self) -> f32 {
         if self.is_of_program() { max(LEAST_LEVEL, self.over) } else { max(1.0, self.over) }
     }
@@ -166,7 +171,7 @@ impl Pace {
         self.over == level && self.free && (level >= 1.0 || self.mode == 1)
     }
 
-    /// Whether the span runs at its planned speed.
+    /// Whether the span runs at its planned speed: neither override nor reduced speed nor cap changes it.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn is_planned(&self, span: &ReleasedSpan) -> bool {
         self.is_full(span.level) && (span.level >= 1.0 || self.slowest(span) <= span.limits.v)
@@ -183,7 +188,7 @@ impl Pace {
             && (span.level >= 1.0 || self.slowest(span) <= span.limits.v)
     }
 
-    /// Current highest speed of a span.
+    /// Highest speed of a span with the current override, reduced speed and cap, mm/tick.
     pub fn limit(&self, span: &ReleasedSpan) -> f32 {
         let v = if self.is_planned(span) { span.limits.v } else { self.slowed(span) };
         min(v, span.slow.ceiling)
@@ -207,9 +212,9 @@ impl Pace {
         self.reduce(span, max(v * part, slowest), slowest)
     }
 
-    /// The current factor for the speed of a span with several feeds, entered at the speed `v_in`. Returns
-    /// `None` if the slowest feed limits the span instead: from another start speed, the profile would not
-    /// keep all feeds.
+    /// For a span with several feeds: the factor by which its planned profile is slowed down, if the motion
+    /// enters the span at `v_in`. Returns `None` if the slowest feed has to limit the span instead: from
+    /// another start speed, the slowed profile would not keep all feeds.
     pub fn stretch(&self, span: &ReleasedSpan, v_in: Speed) -> Option<f32> {
         if !span.is_uneven() || span.slow.ceiling < f32::MAX || self.reduced || self.is_capped(span) {
             return None;
@@ -227,8 +232,8 @@ impl Pace {
         (as_planned && fast && begins <= most * SAME).then(|| min(begins, 1.0))
     }
 
-    /// The current factor for the speed of the rest of a span. Returns `None` if the slowest block limits the
-    /// rest.
+    /// For the rest of a span: the factor by which its planned profile is slowed down. Returns `None` if the
+    /// slowest block has to limit the rest instead.
     pub fn steady(&self, span: &ReleasedSpan) -> Option<f32> {
         if self.is_planned(span) {
             return Some(1.0);
@@ -236,14 +241,15 @@ impl Pace {
         (!self.reduced && !self.is_capped(span)).then(|| self.part(span.level))
     }
 
-    /// The current factor for the end speed of HSC spans. The factor is the same for all spans, so that the
-    /// next span starts as planned. It is slightly lower, to leave room for rounding.
+    /// The factor by which the override slows spans that were planned for `level`, 0 to 1. All spans of HSC
+    /// end at this part of their planned end speed, so that the next span starts as planned. The factor is
+    /// slightly lower than the ratio of the overrides, to leave room for rounding.
     pub fn part(&self, level: f32) -> f32 {
         let level = if self.is_of_program() { level } else { max(1.0, level) };
         if self.over >= level { 1.0 } else { self.over / level * LESS }
     }
 
-    /// Current highest speed of the block after a span.
+    /// Highest speed of the block after a span with the current override, reduced speed and cap, mm/tick.
     pub fn next(&self, span: &ReleasedSpan) -> f32 {
         self.reduce(span, span.next.v * self.factor(span.next.override_range, span.level), 0.0)
     }

@@ -1,6 +1,6 @@
 //! The plan in progress: the current pass, the data of each pass, and the work of one call.
 //!
-//! All passes share one place in memory. No data are copied with a call or when the next pass begins.
+//! All passes share one place in memory. So no data are copied between calls or between passes.
 use super::block::{Block, Marks};
 use super::ease::{Step, Trial};
 use super::law::{faster, length_mm};
@@ -61,7 +61,7 @@ pub(super) fn spend(work: &mut usize, part: usize) {
 }
 
 impl Plan {
-    /// No pass.
+    /// No plan in progress.
     pub const NONE: Self = Self {
         pass: Pass::Done,
         backward: Backward::NONE,
@@ -70,12 +70,12 @@ impl Plan {
         tries: [const { Tries { trial: Trial::NONE, valley: Valley::NONE } }; functions::HSC.room(1)],
     };
 
-    /// Whether the pass is complete.
+    /// Whether no plan is in progress: the last one is complete.
     pub fn is_done(&self) -> bool {
         matches!(self.pass, Pass::Done)
     }
 
-    /// Begins a plan.
+    /// Begins a plan of the whole ring.
     pub fn begin<const AXES: usize, const BLOCKS: usize>(&mut self, ring: &mut Ring<'_, AXES, BLOCKS>) {
         let left = ring.blocks.len();
         if ring.counts.through == 0 && ring.counts.untried == 0 {
@@ -95,7 +95,7 @@ impl Plan {
         self.pass = Pass::Backward;
     }
 
-    /// Continues the plan. Returns `true` when the plan is complete.
+    /// Does the work of one call on the plan. Returns `true` when the plan is complete.
     pub fn step<const AXES: usize, const BLOCKS: usize>(
         &mut self,
         ring: &mut Ring<'_, AXES, BLOCKS>,
@@ -138,7 +138,7 @@ impl Plan {
         }
     }
 
-    /// Makes every speed final, even if a pass is not complete.
+    /// Ends the plan with the speeds that the motion can reach, even if a pass is not complete.
     pub fn complete<const AXES: usize, const BLOCKS: usize>(&mut self, ring: &mut Ring<'_, AXES, BLOCKS>) {
         ring.scope.end = ring.blocks.len();
         ring.scope.free = None;
@@ -167,9 +167,9 @@ impl Plan {
             let share = ring.tail.share(last && ring.scope.open);
             let v = enters(block, share, v_out);
             let (v, settled) = (Planned::below(v), settled(v));
-            // With zero acceleration at both ends, a smaller braking may need more length. If the largest
-            // acceleration is not reached, the distance from v to w is proportional to (v + w)·√(v − w). This
-            // distance grows with w up to about v/2. A speed that was planned with a lower end speed is still
+            // With zero acceleration at both ends, a smaller loss of speed may need more length. Below the
+            // largest acceleration, the distance from v to w is proportional to (v + w)·√(v − w). This
+            // distance grows with w up to about v/2. A speed that was planned with a lower end speed stays
             // possible, and is kept.
             block.marks.set(Marks::KEPT, v < block.v_in);
             if v <= block.v_in {

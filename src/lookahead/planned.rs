@@ -1,11 +1,11 @@
-//! A planned speed in four bytes.
+//! A planned speed in four bytes, for the memory of a block.
 //!
 //! The number has 27 significant bits, rounded down. It is exact for limits, which have 24 bits. All planned
 //! speeds of blocks are such numbers, so a stored speed equals the planned speed. The first block is the
 //! exception: it begins with the actual speed of the motion ([`super::ring::Ring`]).
 use crate::quantity::Speed;
 
-/// A planned speed, or none. Planned speeds have the order of speeds; none is below all of them.
+/// A planned speed, or none. The order is that of the speeds; none is below all of them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Planned(u32);
 
@@ -44,7 +44,7 @@ impl Planned {
         Self((beyond << BITS) + (bits >> beyond) as u32 + 1)
     }
 
-    /// The speed; [`super::block::UNPLANNED`], a negative speed, for none.
+    /// The speed. Without a planned speed, the result is [`super::block::UNPLANNED`], which is negative.
     #[cfg_attr(feature = "fast", inline(always))]
     pub const fn speed(self) -> Speed {
         let Some(bits) = self.0.checked_sub(1) else { return super::block::UNPLANNED };
@@ -52,14 +52,14 @@ impl Planned {
         Speed::from_bits(((bits - (beyond << BITS)) as i64) << beyond)
     }
 
-    /// [`Self::below`] as a function call, which takes less flash. For callers that do not go through all
-    /// blocks.
+    /// [`Self::below`] as a function call instead of inlined code, which takes less flash. For callers that
+    /// do not go through all blocks.
     #[inline(never)]
     pub const fn below_by_call(v: Speed) -> Self {
         Self::below(v)
     }
 
-    /// [`Self::speed`] as a function call, as [`Self::below_by_call`].
+    /// [`Self::speed`] as a function call instead of inlined code, as in [`Self::below_by_call`].
     #[inline(never)]
     pub const fn speed_by_call(self) -> Speed {
         self.speed()
@@ -70,7 +70,7 @@ impl Planned {
         self.0 != 0
     }
 
-    /// Stores four bytes of other data.
+    /// Stores four bytes of other data in place of a speed.
     pub const fn of_bits(bits: u32) -> Self {
         Self(bits)
     }

@@ -1,4 +1,5 @@
-//! The span that the ring releases at its front.
+//! The span (run of blocks with one speed profile) that the ring releases at its front, and conditions for
+//! another profile of this span.
 use super::block::{AnchorMarks, Block, Marks};
 use super::ease::Ease;
 use super::law;
@@ -9,20 +10,20 @@ use crate::math::float::{max, min, to_f32};
 use crate::quantity::{DISTANCE_LSB, Distance, Speed, speed_f32};
 use crate::slope::limits::{Limits, ROUNDED};
 
-/// The span (run of blocks with one speed profile) that leaves the look-ahead next, with all that its profile
-/// needs.
+/// The span (run of blocks with one speed profile) that leaves the look-ahead next, with all data for its
+/// speed profile.
 #[derive(Clone, Copy, Debug)]
 pub struct ReleasedSpan {
     /// Number of blocks in the span.
     pub blocks: u16,
     /// Path length of the span.
     pub length: Distance,
-    /// Limits that all blocks permit, with the highest of the block speeds.
+    /// Limits that all blocks of the span permit; the speed is that of the fastest block.
     pub limits: Limits,
     /// Deceleration that all blocks permit, also in a curve with CONST_VEL. The deceleration of the planned
     /// profile may be lower: `limits`.
     pub a_down: f32,
-    /// Limits of those blocks that are slower than the span's highest speed.
+    /// Speeds that hold for all blocks of the span, for a profile that differs from the planned one.
     pub slow: Slow,
     /// Speed at the start of the span.
     pub v_in: Speed,
@@ -42,9 +43,9 @@ pub struct ReleasedSpan {
     pub level: f32,
 }
 
-/// Whether all blocks of a span keep their limits, with the current end speeds and with the end speeds at
-/// release. If not, the limits hold only up to a speed: the start speed or the lowest block speed, whichever
-/// is higher.
+/// Whether a check has shown that all blocks of a span keep their limits. There are two answers: for the
+/// current speeds at both ends, and for those at release. Without such a check, the limits surely hold only
+/// up to a speed: the start speed or the lowest block speed, whichever is higher.
 #[derive(Clone, Copy, Debug)]
 pub struct Checked(u8);
 
@@ -72,13 +73,14 @@ impl Checked {
         self.0 &= Self::RELEASED;
     }
 
-    /// Returns to the check of the speeds at release.
+    /// Returns to the result of the check for the speeds at release.
     pub const fn restore(&mut self) {
         *self = Self::at_release(self.released());
     }
 }
 
-/// Turns of the path at transitions of a span, and common properties of the span's blocks, in one byte.
+/// Properties of a span in one byte: whether the path turns at its transitions, and whether its blocks are
+/// rapid motion.
 #[derive(Clone, Copy, Debug)]
 pub struct SpanMarks(u8);
 
@@ -106,7 +108,8 @@ impl SpanMarks {
         Self(marks | (first.joint.passing().number() * Self::PASSING))
     }
 
-    /// The part of a deceleration that may pass the span's start.
+    /// The part of a deceleration that may pass the span's start, as a factor from 1/2 to 1. Valid only if
+    /// [`Self::is_smooth`] is true.
     pub fn passing(self) -> f32 {
         Passing::numbered((self.0 / Self::PASSING) & 3).part()
     }
@@ -116,18 +119,20 @@ impl SpanMarks {
         self.0 & Self::SMOOTH != 0
     }
 
-    /// Whether a transition at the start of any block reserves its part of the limits.
+    /// Whether the path turns at the start of any block of the span, so that the transition there reserves a
+    /// part of the limits.
     pub const fn has_knees(self) -> bool {
         self.0 & Self::KNEES != 0
     }
 
-    /// Whether the limits of the whole span trade speed for acceleration: v + a²/2j is at most the speed of
-    /// the limits.
+    /// Whether the limits of the whole span trade speed for acceleration. Acceleration a is then permitted
+    /// only below the highest speed: v + a²/2j is at most the speed of the limits.
     pub const fn trades(self) -> bool {
         self.0 & Self::TRADES != 0
     }
 
-    /// Whether the limits of some blocks of the span trade speed for acceleration.
+    /// Whether the limits of at least one block of the span trade speed for acceleration, as in
+    /// [`Self::trades`].
     pub const fn trades_somewhere(self) -> bool {
         self.0 & Self::BOUGHT != 0
     }
@@ -142,25 +147,27 @@ impl SpanMarks {
     }
 }
 
-/// Speeds that all blocks of a span permit.
+/// Speeds up to which a span keeps the limits of all its blocks, for a profile that differs from the planned
+/// one.
 #[derive(Clone, Copy, Debug)]
 pub struct Slow {
     /// The lowest permitted speed of a block in the span, mm/tick.
     pub least: f32,
-    /// The lowest speed of the span's blocks, and of slow blocks with a part in the span. Set only for
-    /// several blocks.
+    /// The lowest speed of the span's blocks. A slow block of which only a part belongs to the span counts
+    /// too. Set only for several blocks.
     pub shared: f32,
-    /// Highest speed of the rest of the span ([`ReleasedSpan::cruises`]); 0 if unknown.
+    /// Constant highest speed that the rest of the span may have ([`ReleasedSpan::cruises`]), mm/tick; 0 if
+    /// unknown.
     pub cruise: f32,
-    /// Highest speed that is known to keep the limits of all blocks if the profile begins or continues at
-    /// another speed.
+    /// Highest speed of a profile that begins or continues at another speed than planned, mm/tick; `f32::MAX`
+    /// without such a limit.
     pub ceiling: f32,
 }
 
-/// Conditions for a new profile that stays below the planned one.
+/// Conditions under which a new profile surely stays below the planned one.
 #[derive(Clone, Copy, Debug)]
 pub struct GoingOn {
-    /// Highest speed.
+    /// Highest speed of the new profile, mm/tick.
     pub v: f32,
     /// How the profile may accelerate up to this speed.
     pub gain: Gain,
@@ -212,7 +219,7 @@ impl ReleasedSpan {
         level: 0.0,
     };
 
-    /// Raises the planned override to `level`.
+    /// Raises the planned override of the span to `level`, and the speed limits with it.
     pub fn raise(&mut self, level: f32) {
         let risen = |v: f32, h: OverrideRange| max(v, v * (h.raised(level) / h.raised(self.level)) * ROUNDED);
         self.limits.v = risen(self.limits.v, self.override_range);
@@ -225,9 +232,10 @@ impl ReleasedSpan {
         self.blocks > 1 && self.limits.varies() && self.slow.shared < self.limits.v
     }
 
-    /// Constant highest speed of the planned profile, if the profile has this speed at the distance `at` and
-    /// does not brake yet; otherwise 0. The profile covers `length` and begins at the speed `v_in`. All
-    /// blocks from `at` to the braking permit that speed.
+    /// Speed of the planned profile (mm/tick) if the profile has its constant highest speed at the distance
+    /// `at` from its start. 0 if the profile still speeds up or already brakes there. `at`: LSB 2^-44 mm. The
+    /// profile covers `length` and begins at the speed `v_in`. All blocks from `at` to the braking permit the
+    /// returned speed.
     pub fn cruises(&self, length: i64, v_in: Speed, at: i64) -> f32 {
         let span = law::Span { length, limits: self.limits, kept: true };
         let law = law::Law::new(&span, v_in, self.v_out, true);
@@ -235,10 +243,10 @@ impl ReleasedSpan {
         if law.reaches_at() <= at && at <= law.brakes_at() { law.peak() } else { 0.0 }
     }
 
-    /// Conditions for a new profile from the distance `at` on, which begins with the speed `v` and zero
-    /// acceleration. With these conditions, the new profile is nowhere faster than the planned profile. The
-    /// planned profile covers `length` and begins at the speed `v_in`. Returns `None` if no conditions are
-    /// known.
+    /// Conditions for a new profile that continues the span from the distance `at` on, where it begins with
+    /// the speed `v` and zero acceleration. With these conditions, the new profile is nowhere faster than the
+    /// planned profile. The planned profile covers `length` and begins at the speed `v_in`. Returns `None` if
+    /// no conditions are known.
     ///
     /// - Case 1: the planned profile speeds up, is at least as fast, and began at most at the speed `v`.
     ///   Condition: the planned highest speed. At each speed, the new profile has at most the acceleration of
@@ -269,12 +277,12 @@ impl ReleasedSpan {
         below.then(|| GoingOn { v: law.peak(), gain })
     }
 
-    /// Limits of the span, and the deceleration for a braking in place of its profile.
+    /// Limits of the span, and the deceleration of a braking that replaces the span's profile.
     pub const fn braking(&self) -> (&Limits, f32) {
         (&self.limits, self.a_down)
     }
 
-    /// Whether the length suffices to brake from `v_in` to `v_out`.
+    /// Whether the span is long enough to brake from `v_in` to `v_out`.
     pub fn can_leave(&self, v_in: Speed, v_out: Speed) -> bool {
         law::can_leave(&self.limits, self.length.to_bits(), v_in, v_out)
     }
@@ -284,18 +292,19 @@ impl ReleasedSpan {
         law::can_leave(&self.limits, left, v, self.v_out)
     }
 
-    /// Highest speed at the span's start, at most `v_in`, from which the end speed can be reached.
+    /// Highest speed at the span's start, at most the planned start speed, from which the span can brake to
+    /// its end speed.
     pub fn enter(&self) -> Speed {
         law::enter(&self.limits, self.length.to_bits(), self.v_out, self.v_in)
     }
 
-    /// Highest speed at the span's end, at most `next`, that can be reached from the start speed.
+    /// Highest speed at the span's end, at most `next`, that the span reaches from its start speed.
     pub fn reach(&self, next: Speed) -> Speed {
         law::leave(&self.limits, self.length.to_bits(), true, self.v_in, next).unwrap_or(Speed::ZERO)
     }
 
-    /// Highest speed at the span's end, at most `v_out`, that can be reached from a start speed up to the
-    /// planned one.
+    /// Highest speed at the span's end, at most the planned end speed, that the span reaches from `v_in`.
+    /// `v_in` is at most the planned start speed.
     #[inline(never)]
     pub fn leave(&self, v_in: Speed) -> Speed {
         law::leave(&self.limits, self.length.to_bits(), false, v_in, self.v_out).unwrap_or(Speed::ZERO)
@@ -303,8 +312,8 @@ impl ReleasedSpan {
 }
 
 impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
-    /// Decides the end speed of the first span, and returns the first block. Returns `None` if the ring is
-    /// empty. [`Self::drop_first`] removes the blocks.
+    /// Fills `release` with the first span of the ring and its final end speed. Returns the first block, or
+    /// `None` if the ring is empty. Afterwards, call [`Self::drop_first`] for each block of the span.
     pub fn release(&mut self, release: &mut ReleasedSpan) -> Option<&Block> {
         let ends = Self::span_of(self.blocks_from(0, self.blocks.len()), release, true, Some(self.start))?;
         release.level = self.level;
@@ -324,8 +333,9 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         self.blocks.front()
     }
 
-    /// The planned span that begins `at` blocks after the first block, from the last complete plan. Returns
-    /// `false` if there is none. Do not call this function while a pass runs.
+    /// Fills `release` with the planned span that begins `at` blocks after the first block, from the last
+    /// complete plan. Returns `false` if there is no such span. Do not call this function while a plan is in
+    /// progress.
     pub fn planned(&self, at: usize, release: &mut ReleasedSpan) -> bool {
         release.level = self.level;
         release.v_reduced = self.tail.slowest.least;

@@ -21,7 +21,7 @@ pub struct Ring<'a, const AXES: usize, const BLOCKS: usize> {
     pub(super) depth: usize,
     /// The planned override: planned speeds are for the programmed feed times this factor.
     pub(super) level: f32,
-    /// A factor that has not been applied to the planned speeds yet.
+    /// A factor for the planned speeds that has not been applied yet, LSB 2^-36.
     pub(super) lowering: Option<i64>,
     /// Speed at the start of the first block, if there is one. This speed may have any value; all other
     /// speeds are [`Planned`].
@@ -58,7 +58,7 @@ pub(super) struct Tail<const AXES: usize> {
     pub run_out: RunOut,
 }
 
-/// What the ring knows about the block before the next one.
+/// Whether the ring still has the block before the next one, or at least its end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Known {
     Nothing,
@@ -76,7 +76,7 @@ pub(super) struct Scope {
     pub free: Option<Speed>,
     /// More blocks may come.
     pub open: bool,
-    /// The last plan was a plan of single blocks.
+    /// Whether the last plan had a span for each single block.
     pub blockwise: bool,
     /// Number of blocks in the last plan.
     pub end: usize,
@@ -84,7 +84,7 @@ pub(super) struct Scope {
     pub stale: bool,
 }
 
-/// Numbers of blocks and transitions of a kind.
+/// Numbers of certain blocks and transitions in the ring.
 pub(super) struct Counts {
     /// Transitions in the ring that are not anchors.
     pub through: usize,
@@ -112,14 +112,15 @@ impl<const AXES: usize> Tail<AXES> {
 }
 
 impl<const AXES: usize> Tail<AXES> {
-    /// The last block has left; its end is kept.
+    /// Notes that the last block has left the ring; its end is kept.
     fn leave(&mut self) {
         if self.known == Known::Block {
             self.known = Known::Exit;
         }
     }
 
-    /// Limits that the last block leaves to a transition after it, if a block may follow.
+    /// The limits that a transition after the last block leaves to the speed profile. Returns `None` if no
+    /// block may follow.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn share(&self, may_come: bool) -> Option<&Share> {
         (may_come && self.known == Known::Block).then_some(&self.last.share)
@@ -186,8 +187,8 @@ impl Lowered {
     }
 }
 
-/// A ring with this number of long blocks is full: from any speed of the first block, there is room to stop
-/// in the second.
+/// Number of long blocks with which the ring counts as full. From any speed of the first long block, the
+/// motion can stop within the second one.
 const LONG_BLOCKS: usize = 2;
 
 impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
@@ -211,17 +212,18 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
         }
     }
 
-    /// End of the last block, if the block is known.
+    /// Direction and curvature at the end of the last block. Returns `None` if the ring does not know the
+    /// last block.
     pub fn exit(&self) -> Option<&End<AXES>> {
         (self.tail.known != Known::Nothing).then_some(&self.tail.last.exit)
     }
 
-    /// Drops the end of the last block: another program follows.
+    /// Forgets the end of the last block. Call this function before another program.
     pub fn forget_exit(&mut self) {
         self.tail.known = Known::Nothing;
     }
 
-    /// Starts a check: blocks are only examined from now on.
+    /// Starts a check: from now on, blocks are only examined for refusals.
     #[cfg(feature = "examine")]
     pub fn begin_to_examine(&mut self) {
         self.examines = true;
@@ -233,19 +235,19 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
         self.examines
     }
 
-    /// Passes a block that is only examined; the next block begins at its end.
+    /// Notes the end of a block that is only examined; the next block begins there.
     #[cfg(feature = "examine")]
     pub fn pass_by(&mut self, exit: &End<AXES>) {
         (self.tail.last.exit.tangent, self.tail.last.exit.curvature) = (exit.tangent, exit.curvature);
         self.tail.known = Known::Exit;
     }
 
-    /// The planned override of all speeds, see [`super::Pace`].
+    /// The override for which all speeds are planned (1 is 100 %): see [`super::Pace`].
     pub fn level(&self) -> f32 {
         self.level
     }
 
-    /// Highest start speed of the first block for the lower planned override `level`.
+    /// Highest speed at which the motion may enter the first block if the planned override falls to `level`.
     pub fn entry_for(&self, level: f32) -> Speed {
         self.entry_at(self.lowers(level))
     }
@@ -340,7 +342,8 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
         }
     }
 
-    /// Whether there is no room for another block, or the blocks are long enough for any speed.
+    /// Whether the ring takes no further block: there is no room, or the blocks are long enough to stop from
+    /// any speed.
     #[inline]
     pub fn is_full(&self) -> bool {
         self.blocks.len() + self.counts.spare >= self.depth || self.counts.long >= LONG_BLOCKS
@@ -389,7 +392,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
         }
     }
 
-    /// Permits the next plan to change the start speed of the first block, up to `reach`.
+    /// Permits the next plan to raise the start speed of the first block, up to `reach`.
     pub fn free_start(&mut self, reach: Speed) {
         self.scope.free = Some(reach);
         self.scope.until = 0;
@@ -416,7 +419,8 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
         self.scope.stale = stale;
     }
 
-    /// Sets another start speed of the first block than planned.
+    /// Sets a start speed of the first block that differs from the planned one. The next plan covers the
+    /// whole ring.
     pub fn restart(&mut self, v_in: Speed) {
         if let Some(first) = self.blocks.front_mut() {
             self.start = v_in;
@@ -425,8 +429,9 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Ring<'a, AXES, BLOCKS> {
         self.scope.until = 0;
     }
 
-    /// Opens the gate with this number, counted from the front. Returns the number of blocks before the gate.
-    /// Do not call this function while a plan is in progress.
+    /// Opens a gate: the motion no longer has to stop before it for acknowledgements. `number` counts the
+    /// gates from the front. Returns the number of blocks before the gate, or `None` if there is no such
+    /// gate. Do not call this function while a plan is in progress.
     pub fn open_gate(&mut self, number: usize) -> Option<usize> {
         let mut gates = self.blocks.iter_mut().enumerate().filter(|(_, block)| block.is_gate());
         let (index, block) = gates.nth(number)?;

@@ -1,10 +1,11 @@
 //! The end of an arc whose circle may continue in the next block.
 //!
-//! When a circle has turned twice, each further arc on the circle enters the ring as two blocks: the steady
-//! part, and the end with its own limits ([`crate::dynamics::Turns`]). If the next arc continues the circle,
-//! the planner joins the two blocks of the last arc. Then the next arc enters, again as two blocks. The old
-//! plan stays possible: the motion keeps the planned speed of the old end up to the new end. The new end is
-//! at least as long as the old one, and permits at least the same speed.
+//! When a circle has turned twice, each further arc on the circle enters the ring as two blocks. The first
+//! block is the steady part; the second one is the end with its own limits ([`crate::dynamics::Turns`]). If
+//! the next arc continues the circle, the planner joins the two blocks of the last arc. Then the next arc
+//! enters, again as two blocks. The old plan stays possible: the motion keeps the planned speed of the old
+//! end up to the new end. The new end is at least as long as the old one, and permits at least the same
+//! speed.
 use super::block::Marks;
 use super::ring::{Known, Ring};
 use crate::dynamics::{Dynamics, Share, Turns};
@@ -42,7 +43,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         self.blocks.len() + self.counts.spare + 2 <= self.depth
     }
 
-    /// Prepares for an end of this length as the next block.
+    /// Prepares for the end of an arc as the next block; `length` is the length of that end, LSB 2^-44 mm.
     pub(crate) fn before_run_out(&self, length: i64) -> RunOut {
         let last = &self.tail.last;
         let before = self.blocks.len().checked_sub(1).and_then(|at| self.blocks.get(at));

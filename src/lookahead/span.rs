@@ -2,14 +2,14 @@
 //!
 //! A span is first planned as if only its ends and its highest speed counted. The profile may then be too
 //! fast for a block inside. If the profile is too fast at an end of the slowest such block, that end becomes
-//! an anchor. If the profile is too fast only between both ends, both become anchors. Then all parts are
+//! an anchor. If the profile is too fast only between both ends, both ends become anchors. Then all parts are
 //! planned again. So acceleration is zero only where a limit is reached, not at every end of a block. An
 //! anchor stays until its block leaves the ring, unless [`super::ease`] finds a faster profile without it.
 //!
-//! Later blocks must not make a released plan impossible. So a block that keeps its limit only because the
-//! plan stops after it becomes an anchor at once. The braking before the end of a span counts only if the
-//! speed at that end is final. If one span fills the ring, it is cut where its braking would begin, or after
-//! the first quarter.
+//! Later blocks must not make a released plan impossible. A block may keep its limit only because the plan
+//! stops soon after it. Such a block becomes an anchor at once. The braking before the end of a span counts
+//! only if the speed at that end is final. If one span fills the ring, it is cut where its braking would
+//! begin, or after the first quarter.
 use super::block::{Block, Marks};
 use super::ease::Trial;
 use super::law::{Law, RISE, Span};
@@ -69,8 +69,8 @@ pub(super) struct Inside {
     calm: [Calm; functions::HSC.room(1)],
 }
 
-/// The part of a profile with constant speed between parts of one curve. A cut there saves time: the limits
-/// at one end of the span then do not slow the other end.
+/// The part of a profile with constant speed, if parts of one curve lie there. A cut of the span there saves
+/// time: the limits at one end of the span then do not slow the other end.
 #[derive(Clone, Copy)]
 struct Calm {
     /// Distance at which the gain of speed ends.
@@ -119,8 +119,8 @@ struct Worst {
     at: [i64; 2],
 }
 
-/// Work to add a block, to find a speed, to make a profile, and to compare a block with a profile; the unit
-/// is that of [`spend`].
+/// Work of four steps, in the unit of [`spend`]: add a block, find a speed, make a profile, compare a block
+/// with a profile.
 const ADD: usize = 3;
 const RAMP: usize = 14;
 const LAW: usize = 50;
@@ -193,9 +193,8 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
                 return self.start_forward(plan);
             }
             let Some(block) = self.blocks.get_mut(left) else { return self.start_forward(plan) };
-            // A speed of the last plan stays possible, see [`Plan`]; later anchors that are new may have to
-            // be removed. A flat span keeps its profile: if it were faster, the removed anchors would be
-            // needed again.
+            // A speed of the last plan stays possible, but new anchors after it may have to be removed. A
+            // flat span keeps its profile: if it were faster, the removed anchors would be needed again.
             let (mut v, mut v_out) = (block.v_old, Speed::ZERO);
             if !(block.is(Marks::FLAT) && v.is_some()) {
                 let entered = span.enter(pass.v_out, block.cap());
@@ -521,9 +520,9 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         found
     }
 
-    /// Whether the profile of a span is too fast at the start of block `first`, and at the start of block
-    /// `behind`, if both are inside the span. If blocks may be cut, the result names only one of them: the
-    /// block that the profile reaches with acceleration.
+    /// Whether the profile of a span is too fast at the start of block `first` and at the start of block
+    /// `behind`; each counts only if it is inside the span. If blocks may be cut, the result names only one
+    /// of them: the block that the profile reaches with acceleration.
     fn too_fast(&self, plan: &mut Plan, worst: &Worst) -> [bool; 2] {
         let Forward { from, next: to, .. } = plan.forward;
         let &Worst { first, behind, v, at } = worst;

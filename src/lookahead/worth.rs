@@ -1,9 +1,10 @@
 //! Whether the motion passes a corner without a curve, or stops there.
 //!
-//! A step of speed at a knee shows as jerk, so both blocks next to the knee reserve a part of their limits.
-//! At a sharp corner, the permitted speed is nearly zero. Then the longer ramps on both sides cost more time
-//! than the speed saves. So the planner compares the times of both blocks, each from a stop at its other end.
-//! One time is for a stop in the corner with all limits, the other for a passage with the remaining limits.
+//! A step of speed at a corner without a curve (a knee) shows as jerk. So both blocks next to the corner
+//! reserve a part of their limits. At a sharp corner, the permitted speed is nearly zero. Then the longer
+//! ramps on both sides cost more time than the speed saves. So the planner compares two times of both blocks,
+//! each block from a stop at its other end. One time is for a stop in the corner with all limits, the other
+//! for a passage with the remaining limits.
 use crate::dynamics::Share;
 use crate::math::float::{max, min, to_i64};
 use crate::quantity::{speed_bits, speed_f32};
@@ -21,9 +22,9 @@ pub(super) enum Way {
     Standing,
 }
 
-/// The quickest way to pass the corner between two blocks. If the motion passes at the speed `v`, the blocks
-/// have the limits that their shares leave. `passes`: acceleration may pass the corner, which needs more of
-/// the limits.
+/// Decides how the motion passes the corner between two blocks in the least time. If the motion passes at the
+/// speed `v`, the blocks have the limits that their shares leave. `passes`: acceleration may pass the corner,
+/// which needs more of the limits.
 pub(super) fn quickest(blocks: [(&Limits, &Share, f32); 2], v: f32, passes: bool) -> Way {
     if blocks.iter().all(|(limits, share, _)| limits.are_within(share)) {
         return Way::Through;

@@ -1,11 +1,11 @@
 //! Waits at gates (synchronisation points), and continues after acknowledgements.
 //!
 //! The motion is planned to stop before a gate, and no block after the gate is released. The last
-//! acknowledgement may come before the motion begins to brake for the gate. Then the profile before the gate
-//! is made again. Its end speed is the speed that the path after the gate permits. The new profile must agree
-//! with the old one up to a tick shortly ahead, where the interrupt changes over ([`clock`]). Both agree
-//! there if they differ only at the end. Otherwise the old profile stays, and the motion continues from a
-//! stop.
+//! acknowledgement may come before the motion begins to brake for the gate. The planner then makes the
+//! profile before the gate again, with the end speed that the path after the gate permits. The new profile
+//! must agree with the old one up to a tick shortly ahead, at which the interrupt changes to the new profile
+//! ([`clock`]). Both agree there if they differ only at the end. Otherwise the old profile stays: the motion
+//! stops at the gate, and continues from there.
 use super::hold::REACTION;
 use super::{PIECES, Phase, Planning, RingStage, Slot, Speed, Work, clock};
 use crate::queue::PHASES;
@@ -26,7 +26,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         Work::Working
     }
 
-    /// Whether the axes stand still because the operator has not acknowledged a function.
+    /// Whether the axes stand still at a gate, because the operator has not acknowledged a function.
     pub fn is_waiting(&self) -> bool {
         let gate = self.lookahead.ring.first().is_some_and(|first| first.is_gate()) || self.functions.waits();
         gate && self.task.stood && self.queue.clock.now() == self.frontier.end

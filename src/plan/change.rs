@@ -1,14 +1,14 @@
-//! Another profile for spans in the queue, or a start from a stop. New pieces become valid only when the stop
-//! after them is complete.
+//! Changes the profile of spans in the queue, or starts the motion from a stop. New pieces become valid only
+//! when the stop after them is complete.
 //!
 //! The planner writes new pieces after a barrier (end marker), which the interrupt does not pass. The stop
 //! after the new pieces goes into the reserve, next to the stop in force. This may take several calls. Only
-//! then, the planner publishes the cut (the tick of the change), and the reserve changes with it. So each
+//! then does the planner publish the cut (the tick of the change), and the reserve changes with it. So each
 //! tick has a valid stop, even if the planner is interrupted. If the interrupt has already passed the instant
 //! of the change, nothing changes. The planner then tries a later instant.
 //!
-//! If the stop before the new pieces has a tick in the reserve, this tick is their barrier. The motion then
-//! stops there if the planner gets no time.
+//! The stop before the new pieces may have a tick in the reserve. This tick is then the barrier of the new
+//! pieces. If the planner gets no time, the motion stops there.
 use super::committed::CommittedSpan;
 use super::descent::Descent;
 use super::hold::{Mode, REACTION};
@@ -48,12 +48,12 @@ impl Pending {
         self.lowers
     }
 
-    /// Whether the change is a new profile of a span and not a start.
+    /// Whether the change is a new profile of a span, and not a start from a stop.
     pub const fn is_command(&self) -> bool {
         self.before.span.is_some()
     }
 
-    /// Whether the change restarts the span `k`.
+    /// Whether the change also gives a new profile to the span `k`, which is after the changed span.
     pub fn renews(&self, k: usize) -> bool {
         self.before.span.as_ref().is_some_and(|(first, _)| k > *first)
     }

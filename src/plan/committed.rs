@@ -15,29 +15,30 @@ pub(super) struct CommittedSpan {
     /// The first tick of the span, and the time from the span's start to this tick.
     pub first: u32,
     pub next: u64,
-    /// Ticks of dwell after the span that are in the queue. Before the dwell begins, this number is below
-    /// 2^32.
+    /// Ticks of dwell after the span that are already in the queue. Before the dwell begins, this number is
+    /// below 2^32.
     pub rest: u32,
-    /// Conditions for which the profile was made: speeds at the start and end of the span, the highest
-    /// permitted speed, and the operator's pace ([`crate::lookahead::Pace::key`]).
+    /// Conditions for which the profile was made: speeds at the start and end of the span, and the highest
+    /// permitted speed. `pace`: override and reduced speed as one word ([`crate::lookahead::Pace::key`]).
     pub enters: Speed,
     pub leaves: Speed,
     pub limit: f32,
     pub pace: u32,
-    /// Speed at the start of the span, as planned at release. `span` knows whether this speed keeps the
-    /// limits of all blocks. The span was released at the end of the span before
+    /// Speed at the start of the span, as planned at release. `span.checked` says whether all blocks keep
+    /// their limits with this speed. The span was released at the end of the span before
     /// ([`CommittedSpans::begins`]).
     released: Speed,
 }
 
 impl CommittedSpan {
-    /// Prepares a span that has just left the look-ahead, at `start`.
+    /// Prepares a span that has just left the look-ahead. `start`: path distance of its start.
     pub const fn begin(&mut self, start: Distance) {
         (self.start, self.rest) = (start, 0);
         self.released = self.span.v_in;
     }
 
-    /// Prepares a new profile before the span has begun. `begins`: the distance where the span was released.
+    /// Returns to the state at release, for a new profile before the span has begun. `begins`: path distance
+    /// at which the span was released.
     pub const fn restore(&mut self, begins: i64) {
         let end = self.end();
         (self.start, self.span.v_in) = (Distance::from_bits(begins), self.released);
@@ -46,16 +47,17 @@ impl CommittedSpan {
         (self.span.slow.ceiling, self.span.slow.cruise) = (f32::MAX, 0.0);
     }
 
-    /// Notes whether the rest of the span, from the path distance `at` on, may reach the constant speed of
-    /// its planned profile. `begins`: the distance where the span was released.
+    /// Notes the constant highest speed of the planned profile, if the rest of the span from the path
+    /// distance `at` on may have this speed. `begins`: path distance at which the span was released.
     pub fn look(&mut self, begins: i64, at: i64) {
         let [length, at] = [self.end(), at].map(|x| x.wrapping_sub(begins));
         let known = self.span.checked.released() && at > 0 && self.span.is_uneven();
         self.span.slow.cruise = if known { self.span.cruises(length, self.released, at) } else { 0.0 };
     }
 
-    /// Conditions under which the rest of the span, entered at the speed `v`, stays below its planned profile; `None`
-    /// if unknown. `begins`: the distance where the span was released.
+    /// Conditions under which the rest of the span, entered at the speed `v`, stays below its planned
+    /// profile. Returns `None` if no conditions are known. `begins`: path distance at which the span was
+    /// released.
     #[inline(never)]
     pub fn go_on(&self, begins: i64, v: Speed) -> Option<GoingOn> {
         let [length, at] = [self.end(), self.start.to_bits()].map(|x| x.wrapping_sub(begins));
@@ -88,7 +90,7 @@ impl CommittedSpan {
         ReleasedSpan { length, v_in: self.released, ..self.span }.enter()
     }
 
-    /// Speed planned at the span's start at release.
+    /// Speed at the span's start, as planned at release.
     pub const fn planned(&self) -> Speed {
         self.released
     }
@@ -100,7 +102,7 @@ impl CommittedSpan {
 }
 
 /// Number of slots. More spans than a tick can pass have room, so the queue holds at least a tick of motion
-/// even with the shortest spans. One slot stays free for the reserve. These slots are most of a planner's
+/// even with the shortest spans. One slot stays free for the reserve. These slots take most of the planner's
 /// memory, so a small build has as few as possible.
 const SLOTS: usize = MAX_CURVES_PER_TICK as usize + if functions::IS_SMALL { 3 } else { 8 };
 const _: () = assert!(SLOTS > MAX_CURVES_PER_TICK as usize + 2);
@@ -111,12 +113,12 @@ const fn behind(front: usize, k: usize) -> usize {
     if slot >= SLOTS { slot - SLOTS } else { slot }
 }
 
-/// All committed spans, in a ring; written in place.
+/// All committed spans, in a ring. Spans are written in place, because they are large.
 pub(super) struct CommittedSpans {
     slots: [CommittedSpan; SLOTS],
     front: usize,
     len: usize,
-    /// Path distance where the first span was released.
+    /// Path distance at which the first span was released.
     begins: i64,
 }
 
@@ -145,7 +147,7 @@ impl CommittedSpans {
         (self.front, self.len, self.begins) = (other.front, other.len, other.begins);
     }
 
-    /// Drops all spans.
+    /// Removes all spans.
     pub const fn clear(&mut self) {
         (self.front, self.len) = (0, 0);
     }
@@ -154,7 +156,7 @@ impl CommittedSpans {
         self.len
     }
 
-    /// Whether only the slot for the reserve is free.
+    /// Whether only one slot is free, which is kept for the reserve.
     pub const fn is_full(&self) -> bool {
         self.len >= SLOTS - 1
     }
@@ -164,7 +166,8 @@ impl CommittedSpans {
         k.checked_sub(1).and_then(|before| self.get(before)).map_or(self.begins, CommittedSpan::end)
     }
 
-    /// Prepares new profiles for span `k` and all later ones, none of which has begun.
+    /// Returns span `k` and all later spans to their state at release, for new profiles. None of them may
+    /// have begun.
     pub fn restore_from(&mut self, k: usize) {
         let mut begins = self.begins(k);
         for k in k..self.len {
@@ -186,13 +189,13 @@ impl CommittedSpans {
         if k < self.len { self.slots.get_mut(behind(self.front, k)) } else { None }
     }
 
-    /// The free slot after the last span; [`Self::push`] puts it into use.
+    /// The free slot after the last span, to write a span into. [`Self::push`] then adds this span.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn spare(&mut self) -> Option<&mut CommittedSpan> {
         if self.len == SLOTS { None } else { self.slots.get_mut(behind(self.front, self.len)) }
     }
 
-    /// Adds the span in [`Self::spare`].
+    /// Adds the span that was written into [`Self::spare`].
     pub fn push(&mut self) {
         if self.len < SLOTS {
             self.len += 1;
@@ -202,7 +205,7 @@ impl CommittedSpans {
         }
     }
 
-    /// Removes the first span, which is over.
+    /// Removes the first span, which the motion has passed.
     pub fn drop_first(&mut self) {
         if self.len > 0 {
             self.begins = self.begins(1);
@@ -225,8 +228,8 @@ impl CommittedSpans {
             .map(|(_, committed)| committed)
     }
 
-    /// Limits the end speed of the first `count` spans to `v_out`, and lowers their earlier speeds so that
-    /// each span can reach its end speed.
+    /// Limits the speed at the end of the first `count` spans to `v_out`. Earlier speeds are lowered as far
+    /// as needed, so that each span can brake to its end speed.
     pub fn lower(&mut self, count: usize, mut v_out: Speed) {
         for k in (0..count).rev() {
             let start = self.begins(k);

@@ -2,9 +2,9 @@
 //!
 //! In a plan, the acceleration is zero at the ends of spans. In a stop, a deceleration may pass such an end
 //! if the path turns little there (`SpanMarks::passing`). The braking uses the least deceleration and jerk of
-//! all spans, from the first one to the one where it ends. At every transition it is at most as fast as
-//! planned, and it brakes there. So the following spans keep their speed limits. If the braking would be too
-//! fast at a transition, it ends there, with zero acceleration and at most at the planned speed. The next
+//! all spans, from the first one to the one where it ends. At every transition, the motion is at most as fast
+//! as planned, and it brakes. So the following spans keep their speed limits. If the motion would be too fast
+//! at a transition, the braking ends there, with zero acceleration and at most at the planned speed. The next
 //! profile continues from there.
 //!
 //! STEP may change its deceleration anywhere, so each span with another deceleration has its own profile. The
@@ -12,9 +12,9 @@
 //! left as the motion slows down ([`Fall`]). Inside such a curve, the stop has several profiles of two
 //! stages.
 //!
-//! The motion passes a span of several blocks (HSC) in one of two ways: below the speed of its slowest block,
-//! or braking at least as hard as the span's own profile. A curve whose limits trade speed for acceleration
-//! is entered so slowly that the deceleration may continue inside the curve.
+//! The motion passes a span of several blocks (HSC) in one of two ways. Either the motion is slower than the
+//! span's slowest block, or it brakes at least as hard as the span's own profile. A curve whose limits trade
+//! speed for acceleration is entered so slowly that the deceleration may continue inside the curve.
 use super::hold::NOTHING;
 use super::search::{PLAN_COSTS, SCAN_COSTS, SPAN_COSTS};
 use super::{Brake, Instant, Planning, Profile, RingStage, Speed, clock};
@@ -149,7 +149,8 @@ impl Stretch {
         matches!(self.limits.law, SlopeLaw::Stepped { .. }) || decel <= self.entered().a_down
     }
 
-    /// Limits of the span for a braking that passes the start of the span.
+    /// Limits of the span for a braking that passes the start of the span: the transition there may permit
+    /// only a part of the deceleration.
     pub fn entered(&self) -> Limits {
         Limits { a_down: self.limits.a_down * self.passing, ..self.limits }
     }
@@ -280,8 +281,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         Some(followed.map_err(|whole| whole.min(spans - 1)))
     }
 
-    /// For STEP: whether a braking that begins in the span `k` ends where another profile continues it. Such
-    /// a braking needs no data of the look-ahead.
+    /// For STEP: whether a braking that begins in the span `k` ends inside committed spans, so that another
+    /// profile continues it. Such a braking needs no data of the look-ahead.
     pub(super) fn is_stage(&self, k: usize, descent: &Descent) -> bool {
         let steps = |limits: &Limits| matches!(limits.law, SlopeLaw::Stepped { .. });
         k + descent.spans < self.committed.len()

@@ -1,13 +1,14 @@
-//! Checks a program without a plan: takes motion blocks as [`Planning::take`] does, and returns their
+//! Checks a program without a plan. The check takes motion blocks as [`Planning::take`] does, and returns the
 //! refusals.
 //!
-//! Blocks go through all stages that may refuse them: path, feed, software limits, smoothing. The element is
-//! dropped before the look-ahead. The queue stays empty, and a stop or a dwell takes no time.
+//! Blocks go through all stages that may refuse them: path, feed, software limits, smoothing. Before the
+//! look-ahead, each element is dropped. The queue stays empty, and a stop or a dwell takes no time.
 use super::{Planning, Work};
 use crate::smooth::Smoother;
 
 impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
-    /// Starts a check: blocks are only examined from now on. Call this function before the first block.
+    /// Starts a check: from now on, the planner only examines blocks. Call this function before the first
+    /// block.
     pub fn begin_to_examine(&mut self) {
         self.lookahead.ring.begin_to_examine();
     }

@@ -1,9 +1,9 @@
-//! Answers of the planner about the coming motion: the state at a later tick, the next block at feed, and the
-//! point where a hold would stop the axes now.
+//! Answers of the planner to a PLC about the coming motion. A PLC asks for the state at a later tick, the
+//! next block that is not rapid motion, or the point where a hold would stop the axes.
 //!
 //! The pieces in the queue give the state and the next block. For the stop by a hold, the planner makes the
 //! profiles of this hold on a copy of its spans ([`Inquiry`]). The interrupt gets none of them. With
-//! FCT_CALC_POS_V_0, a hold keeps the stop with which it begins, so it stops at the answered place.
+//! FCT_CALC_POS_V_0, a hold keeps the stop with which it begins, so the axes stop at the place of the answer.
 use super::committed::CommittedSpans;
 use super::hold::Mode;
 use super::search::{Later, Search};
@@ -16,7 +16,7 @@ use crate::queue::{Cut, PHASES};
 /// Largest number of profiles of a stop.
 const LAWS: usize = 64;
 
-/// Memory for the question where a hold would stop the motion: a copy of the state that a hold changes.
+/// Memory for the question where a hold would stop the axes: a copy of the state that a hold changes.
 pub struct Inquiry {
     spans: CommittedSpans,
     trial: Option<Trial>,
@@ -48,7 +48,7 @@ enum Step {
 }
 
 impl Inquiry {
-    /// Memory without a question.
+    /// Memory that holds no question yet.
     pub const fn new() -> Self {
         Self { spans: CommittedSpans::new(), trial: None }
     }
@@ -61,8 +61,7 @@ impl Default for Inquiry {
 }
 
 impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
-    /// Gives the planner the memory that it needs to answer FCT_CALC_POS_V_0: where a feed hold would stop
-    /// the axes.
+    /// Gives the planner the memory for the question FCT_CALC_POS_V_0: where would a feed hold stop the axes?
     pub fn set_inquiry(&mut self, inquiry: &'q mut Inquiry) {
         self.intake.inquiry = Some(inquiry);
     }
@@ -78,10 +77,10 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         self.orders.settled = stays && self.keeps_stop();
     }
 
-    /// Answers a question.
+    /// Answers a question of a PLC about the coming motion.
     ///
     /// # Errors
-    /// Returns [`Unknown`] if the planner has no answer now.
+    /// Returns [`Unknown`] if the planner has no answer now, or if P-CHAN-00650 does not enable the question.
     #[inline(never)]
     pub fn forecast(&mut self, question: Question) -> Result<Moment<AXES>, Unknown> {
         let (function, is_read) = match question {

@@ -1,11 +1,12 @@
 //! Functions (M, H, S and T) from the program to their point of the path, and the gates (synchronisation
 //! points) at which the motion waits.
 //!
-//! A function belongs between two motion blocks. Its place is the number of motion blocks before it. Contour
-//! mode decides which element of the path begins at this place. When this element enters the look-ahead, the
-//! point of the function is known, and the function enters the queue. The motion may then reach the point
-//! without a call of the planner. The element may become a *gate*. A gate is not released: the motion is
-//! planned to stop before the gate, until all demanded acknowledgements have come.
+//! A function belongs between two motion blocks. The number of motion blocks before the function is its
+//! place. Contour mode decides which element of the path begins at this place. When this element enters the
+//! look-ahead, the point of the function is known, and the function enters the queue. The motion may then
+//! reach the point without a call of the planner. The element may become a *gate*. The planner does not
+//! release a gate: the motion is planned to stop before the gate, until all demanded acknowledgements have
+//! come.
 use super::Function;
 use crate::control::{Control, OPEN};
 use crate::machine::Synch;
@@ -73,7 +74,7 @@ impl Entry {
 #[cfg(feature = "plc")]
 const TENTHS_PER_MM: i128 = 10_000;
 
-/// Functions and gates.
+/// Functions that are not in the queue yet, functions whose gate is not known yet, and the gates.
 pub(super) struct Functions {
     entries: Vec<Entry, ACTIONS>,
     /// The gates in the look-ahead in order, each as a set of bits, one per missing acknowledgement. Also the
@@ -94,8 +95,9 @@ impl Functions {
         Self { entries: Vec::new(), gates: Vec::new(), last: 0, sequence: 0 }
     }
 
-    /// Takes a function between the motion blocks `number` − 1 and `number`. `room`: free places in the ring
-    /// of actions. `in_motion`: the function was programmed in a line with a motion.
+    /// Takes a function that the program has between the motion blocks `number` − 1 and `number`. `room`:
+    /// number of free places for functions in the queue. `in_motion`: the line of the function also has a
+    /// motion.
     ///
     /// # Errors
     /// There is no room.
@@ -133,8 +135,8 @@ impl Functions {
         self.entries.push(entry).map_err(|_| ())
     }
 
-    /// Lets the function that was taken last be output before its place. `shift`: path distance from the
-    /// output to the place, 0.1 µm.
+    /// Sets how far before its place the last function that was taken is output. `shift`: this path length,
+    /// 0.1 µm.
     #[cfg(feature = "plc")]
     pub fn shift(&mut self, shift: u32) {
         if let Some(entry) = self.entries.last_mut() {
@@ -142,9 +144,9 @@ impl Functions {
         }
     }
 
-    /// Gives functions that are output before their place their point of the path, while this point may still
-    /// be ahead of the motion. `due`: number of all blocks that were taken; all of them are in the look-ahead
-    /// and end at `distance`. The gates of these functions get their places later.
+    /// Puts all functions into the queue if one of them is to be output before its place. The point of such a
+    /// function may still be ahead of the motion. `due`: number of all blocks that were taken; all of them
+    /// are in the look-ahead and end at `distance`. The gates of these functions get their places later.
     #[cfg(feature = "plc")]
     pub fn shift_before_end(&mut self, due: u32, distance: Distance, queue: &mut Scheduler<'_>) {
         if self.entries.iter().any(|entry| entry.shift != 0 && !entry.placed) {
@@ -153,8 +155,8 @@ impl Functions {
         }
     }
 
-    /// Demands the acknowledgement of all functions with late synchronisation at the end of the program,
-    /// before the motion block `number`.
+    /// Demands the acknowledgement of all functions with late synchronisation. The motion waits for the
+    /// acknowledgements before the motion block `number`. For the end of the program.
     #[cfg(feature = "plc")]
     pub fn demand_all(&mut self, number: u32) {
         for entry in self.entries.iter_mut().filter(|entry| entry.late) {
@@ -162,8 +164,8 @@ impl Functions {
         }
     }
 
-    /// Completes functions of a line after its motion. `moved`: whether the motion has a path. `rounds`:
-    /// whether its end is to be rounded.
+    /// Completes the functions of a line when the line's motion has been taken. `moved`: whether the motion
+    /// has a path. `rounds`: whether contour mode is to round the end of the motion.
     pub fn settle(&mut self, moved: bool, rounds: bool) {
         for entry in self.entries.iter_mut().filter(|entry| entry.unsettled) {
             entry.unsettled = false;
@@ -174,9 +176,10 @@ impl Functions {
         }
     }
 
-    /// Demands the acknowledgement of functions with late synchronisation before the motion block `number`.
-    /// `explicit`: `true` for functions that `#EXPL SYN` acknowledges (MVS_SLP), `false` for functions that
-    /// are acknowledged before the next block at feed (MVS_SLM). Returns whether there are any.
+    /// Demands the acknowledgement of functions with late synchronisation: the motion waits for it before the
+    /// motion block `number`. `explicit`: `true` for functions that `#EXPL SYN` acknowledges (MVS_SLP),
+    /// `false` for functions that are acknowledged before the next block at feed (MVS_SLM). Returns whether
+    /// there are any.
     #[cfg(feature = "plc")]
     pub fn demand(&mut self, number: u32, explicit: bool) -> bool {
         let late = |entry: &&mut Entry| entry.late && entry.explicit == explicit;
@@ -187,23 +190,24 @@ impl Functions {
         any
     }
 
-    /// Whether a function with late synchronisation waits for a call of [`Self::demand`].
+    /// Whether functions with late synchronisation wait for a call of [`Self::demand`] with this value of
+    /// `explicit`.
     #[cfg(feature = "plc")]
     pub fn are_late(&self, explicit: bool) -> bool {
         self.entries.iter().any(|entry| entry.late && entry.explicit == explicit)
     }
 
-    /// Whether a function has no place yet, or no gate.
+    /// Whether the point of a function on the path, or its gate, is not known yet.
     pub fn are_open(&self) -> bool {
         self.entries.iter().any(|entry| !entry.placed || (!entry.gated && entry.has_gate()))
     }
 
-    /// Whether a function without a place or a gate demands an acknowledgement.
+    /// Whether a function whose gate is not known yet demands an acknowledgement.
     pub fn are_awaited(&self) -> bool {
         self.entries.iter().any(|entry| !entry.gated && entry.has_gate() && entry.ticket.waits())
     }
 
-    /// Drops functions whose line has a refused motion.
+    /// Drops the functions of a line whose motion was refused.
     pub fn drop_unsettled(&mut self, control: &Control) {
         for entry in self.entries.iter().filter(|entry| entry.unsettled) {
             control.acknowledgements().give_back(entry.ticket);
@@ -211,7 +215,7 @@ impl Functions {
         self.entries.retain(|entry| !entry.unsettled);
     }
 
-    /// Drops functions without a place, because their motion is dropped.
+    /// Drops the functions that are not in the queue yet, because their motion is dropped.
     pub fn drop_unplaced(&mut self, control: &Control) {
         for entry in self.entries.iter().filter(|entry| !entry.placed) {
             control.acknowledgements().give_back(entry.ticket);
@@ -219,8 +223,9 @@ impl Functions {
         self.entries.retain(|entry| entry.placed);
     }
 
-    /// The next element of the path begins at `distance`. All functions with at most `due` motion blocks
-    /// before them enter the queue, which has room. Returns whether the element is a gate.
+    /// Puts functions into the queue when the next element of the path is known; the element begins at
+    /// `distance`. All functions with at most `due` motion blocks before them belong there. The queue must
+    /// have room. Returns whether the element is a gate.
     pub fn before(&mut self, due: u32, distance: Distance, queue: &mut Scheduler<'_>) -> bool {
         if self.entries.is_empty() && self.last == 0 {
             return false;
@@ -231,8 +236,8 @@ impl Functions {
         gate != 0 && self.gates.push(gate).is_ok()
     }
 
-    /// Gives functions after the last block their place: all blocks end at `distance`, after `number` motion
-    /// blocks. Returns whether the motion waits there.
+    /// Puts the functions after the last block into the queue. All blocks end at `distance`, after `number`
+    /// motion blocks. Returns whether the motion waits there for acknowledgements.
     pub fn at_end(&mut self, number: u32, distance: Distance, queue: &mut Scheduler<'_>) -> bool {
         self.place(number, distance, queue);
         self.last != 0
@@ -278,7 +283,7 @@ impl Functions {
         }
     }
 
-    /// Outputs and acknowledges functions of examined elements at once.
+    /// Outputs and acknowledges the functions of examined elements at once, because there is no motion.
     #[cfg(feature = "examine")]
     pub fn drop_passed(&mut self, control: &Control) {
         if self.entries.is_empty() {
@@ -295,8 +300,8 @@ impl Functions {
         self.entries.retain(|entry| !entry.placed || !entry.gated);
     }
 
-    /// Takes acknowledgements. Calls `open` for every gate in the look-ahead that opens now, with its number
-    /// among the gates that are still closed.
+    /// Takes acknowledgements: a set of bits, one for each function. Calls `open` for every gate in the
+    /// look-ahead that opens now, with the gate's number among the gates that are still closed.
     pub fn answer(&mut self, bits: u32, mut open: impl FnMut(usize)) {
         for entry in self.entries.iter_mut().filter(|entry| entry.ticket.bit() & bits != 0) {
             // The acknowledgement came before the gate was known, so no gate is needed.
@@ -317,7 +322,7 @@ impl Functions {
         self.tidy();
     }
 
-    /// Whether the motion has to wait at the end of all blocks.
+    /// Whether the motion has to wait for acknowledgements at the end of all blocks.
     pub const fn waits(&self) -> bool {
         self.last != 0
     }
@@ -328,7 +333,8 @@ impl Functions {
         self.forget();
     }
 
-    /// Drops all functions, if no acknowledgement of them is demanded.
+    /// Drops all functions. Call this function only if none of them needs an acknowledgement; otherwise call
+    /// [`Self::clear`].
     pub fn forget(&mut self) {
         self.entries.clear();
         self.gates.clear();

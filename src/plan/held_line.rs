@@ -1,10 +1,10 @@
 //! The held line: consecutive blocks in a straight line with the same feed become one line ([`Stretch`]).
 //!
-//! No information is lost. A command between two blocks (an exact stop, an event, other dynamics, contour
+//! No information is lost. A command between two blocks (an exact stop, a function, other dynamics, contour
 //! mode) comes before the second block and releases the held line. A line grows until two conditions hold.
-//! First, it is twice as long as the distances to reach its speed and to brake again. Second, a change of
-//! direction at its end by its tolerance is too small to matter. So the planner releases a long straight line
-//! while its blocks are still being read, and two such lines fill the ring
+//! First, the line is twice as long as the distances to reach its speed and to brake again. Second, the
+//! tolerance of its end point changes the direction of the line too little to matter. So the planner releases
+//! a long straight line while its blocks are still being read, and two such lines fill the ring
 //! ([`crate::lookahead::Ring::is_full`]).
 use super::intake::Pass;
 use super::{Planning, to_f32};

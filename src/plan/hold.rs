@@ -1,12 +1,13 @@
 //! The operator's commands in the planner: feed hold, resume, abort.
 //!
 //! When a stop is demanded, up to [`crate::queue::PHASES`] pieces of a faster motion are in the queue. The
-//! planner finds the span and the motion a few ticks ahead. It plans a stop from there ([`Brake`]), and the
-//! interrupt changes over at that tick ([`clock`]). If the span is too short for the stop, the spans after it
-//! are planned in the same way, each with its own limits. The last known span is always long enough. A span
-//! that already brakes as hard as it can keeps its profile, and the change begins with the next span.
+//! planner finds the span and the motion a few ticks ahead. The planner plans a stop from there ([`Brake`]),
+//! and the interrupt changes to the stop at that tick ([`clock`]). If the span is too short for the stop, the
+//! spans after it are planned in the same way, each with its own limits. The last known span is always long
+//! enough. A span that already brakes as hard as it can keeps its profile, and the change begins with the
+//! next span.
 //!
-//! A resume begins at standstill, after the interrupt has reached the stop, even if the command comes
+//! A resume takes effect at standstill, after the interrupt has reached the stop, even if the command comes
 //! earlier. The rest of a span then gets another profile (`super::law`).
 //!
 //! A dwell continues during a feed hold, and the motion after the dwell waits. The dwell begins only after
@@ -19,15 +20,15 @@ use super::{Commands, Control, Distance, Instant, KEPT_FREE, Planning, RingStage
 use crate::queue::{Change, Cut, PHASES};
 use crate::smooth::Smoother;
 
-/// Ticks from a command to the change. In this time, the planner makes the new profile.
+/// Number of ticks from a command to the change of motion. In this time, the planner makes the new profile.
 pub const REACTION: u32 = 4;
 
 /// A new profile is handed over at most this number of ticks before its motion starts. A dwell may come
 /// first, and only one change exists at a time.
 const NEAR: u32 = 64;
 
-/// While braking, a shorter stop is searched when the speed has dropped by this power of two since the last
-/// search, if so many ticks are left. A new stop must be shorter by this power of two.
+/// While braking, the planner searches for a shorter stop each time the speed has dropped by its 2^`SLOWED`th
+/// part, if at least `WORTH` ticks are left. A new stop must be shorter by its 2^`SHORTER`th part.
 const SLOWED: u32 = 6;
 const WORTH: u32 = 8;
 const SHORTER: u32 = 6;
@@ -35,7 +36,7 @@ const SHORTER: u32 = 6;
 /// A path shorter than this (LSB 2^-44 mm) is below the rounding of a set point.
 pub(super) const NOTHING: i64 = 1 << 10;
 
-/// The state of the commands.
+/// How far the operator's commands are carried out.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Mode {
     /// Whether the commands need work or a report.
@@ -82,7 +83,7 @@ impl Mode {
         self.standing
     }
 
-    /// The same state with a stop after the emitter's profile, for any commands.
+    /// The same state, but the motion stops at the end of the current profile, whatever the commands are.
     pub const fn stop(self) -> Self {
         Self { busy: true, stopping: true, uneven: true, halting: self.halting, ..Self::RUN }
     }
@@ -195,7 +196,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         if !worth || self.orders.mode.cut.is_some() {
             return None;
         }
-        // Finding the motion goes through all pieces of the way. The call that does so is work, and the next one waits.
+        // To find the motion, a call goes through all pieces of the stop. This is its work; the next call
+        // waits.
         if paused.is_none() && self.orders.mode.tried.replace(at) == Some(at) {
             return None;
         }
@@ -217,7 +219,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         if descent.brake.v_out > 0 || way >= now - (now >> SHORTER) {
             return None;
         }
-        // The other stop need not lead into the look-ahead.
+        // This stop is shorter, so it need not lead into the look-ahead as the other one did.
         let behind = self.reserve.behind.take();
         let work = self.change(k, at, Some(descent));
         if work.is_none() {
@@ -282,7 +284,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         self.orders.mode.standing && self.queue.clock.now() == self.frontier.end
     }
 
-    /// Whether the axes stand still and no motion is planned.
+    /// Whether the axes stand still, no motion is planned, and no block waits in the look-ahead.
     pub fn is_idle(&self) -> bool {
         let left = self.queue.clock.has_left();
         let empty = self.committed.len() == 0 && self.lookahead.ring.is_empty();

@@ -1,5 +1,5 @@
-//! Takes motion blocks: makes the path, finds the limits, and passes the result to contour mode, to the held
-//! line, or to the look-ahead.
+//! Takes motion blocks of the program: makes the path and finds the limits. The result goes to contour mode,
+//! to the held line, or to the look-ahead.
 use super::Planning;
 use super::functions::Functions;
 use super::held_line::HeldLine;
@@ -79,7 +79,7 @@ pub(super) struct Entrance<'a, 'q, const AXES: usize, const BLOCKS: usize> {
 }
 
 impl<const AXES: usize, const BLOCKS: usize> Entrance<'_, '_, AXES, BLOCKS> {
-    /// Checks that the curve of a corner stays inside the software limits.
+    /// Checks that an element, such as the curve of a corner, stays inside the software limits.
     #[inline(never)]
     fn stays(&self, element: &Element<AXES>, travel: &Travel<AXES>) -> Result<(), Beyond> {
         let from = &*self.entered;
@@ -123,7 +123,8 @@ impl<const AXES: usize, const BLOCKS: usize> Entrance<'_, '_, AXES, BLOCKS> {
         }
     }
 
-    /// Puts an element into queue and look-ahead. `end`: the end of the element, if known.
+    /// Puts an element into queue and look-ahead. `due`: functions with at most this number of motion blocks
+    /// before them become due where the element begins. `end`: the end of the element, if known.
     #[inline(never)]
     pub fn push(
         &mut self,
@@ -227,7 +228,7 @@ impl<const AXES: usize, const BLOCKS: usize> Entrance<'_, '_, AXES, BLOCKS> {
 }
 
 impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
-    /// Takes a motion block. Call this function only after [`super::Work::Hungry`].
+    /// Takes a motion block of the program. Call this function only after [`super::Work::Hungry`].
     ///
     /// # Errors
     /// The block is refused and nothing has changed.
@@ -267,8 +268,8 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         }
     }
 
-    /// Neither this function nor the next one is inlined, so that only one of their stack frames exists at a
-    /// time.
+    /// Takes a line. Neither this function nor the next one is inlined, so that only one of their stack
+    /// frames exists at a time.
     #[inline(never)]
     fn take_line(&mut self, motion: &Motion<AXES>, feed: Option<f32>) -> Result<(), MotionError> {
         let (from, to) = (&self.intake.programmed, &motion.target);
@@ -316,7 +317,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         }
     }
 
-    /// Not inlined; otherwise lines would save its registers too.
+    /// Takes an arc. Not inlined; otherwise lines would save its registers too.
     #[inline(never)]
     fn take_arc(
         &mut self,
@@ -400,8 +401,8 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         self.intake.travel.curve(from, |axis| element.arc_range(axis, from, to, centre))
     }
 
-    /// Checks a motion without taking it. A line of the program may contain commands before its motion; the
-    /// check comes before these commands.
+    /// Checks a motion without taking it. A line of the program may contain commands and a motion. The caller
+    /// checks the motion first, so that no command of a refused line acts.
     ///
     /// # Errors
     /// Returns why the motion is refused.
@@ -427,7 +428,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         Ok(())
     }
 
-    /// Drops the motion of the current line, with the functions before this motion.
+    /// Drops the motion of the current line, and the functions that the line has before its motion.
     pub fn drop_motion(&mut self) {
         self.functions.drop_unsettled(self.queue.control);
     }
@@ -441,9 +442,9 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         }
     }
 
-    /// The axes that the block moves: bit i is axis i. An arc moves both axes of its plane, even if it ends
-    /// where it begins. A block with a spline, or with a curve of POS, may also move an axis and end at its
-    /// start.
+    /// Which axes the block moves: bit i is set if axis i moves. An arc moves both axes of its plane, even if
+    /// it ends where it begins. In a block with a spline, or with a curve of POS, an axis may also move and
+    /// return to its start.
     pub fn moved(&self, motion: &Motion<AXES>) -> u32 {
         let turned = match motion.kind {
             MotionKind::Arc { plane, .. } => plane.main_axes().map(|place| self.measure.main.get(place)),
@@ -459,8 +460,8 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         moved
     }
 
-    /// Changes contour mode. Call this function only after [`super::Work::Hungry`]. `in_motion`: the command
-    /// is part of a motion block.
+    /// Changes contour mode (rounding of corners). Call this function only after [`super::Work::Hungry`].
+    /// `in_motion`: the command is part of a motion block.
     ///
     /// # Errors
     /// A spline is on.
@@ -484,8 +485,8 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         self.intake.smoothing.spline(command, &before)
     }
 
-    /// Carries out #HSC. Call this function only after [`super::Work::Hungry`]. Returns `false` if #HSC is
-    /// already on and keeps its parameters.
+    /// Carries out `#HSC`. Call this function only after [`super::Work::Hungry`]. Returns `false` if `#HSC`
+    /// is already on and keeps its parameters.
     ///
     /// # Errors
     /// The command is refused and nothing has changed.
@@ -494,17 +495,17 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         self.intake.smoothing.hsc(hsc)
     }
 
-    /// The method that `#HSC ON` selects with these parameters.
+    /// The smoothing method that `#HSC ON` selects with these parameters.
     pub fn hsc_method(&self, hsc: &Hsc) -> HscMethod {
         self.intake.smoothing.method(hsc)
     }
 
-    /// Whether the feed refers to the main axes, as Surface requires.
+    /// Whether the feed refers to the main axes; Surface requires this.
     pub fn measures_space(&self) -> bool {
         self.measure.is_space()
     }
 
-    /// Whether the machine has a master axis, as DIST_MASTER requires.
+    /// Whether the machine has a master axis; DIST_MASTER requires one.
     pub fn has_master(&self) -> bool {
         self.measure.master().is_some()
     }
@@ -514,12 +515,14 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         self.intake.smoothing.rounds()
     }
 
-    /// The warning about the corner curve of the last motion. Each warning is returned once.
+    /// The warning about the corner before the last motion, for example that it gets no curve. Each warning
+    /// is returned once.
     pub fn remark(&mut self) -> Option<NcWarningKind> {
         self.intake.smoothing.remark()
     }
 
-    /// The last warning about a corner curve, and its block. Call this function after the whole program.
+    /// The last warning about a corner, and the block of this corner. Call this function after the whole
+    /// program.
     pub fn last_remark(&mut self) -> Option<(NcWarningKind, Place)> {
         let kind = self.remark()?;
         Some((kind, self.intake.smoothing.place().unwrap_or_default()))
@@ -532,9 +535,9 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         self.intake.smoothing.cancel();
     }
 
-    /// Plans the held blocks with the current dynamics, before a change of the dynamics; the corner at their
-    /// end stays sharp. Returns `false` if no block is held. Call this function only after
-    /// [`super::Work::Hungry`].
+    /// Ends a run of blocks that the smoothing stage holds back, before a change of the dynamics. The held
+    /// blocks are planned with the current dynamics, and the corner at their end stays sharp. Returns `false`
+    /// if no block is held. Call this function only after [`super::Work::Hungry`].
     pub fn end_row(&mut self) -> bool {
         self.let_go();
         if !self.intake.smoothing.holds() {
@@ -549,7 +552,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         self.dynamics.differ(self.intake.machine, command)
     }
 
-    /// Checks that a block of this length does not take too long at the speed `v`.
+    /// Checks that a block of this length takes at most 2^26 ticks at the speed `v`.
     #[cfg_attr(feature = "fast", inline(always))]
     pub(super) fn in_time(v: f32, length: Distance) -> Result<(), MotionError> {
         if to_f32(length.to_bits()) > v * SLOWEST { Err(MotionError::TooSlow) } else { Ok(()) }
@@ -604,8 +607,8 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         self.intake.taken = self.intake.taken.wrapping_add(1);
     }
 
-    /// Sets the slope of the blocks that follow; the default is P-CHAN-00071. Call this function only after
-    /// [`super::Work::Hungry`].
+    /// Sets the slope of the blocks that follow. `#SLOPE DEFAULT` selects the slope of P-CHAN-00071. Call
+    /// this function only after [`super::Work::Hungry`].
     pub fn set_slope(&mut self, command: &Slope) {
         let machine = self.intake.machine;
         self.dynamics().set_slope(machine, command);
@@ -618,7 +621,8 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         self.dynamics().weigh(machine, weight);
     }
 
-    /// The dynamics without restrictions by filters. Call this function only after [`super::Work::Hungry`].
+    /// The dynamics with all filters removed; the caller sets new filters. Call this function only after
+    /// [`super::Work::Hungry`].
     pub fn unwatched(&mut self) -> &mut Dynamics<AXES> {
         let machine = self.intake.machine;
         let dynamics = self.dynamics();
@@ -626,7 +630,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         dynamics
     }
 
-    /// The dynamics, to set path limits of the blocks that follow. Call this function only after
+    /// The dynamics, for a change of the path limits of the blocks that follow. Call this function only after
     /// [`super::Work::Hungry`].
     pub fn dynamics(&mut self) -> &mut Dynamics<AXES> {
         self.let_go();
@@ -713,8 +717,8 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         self.intake.stand();
     }
 
-    /// Takes a function that acts between the last block and the next one. `in_motion`: the function was
-    /// programmed together with a motion. Call this function only after [`super::Work::Hungry`].
+    /// Takes a function (M, H, S or T) that becomes due between the last block and the next one. `in_motion`:
+    /// the line of the function also has a motion. Call this function only after [`super::Work::Hungry`].
     ///
     /// # Errors
     /// Returns the function if there is no room. Call [`Self::make_room`], then call `output` again.
@@ -738,24 +742,24 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         taken.map_err(|()| function)
     }
 
-    /// Lets the function of the last [`Self::output`] be output before its place. `shift`: path distance from
-    /// the output to the place, 0.1 µm.
+    /// Sets how far before its place the function of the last [`Self::output`] is output. `shift`: this path
+    /// length, 0.1 µm.
     #[cfg(feature = "plc")]
     pub fn shift(&mut self, shift: u32) {
         self.functions.shift(shift);
     }
 
-    /// Demands the acknowledgement of all functions with late synchronisation at the end of the program. Call
-    /// this function only after [`super::Work::Hungry`].
+    /// Demands the acknowledgement of all functions with late synchronisation, for the end of the program.
+    /// Call this function only after [`super::Work::Hungry`].
     #[cfg(feature = "plc")]
     pub fn demand_all(&mut self) {
         self.functions.demand_all(self.intake.taken);
     }
 
-    /// Demands the acknowledgement of functions with late synchronisation before the next motion block.
-    /// `explicit`: `true` for functions that `#EXPL SYN` acknowledges (MVS_SLP), `false` for functions that are
-    /// acknowledged before the next block at feed (MVS_SLM). Call this function only after
-    /// [`super::Work::Hungry`].
+    /// Demands the acknowledgement of functions with late synchronisation: the motion waits for it before the
+    /// next motion block. `explicit`: `true` for functions that `#EXPL SYN` acknowledges (MVS_SLP), `false`
+    /// for functions that are acknowledged before the next block at feed (MVS_SLM). Call this function only
+    /// after [`super::Work::Hungry`].
     #[cfg(feature = "plc")]
     pub fn demand(&mut self, explicit: bool) {
         if self.functions.are_late(explicit) {

@@ -9,7 +9,7 @@
 //! has to reach the functions before. The planner stops the motion only if no block is left to be released.
 //!
 //! A planner that does not keep up also releases blocks in this way, before it has taken the next block. The
-//! condition is: the queue is low and ends at speed while blocks are being taken. A planner that keeps up
+//! condition is: while blocks are being taken, the queue is low and ends at speed. A planner that keeps up
 //! never meets this condition, because it fills the queue before each tick. If the planner is not called at
 //! all, the interrupt uses the reserve (`reserve.rs`).
 //!
@@ -53,7 +53,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         low && self.supply.low >= SOON
     }
 
-    /// Continues without a next block. Call this function only after [`Work::Hungry`]. Returns
+    /// Continues if no next block is there yet: waits while the queue holds enough motion, and then releases
+    /// the blocks of the look-ahead. Call this function only after [`Work::Hungry`]. Returns
     /// [`Work::Starved`] once for each stop.
     pub fn go_without(&mut self) -> Work {
         let left = self.frontier.end.wrapping_sub(self.queue.clock.now());
@@ -77,7 +78,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         Work::Starved
     }
 
-    /// Makes room for a function. Call this function only after [`Work::Hungry`].
+    /// Makes room in the queue for the next function: releases blocks, so that the interrupt reaches the
+    /// functions before. Call this function only after [`Work::Hungry`].
     pub fn make_room(&mut self) -> Work {
         let left = self.frontier.end.wrapping_sub(self.queue.clock.now());
         if left > clock::TICK * LOW {

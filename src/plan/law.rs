@@ -1,10 +1,10 @@
 //! The profile of the next span that has none: the planned profile, or a replacement.
 //!
 //! A profile is planned for the start speed of its span, the whole span, and the override of that time. After
-//! a stop, a change of override, or a slower span before, one of these profiles replaces it:
+//! a stop, a change of override, or a slower span before, one of these profiles replaces the planned one:
 //!
 //! - For several blocks: the rest of the planned profile, or a profile that is at most as fast at each place,
-//!   scaled by a part of the speed. Any other profile would have to be compared with every block
+//!   slowed down by the override. Any other profile would have to be compared with every block
 //!   ([`CommittedSpan::go_on`]).
 //! - Otherwise: a profile from the current speed, within the current speed limit of the span. For several
 //!   blocks, this limit is the speed of the slowest block, or the constant speed of the planned profile

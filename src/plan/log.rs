@@ -55,7 +55,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         self.intake.plc.recorder.is_some()
     }
 
-    /// Starts the log for a new program: distances count from here.
+    /// Starts the log for a new program: the distances in the log count from here.
     pub fn start_log(&mut self) {
         let path = self.queue.segments.end().to_bits();
         if let Some(recorder) = &mut self.intake.plc.recorder {
@@ -63,7 +63,8 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         }
     }
 
-    /// Drops the lines that were read ahead. The known path then ends at the coming stop.
+    /// Empties the log, because the lines that were read ahead of the motion are dropped. The known path then
+    /// ends at the coming stop.
     pub fn cut_log(&mut self) {
         self.intake.plc.parts = false;
         let path = self.queue.segments.end().to_bits();
@@ -73,7 +74,8 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         }
     }
 
-    /// Sets the place of commands, as soon as all motion blocks before them are in the look-ahead.
+    /// Places the commands of the log on the path, as soon as all motion blocks before them are in the
+    /// look-ahead.
     pub fn settle_log(&mut self) {
         use crate::smooth::Smoother;
         if self.intake.held.is_none() && self.intake.smoothing.is_empty() {
@@ -84,8 +86,8 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         }
     }
 
-    /// #CONTOUR LOOKAHEAD LOG CLEAR: clears the log at a standstill before the next motion block. No block
-    /// is taken until then.
+    /// Carries out `#CONTOUR LOOKAHEAD LOG CLEAR`: clears the log at a standstill before the next motion
+    /// block. No block is taken until then.
     ///
     /// # Errors
     /// Too many commands wait for one motion block.
@@ -93,8 +95,8 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         self.log(n, ContourLog::Clear)
     }
 
-    /// Whether `#DISTANCE PROG START CLEAR` waits for a stop of the axes. Call this function only after
-    /// [`super::Work::Hungry`].
+    /// Whether `#DISTANCE PROG START CLEAR` still waits for a stop of the axes. At the stop, the call carries
+    /// out the command and returns `false`. Call this function only after [`super::Work::Hungry`].
     pub fn waits_for_log(&mut self) -> bool {
         let waits = self.intake.plc.recorder.as_ref().is_some_and(Recorder::waits_for_rest);
         if waits && self.is_at_rest() {

@@ -1,5 +1,5 @@
-//! From motion blocks to the queue: path, look-ahead and speed profiles in sequence, with bounded work per
-//! call.
+//! The planner without the NC language: from motion blocks to the queue. Path, look-ahead and speed profiles
+//! follow each other, with bounded work per call.
 //!
 //! | file | what it decides |
 //! |---|---|
@@ -90,7 +90,8 @@ enum RingStage {
     Releasing(usize),
 }
 
-/// The result of one call of the planner without a channel, such as [`Planning::work`].
+/// The result of a call of [`Planning::work`] and similar functions. An application with a channel gets
+/// `Progress` instead.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Work {
     /// The call did some work, and there is more to do: call again.
@@ -99,8 +100,8 @@ pub enum Work {
     Waiting,
     /// A span has got its speed profile: [`Planning::planned`] returns it.
     Planned,
-    /// The span planned last has got another profile, which ends faster, because an acknowledgement came in
-    /// time.
+    /// The span planned last has got another profile, which ends faster: an acknowledgement came in time, so
+    /// the motion does not stop.
     Replanned,
     /// The planner needs the next block; there is no other work.
     Hungry,
@@ -108,7 +109,7 @@ pub enum Work {
     Starved,
     /// The planner was called so rarely that the motion stopped on its path. The motion resumes now.
     Late,
-    /// The motion gets slower, because a stop from the current speed has no room.
+    /// The planner slows the motion down, because a stop from the current speed has no room in the reserve.
     Slower,
     /// The motion has stopped, and the remaining blocks are dropped. The cause is an abort, or a plan that
     /// failed.
@@ -118,7 +119,8 @@ pub enum Work {
     Refused,
 }
 
-/// Memory of a [`Planning`] for its large parts. All bits are zero when new, so the memory takes no flash.
+/// Static memory for the large parts of a [`Planning`]. All bits are zero when new, so the memory takes no
+/// flash.
 pub struct PlanningMemory<const AXES: usize, const BLOCKS: usize> {
     lookahead: LookaheadMemory<BLOCKS>,
     committed: CommittedSpans,
@@ -150,7 +152,8 @@ impl<const AXES: usize, const BLOCKS: usize> Default for PlanningMemory<AXES, BL
     }
 }
 
-/// Path, look-ahead, slope and the planner's end of the queue. The large parts lie in a [`PlanningMemory`].
+/// The planner without the NC language: takes motion blocks and functions, and fills the queue for the
+/// interrupt. The large parts lie in a [`PlanningMemory`].
 pub struct Planning<'a, const AXES: usize, const BLOCKS: usize> {
     measure: Measure,
     dynamics: &'a mut Dynamics<AXES>,
@@ -306,11 +309,11 @@ struct Report {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct PlannedBlock {
-    /// Number of the first motion block in the span, counted from 0 since the split.
+    /// Number of the first motion block in the span, counted from 0 since `Channel::split`.
     pub block: u32,
     /// Number of motion blocks that begin in the span.
     pub blocks: u32,
-    /// N number of the first motion block in the program.
+    /// N number of the first motion block in the span.
     pub n: u32,
     /// Path length of the span.
     pub length: Distance,
@@ -385,7 +388,7 @@ const KEPT_FREE: u32 = PIECES + 2;
 const LONGEST_REST: u64 = 65_535;
 
 impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
-    /// A planning for a machine that stands at `start`. Earlier contents of `memory` do not matter.
+    /// Makes a planner for a machine whose axes stand at `start`. Earlier contents of `memory` do not matter.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn new(
         memory: &'a mut PlanningMemory<AXES, BLOCKS>,
@@ -471,12 +474,12 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         }
     }
 
-    /// Cost of the last call's search for a stop, in about 100 instructions of a Cortex-M4.
+    /// Cost of the search for a stop in the last call, in units of about 100 instructions of a Cortex-M4.
     pub const fn searched(&self) -> u32 {
         self.orders.search.spent()
     }
 
-    /// Demands a stop after the blocks taken so far, and then a dwell of `ticks` ticks. The next
+    /// Demands a stop after the blocks taken so far, followed by a dwell of `ticks` ticks. The next
     /// [`Work::Hungry`] comes when stop and dwell are in the queue.
     pub fn rest(&mut self, ticks: u64) {
         self.task.flush = true;
@@ -487,7 +490,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
     ///
     /// # Errors
     /// [`Unplannable`]: the check of a plan has found a defect of the planner, or a block takes too long at
-    /// reduced speed. The motion stops as with an abort: [`Work::Aborted`] follows.
+    /// reduced speed. The motion stops as with an abort, and a later call returns [`Work::Aborted`].
     pub fn work(&mut self) -> Result<Work, Unplannable> {
         #[cfg(feature = "examine")]
         if self.lookahead.ring.examines() {
@@ -781,20 +784,21 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         self.report.begun = begun;
     }
 
-    /// Number of curves that the planner has released to the interrupt since the split.
+    /// Number of curves that the planner has released to the interrupt since the start of the channel.
     pub fn curves(&self) -> u32 {
         self.queue.segments.handed()
     }
 
-    /// A point of a released curve, at `part` 2^16ths of its length, and its motion block.
+    /// A point of a released curve, and the number of its motion block. The point lies at `part`/2^16 of the
+    /// curve's length; `curve` counts from 0, as in [`Self::curves`].
     pub fn point(&self, curve: u32, part: u32) -> Option<(u32, [Position; AXES])> {
         let track = self.queue.segments.recent(curve)?;
         let distance = (i128::from(track.segment.length()) * i128::from(part)) >> 16;
         Some((self.queue.segments.block_of(track.segment), track.point(distance as i64)))
     }
 
-    /// The span planned last. Call this function only after [`Work::Planned`], before the next call of
-    /// [`Self::work`].
+    /// The profile of the span planned last. Call this function only after [`Work::Planned`], before the next
+    /// call of [`Self::work`].
     pub fn planned(&self) -> PlannedBlock {
         let Planned { number, blocks, n } = self.report.planned;
         let committed = self.committed.len().checked_sub(1).and_then(|last| self.committed.get(last));

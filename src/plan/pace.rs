@@ -1,10 +1,10 @@
 //! Changes of override and reduced speed in profiles that are already in the queue.
 //!
-//! The planner finds the motion a few ticks ahead, as for a feed hold, and the interrupt changes over there.
-//! From there on, the motion brakes to the new speed, or its acceleration ends. The rest of the span then
-//! gets its own profile with the new speed. In two cases, the change begins with the next span: too little of
-//! the current span is left, or the motion already brakes in it. A braking span changes too if it would be
-//! far too slow. Spans without a profile get the right one later.
+//! The planner finds the motion a few ticks ahead, as for a feed hold, and the interrupt changes to a new
+//! profile there. With the new profile, the motion brakes to the new speed, or its acceleration ends. The
+//! rest of the span then gets its own profile with the new speed. In two cases, the change begins with the
+//! next span: too little of the current span is left, or the motion already brakes in it. A braking span
+//! changes too if it would be far too slow. Spans without a profile get the right one later.
 use super::committed::CommittedSpan;
 use super::descent::Descent;
 use super::{Brake, Commands, Planning, Speed, Work, clock};

@@ -7,11 +7,11 @@
 //! the stop.
 //!
 //! The reserve is made like a feed hold (`hold`). It begins with the motion at the end of the queue. It
-//! passes the rest of that span and the planned spans of the look-ahead, until one is long enough. The plan
-//! of the ring ends in a stop, so the reserve always ends. While the planner makes the reserve, it sets its
-//! current work aside; it continues this work afterwards.
+//! passes the rest of that span and the planned spans of the look-ahead, until one span is long enough for
+//! the stop. The plan of the ring ends in a stop, so the reserve always ends. While the planner makes the
+//! reserve, it sets its current work aside; it continues this work afterwards.
 //!
-//! If the queue ends in a planned stop, its last tick comes before the stop. The tick that shows the stop
+//! If the queue ends in a planned stop, its last tick comes before the stop. One more tick shows the stop; it
 //! belongs to the next motion. Until that motion is in the queue, the reserve is only this tick.
 //!
 //! A new reserve is made when the interrupt comes near the old one: once per full queue, for blocks of any
@@ -20,8 +20,8 @@
 //! A stop without room, or with an unknown end, is not used. The old reserve stays, and the motion gets
 //! slower ([`super::slower`]).
 //!
-//! A command that changes profiles in the queue, and a start from a standstill become valid when the next
-//! reserve is complete ([`super::change`]).
+//! New pieces that a command puts in place of others, and the first pieces after a standstill, become valid
+//! when the next reserve is complete ([`super::change`]).
 use super::change::Pending;
 use super::committed::CommittedSpan;
 use super::hold::{Mode, NOTHING};
@@ -39,7 +39,7 @@ const CALLS: u32 = 2;
 /// Profiles per call. Each profile may pass many spans.
 const LAWS: u32 = 1;
 
-/// The stop with which the interrupt will continue.
+/// The stop in the reserve: when it begins and ends, and where.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Way {
     /// The first instant of the stop, and the instant at which the axes stand still.
@@ -65,7 +65,7 @@ pub(super) struct Aside {
     keeps_ramps: bool,
 }
 
-/// The reserve.
+/// The state of the reserve: the stop in force, and the stop that is being made.
 pub(super) struct Reserve {
     pub kept: Option<Way>,
     pub aside: Option<Aside>,
@@ -116,22 +116,22 @@ impl Reserve {
         }
     }
 
-    /// Whether a stop is being made.
+    /// Whether the stop of a new reserve is being made.
     pub const fn is_made(&self) -> bool {
         self.aside.is_some()
     }
 
-    /// Whether a stop is ready.
+    /// Whether a stop is in force, with which the interrupt can continue.
     pub const fn is_kept(&self) -> bool {
         self.kept.is_some()
     }
 
-    /// Whether the change in progress gives another profile to a span that has one.
+    /// Whether the new pieces in progress replace the profile of a span, and are not a start from a stop.
     pub fn renews_law(&self) -> bool {
         self.pending.as_ref().is_some_and(Pending::is_command)
     }
 
-    /// The next block of the look-ahead, and its path distance.
+    /// Where the stop in progress enters the look-ahead: number of the next block, and its path distance.
     pub const fn ahead(&self) -> (usize, Distance) {
         (self.next, self.distance)
     }
@@ -141,7 +141,8 @@ impl Reserve {
         self.kept.is_some_and(|way| way.as_planned && way.end.wrapping_sub(way.at) == clock::TICK)
     }
 
-    /// Lets the stop in progress continue at this block and path distance.
+    /// Lets the stop in progress continue at the block `next` of the look-ahead, which begins at this path
+    /// distance.
     pub const fn go_on_at(&mut self, next: usize, distance: i64) {
         (self.next, self.distance) = (next, Distance::from_bits(distance));
     }
@@ -185,8 +186,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         Work::Working
     }
 
-    /// Begins a reserve if two conditions hold: the queue ends at speed beyond the old reserve, and the
-    /// interrupt reaches the old reserve within `within` ticks or within half of the queue.
+    /// Begins a reserve if two conditions hold. The queue ends at speed beyond the old reserve. The interrupt
+    /// reaches the old reserve within `within` ticks, or within half of the queue.
     #[cfg_attr(feature = "fast", inline(always))]
     pub(super) fn secure(&mut self, within: u32) -> bool {
         self.secure_at(self.queue.clock.now(), within)
@@ -252,7 +253,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         // The rest of a profile that stops is itself a stop.
         let stops = ends && !stands && self.orders.mode.stopping;
         let unplanned = self.task.stage == RingStage::Passing;
-        // The existing reserve goes further.
+        // While the look-ahead is being planned, a new reserve has to end before it. The existing reserve may
+        // lead further.
         let has_better = unplanned && self.reserve.is_kept();
         let refused = (has_better || failed || self.comes_down()) && self.reserve.pending.is_none();
         if refused || (self.reserve.behind.is_some() && !stops) {

@@ -1,11 +1,11 @@
-//! The seam between two passes of a real-time loop: the planner waits there before it decides on the next
-//! pass.
+//! The seam between two passes of a real-time loop. There the planner waits before it decides whether another
+//! pass follows.
 //!
 //! Blocks wait in the look-ahead. The planner releases only blocks that a longer path would not make faster.
-//! So after the released blocks, there is always enough path to stop. The flag decides on the next pass in
-//! this case: the path is no longer long enough, and the queue runs low.
+//! So after the released blocks, there is always enough path to stop. The decision depends on
+//! V.RTG.LOOP.ENABLED. The planner decides when the path is no longer long enough and the queue runs low.
 //!
-//! The decision comes [`SOON`] ticks and about two braking distances ahead, in whole blocks of the
+//! The decision comes [`SOON`] ticks and about two braking distances before the seam, in whole blocks of the
 //! look-ahead. A longer line or arc is divided into two blocks.
 use super::intake::{Entrance, Pass};
 use super::{Planning, clock};
@@ -65,8 +65,8 @@ impl<const AXES: usize, const BLOCKS: usize> Entrance<'_, '_, AXES, BLOCKS> {
 }
 
 impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
-    /// Continues with the released path while it is open whether another pass of a real-time loop follows.
-    /// Call this function only after [`super::Work::Hungry`].
+    /// Continues with the released path while it is not decided whether another pass of a real-time loop
+    /// follows. Call this function only after [`super::Work::Hungry`].
     pub fn seam(&mut self) -> Seam {
         // If a line continues in the next pass, its parts stay separate elements.
         self.let_go();
@@ -86,7 +86,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         Seam::Working
     }
 
-    /// Begins a pass of a real-time loop after the last motion block, or ends the last pass there.
+    /// Begins a pass of a real-time loop after the last motion block, or ends the last pass there. The log of
+    /// the path records this.
     ///
     /// # Errors
     /// Too many commands of the log wait for one motion block.
@@ -98,7 +99,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         Ok(())
     }
 
-    /// Whether a spline is on; its curve depends on later blocks.
+    /// Whether a spline is on. Its curve depends on later blocks.
     pub fn has_spline(&self) -> bool {
         self.intake.smoothing.has_spline()
     }

@@ -6,15 +6,15 @@
 //! |---|---|---|
 //! | `Begin`, `Short` | limits of the axes along the stop itself (`short_stop`) | a round |
 //! | `Along` | limits of the spans, down to a stop (`descent`) | all of it |
-//! | `Begin`, `Short`, surely | the first stage again, if a stop fits, but not by one profile | a round |
+//! | `Begin`, `Short` with `surely` | the first stage again, if the limits of the spans permit a stop, but not by one profile | a round |
 //! | `Down` | braking to the end of fewer and fewer spans | one profile |
 //!
 //! Each step adds its cost. A call that has spent [`ENOUGH`] ends with [`Later`], and the next call
-//! continues. Between two steps, only a few numbers are stored. The last step makes the profile and checks it
+//! continues. Between two calls, only a few numbers are stored. The last step makes the profile and checks it
 //! against the current spans.
 //!
 //! A search is for one span and one motion. For another span or motion, the search begins anew, so a change
-//! of plan need not end it. If the motion is ahead of the interrupt, its instant is stored
+//! of plan need not end it. If the search is for a motion at a later instant, this instant is stored
 //! ([`Search::pause`]). If the interrupt has passed that instant, the next search is for a later one.
 use super::descent::{Along, Descent};
 use super::short_stop::{No, Short};
@@ -23,8 +23,9 @@ use crate::lookahead::ReleasedSpan;
 use crate::queue::Segment;
 use core::cell::Cell;
 
-/// Costs, in about 100 instructions of a Cortex-M4: of a committed span; of a span of the look-ahead, in addition to
-/// 1 for each block; of a profile to a given speed; of a profile whose end speed is searched.
+/// Costs, in about 100 instructions of a Cortex-M4. In this order: a committed span; a span of the
+/// look-ahead, in addition to 1 for each block; a profile to a given speed; a profile whose end speed is
+/// searched.
 pub(super) const SPAN_COSTS: u32 = 3;
 pub(super) const SCAN_COSTS: u32 = 6;
 pub(super) const LAW_COSTS: u32 = 15;
@@ -95,7 +96,7 @@ pub(super) struct Search {
 impl Search {
     const NO_MOTION: Instant = Instant { distance: 0, speed: 0, accel: 0 };
 
-    /// No search.
+    /// No search in progress.
     pub const fn none() -> Self {
         Self {
             k: 0,
@@ -113,18 +114,19 @@ impl Search {
         }
     }
 
-    /// Adds the cost of a step.
+    /// Adds the cost of a step to that of the call.
     pub fn spend(&self, costs: u32) {
         self.spent.set(self.spent.get().saturating_add(costs));
     }
 
-    /// Adds costs of a round, if they stay within `most` in total. Returns `None` if they do not.
+    /// Adds the cost of a part of a round, if the sum stays at most `most`. Returns `None` if the sum would
+    /// be higher.
     pub fn spend_up_to(&self, most: u32, costs: u32) -> Option<()> {
         self.spend(costs);
         (self.spent() <= most).then_some(())
     }
 
-    /// Begins a call of the planner.
+    /// Begins a call of the planner: its cost is 0.
     pub const fn begin_call(&mut self) {
         (self.spent, self.goes_on) = (Cell::new(0), false);
     }
@@ -139,28 +141,28 @@ impl Search {
         (self.motion, self.paused, self.skips) = (Self::NO_MOTION, None, false);
     }
 
-    /// Pauses the search until the next call, for a change at the instant `at`. `later`: the first span that
-    /// begins after `at`. `skips`: the stop begins with that span.
+    /// Keeps the search for the next call, for a change of plan at the instant `at`. `later`: the first span
+    /// that begins after `at`. `skips`: the stop begins with that span.
     pub const fn pause(&mut self, (at, later): (u32, usize), skips: bool) {
         (self.paused, self.skips) = (Some((at, later)), skips);
     }
 
-    /// Whether the stop begins with the next span.
+    /// Whether the stop begins with the next span, because the current one has no stop.
     pub const fn skips(&mut self) -> bool {
         core::mem::replace(&mut self.skips, false)
     }
 
-    /// Cost of this call.
+    /// Cost of the search in this call, in units of about 100 instructions of a Cortex-M4.
     pub const fn spent(&self) -> u32 {
         self.spent.get()
     }
 
-    /// Whether an instant is kept for the search.
+    /// Whether a paused search continues at a stored instant.
     pub const fn is_paused(&self) -> bool {
         self.paused.is_some()
     }
 
-    /// The span and the motion of the search.
+    /// The span and the motion from which the search is for a stop.
     pub const fn begins(&self) -> (usize, Instant) {
         (self.k, self.motion)
     }

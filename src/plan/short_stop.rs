@@ -1,11 +1,11 @@
 //! The shortest stop that the path ahead permits.
 //!
 //! The limits of a span are those of its highest speed, and of the place where it bends most. A stop uses
-//! only a part of the span, at falling speed, so the axes may permit more. The limits of the axes depend on
-//! the speed at each place of the path, and this speed depends on the deceleration. So the profile is found
-//! in rounds. The first round tries the limits of the axes at the start of the stop. Each further round uses
-//! lower limits, until the axes permit the profile everywhere. Each round checks a few speeds of the profile,
-//! each at the place where the profile has this speed.
+//! only a part of the span, at falling speed, so the axes may permit more deceleration. The limits of the
+//! axes depend on the speed at each place of the path, and this speed depends on the deceleration. So the
+//! profile is found in rounds. The first round tries the limits of the axes at the start of the stop. Each
+//! further round uses lower limits, until the axes permit the profile everywhere. A round checks a few speeds
+//! of the profile, each at the place where the profile has this speed.
 //!
 //! One call makes a round, or a few rounds if the stop has few curves (`search`).
 use super::descent::{CLOSE, Cursor, Descent, SPANS, Stretch};
@@ -441,7 +441,8 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
                     }
                     let behind = start.wrapping_add(length);
                     let is_last = behind.wrapping_sub(end) >= 0;
-                    // Signs of two polynomials differ, so each counts alone. STEP and knees have no use for them.
+                    // The derivatives of two polynomials have different signs, so each polynomial counts
+                    // alone. STEP and knees do not use the signs.
                     if is_last || !(is_one || track.segment.is_line() || track.segment.is_arc()) {
                         self.orders.search.spend_up_to(most, part_costs(AXES))?;
                         self.dynamics.stopping(&mut swings, &passed, braking)?;

@@ -1,15 +1,15 @@
 //! Lowers the speed of a motion without room for its stop, until the stop has room.
 //!
-//! The reserve in force is never lost: at its start the interrupt leaves the queue. So pieces after that
-//! instant become valid only when the next reserve is complete. The next reserve may need more pieces than
-//! there is room for ([`crate::queue::Keeper`]), or leave the path that the interrupt knows. Then the planner
-//! sets a speed cap for all profiles ([`crate::lookahead::Pace::set_cap`]), withdraws the pieces that are not
-//! valid, and makes the reserve again. A lower speed gives a shorter stop, and each try is slower. If no try
-//! is in time, the interrupt uses the reserve in force and stops.
+//! The planner never gives up the reserve in force: at its start the interrupt leaves the queue. So pieces
+//! after that instant become valid only when the next reserve is complete. The next reserve may need more
+//! pieces than there is room for ([`crate::queue::Keeper`]), or leave the path that the interrupt knows. Then
+//! the planner sets a speed cap for all profiles ([`crate::lookahead::Pace::set_cap`]), withdraws the pieces
+//! that are not valid, and makes the reserve again. A lower speed gives a shorter stop, so each try is
+//! slower. If no try is in time, the interrupt uses the reserve in force and stops.
 //!
 //! A start from a stop, or a new profile by a command, is also withdrawn and tried again at the lower speed.
 //!
-//! The cap rises step by step while stops leave room. So the speed stays where stops just fit.
+//! The cap rises step by step while stops leave room. So the speed settles where stops just fit.
 use super::committed::CommittedSpan;
 use super::{Brake, Instant, KEPT_FREE, PIECES, Planning, RingStage, Speed, clock};
 use crate::math::float::{max, min};

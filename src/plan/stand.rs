@@ -29,21 +29,22 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         !clock::is_before(self.queue.clock.now(), self.frontier.end)
     }
 
-    /// Half of the ticks up to the reserve, or up to the end of the queue; at least 1. In this time, the
-    /// planner may do other work.
+    /// Number of ticks for which the planner may do other work: half of the ticks up to the reserve, at least
+    /// 1. Without a reserve, the end of the queue counts.
     pub fn ticks_of_reserve(&self) -> u32 {
         let ahead = self.reserve.kept.map_or(self.frontier.end, |way| way.at);
         let ticks = (ahead.wrapping_sub(self.queue.clock.now()) as i32).max(0).unsigned_abs() / clock::TICK;
         (ticks / 2).max(1)
     }
 
-    /// End of the last block. At a standstill, this is exactly the set point of every axis.
+    /// End of the last block. At a standstill, this is exactly the set point of every axis; with a
+    /// transformation, it is the tool tip instead.
     pub fn position(&self) -> &[Position; AXES] {
         &self.intake.programmed
     }
 
     /// Position of the axes at a standstill, exactly the set points: mm or degrees. With a transformation,
-    /// [`Self::position`] is that of the tool tip.
+    /// [`Self::position`] returns the tool tip instead.
     pub fn stands(&self) -> &[Position; AXES] {
         #[cfg(feature = "kinematics")]
         if self.is_transformed() {
@@ -52,10 +53,10 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         &self.intake.programmed
     }
 
-    /// Whether an axis may move alone from its position to `target`.
+    /// Checks whether an axis may move alone from its position to `target`.
     ///
     /// # Errors
-    /// The software limit of the axis.
+    /// Returns the software limit that the motion would violate.
     pub fn may_go(&self, axis: usize, target: Position) -> Result<(), Beyond> {
         let mut to = *self.stands();
         if let Some(slot) = to.get_mut(axis) {
@@ -85,20 +86,21 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         self.queue.control.commands()
     }
 
-    /// The place of a curve that was refused for a software limit; each refusal is returned once.
+    /// The place of a curve that was refused because of a software limit, and the limit. Each refusal is
+    /// returned once.
     pub fn take_refused(&mut self) -> Option<(Place, Beyond)> {
         self.intake.refused.take()
     }
 
-    /// Drops an abort that came at a standstill, where there is no motion to end.
+    /// Drops an abort that came at a standstill, when there was no motion to end.
     pub fn forget_abort(&mut self) {
         if self.queue.control.commands().abort {
             self.queue.control.aborted();
         }
     }
 
-    /// Begins another text, at a standstill. A tick has already shown the end of the last motion, so late
-    /// text needs no further tick.
+    /// Begins another program text, at a standstill. A tick has already shown the end of the last motion, so
+    /// no further tick is needed if the text is late.
     pub fn begin(&mut self) {
         self.task.stood |= self.committed.len() > 0;
     }
@@ -114,7 +116,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
         self.lookahead.ring.forget_exit();
     }
 
-    /// After a plan that failed: drops the blocks that are read and not planned.
+    /// Drops the blocks that have been read and not planned, after a plan that failed.
     pub fn drop_ahead(&mut self) {
         self.forget_ahead();
         (self.task.flush, self.task.rest) = (false, 0);

@@ -48,13 +48,13 @@ impl core::fmt::Display for SwitchError {
 
 impl core::error::Error for SwitchError {}
 
-/// How many curves of the tool tip have been transformed, and into how many curves of the axes. For reports.
+/// How many curves of the tool tip have been transformed, and into how many curves of the axes, for reports.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Split {
     /// Number of curves of the programmed path.
     pub elements: u32,
-    /// Number of polynomials for the axes.
+    /// Number of polynomials for the axes into which the curves were split.
     pub polynomials: u32,
 }
 
@@ -105,7 +105,7 @@ pub(super) struct Transform<'a, const AXES: usize> {
 }
 
 impl<'a, const AXES: usize> Transform<'a, AXES> {
-    /// A transformation stage without data sets.
+    /// A stage with the axes at `start` and no transformations.
     pub const fn new(start: [Position; AXES]) -> Self {
         Self {
             sets: &[],
@@ -121,12 +121,12 @@ impl<'a, const AXES: usize> Transform<'a, AXES> {
         }
     }
 
-    /// Whether an element is being split, or was refused.
+    /// Whether an element is being split, or a refused element has not been reported yet.
     pub const fn is_busy(&self) -> bool {
         self.job.is_some() || self.refused.is_some()
     }
 
-    /// Direction at the end of the last element, in workpiece coordinates.
+    /// Direction at the end of the last element, in workpiece coordinates; `None` before the first element.
     pub const fn exit(&self) -> Option<&End<AXES>> {
         self.exit.as_ref()
     }
@@ -220,12 +220,12 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         self.intake.transform.active.is_some()
     }
 
-    /// The active transformation.
+    /// The active transformation, or `None`.
     pub const fn kinematic(&self) -> Option<&'a Kinematic> {
         self.intake.transform.active
     }
 
-    /// How many curves have been transformed since the split, and into how many polynomials.
+    /// How many curves have been transformed since the start of the channel, and into how many polynomials.
     pub const fn split(&self) -> Split {
         self.intake.transform.split
     }
@@ -235,7 +235,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         &self.intake.entered
     }
 
-    /// #KIN ID: selects a data set.
+    /// Carries out `#KIN ID`: selects a data set of the machine.
     ///
     /// # Errors
     /// There is no such data set, or another one is active.
@@ -248,7 +248,8 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         Ok(())
     }
 
-    /// #TRAFO ON: the transformation becomes active after the blocks before the command ([`Self::switches`]).
+    /// Carries out `#TRAFO ON`: the transformation becomes active after the blocks before the command
+    /// ([`Self::switches`]).
     ///
     /// # Errors
     /// No data set is selected, or another one is active.
@@ -275,7 +276,8 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         self.intake.transform.wanted = None;
     }
 
-    /// `#TRAFO OFF`: ends the transformation after the blocks before the command.
+    /// Carries out `#TRAFO OFF`: the transformation ends after the blocks before the command
+    /// ([`Self::switches`]).
     pub fn switch_off(&mut self) {
         if self.is_transformed() {
             self.intake.transform.wanted = Some(None);
@@ -283,8 +285,9 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         }
     }
 
-    /// Changes the transformation, if a change is pending. Call this function only after [`Work::Hungry`].
-    /// Returns `true` if the transformation has changed; program positions then mean other axis positions.
+    /// Changes the transformation, if `#TRAFO` has demanded a change. Call this function only after
+    /// [`Work::Hungry`]. Returns `true` if the transformation has changed; program positions then mean other
+    /// axis positions.
     pub fn switches(&mut self) -> bool {
         let Some(wanted) = self.intake.transform.wanted.take() else { return false };
         self.intake.transform.active = wanted;

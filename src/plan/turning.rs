@@ -1,5 +1,5 @@
-//! The angle that consecutive arcs turn about one centre. An arc that continues another one counts as one arc
-//! together with it ([`crate::path::Circle::turn`]).
+//! The angle that consecutive arcs turn about one centre. An arc that continues the arc before it counts
+//! together with that arc ([`crate::path::Circle::turn`]).
 use crate::nc::Plane;
 use crate::path::Element;
 use crate::quantity::Position;
@@ -25,7 +25,7 @@ impl Turning {
     pub const NONE: Self =
         Self { centre: [Position::ZERO; 2], plane: Plane::G17, clockwise: false, behind: 0, turn: 0.0 };
 
-    /// Adds an arc as motion block `number`. The arc may continue the arc before.
+    /// Adds the arc of motion block `number`, and continues the sum if the arc continues the arc before.
     pub fn go_on<const AXES: usize>(
         &mut self,
         element: &mut Element<AXES>,

@@ -3,8 +3,8 @@
 //! An action keeps one place from the planner to the operator. Three counters say who owns a place, and each
 //! counter has one writer. The planner counts actions *put in*, the interrupt counts *due* actions, the
 //! operator counts *taken* actions. When the path reaches the point of an action, the interrupt writes the
-//! tick number into the place and increments its counter. No action is copied, and the operator may take it
-//! at any later time.
+//! tick number into the place and increments its counter. No action is copied, and the operator may take a
+//! due action at any later time.
 #![allow(unsafe_code)]
 use super::{ACTIONS, PlacedAction};
 use crate::quantity::{Distance, Position};
@@ -124,13 +124,13 @@ impl Actions {
 }
 
 impl Scheduler<'_> {
-    /// Number of further actions that have room.
+    /// Number of further actions that can be put in now.
     pub fn room(&self) -> u32 {
         let put = self.0.put.load(Ordering::Relaxed);
         (ACTIONS as u32).wrapping_sub(put.wrapping_sub(self.0.taken.load(Ordering::Acquire)))
     }
 
-    /// Appends an action, at or after the point of the last one.
+    /// Appends an action. Its point must not lie before the point of the last action.
     ///
     /// # Errors
     /// There is no room. The error returns the action.
@@ -146,13 +146,13 @@ impl Scheduler<'_> {
         Ok(())
     }
 
-    /// The number of the first action that is not due yet. Actions are numbered from 0 since the split.
+    /// The number of the first action that is not due yet. Actions are numbered from 0 since `Rings::split`.
     pub fn first_open(&self) -> u32 {
         self.0.due.load(Ordering::Acquire)
     }
 
-    /// The path distance of the action with this number, if the action is put in and not due yet. The action
-    /// may become due during the call.
+    /// The path distance of the action with this number, if the action has been put in and is not due yet.
+    /// The action may become due during the call.
     pub fn open(&self, number: u32) -> Option<Distance> {
         let put = self.0.put.load(Ordering::Relaxed);
         let open = put.wrapping_sub(self.first_open());
@@ -169,9 +169,8 @@ impl Scheduler<'_> {
         self.open(self.0.put.load(Ordering::Relaxed).wrapping_sub(1))
     }
 
-    /// Withdraws the actions from `number` on. None of them may be due, or become due. Before other actions
-    /// take these places, the current tick has to end ([`super::Clock::settle`]), because the tick may read
-    /// them.
+    /// Withdraws the actions from `number` on. None of them may be due, or become due. The running tick may
+    /// still read them, so call [`super::Clock::settle`] before other actions take their places.
     pub fn withdraw(&mut self, number: u32) {
         if self.0.put.load(Ordering::Relaxed).wrapping_sub(number) <= ACTIONS as u32 {
             self.0.put.store(number, Ordering::Release);
@@ -188,7 +187,7 @@ impl Actions {
     }
 
     /// Marks the actions at or before `distance` as due in the tick with this number. Runs in the tick and
-    /// takes about a dozen instructions per action, for at most as many actions as fit.
+    /// takes about a dozen instructions per action, for at most [`super::ACTIONS`] actions.
     #[inline(never)]
     pub(super) fn reach(&self, distance: i64, tick: u32) {
         let mut due = self.due.load(Ordering::Relaxed);
@@ -212,7 +211,8 @@ impl Actions {
     }
 }
 
-/// State for actions with filters after the path: they become due later than on the path.
+/// The delay of actions if filters follow the path. An action becomes due when the filtered axes reach its
+/// point, which is later than the path does.
 #[derive(Clone, Copy, Debug)]
 pub struct Lag {
     /// The number of the first action whose point the path has not reached.
@@ -227,9 +227,9 @@ impl Lag {
 }
 
 impl Actions {
-    /// As [`Self::reach`], with filters after the path: an action becomes due when the delayed path has
-    /// reached its point. If the path stops at the point, the action becomes due when the axes have stopped
-    /// too.
+    /// As [`Self::reach`], with filters after the path: an action becomes due when the path, delayed by the
+    /// filters, has reached its point. If the path stops at the point, the action becomes due when the axes
+    /// have stopped too.
     #[inline(never)]
     pub(super) fn reach_later(&self, distance: i64, tick: u32, lag: &mut Lag, settled: bool) {
         let mut due = self.due.load(Ordering::Relaxed);

@@ -1,13 +1,13 @@
-//! The memory of curves ([`super::curves`]). A slot holds the data of every curve; a line has no other data.
-//! The additional data of an arc or a polynomial are its *part*.
+//! The memory of curves ([`super::curves`]). A slot holds the data that every curve has; a line has no other
+//! data. The additional data of an arc or a polynomial are its *part*.
 //!
-//! A build with Surface or splines has room for a part after each slot. A small build has no such room. There
-//! a line takes one slot, and any other curve takes two slots; the first one holds the part. A part leaves
-//! the end of its slot free, and a mark there says that the slot holds a part.
+//! In a build with Surface or splines, each slot has room for a part after these data. A small build has no
+//! such room. There a line takes one slot, and any other curve takes two slots; the first one holds the part.
+//! A part leaves the end of its slot free, and a mark there says that the slot holds a part.
 //!
-//! The part of a curve always lies in memory just before the curve's slot. One extra slot lies before the first slot of
-//! the ring. A curve in the first slot keeps its part in the extra slot; the last slot of the ring is then marked as a
-//! part and stays empty.
+//! In a small build, the part of a curve always lies in memory just before the curve's slot. So one extra
+//! slot lies before the first slot of the ring. A curve in the first slot keeps its part in the extra slot;
+//! the last slot of the ring is then marked as a part and stays empty.
 #![allow(unsafe_code)]
 use crate::machine::functions;
 use crate::path::{Arc, Bent, Linear, Shape, Swings, add_cubic, add_poly};
@@ -15,20 +15,20 @@ use crate::quantity::{Distance, Position};
 use core::cell::UnsafeCell;
 use core::mem::{MaybeUninit, offset_of};
 
-/// Whether each slot has room for a part after it.
+/// Whether each slot has room for a part after the data of its curve.
 pub(super) const IS_WHOLE: bool = !functions::IS_SMALL;
 
-/// Number of parts after a slot.
+/// Number of parts that fit into a slot, after the data of its curve.
 const WHOLE: usize = if IS_WHOLE { 1 } else { 0 };
 
 /// Largest number of slots that a curve takes.
 pub(super) const MOST: usize = 2 - WHOLE;
 
-/// Slots before the first slot of the ring.
+/// Number of extra slots before the first slot of the ring.
 pub(super) const BEFORE: usize = MOST - 1;
 
-/// The data of every curve, complete for a line. The ring also stores the start of each curve:
-/// [`super::CurveProducer::start`].
+/// The data that every curve in the ring has; a line has no other data. The start of each curve is stored
+/// separately: [`super::CurveProducer::start`].
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct Segment<const AXES: usize> {
@@ -130,7 +130,7 @@ impl<const AXES: usize> Place<AXES> {
         unsafe { (*self.0.get()).segment.block = block }
     }
 
-    /// Whether this slot holds the part of a curve.
+    /// Whether this slot holds the part (the additional data) of a curve.
     ///
     /// # Safety
     /// No other side writes the slot during the call.
@@ -151,7 +151,7 @@ const fn part_of<const AXES: usize>(place: *const Place<AXES>) -> *const u32 {
     }
 }
 
-/// A curve of the ring, for evaluation: its slot with all its data.
+/// A curve of the ring with all its data. The tick evaluates the curve with [`Self::at`].
 #[derive(Clone, Copy)]
 pub struct Track<'a, const AXES: usize> {
     /// The data that every curve has. For a line, these are all of its data.
@@ -241,23 +241,24 @@ impl<'a, const AXES: usize> Track<'a, AXES> {
         }
     }
 
-    /// As [`Self::at`], for use outside the tick. A separate function, so that the curve is not on the
+    /// As [`Self::at`], for callers outside the tick. A separate function, so that the curve is not on the
     /// caller's stack.
     #[inline(never)]
     pub fn point(&self, distance: i64) -> [Position; AXES] {
         self.shape().placed(distance, &self.segment.base)
     }
 
-    /// Adds the bend of a part of the curve to `swings` ([`Shape::bend`]). A separate function, so that the
-    /// curve is not on the caller's stack.
+    /// Extends `swings`, the ranges of the derivatives of each axis, by those of a part of the curve
+    /// ([`Shape::bend`]). A separate function, so that the curve is not on the caller's stack.
     #[inline(never)]
     pub fn bend(&self, part: [i64; 2], swings: &mut Swings<AXES>) {
         self.shape().bend(part, swings);
     }
 
-    /// Travel of every axis per path distance, LSB 2^-40; only for polynomials. The value is a difference
-    /// over a 1024th of the curve's length to both sides. It uses at least 2^-14 mm or a 16th of the length,
-    /// which gives 12 bits or more. Do not call this function in the tick.
+    /// How far every axis travels per path distance at `along` from the curve's start, LSB 2^-40. Returns
+    /// `None` for lines and arcs. The value is the difference of two points of the curve. Their distance to
+    /// `along` is a 1024th of the curve's length, but at least 2^-14 mm or, on short curves, a 16th of the
+    /// length. Do not call this function in the tick.
     #[inline(never)]
     pub fn slope(&self, along: i64) -> Option<[i64; AXES]> {
         if self.segment.form & CUBIC == 0 {
@@ -309,7 +310,7 @@ impl<const AXES: usize> Segment<AXES> {
         &self.base
     }
 
-    /// The lower half of the motion block's number, counted from 0 since program start.
+    /// The lower half of the motion block's number, which is counted from 0 since program start.
     #[inline(always)]
     pub const fn block(&self) -> u16 {
         self.block

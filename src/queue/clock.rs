@@ -2,9 +2,9 @@
 //! may already see.
 //!
 //! There are two clocks. *Ticks* count every call of the interrupt. *Instants* count only ticks that use a
-//! piece: motion, dwell, and the tick that shows a standstill. Pieces begin at instants, so a cut is an
-//! instant too. An instant is twice the number of such ticks since the split, modulo 2^32. Instants are
-//! therefore even, and an odd value never occurs.
+//! piece: a piece of motion, of dwell, or for the tick that shows a standstill. Pieces begin at instants, so
+//! a cut is an instant too. An instant is twice the number of such ticks since `Rings::split`, modulo 2^32.
+//! So instants are even; an odd number means "never": there is no cut, or no reserve.
 //!
 //! Every word has one writer:
 //!
@@ -21,8 +21,8 @@
 //!
 //! A tick is running while `begun` is ahead of the sum of `now` and `idle`. A planner on the interrupt's core
 //! never sees a running tick. A planner on another core waits for the end of that tick ([`Clock::settle`])
-//! before it decides; the wait takes a few hundred instructions. The interrupt never waits. (With loads and
-//! stores alone, two sides can only decide who came first if one of them waits.)
+//! before it decides; the wait takes a few hundred instructions. The interrupt never waits. (Both sides use
+//! only loads and stores. With these alone, two sides can decide who came first only if one of them waits.)
 //!
 //! There is room for two reserves, so one reserve is valid while the planner writes the next one. Each
 //! reserve belongs to one cut. If the interrupt has not taken this cut, or has taken a later one, the reserve
@@ -39,8 +39,8 @@ pub const TICK: u32 = 2;
 
 const NEVER: u32 = 1;
 
-/// One of the two stored reserves (stops that are ready): one is in force, and the planner may be writing the
-/// other one.
+/// Names one of the two stored reserves (stops that are ready): one is in force, and the planner may be
+/// writing the other one.
 #[derive(Clone, Copy, Debug, Hash, PartialEq, Eq)]
 pub enum Kept {
     /// The first of the two.
@@ -104,7 +104,7 @@ impl<M: Memory> Clock<M> {
 
 /// Functions for the interrupt.
 impl<M: Memory> Clock<M> {
-    /// Begins a tick. Returns the instant that the tick has if it uses a piece.
+    /// Begins a tick. Returns the instant that this tick has if it uses a piece.
     #[inline(always)]
     pub fn begin(&self) -> u32 {
         let begun = self.begun.load(Ordering::Relaxed).wrapping_add(TICK);
@@ -132,7 +132,7 @@ impl<M: Memory> Clock<M> {
         self.idle.store(idle.wrapping_add(TICK), Ordering::Release);
     }
 
-    /// The number of the running tick, counted from 0 since the split.
+    /// The number of the running tick, counted from 0 since `Rings::split`.
     pub fn tick(&self) -> u32 {
         self.begun.load(Ordering::Relaxed).wrapping_sub(TICK) / TICK
     }
@@ -153,16 +153,17 @@ impl<M: Memory> Clock<M> {
         Some(self.to.load(Ordering::Relaxed))
     }
 
-    /// Whether the planned motion may end at `instant`, so that the motion has to stop.
+    /// Whether a reserve begins at `instant`: the interrupt then calls [`Self::leave`], unless a cut comes
+    /// first.
     #[inline(always)]
     pub fn is_end(&self, instant: u32) -> bool {
         let [one, other] = &self.ends;
         one.load(Ordering::Relaxed) == instant || other.load(Ordering::Relaxed) == instant
     }
 
-    /// Changes from the queue to the reserve of this instant, and returns the reserve's first piece. `cut`:
-    /// the piece after the last cut that the interrupt has taken. Returns `None` if the reserve belongs to
-    /// another plan.
+    /// Changes from the queue to the reserve that begins at `instant`, and returns the number of the
+    /// reserve's first piece. `cut`: number of the piece after the last cut that the interrupt has taken.
+    /// Returns `None` if the reserve belongs to another plan.
     pub fn leave(&self, instant: u32, cut: u32) -> Option<u32> {
         for (slot, (end, of)) in (0..).zip(self.ends.iter().zip(&self.cuts)) {
             if end.load(Ordering::Relaxed) != instant {
@@ -198,8 +199,8 @@ impl<M: Memory> Clock<M> {
         self.idle.load(Ordering::Acquire)
     }
 
-    /// Waits until every tick that ends from now on sees all words written before this call. On another core
-    /// than the interrupt's, this call waits for the current tick.
+    /// Waits until every tick that ends from now on sees all words written before this call. If planner and
+    /// interrupt run on different cores, the call waits for the end of the running tick.
     pub fn settle(&self) {
         M::fence(Ordering::SeqCst);
         let begun = self.begun.load(Ordering::Acquire);
@@ -217,13 +218,15 @@ impl<M: Memory> Clock<M> {
         self.settle();
     }
 
-    /// Removes the cut. The interrupt must have taken the cut, or its instant must have passed.
+    /// Removes the cut. Call this function only if the interrupt has taken the cut, or if the instant of the
+    /// cut has passed.
     pub fn withdraw(&self) {
         self.at.store(NEVER, Ordering::Relaxed);
     }
 
-    /// Adds a reserve that is valid from `instant` on. It begins with the piece `first`, and belongs to the
-    /// cut that changes to the piece `cut`. The reserve `other` stays valid.
+    /// Adds a reserve: a stop that begins at `instant` with the piece number `first`. The reserve is valid
+    /// only if the last cut that the interrupt has taken leads to the piece `cut`. The reserve `other` stays
+    /// valid.
     pub fn keep(&self, other: Option<Kept>, instant: u32, first: u32, cut: u32) -> Kept {
         let kept = if other == Some(Kept::One) { Kept::Other } else { Kept::One };
         kept.of(&self.firsts).store(first, Ordering::Relaxed);
@@ -253,8 +256,8 @@ impl<M: Memory> Clock<M> {
         has_left
     }
 
-    /// Lets the interrupt return to the queue at the end of the reserve. The interrupt does not read this
-    /// reserve any more.
+    /// Lets the interrupt return to the queue when it has reached the end of the reserve. All reserves are
+    /// withdrawn.
     pub fn let_go(&self) {
         self.withdraw_reserves();
         self.let_go.store(self.left.load(Ordering::Acquire), Ordering::Release);
@@ -264,8 +267,9 @@ impl<M: Memory> Clock<M> {
 
 /// Functions for the operator.
 impl<M: Memory> Clock<M> {
-    /// Number of ended ticks, in units of [`TICK`]. The first flag tells whether the last tick used a piece.
-    /// The second flag tells whether set points moved without a piece. For a snapshot: see [`Self::is_at`].
+    /// Number of ended ticks, in units of [`TICK`]. First flag: whether the last tick used a piece. Second
+    /// flag: whether set points moved without a piece. A reader calls [`Self::is_at`] afterwards to check
+    /// that its values belong together.
     pub fn ended(&self) -> (u32, [bool; 2]) {
         let now = self.now.load(Ordering::Acquire);
         let ended = now.wrapping_add(self.idle.load(Ordering::Acquire));
@@ -274,8 +278,8 @@ impl<M: Memory> Clock<M> {
         (ended, [moved, !moved && rested & 1 == 1])
     }
 
-    /// Whether no tick has begun since `ended` ticks had ended. Then all values read in between belong
-    /// together.
+    /// Whether no tick has begun since [`Self::ended`] returned `ended`. If so, all values read in between
+    /// belong to the same tick.
     pub fn is_at(&self, ended: u32) -> bool {
         M::fence(Ordering::Acquire);
         self.begun.load(Ordering::Relaxed) == ended

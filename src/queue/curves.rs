@@ -4,20 +4,22 @@
 //! the interrupt has passed it. There are two kinds: *released* curves, along which pieces move, and after
 //! them the curves of the look-ahead. The interrupt already knows the starts of both kinds.
 //!
-//! Starts are in a separate array, which is longer than the ring. After the last curve, this array holds
-//! starts that no distance reaches, as many as a tick reads. The head of the array is repeated after its end.
-//! So a tick needs neither the number of curves nor the end of the array: it halves a window of fixed size.
+//! Starts are in a separate array, which is longer than the ring. After the last curve, this array holds as
+//! many starts as a tick reads, which no distance reaches. The head of the array is repeated after its end.
+//! So a tick needs neither the number of curves nor the end of the array: it searches a window of fixed size
+//! by halving.
 //!
 //! A start tells the interrupt that its curve is valid. The planner writes the start after the curve, the
 //! upper half last. Both halves of the old value are out of reach, so a half-written start is out of reach
 //! too. Distances compare correctly only over a limited path. If the curves of the look-ahead lead beyond
 //! this path, the planner writes their starts when the interrupt comes nearer.
 //!
-//! In a small build, an arc or a polynomial takes two slots ([`super::cells`]): the first for the part, the
-//! second for the curve. Each slot has a number and a start; both starts are the same path distance. So a
-//! tick that passes the first slot also passes the second one, and never ends on a part. The interrupt reads
-//! the first start, so the planner writes this start last. Counts in this file are then counts of slots, and
-//! many such curves shorten the look-ahead.
+//! In a small build, an arc or a polynomial takes two slots ([`super::cells`]). The first slot holds the part
+//! (the additional data of the arc or polynomial), and the second slot holds the curve. Each slot has a
+//! number and a start; both starts are the same path distance. So a tick that passes the first slot also
+//! passes the second one, and never ends on a part. The interrupt reads the first start, so the planner
+//! writes this start last. Counts in this file are then counts of slots, and many such curves shorten the
+//! look-ahead.
 //!
 //! A slot holds the lower half of the motion block's number. A reader counts back from the latest number
 //! ([`super::cells::whole`]), so numbers in the ring must be less than 2^16 apart. A curve may replace many
@@ -37,7 +39,7 @@ use core::marker::PhantomData;
 use core::sync::atomic::{AtomicU32, Ordering, fence};
 use core::{ptr, slice};
 
-/// Largest number of curves that a tick passes. A small build passes half as many.
+/// Largest number of curves that a tick passes: 32, or 16 in a small build.
 pub const MAX_CURVES_PER_TICK: u32 = MOST_SLOTS / MOST as u32;
 
 /// Largest number of slots that a tick passes.
@@ -157,7 +159,7 @@ impl Start {
 pub struct CurveRing<const AXES: usize, const BLOCKS: usize> {
     slots: Both<Place<AXES>, BLOCKS, { BEFORE + SLOTS }>,
     starts: Both<Start, BLOCKS, STARTS>,
-    /// Number of curves that the interrupt has passed since the split.
+    /// Number of curves that the interrupt has passed since `CurveRing::split`.
     taken: AtomicU32,
     /// The latest motion block in the ring. The planner writes this word.
     latest: AtomicU32,
@@ -167,7 +169,7 @@ pub struct CurveRing<const AXES: usize, const BLOCKS: usize> {
 }
 
 /// The planner's handle: writes the curves of the path and releases them to the interrupt. Curves are
-/// numbered from 0 since the split.
+/// numbered from 0 since `CurveRing::split`.
 pub struct CurveProducer<'a, const AXES: usize> {
     /// The slots. The first [`BEFORE`] slots are not part of the ring.
     slots: &'a [Place<AXES>],
@@ -354,7 +356,9 @@ impl<'a, const AXES: usize> CurveProducer<'a, AXES> {
         self.count.wrapping_sub(taken) as usize + BEFORE + slots <= self.most()
     }
 
-    /// Whether the look-ahead has no room for more curves, even if it has fewer curves than blocks.
+    /// Whether the look-ahead has no slots for more curves. In a small build, this may happen before the
+    /// look-ahead holds its largest number of blocks, because an arc or a polynomial takes two slots. In
+    /// other builds, the result is always `false`.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn is_ahead_full(&self) -> bool {
         !IS_WHOLE && self.count.wrapping_sub(self.handed) as usize + NEXT > self.ahead() + SPARE
@@ -378,7 +382,8 @@ impl<'a, const AXES: usize> CurveProducer<'a, AXES> {
             && self.slot(self.index_of(number)).is_some_and(|slot| unsafe { slot.is_part() })
     }
 
-    /// The number of a curve, from its own number or from that of its part.
+    /// Converts a slot's number to the number of its curve. In a small build, an arc or a polynomial has two
+    /// slots, and `number` may be that of either slot.
     pub fn curve_of(&self, number: u32) -> u32 {
         number.wrapping_add(u32::from(self.is_part(number)))
     }
@@ -388,14 +393,16 @@ impl<'a, const AXES: usize> CurveProducer<'a, AXES> {
         self.curve_of(self.curve_of(number).wrapping_add(1))
     }
 
-    /// Whether the queue holds its full number of released curves, or more path than distances can compare.
+    /// Whether the queue has its full number of released curves. Also `true` if the released path is so long
+    /// that path distances can hardly be compared any more.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn is_sated(&self) -> bool {
         // Another curve of any kind would exceed the limit.
         self.len() + MOST as u32 > SEGMENTS as u32 || (self.long && self.is_far(self.handed))
     }
 
-    /// Whether the queue has more curves than its full number, because the last released span had several.
+    /// Whether the queue has more released curves than its full number, because the last released span had
+    /// several.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn is_over(&self) -> bool {
         self.len() > SEGMENTS as u32 || (self.long && self.is_far(self.handed.wrapping_sub(1)))
@@ -440,7 +447,8 @@ impl<'a, const AXES: usize> CurveProducer<'a, AXES> {
         before.fold(self.hidden, i64::wrapping_add)
     }
 
-    /// The first curve that ends after a path distance, among the curves that the interrupt has not passed.
+    /// The number of the first curve that ends after a path distance, among the curves that the interrupt has
+    /// not passed.
     pub fn ends_behind(&self, distance: i64) -> Option<u32> {
         let first = self.taken();
         if first == self.count || self.end_of(first).wrapping_sub(distance) > 0 {
@@ -471,21 +479,23 @@ impl<'a, const AXES: usize> CurveProducer<'a, AXES> {
         self.latest
     }
 
-    /// The full number of the motion block to which a curve of the ring belongs, counted from 0 since the
-    /// split.
+    /// The full number of the motion block to which a curve of the ring belongs, counted from 0 since
+    /// `CurveRing::split`.
     pub fn block_of(&self, segment: &Segment<AXES>) -> u32 {
         whole(self.latest(), segment.block())
     }
 
-    /// Whether the next motion block, with this number, must not join a curve. The number would be too far
-    /// from the oldest block number in use, which is in the slot of the next curve.
+    /// Whether the next motion block, which has this number, needs its own curve and must not join an
+    /// existing one. Its number would be too far from the oldest block number in use, which the slot of the
+    /// next curve holds.
     pub fn is_crowded(&self, block: u32) -> bool {
         // SAFETY: only this handle writes slots, and needs `&mut self` for that.
         let oldest = self.slot(self.slot).map_or(0, |slot| unsafe { slot.block() });
         block.wrapping_sub(whole(self.latest(), oldest)) >= MOST_APART
     }
 
-    /// Appends a curve with its base, its N number and its motion block. Returns `false` if there is no room.
+    /// Appends a curve. `base`: the point to which the curve's offsets are added; `n`: N number; `block`:
+    /// number of the motion block. Returns `false` if there is no room.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn push(&mut self, shape: &Shape<AXES>, base: &[Position; AXES], n: u32, block: u32) -> bool {
         let Some(slots) = cells::slots(shape) else { return false };
@@ -529,8 +539,8 @@ impl<'a, const AXES: usize> CurveProducer<'a, AXES> {
         true
     }
 
-    /// Sets the axes along which driven distance counts, from the next curve on. `None`: the path distance of
-    /// each curve is its driven length.
+    /// Sets the axes along which the driven distance counts, from the next curve on. `None`: the driven
+    /// length of each curve is its path length.
     #[cfg(feature = "driven")]
     pub const fn set_measure(&mut self, measure: Option<Measure>) {
         self.measure = measure;
@@ -627,8 +637,8 @@ impl<'a, const AXES: usize> CurveProducer<'a, AXES> {
     }
 
     /// Number of released curves that the interrupt has not passed, including the current one. At the end of
-    /// the released curves, the interrupt may be on the first curve of the look-ahead, or in the reserve on a
-    /// later one.
+    /// the released curves, the interrupt may already be on the first curve of the look-ahead. In the
+    /// reserve, it may be on a later one.
     #[inline(always)]
     pub fn len(&self) -> u32 {
         let ahead = self.handed.wrapping_sub(self.taken()) as i32;
@@ -640,17 +650,17 @@ impl<'a, const AXES: usize> CurveProducer<'a, AXES> {
         self.len() == 0
     }
 
-    /// Number of curves written since the split.
+    /// Number of curves written since `CurveRing::split`.
     pub const fn count(&self) -> u32 {
         self.count
     }
 
-    /// Number of curves released since the split.
+    /// Number of curves released since `CurveRing::split`.
     pub const fn handed(&self) -> u32 {
         self.handed
     }
 
-    /// Number of curves that the interrupt has passed since the split.
+    /// Number of curves that the interrupt has passed since `CurveRing::split`.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn taken(&self) -> u32 {
         self.taken.load(Ordering::Acquire)
@@ -661,7 +671,7 @@ impl<'a, const AXES: usize> CurveProducer<'a, AXES> {
         Distance::from_bits(self.end)
     }
 
-    /// Path distance up to which the interrupt can follow the path.
+    /// Path distance up to which the interrupt knows the path.
     pub fn known(&self) -> Distance {
         Distance::from_bits(if self.long { self.hidden } else { self.end })
     }
@@ -672,7 +682,8 @@ impl<'a, const AXES: usize> CurveProducer<'a, AXES> {
         !self.long || distance.to_bits().wrapping_sub(self.known().to_bits()) <= 0
     }
 
-    /// The curve with this number, or with a part of this number, if it is one of the latest curves.
+    /// The curve with this number. In a small build, `number` may be that of either slot of the curve.
+    /// Returns `None` if the ring no longer holds the curve.
     #[inline(never)]
     pub fn recent(&self, number: u32) -> Option<Track<'_, AXES>> {
         let number = self.curve_of(number);
@@ -686,8 +697,8 @@ impl<'a, const AXES: usize> CurveProducer<'a, AXES> {
         Some(unsafe { Track::new(slot) })
     }
 
-    /// Withdraws the curves after the current one. The axes are at the path distance `stands`, where the next
-    /// curve begins.
+    /// Withdraws the curves after the interrupt's current curve. The axes stand at the path distance
+    /// `stands`; the next curve to be written begins there.
     pub fn end_at(&mut self, stands: i64) {
         self.withdraw(self.taken());
         #[cfg(feature = "driven")]
@@ -751,7 +762,7 @@ fn numbers(from: u32, to: u32) -> impl Iterator<Item = u32> {
 
 impl<const AXES: usize> CurveConsumer<'_, AXES> {
     /// Finds the curve at a path distance, and the distance from the curve's start. `distance` must be at
-    /// least that of the previous call. The call gives back the curves before, at most
+    /// least that of the previous call. The call gives the curves before it back to the planner, at most
     /// [`MAX_CURVES_PER_TICK`]. Returns `None` before the first curve. Runs in the tick.
     #[inline(always)]
     pub fn follow(&mut self, distance: i64) -> Option<(Track<'_, AXES>, i64)> {
@@ -787,8 +798,8 @@ impl<const AXES: usize> CurveConsumer<'_, AXES> {
         self.at_hand(distance).map(|(track, _)| track.segment)
     }
 
-    /// The curve at a path distance, which the interrupt is on, and the distance from its start.
-    /// Both distances: LSB 2^-44 mm.
+    /// The interrupt's current curve, and the distance from the curve's start to the path distance
+    /// `distance`, which must be on this curve. Both distances: LSB 2^-44 mm.
     pub fn at_hand(&self, distance: i64) -> Option<(Track<'_, AXES>, i64)> {
         // SAFETY: the start is in its ring.
         let start = unsafe { &*self.start.at }.get();
@@ -807,8 +818,8 @@ impl<const AXES: usize> CurveConsumer<'_, AXES> {
         self.drives.at(distance)
     }
 
-    /// The full number of the motion block to which a curve of the ring belongs, counted from 0 since the
-    /// split.
+    /// The full number of the motion block to which a curve of the ring belongs, counted from 0 since
+    /// `CurveRing::split`.
     pub fn block_of(&self, segment: &Segment<AXES>) -> u32 {
         whole(self.latest.load(Ordering::Relaxed), segment.block())
     }

@@ -1,8 +1,9 @@
 //! The distance that the axes have driven at a path distance, for the operator.
 //!
-//! Path distance is the coordinate of the plan. On a line or an arc, it is the travel of the feed axes. On a
-//! curve over time, it is time at the feed speed, and the axes travel less. So each curve has a [`Drive`]:
-//! the driven distance at its start, middle and end, and the travel per path distance there.
+//! Path distance is the coordinate of the plan. On a line or an arc, path distance is the travel of the feed
+//! axes. In a curve that is planned over time, path distance is time multiplied by the feed, and the axes
+//! travel less. So each curve has a [`Drive`]: the driven distance at its start, middle and end, and the
+//! travel per path distance there.
 //!
 //! In each half of the curve, the driven distance is the cubic with these values. If a curve over time brakes
 //! on a straight line, the result is exact, because the axes follow a cubic there. The interrupt does no work
@@ -30,7 +31,7 @@ const WEIGHTS: [[f32; 2]; 9] = [
 const PARTS: i64 = WEIGHTS.len() as i64 - 1;
 const WHOLE: f32 = 90.0;
 
-/// The driven distance of one curve over its path distance, LSB 2^-44 mm.
+/// The driven distance of one curve as a function of its path distance, LSB 2^-44 mm.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Drive {
     /// Path distance at the start of the curve.
@@ -46,7 +47,7 @@ pub(super) struct Drive {
 }
 
 impl Drive {
-    /// The drive of a curve whose driven distance equals its path distance.
+    /// For a curve whose driven distance equals its path distance.
     pub const fn plain(start: i64, driven: i64) -> Self {
         Self { start, driven, half: 0.0, travel: [0.0; 2], slopes: [1.0; 3] }
     }
@@ -149,7 +150,7 @@ impl Kept {
     }
 }
 
-/// The drives of all curves in a ring. The number of a curve, from 0 since the split, selects its drive.
+/// The drives of all curves in a ring. The number of a curve, from 0 since `Rings::split`, selects its drive.
 #[derive(Clone, Copy)]
 pub(super) struct Drives<'a> {
     kept: &'a [Kept],
@@ -158,7 +159,8 @@ pub(super) struct Drives<'a> {
 }
 
 impl<'a> Drives<'a> {
-    /// Drives in this memory, which has at least as many places as the ring has slots.
+    /// Drives (driven distances of curves) stored in `kept`, which has at least as many places as the ring
+    /// has slots.
     pub const fn new(kept: &'a [Kept], taken: &'a AtomicU32) -> Self {
         Self { kept, taken }
     }

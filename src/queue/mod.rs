@@ -8,13 +8,13 @@
 //! | `reserve` | the pieces of the stop that is always ready, for a planner that gets no time |
 //! | `actions` | functions at points of the path |
 //! | `status` | the result of each tick, for the operator |
-//! | `driven` | what the axes have driven at a path distance (feature `driven`) |
+//! | `driven` | the distance that the axes have driven at a path distance (feature `driven`) |
 //! | `overlay` | the motion of a single axis |
 //! | `word` | words and places, from which the other files are built |
 //!
-//! The planner adds a curve when its block enters the look-ahead. It releases the curve before the first
-//! piece that moves along it. The operator's commands are also part of this memory; [`crate::control`]
-//! describes them.
+//! When a block enters the look-ahead, the planner writes the block's curve into the ring. Before the first
+//! piece that moves along this curve, the planner releases the curve to the interrupt. The operator's
+//! commands are also part of this memory; [`crate::control`] describes them.
 mod actions;
 mod cells;
 pub mod clock;
@@ -45,16 +45,17 @@ use crate::math::wide::mul_u32;
 use crate::quantity::{Accel, Distance, Jerk, Position, Speed};
 use crate::technology::Action;
 
-/// Slots of released curves, in addition to those of the look-ahead. A tick passes at most
-/// [`MAX_CURVES_PER_TICK`] curves, so the slots hold at least one and a half ticks of the shortest blocks. In
-/// a small build, an arc or a polynomial takes two slots. There the slots hold two ticks of lines and one
-/// tick of other curves.
+/// Number of slots for released curves, in addition to the slots for the look-ahead. A slot holds one curve.
+/// A tick passes at most [`MAX_CURVES_PER_TICK`] curves, so the slots hold at least one and a half ticks of
+/// the shortest blocks. In a small build, an arc or a polynomial takes two slots. There the slots hold two
+/// ticks of lines, or one tick of other curves.
 pub const SEGMENTS: usize = if functions::IS_SMALL { 34 } else { 48 };
-/// Number of pieces in the queue. A block takes at most seven pieces, a short block two or three.
+/// Number of pieces in the queue. The profile of a block takes at most seven pieces, that of a short block
+/// two or three.
 pub const PHASES: usize = if functions::IS_SMALL { 32 } else { 128 };
 
-/// Number of actions (functions of the program at points of the path) that may be pending: read by the
-/// planner, not yet taken by the operator.
+/// Number of actions (functions of the program at points of the path) that may be pending. A pending action
+/// has been read by the planner, and not yet taken by the operator.
 pub const ACTIONS: usize = if functions::IS_SMALL { 16 } else { 32 };
 
 /// A function of the program (M, H, S or T) at the point of the path where it becomes due.
@@ -69,8 +70,8 @@ pub struct PlacedAction {
     pub action: Action,
 }
 
-/// A piece of the speed profile: path distance as a cubic over `0..ticks` whole ticks, s(n) = distance + n
-/// (speed + n (half_accel + n sixth_jerk)). Packed, because the queue holds many pieces.
+/// A piece of the speed profile: the path distance as a cubic of time, for `ticks` whole ticks. At tick n,
+/// s(n) = distance + n (speed + n (half_accel + n sixth_jerk)). Packed, because the queue holds many pieces.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C, packed(4))]
 pub struct Phase {
@@ -82,7 +83,8 @@ pub struct Phase {
     pub half_accel: Accel,
     /// A sixth of the path jerk, mm/tick³; constant in the piece.
     pub sixth_jerk: Jerk,
-    /// Number of ticks. 0 is a barrier: the interrupt passes a barrier only by a cut ([`Clock`]).
+    /// Number of ticks. 0 marks a barrier: the interrupt stops before a barrier until a change of plan leads
+    /// past it ([`Clock`]).
     pub ticks: u16,
 }
 
@@ -97,8 +99,8 @@ impl Slot for Phase {
 }
 
 impl Phase {
-    /// Moves the start of the piece forward by `n` ticks: the piece gets shorter, and its curve stays the
-    /// same.
+    /// Drops the first `n` ticks of the piece: the piece starts later and ends at the same tick. The motion
+    /// stays the same.
     pub fn advance(&mut self, n: u16) {
         let ticks = i64::from(n);
         let (half, sixth) = (self.half_accel.to_bits(), self.sixth_jerk.to_bits());
@@ -155,7 +157,7 @@ pub struct Sender<'a, const AXES: usize> {
     pub clock: &'a Clock,
 }
 
-/// The interrupt's side of the shared memory.
+/// The interrupt's side of the shared memory; the interrupt reads curves and pieces, and writes the status.
 pub struct Receiver<'a, const AXES: usize> {
     /// Reads the curves of the path.
     pub segments: CurveConsumer<'a, AXES>,
@@ -214,8 +216,8 @@ impl<const AXES: usize> Receiver<'_, AXES> {
         clock.rest_while(moves);
     }
 
-    /// As [`Self::pass`], with filters after the path: functions become due when the axes reach the point,
-    /// not the path. `settled`: whether the axes have stopped.
+    /// As [`Self::pass`], with filters after the path: a function becomes due when the filtered axes reach
+    /// its point, which is later than the path does. `settled`: whether the axes have stopped.
     #[inline(always)]
     pub fn pass_later(&mut self, lag: &mut Lag, settled: bool) {
         let Shared { clock, status, actions } = self.shared;
@@ -238,14 +240,15 @@ impl<const AXES: usize> Receiver<'_, AXES> {
         self.shared.status.distance()
     }
 
-    /// Distance that the feed axes have driven at [`Self::distance`], LSB 2^-44 mm.
+    /// Distance that the feed axes have driven up to the path distance [`Self::distance`], LSB 2^-44 mm.
     #[cfg(feature = "driven")]
     pub fn driven(&self) -> i64 {
         self.segments.driven(self.distance())
     }
 }
 
-/// The operator's side of the shared memory.
+/// The operator's side of the shared memory; the operator writes commands, and reads functions and the
+/// status.
 pub struct Panel<'a, const AXES: usize> {
     /// Writes commands of the operator.
     pub control: &'a Control,
@@ -259,7 +262,7 @@ pub struct Panel<'a, const AXES: usize> {
 }
 
 impl<const AXES: usize> Panel<'_, AXES> {
-    /// The status of the last tick, and the distance that the feed axes have driven at its end.
+    /// The status of the last tick, and the distance that the feed axes have driven by the end of this tick.
     #[cfg(feature = "driven")]
     pub fn read(&self) -> (Snapshot<AXES>, Distance) {
         let mut driven = 0;

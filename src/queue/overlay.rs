@@ -31,7 +31,8 @@ pub const fn set_point(fine: i64) -> Position {
     Position::from_bits((fine + (1 << (FINER - 1))) >> FINER)
 }
 
-/// Memory for the motion of a single axis, shared by planner and interrupt; all bits are zero when new.
+/// Memory for the motion of a single axis that is independent of the path. Planner and interrupt share this
+/// memory; all bits are zero when new.
 pub struct Overlay {
     pieces: Ring<Phase, OVERLAY_PHASES>,
     clock: Clock,
@@ -103,20 +104,22 @@ impl Default for Overlay {
 }
 
 impl OverlaySender<'_> {
-    /// Gives this axis to the interrupt from the next tick on. The overlay must already hold a piece.
+    /// Lets the interrupt move this axis with the overlay from the next tick on. The overlay must already
+    /// hold a piece.
     pub fn take_over(&self, axis: u8) {
         self.axis.store(u32::from(axis) + 1, Ordering::Release);
     }
 
-    /// Returns the axis to the path. The axis must be where the path planner assumes it.
+    /// Returns the axis to the path. The axis must stand at the position from which the planner of the path
+    /// continues.
     pub fn give_back(&self) {
         self.axis.store(NONE, Ordering::Release);
     }
 }
 
 impl OverlayReceiver<'_> {
-    /// Writes the set point of the overlay's axis at this tick, if the overlay has an axis. Returns whether
-    /// the tick used a piece.
+    /// Does one tick: if the overlay has an axis, writes the set point of that axis. Returns whether the tick
+    /// used a piece.
     #[inline(always)]
     pub fn step<const AXES: usize>(&mut self, set_points: &mut [Position; AXES]) -> bool {
         let axis = self.axis.load(Ordering::Acquire);

@@ -6,9 +6,9 @@
 //! force, and only after it has left the queue. From then on, the planner writes no piece, until it lets the
 //! interrupt return to the queue. While one stop replaces the other, both stay unchanged.
 //!
-//! If ramps are long and ticks short, a part of a profile has many pieces. A piece may continue the piece
-//! before it, except for rounding. Such a piece is stored as the rounding only: four of them take the place
-//! of one whole piece ([`change`]). Reading gives exactly the written pieces.
+//! If ramps are long and ticks short, a part of a profile has many pieces. Often, a piece continues the piece
+//! before it exactly, except for rounding. Only this rounding is then stored, and four such pieces take the
+//! place of one whole piece ([`change`]). Reading returns exactly the pieces that were written.
 #![allow(unsafe_code)]
 use super::clock::Kept;
 use super::word::{Memory, Place, Ram, Replay};
@@ -16,9 +16,9 @@ use super::{Clock, Phase, Slot};
 use crate::machine::functions;
 use crate::quantity::{Accel, Distance, Jerk, Speed};
 
-/// Places for the pieces of both stops, a power of two. A place holds one piece, or four that continue each
-/// other. Usual stops have at most twenty pieces. Stops through many close knees, or with long ramps at short
-/// cycles, have more.
+/// Number of places for the pieces of both stops, a power of two. A place holds one piece, or four that
+/// continue the piece before. Usual stops have at most twenty pieces. A stop has more pieces if it leads
+/// through many close corners without curves, or if its ramps are long compared with a tick.
 pub const STOP_PIECES: usize = if functions::IS_SMALL { 64 } else { 256 };
 /// Places for the pieces of one stop. One of them is for the end mark.
 pub const WAY_PIECES: u32 = STOP_PIECES as u32 / 2;
@@ -40,9 +40,9 @@ fn may_go_on(before: &Phase, piece: &Phase) -> bool {
     jerk == before.sixth_jerk.to_bits() && piece.half_accel.to_bits() | jerk != 0
 }
 
-/// The difference between `piece` and the end of the piece before, which has the same jerk; never zero.
-/// Returns `None` if the difference is more than rounding. Not inlined, because most pieces have another
-/// jerk.
+/// How far `piece` differs by rounding from an exact continuation of the piece before, which has the same
+/// jerk; never zero. Returns `None` if the difference is more than rounding. Not inlined, because most pieces
+/// have another jerk.
 #[inline(never)]
 fn change(before: &Phase, piece: &Phase) -> Option<i64> {
     let mut ends = *before;
@@ -94,14 +94,14 @@ pub struct Reserve<M: Memory = Ram> {
 // says which pieces are in force, with release and acquire.
 unsafe impl<M: Memory> Sync for Reserve<M> {}
 
-/// The planner's handle: writes the pieces of the next stop, and puts the stop in force.
+/// The planner's handle: writes the pieces of the next stop, and puts this stop in force.
 pub struct Keeper<'a, M: Memory = Ram> {
     reserve: &'a Reserve<M>,
     /// The stop in force: number of its first piece, and number of its pieces.
     first: u32,
     count: u32,
-    /// The stop that is being written: number of its first piece and number of its pieces, its last piece,
-    /// and the number of continuing pieces in the current place.
+    /// The stop that is being written. Its first and last piece, the number of its pieces, and the number of
+    /// continuing pieces in the current place.
     start: u32,
     written: u32,
     last: Phase,
@@ -163,13 +163,14 @@ impl<M: Replay> Clone for Taker<'_, M> {
 }
 
 impl<M: Memory> Keeper<'_, M> {
-    /// Begins a new stop. Do not call this function while the interrupt uses the stop in force.
+    /// Begins to write a new stop. Do not call this function while the interrupt uses the stop in force.
     pub const fn begin(&mut self) {
         self.start = self.first.wrapping_add(self.count);
         (self.written, self.last, self.changes) = (0, Phase::BLANK, CHANGES);
     }
 
-    /// Appends a piece; a piece of no ticks ends the stop. Returns `false` if there is no room.
+    /// Appends a piece to the new stop; a piece of no ticks ends the stop. Returns `false` if there is no
+    /// room.
     pub fn push(&mut self, piece: Phase) -> bool {
         let goes_on = self.written > 0 && may_go_on(&self.last, &piece);
         let change = if goes_on { change(&self.last, &piece) } else { None };
@@ -220,7 +221,7 @@ impl<M: Memory> Keeper<'_, M> {
         }
     }
 
-    /// Places used by the stop that is being written.
+    /// Number of places that the stop being written uses.
     pub const fn written(&self) -> u32 {
         self.written
     }
@@ -234,14 +235,14 @@ impl<M: Memory> Keeper<'_, M> {
         is_free
     }
 
-    /// Drops the stop. The clock must have no reserve.
+    /// Forgets the stop in force. Call this function only if the clock has no reserve.
     pub const fn clear(&mut self) {
         (self.count, self.kept) = (0, None);
     }
 }
 
 impl<M: Memory> Taker<'_, M> {
-    /// The place of the next piece, and the index within the place.
+    /// The number of the place with the next piece, and the index of the piece within this place.
     pub const fn next(&self) -> (u32, usize) {
         (self.next, self.change)
     }

@@ -2,9 +2,9 @@
 //!
 //! Producer and consumer each have one counter that only they write. A slot belongs to the producer until the
 //! producer's counter passes it, then to the consumer until the consumer's counter does. Counters run freely
-//! and are masked, so all `N` slots are used and no index needs a division. (After a split, the type of a
-//! queue of `heapless` no longer contains `N`. Such a queue would need a division in the interrupt, and a
-//! panic for `N` = 0.)
+//! and are masked, so all `N` slots are used and no index needs a division. (The queue of the crate
+//! `heapless` is not used: after its split, the type no longer contains `N`. An index would then need a
+//! division in the interrupt, and a panic for `N` = 0.)
 #![allow(unsafe_code)]
 use super::word::{Memory, Place, Ram, Replay, Word};
 use core::sync::atomic::Ordering;
@@ -18,9 +18,9 @@ pub trait Slot: Copy {
 /// `N` slots, a power of two. The counters come first, because a small offset takes fewer instructions.
 #[repr(C)]
 pub struct Ring<T: Slot, const N: usize, M: Memory = Ram> {
-    /// Number of items taken out since the split.
+    /// Number of items taken out since `Ring::split`.
     taken: M::Word,
-    /// Number of items put in since the split.
+    /// Number of items put in since `Ring::split`.
     put: M::Word,
     slots: [M::Place<T>; N],
 }
@@ -47,7 +47,7 @@ pub struct Gauge<'a, T: Slot, const N: usize, M: Memory = Ram> {
 
 impl<T: Slot, const N: usize, M: Memory> Gauge<'_, T, N, M> {
     /// Number of items in the ring. Any task, interrupt or core may call this function. The call reads both
-    /// counters one after the other.
+    /// counters one after the other, so the number may be slightly out of date.
     pub fn len(&self) -> u32 {
         let taken = self.ring.taken.load(Ordering::Relaxed);
         let len = self.ring.put.load(Ordering::Relaxed).wrapping_sub(taken);
@@ -157,8 +157,8 @@ impl<'a, T: Slot, const N: usize, M: Memory> Producer<'a, T, N, M> {
         true
     }
 
-    /// Fills the place `ahead` items after the last one without publishing it. Returns `false` if there is no
-    /// room. [`Self::put_in`] publishes all filled places at once.
+    /// Fills the slot `ahead` items after the last item without publishing it. Returns `false` if there is no
+    /// room. [`Self::put_in`] publishes all filled slots at once.
     pub fn fill_ahead(&mut self, ahead: u32, fill: impl FnOnce(&mut T)) -> bool {
         if ahead >= self.room() {
             return false;
@@ -175,17 +175,17 @@ impl<'a, T: Slot, const N: usize, M: Memory> Producer<'a, T, N, M> {
         self.ring.put.store(put.wrapping_add(count), Ordering::Release);
     }
 
-    /// Number of items put in since the split.
+    /// Number of items put in since `Ring::split`.
     pub fn count(&self) -> u32 {
         self.ring.put.load(Ordering::Relaxed)
     }
 
-    /// Number of items that the consumer has given back since the split.
+    /// Number of items that the consumer has given back since `Ring::split`.
     pub fn taken(&self) -> u32 {
         self.ring.taken.load(Ordering::Acquire)
     }
 
-    /// The item with this number, if it is one of the last `N`.
+    /// The item with this number, if it is one of the last `N` items put in.
     pub fn recent(&self, number: u32) -> Option<&T> {
         if self.count().wrapping_sub(number).wrapping_sub(1) >= N as u32 {
             return None;

@@ -1,8 +1,8 @@
 //! The status of every tick. Any task, interrupt or core reads a snapshot of one tick, without a lock.
 //!
 //! The interrupt writes whole words, so no word is ever half written. The words of a snapshot belong together
-//! if no tick has begun during the read. The clock shows this ([`Clock::ended`], [`Clock::is_at`]), and the
-//! reader repeats the read until it succeeds. A reader never delays the interrupt.
+//! if no tick has begun during the read. The clock tells whether a tick has begun ([`Clock::ended`],
+//! [`Clock::is_at`]), and the reader repeats the read until none has. A reader never delays the interrupt.
 //!
 //! The interrupt writes values that it already has; the reader derives the others. The speed, for example, is
 //! the difference of the set points of two ticks. Even and odd ticks have separate places for set points.
@@ -16,7 +16,7 @@ use core::sync::atomic::Ordering;
 /// What the interrupt did in its last tick: all values belong to the same tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Snapshot<const AXES: usize> {
-    /// Number of ticks that have ended since the split, modulo 2^31.
+    /// Number of ticks that have ended since `Rings::split`, modulo 2^31.
     pub ticks: u32,
     /// Whether the last tick used a piece: motion along the path, or dwell.
     pub moved: bool,
@@ -25,13 +25,14 @@ pub struct Snapshot<const AXES: usize> {
     pub settles: bool,
     /// Set points after the last tick, mm or degrees.
     pub set_points: [Position; AXES],
-    /// Set points one tick earlier, mm or degrees; the difference to `set_points` is the speed.
+    /// Set points one tick earlier, mm or degrees. The difference to `set_points` is the travel in the last
+    /// tick, and so the speed per tick.
     pub before: [Position; AXES],
     /// Path distance of the last tick that used a piece.
     pub distance: Distance,
     /// N number of the programmed block on which the axes are.
     pub n: u32,
-    /// Number of the motion block on which the axes are, counted from 0 since the split.
+    /// Number of the motion block on which the axes are, counted from 0 since `Rings::split`.
     pub block: u32,
     /// Number of pieces of the speed profile in the queue.
     pub queued: u16,
@@ -84,7 +85,7 @@ pub struct Words<const AXES: usize, M: Memory = Ram> {
     set_points: [[Long<M::Word>; AXES]; 2],
 }
 
-/// The reader's handle of the status, for any task, interrupt or core.
+/// The reader's handle of the status. Any task, interrupt or core may use this handle.
 pub struct Display<'a, const AXES: usize, M: Memory = Ram> {
     words: &'a Words<AXES, M>,
     clock: &'a Clock<M>,
@@ -156,8 +157,8 @@ impl<'a, const AXES: usize, M: Memory> Display<'a, AXES, M> {
         snapshot
     }
 
-    /// As [`Self::read`]. `beside` gets the path distance and reads other values of the same tick; it may be
-    /// called several times.
+    /// As [`Self::read`], and lets `beside` read other values of the same tick. `beside` gets the path
+    /// distance, and may be called several times.
     #[cfg(feature = "driven")]
     pub fn read_with(&self, mut beside: impl FnMut(Distance)) -> Snapshot<AXES> {
         let mut snapshot = Snapshot::BLANK;

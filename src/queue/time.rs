@@ -30,8 +30,8 @@ use super::{Clock, Consumer, Keeper, PHASES, Phase, Producer, Slot, Taker};
 /// The planner's handle for the pieces of the speed profile.
 pub type Pieces<'a, M = Ram> = Producer<'a, Phase, PHASES, M>;
 
-/// Barrier and new pieces that are being written for a cut. [`Self::commit`] or [`Self::abandon`] ends the
-/// change.
+/// A change of plan in preparation: the barrier, and the new pieces written after it. [`Self::commit`],
+/// [`Self::hand_over`] or [`Self::abandon`] ends the change.
 #[derive(Debug)]
 #[must_use]
 pub struct Change {
@@ -40,7 +40,8 @@ pub struct Change {
     has_barrier: bool,
 }
 
-/// The instant at which the interrupt changes from its old pieces to new ones, or has changed.
+/// The instant of a change of plan (the cut): there the interrupt changes from its old pieces to new ones, or
+/// has changed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Cut(pub u32);
 
@@ -58,8 +59,9 @@ pub enum NotNow {
     Left,
 }
 
-/// Replaces the stop in force by the new stop, which is valid from the instant `at` on. Every tick has a
-/// stop. Returns `false` if the interrupt already uses the old stop; the old stop then stays.
+/// Replaces the stop in force by the stop that `keeper` has written last, which is valid from the instant
+/// `at` on. Every tick has a valid stop. Returns `false` if the interrupt already uses the old stop; the old
+/// stop then stays.
 pub fn renew<M: Memory>(at: u32, keeper: &mut Keeper<'_, M>, clock: &Clock<M>) -> bool {
     let kept = keeper.hold(at, None, clock);
     let is_free = keeper.release(clock);
@@ -72,24 +74,26 @@ pub fn renew<M: Memory>(at: u32, keeper: &mut Keeper<'_, M>, clock: &Clock<M>) -
 }
 
 impl Change {
-    /// Writes the barrier. Pieces written after it are valid from the cut on. There must be room.
+    /// Begins a change: writes the barrier. Pieces written after the barrier are valid from the cut on. The
+    /// queue must have room for the barrier.
     pub fn begin<M: Memory, const N: usize>(pieces: &mut Producer<'_, Phase, N, M>) -> Self {
         let first = pieces.count();
         let _ = pieces.push(Phase::BLANK);
         Self { first, has_barrier: true }
     }
 
-    /// A change for pieces that follow all pieces in the queue. No piece is withdrawn, and no barrier is
-    /// needed.
+    /// Begins a change for pieces that follow all pieces in the queue. No piece is withdrawn, so no barrier
+    /// is needed.
     pub fn append<M: Memory, const N: usize>(pieces: &Producer<'_, Phase, N, M>) -> Self {
         Self { first: pieces.count(), has_barrier: false }
     }
 
-    /// Publishes a cut at `at`, the instant at which the new pieces begin. There must be no other cut. If a
-    /// reserve exists, use [`Self::hand_over`].
+    /// Publishes the cut: from the instant `at` on, the new pieces are valid. There must be no other cut. If
+    /// a reserve exists, use [`Self::hand_over`].
     ///
     /// # Errors
-    /// Returns [`TooLate`]; barrier and new pieces are withdrawn.
+    /// Returns [`TooLate`] if the interrupt has already passed that instant. Barrier and new pieces are then
+    /// withdrawn.
     pub fn commit<M: Memory, const N: usize>(
         self,
         at: u32,
@@ -116,13 +120,14 @@ impl Change {
         is_ahead || pieces.taken().wrapping_sub(self.first) as i32 > 0
     }
 
-    /// Makes the new pieces valid from the instant `at` on, together with the new reserve, which is valid
-    /// from the instant `way` on. If the pieces end in a stop, there is no new reserve. Each tick has one
-    /// valid reserve: the old one until the change is known to be in time, and the new one after the change.
+    /// Publishes the cut: from the instant `at` on, the new pieces are valid. The new reserve, a stop from
+    /// the instant `way` on, becomes valid with them. If the pieces end in a stop, there is no new reserve.
+    /// At each tick, one reserve is valid: first the old one, and the new one as soon as the change is known
+    /// to be in time.
     ///
     /// # Errors
-    /// The change is too late, or the interrupt uses the old reserve. Barrier and new pieces are withdrawn; nothing
-    /// changes.
+    /// The change is too late, or the interrupt uses the old reserve. Barrier and new pieces are withdrawn;
+    /// nothing changes.
     pub fn hand_over<M: Memory, const N: usize>(
         self,
         at: u32,
@@ -151,7 +156,7 @@ impl Change {
         Err(not_now)
     }
 
-    /// Removes the end marker and the new pieces behind it: the change of plan does not take place.
+    /// Withdraws the barrier and the new pieces after it: the change of plan does not take place.
     pub fn abandon<M: Memory, const N: usize>(
         self,
         pieces: &mut Producer<'_, Phase, N, M>,
@@ -172,7 +177,7 @@ pub struct Timeline<'a, M: Memory = Ram> {
     done: u16,
     /// Whether the interrupt has changed to the reserve.
     stops: bool,
-    /// The piece after the last cut that was taken.
+    /// Number of the piece after the last cut that the interrupt has taken.
     cut: u32,
 }
 
@@ -185,7 +190,7 @@ impl<M: Replay> Clone for Timeline<'_, M> {
 }
 
 impl<M: Replay> Timeline<'_, M> {
-    /// All state from one tick to the next, for comparison in tests.
+    /// All state that this handle keeps from one tick to the next, for comparison in tests.
     pub const fn key(&self) -> (Phase, u16, bool, ((u32, usize), u32)) {
         (self.phase, self.done, self.stops, (self.reserve.next(), self.cut))
     }
@@ -228,8 +233,8 @@ impl<'a, M: Memory> Timeline<'a, M> {
         self.pieces.pop_into(&mut self.phase, |phase| phase.ticks > 0)
     }
 
-    /// Leaves the current pieces and continues at the cut. If the interrupt already uses a stop, it has left
-    /// the queue and ignores the cut.
+    /// Leaves the current pieces and continues at the cut. If the interrupt already uses a reserve, it has
+    /// left the queue and ignores the cut.
     #[cold]
     #[inline(never)]
     fn change_over(&mut self, number: u32) {

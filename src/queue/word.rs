@@ -1,8 +1,8 @@
-//! The shared words of planner, interrupt and operator, each with one writer. Also places that pass from one
-//! owner to the next.
+//! Shared words of planner, interrupt and operator, each with one writer, and places that pass from one owner
+//! to the next. All rings of the queue are made of these words and places.
 //!
-//! [`Memory`] is the memory of the target. A test replaces this memory by its own. So the test sees every
-//! access of the code that runs on the target, and runs the code in every order of these accesses.
+//! [`Memory`] is the memory of the target. A test uses another memory in its place, which records every
+//! access. The test then runs the code of the target in every order of these accesses.
 #![allow(unsafe_code)]
 use super::Slot;
 use core::cell::UnsafeCell;
@@ -41,8 +41,8 @@ pub trait Place<T: Slot>: Sized {
     fn get(&self) -> *mut T;
 }
 
-/// A kind of shared memory: its words, its places, and the order of accesses. Tests have a kind that tries
-/// all orders.
+/// A kind of shared memory: its words, its places, and the order of accesses. Firmware uses [`Ram`]; tests
+/// use a kind that tries all orders.
 pub trait Memory {
     /// A word.
     type Word: Word;
@@ -56,7 +56,7 @@ pub trait Memory {
     fn wait(is_over: impl FnMut() -> bool);
 }
 
-/// A memory whose accesses can be repeated, so that the handles of a ring may be copied. The memory of a
+/// Marks a memory whose accesses a test can repeat; the handles of its rings may be copied. The memory of a
 /// target never has this trait.
 pub trait Replay: Memory {}
 

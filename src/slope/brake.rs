@@ -1,9 +1,9 @@
-//! Braking from the current motion, with any speed and acceleration. The braking ends with zero acceleration
-//! at a lower speed, or at the lowest speed that the rest of the span permits.
+//! Braking from the current motion, which may have any speed and acceleration. The braking ends with zero
+//! acceleration at a lower speed, or at the lowest speed that the rest of the span permits.
 //!
-//! A positive acceleration first falls to zero, with the jerk that ends a gain of speed. A deceleration a
-//! continues on a ramp, as if this ramp had begun the time a/j ago. Start and size of the ramp are integers
-//! computed from the state, so speed and acceleration do not jump.
+//! A positive acceleration first falls to zero, with the jerk limit for the end of a gain of speed. A
+//! deceleration a continues on a ramp, as if this ramp had begun the time a/j ago. Start and size of the ramp
+//! are integers computed from the state, so speed and acceleration do not jump.
 //!
 //! All ramps are linear, also with SIN2, because an existing acceleration is not the start of a whole sine
 //! ramp. A linear ramp with the mean jerk stays below the peak jerk of SIN2, which the limits assume. Where a
@@ -45,14 +45,15 @@ impl Motion {
     }
 }
 
-/// A braking. A `profile` holds its parts; after them, the motion keeps the last speed for `tail`.
+/// A braking: where it starts and ends. The functions that make a braking also fill a [`Profile`] with its
+/// changes of speed. After these changes, the motion keeps the last speed for `tail`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Brake {
     /// Path distance at which the braking starts, at or before the current instant.
     pub from: i64,
     /// Time from the start of the braking to the current instant, LSB 2^-36 tick.
     pub over: u64,
-    /// Time at the lowest speed, LSB 2^-36 tick.
+    /// Time at the last speed, after the changes of speed, LSB 2^-36 tick.
     pub tail: u64,
     /// Path distance at which the braking ends, LSB 2^-44 mm.
     pub end: i64,
@@ -85,12 +86,16 @@ const OVER: f32 = 1.0 + 16.0 * CLOSE;
 const SHRINKS: usize = 8;
 
 impl Brake {
-    /// Brakes from `motion` to the speed `target`, or to the lowest speed that is possible before the path
-    /// distance `end` of the span's end. If the motion is slower, only its acceleration ends. `profile`
-    /// receives the parts. `a_down` is the deceleration; `limits` are those of the rest of the span. Returns
-    /// `None` in three cases: the end speed would not be below `v_out`, the planned speed at the end; the
-    /// rest of the span is too short for the end speed; or the time at the end speed would exceed sixteen
-    /// times the braking time.
+    /// Brakes from `motion` to the speed `target`, or to the lowest speed that is possible before `end`, the
+    /// path distance of the span's end. If the motion is already slower, only its acceleration ends.
+    /// `profile` receives the changes of speed. `a_down` is the deceleration; `limits` are those of the rest
+    /// of the span. `v_out` is the planned speed at the end of the span.
+    ///
+    /// Returns `None` in three cases:
+    ///
+    /// - the end speed would not be below `v_out`;
+    /// - the rest of the span is too short for the end speed;
+    /// - the time at the end speed would exceed sixteen times the braking time.
     pub fn plan(
         profile: &mut Profile,
         motion: &Motion,
@@ -153,8 +158,8 @@ impl Brake {
         Self::reach(profile, motion, room, &firm, Aim { v: to, or_near: false })
     }
 
-    /// Whether a stop from `motion` takes less than `part` of the path up to `end`. Calculated in `f32`;
-    /// cheap.
+    /// Whether a stop from `motion` takes at most `part` of the path up to `end`. The function calculates in
+    /// `f32`, so the result is approximate and cheap.
     pub fn fits(motion: &Motion, end: i64, limits: &Limits, part: f32) -> bool {
         let room = mm(end.wrapping_sub(motion.distance)) * part;
         let v = speed_f32(motion.speed);
@@ -188,14 +193,14 @@ impl Brake {
         }
     }
 
-    /// Whether the braking loses less than half of the speed, and leaves path for another profile before
-    /// `end`.
+    /// Whether the braking loses less than half of the speed of `motion`, and ends before `end`, so that
+    /// another profile can follow.
     pub const fn ends_at_once(&self, motion: &Motion, end: i64) -> bool {
         self.v_out > motion.speed / 2 && end.wrapping_sub(self.end) >= SHORT
     }
 
     /// Path length from [`Self::from`] to the point after which the speed is below `v`, mm. `profile` holds
-    /// the parts.
+    /// the changes of speed.
     #[inline(never)]
     pub fn passes(&self, profile: &Profile, v: f32) -> f32 {
         let down = &profile.down;
@@ -231,7 +236,8 @@ impl Brake {
         }
     }
 
-    /// The speed from which on v + a²/2j ≤ `most` holds, mm/tick. `profile` holds the parts of the braking,
+    /// For a curve whose limits trade speed for acceleration: the speed below which the braking keeps v +
+    /// a²/2j ≤ `most`, mm/tick. `f32::MAX` if the whole braking does. `profile` holds the changes of speed,
     /// and `a_most` is √(2·j·`most`). The jerks of the profile are at most j. While the deceleration rises,
     /// the sum v + a²/2j does not grow, so it is at most the speed at the start. Later the sum falls.
     pub fn trade(&self, profile: &Profile, most: f32, a_most: f32) -> f32 {

@@ -55,7 +55,7 @@ struct Part {
     v1: i64,
 }
 
-/// Cuts the profile of a span into pieces for the queue, one span after the other.
+/// Cuts the profiles of spans into pieces for the queue, one span after the other.
 #[derive(Clone, Copy, Debug)]
 pub struct Emitter {
     parts: [Part; PARTS],
@@ -118,7 +118,8 @@ impl Emitter {
         (self.part, self.count) = (0, slots.used());
     }
 
-    /// Drops the rest of the current profile. The next profile starts `time` (LSB 2^-36 tick) before a tick.
+    /// Drops the rest of the current profile. The start of the next profile is then `time` (LSB 2^-36 tick)
+    /// before a tick.
     pub fn resume_at(&mut self, time: u64) {
         (self.part, self.count) = (0, 0);
         self.next = time;
@@ -155,8 +156,8 @@ impl Emitter {
         None
     }
 
-    /// Puts up to `count` pieces into the queue, which has room for them, and adds their ticks to `ticks`. Returns
-    /// `false` when no piece is left.
+    /// Puts up to `count` pieces into the queue, and adds their ticks to `ticks`. The queue must have room
+    /// for the pieces. Returns `false` when no piece is left.
     #[inline(never)]
     pub fn hand_out(&mut self, queue: &mut Producer<'_, Phase, PHASES>, count: u32, ticks: &mut u32) -> bool {
         let mut left = count;
@@ -186,7 +187,7 @@ impl Emitter {
         }
     }
 
-    /// Drops the remaining pieces as if they were in the queue. Returns the number of their ticks.
+    /// Skips the remaining pieces, as if they were in the queue. Returns the sum of their ticks.
     #[cfg(feature = "plc")]
     pub fn skip(&mut self) -> u32 {
         let time: u64 = self.parts.iter().take(self.count).skip(self.part).map(|part| part.time).sum();
@@ -202,7 +203,7 @@ impl Emitter {
         self.next = 0;
     }
 
-    /// Number of ticks of the pieces that are not written yet.
+    /// Sum of the ticks of all pieces that are not written yet.
     pub fn ticks(&self) -> u32 {
         let time: u64 = self.parts.iter().take(self.count).skip(self.part).map(|part| part.time).sum();
         (time.saturating_sub(self.next).saturating_add(TICK - 1) >> 36) as u32

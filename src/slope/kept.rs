@@ -1,8 +1,8 @@
-//! Limits of a block in the look-ahead: seven numbers, and some bits for the slope.
+//! Limits of a block as the look-ahead stores them: seven numbers, and some bits for the slope.
 //!
-//! An enum would take four bytes more per block. Limits with constant speed (CONST_VEL) would take another
-//! four bytes. So these limits store only one jerk per direction, the lower one; with constant speed,
-//! accelerations are small.
+//! This form saves memory: an enum would take four bytes more per block, and limits with constant speed
+//! (CONST_VEL) another four bytes. With CONST_VEL, only one jerk per direction is stored, the lower one;
+//! accelerations are small there.
 use super::limits::{Joins, Limits, Loose, SlopeLaw, lower};
 use super::ramp_shape::RampShape;
 use crate::machine::functions::STEP_BUILT;
@@ -22,13 +22,13 @@ pub struct Numbers {
     law: [f32; 4],
 }
 
-/// The part of stored limits that is not a number: the kind of slope, which blocks may share a span, and
-/// whether CONST_VEL demands a constant speed. It takes five bits of a byte.
+/// The part of stored limits that is not a number, in five bits: the kind of slope, which blocks may share a
+/// span, and whether CONST_VEL demands a constant speed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LawKind(u8);
 
 impl LawKind {
-    /// Bits of the byte that this type does not use; a block stores other marks there.
+    /// Bits of the byte that this type does not use. A block stores other marks in them.
     pub const FREE: u8 = !(Self::LAW | Self::JOINS | Self::STAYS);
 
     const LAW: u8 = 3;
@@ -87,7 +87,7 @@ impl Numbers {
     /// Numbers of an unused place: all bits are zero.
     pub const NOTHING: Self = Self { v: 0.0, a: [0.0; 2], law: [0.0; 4] };
 
-    /// Returns the limits of the block again. `kind`: the other part from the same call of [`Limits::kept`].
+    /// The limits from which [`Limits::kept`] made these numbers. `kind`: the other part from the same call.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn limits(&self, kind: LawKind) -> Limits {
         let (v, [a_up, a_down], [w, x, y, z]) = (self.v, self.a, self.law);
@@ -135,8 +135,8 @@ impl Limits {
         self.join(&numbers.limits(kind));
     }
 
-    /// Returns the two parts of the limits that a block stores. [`Numbers::limits`] makes limits from them.
-    /// With CONST_VEL, only the lower jerk of each direction is kept.
+    /// Divides the limits into the two parts that a block stores; [`Numbers::limits`] joins them again. With
+    /// CONST_VEL, only the lower jerk of each direction is kept.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn kept(&self) -> (Numbers, LawKind) {
         let stays = self.loose.is_some();

@@ -1,5 +1,5 @@
-//! Permitted path speed, acceleration and jerk. This file also has the common limits of several elements, and
-//! the ramps of these limits.
+//! Limits along the path: the permitted speed, acceleration and jerk. This file also computes the common
+//! limits of several elements, and the ramps of these limits.
 use super::ramp::{JerkLimited, Ramp, Stepped};
 use super::ramp_shape::RampShape;
 use crate::machine::functions::StepBuilt;
@@ -33,17 +33,18 @@ const PARTS: u8 = 6;
 const LOOSE: f32 = 0.25;
 /// Margin for rounding.
 const LEAVES: f32 = 1.0 - 1.0 / 1_048_576.0;
-/// The four ramps of a slope, one value for each: acceleration rises, acceleration falls, deceleration rises,
-/// deceleration falls. The value is a mean jerk, mm/tick³.
+/// A mean jerk for each of the four ramps of a slope, mm/tick³. The order is: acceleration rises,
+/// acceleration falls, deceleration rises, deceleration falls.
 pub type Ramps = [f32; 4];
 
-/// Which neighbours a block may have in one span, so that acceleration need not be zero at the transition
-/// between them.
+/// Which blocks may share a span with a neighbour. Inside a span, acceleration need not be zero at the
+/// transition between two blocks.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Joins {
     /// Only blocks with the same limits. TRAPEZ and SIN2 have this rule.
     Alike = 0,
-    /// Blocks with any limits. HSC has this rule, and so have the elements of one curve with TRAPEZ and SIN2.
+    /// Blocks with any limits. HSC has this rule. With TRAPEZ and SIN2, the elements of one curve have this
+    /// rule.
     Any = 4,
     /// As [`Self::Any`]; in addition, acceleration may pass the ends of slow blocks. HSC with NO_OPT=0 has
     /// this rule.
@@ -57,13 +58,13 @@ pub enum SlopeLaw {
     JerkLimited {
         /// Shape of the ramps.
         shape: RampShape,
-        /// Which blocks may follow each other with acceleration at their transition.
+        /// Which blocks may share a span, with acceleration at their transition.
         joins: Joins,
         /// Mean jerk of each ramp.
         j: Ramps,
     },
-    /// STEP. The path has one change-over speed: that of the axis which reaches its own change-over speed
-    /// first.
+    /// The slope STEP. The path has one change-over speed: the path speed at which the first axis reaches its
+    /// own change-over speed.
     Stepped {
         /// Speed below which [`Limits::a_up`] and [`Limits::a_down`] apply.
         change_over: f32,
@@ -71,11 +72,11 @@ pub enum SlopeLaw {
         a_up: f32,
         /// Deceleration above the change-over speed.
         a_down: f32,
-        /// Deceleration at standstill. The part that a curve needs falls with the square of the speed.
+        /// Deceleration at standstill. A curve needs a part of it that grows with the square of the speed.
         still: f32,
-        /// Whether the curve's part of the acceleration is at a right angle to the path.
+        /// Whether the acceleration that the curve needs is at a right angle to the path.
         across: bool,
-        /// The build has STEP.
+        /// Marks that the build has STEP.
         built: StepBuilt,
     },
 }
@@ -100,8 +101,9 @@ pub struct Limits {
 /// Acceleration and deceleration at low speed in a curve of constant speed (CONST_VEL), mm/tick²; 0 for other
 /// blocks.
 ///
-/// With CONST_VEL, accelerations are nearly zero. A profile that begins or ends near a stop, below a part of
-/// the constant speed, may use this acceleration. The axes permit it at any speed of the limits.
+/// With CONST_VEL, the limits in a curve permit nearly no acceleration. An exception is a profile that begins
+/// or ends far below the constant speed, for example at a stop: it may use this acceleration. The axes permit
+/// this acceleration at every speed up to the speed limit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Loose(f32);
 
@@ -131,7 +133,7 @@ impl Loose {
         self.0 = min(self.0, a);
     }
 
-    /// Multiplies the limits by `part`.
+    /// Multiplies the acceleration by `part`.
     pub fn scale(&mut self, part: f32) {
         self.0 *= part;
     }
@@ -149,7 +151,7 @@ pub struct Fall {
 }
 
 impl Limits {
-    /// Limits that restrict nothing: the start value before limits are lowered.
+    /// Limits that restrict nothing; other limits lower them.
     pub const WIDEST: Self = Self {
         v: f32::MAX,
         a_up: f32::MAX,
@@ -200,8 +202,8 @@ impl Limits {
         }
     }
 
-    /// Changes the limits of a braking that continues into a motion with the limits `other`. Limits for a
-    /// gain of speed stay.
+    /// Lowers the deceleration and its jerks to values that `other` permits too, so that one braking may
+    /// continue into a motion with the limits `other`. Speed, acceleration and its jerks stay.
     pub fn go_on_braking(&mut self, other: &Self) {
         self.a_down = min(self.a_down, other.a_down);
         match (&mut self.law, &other.law) {
@@ -312,8 +314,8 @@ impl Limits {
 
     /// Limits of a stop. `above`: the deceleration. With STEP, `above` acts above the speed `lower`, and
     /// `below` acts below that speed. `jerks`: mean jerks at the start and at the end of the braking; they
-    /// have no effect with STEP. `ends`: least mean jerk with which a positive acceleration falls to zero; a
-    /// higher value in `self` stays. The ramps are linear.
+    /// have no effect with STEP. `ends`: mean jerk with which a positive acceleration falls to zero; a higher
+    /// value in `self` stays. The ramps of the stop are linear.
     pub fn braked(&self, [above, below]: [f32; 2], lower: f32, jerks: [f32; 2], ends: f32) -> Self {
         let mut limits = *self;
         match &mut limits.law {
@@ -331,10 +333,10 @@ impl Limits {
         limits
     }
 
-    /// Highest factor for the speed at which every motion inside `self` stays inside the limits; 0 to 1,
-    /// accurate to 2^-22. Accelerations scale with the square of the factor. STEP is an exception: below the
-    /// change-over speed, the permitted acceleration may be lower, and scaled speeds may fall below the
-    /// change-over speed.
+    /// Highest factor, at most 1, by which any motion inside these limits may be slowed down without leaving
+    /// them. The factor is accurate to 2^-22. Accelerations scale with the square of the factor, so the
+    /// factor is 1 except for STEP. With STEP, a scaled speed may fall below the change-over speed, where the
+    /// permitted acceleration may be lower.
     pub fn part_inside(&self) -> f32 {
         match self.law {
             SlopeLaw::JerkLimited { .. } => 1.0,
@@ -345,8 +347,8 @@ impl Limits {
         }
     }
 
-    /// Whether one braking suits both limits about as well as two brakings in sequence. Only STEP can return
-    /// `false`, because its deceleration may change anywhere.
+    /// Whether one braking is about as good for both limits as two brakings in sequence. Only STEP can return
+    /// `false`: it may change its deceleration anywhere, so two brakings may be clearly faster.
     pub fn slows_alike(&self, other: &Self) -> bool {
         let near = |a: f32, b: f32| min(a, b) >= NEAR * max(a, b);
         match (&self.law, &other.law) {
@@ -358,7 +360,8 @@ impl Limits {
     }
 
     /// Whether a braking with these limits is at least as hard as with the limits `other`, except for
-    /// rounding. The first value is for the braking until the deceleration falls, the second for the rest.
+    /// rounding. The first value is for the braking until the deceleration falls, the second for the whole
+    /// braking. Always `false` with STEP: see [`Self::brakes_above`].
     pub fn brakes_like(&self, other: &Self) -> [bool; 2] {
         match (&self.law, &other.law) {
             (
@@ -388,12 +391,12 @@ impl Limits {
         matches!(self.law, SlopeLaw::JerkLimited { joins: Joins::Valleys, .. })
     }
 
-    /// Whether blocks with other speeds may be in one span with this block: [`Joins::Any`].
+    /// Whether blocks with other speeds may share a span with this block: [`Joins::Any`].
     pub fn varies(&self) -> bool {
         matches!(self.law, SlopeLaw::JerkLimited { joins: Joins::Any | Joins::Valleys, .. })
     }
 
-    /// The limits of the same profile scaled to `part` of its speed, with a margin for rounding.
+    /// The limits of a profile that is slowed down to `part` of its speed, with a margin for rounding.
     /// Accelerations scale with the square of `part`, jerks with the cube.
     pub fn at_part(&self, part: f32) -> Self {
         let mut limits = *self;
@@ -411,8 +414,8 @@ impl Limits {
         limits
     }
 
-    /// Halves the jerk with which an acceleration rises. With CONST_VEL, the higher accelerations at low
-    /// speed no longer apply.
+    /// Halves the jerk with which an acceleration rises, for a gentler gain of speed. With CONST_VEL, the
+    /// higher accelerations at low speed no longer apply.
     pub const fn gain_gently(&mut self) {
         self.loose = Loose::NONE;
         if let SlopeLaw::JerkLimited { j: [rise, ..], .. } = &mut self.law {
@@ -446,8 +449,8 @@ impl Limits {
         (0..4).fold(0.0, |most, ramp| max(most, self.jerk(ramp)))
     }
 
-    /// Speed, acceleration and jerk that a motion may have in both directions. Returns `None` with a slope
-    /// without jerk limit.
+    /// Speed, acceleration and jerk that a motion may have while it gains speed and while it brakes. Returns
+    /// `None` with STEP, which has no jerk limit.
     pub fn along(&self) -> Option<[f32; 3]> {
         let SlopeLaw::JerkLimited { j, .. } = self.law else { return None };
         Some([self.v, min(self.a_up, self.a_down), j.into_iter().fold(f32::MAX, min)])
@@ -469,7 +472,7 @@ impl Limits {
         jerks || self.a_up > STRONGER * other.a_up || self.a_down > STRONGER * other.a_down
     }
 
-    /// Makes the ramps linear, and returns the previous limits of the slope.
+    /// Makes the ramps linear. Returns the earlier value of [`Self::law`], to restore it.
     pub const fn straighten(&mut self) -> SlopeLaw {
         let before = self.law;
         if let SlopeLaw::JerkLimited { shape, .. } = &mut self.law {
@@ -570,8 +573,9 @@ impl Limits {
         max(low, left * LEAVES)
     }
 
-    /// The braking of STEP from the speed `v`, in a curve that permits more deceleration as the speed falls.
-    /// Returns `None` with another slope, or above the change-over speed.
+    /// The first two stages of a braking with STEP from the speed `v`, in a curve that permits more
+    /// deceleration as the speed falls. Returns `None` with another slope, or if `v` is above the change-over
+    /// speed.
     pub fn fall(&self, v: f32) -> Option<Fall> {
         let SlopeLaw::Stepped { change_over, still, across, .. } = self.law else { return None };
         if v > change_over {
@@ -594,8 +598,8 @@ impl Limits {
         Some(Fall { from: v, change_over: at(STAGE, LEAST[0]), to: at(STAGE * STAGE, LEAST[1]) })
     }
 
-    /// Approximate path length of a braking of STEP from the speed `v`, mm. Returns `None` with another
-    /// slope, or above the change-over speed.
+    /// Approximate path length of a braking to a stop with STEP from the speed `v`, mm. Returns `None` with
+    /// another slope, or if `v` is above the change-over speed.
     pub fn falls(&self, v: f32) -> Option<f32> {
         let SlopeLaw::Stepped { change_over, still, across, .. } = self.law else { return None };
         let part = |k: u8| 1.0 - f32::from(k) * (1.0 / f32::from(PARTS));
@@ -605,8 +609,8 @@ impl Limits {
         (v <= change_over).then(|| 0.5 * v * v * (0..PARTS).map(lost).sum::<f32>())
     }
 
-    /// STEP: sets the decelerations of both stages and the change-over speed for this braking. No effect if
-    /// the braking starts above the change-over speed.
+    /// STEP: sets the decelerations of both stages of the braking `fall`, and the speed between the stages.
+    /// No effect if the braking starts above the change-over speed.
     pub fn fall_from(&mut self, fall: &Fall) {
         let SlopeLaw::Stepped { change_over, still, across, .. } = self.law else { return };
         if fall.from > change_over {

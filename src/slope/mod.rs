@@ -1,5 +1,5 @@
-//! Speed profiles: path speed over time, for a length, two end speeds and limits. This module does not depend
-//! on geometry.
+//! Speed profiles: path speed over time, for a path length, two end speeds and limits. This module does not
+//! depend on geometry.
 //!
 //! | slope | acceleration over time |
 //! |---|---|

@@ -3,11 +3,11 @@
 //!
 //! The fastest profile from `v_in` to `v_out` over the length has the highest peak that length and limits
 //! permit. A search in `f32` finds the peak. The ramp times for this peak are then fixed, and integers
-//! compute the length of both ramps. The rest of the length has constant speed, accurate to 2^-36 tick. The
-//! rest may be negative, because rounding makes the ramps longer than the span. Then all times shrink by the
-//! missing part, about a ten-millionth. The margins of the limits cover this, and [`Profile::plan`] verifies
-//! it. In a very short span, rounding of the length exceeds the margin. There a length changes by up to 2^-42
-//! mm instead.
+//! compute the length of both ramps. The rest of the length has constant speed; its time is accurate to 2^-36
+//! tick. Rounding may make the ramps slightly longer than the span, so that the rest is negative. Then all
+//! times shrink by the missing part, about a ten-millionth. The margins of the limits cover this, and
+//! [`Profile::plan`] verifies the margins. In a very short span, rounding of the length exceeds the margin.
+//! There a length changes by up to 2^-42 mm instead.
 use super::area;
 use super::ramp::{JerkLimited, Ramp, Stepped, root_of_cubic};
 use super::ramp_shape::RampShape;
@@ -36,7 +36,7 @@ impl Default for Form {
     }
 }
 
-/// A change of speed inside a profile, in three parts that follow each other in time.
+/// A change of speed inside a profile. The change has three parts, one after the other in time.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct Change {
     /// How the parts divide the change.
@@ -49,7 +49,8 @@ pub struct Change {
     pub lengths: [i64; 3],
 }
 
-/// The path speed over time in one span: a change of speed, a part at constant speed, another change.
+/// The path speed over time in one span: a change to the peak speed, a part at constant speed, and a change
+/// to the end speed.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct Profile {
     /// The change from the start speed of the span to the peak speed.
@@ -61,7 +62,7 @@ pub struct Profile {
 }
 
 impl Profile {
-    /// Clears the profile in place.
+    /// Sets all parts of the profile to zero.
     #[inline(never)]
     pub fn clear(&mut self) {
         for change in [&mut self.up, &mut self.down] {
@@ -263,17 +264,18 @@ const MARGIN: u32 = 22;
 /// If needed, a peak is lowered by this power of two, relative to itself.
 const LOWER: u32 = 18;
 
-/// A peak above the higher end speed by less than this power of two, relative to that speed, is rounding of
-/// two `f32` speeds and of their difference. Its ramps may exceed the rest of the block by more than the
-/// margin.
+/// A peak above the higher end speed by less than this power of two, relative to that speed, is only
+/// rounding. Two `f32` speeds and their difference cause this rounding. The ramps of such a peak may exceed
+/// the rest of the block by more than the margin.
 const NO_PEAK: u32 = 20;
 
 impl Profile {
     /// Sets the fastest profile over `length` inside `limits`.
     ///
     /// # Errors
-    /// [`Unplannable::Broken`]: the length does not suffice for the change between the speeds, which the
-    /// look-ahead excludes. [`Unplannable::TooSlow`]: the block takes more than 2^27 ticks.
+    /// [`Unplannable::Broken`]: the length does not suffice for the change between both end speeds. The
+    /// look-ahead excludes this, so it is a defect. [`Unplannable::TooSlow`]: the block takes more than 2^27
+    /// ticks.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn plan(
         &mut self,
@@ -359,7 +361,8 @@ impl Profile {
     }
 }
 
-/// Height of the peak above `low`, the higher one of both end speeds, as limit and length permit.
+/// Finds the highest peak that the length and the speed limit permit. Returns its height above the higher end
+/// speed, LSB 2^-58 mm/tick. `speeds`: the start speed, the end speed, and the higher one of both.
 #[cfg_attr(feature = "fast", inline(always))]
 pub fn peak_above(up: &Ramp, down: &Ramp, speeds: [i64; 3], length: i64, v_limit: f32) -> i64 {
     match (up, down) {

@@ -1,10 +1,10 @@
 //! A change of speed: its duration and its distance, for given limits.
 //!
-//! **TRAPEZ, HSC, SIN2** ([`JerkLimited`]): acceleration rises, holds and falls. From v0 to v1 > v0 with
-//! plateau a and ramp times t_rise, t_fall: full = a (t_rise + t_fall)/2, for any shape of the ramps
-//! ([`RampShape`]). If dv ≥ full, the plateau lasts (dv − full)/a. Otherwise both ramps shrink by k =
-//! √(dv/full), and the peak acceleration is k·a. With the times t1, t2, t3 of the three parts and q of the
-//! shape (TRAPEZ 1/6), the distance is
+//! **TRAPEZ, HSC, SIN2** ([`JerkLimited`]): acceleration rises, holds and falls. The plateau a has the ramp
+//! times t_rise and t_fall. A change from v0 to v1 that just reaches the plateau is full = a (t_rise +
+//! t_fall)/2, for any shape of the ramps ([`RampShape`]). If dv = v1 − v0 ≥ full, the plateau lasts (dv −
+//! full)/a. Otherwise both ramps shrink by k = √(dv/full), and the peak acceleration is k·a. With the times
+//! t1, t2, t3 of the three parts, the peak acceleration ap, and q of the shape (TRAPEZ 1/6), the distance is
 //!
 //! ```text
 //! S = v0 (t1+t2+t3) + ap (q t1² + t1 t2/2 + t2²/2 + t1 t3/2 + t2 t3 + (1/2 − q) t3²)
@@ -14,14 +14,15 @@
 //! 2 a S.
 //!
 //! A braking is the same motion backward: the ramp at its end comes first. All values are `f32`, in ticks and
-//! mm. The planner derives the times from them; the integers of [`super::profile`] use these times.
+//! mm. From these formulas, the planner derives the times of a profile; [`super::profile`] uses these times
+//! as integers.
 use super::ramp_shape::RampShape;
 use crate::machine::functions::{STEP_BUILT, StepBuilt};
 use crate::math::float::{max, min};
 use crate::math::root::{cbrt_guess, sqrt_f32};
 
-/// How the speed changes between two values, in `f32`, for planning. A ramp is always seen from its lower
-/// speed. Units: mm, ticks.
+/// How the speed changes between two values, in `f32`, for planning. All functions see a ramp from its lower
+/// speed, also that of a braking. Units: mm, ticks.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Ramp {
     /// The slopes TRAPEZ, SIN2 and HSC.
@@ -44,7 +45,7 @@ impl Ramp {
         }),
     };
 
-    /// The ramp with the same mean jerks and constant jerk in each part.
+    /// The ramp with the same mean jerks, but with constant jerk in each part.
     pub fn linear(self) -> Self {
         match self {
             Self::JerkLimited(ramp) => Self::JerkLimited(JerkLimited::new(
@@ -57,7 +58,8 @@ impl Ramp {
         }
     }
 
-    /// Path length of the change by `dv` from `low` on, and its derivative by `dv`.
+    /// Path length (mm) of the change by `dv` (mm/tick) from the lower speed `low` on, and the derivative of
+    /// this length by `dv`.
     pub fn distance(&self, low: f32, dv: f32) -> [f32; 2] {
         match self {
             Self::JerkLimited(ramp) => ramp.distance(low, dv),
@@ -65,7 +67,8 @@ impl Ramp {
         }
     }
 
-    /// Duration of a change by `dv`. A STEP change returns 0; no caller uses this value.
+    /// Duration of a change by `dv`, ticks. For STEP, the result is 0 and must not be used: call
+    /// [`Self::duration`].
     pub fn time(&self, dv: f32) -> f32 {
         match self {
             Self::JerkLimited(ramp) => ramp.times(dv).iter().sum(),
@@ -84,7 +87,8 @@ impl Ramp {
         }
     }
 
-    /// Path length from `low` to the point where a change by `total` has gained `dv`.
+    /// Path length (mm) from the lower speed `low` to the point where a change by `total` has gained `dv`
+    /// (mm/tick).
     pub fn passes(&self, low: f32, total: f32, dv: f32) -> f32 {
         match self {
             Self::JerkLimited(ramp) => ramp.passes(low, total, dv),
@@ -100,8 +104,8 @@ impl Ramp {
         }
     }
 
-    /// Largest change of speed (mm/tick) that the ramp reaches from the lower speed `low` on within `length`
-    /// mm, rounded down by 2^-21.
+    /// Largest change of speed (mm/tick) from the lower speed `low` on that the ramp reaches within `length`
+    /// mm. The result is rounded down by 2^-21 of its value.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn reach(&self, low: f32, length: f32) -> f32 {
         let dv = match self {
@@ -119,13 +123,14 @@ pub struct Stepped {
     pub a: [f32; 2],
     /// Speed at which the second acceleration follows the first, mm/tick.
     pub change_over: f32,
-    /// The build has STEP.
+    /// Marks that the build has STEP.
     pub built: StepBuilt,
 }
 
 impl Stepped {
-    /// The parts of a change by `dv` from `low`, below and above the change-over speed. A small change is
-    /// accurate only to 2^-23 of the speed, so distances and plan must use the same parts.
+    /// Divides a change by `dv` from `low` on: how much of it is below the change-over speed, and how much
+    /// above. A small change is accurate only to 2^-23 of the speed, so distances and plan must use the same
+    /// parts.
     pub fn parts(&self, low: f32, dv: f32) -> [f32; 2] {
         let below = min(max(self.change_over - low, 0.0), dv);
         [below, dv - below]
@@ -152,8 +157,8 @@ impl Stepped {
         gain + gained_over(low + gain, self.a[1] * rest)
     }
 
-    /// The peak above `low` of a gain of speed and a braking. Both have `low` as lower speed, and take
-    /// `length` together.
+    /// The highest peak of a motion that gains speed from `low` with the ramp `up` and brakes to `low` with
+    /// the ramp `down`. Both together take `length` mm. Returns the height of the peak above `low`, mm/tick.
     pub fn peak(up: &Self, down: &Self, low: f32, length: f32) -> f32 {
         // Length per half the square of the speed, for both ramps together.
         let both = |stage: usize| 1.0 / (1.0 / up.a[stage] + 1.0 / down.a[stage]);
@@ -171,20 +176,21 @@ fn gained_over(low: f32, half: f32) -> f32 {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct JerkLimited {
     shape: RampShape,
-    /// Plateau acceleration.
+    /// Plateau acceleration, mm/tick².
     a: f32,
-    /// Full length of the ramp at the lower speed.
+    /// Duration of the ramp at the lower speed if the plateau is reached, ticks.
     rise: f32,
-    /// Full length of the ramp at the higher speed.
+    /// Duration of the ramp at the higher speed if the plateau is reached, ticks.
     fall: f32,
-    /// Change of speed that just reaches the plateau, mm/tick: a (rise + fall)/2.
+    /// The least change of speed that reaches the plateau acceleration, mm/tick: a (rise + fall)/2.
     pub full: f32,
-    /// Distance of this change from a stop: a (q·rise² + rise·fall/2 + (1/2 − q)·fall²).
+    /// Path length of this change if it begins at a stop, mm: a (q·rise² + rise·fall/2 + (1/2 − q)·fall²).
     pub cubic: f32,
 }
 
 impl JerkLimited {
-    /// The ramp with plateau `a` and the mean jerks at the lower and at the higher speed.
+    /// The ramp with the plateau acceleration `a` (mm/tick²), and with the mean jerks `j_low` at the lower
+    /// speed and `j_high` at the higher speed (mm/tick³).
     pub fn new(shape: RampShape, a: f32, j_low: f32, j_high: f32) -> Self {
         let [q, q_mirrored] = shape.distances();
         let rise = a / j_low;
@@ -204,7 +210,8 @@ impl JerkLimited {
         self.shape
     }
 
-    /// Times of the ramp at the lower speed, of the plateau, and of the ramp at the higher speed.
+    /// Durations of the parts of a change by `dv` (mm/tick), in ticks: the ramp at the lower speed, the
+    /// plateau, the ramp at the higher speed.
     pub fn times(&self, dv: f32) -> [f32; 3] {
         if dv >= self.full {
             [self.rise, (dv - self.full) / self.a, self.fall]
@@ -256,7 +263,7 @@ impl JerkLimited {
         self.distance(low, total)[0] - k * self.fall * ((low + total) * u - fallen * s)
     }
 
-    /// Time of both ramps together.
+    /// Duration of both ramps together if the plateau is reached, ticks.
     pub fn time(&self) -> f32 {
         self.rise + self.fall
     }
@@ -282,7 +289,8 @@ impl JerkLimited {
 
 /// The root u > 0 of c3·u³ + c2·u² + c1·u = length. The left side grows and is convex, so Newton's method
 /// converges from above. Newton's method starts at the least u with c3·u³, c2·u² or c1·u equal to `length`.
-/// This start is at most 1.9 times the result. The error falls to 23 %, 2.3 %, 2.6e-4, 1.5e-7.
+/// This start is at most 1.9 times the result. The relative error of the steps is 23 %, 2.3 %, 2.6e-4,
+/// 1.5e-7.
 pub fn root_of_cubic(c1: f32, c2: f32, c3: f32, length: f32) -> f32 {
     let mut u = cbrt_guess(length / c3);
     if length < c1 * u {

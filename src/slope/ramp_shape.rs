@@ -1,7 +1,7 @@
 //! Shapes of a ramp: acceleration from zero to the peak and, mirrored, back to zero.
 //!
-//! Over the time of a ramp, u from 0 to 1, the acceleration is peak·f(u), with f(0) = 0, f(1) = 1 and f(u) +
-//! f(1 − u) = 1. So every shape gains the speed peak·time/2. f is linear between equally spaced nodes. So
+//! Let u be the time of a ramp, from 0 to 1. The acceleration is peak·f(u), with f(0) = 0, f(1) = 1 and f(u)
+//! + f(1 − u) = 1. So every shape gains the speed peak·time/2. f is linear between equally spaced nodes. So
 //! distance is a cubic between the nodes, and speed and distance are exact integrals of the executed motion.
 //!
 //! | shape | nodes | f at the nodes | mean speed gained, as part of all | highest jerk, as part of peak/time |
@@ -86,18 +86,18 @@ pub struct Bent {
     pub distance: i64,
     /// Half the acceleration.
     pub half_accel: i64,
-    /// An eighth of half the jerk.
+    /// An eighth of half the jerk; 8 is the number of pieces of a sine ramp.
     pub jerk: i64,
 }
 
 impl RampShape {
-    /// The shape, among those of this build.
+    /// The shape itself; [`Self::Linear`] in a build without the slope SIN2.
     #[inline(always)]
     pub const fn built(self) -> Self {
         if functions::SLOPES.is_built() { self } else { Self::Linear }
     }
 
-    /// Mean speed gained during the ramp, as a part of the whole gain, LSB 2^-62.
+    /// Mean of the speed gained over the time of the ramp, as a part of the whole gain, LSB 2^-62.
     pub const fn mean(self) -> i64 {
         match self.built() {
             Self::Linear => ONE / 3,
@@ -109,8 +109,8 @@ impl RampShape {
         }
     }
 
-    /// q and 1/2 − q: distance of a ramp from a stop and of a mirrored ramp, divided by peak acceleration
-    /// times time squared.
+    /// Path length of a ramp, divided by peak acceleration times time squared. First value, q: a ramp from a
+    /// stop. Second value, 1/2 − q: the mirrored ramp, in which acceleration falls to zero.
     pub const fn distances(self) -> [f32; 2] {
         match self.built() {
             Self::Linear => [1.0 / 6.0, 1.0 / 3.0],
@@ -118,7 +118,8 @@ impl RampShape {
         }
     }
 
-    /// Ratio of the highest jerk to the mean jerk (peak acceleration divided by time); 1 for a linear ramp.
+    /// Ratio of the highest jerk to the mean jerk (peak acceleration divided by time), as limits assume it. 1
+    /// for a linear ramp, π/2 for a sine square.
     pub const fn peak_jerk(self) -> f32 {
         match self.built() {
             Self::Linear => 1.0,
@@ -126,8 +127,8 @@ impl RampShape {
         }
     }
 
-    /// u at which a ramp from a stop has gained the part `gained` of its speed, and the distance in the unit
-    /// of [`Bent`].
+    /// The time u (0 to 1) at which a ramp from a stop has gained the part `gained` of its speed. Second
+    /// value: the path length up to that time, in the unit of [`Bent`].
     pub fn reaches(self, gained: f32) -> [f32; 2] {
         match self.built() {
             Self::Linear => {
@@ -159,20 +160,21 @@ impl RampShape {
     }
 }
 
-/// The piece of [`RampShape::SineSquare`] at `u` (LSB 2^-62, 0 to 1): the piece that begins there.
-/// `reversed`: with time reversed, the piece that ends there.
+/// Index of the piece of [`RampShape::SineSquare`] that begins or continues at `u` (LSB 2^-62, 0 to 1).
+/// `reversed`: time runs backward, so at a node the piece that ends there counts.
 pub fn sine_piece(u: i64, reversed: bool) -> usize {
     let u = if reversed { u - 1 } else { u };
     ((u.max(0) >> (62 - PIECES_LOG2)) as usize).min(PIECES - 1)
 }
 
-/// Start or end of this piece, as a part of `time`.
+/// The time of node `node` (0 to 8) in a sine ramp that lasts `time`. The nodes are the ends of the pieces.
 pub fn sine_node(time: u64, node: usize) -> u64 {
     let node = node as u64;
     (time >> PIECES_LOG2) * node + (((time & (PIECES as u64 - 1)) * node) >> PIECES_LOG2)
 }
 
-/// [`RampShape::SineSquare`] at `u`, which is in piece `k`; accurate to 2^-59.
+/// The ramp of [`RampShape::SineSquare`] at the time `u` (LSB 2^-62, 0 to 1), which is in piece `k`; accurate
+/// to 2^-59.
 pub fn sine_square(u: i64, k: usize) -> Bent {
     // Product of two numbers with LSB 2^-62.
     let by = |x: i64, y: i64| mul_near(x, y) << 2;

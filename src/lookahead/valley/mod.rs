@@ -1,4 +1,4 @@
-//! NO_OPT=0: permits acceleration at the ends of a slow block.
+//! The slope HSC with NO_OPT=0: permits acceleration at the ends of a slow block.
 //!
 //! An anchor at the end of a slow block makes acceleration zero where the limit is reached. The fastest
 //! motion passes this place with an acceleration: it still brakes inside the slow block, and speeds up again
@@ -9,12 +9,12 @@
 //!
 //! Such a piece needs no check of its limit. From an anchor of the speed w on, the speed v = w + J·t²/2 is
 //! reached at s = w·t + J·t³/6 at the earliest. For a given s, v grows with w for w above v/2, and falls for
-//! w below. So the highest v is at one end of the range of w. For w = V − h it is V; for w = 0 it is below V
-//! as long as h ≤ V/8. The same holds for the reverse motion. So a motion keeps the limit of the piece if it
-//! begins or ends at the anchor with zero acceleration and at most the anchor's speed. This also holds after
-//! a hold, with another override, and with new blocks after the piece. The piece is *lent* to the fast span,
-//! where its own limit does not count. When the planned override changes, the slow block gets all of its
-//! pieces back ([`super::Lookahead::set_level`]).
+//! smaller w. So the highest v is at one end of the range of w. For w = V − h the highest v is V; for w = 0
+//! it is below V as long as h ≤ V/8. The same holds for the reverse motion. So a motion keeps the limit of
+//! the piece if it begins or ends at the anchor with zero acceleration and at most the anchor's speed. This
+//! also holds after a hold, with another override, and with new blocks after the piece. The piece is *lent*
+//! to the fast span, where its own limit does not count. When the planned override changes, the slow block
+//! gets all of its pieces back ([`super::Lookahead::set_level`]).
 //!
 //! A valley costs time inside the slow block and saves time outside. With a fast block of speed F, the best
 //! depth is about V·(1 − V/F)/4. A slow block that is too short for two valleys gets a single one from end to
@@ -51,7 +51,8 @@ const BEST: f32 = 1.0 / 3.9;
 /// A valley is shorter by this factor than its jerk permits.
 const SHORTER: f32 = 1.0 - 1.0 / 1024.0;
 
-/// A ramp from the anchor, with a lower speed and zero acceleration, up to the limit of a slow block.
+/// A ramp from the anchor, which has a lower speed and zero acceleration, up to the limit at the end of a
+/// slow block.
 #[derive(Clone, Copy, Debug, Default)]
 struct Side {
     /// Speed at the anchor.
@@ -588,7 +589,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             span.limits.ease(plan.eases[0]);
             self.renew(a, &span, Speed::from_bits(speed_bits(plan.cut.v[0])));
             if plan.leaves() {
-                // The other end of the slow block follows in the next call.
+                // The next call cuts the other end of the slow block.
                 valley.edges = [at, at, c, d + 1];
                 pass.last += 1;
                 return;
@@ -613,7 +614,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
             }
             self.keep_ease(at, plan.eases[1]);
         }
-        // The end of the span keeps its speed, although the new profile might permit more.
+        // The end of the span keeps its speed, although the new profile might permit a higher one.
         if let Some(end) = self.blocks.get_mut(d + cuts) {
             end.v_in = end.v_reached;
         }

@@ -1,4 +1,4 @@
-//! Moves an anchor.
+//! Moves an anchor (a place with zero acceleration) to a better place.
 //!
 //! An anchor may be slower than its limit, because the length on one side is too short. Then zero
 //! acceleration is better at another place. The anchor moves into the block on the other side, as far as the
@@ -195,7 +195,7 @@ impl<const AXES: usize, const BLOCKS: usize> Ring<'_, AXES, BLOCKS> {
         }
         self.keep_ease(at, plan.eases[1]);
         self.keep_ease(a, plan.eases[0]);
-        // The end of the span keeps its speed, although the new profile might permit more.
+        // The end of the span keeps its speed, although the new profile might permit a higher one.
         let end = plan.edges[3] + usize::from(plan.cut.cuts[0] != 0);
         if let Some(end) = self.blocks.get_mut(end) {
             end.v_in = end.v_reached;
