@@ -213,7 +213,13 @@ fn main() {
         Some(other) => panic!("{other}: random, steady, alone or programs"),
     };
     let only_programs = arguments.get(2).is_some_and(|word| word == "programs");
-    let each = if only_programs { 0..0 } else if schedule == Schedule::Random { seeds.clone() } else { 0..1 };
+    let each = if only_programs {
+        0..0
+    } else if schedule == Schedule::Random {
+        seeds.clone()
+    } else {
+        0..1
+    };
     cases(CASES_3, &AXES_3, schedule, &each);
     cases(CASES_4, &AXES_4, schedule, &each);
     cases(CASES_6, &AXES_6, schedule, &each);
