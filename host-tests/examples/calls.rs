@@ -187,7 +187,7 @@ fn search(name: &str, seeds: Range<u64>, run: impl Fn(u64) -> Worst) {
     let [works, waits] = most.map(|(Call { cost, tick, number }, seed)| {
         format!("{cost:>6} (seed {seed}, tick {tick}, call {number})")
     });
-    println!("{name:<16} works {works:<42} waits {waits}");
+    println!("{name:<20} works {works:<42} waits {waits}");
 }
 
 fn cases<const AXES: usize>(
@@ -223,13 +223,15 @@ fn main() {
     cases(CASES_3, &AXES_3, schedule, &each);
     cases(CASES_4, &AXES_4, schedule, &each);
     cases(CASES_6, &AXES_6, schedule, &each);
-    // With each slope and each smoother in turn.
-    search("random smoothing", seeds.clone(), |seed| {
-        let rounded = Rounded::new(seed);
-        let [slope, method] = [SLOPES.len(), METHODS.len()].map(|count| seed as usize % count);
-        let text = rounded.program(slope, method, 1.0);
-        run((text.as_bytes(), rounded.start()), &rounded.machine(slope), schedule, seed)
-    });
+    // Each smoother, with the slopes in turn.
+    for (method, name) in METHODS.iter().enumerate() {
+        search(&format!("random, {name}"), seeds.clone(), |seed| {
+            let rounded = Rounded::new(seed);
+            let slope = seed as usize % SLOPES.len();
+            let text = rounded.program(slope, method, 1.0);
+            run((text.as_bytes(), rounded.start()), &rounded.machine(slope), schedule, seed)
+        });
+    }
     search("random programs", seeds, |seed| {
         let (program, machine, _) = random_setup(seed);
         let start = std::array::from_fn(|k| Position::from_bits(set_point(program.start[k])));
