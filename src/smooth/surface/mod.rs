@@ -25,6 +25,7 @@ mod chords;
 mod edges;
 mod knot;
 mod lead;
+mod narrowing;
 mod parameters;
 mod window;
 
@@ -165,7 +166,7 @@ impl<const AXES: usize> Surface<AXES> {
     fn end_row(&mut self) {
         self.window.vertices.clear();
         (self.window.wide, self.window.moved, self.window.checked) = (0, 0, 0);
-        self.window.ended = false;
+        (self.window.ended, self.window.narrowing) = (false, None);
         (self.pending, self.passed, self.heading, self.front, self.ending) = (None, None, None, None, None);
         (self.tried, self.waits, self.behind) = (Tried::NOTHING, None, Near::NONE);
     }
@@ -589,7 +590,7 @@ impl<const AXES: usize> Surface<AXES> {
         }
         let first = (0..from.vertex)
             .find(|k| self.window.get(*k).is_some_and(|vertex| vertex.width > self.window.since(from, *k)));
-        self.window.narrow(first.unwrap_or(from.vertex), last, NARROWER, &self.parameters);
+        self.window.narrow(first.unwrap_or(from.vertex), last, NARROWER);
     }
 
     /// Makes a straight line to the next programmed vertex, where the motion stops.
@@ -693,7 +694,8 @@ impl<const AXES: usize> Smoother<AXES> for Surface<AXES> {
             return true;
         }
         if self.window.len() > 0
-            && (self.advance(dynamics)
+            && (self.window.go_on_narrowing(&self.parameters)
+                || self.advance(dynamics)
                 || self.window.check(&self.parameters)
                 || self.window.move_out(&self.parameters))
         {

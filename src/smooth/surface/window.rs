@@ -5,6 +5,7 @@
 //! points of the control polygon, then knots of the path. Each pass follows the pass before at the distance
 //! that it has to look ahead.
 use super::knot::Spot;
+use super::narrowing::Narrowing;
 use super::parameters::{Parameters, Tolerance, Used};
 use crate::math::float::{magnitude, max, min, to_f32};
 use crate::math::root::sqrt_f32;
@@ -155,6 +156,8 @@ pub struct Window<const AXES: usize> {
     pub ended: bool,
     /// Value of [`Vertex::distance`] at the start of the run, while the start is near; otherwise `None`.
     pub begun: Option<u32>,
+    /// Kernels that become narrower; no other work is done before.
+    pub narrowing: Option<Narrowing>,
 }
 
 /// A vertex whose turn (twice the sine of half the angle) is below the first value is smooth; above the
@@ -184,7 +187,7 @@ const BETWEEN_PLACES: [f32; 2] = [0.5, 1.5];
 const SPARSE: f32 = 0.2;
 
 /// Factor for a bulge in a place where kernels are reduced.
-const NARROWED_BULGE: f32 = 0.97;
+pub const NARROWED_BULGE: f32 = 0.97;
 
 /// Largest change of the half width of kernels per distance, mm per mm.
 pub const SLOPE: f32 = 0.5;
@@ -221,6 +224,7 @@ impl<const AXES: usize> Window<AXES> {
             most: 1.0,
             ended: false,
             begun: None,
+            narrowing: None,
         }
     }
 
@@ -265,7 +269,7 @@ impl<const AXES: usize> Window<AXES> {
         });
         (self.wide, self.moved, self.ended, self.begun) = (1, 1, false, Some(0));
         (self.checked, self.again, self.furthest) = (1, 0, 1);
-        (self.widest, self.reach) = (widest, widest);
+        (self.widest, self.reach, self.narrowing) = (widest, widest, None);
     }
 
     pub fn len(&self) -> usize {
@@ -510,7 +514,7 @@ impl<const AXES: usize> Window<AXES> {
     }
 
     /// The shift of a vertex's point with gain 1: the cut of the kernels, less its lead.
-    fn back(&self, k: usize, parameters: &Parameters) -> [f32; AXES] {
+    pub fn back(&self, k: usize, parameters: &Parameters) -> [f32; AXES] {
         let mut back = self.deviation(k);
         for (back, lead) in back.iter_mut().zip(self.lead(k, parameters)) {
             *back -= lead;
@@ -616,7 +620,7 @@ impl<const AXES: usize> Window<AXES> {
         };
         let first = (0..k).find(|j| near(*j)).unwrap_or(k);
         let last = (k..self.moved).rev().find(|j| near(*j)).unwrap_or(k);
-        self.narrow(first, last, LITTLE, parameters);
+        self.narrow(first, last, LITTLE);
         // Vertices with an opposite turn now have neighbours with narrower kernels, so the check begins again
         // there.
         self.checked = first.max(1);
@@ -659,35 +663,6 @@ impl<const AXES: usize> Window<AXES> {
             }
         }
         off
-    }
-
-    /// Makes the kernels of these vertices narrower, and moves their points accordingly.
-    pub fn narrow(&mut self, from: usize, to: usize, part: f32, parameters: &Parameters) {
-        let to = to.min(self.moved.saturating_sub(1));
-        for sign in [1.0, -1.0] {
-            // First all points move back.
-            for k in from..=to {
-                let raw = self.back(k, parameters);
-                if let Some(vertex) = self.vertices.get_mut(k) {
-                    let gain = vertex.gain * sign;
-                    for (offset, raw) in vertex.offset.iter_mut().zip(&raw) {
-                        *offset += gain * raw;
-                    }
-                }
-            }
-            if sign < 0.0 {
-                break;
-            }
-            for k in from..=to {
-                if let Some(vertex) = self.vertices.get_mut(k) {
-                    vertex.width *= part;
-                    vertex.offset = vertex.offset.map(|x| x * NARROWED_BULGE);
-                }
-            }
-        }
-        for k in from..(to + 3).min(self.moved) {
-            self.settle(k);
-        }
     }
 
     /// Vertex `k` becomes the start of a run; earlier vertices are dropped.
