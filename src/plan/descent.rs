@@ -26,7 +26,7 @@ use crate::slope::brake::SHORT;
 use crate::slope::limits::{Fall, Limits, SlopeLaw};
 
 /// Largest number of spans in one profile. A longer stop has several profiles.
-pub(super) const SPANS: usize = 32;
+pub(super) const SPANS: usize = 20;
 
 /// A stop must be shorter than its room by this factor, because its length is rounded.
 pub(super) const CLOSE: f32 = 1.0 - 1.0 / 262_144.0;
