@@ -32,7 +32,7 @@ pub(super) const LAW_COSTS: u32 = 15;
 pub(super) const PLAN_COSTS: u32 = 100;
 
 /// Highest cost of one round. A stop with a higher cost counts as impossible.
-pub(super) const WALK: u32 = 760;
+pub(super) const WALK: u32 = 600;
 
 /// Cost after which a call ends.
 const ENOUGH: u32 = 60;
