@@ -30,7 +30,7 @@ const SMALLER: u8 = 8;
 
 /// Trials per call for the corner distances, and fitted elements per call. Each call has a fixed cost.
 const TRIALS: usize = 4;
-const ELEMENTS: usize = 8;
+const ELEMENTS: usize = 6;
 /// Elements per call whose speed is examined.
 const TIMED: u32 = 4;
 
