@@ -121,11 +121,11 @@
 //! | feed hold | A stop on the path that the operator asks for. |
 //! | frontier | The end of the planned pieces in the queue. |
 //! | gate | A synchronisation point: the motion waits there until all demanded acknowledgements have come. |
-//! | instant | Twice the number of ticks that used a piece (motion, dwell, or the tick that shows a standstill). An odd number means "never". |
+//! | instant | The number of a tick of path motion, times two. Odd numbers are free for marks. |
 //! | joint | In names of the code: a transition. |
 //! | knee | A corner without a curve; also the step of speed that such a corner causes in an axis. |
 //! | law | In names of the code: a speed profile. |
-//! | level | The override for which the look-ahead is planned. The level follows the operator's override with a delay. |
+//! | level | The override for which the look-ahead is planned. It follows the operator's override with a delay. |
 //! | limits | Speed, acceleration and jerk permitted along the path. |
 //! | look-ahead | The ring of blocks whose speeds may still change. |
 //! | overlay | The motion of a single axis, as the interrupt takes it. |

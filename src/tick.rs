@@ -27,14 +27,12 @@
 //!
 //! 1. When the current piece of the speed profile is used up, the tick takes the next piece
 //!    ([`crate::queue::Timeline`]). A change of plan happens in this step. If the planner is late, this step
-//!    changes to the reserve, the stop that is always ready. Without a piece, the path stands still, and the
-//!    tick leaves out steps 2 and 3.
+//!    changes to the reserve, the stop that is always ready. Without a piece, the set points stay.
 //! 2. The tick evaluates the cubic of the piece. The value is the path distance.
 //! 3. The tick drops the curves that the distance has passed ([`crate::queue::CurveConsumer::follow`]) and
 //!    evaluates the current curve ([`crate::queue::Track::at`]).
 //! 4. Single axes get their set points from their own motion ([`crate::queue::Overlay`]).
-//! 5. FIR filters smooth the set points of the axes ([`crate::fir`]).
-//! 6. The tick writes its result for the operator, then marks the functions that are due
+//! 5. The tick marks the functions that are due and writes its result for the operator
 //!    ([`crate::operator::Operator`]).
 //!
 //! The planner guarantees three conditions for the tick. A piece lasts at least one tick. The curve of a

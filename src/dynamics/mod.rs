@@ -1,32 +1,25 @@
 //! Limits along the path, from the limits of the axes: speed, acceleration and jerk inside an element, and
 //! the speed at a transition between two elements.
 //!
-//! All values are per tick and in `f32`. Three margins cover the rounding of `f32` and of the integers of
-//! later stages, so the limits of the axes hold exactly:
+//! All values are per tick and in `f32`. Three margins cover the rounding of `f32` and of the integers of later stages,
+//! so the limits of the axes hold exactly:
 //!
 //! | limit | margin | covers |
 //! |---|---|---|
-//! | speed, acceleration | 1 − 2^-19 | 32 roundings of 2^-24: ten of these limits, sixteen of the plan, six of its check |
+//! | speed, acceleration | 1 − 2^-19 | ten roundings of 2^-24; sixteen for the plan, and six for its check |
 //! | jerk | 1 − 2^-13 | the same, and third differences of path distances rounded to 2^-44 mm |
 //! | small accelerations | 4 · 2^-37 mm/tick² | rounding of path distances, amplified in axes that move farther than the path |
 //!
-//! **Jerk.** An axis may show the jerk `B = a / min(ramp time, geometric ramp time)`. Here `a` is the
-//! acceleration or deceleration of the axis for feed or for rapid motion; `B` is the lowest value over the
-//! four ramps. On arcs and at transitions with a corner, the speed profile and the geometry both cause jerk.
-//! Each gets a part of `B`.
-//!
-//! The peak jerk of a SIN2 ramp is π/2 times its mean jerk. Where the geometry also causes jerk, this peak
-//! stays inside the speed profile's part of `B`. On a straight line, the peak is up to π/2 · a / ramp time,
-//! which may exceed `B`. So an axis shows at most the larger of both.
-//!
-//! The curvature of a curve with CHECK_JERK=1 may cause the jerk `a / geometric ramp time`, which may be less
-//! than `B`.
+//! **Jerk.** An axis may show the jerk `B = a / min(ramp time, geometric ramp time)`. On arcs and at
+//! transitions with a corner, the speed profile and the geometry both cause jerk. Each gets a part of `B`.
+//! Ramps of SIN2 count with their peak jerk, π/2 times the mean, so the axis shows at most the larger one of
+//! `B` and π/2 · a / ramp time. The curvature of a curve with CHECK_JERK=1 may cause the jerk `a / geometric
+//! ramp time`, which may be less than `B`.
 //!
 //! **STEP** has no jerk limit. A knee (a corner without a curve) is a step of speed. This step adds an
 //! acceleration to the one of the speed profile. So a quarter of `a_max` is reserved for knees on every arc.
 //! A line reserves this quarter if it ends at a knee, or at a block that may take less than a tick. A knee
-//! changes the speed of an axis by at most the speed that the lowest acceleration of STEP gains in one tick,
-//! and by at most a quarter of `a_max` per tick.
+//! takes at most the speed that the acceleration of a stage gains in one cycle.
 
 mod arc;
 mod axis;

@@ -11,23 +11,20 @@
 //! every axis keeps its P-AXIS-00214. In rapid motion, v_prog is v_max.
 //!
 //! The ring is planned for a *level*, the planned override. When a plan begins, the level follows the
-//! override. With slopes other than HSC, and in mode 0, the level is at least 100 %. With HSC, the override
-//! may act on the programmed feed only: in mode 1, and in mode 2 while the speed is reduced. Then the level
-//! is at least 25 %.
-//!
-//! If the override is below the level, the profile of a span applies the override. So a falling override acts
-//! at once, and every planned speed stays possible. The level falls as soon as the last span before the ring
-//! ends at a speed from which the first block can begin at the lower level ([`super::Lookahead::set_level`]).
-//! The limits of an arc or a curve are computed for the level when the element enters the ring, and at least
-//! for 100 %. After the level has risen, only new arcs and curves are faster.
+//! override. In mode 0, the level is at least 100 %. In mode 1, and in mode 2 while the speed is reduced, the
+//! override acts on the programmed feed only. Then the level is at least 25 %. If the override falls below
+//! the level, the profile of a span applies it. So a falling override acts at once, and every planned speed
+//! stays possible. The level falls when the motion enters the ring at a speed that is low enough
+//! ([`super::Lookahead::set_level`]). The limits of an arc or a curve hold up to the level at which the
+//! element entered the ring, at least 100 %. After the level has risen, only new blocks are faster.
 //!
 //! A span of HSC has blocks of several speeds, and a profile that keeps each limit in its place. With an
 //! override below the level, the span uses this profile at a part of its speed, s(t · part). All
-//! accelerations are then lower, and each block has its part of the speed. The start speed of such a span
-//! must be the same part of its planned start speed. So the span before ends at this part of its planned end
-//! speed, with any P-CHAN-00066. After a hold or a change of override, the rest of a span uses a profile
-//! below the planned one ([`ReleasedSpan::go_on`]). While the speed is reduced, or if there is no such
-//! profile, the slowest block limits the speed.
+//! accelerations are then lower, and each block has its part of the speed. The start speed of the span must
+//! be the same part of its planned speed. So such spans also end at that part, with any P-CHAN-00066. After a
+//! hold or a change of override, the rest of a span uses a profile below the planned one
+//! ([`ReleasedSpan::go_on`]). While the speed is reduced, or if there is no such profile, the slowest block
+//! limits the speed.
 //!
 //! Reduced speed limits the whole ring: no span is faster than the reduced speed of the slowest known block.
 //! So there is always time to brake to the speed of the next block.

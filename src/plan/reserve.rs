@@ -3,8 +3,8 @@
 //! The queue may end at speed. The planner keeps a stop after the end of the queue, and the interrupt
 //! continues with this stop ([`clock`]). As long as the planner is called, it replaces the reserve before the
 //! interrupt gets there, and the reserve is never used. Otherwise the motion brakes to a stop, inside the
-//! limits of every block. When the axes stand, the next call of the planner withdraws the rest of the queue,
-//! and the motion continues from there. Calls while the axes still brake return `Waiting`.
+//! limits of every block. At its next call, the planner withdraws the rest of the queue and continues from
+//! the stop.
 //!
 //! The reserve is made like a feed hold (`hold`). It begins with the motion at the end of the queue. It
 //! passes the rest of that span and the planned spans of the look-ahead, until one span is long enough for

@@ -4,19 +4,18 @@
 //!
 //! | stage | what the stage tries | one step |
 //! |---|---|---|
-//! | `Begin`, `Short` | limits of the axes along the stop itself (`short_stop`) | one round: a profile with lower limits than the round before, checked at a few places |
+//! | `Begin`, `Short` | limits of the axes along the stop itself (`short_stop`) | a round |
 //! | `Along` | limits of the spans, down to a stop (`descent`) | all of it |
-//! | `Begin`, `Short` with `surely` | the first stage again, if it ended because the limits of the spans seemed to permit a stop as short, but `Along` found no stop by one profile. With `surely`, the stage does not end for this reason | one round |
+//! | `Begin`, `Short` with `surely` | the first stage again, if the limits of the spans permit a stop, but not by one profile | a round |
 //! | `Down` | braking to the end of fewer and fewer spans | one profile |
 //!
 //! Each step adds its cost. A call that has spent [`ENOUGH`] ends with [`Later`], and the next call
 //! continues. Between two calls, only a few numbers are stored. The last step makes the profile and checks it
 //! against the current spans.
 //!
-//! A search is for one span and one motion. If the next call names another span or motion, the search begins
-//! anew. So code that changes the plan need not call [`Search::forget`]. If the search is for a motion at a
-//! later instant, this instant is stored ([`Search::pause`]). If the interrupt has passed that instant, the
-//! next search is for a later one.
+//! A search is for one span and one motion. For another span or motion, the search begins anew, so a change
+//! of plan need not end it. If the search is for a motion at a later instant, this instant is stored
+//! ([`Search::pause`]). If the interrupt has passed that instant, the next search is for a later one.
 use super::descent::{Along, Descent};
 use super::short_stop::{No, Short};
 use super::{Instant, Planning, clock};

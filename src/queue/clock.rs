@@ -2,22 +2,22 @@
 //! may already see.
 //!
 //! There are two clocks. *Ticks* count every call of the interrupt. *Instants* count only ticks that use a
-//! piece. A piece is motion, a dwell, or the single tick that shows a standstill. Pieces begin at instants,
-//! so a cut is an instant too. An instant is twice the number of such ticks since `Rings::split`, modulo
-//! 2^32. So instants are even; an odd number means "never": there is no cut, or no reserve.
+//! piece: a piece of motion, of dwell, or for the tick that shows a standstill. Pieces begin at instants, so
+//! a cut is an instant too. An instant is twice the number of such ticks since `Rings::split`, modulo 2^32.
+//! So instants are even; an odd number means "never": there is no cut, or no reserve.
 //!
 //! Every word has one writer:
 //!
-//! | word | written by | holds (all counts are twice the number, modulo 2^32) |
+//! | word | written by | holds |
 //! |---|---|---|
-//! | `begun` | the interrupt, first in a tick | count of ticks begun |
+//! | `begun` | the interrupt, first in a tick | number of ticks begun |
 //! | `now` | the interrupt, last in a tick that used a piece | the instant of the next tick |
-//! | `idle` | the interrupt, last in any other tick | count of such ticks |
-//! | `rested` | the interrupt, last in any other tick | `begun` of that tick; bit 0 is set if set points moved |
+//! | `idle` | the interrupt, last in any other tick | number of such ticks |
+//! | `rested` | the interrupt, last in any other tick | `begun` of that tick, plus one if set points moved |
 //! | `left` | the interrupt | how often the interrupt changed to a reserve, and to which one |
 //! | `at`, `to` | the planner | the cut: its instant, and the first piece after the cut |
 //! | `ends`, `firsts`, `cuts` | the planner | two reserves: the instant, the first piece, the last cut before the reserve |
-//! | `let_go` | the planner | a copy of `left`, written when the interrupt may return to the queue |
+//! | `let_go` | the planner | `left`, when the interrupt may return to the queue |
 //!
 //! A tick is running while `begun` is ahead of the sum of `now` and `idle`. A planner on the interrupt's core
 //! never sees a running tick. A planner on another core waits for the end of that tick ([`Clock::settle`])

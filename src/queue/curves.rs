@@ -4,16 +4,15 @@
 //! the interrupt has passed it. There are two kinds: *released* curves, along which pieces move, and after
 //! them the curves of the look-ahead. The interrupt already knows the starts of both kinds.
 //!
-//! Starts are in a separate array, which is longer than the ring. Behind the last curve, the array has as
-//! many fillers as a tick reads: starts about 2^17 mm after the last curve, which no distance reaches. The
-//! head of the array is repeated after its end. So a tick needs neither the number of curves nor the end of
-//! the array: it searches a window of fixed size by halving.
+//! Starts are in a separate array, which is longer than the ring. After the last curve, this array holds as
+//! many starts as a tick reads, which no distance reaches. The head of the array is repeated after its end.
+//! So a tick needs neither the number of curves nor the end of the array: it searches a window of fixed size
+//! by halving.
 //!
-//! A start tells the interrupt that its curve is valid. The planner writes the start after the curve, over a
-//! filler, and the upper half last. A half-written start still has the upper half of the filler, so no
-//! distance reaches it. Path distances wrap around at ±2^19 mm, so the interrupt can compare distances only
-//! over a limited path. If the curves of the look-ahead lead beyond this path, the planner writes their
-//! starts when the interrupt comes nearer.
+//! A start tells the interrupt that its curve is valid. The planner writes the start after the curve, the
+//! upper half last. Both halves of the old value are out of reach, so a half-written start is out of reach
+//! too. Distances compare correctly only over a limited path. If the curves of the look-ahead lead beyond
+//! this path, the planner writes their starts when the interrupt comes nearer.
 //!
 //! In a small build, an arc or a polynomial takes two slots ([`super::cells`]). The first slot holds the part
 //! (the additional data of the arc or polynomial), and the second slot holds the curve. Each slot has a

@@ -8,7 +8,7 @@
 //! | `reserve` | the pieces of the stop that is always ready, for a planner that gets no time |
 //! | `actions` | functions at points of the path |
 //! | `status` | the result of each tick, for the operator |
-//! | `driven` | the distance that the axes have driven when the motion reaches a path distance; both differ in curves over time (feature `driven`) |
+//! | `driven` | the distance that the axes have driven at a path distance (feature `driven`) |
 //! | `overlay` | the motion of a single axis |
 //! | `word` | words and places, from which the other files are built |
 //!

@@ -6,10 +6,9 @@
 //! force, and only after it has left the queue. From then on, the planner writes no piece, until it lets the
 //! interrupt return to the queue. While one stop replaces the other, both stay unchanged.
 //!
-//! A piece lasts at most 128 ticks while acceleration changes, so a long ramp has many pieces. Often, a piece
-//! continues the piece before it exactly, except for rounding. Only this rounding is then stored, and four
-//! such pieces take the place of one whole piece ([`change`]). Reading returns exactly the pieces that were
-//! written.
+//! If ramps are long and ticks short, a part of a profile has many pieces. Often, a piece continues the piece
+//! before it exactly, except for rounding. Only this rounding is then stored, and four such pieces take the
+//! place of one whole piece ([`change`]). Reading returns exactly the pieces that were written.
 #![allow(unsafe_code)]
 use super::clock::Kept;
 use super::word::{Memory, Place, Ram, Replay};

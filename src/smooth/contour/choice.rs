@@ -3,8 +3,8 @@
 //!
 //! PATH_DEV is the largest permitted deviation. The code estimates the time of each choice over all of the
 //! path that the corner may use, and selects the quickest choice. A curve with a smaller deviation than
-//! PATH_DEV and a stop in the corner are choices too. So in this estimate, which regards one corner alone, no
-//! corner takes longer than a stop, and a smaller tolerance never makes the corner quicker.
+//! PATH_DEV and a stop in the corner are choices too. So a corner never takes longer than a stop, and a
+//! smaller tolerance never makes the corner quicker.
 use super::Parameters;
 use super::corner::{Corner, Tolerance};
 use super::curve::{Main, Quintic, aside, plus, size};

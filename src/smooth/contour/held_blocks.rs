@@ -1,6 +1,5 @@
 //! Stores the held blocks in order. When the first block leaves, only indices change, and no block is moved
-//! in memory. When the first block has left, its place holds the elements of the
-//! corner: one at a time, until it is emitted.
+//! in memory. The place of that block then holds the elements that follow, one after the other.
 use super::Made;
 use super::held_block::HeldBlock;
 

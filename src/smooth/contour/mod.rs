@@ -5,25 +5,24 @@
 //!
 //! A block is held back until the next block is known, but only if its end is to be rounded. A corner only
 //! shortens the block's path length; the block's curve stays the same to the last bit. The shortened end is
-//! in general not a multiple of 2^-32 mm, the step of a position. The corner's curve begins on the nearest
-//! step, so each axis is off by at most half a step. The block after the corner begins on the step nearest to
-//! the curve's end. An arc is then computed again from there; a line keeps its direction and has a shorter
-//! path.
+//! between two steps of a position. The corner's curve begins on the nearest step, so each axis is off by at
+//! most half a step. The block after the corner begins on the step nearest to the curve's end. An arc is then
+//! computed again from there; a line keeps its direction and has a shorter path.
 //!
 //! Blocks that are too short for a curve (RELEVANT_PATH, RELEVANT_TRACK) are left out. The curve leads from
-//! the last block before them to the first block that ends beyond the limit. With DEV, a line shorter than
-//! RELEVANT_PATH before a corner is joined to the next line; with the other methods, the limit is 16 µm. If
-//! there is no curve, a straight line replaces the blocks that are left out. Their deviation counts against
-//! the tolerance (ISG's manuals do not describe this rule). So the tolerance limits RELEVANT_PATH.
+//! the last block before them to the first block that ends beyond the limit. With DEV, a line before a corner
+//! that is shorter than RELEVANT_PATH is joined to the next line; with the other methods, the limit is 16 µm.
+//! If there is no curve, a straight line replaces the blocks that are left out. Their deviation counts
+//! against the tolerance (ISG's manuals do not describe this rule). So the tolerance limits RELEVANT_PATH.
 //! RELEVANT_PATH is at least 32 µm, or a quarter of a given corner distance if this is less.
 //!
 //! With DEV a line may replace nearly straight chords, if the machine data permit it: `chords.rs`.
 //!
 //! The parameters of a corner are those in force at two times. CHECK_JERK and CONST_VEL are those at the
 //! block after the corner. All others, PRE_ACTION, INTER_ACTION and POST_ACTION included, are those at the
-//! block before the corner. G260 or `#CONTOUR MODE OFF` in a line of its own between two blocks cancels the
-//! curve between them. In the same line as the second block, these commands do not cancel this curve. A
-//! keyword that the current method does not have counts as never given.
+//! block before the corner. G260 and `#CONTOUR MODE OFF` between two blocks cancel the curve between them;
+//! inside the second block they do not. A keyword that the current method does not have counts as never
+//! given.
 //!
 //! A dwell between two blocks, or another command that demands a stop, belongs to the programmed corner. The
 //! motion cannot stop there on a curve that replaces the corner. So the corner stays sharp, and a warning

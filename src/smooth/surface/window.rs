@@ -2,8 +2,8 @@
 //!
 //! A vertex is a point of the programmed contour, or an additional point on a chord. Each vertex has its
 //! point of the *control polygon*, which the kernels smooth. Three passes run over the vertices: widths, then
-//! points of the control polygon, then knots of the path. A pass needs results of the pass before for some
-//! vertices ahead. So each pass stays that many vertices behind the pass before.
+//! points of the control polygon, then knots of the path. Each pass follows the pass before at the distance
+//! that it has to look ahead.
 use super::knot::Spot;
 use super::parameters::{Parameters, Tolerance, Used};
 use crate::math::float::{magnitude, max, min, to_f32};
