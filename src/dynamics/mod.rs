@@ -62,7 +62,7 @@ const ROUGH: f32 = 4.0 / (1u64 << 37) as f32;
 const ROUGH_BELOW: f32 = 1.0 / 65_536.0;
 /// Factor for jerks.
 const JERK_MARGIN: f32 = 1.0 - 1.0 / 8192.0;
-/// Part of the largest acceleration that may act across the path.
+/// Part of the largest acceleration (P-AXIS-00008) that may act perpendicular to the path.
 const NORMAL_PART: f32 = 0.8;
 /// Part of the largest acceleration that is reserved for a knee: a step of speed Δv shows as a second
 /// difference of Δv/T. At the ends of a block, the acceleration of the speed profile is zero. Exceptions are
@@ -175,7 +175,8 @@ impl<const AXES: usize> Dynamics<AXES> {
         self.is_transformed
     }
 
-    /// Whether a transformation is active; always `false` in a build without transformations.
+    /// Whether a transformation for rotary axes lies between the smoothing stage and the axes; always `false`
+    /// in a build without transformations.
     #[cfg(not(feature = "kinematics"))]
     #[inline(always)]
     pub const fn is_transformed(&self) -> bool {
@@ -411,8 +412,8 @@ impl<const AXES: usize> Dynamics<AXES> {
         (limits, share_left, override_range)
     }
 
-    /// Part of the largest acceleration across the path that a curve may use with STEP. The rest is for
-    /// corners without a curve.
+    /// With STEP, a curve may use this part of an axis's largest acceleration (P-AXIS-00008) perpendicular to
+    /// the path. The rest is for corners without a curve and for acceleration along the path.
     pub const STEPPED_NORMAL_PART: f32 = NORMAL_PART * (1.0 - KNEE_PART);
 
     /// Acceleration and jerk (per tick) with which all axes together may move in proportion to `parts`. The

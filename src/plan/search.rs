@@ -147,7 +147,8 @@ impl Search {
         (self.paused, self.skips) = (Some((at, later)), skips);
     }
 
-    /// Whether the stop begins with the next span, because the current one has no stop.
+    /// Returns whether the stop begins with the next span, because no stop was found in the current span. The
+    /// call clears this mark.
     pub const fn skips(&mut self) -> bool {
         core::mem::replace(&mut self.skips, false)
     }

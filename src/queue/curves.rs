@@ -636,9 +636,9 @@ impl<'a, const AXES: usize> CurveProducer<'a, AXES> {
         }
     }
 
-    /// Number of released curves that the interrupt has not passed, including the current one. At the end of
-    /// the released curves, the interrupt may already be on the first curve of the look-ahead. In the
-    /// reserve, it may be on a later one.
+    /// Number of released curves that the interrupt has not passed, including the current one; at least 1
+    /// after the first release. At the end of the released curves, the interrupt may already be on the first
+    /// curve of the look-ahead. In the reserve, the interrupt may be on a later curve.
     #[inline(always)]
     pub fn len(&self) -> u32 {
         let ahead = self.handed.wrapping_sub(self.taken()) as i32;

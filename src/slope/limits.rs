@@ -414,8 +414,8 @@ impl Limits {
         limits
     }
 
-    /// Halves the jerk with which an acceleration rises, for a gentler gain of speed. With CONST_VEL, the
-    /// higher accelerations at low speed no longer apply.
+    /// Halves the jerk with which an acceleration rises, for a gentler gain of speed. Also removes [`Loose`],
+    /// the acceleration that CONST_VEL permits near a stop.
     pub const fn gain_gently(&mut self) {
         self.loose = Loose::NONE;
         if let SlopeLaw::JerkLimited { j: [rise, ..], .. } = &mut self.law {
