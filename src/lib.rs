@@ -1,4 +1,5 @@
-//! Glidepath reads an NC program and computes one set point per axis and timer tick, with the same bits on every machine.
+//! Glidepath reads an NC program and computes one set point per axis and timer tick, with the same bits on
+//! every machine.
 //!
 //! The library uses no heap and no `std`. The timer interrupt calculates in integers. The planner also uses
 //! floating point, but only the IEEE operations + − × ÷ √, and checks its results in integers.
@@ -56,7 +57,8 @@
 //!
 //! # Cargo features
 //!
-//! The features from `grbl` on are off by default. A build without a feature refuses the commands of that feature by name.
+//! The features from `grbl` on are off by default. A build without a feature refuses the commands of that
+//! feature by name.
 //!
 //! | feature | adds |
 //! |---|---|

@@ -1,8 +1,8 @@
-//! The handle `Operator`: gives commands and acknowledgements, takes the functions that are due, and reads the
-//! status.
+//! The handle `Operator`: gives commands and acknowledgements, takes the functions that are due, and reads
+//! the status.
 //!
-//! One task owns this handle: a PLC task, a serial task, or a task on another core. No call waits for the planner
-//! or the interrupt. Planner and interrupt never wait for the operator.
+//! One task owns this handle: a PLC task, a serial task, or a task on another core. No call waits for the
+//! planner or the interrupt. Planner and interrupt never wait for the operator.
 //!
 //! ```
 //! use glidepath::{AxisData, AxisKind, AxisName, Channel, ChannelData, Function, Handles};

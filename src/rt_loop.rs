@@ -2,8 +2,8 @@
 //! the loop.
 //!
 //! The planner reads the loop once and stores its commands. The planner then plans one pass after the other,
-//! as long as the variable V.RTG.LOOP.ENABLED is true. For the look-ahead, all passes are one long path. So the
-//! axes need not stop between two passes.
+//! as long as the variable V.RTG.LOOP.ENABLED is true. For the look-ahead, all passes are one long path. So
+//! the axes need not stop between two passes.
 //!
 //! ```
 //! use glidepath::rt_loop::LoopMemory;

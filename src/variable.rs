@@ -3,8 +3,8 @@
 //!
 //! The application declares its variables, and passes them to the planner once
 //! ([`Planner::variables`](crate::Planner::variables)). Any task, interrupt or core may read a variable. A
-//! variable has one value that the PLC writes, and one that the program writes. A reader gets the value that was
-//! written last.
+//! variable has one value that the PLC writes, and one that the program writes. A reader gets the value that
+//! was written last.
 //!
 //! ```
 //! use glidepath::variable::{Access, Variable};
