@@ -5,8 +5,8 @@
 //!   values of the channel: P-CHAN-00002, P-CHAN-00208, P-CHAN-00090.
 //! - Speeds are in mm/min. Accelerations are in mm/min² or, with P-CHAN-00351, in mm/s². If no main axis
 //!   moves, degrees replace millimetres.
-//! - The keyword RAPID: the limits act on rapid motion only. FEED RAPID: on feed and rapid motion. Neither of
-//!   both: on feed motion only. OFF without RAPID and FEED ends the limits of both.
+//! - With the keyword RAPID, the limits act on rapid motion only; with FEED RAPID, on feed and rapid motion;
+//!   without both, on feed motion only. OFF without FEED and RAPID ends the limits of feed and rapid motion.
 //! - A limit of acceleration does not change the ramp times, so it lowers the jerk in the same ratio.
 //! - ACC acts on lines, and on arcs if P-CHAN-00350 is set.
 use crate::dynamics::MARGIN;

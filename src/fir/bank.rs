@@ -8,7 +8,7 @@
 //!    them at this time, and only the planner can start the path.
 //! 2. The planner increments [`Words::asked`].
 //! 3. The interrupt copies the coefficients and fills its samples with the positions of the axes, some per
-//!    tick. Then it answers by [`Words::done`].
+//!    tick. Then the interrupt answers by [`Words::done`].
 use super::design::{self, Design, FilterError};
 use super::kernel;
 use super::shape::{Shape, Watch};

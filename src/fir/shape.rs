@@ -7,9 +7,9 @@
 //! A step of speed adds at most |G(0)| times the step. With SHARE p, all values are multiplied by p.
 //!
 //! **Bound by acceleration and jerk.** If the jerk of the axis is limited everywhere, also at corners without
-//! a curve, there are lower bounds. G is split into a part g and the differences of a function T. Then the
-//! deviation is at most Σ|g| times the largest acceleration plus Σ|T| times the largest jerk. The code uses
-//! two splits. S(k) is the sum of G from the outer end to k:
+//! a curve, there are two other bounds, and the smaller one holds. G is split into a part g and the
+//! differences of a function T. Then the deviation is at most Σ|g| times the largest acceleration plus Σ|T|
+//! times the largest jerk. The two bounds come from two splits. S(k) is the sum of G from the outer end to k:
 //!
 //! | T | Σ\|g\| |
 //! |---|---|
@@ -17,8 +17,8 @@
 //! | S up to its last change of sign, 0 from there to the centre | \|ΣG\| for orders below that |
 //!
 //! Accelerations and jerks are lowered by the same factor ([`Watch::bound`]). The worst motion with these
-//! limits reaches at least 94 % of the lower bound, with ramps of 50 cycles. So no other bound would be much
-//! lower.
+//! limits reaches at least 94 % of the smaller bound, with ramps of 50 cycles. So no other bound would be
+//! much smaller.
 //!
 //! **Parts of AX_DEV.** Without such a jerk limit, acceleration and steps of speed at corners (P-AXIS-00013)
 //! share AX_DEV. Their sum never exceeds AX_DEV, because each may have any sign:

@@ -1,14 +1,14 @@
 //! Limits how many blocks the motion passes per tick, because the interrupt passes at most
 //! [`MAX_CURVES_PER_TICK`] curves per tick. (Between the starts of 32 curves lie 31 blocks.)
 //!
-//! | build | curves per tick | consecutive blocks that must take a tick | brief blocks among them, at most | time of each other block, if some are brief |
+//! | build | curves per tick, at most | blocks in a row that take at least a tick | brief blocks among them, at most | least time of the other blocks, if some are brief |
 //! |---|---|---|---|---|
 //! | usual | 32 | 31 | 11 ([`MOST_BRIEF`]) | 1/20 tick |
 //! | small | 16 | 15 | 5 | 1/10 tick |
 //!
-//! The numbers of this text are those of the usual build. If every block took at least 1/31 tick, the
-//! condition would hold. But then the motion would be very slow in a single block that is far shorter than
-//! its neighbours. So some blocks may be *brief*. A brief block is at least eight times shorter than the last
+//! The following numbers are those of the usual build. A simple rule would be that every block takes at least
+//! 1/31 tick. But then the motion would be very slow in a single block that is far shorter than its
+//! neighbours. So some blocks may be *brief*. A brief block is at least eight times shorter than the last
 //! block that is not brief, and may take less than 1/31 tick. As long as there are no brief blocks, for
 //! example in a row of equal blocks, the motion may pass 31 blocks per tick.
 use crate::dynamics::OverrideRange;

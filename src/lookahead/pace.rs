@@ -13,9 +13,9 @@
 //! its P-AXIS-00214. In mode 0, an override below 100 % also lowers v_red.
 //!
 //! **Planned override.** All blocks in the ring are planned for the same override, the *level*. The level
-//! follows the operator's override, but only between two plans. In mode 0, the level is at least 100 %. The
-//! same holds in mode 2 without reduced speed, and always with the slopes STEP, TRAPEZ and SIN2. Otherwise
-//! the level is at least 25 %.
+//! follows the operator's override, but changes only between two plans of the ring. In mode 0, the level is
+//! at least 100 %. The same holds in mode 2 without reduced speed, and always with the slopes STEP, TRAPEZ
+//! and SIN2. Otherwise the level is at least 25 %.
 //!
 //! If the override falls below the level, the blocks keep their planned speeds. The profile of each span then
 //! applies the lower override, so the motion slows down at once. The level falls as soon as the last released

@@ -15,10 +15,10 @@
 //! finds a faster profile without it.
 //!
 //! A released plan must stay possible when more blocks come. But a block may keep its limit only because the
-//! motion brakes for a stop soon after it. With more blocks, this stop moves away. So the braking at the end
-//! of a span counts only if the speed at that end is final. Otherwise the block gets its anchors at once. If
-//! one span fills the ring, it is divided where its braking would begin, or after the first quarter of the
-//! ring.
+//! motion brakes for a stop soon after it. With more blocks, this stop moves away. So the planner relies on
+//! the braking at the end of a span only if the speed at that end is final. Otherwise the block gets its
+//! anchors at once. If one span fills the ring, it is divided where its braking would begin, or after the
+//! first quarter of the ring.
 use super::block::{Block, Marks};
 use super::ease::Trial;
 use super::law::{Law, RISE, Span};

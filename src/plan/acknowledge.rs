@@ -3,7 +3,7 @@
 //!
 //! The motion is planned to stop at a gate, and no block after the gate is released. If the last
 //! acknowledgement comes before the motion begins to brake, the axes need not stop. The planner then makes
-//! the profile before the gate again. Its new end speed is the one that the path after the gate permits. The
+//! the last profile before the gate again, with the end speed that the path after the gate permits. The
 //! interrupt changes to the new profile a few ticks ahead ([`clock`]). This is possible only if both profiles
 //! give the same motion at that tick, that is, if they differ only later. Otherwise the old profile stays.
 //! The motion then stops at the gate, and continues from there.

@@ -16,8 +16,8 @@
 //!   inside such a curve has several profiles.
 //! - A span of several blocks (HSC): the motion is slower than the slowest block, or it brakes at least as
 //!   hard as the planned profile.
-//! - A curve whose limits trade speed for acceleration: the motion enters so slowly that the deceleration may
-//!   continue inside the curve.
+//! - A curve that permits more acceleration at a lower speed: the motion enters so slowly that the
+//!   deceleration may continue inside the curve.
 use super::hold::NOTHING;
 use super::search::{PLAN_COSTS, SCAN_COSTS, SPAN_COSTS};
 use super::{Brake, Instant, Planning, Profile, RingStage, Speed, clock};

@@ -3,8 +3,8 @@
 //!
 //! The first two answers are read from the pieces in the queue. For the third answer, the planner makes the
 //! profiles of a feed hold on a copy of its spans ([`Inquiry`]). These profiles do not enter the queue. With
-//! FCT_CALC_POS_V_0 in the machine data, a feed hold keeps its first stop, and does not search for a shorter
-//! one. So the axes stop at the point of the answer.
+//! FCT_CALC_POS_V_0 in the machine data (P-CHAN-00650), a feed hold keeps its first stop, and does not search
+//! for a shorter one. So the axes stop at the point of the answer.
 use super::committed::CommittedSpans;
 use super::hold::Mode;
 use super::search::{Later, Search};

@@ -7,7 +7,7 @@
 //! |---|---|
 //! | the program text is late | the queue holds at most [`LOW`] ticks of motion |
 //! | the next function (M, H, S, T) has no room | the same; the interrupt then reaches earlier functions, and their places become free |
-//! | the planner gets too little processor time | the queue holds few pieces and ends at speed, in two ticks, while a block is being taken |
+//! | the planner gets too little processor time | a block is being taken, and in two ticks the queue was low: it ends at speed, with at most [`FEW`] pieces and [`FEW`] curves |
 //!
 //! A planner that keeps up fills the queue again before each tick, so the third case does not occur. If the
 //! planner is not called at all, the interrupt uses the reserve (`reserve`).

@@ -1,6 +1,6 @@
-//! Delays the decision whether a real-time loop repeats, as long as the motion permits (feature `plc`). The
-//! decision belongs to the end of each pass of the loop (the seam), and depends on the variable
-//! V.RTG.LOOP.ENABLED of the PLC.
+//! Decides as late as possible whether a real-time loop repeats (feature `plc`). At the end of each pass of
+//! the loop (the seam), the planner must know whether another pass follows. The PLC says so in the variable
+//! V.RTG.LOOP.ENABLED.
 //!
 //! While the decision is open, the planner releases only blocks that a longer path would not make faster.
 //! After these blocks, the known path is always long enough for a stop. The planner decides when the

@@ -7,8 +7,8 @@
 //!
 //! 1. The first round makes a profile with the deceleration and jerk that the axes permit at the start of the
 //!    stop.
-//! 2. The round checks a few speeds of the profile, each at the place where the profile has this speed.
-//! 3. If the axes do not permit the profile there, the next round uses lower values.
+//! 2. Each round checks a few speeds of its profile, each at the place where the profile has this speed.
+//! 3. If the axes do not permit the profile at one of these places, the next round uses lower values.
 //!
 //! One call of the planner makes one round, or a few rounds if the path of the stop has few curves
 //! (`search`).

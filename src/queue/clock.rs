@@ -15,7 +15,7 @@
 //! | `begun` | the interrupt, first in a tick | twice the number of ticks that have begun |
 //! | `now` | the interrupt, last in a tick that used a piece | the instant of the next tick that uses a piece |
 //! | `idle` | the interrupt, last in any other tick | twice the number of ticks that used no piece |
-//! | `rested` | the interrupt, last in any other tick | `begun` of this tick; bit 0 is set if set points moved |
+//! | `rested` | the interrupt, last in any other tick | `begun` of this tick; bit 0 is set if set points moved (filters or single axes) |
 //! | `left` | the interrupt, when it changes to a reserve | a number that changes each time; bit 0 names the reserve |
 //! | `at`, `to` | the planner | the cut: its instant, and the number of the first piece after the cut |
 //! | `ends`, `firsts`, `cuts` | the planner | for each of two reserves: its first instant, its first piece, and the cut to which it belongs |

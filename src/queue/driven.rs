@@ -1,7 +1,8 @@
-//! How far the axes have really moved, for the operator (feature `driven`).
+//! How far the feed axes have really moved since the start, for the operator (feature `driven`). This length
+//! is called travel here.
 //!
 //! On a line or an arc, the path distance is the travel of the feed axes. In a curve that is planned over
-//! time, the path distance is time multiplied by the feed, and the axes travel less. So each curve has a
+//! time, the path distance is time multiplied by the feed, and the axes move less. So each curve has a
 //! [`Drive`]. A [`Drive`] stores the travel at the start, in the middle and at the end of the curve. It also
 //! stores how much the travel grows there with the path distance.
 //!

@@ -15,9 +15,9 @@
 //! point, so the linear ramp ends at no higher speed.
 //!
 //! **Limits of the blocks.** The new profile is nowhere faster than the old one, so the limits of every block
-//! hold. Both end with zero acceleration, and the old profile does not brake harder. One exception has no
-//! effect: a linear ramp may brake later than a sine ramp. With SIN2, all blocks of such a span have the same
-//! limit.
+//! hold. Both profiles end with zero acceleration, and the old profile does not brake harder. One exception
+//! has no effect: a linear ramp may brake later than a sine ramp. With SIN2, all blocks of such a span have
+//! the same limit.
 use super::area;
 use super::profile::{Change, Form, Profile};
 use super::ramp::{JerkLimited, Ramp};
