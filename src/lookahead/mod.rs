@@ -14,13 +14,14 @@
 //!
 //! A *span* is a run of blocks with one speed profile. Within a span, acceleration need not be zero at the
 //! transitions, and both rules apply to the span instead of the block. A transition between two spans is an
-//! *anchor*: acceleration is zero there. Which blocks a span may contain depends on the slope:
+//! *anchor*: acceleration is zero there (with STEP, it may step there). Which blocks a span may contain
+//! depends on the slope:
 //!
-//! | slope | acceleration may be other than zero at |
+//! | slope | blocks of a span |
 //! |---|---|
-//! | HSC | most transitions; `span` finds the transitions that must be anchors, `ease` removes some of them |
-//! | TRAPEZ, SIN2 | tangential transitions between blocks with equal limits, as in a circle of several arcs; transitions inside one curve |
-//! | STEP | no transition in the plan: every block is a span, because STEP needs no ramps of acceleration |
+//! | HSC | blocks with any limits; `span` finds the transitions that must be anchors, `ease` removes some of them |
+//! | TRAPEZ, SIN2 | blocks with equal limits and tangential transitions, as in a circle of several arcs; elements of one curve |
+//! | STEP | one block, because a longer span saves no time without ramps of acceleration |
 //!
 //! The backward pass usually begins when the ring is full, and covers a few blocks per call. Earlier
 //! transitions keep their speeds if the pass reaches a transition with the same speed as in the plan before.

@@ -9,8 +9,8 @@
 //! 3. The planner publishes the cut: the tick at which the interrupt goes to the new pieces. In the same
 //!    tick, the new stop replaces the old one.
 //!
-//! If the interrupt has already passed that tick, the planner withdraws the new pieces and tries a later
-//! tick.
+//! If the interrupt has already passed that tick, the planner withdraws the new pieces. The next try is for a
+//! tick that is twice as many ticks ahead, at most [`FURTHEST`].
 //!
 //! At a start after a standstill, the last tick of the stop may be in the reserve instead of the queue. That
 //! tick then serves as the barrier. If the planner gets no time, the axes stand still after that tick.

@@ -1,9 +1,9 @@
 //! Carries out the operator's commands feed hold, resume and abort.
 //!
 //! At a feed hold, the queue holds up to [`crate::queue::PHASES`] pieces of the faster motion. The planner
-//! computes the motion [`REACTION`] ticks ahead, and plans a stop from there
-//! ([`Brake`](crate::slope::brake::Brake)). The interrupt changes to the stop at that tick ([`clock`]). If
-//! the span is too short for the stop, the following spans brake too, each within its own limits. The plan
+//! computes the motion a few ticks ahead ([`REACTION`], or more after a late try), and plans a stop from
+//! there ([`Brake`](crate::slope::brake::Brake)). The interrupt changes to the stop at that tick ([`clock`]).
+//! If the span is too short for the stop, the following spans brake too, each within its own limits. The plan
 //! ends in a stop, so the known path is always long enough. If a span already brakes as hard as possible, its
 //! profile stays, and the stop begins with the next span.
 //!
