@@ -22,9 +22,9 @@
 //!
 //! **STEP** has no jerk limit. At a knee (a corner without a curve), the speed of an axis has a step, which
 //! acts like an acceleration for one tick. This acceleration adds to that of the speed profile. So every arc
-//! leaves a quarter of `a_max` (P-AXIS-00008) for knees. A line does so if it ends at a knee, or next to a
-//! block that may take less than a tick. The step of speed at a knee is at most 1 tick times the lowest
-//! acceleration of STEP, and at most 1 tick times a quarter of `a_max`.
+//! leaves a quarter of `a_max` (P-AXIS-00008) for knees. A line does so if a knee is at one of its ends, or
+//! if the line or its neighbour may take less than a tick. The step of speed at a knee is at most 1 tick
+//! times the lowest acceleration of STEP, and at most 1 tick times a quarter of `a_max`.
 
 mod arc;
 mod axis;

@@ -1,8 +1,8 @@
-//! Appends a block to the ring of the look-ahead. At the transition from the block before, three decisions
-//! are made:
+//! Appends a block to the ring of the look-ahead. For the transition from the block before, this file
+//! decides:
 //!
 //! - the highest speed at the transition,
-//! - which part of the limits the corner uses, so that both blocks keep only the rest,
+//! - which part of the limits the corner uses; the speed profiles of both blocks get only the rest,
 //! - whether acceleration may be other than zero there.
 use super::block::{AnchorMarks, Block, Kind, Marks};
 use super::knees::{Between, Knee};
